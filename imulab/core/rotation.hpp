@@ -1,0 +1,46 @@
+// Rotations as 3x3 direction cosine matrices and rotation vectors. `C_ab` takes a vector from frame b to frame a.
+#pragma once
+
+#include <Eigen/Core>
+
+#include <cmath>
+
+namespace imulab {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// The matrix of the cross product: skew(a) b = a x b.
+template <class T>
+Eigen::Matrix<T, 3, 3> skew(const Eigen::Matrix<T, 3, 1>& a) {
+  Eigen::Matrix<T, 3, 3> m;
+  m << T(0), -a.z(), a.y(), a.z(), T(0), -a.x(), -a.y(), a.x(), T(0);
+  return m;
+}
+
+/// Rotation matrix of a rotation vector [rad] (Rodrigues), exact to rounding for any angle.
+inline Matrix3d rotation_exp(const Vector3d& r) {
+  const double t2 = r.squaredNorm();
+  double a, b;  // sin t / t and (1 - cos t) / t^2
+  if (t2 < 1e-4) {
+    a = 1 - t2 / 6 * (1 - t2 / 20 * (1 - t2 / 42));
+    b = 0.5 - t2 / 24 * (1 - t2 / 30 * (1 - t2 / 56));
+  } else {
+    const double t = std::sqrt(t2);
+    a = std::sin(t) / t;
+    b = (1 - std::cos(t)) / t2;
+  }
+  const Matrix3d k = skew<double>(r);
+  return Matrix3d::Identity() + a * k + b * k * k;
+}
+
+/// Rotation vector [rad] of a rotation matrix, angle in [0, pi].
+Vector3d rotation_log(const Matrix3d& c);
+
+/// Rotation by `angle` [rad] about the unit vector `axis`, right-handed.
+inline Matrix3d rotation_about(const Vector3d& axis, double angle) { return rotation_exp(axis * angle); }
+
+/// The nearest rotation matrix: removes the rounding that long products gather.
+Matrix3d orthonormalized(const Matrix3d& c);
+
+}  // namespace imulab

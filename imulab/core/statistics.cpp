@@ -1,0 +1,45 @@
+#include "imulab/core/statistics.hpp"
+
+#include <algorithm>
+#include <boost/math/distributions/binomial.hpp>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <limits>
+
+namespace imulab {
+
+namespace bm = boost::math;
+
+double quantile(std::vector<double> values, double p) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  const double position = p * static_cast<double>(values.size() - 1);
+  const auto low = static_cast<std::size_t>(position);
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(low);
+  std::nth_element(values.begin(), at, values.end());
+  const double a = *at;
+  if (low + 1 == values.size()) return a;
+  const double b = *std::min_element(at + 1, values.end());
+  return a + (position - static_cast<double>(low)) * (b - a);
+}
+
+double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
+
+double robust_sigma(const std::vector<double>& values) {
+  const double center = median(values);
+  std::vector<double> deviations;
+  deviations.reserve(values.size());
+  for (const double v : values) deviations.push_back(std::abs(v - center));
+  return 1.4826 * median(std::move(deviations));
+}
+
+double normal_quantile(double p) { return bm::quantile(bm::normal(), p); }
+double chi_square_quantile(double p, double dof) { return bm::quantile(bm::chi_squared(dof), p); }
+double chi_square_tail(double x, double dof) { return bm::cdf(bm::complement(bm::chi_squared(dof), std::max(x, 0.0))); }
+double student_tail_two_sided(double t, double dof) { return 2 * bm::cdf(bm::complement(bm::students_t(dof), std::abs(t))); }
+double f_tail(double f, double dof_1, double dof_2) { return bm::cdf(bm::complement(bm::fisher_f(dof_1, dof_2), std::max(f, 0.0))); }
+double binomial_quantile(double p, double trials, double probability) { return bm::quantile(bm::binomial(trials, probability), p); }
+
+}  // namespace imulab

@@ -1,0 +1,18 @@
+// Units a person reads and writes, as factors to SI: `5 * unit::deg_per_h` is rad/s. Inside the library everything is SI and radians.
+#pragma once
+
+#include <numbers>
+
+namespace imulab::unit {
+
+inline constexpr double deg = std::numbers::pi / 180;
+inline constexpr double arcsec = deg / 3600;
+inline constexpr double deg_per_h = deg / 3600;
+inline constexpr double deg_per_sqrt_h = deg / 60;  // angle random walk: rad/sqrt(s) = rad/s/sqrt(Hz)
+inline constexpr double g = 9.80665;                // m/s^2, the standard acceleration of free fall (exact)
+inline constexpr double ug = 1e-6 * g;
+inline constexpr double ug_per_sqrt_hz = 1e-6 * g;
+inline constexpr double ppm = 1e-6;
+inline constexpr double nmi = 1852;  // m (exact)
+
+}  // namespace imulab::unit

@@ -1,0 +1,25 @@
+// Recording files: CSV and plain text -> Recording, and back.
+#pragma once
+
+#include "imulab/recording/recording.hpp"
+#include "imulab/recording/session.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+struct RecordingReading {
+  Recording recording;
+  std::vector<std::string> warnings;  ///< what was met and what it means: gaps, saturated samples, dropped rows
+};
+
+/// Reads one recording of a session. Throws Error with file, line and column for text in a number, NaN, infinity, ragged rows, time running
+/// backwards, missing columns, an empty file, and a declared rate that the stamps contradict.
+RecordingReading read_recording(const Session& session, const RecordingSource& source);
+
+/// Writes t,gx,gy,gz,ax,ay,az (and temperatures where there are any) whole or not at all. Values print so that they read back exactly.
+void write_recording(const std::filesystem::path& path, const Recording& recording);
+
+}  // namespace imulab

@@ -1,0 +1,54 @@
+// The result of every method: the model, how sure each coefficient is, and what the residuals say.
+#pragma once
+
+#include "imulab/model/sensor_model.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+/// One contribution to the stated uncertainty that is common to many coefficients, for example the declared uncertainty of g.
+struct UncertaintySource {
+  std::string name;         ///< "gravity"
+  double relative = 0;      ///< its size relative to the quantity itself (sigma_g / g)
+  std::string consequence;  ///< what it does, in words
+};
+
+/// A term whose presence the data decided: kept or left at its starting value.
+struct TermTest {
+  std::string term;          ///< "gyro.g_sensitivity"
+  double statistic = 0;      ///< Wald chi-square of the term's coefficients
+  int degrees_of_freedom = 0;
+  double p_value = 1;
+  bool kept = false;
+};
+
+struct Quality {
+  double chi2_per_dof = 0;            ///< residuals against the declared or measured sample noise alone
+  int degrees_of_freedom = 0;
+  double condition = 0;               ///< of the scaled normal equations
+  std::vector<std::string> unobservable;
+  std::vector<std::string> warnings;
+  std::string verdict;                ///< "good" or "doubtful: because ..."
+  std::optional<double> rotation_residual_deg;  ///< cross-validated, RMS over held-out rotations (hand-held)
+  std::vector<TermTest> term_tests;
+  std::vector<UncertaintySource> sources;
+  std::vector<std::string> notes;     ///< what was used: rests, thresholds, spreads
+};
+
+struct Calibration {
+  std::string imu, method, created, software;
+  std::string session_file, session_sha256;
+  std::string frame = "accelerometers";  ///< or "rig"
+  SensorModel model;
+  std::vector<int> estimated;    ///< table indices of the coefficients in `covariance`, in its order
+  Eigen::MatrixXd covariance;    ///< SI, estimated.size() squared
+  Quality quality;
+};
+
+/// Standard uncertainty of a table coefficient; absent where it was not estimated or is fixed by the frame.
+std::optional<double> standard_uncertainty(const Calibration& calibration, int index);
+
+}  // namespace imulab

@@ -1,0 +1,42 @@
+// The coefficient table: every coefficient of the sensor model, its name, unit and place, once. Nothing else parses a coefficient's name.
+#pragma once
+
+#include "imulab/model/sensor_model.hpp"
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace imulab {
+
+enum class Triad { accel, gyro };
+enum class Term { offset, matrix, quadratic, cubic, thermal, g_sensitivity, lever_arm };
+
+/// One row of the table. `row` is the output axis; `column` the input axis (matrix, g_sensitivity), the component (lever_arm) or the
+/// order 1, 2 (thermal); for the diagonal terms it equals `row`.
+struct Coefficient {
+  std::string_view name;  ///< "gyro.matrix.xy": triad.term.element, first letter the row
+  Triad triad;
+  Term term;
+  int row, column;
+  std::string_view unit;  ///< SI; "raw" is the recording's unit
+};
+
+/// All coefficients in file order: accel offset 3, matrix 9, quadratic 3, cubic 3, thermal 6, lever_arm 9; gyro alike with g_sensitivity 9.
+/// (Dai's 63 less the six thermal constants the gauge fixes, plus nine lever-arm components.)
+std::span<const Coefficient> coefficient_table();
+
+/// Place of a coefficient in the table.
+int coefficient_index(Triad triad, Term term, int row, int column);
+/// Place of a name in the table; throws Error for an unknown one.
+int coefficient_index(std::string_view name);
+/// Places of a selector: a name ("gyro.matrix.xy"), a term ("accel.offset") or a group ("gyro.matrix.diagonal", "gyro.matrix.off_diagonal").
+std::vector<int> select_coefficients(std::string_view selector);
+
+double coefficient_value(const SensorModel& model, int index);
+void set_coefficient(SensorModel& model, int index, double value);
+
+std::string_view to_string(Triad triad);
+std::string_view to_string(Term term);
+
+}  // namespace imulab

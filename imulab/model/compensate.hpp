@@ -1,0 +1,40 @@
+// Compensation raw -> calibrated, and its inverse.
+#pragma once
+
+#include "imulab/model/sensor_model.hpp"
+
+#include <array>
+#include <span>
+
+namespace imulab {
+
+/// Specific force and angular rate of one sample [m/s^2, rad/s].
+struct Motion {
+  Vector3d force, rate;
+};
+
+/// Raw readings of one sample, and the thermal readings less their reference (tau), per axis; zero where there are none.
+struct RawSample {
+  Vector3d accel, gyro;
+  Vector3d accel_tau = Vector3d::Zero(), gyro_tau = Vector3d::Zero();
+};
+
+/// Dai 2011 eqs 1-4.
+Motion compensate(const SensorModel& model, const RawSample& raw);
+
+/// The raw readings that compensate to `motion`: Newton from the linear solution. Throws Error where the polynomial cannot be inverted there.
+RawSample decompensate(const SensorModel& model, const Motion& motion, const Vector3d& accel_tau = Vector3d::Zero(),
+                       const Vector3d& gyro_tau = Vector3d::Zero());
+
+/// A block of samples as columns: six readings, and up to six thermal readings (not less the reference; empty where there are none).
+struct RawColumns {
+  std::array<std::span<const double>, 3> gyro, accel, gyro_temperature, accel_temperature;
+};
+struct MotionColumns {
+  std::array<std::span<double>, 3> rate, force;
+};
+
+/// compensate on columns; `out` may be the input's own memory.
+void compensate(const SensorModel& model, const RawColumns& raw, const MotionColumns& out);
+
+}  // namespace imulab
