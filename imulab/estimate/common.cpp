@@ -1,0 +1,152 @@
+#include "imulab/estimate/common.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/statistics.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/estimate/coarse.hpp"
+#include "imulab/estimate/scaled_model.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace imulab {
+
+namespace {
+
+/// The declared unit is wrong if gravity reads as in another one. Offsets of uncalibrated accelerometers are below 20 % of g.
+void check_accel_unit(const Recording& recording, const std::vector<Rest>& rests, double gravity) {
+  if (recording.accel_unit == "count") return;
+  std::vector<double> sizes;
+  for (const Rest& rest : rests) sizes.push_back(rest.accel.norm());
+  const double size = median(sizes);
+  const auto near = [&](double expected) { return std::abs(size / expected - 1) < 0.2; };
+  if (near(1.0))
+    throw Error(fmt::format("{}: accel: at rest the readings have the size {:.4g} where {} is declared: they look like g; declare unit = \"g\" (expected {:.4g} m/s^2)",
+                            recording.name, size, recording.accel_unit, gravity));
+  if (near(gravity * unit::g))
+    throw Error(fmt::format("{}: accel: at rest the readings have the size {:.4g} m/s^2 with the declared unit {}: they look like m/s^2; declare unit = \"m/s^2\"",
+                            recording.name, size, recording.accel_unit));
+}
+
+Vector3d declared_sigma(double density, const Matrix3d& raw_matrix, double interval_s) {
+  return (density / std::sqrt(interval_s)) * raw_matrix.diagonal().cwiseAbs().cwiseInverse();
+}
+
+}  // namespace
+
+std::vector<int> accel_coefficients() {
+  std::vector<int> indices;
+  for (const Coefficient& c : coefficient_table())
+    if (c.triad == Triad::accel && (c.term == Term::offset || (c.term == Term::matrix && c.column <= c.row)))
+      indices.push_back(coefficient_index(c.triad, c.term, c.row, c.column));
+  return indices;
+}
+
+std::vector<int> choose_terms(const std::vector<int>& wanted, const std::vector<int>& supplied, std::string_view method) {
+  std::vector<int> chosen;
+  for (const int index : supplied)
+    if (std::find(wanted.begin(), wanted.end(), index) != wanted.end()) chosen.push_back(index);
+  for (const int index : wanted) {
+    const Coefficient& c = coefficient_table()[static_cast<std::size_t>(index)];
+    const bool upper = c.triad == Triad::accel && c.term == Term::matrix && c.column > c.row;  // zero by the frame
+    if (!upper && std::find(supplied.begin(), supplied.end(), index) == supplied.end())
+      throw Error(fmt::format("--terms: {} is not a coefficient that the method {} estimates", c.name, method));
+  }
+  return chosen;
+}
+
+Start start_from_rests(const Recording& recording, const std::vector<Range>& ranges, const ImuDeclaration& imu, double gravity) {
+  if (ranges.empty())
+    throw Unsupported(fmt::format("{}: no rests: the unit was never still for long enough; hold it still in many different orientations", recording.name));
+  Start start;
+  start.rests = summarize_rests(recording, ranges);
+  check_accel_unit(recording, start.rests, gravity);
+  start.scaling = choose_scaling(recording, start.rests);
+  start.noise = measure_noise(recording, start.rests);
+
+  std::vector<Vector3d> readings;
+  for (const Rest& rest : start.rests) readings.push_back((rest.accel - start.scaling.accel_center).cwiseQuotient(start.scaling.accel_scale));
+  if (const auto coarse = coarse_accel(readings, gravity)) {
+    start.scaled_model.accel.offset = coarse->offset;
+    start.scaled_model.accel.matrix = coarse->matrix;
+    if (!coarse->misalignment) start.notes.push_back("the rests leave the accelerometers' misalignments open to the linear solution: it started from zero");
+  } else if (recording.accel_unit != "count") {
+    start.notes.push_back("the rests do not give offsets and scales by themselves: the fit started from the declared units");
+  } else {
+    throw Unsupported(fmt::format("{}: {} rests do not determine the accelerometers' offsets and scales: at least six rests with each axis up and down, or nine in "
+                                  "different directions, are needed",
+                                  recording.name, ranges.size()));
+  }
+
+  const SensorModel raw = to_raw(start.scaled_model, start.scaling);
+  if (imu.accel_noise_density) {
+    const Vector3d declared = declared_sigma(*imu.accel_noise_density, raw.accel.matrix, recording.interval_s);
+    const double ratio = start.noise.accel.norm() / declared.norm();
+    if (ratio > 1.5 || ratio < 1 / 1.5)
+      start.warnings.push_back(fmt::format("the accelerometers' noise at rest is {:.2g} times the declared density; the declared one sets the weights", ratio));
+    start.noise.accel = declared;
+  }
+  // A stuck or coarsely quantised axis shows no noise: half a least step keeps the weights finite.
+  for (Vector3d* sigma : {&start.noise.accel, &start.noise.gyro}) *sigma = sigma->cwiseMax(1e-6 * sigma->maxCoeff()).cwiseMax(1e-12);
+  return start;
+}
+
+Calibration finish(std::string_view method, const Start& start, const Fit& fit, const SensorModel& scaled_model, const std::vector<int>& indices,
+                   const ImuDeclaration& imu, const Site& site) {
+  Calibration calibration;
+  calibration.imu = imu.name;
+  calibration.method = method;
+  calibration.model = to_raw(scaled_model, start.scaling);
+  const auto n = static_cast<Eigen::Index>(indices.size());
+  Eigen::MatrixXd covariance = covariance_to_raw(fit.adjustment.covariance.topLeftCorner(n, n), indices, start.scaling);
+
+  // g is the scale: accelerations are proportional to it, g-sensitivity inversely.
+  const double relative = site.gravity_sigma() / site.gravity();
+  Eigen::VectorXd with_g = Eigen::VectorXd::Zero(n);
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const int index = indices[static_cast<std::size_t>(i)];
+    const Coefficient& c = coefficient_table()[static_cast<std::size_t>(index)];
+    if (c.triad == Triad::accel) with_g[i] = coefficient_value(calibration.model, index);
+    if (c.term == Term::g_sensitivity) with_g[i] = -coefficient_value(calibration.model, index);
+    if (fit.adjustment.determined[static_cast<std::size_t>(i)]) {
+      kept.push_back(i);
+      calibration.estimated.push_back(index);
+    } else {
+      calibration.quality.unobservable.emplace_back(c.name);
+    }
+  }
+  covariance += relative * relative * with_g * with_g.transpose();
+  calibration.covariance = covariance(kept, kept);
+
+  Quality& quality = calibration.quality;
+  quality.degrees_of_freedom = fit.adjustment.degrees_of_freedom;
+  quality.condition = fit.adjustment.condition;
+  quality.notes = start.notes;
+  quality.warnings = start.warnings;
+  quality.sources.push_back({"gravity", relative, fmt::format("g is known to {:.3g} ppm: this much is common to all three accelerometer scales", 1e6 * relative)});
+  if (!fit.converged) quality.warnings.push_back("the fit did not converge");
+  return calibration;
+}
+
+std::vector<std::string> common_doubts(const Calibration& calibration, std::size_t dropped, std::size_t all) {
+  std::vector<std::string> doubts;
+  const Quality& quality = calibration.quality;
+  if (!quality.unobservable.empty()) doubts.push_back(fmt::format("{} coefficients are not determined by the data", quality.unobservable.size()));
+  // Below about six degrees of freedom the residuals can hardly contradict the model or the noise.
+  if (quality.degrees_of_freedom < 6) doubts.push_back(fmt::format("only {} degrees of freedom remain to check the result", quality.degrees_of_freedom));
+  if (5 * dropped > all) doubts.push_back(fmt::format("{} of {} rests and rotations were dropped as outliers", dropped, all));
+  for (const std::string& warning : quality.warnings)
+    if (warning == "the fit did not converge") doubts.push_back(warning);
+  return doubts;
+}
+
+void conclude(Calibration& calibration, const std::vector<std::string>& doubts) {
+  std::string& verdict = calibration.quality.verdict;
+  verdict = doubts.empty() ? "good" : "doubtful, because ";
+  for (std::size_t i = 0; i < doubts.size(); ++i) verdict += (i > 0 ? "; " : "") + doubts[i];
+}
+
+}  // namespace imulab

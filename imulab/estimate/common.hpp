@@ -1,0 +1,55 @@
+// What the methods that start from rests share: the start of the fit, and the finished calibration with its verdict.
+#pragma once
+
+#include "imulab/estimate/fit.hpp"
+#include "imulab/estimate/rest.hpp"
+#include "imulab/model/calibration.hpp"
+#include "imulab/recording/session.hpp"
+
+#include <vector>
+
+namespace imulab {
+
+/// Rests, their noise and the accelerometers' coarse solution.
+struct Start {
+  std::vector<Rest> rests;
+  SampleNoise noise;  ///< raw
+  Scaling scaling;
+  SensorModel scaled_model;
+  std::vector<std::string> notes, warnings;
+};
+
+/// Throws Unsupported for too few or too similar rests, Error where the accelerometers' declared unit contradicts gravity.
+Start start_from_rests(const Recording& recording, const std::vector<Range>& ranges, const ImuDeclaration& imu, double gravity);
+
+/// The accelerometer coefficients in the accelerometers' frame: offsets and the lower triangle of the matrix.
+std::vector<int> accel_coefficients();
+
+/// Table indices of `wanted` that `supplied` has; throws Error naming one that the method does not supply.
+std::vector<int> choose_terms(const std::vector<int>& wanted, const std::vector<int>& supplied, std::string_view method);
+
+/// Model, covariance and quality from a converged fit: raw units, g's uncertainty added, undetermined coefficients named.
+Calibration finish(std::string_view method, const Start& start, const Fit& fit, const SensorModel& scaled_model, const std::vector<int>& indices,
+                   const ImuDeclaration& imu, const Site& site);
+
+/// Adds a reason to doubt the result; `conclude` turns them into the verdict.
+void conclude(Calibration& calibration, const std::vector<std::string>& doubts);
+
+/// What is doubtful whatever the method: undetermined coefficients, few degrees of freedom, many dropped parts.
+std::vector<std::string> common_doubts(const Calibration& calibration, std::size_t dropped, std::size_t all);
+
+/// Drops suspects until none is left, with spreads that a few of them do not inflate. Returns the names of what was dropped.
+template <class Problem>
+std::vector<std::string> drop_outliers(Problem& problem, double level) {
+  std::vector<std::string> dropped;
+  Fit fit = converge(problem, {}, SpreadMode::robust);
+  const std::size_t most = problem.rests().size() / 3;
+  for (int worst = worst_suspect(problem, fit, level); worst >= 0 && dropped.size() < most; worst = worst_suspect(problem, fit, level)) {
+    dropped.push_back(problem.suspects(fit.conditions)[static_cast<std::size_t>(worst)].name);
+    problem.drop(worst);
+    fit = converge(problem, fit.spreads, SpreadMode::robust);
+  }
+  return dropped;
+}
+
+}  // namespace imulab

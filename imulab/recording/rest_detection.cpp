@@ -1,0 +1,197 @@
+#include "imulab/recording/rest_detection.hpp"
+
+#include "imulab/core/statistics.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace imulab {
+
+namespace {
+
+/// Mean and variance of one column in every window, windows beginning every `stride` samples.
+struct Windows {
+  std::vector<double> mean, variance;
+};
+
+Windows windows_of(const std::vector<double>& column, std::size_t length, std::size_t stride) {
+  // Sums of strides, combined about a local origin: one pass, and no cancellation for raw counts far from zero.
+  const std::size_t strides = column.size() / stride, per_window = length / stride;
+  std::vector<double> sum(strides), square(strides);
+  const double origin = column.empty() ? 0 : column[0];
+  for (std::size_t k = 0; k < strides; ++k) {
+    double s = 0, q = 0;
+    for (std::size_t i = k * stride; i < (k + 1) * stride; ++i) {
+      const double d = column[i] - origin;
+      s += d;
+      q += d * d;
+    }
+    sum[k] = s;
+    square[k] = q;
+  }
+  Windows windows;
+  const double n = static_cast<double>(per_window * stride);
+  for (std::size_t k = 0; k + per_window <= strides; ++k) {
+    double s = 0, q = 0;
+    for (std::size_t i = k; i < k + per_window; ++i) {
+      s += sum[i];
+      q += square[i];
+    }
+    windows.mean.push_back(origin + s / n);
+    windows.variance.push_back(std::max(0.0, (q - s * s / n) / (n - 1)));
+  }
+  return windows;
+}
+
+/// Half-sample mode (Bickel and Fruehwirth 2006): the centre of the densest part of a sorted sample.
+double half_sample_mode(const std::vector<double>& sorted) {
+  std::size_t begin = 0, end = sorted.size();
+  while (end - begin > 3) {
+    const std::size_t half = (end - begin + 1) / 2;
+    std::size_t best = begin;
+    for (std::size_t i = begin; i + half <= end; ++i)
+      if (sorted[i + half - 1] - sorted[i] < sorted[best + half - 1] - sorted[best]) best = i;
+    begin = best;
+    end = best + half;
+  }
+  return sorted[begin + (end - begin) / 2];
+}
+
+/// Mode of the positive part of a sample of variances, as a standard deviation; 0 where all are 0 (a stuck or coarsely quantised axis).
+double typical_noise(const std::vector<double>& variance) {
+  std::vector<double> logs;
+  for (const double v : variance)
+    if (v > 0) logs.push_back(std::log(v));
+  if (2 * logs.size() < variance.size()) return 0;
+  std::sort(logs.begin(), logs.end());
+  return std::exp(0.5 * half_sample_mode(logs));
+}
+
+/// One triad: the noise at rest of its axes, and which windows are quiet.
+struct Quietness {
+  std::array<double, 3> noise{};
+  double factor = 0;
+  std::vector<char> quiet;
+};
+
+Quietness quietness_of(const std::array<Windows, 3>& axes, double threshold_sigmas) {
+  Quietness result;
+  const std::size_t count = axes[0].variance.size();
+  for (int j = 0; j < 3; ++j) result.noise[j] = typical_noise(axes[j].variance);
+  // ln of the RMS over the axes of (standard deviation / noise): 0 in the middle of the rest cluster.
+  std::vector<double> level(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    double sum = 0;
+    for (int j = 0; j < 3; ++j) sum += result.noise[j] > 0 ? axes[j].variance[k] / (result.noise[j] * result.noise[j]) : axes[j].variance[k] > 0 ? 3 : 1;
+    level[k] = 0.5 * std::log(std::max(sum / 3, 1e-300));
+  }
+  std::vector<double> sorted = level;
+  std::sort(sorted.begin(), sorted.end());
+  const double mode = half_sample_mode(sorted);
+  // The cluster's width from its lower side, which motion cannot reach, and from the same number of windows above the mode.
+  const auto below = static_cast<std::size_t>(std::lower_bound(sorted.begin(), sorted.end(), mode) - sorted.begin());
+  std::vector<double> cluster(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(std::min(count, 2 * below + 1)));
+  const double width = robust_sigma(cluster);
+  const double threshold = mode + threshold_sigmas * width;
+  result.factor = std::exp(threshold);
+  result.quiet.resize(count);
+  for (std::size_t k = 0; k < count; ++k) result.quiet[k] = level[k] <= threshold;
+  return result;
+}
+
+/// Runs of quiet windows as sample ranges, cut at gaps and saturated samples, a quarter window trimmed where motion adjoins.
+std::vector<Range> quiet_runs(const Recording& recording, const std::vector<char>& quiet, std::size_t length, std::size_t stride) {
+  std::vector<Range> runs;
+  for (std::size_t k = 0; k < quiet.size();) {
+    if (!quiet[k]) {
+      ++k;
+      continue;
+    }
+    std::size_t last = k;
+    while (last + 1 < quiet.size() && quiet[last + 1]) ++last;
+    const std::size_t trim = length / 4;
+    Range run{k * stride + (k == 0 ? 0 : trim), last * stride + length - (last + 1 == quiet.size() ? 0 : trim)};
+    if (run.begin < run.end) runs.push_back(run);
+    k = last + 1;
+  }
+  std::vector<std::size_t> cuts = recording.gaps;
+  cuts.insert(cuts.end(), recording.saturated.begin(), recording.saturated.end());
+  std::sort(cuts.begin(), cuts.end());
+  std::vector<Range> pieces;
+  for (Range run : runs) {
+    for (auto cut = std::lower_bound(cuts.begin(), cuts.end(), run.begin); cut != cuts.end() && *cut < run.end; ++cut) {
+      pieces.push_back({run.begin, *cut});
+      run.begin = *cut + (std::binary_search(recording.saturated.begin(), recording.saturated.end(), *cut) ? 1 : 0);
+    }
+    pieces.push_back(run);
+  }
+  return pieces;
+}
+
+double mean_of(const std::vector<double>& column, Range range) {
+  double sum = 0;
+  const double origin = column[range.begin];
+  for (std::size_t i = range.begin; i < range.end; ++i) sum += column[i] - origin;
+  return origin + sum / static_cast<double>(range.size());
+}
+
+/// Which runs turn steadily: the gyros' mean lies further from the runs' median than the motion's own size suggests for a rest.
+std::vector<char> turning_runs(const Recording& recording, const std::vector<Range>& runs, const std::array<double, 3>& noise) {
+  std::vector<char> turning(runs.size(), 0);
+  for (int j = 0; j < 3; ++j) {
+    std::vector<double> means, weighted;
+    for (const Range& run : runs) {
+      means.push_back(mean_of(recording.gyro[j], run));
+      const auto copies = 1 + run.size() / (1 + runs.front().size() / 4);  // the median by duration, coarsely
+      weighted.insert(weighted.end(), std::min<std::size_t>(copies, 64), means.back());
+    }
+    const double center = median(weighted);
+    // Rests differ by bias drift and g-sensitivity, which the robust width of the means measures; 5 noise sigmas of a single sample allow for few rests.
+    const double allowed = std::max(10 * robust_sigma(weighted), 5 * noise[j]);
+    for (std::size_t k = 0; k < runs.size(); ++k)
+      if (std::abs(means[k] - center) > allowed) turning[k] = 1;
+  }
+  return turning;
+}
+
+}  // namespace
+
+RestDetection detect_rests(const Recording& recording, const RestOptions& options) {
+  RestDetection found;
+  const auto stride = static_cast<std::size_t>(std::max(1.0, std::round(options.window_s / 5 / recording.interval_s)));
+  const std::size_t length = 5 * stride;
+  if (recording.size() < 2 * length) return found;
+
+  std::array<Windows, 3> gyro, accel;
+  for (int j = 0; j < 3; ++j) {
+    gyro[j] = windows_of(recording.gyro[j], length, stride);
+    accel[j] = windows_of(recording.accel[j], length, stride);
+  }
+  const Quietness g = quietness_of(gyro, options.threshold_sigmas), a = quietness_of(accel, options.threshold_sigmas);
+  std::vector<char> quiet(g.quiet.size());
+  for (std::size_t k = 0; k < quiet.size(); ++k) quiet[k] = g.quiet[k] && a.quiet[k];
+
+  std::vector<Range> runs = quiet_runs(recording, quiet, length, stride);
+  const auto shortest = static_cast<std::size_t>(options.shortest_s / recording.interval_s);
+  std::erase_if(runs, [&](const Range& run) { return run.size() < std::max<std::size_t>(shortest, 2); });
+  const std::vector<char> turning = runs.empty() ? std::vector<char>{} : turning_runs(recording, runs, g.noise);
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    if (turning[k]) ++found.turning;
+    else found.rests.push_back(runs[k]);
+  }
+  found.gyro_noise = g.noise;
+  found.accel_noise = a.noise;
+  found.gyro_factor = g.factor;
+  found.accel_factor = a.factor;
+  found.notes.push_back(fmt::format(
+      "{} rests found in windows of {:g} s: quiet where the gyros' standard deviation is below {:.2f} x ({:.4g}, {:.4g}, {:.4g}) {} and the accelerometers' below "
+      "{:.2f} x ({:.4g}, {:.4g}, {:.4g}) {}; the noise and the factors come from the recording itself",
+      found.rests.size(), options.window_s, g.factor, g.noise[0], g.noise[1], g.noise[2], recording.gyro_unit, a.factor, a.noise[0], a.noise[1], a.noise[2],
+      recording.accel_unit));
+  if (found.turning > 0) found.notes.push_back(fmt::format("{} quiet stretches were refused as rests because the unit was turning steadily", found.turning));
+  return found;
+}
+
+}  // namespace imulab
