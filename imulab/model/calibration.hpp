@@ -18,24 +18,24 @@ struct UncertaintySource {
 
 /// A term whose presence the data decided: kept or left at its starting value.
 struct TermTest {
-  std::string term;          ///< "gyro.g_sensitivity"
-  double statistic = 0;      ///< Wald chi-square of the term's coefficients
+  std::string term;      ///< "gyro.g_sensitivity"
+  double statistic = 0;  ///< Wald chi-square of the term's coefficients
   int degrees_of_freedom = 0;
   double p_value = 1;
   bool kept = false;
 };
 
 struct Quality {
-  double chi2_per_dof = 0;            ///< residuals against the declared or measured sample noise alone
+  double chi2_per_dof = 0;  ///< residuals against the declared or measured sample noise alone
   int degrees_of_freedom = 0;
-  double condition = 0;               ///< of the scaled normal equations
+  double condition = 0;  ///< of the scaled normal equations
   std::vector<std::string> unobservable;
   std::vector<std::string> warnings;
-  std::string verdict;                ///< "good" or "doubtful: because ..."
+  std::string verdict;                          ///< "good" or "doubtful: because ..."
   std::optional<double> rotation_residual_deg;  ///< cross-validated, RMS over held-out rotations (hand-held)
   std::vector<TermTest> term_tests;
   std::vector<UncertaintySource> sources;
-  std::vector<std::string> notes;     ///< what was used: rests, thresholds, spreads
+  std::vector<std::string> notes;  ///< what was used: rests, thresholds, spreads
 };
 
 struct Calibration {
@@ -43,8 +43,8 @@ struct Calibration {
   std::string session_file, session_sha256;
   std::string frame = "accelerometers";  ///< or "rig"
   SensorModel model;
-  std::vector<int> estimated;    ///< table indices of the coefficients in `covariance`, in its order
-  Eigen::MatrixXd covariance;    ///< SI, estimated.size() squared
+  std::vector<int> estimated;  ///< table indices of the coefficients in `covariance`, in its order
+  Eigen::MatrixXd covariance;  ///< SI, estimated.size() squared
   Quality quality;
 };
 

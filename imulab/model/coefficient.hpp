@@ -25,6 +25,7 @@ struct Coefficient {
 /// All coefficients in file order: accel offset 3, matrix 9, quadratic 3, cubic 3, thermal 6, lever_arm 9; gyro alike with g_sensitivity 9.
 /// (Dai's 63 less the six thermal constants the gauge fixes, plus nine lever-arm components.)
 std::span<const Coefficient> coefficient_table();
+inline constexpr int coefficient_count = 66;
 
 /// Place of a coefficient in the table.
 int coefficient_index(Triad triad, Term term, int row, int column);

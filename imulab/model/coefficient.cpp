@@ -1,0 +1,172 @@
+#include "imulab/model/coefficient.hpp"
+
+#include "imulab/core/error.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace imulab {
+
+namespace {
+
+constexpr std::array<Term, 6> accel_terms{Term::offset, Term::matrix, Term::quadratic, Term::cubic, Term::thermal, Term::lever_arm};
+constexpr std::array<Term, 6> gyro_terms{Term::offset, Term::matrix, Term::quadratic, Term::cubic, Term::thermal, Term::g_sensitivity};
+
+/// The columns a term has in one row: {first, past the last}.
+std::array<int, 2> columns_of(Term term, int row) {
+  switch (term) {
+    case Term::offset:
+    case Term::quadratic:
+    case Term::cubic:
+      return {row, row + 1};
+    case Term::thermal:
+      return {1, 3};  // orders; order 0 is fixed by the gauge
+    case Term::matrix:
+    case Term::g_sensitivity:
+    case Term::lever_arm:
+      break;
+  }
+  return {0, 3};
+}
+
+bool is_full_matrix(Term term) { return columns_of(term, 0)[1] == 3 && term != Term::thermal; }
+
+std::string element_name(Term term, int row, int column) {
+  const auto letter = [](int axis) { return std::string(1, "xyz"[axis]); };
+  if (term == Term::thermal) return letter(row) + std::to_string(column);
+  return is_full_matrix(term) ? letter(row) + letter(column) : letter(row);
+}
+
+std::string unit_of(Triad triad, Term term, int column) {
+  const std::string out = triad == Triad::accel ? "m/s^2" : "rad/s";
+  switch (term) {
+    case Term::offset:
+      return out;
+    case Term::matrix:
+      return "(" + out + ")/raw";
+    case Term::quadratic:
+      return "(" + out + ")/raw^2";
+    case Term::cubic:
+      return "(" + out + ")/raw^3";
+    case Term::thermal:
+      return column == 1 ? "raw/K" : "raw/K^2";
+    case Term::g_sensitivity:
+      return "(rad/s)/(m/s^2)";
+    case Term::lever_arm:
+      break;
+  }
+  return "m";
+}
+
+/// The rows and the texts they point to.
+struct Table {
+  std::array<std::array<std::string, 2>, coefficient_count> texts;
+  std::array<Coefficient, coefficient_count> rows;
+
+  Table() {
+    std::size_t at = 0;
+    for (const Triad triad : {Triad::accel, Triad::gyro})
+      for (const Term term : triad == Triad::accel ? accel_terms : gyro_terms)
+        for (int row = 0; row < 3; ++row)
+          for (int column = columns_of(term, row)[0]; column < columns_of(term, row)[1]; ++column, ++at) {
+            const std::string name = std::string(to_string(triad)) + "." + std::string(to_string(term)) + "." + element_name(term, row, column);
+            texts.at(at) = {name, unit_of(triad, term, column)};
+            rows.at(at) = {texts[at][0], triad, term, row, column, texts[at][1]};
+          }
+  }
+  Table(const Table&) = delete;
+  Table& operator=(const Table&) = delete;
+};
+
+/// The element of a model (const or not) that a row of the table names.
+template <class Model>
+auto& element(Model& model, const Coefficient& c) {
+  auto& triad = c.triad == Triad::accel ? model.accel : model.gyro;
+  switch (c.term) {
+    case Term::offset:
+      return triad.offset(c.row);
+    case Term::matrix:
+      return triad.matrix(c.row, c.column);
+    case Term::quadratic:
+      return triad.quadratic(c.row);
+    case Term::cubic:
+      return triad.cubic(c.row);
+    case Term::thermal:
+      return triad.thermal(c.row, c.column);
+    case Term::g_sensitivity:
+      return model.g_sensitivity(c.row, c.column);
+    case Term::lever_arm:
+      break;
+  }
+  return model.lever_arm(c.row, c.column);
+}
+
+const Coefficient& row_of(int index) { return coefficient_table()[static_cast<std::size_t>(index)]; }
+
+[[noreturn]] void unknown(std::string_view name) {
+  throw Error(
+      "unknown coefficient \"" + std::string(name) +
+      "\": expected triad.term.element such as gyro.matrix.xy, a term such as accel.offset, or gyro.matrix.diagonal, gyro.matrix.off_diagonal");
+}
+
+}  // namespace
+
+std::span<const Coefficient> coefficient_table() {
+  static const Table table;
+  return table.rows;
+}
+
+int coefficient_index(Triad triad, Term term, int row, int column) {
+  const auto table = coefficient_table();
+  const auto found = std::find_if(table.begin(), table.end(),
+                                  [&](const Coefficient& c) { return c.triad == triad && c.term == term && c.row == row && c.column == column; });
+  if (found == table.end()) throw Error("no coefficient " + std::string(to_string(triad)) + "." + std::string(to_string(term)) + " at this place");
+  return static_cast<int>(found - table.begin());
+}
+
+int coefficient_index(std::string_view name) {
+  const auto table = coefficient_table();
+  const auto found = std::find_if(table.begin(), table.end(), [&](const Coefficient& c) { return c.name == name; });
+  if (found == table.end()) unknown(name);
+  return static_cast<int>(found - table.begin());
+}
+
+std::vector<int> select_coefficients(std::string_view selector) {
+  const auto table = coefficient_table();
+  std::vector<int> selected;
+  for (int i = 0; i < coefficient_count; ++i) {
+    const Coefficient& c = table[static_cast<std::size_t>(i)];
+    const std::string term = std::string(to_string(c.triad)) + "." + std::string(to_string(c.term));
+    const bool in_group = is_full_matrix(c.term) && selector == term + (c.row == c.column ? ".diagonal" : ".off_diagonal");
+    if (selector == c.name || selector == term || in_group) selected.push_back(i);
+  }
+  if (selected.empty()) unknown(selector);
+  return selected;
+}
+
+double coefficient_value(const SensorModel& model, int index) { return element(model, row_of(index)); }
+void set_coefficient(SensorModel& model, int index, double value) { element(model, row_of(index)) = value; }
+
+std::string_view to_string(Triad triad) { return triad == Triad::accel ? "accel" : "gyro"; }
+
+std::string_view to_string(Term term) {
+  switch (term) {
+    case Term::offset:
+      return "offset";
+    case Term::matrix:
+      return "matrix";
+    case Term::quadratic:
+      return "quadratic";
+    case Term::cubic:
+      return "cubic";
+    case Term::thermal:
+      return "thermal";
+    case Term::g_sensitivity:
+      return "g_sensitivity";
+    case Term::lever_arm:
+      break;
+  }
+  return "lever_arm";
+}
+
+}  // namespace imulab

@@ -1,0 +1,159 @@
+#include "imulab/model/compensate.hpp"
+
+#include "imulab/core/error.hpp"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace imulab {
+
+namespace {
+
+/// c0 + c1 tau + c2 tau^2 per axis: what the temperature adds to the raw output.
+Vector3d drift(const Matrix3d& thermal, const Vector3d& tau) {
+  return thermal.col(0) + thermal.col(1).cwiseProduct(tau) + thermal.col(2).cwiseProduct(tau.cwiseAbs2());
+}
+
+/// A0 + A1 V + A2 V^2 + A3 V^3.
+Vector3d polynomial(const TriadModel& m, const Vector3d& v) {
+  return m.offset + m.matrix * v + (m.quadratic + m.cubic.cwiseProduct(v)).cwiseProduct(v.cwiseAbs2());
+}
+
+Matrix3d polynomial_derivative(const TriadModel& m, const Vector3d& v) {
+  const Vector3d bend = 2 * m.quadratic.cwiseProduct(v) + 3 * m.cubic.cwiseProduct(v.cwiseAbs2());
+  return m.matrix + Matrix3d(bend.asDiagonal());
+}
+
+/// The V with polynomial(V) = out that the linear solution leads to: Newton until a step no longer shrinks, which is at rounding.
+Vector3d invert(const TriadModel& m, const Vector3d& out, const char* triad) {
+  constexpr int most_steps = 50;  // where the polynomial is invertible about six are enough
+  const double orientation = m.matrix.determinant();
+  Vector3d v = m.matrix.inverse() * (out - m.offset);
+  if (orientation != 0 && m.quadratic.isZero(0) && m.cubic.isZero(0)) return v;
+  double last = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < most_steps; ++k) {
+    const Matrix3d slope = polynomial_derivative(m, v);
+    if (!(slope.determinant() * orientation > 0)) break;  // singular, or past a turning point: another branch
+    const Vector3d residual = out - polynomial(m, v);
+    const Vector3d step = slope.inverse() * residual;
+    const double scale = out.norm() + m.offset.norm() + (m.matrix * v).norm();
+    if (step.norm() >= last && residual.norm() <= 1e-12 * scale) return v;
+    v += step;
+    last = step.norm();
+  }
+  throw Error(std::string("the ") + triad +
+              " polynomial cannot be inverted here: its matrix is singular, or it turns back before reaching this output");
+}
+
+}  // namespace
+
+Motion compensate(const SensorModel& model, const RawSample& raw) {
+  const Vector3d force = polynomial(model.accel, raw.accel - drift(model.accel.thermal, raw.accel_tau));
+  const Vector3d rate = polynomial(model.gyro, raw.gyro - drift(model.gyro.thermal, raw.gyro_tau)) + model.g_sensitivity * force;
+  return {force, rate};
+}
+
+RawSample decompensate(const SensorModel& model, const Motion& motion, const Vector3d& accel_tau, const Vector3d& gyro_tau) {
+  const Vector3d accel = invert(model.accel, motion.force, "accelerometers'") + drift(model.accel.thermal, accel_tau);
+  const Vector3d gyro = invert(model.gyro, motion.rate - model.g_sensitivity * motion.force, "gyros'") + drift(model.gyro.thermal, gyro_tau);
+  return {accel, gyro, accel_tau, gyro_tau};
+}
+
+namespace {
+
+constexpr std::size_t block_size = 256;  // 12 columns of a block are 24 KiB: they stay in the first-level cache
+using Block = std::array<std::array<double, block_size>, 3>;
+using Inputs = std::array<std::span<const double>, 3>;
+
+void check_columns(const SensorModel& model, const RawColumns& raw, const MotionColumns& out) {
+  const std::size_t n = raw.accel[0].size();
+  const auto need = [n](std::size_t size, const char* what) {
+    if (size != n)
+      throw Error(std::string("compensate: the ") + what + " column has " + std::to_string(size) + " samples, expected " + std::to_string(n));
+  };
+  const auto need_thermal = [&](const TriadModel& m, const Inputs& columns, const char* what) {
+    for (const auto& c : columns)
+      if (!c.empty() || m.thermal.rightCols<2>().cwiseAbs().maxCoeff() > 0) {
+        if (c.empty() && n > 0) throw Error(std::string("the calibration has thermal terms, but the recording has no ") + what + " temperature");
+        need(c.size(), what);
+      }
+    if (m.thermal.rightCols<2>().cwiseAbs().maxCoeff() > 0 && !m.temperature)
+      throw Error(std::string("the calibration has thermal terms, but no reference temperature for the ") + what);
+  };
+  for (std::size_t i = 0; i < 3; ++i) {
+    need(raw.accel[i].size(), "accelerometer");
+    need(raw.gyro[i].size(), "gyro");
+    need(out.force[i].size(), "force");
+    need(out.rate[i].size(), "rate");
+  }
+  need_thermal(model.accel, raw.accel_temperature, "accelerometer");
+  need_thermal(model.gyro, raw.gyro_temperature, "gyro");
+}
+
+/// V = U - (c0 + c1 tau + c2 tau^2) of samples begin .. begin + n.
+void load(const TriadModel& m, const Inputs& raw, const Inputs& temperature, std::size_t begin, std::size_t n, Block& v) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double* const u = raw[axis].data() + begin;
+    const auto c = m.thermal.row(static_cast<Eigen::Index>(axis));
+    const double c0 = c(0), c1 = c(1), c2 = c(2);
+    if (c1 == 0 && c2 == 0) {
+      for (std::size_t k = 0; k < n; ++k) v[axis][k] = u[k] - c0;
+    } else {
+      const double* const t = temperature[axis].data() + begin;
+      const double reference = m.temperature->reference;
+      for (std::size_t k = 0; k < n; ++k) {
+        const double tau = t[k] - reference;
+        v[axis][k] = u[k] - (c0 + (c1 + c2 * tau) * tau);
+      }
+    }
+  }
+}
+
+/// A0 + A1 V + A2 V^2 + A3 V^3.
+void polynomial(const TriadModel& m, const Block& v, std::size_t n, Block& out) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<Eigen::Index>(axis);
+    const double a0 = m.offset(i), ax = m.matrix(i, 0), ay = m.matrix(i, 1), az = m.matrix(i, 2), a2 = m.quadratic(i), a3 = m.cubic(i);
+    if (a2 == 0 && a3 == 0) {
+      for (std::size_t k = 0; k < n; ++k) out[axis][k] = a0 + (ax * v[0][k] + ay * v[1][k] + az * v[2][k]);
+    } else {
+      for (std::size_t k = 0; k < n; ++k)
+        out[axis][k] = a0 + (ax * v[0][k] + ay * v[1][k] + az * v[2][k]) + (a2 + a3 * v[axis][k]) * (v[axis][k] * v[axis][k]);
+    }
+  }
+}
+
+void add_product(const Matrix3d& c, const Block& a, std::size_t n, Block& out) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<Eigen::Index>(axis);
+    const double cx = c(i, 0), cy = c(i, 1), cz = c(i, 2);
+    for (std::size_t k = 0; k < n; ++k) out[axis][k] += cx * a[0][k] + cy * a[1][k] + cz * a[2][k];
+  }
+}
+
+void store(const Block& block, std::size_t begin, std::size_t n, const std::array<std::span<double>, 3>& out) {
+  for (std::size_t axis = 0; axis < 3; ++axis) std::copy_n(block[axis].begin(), n, out[axis].begin() + static_cast<std::ptrdiff_t>(begin));
+}
+
+}  // namespace
+
+void compensate(const SensorModel& model, const RawColumns& raw, const MotionColumns& out) {
+  check_columns(model, raw, out);
+  const bool sensitive = (model.g_sensitivity.array() != 0).any();
+  Block v, force, rate;  // a whole block is computed before it is stored: `out` may be the input's memory
+  for (std::size_t begin = 0; begin < raw.accel[0].size(); begin += block_size) {
+    const std::size_t n = std::min(block_size, raw.accel[0].size() - begin);
+    load(model.accel, raw.accel, raw.accel_temperature, begin, n, v);
+    polynomial(model.accel, v, n, force);
+    load(model.gyro, raw.gyro, raw.gyro_temperature, begin, n, v);
+    polynomial(model.gyro, v, n, rate);
+    if (sensitive) add_product(model.g_sensitivity, force, n, rate);
+    store(force, begin, n, out.force);
+    store(rate, begin, n, out.rate);
+  }
+}
+
+}  // namespace imulab

@@ -1,0 +1,211 @@
+#include "imulab/model/compensate.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
+
+#include <Eigen/LU>
+#include <gmock/gmock.h>
+#include <rapidcheck.h>
+
+#include <limits>
+#include <vector>
+
+namespace imulab {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A draw in [low, high].
+double draw(double low, double high) { return low + (high - low) * *rc::gen::inRange(0, 1000001) / 1e6; }
+double draw_sign() { return *rc::gen::element(-1.0, 1.0); }
+Vector3d draw_vector(double size) { return {draw(-size, size), draw(-size, size), draw(-size, size)}; }
+Matrix3d draw_matrix(double size) {
+  Matrix3d m;
+  for (int i = 0; i < 3; ++i) m.row(i) = draw_vector(size).transpose();
+  return m;
+}
+
+/// Sensors of the whole range of Dai 2011 table 2: raw outputs proportional to g and deg/s, of any scale, offsets of 1 % of full scale.
+SensorModel draw_model() {
+  const double accel_scale = std::pow(10.0, draw(-4, 1)), gyro_scale = std::pow(10.0, draw(-6, 0));  // (m/s^2)/raw, (rad/s)/raw
+  const double raw_g = unit::g / accel_scale, raw_dps = unit::deg / gyro_scale;                      // raw output of 1 g, of 1 deg/s
+  SensorModel m;
+  m.accel.offset = draw_vector(0.3 * unit::g);
+  m.gyro.offset = draw_vector(4 * unit::deg);
+  m.accel.matrix = accel_scale * (Matrix3d::Identity() + draw_matrix(0.02));
+  m.gyro.matrix = gyro_scale * (Matrix3d::Identity() + draw_matrix(0.005));
+  for (int i = 0; i < 3; ++i) {  // second order relative to the linear term: per g and per deg/s; third: per g^2, (deg/s)^2
+    m.accel.quadratic(i) = draw_sign() * draw(2e-5, 1e-4) * accel_scale / raw_g;
+    m.accel.cubic(i) = draw_sign() * draw(5e-6, 2e-5) * accel_scale / (raw_g * raw_g);
+    m.gyro.quadratic(i) = draw_sign() * draw(1.5e-4, 2.5e-4) * gyro_scale / raw_dps;
+    m.gyro.cubic(i) = draw_sign() * draw(4e-10, 1e-9) * gyro_scale / (raw_dps * raw_dps);
+    m.accel.thermal.row(i) << 0, draw(-1e-3, 1e-3) * raw_g, draw(-1e-5, 1e-5) * raw_g;
+    m.gyro.thermal.row(i) << 0, draw(-0.05, 0.05) * raw_dps, draw(-1e-3, 1e-3) * raw_dps;
+  }
+  m.accel.temperature = m.gyro.temperature = ThermalReading{"degC", 25.0, {0.0, 70.0}};
+  m.g_sensitivity = draw_matrix(0.04 * unit::deg / unit::g);
+  return m;
+}
+
+TEST(Compensate, RoundTripHoldsOverDaisRange) {
+  EXPECT_TRUE(rc::check([] {
+    const SensorModel m = draw_model();
+    const Motion motion{draw_vector(30 * unit::g), draw_vector(400 * unit::deg)};
+    const RawSample raw = decompensate(m, motion, draw_vector(45), draw_vector(45));
+    const Motion back = compensate(m, raw);
+    // Rounding: each sum has about ten terms, none larger than twice full scale.
+    RC_ASSERT((back.force - motion.force).norm() <= 20 * std::numeric_limits<double>::epsilon() * 60 * unit::g);
+    RC_ASSERT((back.rate - motion.rate).norm() <= 20 * std::numeric_limits<double>::epsilon() * 800 * unit::deg);
+  }));
+}
+
+TEST(Compensate, InverseReturnsTheRawReadingItself) {
+  EXPECT_TRUE(rc::check([] {
+    const SensorModel m = draw_model();
+    // Raw readings within full scale: the branch of the polynomial that holds zero.
+    const RawSample raw{m.accel.matrix.inverse() * draw_vector(30 * unit::g), m.gyro.matrix.inverse() * draw_vector(400 * unit::deg), draw_vector(45),
+                        draw_vector(45)};
+    const RawSample back = decompensate(m, compensate(m, raw), raw.accel_tau, raw.gyro_tau);
+    const double accel_scale = m.accel.matrix.norm(), gyro_scale = m.gyro.matrix.norm();
+    // As above, and the slope of the gyro polynomial falls to 0.8 at full scale, which amplifies it a little.
+    RC_ASSERT((back.accel - raw.accel).norm() * accel_scale <= 40 * std::numeric_limits<double>::epsilon() * 60 * unit::g);
+    RC_ASSERT((back.gyro - raw.gyro).norm() * gyro_scale <= 40 * std::numeric_limits<double>::epsilon() * 800 * unit::deg);
+  }));
+}
+
+TEST(Compensate, FollowsTheEquationsTermByTerm) {
+  SensorModel m;
+  m.accel.offset = {0.1, 0.2, 0.3};
+  m.accel.matrix << 2, 0.5, 0, 0, 3, 0, 0.25, 0, 4;
+  m.accel.quadratic = {0.01, 0, 0};
+  m.accel.cubic = {0, 0.001, 0};
+  m.accel.thermal << 0, 0.5, 0.25, 0, 0, 0, 0, 0, 0;
+  m.gyro.offset = {1, 0, 0};
+  m.g_sensitivity << 0, 1, 0, 0, 0, 0, 0, 0, 2;
+  const Motion motion = compensate(m, RawSample{{5, 2, 1}, {7, 8, 9}, {2, 0, 0}, {0, 0, 0}});
+  // Va = (5 - 0.5 2 - 0.25 4, 2, 1) = (3, 2, 1)
+  EXPECT_DOUBLE_EQ(motion.force.x(), 0.1 + 2 * 3 + 0.5 * 2 + 0.01 * 9);
+  EXPECT_DOUBLE_EQ(motion.force.y(), 0.2 + 3 * 2 + 0.001 * 8);
+  EXPECT_DOUBLE_EQ(motion.force.z(), 0.3 + 0.25 * 3 + 4 * 1);
+  EXPECT_DOUBLE_EQ(motion.rate.x(), 1 + 7 + 1 * motion.force.y());
+  EXPECT_DOUBLE_EQ(motion.rate.y(), 8);
+  EXPECT_DOUBLE_EQ(motion.rate.z(), 9 + 2 * motion.force.z());
+}
+
+TEST(Compensate, PolynomialWithoutThisOutputIsAnError) {
+  SensorModel m;
+  m.accel.quadratic.x() = -0.1;  // V - 0.1 V^2 never exceeds 2.5
+  EXPECT_NO_THROW(decompensate(m, {{2.4, 0, 0}, {0, 0, 0}}));
+  EXPECT_THROW(decompensate(m, {{2.6, 0, 0}, {0, 0, 0}}), Error);
+  m.accel.quadratic.x() = 0;
+  m.gyro.matrix.row(2).setZero();
+  EXPECT_THROW(decompensate(m, {{0, 0, 0}, {0, 0, 1}}), Error);
+}
+
+/// Six readings and six temperatures of n samples, all different.
+struct Samples {
+  std::array<std::vector<double>, 3> gyro, accel, gyro_temperature, accel_temperature;
+  explicit Samples(std::size_t n) {
+    double k = 0;
+    for (auto* triad : {&gyro, &accel, &gyro_temperature, &accel_temperature})
+      for (auto& column : *triad)
+        for (std::size_t i = 0; i < n; ++i) column.push_back(20 * std::sin(k += 0.7));
+  }
+  RawColumns columns(bool temperatures) const {
+    RawColumns c;
+    for (std::size_t i = 0; i < 3; ++i) {
+      c.gyro[i] = gyro[i];
+      c.accel[i] = accel[i];
+      if (temperatures) {
+        c.gyro_temperature[i] = gyro_temperature[i];
+        c.accel_temperature[i] = accel_temperature[i];
+      }
+    }
+    return c;
+  }
+  MotionColumns in_place() {
+    MotionColumns c;
+    for (std::size_t i = 0; i < 3; ++i) {
+      c.rate[i] = gyro[i];
+      c.force[i] = accel[i];
+    }
+    return c;
+  }
+};
+
+SensorModel any_model() {
+  SensorModel m;
+  m.accel.offset = {0.1, -0.2, 0.3};
+  m.accel.matrix << 1.1, 0.01, -0.02, 0.03, 0.9, 0.01, 0.02, -0.01, 1.2;
+  m.gyro.offset = {0.01, 0.02, -0.03};
+  m.gyro.matrix << 0.9, 0.02, 0.01, -0.03, 1.1, 0.02, 0.01, 0.02, 1.05;
+  return m;
+}
+
+SensorModel full_model() {
+  SensorModel m = any_model();
+  m.accel.quadratic = {1e-3, 2e-3, -1e-3};
+  m.accel.cubic = {1e-5, -2e-5, 3e-5};
+  m.gyro.quadratic = {-1e-3, 2e-3, 1e-3};
+  m.gyro.cubic = {2e-5, 1e-5, -3e-5};
+  m.accel.thermal << 0, 1e-2, 1e-4, 0, -2e-2, 1e-4, 0, 3e-2, -1e-4;
+  m.gyro.thermal << 0, 2e-2, -1e-4, 0, 1e-2, 1e-4, 0, -3e-2, 2e-4;
+  m.accel.temperature = ThermalReading{"degC", 25, {0, 70}};
+  m.gyro.temperature = ThermalReading{"raw", 5, {0, 70}};
+  m.g_sensitivity << 1e-3, 2e-3, -1e-3, 3e-3, 1e-3, 2e-3, -2e-3, 1e-3, 4e-3;
+  return m;
+}
+
+void expect_columns_equal_samples(const SensorModel& m, bool temperatures) {
+  for (const std::size_t n : {0u, 1u, 255u, 256u, 257u, 1000u}) {  // around the block of the implementation
+    const Samples raw(n);
+    Samples out(n);
+    compensate(m, raw.columns(temperatures), out.in_place());
+    const Samples separate = out;
+    out = raw;
+    compensate(m, out.columns(temperatures), out.in_place());
+    EXPECT_EQ(out.gyro, separate.gyro) << "in place";
+    EXPECT_EQ(out.accel, separate.accel) << "in place";
+    for (std::size_t k = 0; k < n; ++k) {
+      RawSample sample;
+      for (int i = 0; i < 3; ++i) {
+        const auto axis = static_cast<std::size_t>(i);
+        sample.gyro(i) = raw.gyro[axis][k];
+        sample.accel(i) = raw.accel[axis][k];
+        if (temperatures) {
+          sample.gyro_tau(i) = raw.gyro_temperature[axis][k] - (m.gyro.temperature ? m.gyro.temperature->reference : 0);
+          sample.accel_tau(i) = raw.accel_temperature[axis][k] - (m.accel.temperature ? m.accel.temperature->reference : 0);
+        }
+      }
+      const Motion motion = compensate(m, sample);
+      for (int i = 0; i < 3; ++i) {  // the two sum in different order: rounding of terms up to 40
+        EXPECT_NEAR(separate.gyro[static_cast<std::size_t>(i)][k], motion.rate(i), 1e-13);
+        EXPECT_NEAR(separate.accel[static_cast<std::size_t>(i)][k], motion.force(i), 1e-13);
+      }
+    }
+  }
+}
+
+TEST(CompensateColumns, EqualsSampleBySampleWithAllTerms) { expect_columns_equal_samples(full_model(), true); }
+TEST(CompensateColumns, EqualsSampleBySampleWithLinearTerms) { expect_columns_equal_samples(any_model(), false); }
+TEST(CompensateColumns, IgnoresTemperaturesTheModelDoesNotUse) { expect_columns_equal_samples(any_model(), true); }
+
+TEST(CompensateColumns, MissingTemperatureIsAnError) {
+  Samples samples(10);
+  try {
+    compensate(full_model(), samples.columns(false), samples.in_place());
+    ADD_FAILURE() << "accepted";
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), HasSubstr("no accelerometer temperature"));
+  }
+}
+
+TEST(CompensateColumns, ColumnsOfDifferentLengthsAreAnError) {
+  Samples samples(10), longer(11);
+  RawColumns raw = samples.columns(false);
+  raw.gyro[1] = longer.gyro[1];
+  EXPECT_THROW(compensate(any_model(), raw, samples.in_place()), Error);
+}
+
+}  // namespace
+}  // namespace imulab

@@ -1,0 +1,160 @@
+#include "imulab/model/frame.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/random.hpp"
+#include "imulab/core/rotation.hpp"
+#include "imulab/model/coefficient.hpp"
+#include "imulab/model/compensate.hpp"
+
+#include <Eigen/LU>
+#include <gmock/gmock.h>
+
+#include <numeric>
+
+namespace imulab {
+namespace {
+
+Eigen::MatrixXd draws(int rows, int columns, std::uint64_t stream) {
+  const RandomStream random(20261120, stream);
+  Eigen::MatrixXd m(rows, columns);
+  for (Eigen::Index i = 0; i < m.size(); ++i) m(i) = random.normal(static_cast<std::uint64_t>(i));
+  return m;
+}
+
+/// A model with all terms but the quadratic and cubic ones, misaligned by about `misalignment`, in a frame turned by `turn` rad.
+SensorModel linear_model(double misalignment, double turn) {
+  SensorModel m;
+  m.accel.offset = draws(3, 1, 1);
+  m.gyro.offset = draws(3, 1, 2);
+  const Matrix3d frame = rotation_exp(turn * Vector3d(draws(3, 1, 3)).normalized());
+  m.accel.matrix = 0.01 * frame * (Matrix3d::Identity() + misalignment * Matrix3d(draws(3, 3, 4)));
+  m.gyro.matrix = 0.002 * frame * (Matrix3d::Identity() + misalignment * Matrix3d(draws(3, 3, 5)));
+  m.g_sensitivity = 1e-3 * draws(3, 3, 6);
+  m.lever_arm = 0.1 * draws(3, 3, 7);
+  return m;
+}
+
+std::vector<int> all_coefficients() {
+  std::vector<int> all(coefficient_count);
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+/// P = L L^T with standard deviations of `size` relative to 1.
+Eigen::MatrixXd covariance_of(int n, double size) {
+  const Eigen::MatrixXd l = size * draws(n, n, 8);
+  return l * l.transpose();
+}
+
+TEST(AccelerometerFrame, FollowsTheSensitiveAxes) {
+  for (const double turn : {0.0, 1e-3, 0.5, 3.0}) {
+    const Matrix3d a1 = linear_model(0.02, turn).accel.matrix;
+    const Matrix3d r = accelerometer_frame(a1);
+    const Matrix3d lower = r * a1;
+    const Matrix3d axes = a1.inverse() * r.transpose();  // row i: the i-th accelerometer's sensitive axis in the new frame
+    // Products of rotations and a matrix of norm 0.02 (its inverse: 200): rounding of a few units.
+    EXPECT_LE((r * r.transpose() - Matrix3d::Identity()).norm(), 1e-15 * 4);
+    EXPECT_GT(r.determinant(), 0);
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_GT(lower(i, i), 0);
+      for (int j = i + 1; j < 3; ++j) {
+        EXPECT_NEAR(lower(i, j), 0, 1e-16);
+        EXPECT_NEAR(axes(i, j), 0, 1e-12);
+      }
+    }
+    EXPECT_GT(axes(0, 0), 0);
+  }
+}
+
+TEST(AccelerometerFrame, IsTheIdentityForALowerTriangularMatrix) {
+  Matrix3d a1;
+  a1 << 0.013, 0, 0, 1e-4, 0.017, 0, -2e-4, 3e-4, 0.011;
+  EXPECT_EQ(accelerometer_frame(a1), Matrix3d(Matrix3d::Identity()));
+}
+
+TEST(AccelerometerFrame, OfALeftHandedTriadIsStillARotation) {
+  Matrix3d a1 = linear_model(0.02, 0.5).accel.matrix;
+  a1.col(2) *= -1;
+  const Matrix3d r = accelerometer_frame(a1);
+  EXPECT_NEAR(r.determinant(), 1, 1e-14);
+  EXPECT_GT((r * a1)(0, 0), 0);
+  EXPECT_GT((r * a1)(1, 1), 0);
+  EXPECT_LT((r * a1)(2, 2), 0);
+}
+
+TEST(AccelerometerFrame, ASingularMatrixIsAnError) {
+  EXPECT_THROW(accelerometer_frame(Matrix3d::Zero()), Error);
+  Matrix3d flat = Matrix3d::Identity();
+  flat.col(2) = flat.col(0) + flat.col(1);
+  EXPECT_THROW(accelerometer_frame(flat), Error);
+}
+
+TEST(InAccelerometerFrame, CompensatesToTheSameMotionInTheNewFrame) {
+  Calibration c;
+  c.frame = "rig";
+  c.model = linear_model(0.02, 0.5);
+  const Calibration turned = in_accelerometer_frame(c);
+  EXPECT_EQ(turned.frame, "accelerometers");
+  const Matrix3d r = accelerometer_frame(c.model.accel.matrix);
+  const RawSample raw{Vector3d(300, -500, 800), Vector3d(70, 40, -90)};
+  const Motion before = compensate(c.model, raw), after = compensate(turned.model, raw);
+  // Sums of about 10 in size.
+  EXPECT_LE((after.force - r * before.force).norm(), 1e-14 * 10);
+  EXPECT_LE((after.rate - r * before.rate).norm(), 1e-14 * 10);
+  for (Eigen::Index i = 0; i < 3; ++i)
+    EXPECT_LE((turned.model.lever_arm.row(i).transpose() - r * c.model.lever_arm.row(i).transpose()).norm(), 1e-15);
+}
+
+TEST(InAccelerometerFrame, LeavesACalibrationThatIsInItAlone) {
+  Calibration c;
+  c.model = linear_model(0.02, 0);
+  c.model.accel.matrix << 0.013, 0, 0, 1e-4, 0.017, 0, -2e-4, 3e-4, 0.011;
+  c.estimated = all_coefficients();
+  std::erase_if(c.estimated, [](int i) { return coefficient_table()[static_cast<std::size_t>(i)].name.starts_with("accel.matrix.x") && i > 3; });
+  std::erase_if(c.estimated, [](int i) { return coefficient_table()[static_cast<std::size_t>(i)].name == "accel.matrix.yz"; });
+  ASSERT_EQ(c.estimated.size(), 63u);
+  c.covariance = covariance_of(63, 1e-4);
+  const Calibration same = in_accelerometer_frame(c);
+  for (int i = 0; i < coefficient_count; ++i) EXPECT_EQ(coefficient_value(same.model, i), coefficient_value(c.model, i));
+  EXPECT_EQ(same.estimated, c.estimated);
+  EXPECT_LE((same.covariance - c.covariance).norm(), 1e-14 * c.covariance.norm());  // the Jacobian is the identity to rounding
+}
+
+/// The covariance against central differences of the whole transformation, at a turn and misalignment where R's dependence matters.
+TEST(InAccelerometerFrame, CovarianceFollowsTheRotationsDependenceToo) {
+  Calibration c;
+  c.frame = "rig";
+  c.model = linear_model(0.05, 0.5);
+  c.estimated = all_coefficients();
+  c.covariance = covariance_of(coefficient_count, 1e-4);
+  const Calibration turned = in_accelerometer_frame(c);
+  ASSERT_EQ(turned.estimated.size(), 63u);
+
+  Eigen::MatrixXd jacobian(63, coefficient_count);
+  for (int k = 0; k < coefficient_count; ++k) {
+    const double x = coefficient_value(c.model, k), h = 1e-5 * std::max(std::abs(x), 1e-3);
+    Calibration low = c, high = c;
+    set_coefficient(low.model, k, x - h);
+    set_coefficient(high.model, k, x + h);
+    low = in_accelerometer_frame(low);
+    high = in_accelerometer_frame(high);
+    for (int i = 0; i < 63; ++i) {
+      const int at = turned.estimated[static_cast<std::size_t>(i)];
+      jacobian(i, k) = (coefficient_value(high.model, at) - coefficient_value(low.model, at)) / (2 * h);
+    }
+  }
+  const Eigen::MatrixXd expected = jacobian * c.covariance * jacobian.transpose();
+  // Differences with h = 1e-8 on values of order 1 resolve to 1e-16 / 1e-8 = 1e-8 of the sensitivities, of order 100 for R to A1.
+  EXPECT_LE((turned.covariance - expected).norm(), 1e-6 * expected.norm());
+
+  const Eigen::MatrixXd fixed_rotation = [&] {  // what forgetting R's dependence would give, for the gyro offset
+    const Matrix3d r = accelerometer_frame(c.model.accel.matrix);
+    const int at = coefficient_index("gyro.offset.x");
+    return Eigen::MatrixXd(r * c.covariance.block<3, 3>(at, at) * r.transpose());
+  }();
+  const int at = coefficient_index("gyro.offset.x") - 3;  // three estimated fewer stand before it
+  EXPECT_GT((turned.covariance.block<3, 3>(at, at) - fixed_rotation).norm(), 0.1 * fixed_rotation.norm());
+}
+
+}  // namespace
+}  // namespace imulab
