@@ -1,6 +1,7 @@
 #include "imulab/estimate/coarse.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <Eigen/SVD>
 
 #include <cmath>

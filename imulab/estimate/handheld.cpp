@@ -8,6 +8,7 @@
 #include "imulab/estimate/handheld_problem.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <fmt/core.h>
 
 #include <algorithm>

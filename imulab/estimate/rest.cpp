@@ -1,5 +1,7 @@
 #include "imulab/estimate/rest.hpp"
 
+#include <Eigen/Geometry>
+
 #include <cmath>
 
 namespace imulab {
