@@ -4,7 +4,6 @@
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/coarse.hpp"
-#include "imulab/estimate/scaled_model.hpp"
 
 #include <fmt/core.h>
 
@@ -141,6 +140,10 @@ std::vector<std::string> common_doubts(const Calibration& calibration, std::size
   for (const std::string& warning : quality.warnings)
     if (warning == "the fit did not converge") doubts.push_back(warning);
   return doubts;
+}
+
+std::string spread_note(std::string_view what, double spread, std::string_view unit_name) {
+  return fmt::format("{} spread by {:.3g} {} (1 sigma) more than the sample noise explains; counted in the uncertainties", what, spread, unit_name);
 }
 
 void conclude(Calibration& calibration, const std::vector<std::string>& doubts) {

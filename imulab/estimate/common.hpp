@@ -3,9 +3,12 @@
 
 #include "imulab/estimate/fit.hpp"
 #include "imulab/estimate/rest.hpp"
+#include "imulab/estimate/scaled_model.hpp"
 #include "imulab/model/calibration.hpp"
 #include "imulab/recording/session.hpp"
 
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace imulab {
@@ -32,7 +35,10 @@ std::vector<int> choose_terms(const std::vector<int>& wanted, const std::vector<
 Calibration finish(std::string_view method, const Start& start, const Fit& fit, const SensorModel& scaled_model, const std::vector<int>& indices,
                    const ImuDeclaration& imu, const Site& site);
 
-/// Adds a reason to doubt the result; `conclude` turns them into the verdict.
+/// A note that `what` spreads more than its sample noise explains.
+std::string spread_note(std::string_view what, double spread, std::string_view unit_name);
+
+/// The verdict: good, or doubtful for these reasons.
 void conclude(Calibration& calibration, const std::vector<std::string>& doubts);
 
 /// What is doubtful whatever the method: undetermined coefficients, few degrees of freedom, many dropped parts.

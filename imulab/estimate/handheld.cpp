@@ -88,10 +88,6 @@ double cross_validated_residual(const HandheldProblem& problem, const Fit& fit) 
   return std::sqrt(squares / static_cast<double>(rotations.size())) / unit::deg;
 }
 
-std::string spread_note(const char* what, double spread, double unit, const char* unit_name) {
-  return fmt::format("{} spread by {:.3g} {} (1 sigma) more than the sample noise explains; counted in the uncertainties", what, spread / unit, unit_name);
-}
-
 }  // namespace
 
 Calibration calibrate_handheld(const Recording& recording, const std::vector<Range>& ranges, const ImuDeclaration& imu, const Site& site,
@@ -134,9 +130,9 @@ Calibration calibrate_handheld(const Recording& recording, const std::vector<Ran
   quality.chi2_per_dof = under_noise.chi2 / std::max(1, under_noise.degrees_of_freedom);
   if (problem.rotations() > 0) quality.rotation_residual_deg = cross_validated_residual(problem, fit);
   quality.notes.push_back(fmt::format("{} rests and {} rotations between them were used", problem.rests().size(), problem.rotations()));
-  if (fit.spreads[0] > 0) quality.notes.push_back(spread_note("the rests' accelerometer means", fit.spreads[0], unit::ug, "ug"));
-  if (fit.spreads[1] > 0) quality.notes.push_back(spread_note("the rests' gyro means", fit.spreads[1], unit::deg / 3600, "deg/h"));
-  if (fit.spreads[2] > 0) quality.notes.push_back(spread_note("the rotations", fit.spreads[2], unit::deg, "deg"));
+  if (fit.spreads[0] > 0) quality.notes.push_back(spread_note("the rests' accelerometer means", fit.spreads[0] / unit::ug, "ug"));
+  if (fit.spreads[1] > 0) quality.notes.push_back(spread_note("the rests' gyro means", fit.spreads[1] / unit::deg_per_h, "deg/h"));
+  if (fit.spreads[2] > 0) quality.notes.push_back(spread_note("the rotations", fit.spreads[2] / unit::deg, "deg"));
   for (const std::string& name : dropped) quality.warnings.push_back("dropped as an outlier: " + name);
   if (!site.latitude) quality.notes.push_back("no latitude: Earth's rate was taken as unknown up to its size (15 deg/h) and is counted in the gyros' uncertainties");
 

@@ -1,0 +1,98 @@
+#include "imulab/estimate/static.hpp"
+
+#include "imulab/core/units.hpp"
+#include "imulab/earth/earth.hpp"
+#include "imulab/estimate/coarse.hpp"
+#include "imulab/estimate/common.hpp"
+#include "imulab/estimate/static_problem.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace imulab {
+
+namespace {
+
+/// A gyro resolves Earth's rate if its rest means are good to a tenth of it.
+constexpr double resolvable_part = 0.1;
+
+std::vector<int> gyro_coefficients() {
+  std::vector<int> indices = select_coefficients("gyro.offset");
+  for (const int index : select_coefficients("gyro.matrix")) indices.push_back(index);
+  return indices;
+}
+
+/// Cheng's linear gyro solution where the gyros resolve Earth's rate; else why not.
+struct GyroStart {
+  std::optional<CoarseGyro> coarse;
+  std::string reason;
+};
+
+GyroStart start_gyro(const Start& start, const Site& site) {
+  if (!site.latitude) return {{}, "the site gives no latitude, and Earth's rate is the gyros' only reference at rest"};
+  std::vector<Vector3d> readings, up;
+  for (const Rest& rest : start.rests) {
+    readings.push_back((rest.gyro - start.scaling.gyro_center).cwiseQuotient(start.scaling.gyro_scale));
+    const TriadModel& accel = start.scaled_model.accel;
+    up.push_back((accel.offset + accel.matrix * (rest.accel - start.scaling.accel_center).cwiseQuotient(start.scaling.accel_scale)).normalized());
+  }
+  GyroStart gyro{coarse_gyro_at_rest(readings, up, earth_rate * std::sin(*site.latitude)), {}};
+  if (!gyro.coarse) {
+    gyro.reason = "twelve or more rests in different directions away from the equator are needed for the gyros";
+    return gyro;
+  }
+  // The noise of a rest's mean, and how far the solution misses the size of Earth's rate.
+  std::vector<double> sizes;
+  double noise = 0;
+  for (std::size_t k = 0; k < readings.size(); ++k) {
+    const double n = static_cast<double>(start.rests[k].range.size());
+    sizes.push_back((gyro.coarse->offset + gyro.coarse->matrix * readings[k]).norm());
+    noise = std::max(noise, (gyro.coarse->matrix * start.noise.gyro.cwiseQuotient(start.scaling.gyro_scale)).norm() / std::sqrt(3 * n));
+  }
+  double misfit = 0;
+  for (const double size : sizes) misfit += (size - earth_rate) * (size - earth_rate) / static_cast<double>(sizes.size());
+  const double error = std::max(noise, std::sqrt(misfit));
+  if (error > resolvable_part * earth_rate) {
+    gyro.coarse.reset();
+    gyro.reason = fmt::format("they do not resolve Earth's rate: the rests' means miss it by {:.2g} deg/h, more than a tenth of it", error / unit::deg_per_h);
+  }
+  return gyro;
+}
+
+}  // namespace
+
+Calibration calibrate_static(const Recording& recording, const std::vector<Range>& ranges, const ImuDeclaration& imu, const Site& site,
+                             const EstimateOptions& options) {
+  Start start = start_from_rests(recording, ranges, imu, site.gravity());
+  const GyroStart gyro = start_gyro(start, site);
+  std::vector<int> supplied = accel_coefficients();
+  if (gyro.coarse) {
+    start.scaled_model.gyro.offset = gyro.coarse->offset;
+    start.scaled_model.gyro.matrix = gyro.coarse->matrix;
+    for (const int index : gyro_coefficients()) supplied.push_back(index);
+  } else {
+    // The scaled model must give back the starting value, one, when it returns to raw readings.
+    start.scaled_model.gyro = to_scaled(SensorModel{}, start.scaling).gyro;
+    start.notes.push_back("the gyros were not calibrated: " + gyro.reason);
+  }
+  const std::vector<int> indices = options.terms.empty() ? supplied : choose_terms(options.terms, supplied, "static");
+
+  StaticProblem problem(start.rests, site.gravity(), gyro.coarse ? site.latitude : std::nullopt, start.noise, start.scaling, start.scaled_model, indices);
+  const std::vector<std::string> dropped = drop_outliers(problem, options.outlier_level);
+  const Fit fit = converge(problem, {}, SpreadMode::mean);
+
+  Calibration calibration = finish("static", start, fit, problem.scaled_model(), indices, imu, site);
+  Quality& quality = calibration.quality;
+  const Adjustment under_noise = adjust(problem.conditions({}), problem.prior_sigma());
+  quality.chi2_per_dof = under_noise.chi2 / std::max(1, under_noise.degrees_of_freedom);
+  quality.notes.push_back(fmt::format("{} rests were used", problem.rests().size()));
+  if (fit.spreads[0] > 0) quality.notes.push_back(spread_note("the rests' accelerometer means", fit.spreads[0] / unit::ug, "ug"));
+  if (fit.spreads[1] > 0) quality.notes.push_back(spread_note("the rests' gyro means", fit.spreads[1] / unit::deg_per_h, "deg/h"));
+  for (const std::string& name : dropped) quality.warnings.push_back("dropped as an outlier: " + name);
+  conclude(calibration, common_doubts(calibration, dropped.size(), start.rests.size()));
+  return calibration;
+}
+
+}  // namespace imulab
