@@ -16,26 +16,29 @@ namespace imulab {
 struct Spread {
   double value = 0;
   bool fixed = false;
+  bool operator==(const Spread&) const = default;
 };
 
 struct ImuDeclaration {
   std::string name;
-  std::optional<std::string> grade;               ///< priors, and what simulate draws from
-  std::optional<std::string> truth;               ///< file of the exact unit to simulate
-  std::optional<double> accel_noise_density;      ///< m/s^2/sqrt(Hz)
-  std::optional<double> gyro_noise_density;       ///< rad/s/sqrt(Hz)
+  std::optional<std::string> grade;           ///< priors, and what simulate draws from
+  std::optional<std::string> truth;           ///< file of the exact unit to simulate
+  std::optional<double> accel_noise_density;  ///< m/s^2/sqrt(Hz)
+  std::optional<double> gyro_noise_density;   ///< rad/s/sqrt(Hz)
+  bool operator==(const ImuDeclaration&) const = default;
 };
 
 struct Site {
-  std::optional<double> latitude, longitude;      ///< rad
-  std::optional<double> height;                   ///< m
-  std::optional<double> given_gravity;            ///< m/s^2
-  std::optional<double> given_gravity_sigma;      ///< m/s^2
+  std::optional<double> latitude, longitude;  ///< rad
+  std::optional<double> height;               ///< m
+  std::optional<double> given_gravity;        ///< m/s^2
+  std::optional<double> given_gravity_sigma;  ///< m/s^2
 
   /// Given, or WGS-84 normal gravity. Throws Error where there is neither a latitude nor a given value.
   double gravity() const;
   /// Given, or 1e-5 for a given gravity, 3e-4 from latitude and height, 3e-3 without height.
   double gravity_sigma() const;
+  bool operator==(const Site&) const = default;
 };
 
 enum class RigKind { none, turntable, rate_table, centrifuge, chamber };
@@ -47,12 +50,13 @@ std::string_view to_string(RigAxis axis);
 
 /// Declared accuracy of a rig, SI.
 struct RigDeclaration {
-  std::string name;                               ///< recordings refer to it where there are several
+  std::string name;  ///< recordings refer to it where there are several
   RigKind kind = RigKind::none;
-  Spread angle, orthogonality, zero;              ///< rad
-  Spread timing;                                  ///< s
+  Spread angle, orthogonality, zero;                                        ///< rad
+  Spread timing;                                                            ///< s
   std::array<std::optional<std::array<double, 2>>, 3> given_orthogonality;  ///< rad, by RigAxis: exactly known instead of drawn
   std::array<std::optional<double>, 3> given_zero;                          ///< rad, by RigAxis
+  bool operator==(const RigDeclaration&) const = default;
 };
 
 enum class Output { rate, increment };
@@ -62,39 +66,45 @@ using Column = std::variant<std::string, int>;
 
 struct TimeSource {
   Column column = 1;
-  std::string unit = "s";                         ///< s, ms, us, ns
+  std::string unit = "s";  ///< s, ms, us, ns
   std::int64_t zero_ns = 0;
+  bool operator==(const TimeSource&) const = default;
 };
 
 struct TriadSource {
-  std::optional<std::string> file;                ///< where it differs from the recording's
-  std::vector<Column> columns;                    ///< three
+  std::optional<std::string> file;  ///< where it differs from the recording's
+  std::vector<Column> columns;      ///< three
   Output output = Output::rate;
   std::string unit = "count";
-  std::optional<std::array<double, 2>> limits;    ///< in the file's unit
+  std::optional<std::array<double, 2>> limits;  ///< in the file's unit
+  bool operator==(const TriadSource&) const = default;
 };
 
 struct ThermalSource {
-  std::vector<Column> columns;                    ///< one or three
+  std::vector<Column> columns;  ///< one or three
   std::string unit = "degC";
+  bool operator==(const ThermalSource&) const = default;
 };
 
 struct RecordingSource {
   std::string file;
-  std::string rig;                                ///< empty with one rig
+  std::string rig;  ///< empty with one rig
   std::optional<double> rate_hz;
   TimeSource time;
   TriadSource gyro, accel;
   std::optional<ThermalSource> gyro_temperature, accel_temperature;
+  bool operator==(const RecordingSource&) const = default;
 };
 
 /// A body axis with its sign: index 0..2, sign +1 or -1.
 struct BodyAxis {
   int index = 2, sign = 1;
+  bool operator==(const BodyAxis&) const = default;
 };
 
 struct Mount {
   BodyAxis up{2, 1}, outward{0, 1};
+  bool operator==(const Mount&) const = default;
 };
 
 enum class StepKind { hold, rotate, spin };
@@ -103,34 +113,37 @@ std::string_view to_string(StepKind kind);
 /// One thing the rig did, in time order. Angles left out have been filled in from the step before (first 0, anew in each recording).
 struct Step {
   StepKind kind = StepKind::hold;
-  std::string recording;                          ///< file of the recording it belongs to
-  double start = 0, end = 0;                      ///< s of the recording's clock; a procedure has been laid out in time
-  std::array<double, 3> angles{0, 0, 0};          ///< hold: rad, by RigAxis
-  RigAxis axis = RigAxis::outer;                  ///< rotate
-  double angle = 0;                               ///< rotate: rad, signed
-  double rate = 0;                                ///< rotate (> 0) and spin (signed): rad/s
-  std::optional<double> acceleration;             ///< rad/s^2
+  std::string recording;                  ///< file of the recording it belongs to
+  double start = 0, end = 0;              ///< s of the recording's clock; a procedure has been laid out in time
+  std::array<double, 3> angles{0, 0, 0};  ///< rad, by RigAxis: of a hold; where a rotate or spin begins
+  RigAxis axis = RigAxis::outer;          ///< rotate
+  double angle = 0;                       ///< rotate: rad, signed
+  double rate = 0;                        ///< rotate (> 0) and spin (signed): rad/s
+  std::optional<double> acceleration;     ///< rad/s^2
   std::optional<Mount> mount;
-  std::array<double, 3> radius{0, 0, 0};          ///< spin: m, by sensor axis
-  std::optional<double> temperature;              ///< set point, degC
+  std::array<double, 3> radius{0, 0, 0};  ///< spin: m, by sensor axis
+  std::optional<double> temperature;      ///< set point, degC
+  bool operator==(const Step&) const = default;
 };
 
 struct InitialState {
   double time = 0, latitude = 0, longitude = 0, height = 0;  ///< s, rad, rad, m
   std::array<double, 3> velocity_enu{0, 0, 0};               ///< m/s
   double roll = 0, pitch = 0, heading = 0;                   ///< rad
+  bool operator==(const InitialState&) const = default;
 };
 
 struct Session {
-  std::string file;                               ///< the TOML file
-  std::string sha256;                             ///< of its text
+  std::string file;    ///< the TOML file
+  std::string sha256;  ///< of its text
   ImuDeclaration imu;
   Site site;
   std::vector<RigDeclaration> rigs;
   std::vector<RecordingSource> recordings;
   std::vector<Step> steps;
   std::optional<InitialState> initial;
-  std::optional<std::string> truth_file;          ///< reference solution for navigation
+  std::optional<std::string> truth_file;  ///< reference solution for navigation
+  bool operator==(const Session&) const = default;
 };
 
 }  // namespace imulab

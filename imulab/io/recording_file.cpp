@@ -1,0 +1,151 @@
+#include "imulab/io/recording_file.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/io/decimal.hpp"
+#include "imulab/io/recording_parts.hpp"
+#include "imulab/io/session_file.hpp"
+#include "imulab/io/units.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace imulab {
+namespace {
+
+/// Oscillators agree to 1e-4 and a quoted rate is often rounded by a percent, while a mistaken one (unit, decimation, another logger setting)
+/// is off by a tenth or more: 2 % parts them.
+constexpr double rate_tolerance = 0.02;
+
+bool agree(double a, double b) { return std::abs(a - b) <= rate_tolerance * b; }
+
+double median_interval_s(const TimedTable& table) {
+  if (table.time_ns.size() < 2) return 0;
+  std::vector<std::int64_t> differences(table.time_ns.size() - 1);
+  for (std::size_t i = 0; i < differences.size(); ++i) differences[i] = table.time_ns[i + 1] - table.time_ns[i];
+  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+  std::nth_element(differences.begin(), middle, differences.end());
+  if (differences.size() % 2 == 1) return 1e-9 * static_cast<double>(*middle);
+  return 0.5e-9 * (static_cast<double>(*middle) + static_cast<double>(*std::max_element(differences.begin(), middle)));
+}
+
+double mean_interval_s(const TimedTable& table) {
+  return 1e-9 * static_cast<double>(table.time_ns.back() - table.time_ns.front()) / static_cast<double>(table.time_ns.size() - 1);
+}
+
+/// Declared, or the stamps' median. Coarse stamps (400 Hz in whole milliseconds) have a wrong median and a right mean, gaps the reverse:
+/// a declared rate is contradicted where both differ from it.
+double nominal_interval_s(const TimedTable& table, const RecordingSource& source) {
+  if (table.time_ns.size() < 2) {
+    if (source.rate_hz) return 1 / *source.rate_hz;
+    throw Error(fmt::format("{}: has one row, expected at least two (or rate_hz in the session)", table.file));
+  }
+  const double median = median_interval_s(table);
+  if (!source.rate_hz) return median;
+  const double declared = 1 / *source.rate_hz;
+  if (!agree(median, declared) && !agree(mean_interval_s(table), declared))
+    throw Error(fmt::format("{}: rate_hz = {} is declared, but the stamps say {:.6g} Hz (median difference {:.6g} s), expected within 2 %",
+                            table.file, *source.rate_hz, 1 / median, median));
+  return declared;
+}
+
+std::vector<std::size_t> find_gaps(const TimedTable& table, double interval_s, std::vector<std::string>& warnings) {
+  const double limit_ns = 1.5e9 * interval_s;
+  std::vector<std::size_t> gaps;
+  std::int64_t largest = 0;
+  std::size_t where = 0;
+  for (std::size_t i = 1; i < table.time_ns.size(); ++i) {
+    const std::int64_t step = table.time_ns[i] - table.time_ns[i - 1];
+    if (static_cast<double>(step) <= limit_ns) continue;
+    gaps.push_back(i);
+    if (step > largest) largest = step, where = i;
+  }
+  if (!gaps.empty())
+    warnings.push_back(
+        fmt::format("{}: {} gap{} in time (more than 1.5 of the nominal {:.6g} s), the largest of {} s before {} s (line {}); what "
+                    "moved inside a gap is not seen, and no rotation is integrated across it",
+                    table.file, gaps.size(), gaps.size() == 1 ? "" : "s", interval_s, seconds_text(largest), seconds_text(table.time_ns[where]),
+                    table.lines[where]));
+  return gaps;
+}
+
+/// Marks the samples at or beyond the limits, in the file's unit.
+void mark_saturated(const Columns3& triad, const TriadSource& source, std::vector<bool>& saturated) {
+  if (!source.limits) return;
+  const auto [low, high] = *source.limits;
+  if (saturated.empty()) saturated.resize(triad[0].size());
+  for (const auto& column : triad)
+    for (std::size_t i = 0; i < column.size(); ++i)
+      if (column[i] <= low || column[i] >= high) saturated[i] = true;
+}
+
+std::vector<std::size_t> list_saturated(const std::vector<bool>& marks, const TimedTable& table, std::vector<std::string>& warnings) {
+  std::vector<std::size_t> saturated;
+  for (std::size_t i = 0; i < marks.size(); ++i)
+    if (marks[i]) saturated.push_back(i);
+  if (!saturated.empty())
+    warnings.push_back(
+        fmt::format("{}: {} sample{} at a limit, the first at {} s (line {}): the true reading lies beyond, such samples are set aside", table.file,
+                    saturated.size(), saturated.size() == 1 ? "" : "s", seconds_text(table.time_ns[saturated[0]]), table.lines[saturated[0]]));
+  return saturated;
+}
+
+void to_si(Columns3& triad, const TriadSource& source, double interval_s) {
+  const double factor = si_factor(source.unit);
+  const bool increment = source.output == Output::increment;
+  if (factor == 1 && !increment) return;
+  for (auto& column : triad)
+    for (double& value : column) value = increment ? value * factor / interval_s : value * factor;
+}
+
+Columns3 three_columns(std::vector<std::vector<double>> columns) {
+  if (columns.empty()) return {};
+  if (columns.size() == 1) return {columns[0], columns[0], columns[0]};
+  return {std::move(columns[0]), std::move(columns[1]), std::move(columns[2])};
+}
+
+}  // namespace
+
+RecordingReading read_recording(const Session& session, const RecordingSource& source) {
+  RecordingParts parts = read_parts(session, source);
+  RecordingReading reading;
+  TimedTable& reference = parts.tables[parts.gyro.table];
+  for (const TimedTable& table : parts.tables)
+    if (table.repeated > 0)
+      reading.warnings.push_back(
+          fmt::format("{}: {} row{} equal to the row before dropped", table.file, table.repeated, table.repeated == 1 ? "" : "s"));
+
+  Recording& recording = reading.recording;
+  recording.name = source.file;
+  recording.interval_s = nominal_interval_s(reference, source);
+  for (const TimedTable& table : parts.tables) {
+    const double median = median_interval_s(table);
+    if (&table != &reference && median > 0 && !agree(median, recording.interval_s))
+      throw Error(fmt::format("{}: rows every {:.6g} s, expected every {:.6g} s (within 2 %) as in {}", table.file, median, recording.interval_s,
+                              reference.file));
+  }
+  match_rows(parts, recording.interval_s, reading.warnings);
+  recording.gaps = find_gaps(reference, recording.interval_s, reading.warnings);
+
+  recording.gyro = three_columns(take_columns(parts, parts.gyro));
+  recording.accel = three_columns(take_columns(parts, parts.accel));
+  recording.gyro_temperature = three_columns(take_columns(parts, parts.gyro_temperature));
+  recording.accel_temperature = three_columns(take_columns(parts, parts.accel_temperature));
+  std::vector<bool> saturated;
+  mark_saturated(recording.gyro, source.gyro, saturated);
+  mark_saturated(recording.accel, source.accel, saturated);
+  recording.saturated = list_saturated(saturated, reference, reading.warnings);
+
+  recording.gyro_increment = source.gyro.output == Output::increment;
+  recording.accel_increment = source.accel.output == Output::increment;
+  recording.gyro_unit = source.gyro.unit == "count" ? "count" : "rad/s";
+  recording.accel_unit = source.accel.unit == "count" ? "count" : "m/s^2";
+  to_si(recording.gyro, source.gyro, recording.interval_s);
+  to_si(recording.accel, source.accel, recording.interval_s);
+  recording.time_ns = std::move(reference.time_ns);
+  return reading;
+}
+
+}  // namespace imulab

@@ -1,0 +1,21 @@
+// The units a session may name, in one table.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace imulab {
+
+enum class Quantity { gyro, accel, temperature, time };
+
+/// Names of the units of a quantity; `increment`: also those of a sum over an interval.
+std::vector<std::string_view> unit_names(Quantity quantity, bool increment);
+
+/// The factor that brings a gyro's or accelerometer's unit to SI: 1 for count.
+double si_factor(std::string_view unit);
+
+/// A unit of time as nanoseconds, as a power of ten: 9 for s.
+int time_exponent(std::string_view unit);
+
+}  // namespace imulab
