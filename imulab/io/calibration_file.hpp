@@ -5,12 +5,18 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace imulab {
 
 /// Reads calibration.json or truth.json. Throws Error naming file, field and what was expected; a newer format is refused by its name.
+/// Top-level keys beyond the format (a truth's rig errors) are left alone.
 Calibration read_calibration(const std::filesystem::path& path);
 
+/// The same from text; `file` is its name in messages.
+Calibration parse_calibration(std::string_view text, const std::string& file);
+
+/// The calibration as JSON text that reads back to the same numbers.
 std::string calibration_text(const Calibration& calibration);
 
 }  // namespace imulab

@@ -14,27 +14,15 @@ constexpr std::array<Term, 6> gyro_terms{Term::offset, Term::matrix, Term::quadr
 
 /// The columns a term has in one row: {first, past the last}.
 std::array<int, 2> columns_of(Term term, int row) {
-  switch (term) {
-    case Term::offset:
-    case Term::quadratic:
-    case Term::cubic:
-      return {row, row + 1};
-    case Term::thermal:
-      return {1, 3};  // orders; order 0 is fixed by the gauge
-    case Term::matrix:
-    case Term::g_sensitivity:
-    case Term::lever_arm:
-      break;
-  }
+  if (is_vector(term)) return {row, row + 1};
+  if (term == Term::thermal) return {1, 3};  // orders; order 0 is fixed by the gauge
   return {0, 3};
 }
-
-bool is_full_matrix(Term term) { return columns_of(term, 0)[1] == 3 && term != Term::thermal; }
 
 std::string element_name(Term term, int row, int column) {
   const auto letter = [](int axis) { return std::string(1, "xyz"[axis]); };
   if (term == Term::thermal) return letter(row) + std::to_string(column);
-  return is_full_matrix(term) ? letter(row) + letter(column) : letter(row);
+  return is_vector(term) ? letter(row) : letter(row) + letter(column);
 }
 
 std::string unit_of(Triad triad, Term term, int column) {
@@ -137,7 +125,7 @@ std::vector<int> select_coefficients(std::string_view selector) {
   for (int i = 0; i < coefficient_count; ++i) {
     const Coefficient& c = table[static_cast<std::size_t>(i)];
     const std::string term = std::string(to_string(c.triad)) + "." + std::string(to_string(c.term));
-    const bool in_group = is_full_matrix(c.term) && selector == term + (c.row == c.column ? ".diagonal" : ".off_diagonal");
+    const bool in_group = !is_vector(c.term) && c.term != Term::thermal && selector == term + (c.row == c.column ? ".diagonal" : ".off_diagonal");
     if (selector == c.name || selector == term || in_group) selected.push_back(i);
   }
   if (selected.empty()) unknown(selector);
@@ -146,6 +134,8 @@ std::vector<int> select_coefficients(std::string_view selector) {
 
 double coefficient_value(const SensorModel& model, int index) { return element(model, row_of(index)); }
 void set_coefficient(SensorModel& model, int index, double value) { element(model, row_of(index)) = value; }
+
+bool is_vector(Term term) { return term == Term::offset || term == Term::quadratic || term == Term::cubic; }
 
 std::string_view to_string(Triad triad) { return triad == Triad::accel ? "accel" : "gyro"; }
 

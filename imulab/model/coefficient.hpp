@@ -37,6 +37,9 @@ std::vector<int> select_coefficients(std::string_view selector);
 double coefficient_value(const SensorModel& model, int index);
 void set_coefficient(SensorModel& model, int index, double value);
 
+/// Three elements, one an axis (offset, quadratic, cubic); the other terms are 3x3 in the model and in files.
+bool is_vector(Term term);
+
 std::string_view to_string(Triad triad);
 std::string_view to_string(Term term);
 
