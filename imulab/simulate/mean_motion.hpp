@@ -1,0 +1,34 @@
+// What ideal sensors put out: means of rate and specific force over each sample's interval, from the closed form of the motion.
+#pragma once
+
+#include "imulab/model/compensate.hpp"
+#include "imulab/rig/motion.hpp"
+
+#include <vector>
+
+namespace imulab {
+
+/// Means over intervals, by Gauss-Legendre quadrature of the closed form; exact while the rig rests.
+class MeanMotion {
+ public:
+  MeanMotion(RigMotion motion, const Surroundings& surroundings);
+
+  /// Means over samples begin .. begin + out's length; sample i's interval is (i, i + 1) * interval_s. The columns are equally long.
+  void over(std::size_t begin, double interval_s, const MotionColumns& out) const;
+
+ private:
+  struct Piece {
+    double begin, end;
+    bool at_rest;
+    double panel;         // s: longest interval of one quadrature
+    Motion rest;          // the constant motion where at rest
+    Vector3d force_jump;  // integral [m/s] of the size effect of the rate's jump at `begin`
+  };
+  Motion integral(std::size_t piece, double begin, double end) const;
+
+  RigMotion motion_;
+  Surroundings surroundings_;
+  std::vector<Piece> pieces_;
+};
+
+}  // namespace imulab

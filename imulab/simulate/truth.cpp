@@ -1,0 +1,56 @@
+// The drawn unit.
+#include "imulab/core/error.hpp"
+#include "imulab/core/random.hpp"
+#include "imulab/model/grade.hpp"
+#include "imulab/simulate/simulate.hpp"
+
+#include <cmath>
+
+namespace imulab {
+
+namespace {
+
+/// Each coefficient has a stream of its own draws: a new one never shifts another.
+Vector3d drawn_vector(std::uint64_t seed, std::string_view purpose, double sigma) {
+  const RandomStream draws(seed, purpose);
+  Vector3d v;
+  for (int i = 0; i < 3; ++i) v(i) = sigma * draws.normal(static_cast<std::uint64_t>(i));
+  return v;
+}
+
+Matrix3d drawn_matrix(std::uint64_t seed, std::string_view purpose, double sigma_diagonal, double sigma_off_diagonal) {
+  const RandomStream draws(seed, purpose);
+  Matrix3d m;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) m(i, j) = (i == j ? sigma_diagonal : sigma_off_diagonal) * draws.normal(static_cast<std::uint64_t>(3 * i + j));
+  return m;
+}
+
+SensorModel drawn_model(const Grade& g, std::uint64_t seed) {
+  SensorModel model;
+  model.accel.offset = drawn_vector(seed, "truth accel.offset", g.accel_bias);
+  model.gyro.offset = drawn_vector(seed, "truth gyro.offset", g.gyro_bias);
+  const Matrix3d accel = drawn_matrix(seed, "truth accel.matrix", g.accel_scale, g.accel_misalignment);
+  model.accel.matrix += accel.triangularView<Eigen::Lower>().toDenseMatrix();
+  model.gyro.matrix += drawn_matrix(seed, "truth gyro.matrix", g.gyro_scale, g.gyro_misalignment);
+  model.g_sensitivity = drawn_matrix(seed, "truth gyro.g_sensitivity", g.g_sensitivity, g.g_sensitivity);
+  return model;
+}
+
+}  // namespace
+
+Truth draw_truth(const Session& procedure, std::uint64_t seed, const std::optional<SensorModel>& given) {
+  const ImuDeclaration& imu = procedure.imu;
+  const Grade* const spread = imu.grade ? &grade(*imu.grade) : nullptr;
+  if (!given && !spread) throw Error("[imu]: a unit to simulate was expected: grade (drawn) or truth (a file)");
+  if (!spread && !(imu.accel_noise_density && imu.gyro_noise_density))
+    throw Error("[imu]: noise to simulate was expected: accel_noise_density and gyro_noise_density, or a grade");
+  Truth truth;
+  truth.model = given ? *given : drawn_model(*spread, seed);
+  truth.gravity = procedure.site.gravity() + procedure.site.gravity_sigma() * RandomStream(seed, "truth gravity").normal(0);
+  truth.accel_noise_density = imu.accel_noise_density ? *imu.accel_noise_density : spread->accel_noise_density;
+  truth.gyro_noise_density = imu.gyro_noise_density ? *imu.gyro_noise_density : spread->gyro_noise_density;
+  return truth;
+}
+
+}  // namespace imulab
