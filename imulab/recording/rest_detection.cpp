@@ -101,7 +101,8 @@ Quietness quietness_of(const std::array<Windows, 3>& axes, double threshold_sigm
   return result;
 }
 
-/// Runs of quiet windows as sample ranges, cut at gaps and saturated samples, a quarter window trimmed where motion adjoins.
+/// Runs of quiet windows as sample ranges, cut at gaps and saturated samples. Where motion adjoins one stride is trimmed: a quiet window may hold its
+/// first, slow part.
 std::vector<Range> quiet_runs(const Recording& recording, const std::vector<char>& quiet, std::size_t length, std::size_t stride) {
   std::vector<Range> runs;
   for (std::size_t k = 0; k < quiet.size();) {
@@ -111,22 +112,13 @@ std::vector<Range> quiet_runs(const Recording& recording, const std::vector<char
     }
     std::size_t last = k;
     while (last + 1 < quiet.size() && quiet[last + 1]) ++last;
-    const std::size_t trim = length / 4;
-    Range run{k * stride + (k == 0 ? 0 : trim), last * stride + length - (last + 1 == quiet.size() ? 0 : trim)};
+    Range run{(k + (k == 0 ? 0 : 1)) * stride, last * stride + length - (last + 1 == quiet.size() ? 0 : stride)};
     if (run.begin < run.end) runs.push_back(run);
     k = last + 1;
   }
-  std::vector<std::size_t> cuts = recording.gaps;
-  cuts.insert(cuts.end(), recording.saturated.begin(), recording.saturated.end());
-  std::sort(cuts.begin(), cuts.end());
   std::vector<Range> pieces;
-  for (Range run : runs) {
-    for (auto cut = std::lower_bound(cuts.begin(), cuts.end(), run.begin); cut != cuts.end() && *cut < run.end; ++cut) {
-      pieces.push_back({run.begin, *cut});
-      run.begin = *cut + (std::binary_search(recording.saturated.begin(), recording.saturated.end(), *cut) ? 1 : 0);
-    }
-    pieces.push_back(run);
-  }
+  for (const Range& run : runs)
+    for (const Range& piece : without_interruptions(recording, run)) pieces.push_back(piece);
   return pieces;
 }
 
@@ -158,10 +150,30 @@ std::vector<char> turning_runs(const Recording& recording, const std::vector<Ran
 
 }  // namespace
 
+std::vector<Range> without_interruptions(const Recording& recording, Range range) {
+  std::vector<Range> pieces;
+  auto gap = std::lower_bound(recording.gaps.begin(), recording.gaps.end(), range.begin + 1);
+  auto saturated = std::lower_bound(recording.saturated.begin(), recording.saturated.end(), range.begin);
+  while (range.begin < range.end) {
+    const std::size_t next_gap = gap != recording.gaps.end() ? *gap : range.end;
+    const std::size_t next_saturated = saturated != recording.saturated.end() ? *saturated : range.end;
+    const std::size_t cut = std::min({next_gap, next_saturated, range.end});
+    if (cut > range.begin) pieces.push_back({range.begin, cut});
+    range.begin = cut;
+    if (next_saturated == cut && cut < range.end) {  // the sample itself is lost
+      ++range.begin;
+      ++saturated;
+    }
+    if (next_gap == cut && gap != recording.gaps.end()) ++gap;
+    if (cut == range.end) break;
+  }
+  return pieces;
+}
+
 RestDetection detect_rests(const Recording& recording, const RestOptions& options) {
   RestDetection found;
-  const auto stride = static_cast<std::size_t>(std::max(1.0, std::round(options.window_s / 5 / recording.interval_s)));
-  const std::size_t length = 5 * stride;
+  const auto stride = static_cast<std::size_t>(std::max(1.0, std::round(options.window_s / 10 / recording.interval_s)));
+  const std::size_t length = 10 * stride;
   if (recording.size() < 2 * length) return found;
 
   std::array<Windows, 3> gyro, accel;

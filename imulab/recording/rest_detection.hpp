@@ -28,6 +28,9 @@ struct RestDetection {
   std::vector<std::string> notes;                     ///< the same in words
 };
 
+/// The parts of a range between its gaps and saturated samples.
+std::vector<Range> without_interruptions(const Recording& recording, Range range);
+
 RestDetection detect_rests(const Recording& recording, const RestOptions& options = {});
 
 }  // namespace imulab

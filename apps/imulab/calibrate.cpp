@@ -1,0 +1,112 @@
+#include "apps/imulab/calibrate.hpp"
+
+#include "apps/imulab/command.hpp"
+#include "imulab/core/error.hpp"
+#include "imulab/estimate/handheld.hpp"
+#include "imulab/estimate/static.hpp"
+#include "imulab/io/calibration_file.hpp"
+#include "imulab/io/file.hpp"
+#include "imulab/io/recording_file.hpp"
+#include "imulab/io/session_file.hpp"
+#include "imulab/model/coefficient.hpp"
+#include "imulab/recording/rests.hpp"
+
+#include <fmt/core.h>
+
+#include <chrono>
+#include <ctime>
+#include <functional>
+#include <map>
+#include <memory>
+
+namespace imulab::command {
+
+namespace {
+
+using Method = Calibration (*)(const Recording&, const std::vector<Range>&, const ImuDeclaration&, const Site&, const EstimateOptions&);
+const std::map<std::string, Method> methods{{"handheld", calibrate_handheld}, {"static", calibrate_static}};
+
+std::string utc_now() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
+  return text;
+}
+
+const RecordingSource& choose_recording(const Session& session, const std::string& name) {
+  if (session.recordings.empty()) throw Error(session.file + ": [[recording]]: expected at least one");
+  if (name.empty()) {
+    if (session.recordings.size() > 1)
+      throw Error(fmt::format("{}: {} recordings: this method uses one; choose it with --recording FILE", session.file, session.recordings.size()));
+    return session.recordings.front();
+  }
+  for (const RecordingSource& source : session.recordings)
+    if (source.file == name) return source;
+  throw Error(fmt::format("{}: no recording has file = \"{}\"", session.file, name));
+}
+
+/// "auto", or selectors separated by commas.
+std::vector<int> parse_terms(const std::string& terms) {
+  std::vector<int> indices;
+  if (terms == "auto") return indices;
+  for (std::size_t begin = 0; begin <= terms.size();) {
+    const std::size_t end = std::min(terms.find(',', begin), terms.size());
+    for (const int index : select_coefficients(terms.substr(begin, end - begin))) indices.push_back(index);
+    begin = end + 1;
+  }
+  return indices;
+}
+
+}  // namespace
+
+Calibration calibrate(const CalibrateArguments& arguments) {
+  EstimateOptions options;
+  options.terms = parse_terms(arguments.terms);
+  const Session session = read_session(arguments.session);
+  const RecordingSource& source = choose_recording(session, arguments.recording);
+  session.site.gravity();  // says at once where neither g nor the latitude is known
+  RecordingReading reading = read_recording(session, source);
+  for (const std::string& text : reading.warnings) warn(text);
+  const Rests rests = rests_of(reading.recording, session);
+
+  Calibration calibration = methods.at(arguments.method)(reading.recording, rests.ranges, session.imu, session.site, options);
+  calibration.created = utc_now();
+  calibration.software = "imulab " IMULAB_VERSION;
+  calibration.session_file = session.file;
+  calibration.session_sha256 = session.sha256;
+  Quality& quality = calibration.quality;
+  quality.notes.insert(quality.notes.begin(), rests.notes.begin(), rests.notes.end());
+  for (const std::string& text : quality.warnings) warn(text);
+  quality.warnings.insert(quality.warnings.begin(), reading.warnings.begin(), reading.warnings.end());
+  if (!arguments.output.empty()) {
+    const std::string text = calibration_text(calibration);
+    if (arguments.output == "-") fmt::print("{}", text);
+    else write_whole(arguments.output, text);
+  }
+  return calibration;
+}
+
+void add_calibrate(CLI::App& app) {
+  const auto a = std::make_shared<CalibrateArguments>();
+  CLI::App* const verb = app.add_subcommand("calibrate", "A session becomes a calibration with uncertainties");
+  verb->add_option("session", a->session, "a session folder or its session.toml")->required();
+  std::vector<std::string> names;
+  for (const auto& [name, method] : methods) names.push_back(name);
+  verb->add_option("--method", a->method, "static: from rests alone; handheld: from rests and the rotations between them")->required()->check(CLI::IsMember(names));
+  verb->add_option("-o,--output", a->output, "the calibration file to write; - for standard output");
+  verb->add_option("--terms", a->terms, "coefficients to estimate, for example accel.offset,gyro.matrix.diagonal; auto: what the data support")->capture_default_str();
+  verb->add_option("--recording", a->recording, "which recording, where the session has several");
+  verb->add_flag("--json", a->json, "print the calibration file's text instead of the table");
+  verb->callback([a] {
+    const Calibration calibration = calibrate(*a);
+    if (a->json) fmt::print("{}", calibration_text(calibration));
+    else if (a->output != "-") print_calibration(calibration);
+    if (!a->output.empty() && a->output != "-" && !a->json) fmt::print("\nwritten: {}\n", a->output);
+    if (calibration.quality.unobservable.empty()) return;
+    std::string list;
+    for (const std::string& name : calibration.quality.unobservable) list += " " + name;
+    throw Unsupported(fmt::format("the data do not determine:{}; they keep their starting values", list));
+  });
+}
+
+}  // namespace imulab::command

@@ -1,0 +1,20 @@
+// The rests of a recording: declared by the session's steps, or found in the data.
+#pragma once
+
+#include "imulab/recording/rest_detection.hpp"
+#include "imulab/recording/session.hpp"
+
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+struct Rests {
+  std::vector<Range> ranges;
+  std::vector<std::string> notes;  ///< where they come from, and with which thresholds
+};
+
+/// The holds of the steps that belong to the recording; where the session has no steps, the rests that detect_rests finds.
+Rests rests_of(const Recording& recording, const Session& session);
+
+}  // namespace imulab

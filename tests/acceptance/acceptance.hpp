@@ -1,0 +1,45 @@
+// The acceptance test every method has to pass: over many simulated sessions with known truth, are the errors as small as the data allow, and as
+// large as the stated covariance says?
+#pragma once
+
+#include "imulab/model/calibration.hpp"
+#include "imulab/simulate/simulate.hpp"
+
+#include <Eigen/Core>
+
+#include <string>
+#include <vector>
+
+namespace imulab::acceptance {
+
+/// One simulated session: the errors of the estimate, what it stated, and the Fisher information of the session.
+struct Run {
+  std::vector<int> indices;   ///< table indices of the m coefficients
+  Eigen::VectorXd error;
+  Eigen::MatrixXd covariance;
+  Eigen::MatrixXd information;
+};
+
+struct Check {
+  std::string name;
+  double value, low, high;
+  bool passed() const { return value >= low && value <= high; }
+};
+
+/// efficiency: mean of e^T F e / m at most 1.1025 (1.05 in RMS)
+/// consistency: mean of e^T P^-1 e / m inside the 99.9 % chi-square band
+/// coverage: by term, the fraction of whitened components within 1.96 inside the 99.9 % binomial band
+/// worst coefficient: RMS over its bound below sqrt(chi2_N(1 - 0.001 / m) / N)
+std::vector<Check> judge(const std::vector<Run>& runs);
+
+/// What is simulated and calibrated, from a seed alone: poses, unit, gravity and noise are all drawn.
+Run handheld_run(std::uint64_t seed);
+Run static_run(std::uint64_t seed);
+
+/// Runs of seeds 1 .. count on all cores.
+std::vector<Run> run_all(Run (*run)(std::uint64_t), int count);
+
+/// The checks as lines of text.
+std::string describe(const std::vector<Check>& checks);
+
+}  // namespace imulab::acceptance

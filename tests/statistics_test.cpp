@@ -1,0 +1,23 @@
+// The acceptance test in small: the full size runs as ./dev accept.
+#include "tests/acceptance/acceptance.hpp"
+
+#include <gtest/gtest.h>
+
+using namespace imulab::acceptance;
+
+namespace {
+
+void expect_accepted(Run (*run)(std::uint64_t), int count) {
+  const auto checks = judge(run_all(run, count));
+  for (const Check& check : checks) {
+    // Efficiency over few runs scatters: its band is widened by 3.3 sigmas of the chi-square of count x m (m about 21) degrees of freedom.
+    const double slack = check.name == "efficiency" ? 3.3 * std::sqrt(2.0 / (21.0 * count)) : 0;
+    EXPECT_GE(check.value, check.low) << describe(checks);
+    EXPECT_LE(check.value, check.high + slack) << describe(checks);
+  }
+}
+
+}  // namespace
+
+TEST(Statistics, HandheldUncertaintiesHold) { expect_accepted(handheld_run, 40); }
+TEST(Statistics, StaticUncertaintiesHold) { expect_accepted(static_run, 20); }
