@@ -4,6 +4,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -23,16 +24,6 @@ struct Descriptor {
     if (fd >= 0) ::close(fd);
   }
 };
-
-bool write_all(int fd, std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t written = ::write(fd, text.data(), text.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return false;
-    text.remove_prefix(static_cast<std::size_t>(written));
-  }
-  return true;
-}
 
 }  // namespace
 
@@ -55,19 +46,37 @@ MappedFile::~MappedFile() {
   if (data_ != nullptr) ::munmap(const_cast<char*>(data_), size_);
 }
 
-void write_whole(const std::filesystem::path& path, std::string_view text) {
+WholeFile::WholeFile(const std::filesystem::path& path) : path_(path), temporary_(path.string() + ".XXXXXX") {
   errno = 0;
-  std::string temporary = path.string() + ".XXXXXX";  // in the same folder, so that the rename is atomic
-  const Descriptor file{::mkstemp(temporary.data())};
-  if (file.fd < 0) fail(path, "cannot be written");
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  if (!write_all(file.fd, text) || ::fchmod(file.fd, 0666 & ~mask) != 0 || std::rename(temporary.c_str(), path.c_str()) != 0) {
-    const int reason = errno;
-    ::unlink(temporary.c_str());
-    errno = reason;
-    fail(path, "cannot be written");
+  descriptor_ = ::mkstemp(temporary_.data());  // in the same folder, so that the rename is atomic
+  if (descriptor_ < 0) fail(path_, "cannot be written");
+}
+
+WholeFile::~WholeFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+void WholeFile::write(std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(descriptor_, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail(path_, "cannot be written");
+    text.remove_prefix(static_cast<std::size_t>(written));
   }
+}
+
+void WholeFile::commit() {
+  const mode_t mask = ::umask(0);  // mkstemp's file is private: give it what the user gives new files
+  ::umask(mask);
+  if (::fchmod(descriptor_, 0666 & ~mask) != 0 || ::rename(temporary_.c_str(), path_.c_str()) != 0) fail(path_, "cannot be written");
+  temporary_.clear();
+}
+
+void write_whole(const std::filesystem::path& path, std::string_view text) {
+  WholeFile file(path);
+  file.write(text);
+  file.commit();
 }
 
 }  // namespace imulab

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <string_view>
 
@@ -22,7 +21,23 @@ class MappedFile {
   std::size_t size_ = 0;
 };
 
-/// Writes `text` to `path` whole or not at all (a temporary beside it, then a rename). Throws Error.
+/// A file being written: a temporary beside its place that takes its name at commit(), or vanishes. Throws Error.
+class WholeFile {
+ public:
+  explicit WholeFile(const std::filesystem::path& path);
+  ~WholeFile();
+  WholeFile(const WholeFile&) = delete;
+  WholeFile& operator=(const WholeFile&) = delete;
+  void write(std::string_view text);
+  void commit();
+
+ private:
+  std::filesystem::path path_;
+  std::string temporary_;  // empty once it has its name
+  int descriptor_ = -1;
+};
+
+/// Writes `text` to `path` whole or not at all. Throws Error.
 void write_whole(const std::filesystem::path& path, std::string_view text);
 
 /// SHA-256 of `text` as 64 hexadecimal digits.

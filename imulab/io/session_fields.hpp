@@ -3,7 +3,7 @@
 
 #include "imulab/core/units.hpp"
 #include "imulab/io/field.hpp"
-#include "imulab/io/units.hpp"
+#include "imulab/io/unit_names.hpp"
 #include "imulab/recording/session.hpp"
 
 #include <optional>

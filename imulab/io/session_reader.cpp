@@ -34,7 +34,7 @@ void read_recording_source(TomlFields& f, Session& session) {
   describe(f, recording);
   std::vector<std::string_view> rigs;
   for (const RigDeclaration& rig : session.rigs) rigs.push_back(rig.name);
-  f.check(rigs.size() < 2 || !recording.rig.empty(), "rig", "rig is missing, expected since there are several: " + listed(rigs));
+  f.check(rigs.size() < 2 || !recording.rig.empty(), "rig", "is missing, expected since there are several: " + listed(rigs));
   f.check(recording.rig.empty() || std::find(rigs.begin(), rigs.end(), recording.rig) != rigs.end(), "rig",
           fmt::format("\"{}\" is no rig of this session, expected {}", recording.rig, rigs.empty() ? "[[rig]] of that name" : listed(rigs)));
   f.check(std::none_of(session.recordings.begin(), session.recordings.end(), [&](const RecordingSource& r) { return r.file == recording.file; }),
@@ -47,13 +47,12 @@ void read_step(TomlFields& f, Session& session, StepLayout& layout) {
   describe(f, text);
   std::vector<std::string_view> files;
   for (const RecordingSource& recording : session.recordings) files.push_back(recording.file);
-  f.check(files.size() < 2 || text.recording, "recording", "recording is missing, expected since there are several: " + listed(files));
+  f.check(files.size() < 2 || text.recording, "recording", "is missing, expected since there are several: " + listed(files));
   std::string recording = text.recording.value_or(files.size() == 1 ? std::string(files[0]) : "");
   f.check(files.empty() || std::find(files.begin(), files.end(), recording) != files.end(), "recording",
           fmt::format("\"{}\" is no recording of this session, expected {}", recording, listed(files)));
   Step step;
-  if (const auto problem = layout.place(text, recording, step))
-    f.check(false, problem->key, f.has(problem->key) ? problem->message : fmt::format("{} {}", problem->key, problem->message));
+  if (const auto problem = layout.place(text, recording, step)) f.check(false, problem->key, problem->message);
   session.steps.push_back(step);
 }
 

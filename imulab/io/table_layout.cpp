@@ -57,7 +57,7 @@ std::string TableLayout::column_name(std::size_t index) const {
 std::size_t TableLayout::find(const Column& column) const {
   if (const int* number = std::get_if<int>(&column)) {
     if (*number >= 1 && static_cast<std::size_t>(*number) <= columns) return static_cast<std::size_t>(*number) - 1;
-    throw Error(fmt::format("{}:{}: column {} is not there, expected 1 to {}", file, line, *number, columns));
+    throw Error(fmt::format("{}: column {} is not there, expected 1 to {}", file, *number, columns));
   }
   const std::string& name = std::get<std::string>(column);
   const auto found = std::find(names.begin(), names.end(), name);

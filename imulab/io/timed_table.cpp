@@ -4,7 +4,7 @@
 #include "imulab/io/decimal.hpp"
 #include "imulab/io/file.hpp"
 #include "imulab/io/table_layout.hpp"
-#include "imulab/io/units.hpp"
+#include "imulab/io/unit_names.hpp"
 
 #include <fmt/core.h>
 

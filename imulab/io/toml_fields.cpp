@@ -32,7 +32,8 @@ struct TomlFields::Node {
     throw Error(fmt::format("{}:{}: {}: {}", file, node.source().begin.line, name(key), message));
   }
   double number(const toml::node& node, std::string_view key, const Number& kind) const {
-    const std::optional<double> value = node.is_number() ? node.value<double>() : std::nullopt;
+    const auto integer = node.value_exact<std::int64_t>();
+    const std::optional<double> value = integer ? static_cast<double>(*integer) : node.value_exact<double>();
     if (!value) fail(node, key, fmt::format("{}, expected a number", kind_of(node)));
     if (!std::isfinite(*value)) fail(node, key, "is not a finite number");
     if (*value < kind.low || *value > kind.high || (kind.above_low && *value == kind.low)) fail(node, key, out_of_range(*value, kind));
@@ -235,8 +236,7 @@ void TomlFields::tables(std::string_view key, const Body& body) {
 void TomlFields::check(bool good, std::string_view key, const std::string& message) const {
   if (good || !node_->missing.empty()) return;
   const toml::node* node = node_->table->get(key);
-  if (node != nullptr) node_->fail(*node, key, message);
-  throw Error(fmt::format("{}:{}: {}: {}", node_->file, node_->table->source().begin.line, node_->path, message));
+  node_->fail(node != nullptr ? *node : *node_->table, key, message);
 }
 
 void TomlFields::done() const {

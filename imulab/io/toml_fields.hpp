@@ -54,7 +54,7 @@ class TomlFields {
   }
   void tables(std::string_view key, const Body& body);  ///< [[key]], or one [key]
 
-  /// Throws the message about the key, or about the table where the key is absent, unless good.
+  /// Throws the message about the key (with the table's line where the key is absent) unless good.
   void check(bool good, std::string_view key, const std::string& message) const;
   /// Throws where a key was not asked for, or a required one is missing.
   void done() const;

@@ -1,4 +1,4 @@
-#include "imulab/io/units.hpp"
+#include "imulab/io/unit_names.hpp"
 
 #include "imulab/core/units.hpp"
 

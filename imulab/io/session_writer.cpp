@@ -1,0 +1,157 @@
+#include "imulab/io/session_fields.hpp"
+#include "imulab/io/session_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace imulab {
+namespace {
+
+/// `value` in units of `factor`, as the shortest decimal that gives it back when it is read.
+std::string in_unit(double value, double factor) {
+  const double quotient = value / factor;
+  for (int digits = 1; digits <= 17; ++digits)
+    if (const double d = std::stod(fmt::format("{:.{}g}", quotient, digits)); d * factor == value) return fmt::format("{}", d);
+  for (const double d : {std::nextafter(quotient, HUGE_VAL), std::nextafter(quotient, -HUGE_VAL)})
+    if (d * factor == value) return fmt::format("{}", d);
+  return fmt::format("{}", quotient);
+}
+
+std::string toml_string(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') result += '\\';
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      result += fmt::format("\\u{:04X}", static_cast<int>(c));
+    } else {
+      result += c;
+    }
+  }
+  return result + '"';
+}
+
+std::string column_text(const Column& column) {
+  return std::holds_alternative<int>(column) ? fmt::format("{}", std::get<int>(column)) : toml_string(std::get<std::string>(column));
+}
+
+/// The counterpart of TomlFields: writes what it is given. Tables inside a table become inline ones.
+class TomlText {
+ public:
+  void text(std::string_view key, const std::string& value) { add(key, toml_string(value)); }
+  void text(std::string_view key, const std::optional<std::string>& value) {
+    if (value) text(key, *value);
+  }
+  void number(std::string_view key, double value, const Number& kind) { add(key, in_unit(value, kind.factor)); }
+  void number(std::string_view key, const std::optional<double>& value, const Number& kind) {
+    if (value) number(key, *value, kind);
+  }
+  template <std::size_t N>
+  void numbers(std::string_view key, const std::array<double, N>& values, const Number& kind) {
+    std::string list;
+    for (const double value : values) list += (list.empty() ? "" : ", ") + in_unit(value, kind.factor);
+    add(key, "[" + list + "]");
+  }
+  void pair(std::string_view key, const std::optional<std::array<double, 2>>& values, const Number& kind) {
+    if (values) numbers(key, *values, kind);
+  }
+  void number_or_numbers(std::string_view key, const std::array<double, 3>& values, const Number& kind) {
+    if (values[0] != values[1] || values[0] != values[2]) return numbers(key, values, kind);
+    if (values[0] != 0) number(key, values[0], kind);
+  }
+  void spread(std::string_view key, const Spread& value, double factor) {
+    const std::string number = in_unit(value.value, factor);
+    if (value.value != 0 || value.fixed) add(key, value.fixed ? fmt::format("{{ fixed = {} }}", number) : number);
+  }
+  template <class Enum>
+  void choice(std::string_view key, Enum value, const std::vector<Enum>&) {
+    add(key, toml_string(to_string(value)));
+  }
+  void choice(std::string_view key, const std::string& value, const std::vector<std::string_view>&, Presence) { add(key, toml_string(value)); }
+  void column(std::string_view key, const Column& value) { add(key, column_text(value)); }
+  void columns(std::string_view key, const std::vector<Column>& values, const std::vector<std::size_t>&) {
+    std::string list;
+    for (const Column& value : values) list += (list.empty() ? "" : ", ") + column_text(value);
+    add(key, "[" + list + "]");
+  }
+  void axis(std::string_view key, const std::optional<BodyAxis>& value) {
+    if (value) add(key, fmt::format("\"{}{}\"", value->sign > 0 ? '+' : '-', "xyz"[value->index]));
+  }
+  void clock_zero(std::string_view key, std::int64_t zero_ns, int exponent) {
+    std::int64_t one = 1;
+    for (int i = 0; i < exponent; ++i) one *= 10;
+    const std::uint64_t rest = static_cast<std::uint64_t>(std::abs(zero_ns % one));
+    std::string value = fmt::format("{}{}", zero_ns < 0 && zero_ns / one == 0 ? "-" : "", zero_ns / one);
+    if (rest != 0) value += fmt::format(".{:0{}}", rest, exponent);
+    if (zero_ns != 0) add(key, value);
+  }
+  template <class Body>
+  void table(std::string_view key, Presence, const Body& body) {
+    TomlText inner;
+    body(inner);
+    if (inner.items_.empty()) return;
+    std::string list;
+    for (const std::string& item : inner.items_) list += (list.empty() ? "" : ", ") + item;
+    add(key, "{ " + list + " }");
+  }
+  template <class T, class Body>
+  void table_of(std::string_view key, std::optional<T>& value, const Body& body) {
+    if (value) table(key, Presence::optional, [&](TomlText& t) { body(t, *value); });
+  }
+  void check(bool, std::string_view, std::string_view) const {}
+
+  /// The items as a section of the file.
+  std::string section(std::string_view title) const {
+    std::string result = fmt::format("\n{}\n", title);
+    for (const std::string& item : items_) result += item + "\n";
+    return result;
+  }
+
+ private:
+  void add(std::string_view key, const std::string& value) { items_.push_back(fmt::format("{} = {}", key, value)); }
+
+  std::vector<std::string> items_;
+};
+
+template <class Table, class... Context>
+std::string section(std::string_view title, Table table, Context... context) {
+  TomlText text;
+  describe(text, table, context...);
+  return text.section(title);
+}
+
+StepText step_text(const Step& step, bool several_recordings) {
+  StepText text;
+  const auto degrees = [](double rad) { return std::stod(in_unit(rad, unit::deg)); };
+  text.kind = step.kind;
+  if (several_recordings && !step.recording.empty()) text.recording = step.recording;
+  text.start_s = step.start;
+  text.end_s = step.end;
+  if (step.kind == StepKind::hold)
+    for (std::size_t a = 0; a < 3; ++a) text.angles_deg[a] = degrees(step.angles[a]);
+  text.axis = step.axis;
+  text.angle_deg = degrees(step.angle);
+  text.rate_dps = degrees(step.rate);
+  if (step.acceleration) text.acceleration_dps2 = degrees(*step.acceleration);
+  if (step.mount) text.up = step.mount->up, text.outward = step.mount->outward;
+  text.radius_m = step.radius;
+  text.temperature_degC = step.temperature;
+  return text;
+}
+
+}  // namespace
+
+std::string session_text(const Session& session) {
+  std::string text = fmt::format("format = {}\n", toml_string(session_format));
+  if (session.imu != ImuDeclaration{}) text += section("[imu]", session.imu);
+  if (session.site != Site{}) text += section("[site]", session.site);
+  const bool several = session.rigs.size() > 1;
+  for (const RigDeclaration& rig : session.rigs) text += section(several ? "[[rig]]" : "[rig]", rig, several);
+  for (const RecordingSource& recording : session.recordings) text += section("[[recording]]", recording);
+  for (const Step& step : session.steps) text += section("[[step]]", step_text(step, session.recordings.size() != 1));
+  if (session.initial) text += section("[initial]", *session.initial);
+  if (session.truth_file) text += fmt::format("\n[truth]\nfile = {}\n", toml_string(*session.truth_file));
+  return text;
+}
+
+}  // namespace imulab
