@@ -1,0 +1,43 @@
+#include "imulab/analysis/compensate_recording.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/model/compensate.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace imulab {
+
+namespace {
+
+template <class Out>
+std::array<Out, 3> spans(auto& columns) {
+  return {Out(columns[0]), Out(columns[1]), Out(columns[2])};
+}
+
+bool out_of_range(const TriadModel& m, const Columns3& temperature, std::size_t sample) {
+  if (!m.temperature || temperature[0].empty()) return false;
+  const auto [low, high] = m.temperature->range;
+  return std::any_of(temperature.begin(), temperature.end(), [&](const auto& t) { return t[sample] < low || t[sample] > high; });
+}
+
+}  // namespace
+
+CompensatedRecording compensate(const SensorModel& model, Recording recording) {
+  CompensatedRecording out{std::move(recording), {}};
+  Recording& r = out.recording;
+  using In = std::span<const double>;
+  const RawColumns raw{spans<In>(r.gyro), spans<In>(r.accel), spans<In>(r.gyro_temperature), spans<In>(r.accel_temperature)};
+  try {
+    compensate(model, raw, {spans<std::span<double>>(r.gyro), spans<std::span<double>>(r.accel)});
+  } catch (const Error& e) {
+    throw Error(r.name + ": " + e.what());
+  }
+  r.gyro_unit = "rad/s";
+  r.accel_unit = "m/s^2";
+  for (std::size_t i = 0; i < r.size(); ++i)
+    if (out_of_range(model.accel, r.accel_temperature, i) || out_of_range(model.gyro, r.gyro_temperature, i)) out.out_of_range.push_back(i);
+  return out;
+}
+
+}  // namespace imulab

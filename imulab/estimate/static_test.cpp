@@ -1,0 +1,115 @@
+#include "imulab/estimate/static.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/model/coefficient.hpp"
+#include "tests/simulated_session.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace imulab {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+HandHeldOptions mems(int poses) {
+  HandHeldOptions options;
+  options.poses = poses;
+  options.first_rest = 5;
+  return options;
+}
+
+void expect_within(const Calibration& c, const SensorModel& truth, double sigmas) {
+  for (const int index : c.estimated)
+    EXPECT_LT(std::abs(coefficient_value(c.model, index) - coefficient_value(truth, index)), sigmas * *standard_uncertainty(c, index))
+        << coefficient_table()[static_cast<std::size_t>(index)].name;
+}
+
+/// A procedure whose rests are six faces.
+SimulatedSession six_faces(std::uint64_t seed) {
+  SimulatedSession s;
+  s.session = hand_held_procedure(mems(12), seed);
+  const double q = 90 * unit::deg;
+  const std::array<std::array<double, 3>, 6> faces{{{0, 0, 0}, {0, 2 * q, 0}, {0, q, 0}, {0, -q, 0}, {0, 0, q}, {0, 0, -q}}};
+  for (std::size_t k = 0; k < s.session.steps.size(); ++k) s.session.steps[k].angles = faces[k % 6];
+  s.truth = draw_truth(s.session, seed);
+  s.recording = simulate_recording(s.session, s.session.recordings.front(), s.truth, seed);
+  Session without_steps = s.session;
+  without_steps.steps.clear();
+  s.rests = rests_of(s.recording, without_steps).ranges;
+  return s;
+}
+
+TEST(Static, AccelerometersFromRestsAlone) {
+  const SimulatedSession s = simulate_session(mems(20), 1);
+  const Calibration c = calibrate_static(s.recording, s.rests, {}, s.site());
+  EXPECT_EQ(c.estimated.size(), 9u);
+  expect_within(c, s.truth.model, 4.3);  // 9 coefficients: once in 6000
+  EXPECT_THAT(c.quality.notes, Contains(HasSubstr("the gyros were not calibrated: they do not resolve Earth's rate")));
+  EXPECT_EQ(c.model.gyro.matrix, Matrix3d::Identity());
+  EXPECT_EQ(c.model.gyro.offset, Vector3d::Zero());
+  EXPECT_EQ(c.quality.verdict, "good");
+}
+
+TEST(Static, SixFacesGiveScalesAndOffsetsAndNameTheRest) {
+  const SimulatedSession s = six_faces(2);
+  const Calibration c = calibrate_static(s.recording, s.rests, {}, s.site());
+  EXPECT_THAT(c.quality.unobservable, testing::ElementsAre("accel.matrix.yx", "accel.matrix.zx", "accel.matrix.zy"));
+  EXPECT_EQ(c.estimated.size(), 6u);
+  EXPECT_EQ(c.model.accel.matrix(1, 0), 0);
+  EXPECT_THAT(c.quality.verdict, HasSubstr("doubtful, because 3 coefficients are not determined"));
+  // The faces are those of the true body axes, the misalignment of 1 % (one sigma) is unknown: what it does to scale and offset is of second order,
+  // below g (3 x 1e-2)^2 = 9 mm/s^2.
+  for (int j = 0; j < 3; ++j) {
+    EXPECT_NEAR(c.model.accel.matrix(j, j), s.truth.model.accel.matrix(j, j), 1e-3);
+    EXPECT_NEAR(c.model.accel.offset[j], s.truth.model.accel.offset[j], 1e-2);
+  }
+  EstimateOptions asked;
+  asked.terms = select_coefficients("accel.offset");
+  for (const int index : select_coefficients("accel.matrix.diagonal")) asked.terms.push_back(index);
+  EXPECT_TRUE(calibrate_static(s.recording, s.rests, {}, s.site(), asked).quality.unobservable.empty());
+}
+
+TEST(Static, RestsOnOneAxisDetermineThatAxisOnly) {
+  SimulatedSession s = six_faces(3);
+  std::vector<Range> up_and_down;
+  for (std::size_t k = 0; k < s.rests.size(); ++k)
+    if (k % 6 < 2) up_and_down.push_back(s.rests[k]);
+  ASSERT_EQ(up_and_down.size(), 4u);
+  const Calibration c = calibrate_static(s.recording, up_and_down, {}, s.site());
+  EXPECT_THAT(c.quality.unobservable, Contains("accel.matrix.xx"));
+  EXPECT_THAT(c.quality.unobservable, Contains("accel.offset.y"));
+  EXPECT_THAT(c.quality.unobservable, testing::Not(Contains("accel.matrix.zz")));
+  Recording counts = s.recording;
+  counts.accel_unit = "count";
+  EXPECT_THROW(calibrate_static(counts, up_and_down, {}, s.site()), Unsupported);
+}
+
+TEST(Static, GyrosFromEarthRate) {
+  HandHeldOptions options = mems(24);
+  options.first_rest = options.rest = 30;
+  options.grade = "navigation";
+  const SimulatedSession s = simulate_session(options, 4);
+  const Calibration c = calibrate_static(s.recording, s.rests, {}, s.site());
+  EXPECT_EQ(c.estimated.size(), 21u);
+  expect_within(c, s.truth.model, 4.5);
+  Site nowhere = s.site();
+  nowhere.given_gravity = s.truth.gravity;
+  nowhere.latitude.reset();
+  const Calibration without = calibrate_static(s.recording, s.rests, {}, nowhere);
+  EXPECT_EQ(without.estimated.size(), 9u);
+  EXPECT_THAT(without.quality.notes, Contains(HasSubstr("the site gives no latitude")));
+}
+
+TEST(Static, ABadRestIsDroppedAndNamed) {
+  SimulatedSession s = simulate_session(mems(20), 5);
+  for (std::size_t i = s.rests[6].begin; i < s.rests[6].end; ++i) s.recording.accel[2][i] += 0.1;
+  const Calibration c = calibrate_static(s.recording, s.rests, {}, s.site());
+  expect_within(c, s.truth.model, 4.3);
+  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("dropped as an outlier: the rest at")));
+}
+
+}  // namespace
+}  // namespace imulab

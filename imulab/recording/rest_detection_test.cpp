@@ -1,0 +1,90 @@
+#include "imulab/recording/rest_detection.hpp"
+
+#include "imulab/core/random.hpp"
+#include "tests/simulated_session.hpp"
+
+#include <gtest/gtest.h>
+
+namespace imulab {
+namespace {
+
+SimulatedSession session_of(std::uint64_t seed) {
+  HandHeldOptions options;
+  options.poses = 20;
+  options.first_rest = 20;
+  return simulate_session(options, seed);
+}
+
+TEST(RestDetection, FindsEveryRestAndNothingElse) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const SimulatedSession s = session_of(seed);
+    ASSERT_EQ(s.rests.size(), s.session.steps.size());
+    for (std::size_t k = 0; k < s.rests.size(); ++k) {
+      const double start = s.recording.time_s(s.rests[k].begin), end = s.recording.time_s(s.rests[k].end - 1);
+      const Step& step = s.session.steps[k];
+      // Inside the hold up to a stride (0.05 s) of motion that has hardly begun, and at most a window's tenth and a stride lost.
+      EXPECT_GE(start, step.start - 0.06);
+      EXPECT_LE(start, step.start + 0.16);
+      EXPECT_LE(end, step.end + 0.06);
+      EXPECT_GE(end, step.end - 0.16);
+    }
+  }
+}
+
+TEST(RestDetection, DoesNotDependOnUnitsOrZeros) {
+  const SimulatedSession s = session_of(6);
+  Recording counts = s.recording;
+  for (std::size_t j = 0; j < 3; ++j) {
+    for (double& v : counts.gyro[j]) v = 32768 + 4096 * v;  // powers of two: the same bits, shifted
+    for (double& v : counts.accel[j]) v = -1024 * v;
+  }
+  EXPECT_EQ(detect_rests(counts).rests, s.rests);
+}
+
+TEST(RestDetection, DoesNotLeanOnAnInitialRest) {
+  const SimulatedSession s = session_of(7);
+  const std::size_t cut = s.rests[0].end + 50;  // begin in motion
+  Recording later = s.recording;
+  later.time_ns.erase(later.time_ns.begin(), later.time_ns.begin() + static_cast<std::ptrdiff_t>(cut));
+  for (auto* columns : {&later.gyro, &later.accel})
+    for (auto& column : *columns) column.erase(column.begin(), column.begin() + static_cast<std::ptrdiff_t>(cut));
+  const auto found = detect_rests(later).rests;
+  ASSERT_EQ(found.size(), s.rests.size() - 1);
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    // The strides begin elsewhere and the thresholds rest on other windows: a few strides (5 samples each).
+    EXPECT_NEAR(static_cast<double>(found[k].begin + cut), static_cast<double>(s.rests[k + 1].begin), 15);
+    EXPECT_NEAR(static_cast<double>(found[k].end + cut), static_cast<double>(s.rests[k + 1].end), 15);
+  }
+}
+
+TEST(RestDetection, SteadyTurningIsNoRest) {
+  SimulatedSession s = session_of(8);
+  const Range turning = s.rests[4];
+  for (std::size_t i = turning.begin; i < turning.end; ++i) s.recording.gyro[2][i] += 0.5;  // as about the vertical: the accelerometers see nothing
+  const RestDetection found = detect_rests(s.recording);
+  EXPECT_EQ(found.rests.size(), s.rests.size() - 1);
+  EXPECT_EQ(found.turning, 1u);
+  EXPECT_EQ(found.notes.size(), 2u);
+}
+
+TEST(RestDetection, NoRestInSteadyShaking) {
+  Recording r;
+  r.interval_s = 0.01;
+  for (int i = 0; i < 10; ++i) r.time_ns.push_back(i);
+  for (auto* columns : {&r.gyro, &r.accel})
+    for (auto& column : *columns) column.assign(10, 0.0);
+  EXPECT_TRUE(detect_rests(r).rests.empty()) << "shorter than two windows";
+}
+
+TEST(RestDetection, GapsAndSaturatedSamplesCutARange) {
+  Recording r;
+  r.gaps = {5, 20};
+  r.saturated = {8, 9, 30};
+  EXPECT_EQ(without_interruptions(r, {2, 12}), (std::vector<Range>{{2, 5}, {5, 8}, {10, 12}}));
+  EXPECT_EQ(without_interruptions(r, {5, 8}), (std::vector<Range>{{5, 8}})) << "a gap before the first sample is outside";
+  EXPECT_EQ(without_interruptions(r, {10, 20}), (std::vector<Range>{{10, 20}}));
+  EXPECT_EQ(without_interruptions(r, {29, 31}), (std::vector<Range>{{29, 30}}));
+}
+
+}  // namespace
+}  // namespace imulab

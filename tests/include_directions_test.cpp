@@ -1,0 +1,115 @@
+// The rooms of the house include only rooms below them (docs/architecture.md).
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace imulab {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+const std::map<std::string, int> ranks{{"core", 0},     {"model", 1},    {"earth", 1},    {"recording", 2}, {"navigation", 3}, {"rig", 4},
+                                       {"simulate", 5}, {"estimate", 5}, {"analysis", 6}, {"io", 7},        {"report", 7},     {"apps", 8}};
+
+/// The room of a path: imulab/ROOM/... or apps/...; none for anything else.
+std::optional<std::string> room_of(const std::string& path) {
+  static const std::regex room("^(?:imulab/([^/]+)/|(apps)/)");
+  std::smatch found;
+  if (!std::regex_search(path, found, room)) return std::nullopt;
+  const std::string name = found[1].matched ? found[1] : found[2];
+  return ranks.contains(name) ? std::optional(name) : std::nullopt;
+}
+
+/// What is wrong with one include of a file in `room`; empty where nothing is.
+std::string problem(const std::string& room, char quote, const std::string& included) {
+  static const std::regex json_or_toml("^(nlohmann|toml\\+\\+|toml)(/|\\.|$)"), cli("^CLI/");
+  if (std::regex_search(included, json_or_toml) && room != "io") return "only io knows TOML and JSON";
+  if (std::regex_search(included, cli) && room != "apps") return "only apps knows the command line";
+  const bool own = included.starts_with("imulab/") || included.starts_with("apps/");
+  if (!own) return quote == '"' ? "expected a path from the root, imulab/ROOM/NAME.hpp" : "";
+  const auto target = room_of(included);
+  if (!target) return "no such room";
+  if (*target == room || ranks.at(*target) < ranks.at(room)) return "";
+  return room + " may not know " + *target;
+}
+
+/// Every include of a file that goes against the house, as "FILE:LINE: INCLUDE: why".
+std::vector<std::string> violations(const std::string& file, const std::string& text) {
+  static const std::regex include("^\\s*#\\s*include\\s*([\"<])([^\">]+)[\">]");
+  const auto room = room_of(file);
+  if (!room) return {file + ":1: in no room of the house"};
+  std::vector<std::string> out;
+  std::istringstream lines(text);
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    std::smatch found;
+    if (!std::regex_search(line, found, include)) continue;
+    const std::string why = problem(*room, found[1].str()[0], found[2]);
+    if (!why.empty()) out.push_back(file + ":" + std::to_string(number) + ": " + found[2].str() + ": " + why);
+  }
+  return out;
+}
+
+TEST(IncludeDirections, EveryFileKeepsThem) {
+  namespace fs = std::filesystem;
+  const fs::path root(IMULAB_SOURCE);
+  std::set<std::string> rooms;
+  for (const char* top : {"imulab", "apps"})
+    for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
+      const std::string file = fs::relative(entry.path(), root).generic_string();
+      const auto extension = entry.path().extension();
+      if ((extension != ".cpp" && extension != ".hpp") || file.ends_with("_test.cpp")) continue;
+      std::ostringstream text;
+      text << std::ifstream(entry.path()).rdbuf();
+      EXPECT_THAT(violations(file, text.str()), IsEmpty());
+      if (const auto room = room_of(file)) rooms.insert(*room);
+    }
+  EXPECT_THAT(rooms, ::testing::IsSupersetOf({"core", "model", "earth", "recording", "analysis", "io", "apps"})) << "not all files were found";
+}
+
+TEST(IncludeDirections, AStepDownOrInsideTheRoomIsFine) {
+  EXPECT_THAT(violations("imulab/io/x.cpp",
+                         "#include \"imulab/io/file.hpp\"\n#include \"imulab/analysis/compare.hpp\"\n#include <nlohmann/json.hpp>\n"
+                         "#include <vector>\n#include <toml++/toml.h>\n"),
+              IsEmpty());
+  EXPECT_THAT(violations("apps/imulab/x.cpp", "#include \"apps/imulab/command.hpp\"\n#include \"imulab/io/file.hpp\"\n#include <CLI/CLI.hpp>\n"),
+              IsEmpty());
+}
+
+TEST(IncludeDirections, AStepUpIsCaught) {
+  EXPECT_THAT(violations("imulab/model/x.cpp", "#include \"imulab/core/error.hpp\"\n  #  include \"imulab/recording/session.hpp\"\n"),
+              ElementsAre("imulab/model/x.cpp:2: imulab/recording/session.hpp: model may not know recording"));
+  EXPECT_THAT(violations("imulab/io/x.hpp", "#include \"apps/imulab/command.hpp\""), ElementsAre(HasSubstr("io may not know apps")));
+  EXPECT_THAT(violations("imulab/estimate/x.hpp", "#include <imulab/io/file.hpp>"), ElementsAre(HasSubstr("estimate may not know io")));
+}
+
+TEST(IncludeDirections, RoomsOfOneRankDoNotKnowEachOther) {
+  EXPECT_THAT(violations("imulab/simulate/x.cpp", "#include \"imulab/estimate/static.hpp\""),
+              ElementsAre(HasSubstr("simulate may not know estimate")));
+  EXPECT_THAT(violations("imulab/earth/x.cpp", "#include \"imulab/model/frame.hpp\""), ElementsAre(HasSubstr("earth may not know model")));
+}
+
+TEST(IncludeDirections, FileFormatsAndTheCommandLineStayInTheirRooms) {
+  EXPECT_THAT(violations("imulab/analysis/x.cpp", "#include <nlohmann/json.hpp>"), ElementsAre(HasSubstr("only io")));
+  EXPECT_THAT(violations("apps/imulab/x.cpp", "#include <toml++/toml.hpp>"), ElementsAre(HasSubstr("only io")));
+  EXPECT_THAT(violations("imulab/io/x.cpp", "#include <CLI/App.hpp>"), ElementsAre(HasSubstr("only apps")));
+}
+
+TEST(IncludeDirections, UnknownRoomsAndRelativePathsAreCaught) {
+  EXPECT_THAT(violations("imulab/cellar/x.cpp", ""), ElementsAre(HasSubstr("in no room")));
+  EXPECT_THAT(violations("imulab/model/x.cpp", "#include \"imulab/cellar/y.hpp\""), ElementsAre(HasSubstr("no such room")));
+  EXPECT_THAT(violations("imulab/model/x.cpp", "#include \"frame.hpp\""), ElementsAre(HasSubstr("a path from the root")));
+}
+
+}  // namespace
+}  // namespace imulab
