@@ -114,6 +114,12 @@ Calibration truth_calibration(const Session& session, const Truth& truth, std::u
   return c;
 }
 
+bool declares_errors(const RigDeclaration& rig) {
+  const auto given = [](const auto& by_axis) { return std::any_of(by_axis.begin(), by_axis.end(), [](const auto& x) { return x.has_value(); }); };
+  return rig.angle.value != 0 || rig.orthogonality.value != 0 || rig.zero.value != 0 || rig.timing.value != 0 || given(rig.given_orthogonality) ||
+         given(rig.given_zero);
+}
+
 void simulate(const Arguments& a) {
   Session procedure = read_session(a.procedure);
   if (procedure.recordings.empty()) procedure.recordings.push_back(default_source());
@@ -121,6 +127,9 @@ void simulate(const Arguments& a) {
   std::optional<Calibration> given;
   if (procedure.imu.truth) given = read_calibration(session_path(procedure, *procedure.imu.truth));
   const Truth truth = draw_truth(procedure, a.seed, given ? std::optional(given->model) : std::nullopt);
+
+  if (std::any_of(procedure.rigs.begin(), procedure.rigs.end(), declares_errors))
+    warn("the rig's declared errors are not simulated yet: its axes are ideal, its angles and times exact");
 
   NewFolder folder(a.folder);
   std::string report;

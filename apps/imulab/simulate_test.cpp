@@ -88,6 +88,7 @@ grade = "navigation"
 latitude_deg = 40.0
 [rig]
 kind = "turntable"
+angle_sigma_arcsec = 60
 [[recording]]
 file = "table.csv"
 rate_hz = 50
@@ -110,6 +111,7 @@ TEST_F(SimulateCommand, ATableKeepsItsStepsAndOutputsInSi) {
   write(in("table.toml"), table);
   const Outcome run = imulab(fmt::format("simulate {} -o {}/", in("table.toml"), in("deep/er")));
   ASSERT_EQ(run.code, 0) << run.output;
+  EXPECT_THAT(run.output, testing::HasSubstr("declared errors are not simulated yet"));
   const Session given = read_session(in("deep/er"));
   ASSERT_EQ(given.steps.size(), 2u);
   EXPECT_EQ(given.steps[1].angle, 90 * unit::deg);
