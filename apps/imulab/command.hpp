@@ -14,6 +14,7 @@ struct ExitCode {
 void warn(const std::string& text);
 
 // One a verb, defined in the file of that name; the callback does the work and may throw Error (2), Unsupported (1) or ExitCode.
+void add_procedure(CLI::App& app);
 void add_simulate(CLI::App& app);
 void add_calibrate(CLI::App& app);
 void add_compensate(CLI::App& app);

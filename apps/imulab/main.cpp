@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
   app.name("imulab");
   app.require_subcommand(1);
   app.set_version_flag("--version", "imulab " IMULAB_VERSION);
+  command::add_procedure(app);
   command::add_simulate(app);
   command::add_calibrate(app);
   command::add_compensate(app);

@@ -5,18 +5,16 @@
 #include "imulab/core/units.hpp"
 
 #include <cmath>
-#include <numbers>
 
 namespace imulab {
 
 namespace {
 
-/// Uniform over all attitudes: outer and inner uniform, middle with density cos. Whole tenths of a degree, which read well in a file.
-std::array<double, 3> random_angles(std::uint64_t seed, std::uint64_t pose) {
+/// Uniform over all attitudes: outer and inner uniform, middle with density cos. In tenths of a degree, whole, which read well in a file.
+std::array<double, 3> random_tenths(std::uint64_t seed, std::uint64_t pose) {
   const RandomStream draws(seed, "hand-held attitudes");
-  const auto tenths = [](double angle) { return std::round(angle / unit::deg * 10) / 10 * unit::deg; };
-  const auto turn = [](double u) { return std::numbers::pi * (2 * u - 1); };
-  return {tenths(turn(draws.uniform(3 * pose))), tenths(std::asin(2 * draws.uniform(3 * pose + 1) - 1)), tenths(turn(draws.uniform(3 * pose + 2)))};
+  const auto symmetric = [&](std::uint64_t k) { return 2 * draws.uniform(3 * pose + k) - 1; };
+  return {std::round(1800 * symmetric(0)), std::round(std::asin(symmetric(1)) / unit::deg * 10), std::round(1800 * symmetric(2))};
 }
 
 void validate(const HandHeldOptions& o) {
@@ -29,7 +27,7 @@ RecordingSource si_recording(double rate_hz) {
   RecordingSource source;
   source.file = "recording.csv";
   source.rate_hz = rate_hz;
-  source.time.column = "t";
+  source.time.column = std::string("t");
   source.gyro.columns = {"gx", "gy", "gz"};
   source.gyro.unit = "rad/s";
   source.accel.columns = {"ax", "ay", "az"};
@@ -48,19 +46,17 @@ Session hand_held_procedure(const HandHeldOptions& options, std::uint64_t seed) 
   session.site.height = options.height;
   session.rigs.emplace_back();  // kind none
   session.recordings.push_back(si_recording(options.rate_hz));
-  double time = 0;
+  std::array<double, 3> tenths{};
   for (int pose = 0; pose < options.poses; ++pose) {
+    const auto target = random_tenths(seed, static_cast<std::uint64_t>(pose));
     Step hold;
     hold.recording = session.recordings.front().file;
-    hold.start = pose == 0 ? 0 : time + options.move;
+    hold.start = pose == 0 ? 0 : session.steps.back().end + options.move;
     hold.end = hold.start + (pose == 0 ? options.first_rest : options.rest);
-    hold.angles = random_angles(seed, static_cast<std::uint64_t>(pose));
-    if (pose > 0)  // the hand goes the short way
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double last = session.steps.back().angles[axis];
-        hold.angles[axis] = last + std::remainder(hold.angles[axis] - last, 2 * std::numbers::pi);
-      }
-    time = hold.end;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      tenths[axis] += std::remainder(target[axis] - tenths[axis], 3600);  // the hand goes the short way
+      hold.angles[axis] = tenths[axis] / 10 * unit::deg;
+    }
     session.steps.push_back(hold);
   }
   return session;

@@ -1,0 +1,161 @@
+#include "imulab/simulate/simulate.hpp"
+
+#include "apps/imulab/command.hpp"
+#include "imulab/core/error.hpp"
+#include "imulab/io/calibration_file.hpp"
+#include "imulab/io/file.hpp"
+#include "imulab/io/recording_file.hpp"
+#include "imulab/io/session_file.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+namespace imulab::command {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::string procedure, folder;
+  std::uint64_t seed = 1;
+};
+
+/// A folder that appears whole or not at all: filled beside its place, then renamed; removed where something went wrong.
+class NewFolder {
+ public:
+  explicit NewFolder(const fs::path& place) : place_(fs::absolute(place).lexically_normal()) {
+    if (!place_.has_filename()) place_ = place_.parent_path();  // "out/"
+    if (fs::exists(place_) && !(fs::is_directory(place_) && fs::is_empty(place_)))
+      throw Error(fmt::format("{}: exists; a new or an empty folder was expected", place.string()));
+    filling_ = place_;
+    filling_ += ".part";
+    std::error_code failure;
+    fs::create_directories(place_.parent_path(), failure);
+    if (!failure && !fs::create_directory(filling_, failure) && !failure) failure = std::make_error_code(std::errc::file_exists);
+    if (failure) throw Error(fmt::format("{}: cannot be made: {}", filling_.string(), failure.message()));
+  }
+  NewFolder(const NewFolder&) = delete;
+  NewFolder& operator=(const NewFolder&) = delete;
+  ~NewFolder() {
+    std::error_code ignored;
+    if (!finished_) fs::remove_all(filling_, ignored);
+  }
+  const fs::path& path() const { return filling_; }
+  void finish() {
+    std::error_code failure;
+    fs::rename(filling_, place_, failure);
+    if (failure) throw Error(fmt::format("{}: cannot be made: {}", place_.string(), failure.message()));
+    finished_ = true;
+  }
+
+ private:
+  fs::path place_, filling_;
+  bool finished_ = false;
+};
+
+/// The source of a recording as write_recording lays it out: one file, SI units unless counts.
+RecordingSource written_source(const RecordingSource& source) {
+  RecordingSource written = source;
+  written.time = {.column = "t", .unit = "s", .zero_ns = 0};
+  const auto triad = [](const TriadSource& from, std::vector<Column> columns, const char* rate_unit, const char* increment_unit) {
+    TriadSource to{.file = {}, .columns = std::move(columns), .output = from.output, .unit = from.unit, .limits = from.limits};
+    if (from.unit == "count") return to;
+    to.unit = from.output == Output::rate ? rate_unit : increment_unit;
+    if (to.unit != from.unit) to.limits.reset();
+    return to;
+  };
+  written.gyro = triad(source.gyro, {"gx", "gy", "gz"}, "rad/s", "rad");
+  written.accel = triad(source.accel, {"ax", "ay", "az"}, "m/s^2", "m/s");
+  if (written.gyro_temperature) written.gyro_temperature->columns = {"tg"};
+  if (written.accel_temperature) written.accel_temperature->columns = {"ta"};
+  return written;
+}
+
+RecordingSource default_source() {
+  RecordingSource source;
+  source.file = "recording.csv";
+  source.rate_hz = 100;
+  source.gyro.unit = "rad/s";
+  source.accel.unit = "m/s^2";
+  return source;
+}
+
+void check_file_name(const RecordingSource& source) {
+  const fs::path name(source.file);
+  if (name.empty() || name.is_absolute() || name.has_parent_path() || name == "session.toml" || name == "truth.json")
+    throw Error(fmt::format("[[recording]] file = \"{}\": the name of a file in the session's folder was expected", source.file));
+}
+
+/// The session as its user would have it: without the truth, and without the steps of a hand, which nobody recorded.
+Session given_session(Session session) {
+  session.imu.truth.reset();
+  for (RecordingSource& source : session.recordings) source = written_source(source);
+  const bool by_hand = std::all_of(session.rigs.begin(), session.rigs.end(), [](const RigDeclaration& rig) { return rig.kind == RigKind::none; });
+  if (by_hand) session.steps.clear();
+  return session;
+}
+
+Calibration truth_calibration(const Session& session, const Truth& truth, std::uint64_t seed, const std::string& frame) {
+  Calibration c;
+  c.imu = session.imu.name;
+  c.method = "truth";
+  c.software = "imulab " IMULAB_VERSION;
+  c.session_file = "session.toml";
+  c.frame = frame;
+  c.model = truth.model;
+  c.quality.verdict = "good";
+  c.quality.notes = {fmt::format("seed {}", seed), fmt::format("gravity {} m/s^2", truth.gravity),
+                     fmt::format("accelerometer noise {} m/s^2/sqrt(Hz)", truth.accel_noise_density),
+                     fmt::format("gyro noise {} rad/s/sqrt(Hz)", truth.gyro_noise_density)};
+  return c;
+}
+
+bool declares_errors(const RigDeclaration& rig) {
+  const auto given = [](const auto& by_axis) { return std::any_of(by_axis.begin(), by_axis.end(), [](const auto& x) { return x.has_value(); }); };
+  return rig.angle.value != 0 || rig.orthogonality.value != 0 || rig.zero.value != 0 || rig.timing.value != 0 || given(rig.given_orthogonality) ||
+         given(rig.given_zero);
+}
+
+void simulate(const Arguments& a) {
+  Session procedure = read_session(a.procedure);
+  if (procedure.recordings.empty()) procedure.recordings.push_back(default_source());
+  for (const RecordingSource& source : procedure.recordings) check_file_name(source);
+  std::optional<Calibration> given;
+  if (procedure.imu.truth) given = read_calibration(session_path(procedure, *procedure.imu.truth));
+  const Truth truth = draw_truth(procedure, a.seed, given ? std::optional(given->model) : std::nullopt);
+
+  if (std::any_of(procedure.rigs.begin(), procedure.rigs.end(), declares_errors))
+    warn("the rig's declared errors are not simulated yet: its axes are ideal, its angles and times exact");
+
+  NewFolder folder(a.folder);
+  std::string report;
+  for (const RecordingSource& source : procedure.recordings) {
+    const Recording recording = simulate_recording(procedure, source, truth, a.seed);
+    write_recording(folder.path() / source.file, recording);
+    report += fmt::format("  {:<14} {} samples, {:g} s\n", source.file, recording.size(), recording.time_s(recording.size() - 1));
+  }
+  const std::string text = session_text(given_session(procedure));
+  write_whole(folder.path() / "session.toml", text);
+  Calibration calibration = truth_calibration(procedure, truth, a.seed, given ? given->frame : "accelerometers");
+  calibration.session_sha256 = sha256(text);
+  write_whole(folder.path() / "truth.json", calibration_text(calibration));
+  folder.finish();
+  fmt::print("{} (seed {})\n{}  {:<14} what a calibration of this session has to find\n  session.toml\n", a.folder, a.seed, report, "truth.json");
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app) {
+  const auto a = std::make_shared<Arguments>();
+  CLI::App* const verb = app.add_subcommand("simulate", "A virtual rig and a virtual IMU: a procedure becomes a session folder with truth.json");
+  verb->add_option("procedure", a->procedure, "the procedure or session to carry out")->required();
+  verb->add_option("-o,--output", a->folder, "the folder to make")->required();
+  verb->add_option("--seed", a->seed, "the same seed, the same bits")->capture_default_str();
+  verb->callback([a] { simulate(*a); });
+}
+
+}  // namespace imulab::command
