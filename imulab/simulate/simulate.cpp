@@ -7,6 +7,7 @@
 
 #include <fmt/core.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -109,6 +110,8 @@ Recording simulate_recording(const Session& procedure, const RecordingSource& so
   if (source.gyro_temperature) recording.gyro_temperature.fill(gyro_temperature);
   if (source.accel_temperature) recording.accel_temperature.fill(accel_temperature);
 
+  // Isolated: a thread that waits here must not take up an outer loop's next session on the same stack.
+  tbb::this_task_arena::isolate([&] {
   tbb::parallel_for(std::size_t{0}, (count + block_size - 1) / block_size, [&](std::size_t block) {
     const std::size_t begin = block * block_size, size = std::min(block_size, count - begin);
     const MotionColumns out = columns(recording, begin, size);
@@ -119,6 +122,7 @@ Recording simulate_recording(const Session& procedure, const RecordingSource& so
       add_noise(noise("accel"), truth.accel_noise_density * std::sqrt(rate), begin, out.force[axis]);
     }
     decompensate_columns(truth.model, std::span(gyro_temperature).subspan(begin, size), std::span(accel_temperature).subspan(begin, size), out);
+  });
   });
   return recording;
 }
