@@ -130,6 +130,7 @@ double estimate_spread(const Conditions& conditions, const Adjustment& adjustmen
 }
 
 double outlier_log_probability(const Conditions& conditions, const Adjustment& adjustment, const std::vector<Index>& rows) {
+  if (rows.empty()) return 0;
   const auto n = static_cast<Index>(rows.size());
   MatrixXd expected(n, n);
   for (Index a = 0; a < n; ++a)

@@ -1,6 +1,7 @@
 #include "imulab/estimate/handheld.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/random.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "tests/simulated_session.hpp"
@@ -100,6 +101,16 @@ TEST(Handheld, ABadRestIsDroppedAndNamed) {
   EXPECT_THAT(c.quality.warnings[0], HasSubstr("dropped as an outlier: the rest at"));
   EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5) << "30 coefficients: beyond 4.5 sigma once in 5000 sessions";
   EXPECT_EQ(c.quality.verdict, "good");
+}
+
+TEST(Handheld, ABadRotationIsDroppedAndTheRestsStay) {
+  SimulatedSession s = simulate_session(short_options(), 12);
+  for (std::size_t i = s.rests[5].end + 50; i < s.rests[5].end + 60; ++i) s.recording.gyro[1][i] += 3;  // ten samples clipped, say
+  const Calibration c = calibrate_handheld(s.recording, s.rests, {}, s.site());
+  ASSERT_EQ(c.quality.warnings.size(), 1u);
+  EXPECT_THAT(c.quality.warnings[0], HasSubstr("dropped as an outlier: the rotation between"));
+  EXPECT_THAT(c.quality.notes, testing::Contains(HasSubstr("24 rests and 22 rotations")));
+  EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5);
 }
 
 TEST(Handheld, ALostRotationLeavesTheRestOfTheSession) {
