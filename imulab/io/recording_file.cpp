@@ -31,24 +31,36 @@ double median_interval_s(const TimedTable& table) {
   return 0.5e-9 * (static_cast<double>(*middle) + static_cast<double>(*std::max_element(differences.begin(), middle)));
 }
 
-double mean_interval_s(const TimedTable& table) {
-  return 1e-9 * static_cast<double>(table.time_ns.back() - table.time_ns.front()) / static_cast<double>(table.time_ns.size() - 1);
+/// Mean of the differences that are no gaps.
+double mean_interval_s(const TimedTable& table, double median_s) {
+  double sum = 0, count = 0;
+  for (std::size_t i = 1; i < table.time_ns.size(); ++i) {
+    const auto step = static_cast<double>(table.time_ns[i] - table.time_ns[i - 1]);
+    if (step <= 1.5e9 * median_s) sum += step, ++count;
+  }
+  return 1e-9 * sum / count;
 }
 
-/// Declared, or the stamps' median. Coarse stamps (400 Hz in whole milliseconds) have a wrong median and a right mean, gaps the reverse:
-/// a declared rate is contradicted where both differ from it.
-double nominal_interval_s(const TimedTable& table, const RecordingSource& source) {
+/// Declared, or the stamps' median. Coarse stamps (400 Hz in whole milliseconds) have a wrong median but a right mean: a declared rate is
+/// contradicted where both differ from it.
+double nominal_interval_s(const TimedTable& table, const RecordingSource& source, std::vector<std::string>& warnings) {
   if (table.time_ns.size() < 2) {
     if (source.rate_hz) return 1 / *source.rate_hz;
     throw Error(fmt::format("{}: has one row, expected at least two (or rate_hz in the session)", table.file));
   }
-  const double median = median_interval_s(table);
-  if (!source.rate_hz) return median;
-  const double declared = 1 / *source.rate_hz;
-  if (!agree(median, declared) && !agree(mean_interval_s(table), declared))
+  const double median = median_interval_s(table), mean = mean_interval_s(table, median);
+  if (source.rate_hz) {
+    const double declared = 1 / *source.rate_hz;
+    if (agree(median, declared) || agree(mean, declared)) return declared;
     throw Error(fmt::format("{}: rate_hz = {} is declared, but the stamps say {:.6g} Hz (median difference {:.6g} s), expected within 2 %",
                             table.file, *source.rate_hz, 1 / median, median));
-  return declared;
+  }
+  if (!agree(median, mean))
+    warnings.push_back(
+        fmt::format("{}: the stamps' differences are uneven (median {:.6g} s, mean {:.6g} s); the median is taken as the nominal interval, "
+                    "which scales increments: declare rate_hz",
+                    table.file, median, mean));
+  return median;
 }
 
 std::vector<std::size_t> find_gaps(const TimedTable& table, double interval_s, std::vector<std::string>& warnings) {
@@ -119,7 +131,7 @@ RecordingReading read_recording(const Session& session, const RecordingSource& s
 
   Recording& recording = reading.recording;
   recording.name = source.file;
-  recording.interval_s = nominal_interval_s(reference, source);
+  recording.interval_s = nominal_interval_s(reference, source, reading.warnings);
   for (const TimedTable& table : parts.tables) {
     const double median = median_interval_s(table);
     if (&table != &reference && median > 0 && !agree(median, recording.interval_s))

@@ -157,8 +157,11 @@ TEST(RecordingFile, TakesTheDeclaredRateOrTheMedian) {
   EXPECT_DOUBLE_EQ(parse(text, source).recording.interval_s, 1.0 / 95);
   source.rate_hz = 100;  // 1.9 % off
   EXPECT_DOUBLE_EQ(parse(rows_at({"0", "0.01019", "0.02038"}), source).recording.interval_s, 0.01);
-  source.rate_hz = 400;  // stamps in whole milliseconds: the median says 2 or 3 ms, the mean 2.5
-  EXPECT_DOUBLE_EQ(parse(rows_at({"0", "0.002", "0.005", "0.007", "0.010"}), source).recording.interval_s, 0.0025);
+  const std::string coarse = rows_at({"0", "0.002", "0.005", "0.007", "0.010", "0.012"});  // 400 Hz in whole milliseconds: median 2, mean 2.4
+  EXPECT_THAT(parse(coarse).warnings, ElementsAre(HasSubstr("uneven (median 0.002 s, mean 0.0024 s)")));
+  source.rate_hz = 1 / 0.0024;
+  EXPECT_DOUBLE_EQ(parse(coarse, source).recording.interval_s, 0.0024);
+  EXPECT_THAT(parse(coarse, source).warnings, IsEmpty());
 }
 
 TEST(RecordingFile, ListsGaps) {
@@ -235,6 +238,7 @@ TEST(RecordingFile, NamesFileLineColumnAndWhatWasExpected) {
       {row("0.02,1,2,3,1e999,5,6"), ":3: ax: 1e999 is beyond what a double holds"},
       {row("noon,1,2,3,4,5,6"), ":3: t: \"noon\" is not a time"},
       {row("nan,1,2,3,4,5,6"), ":3: t: \"nan\" is not a time"},
+      {row("5e9,1,2,3,4,5,6"), ":3: t: 5e9 is too far from the clock's zero, expected less than 146 years"},
       {row("1e11,1,2,3,4,5,6"), ":3: t: 1e11 is too far from the clock's zero"},
       {row("0.02,1,2,3,4,5"), ":3: 6 fields, expected 7 as in the header"},
       {row("0.02,1,2,3,4,5,6,7"), ":3: 8 fields, expected 7 as in the header"},
@@ -298,6 +302,22 @@ TEST(RecordingFile, WritesATableThatPeopleKnow) {
             "t,gx,gy,gz,ax,ay,az,tg,tax,tay,taz,flags\n"
             "-0.005,0.1,1,32768,7,0.01,0.03,25.5,1,3,5,\n"
             "1700000000.123456789,1e-09,-2,0,1,0.02,0.04,26,2,4,6,saturated\n");
+}
+
+RC_GTEST_PROP(RecordingFile, ReadsOrRefusesADamagedFile, ()) {
+  std::string text = header + two_rows + "0.03,1,2,3,4,5,6\n";
+  const auto damages = *rc::gen::inRange(1, 6);
+  for (int i = 0; i < damages; ++i) {
+    const auto at = *rc::gen::inRange<std::size_t>(0, text.size());
+    text.replace(at, *rc::gen::inRange<std::size_t>(0, 3), 1, *rc::gen::element('\n', ',', '.', '-', 'e', '9', ' ', '\r', '#', '"', '\0', '\xff'));
+  }
+  try {
+    const Recording r = parse(text).recording;
+    for (const auto& column : r.gyro) RC_ASSERT(column.size() == r.size());
+    for (std::size_t i = 1; i < r.size(); ++i) RC_ASSERT(r.time_ns[i] > r.time_ns[i - 1]);
+  } catch (const Error& e) {
+    RC_ASSERT(std::string(e.what()).find("r.csv") != std::string::npos);
+  }
 }
 
 RC_GTEST_PROP(RecordingFile, ReadsBackExactlyWhatItWrites, ()) {

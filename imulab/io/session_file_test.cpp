@@ -6,9 +6,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
 
 #include "tests/temporary_folder.hpp"
+#include <cmath>
 #include <string>
+#include <string_view>
 
 namespace imulab {
 namespace {
@@ -293,6 +296,32 @@ TEST(SessionFile, NamesFileLineFieldAndWhatWasExpected) {
       EXPECT_THAT(e.what(), HasSubstr("session.toml" + c.message)) << c.text;
     }
   }
+}
+
+RC_GTEST_PROP(SessionFile, ReadsOrRefusesADamagedFile, ()) {
+  std::string text = rich;
+  const auto damages = *rc::gen::inRange(1, 4);
+  for (int i = 0; i < damages; ++i) {
+    const auto at = *rc::gen::inRange<std::size_t>(0, text.size());
+    text.replace(at, *rc::gen::inRange<std::size_t>(0, 3), 1, *rc::gen::element('\n', ',', '.', '-', 'e', '9', ' ', '[', ']', '{', '=', '"', '\xff'));
+  }
+  try {
+    session_text(parse(text));
+  } catch (const Error& e) {
+    RC_ASSERT(std::string(e.what()).find("session.toml:") != std::string::npos);
+  }
+}
+
+TEST(SessionFile, ReadsTheExamplesOfItsDocumentation) {
+  const MappedFile page(std::filesystem::path(IMULAB_SOURCE) / "docs/formats.md");
+  std::string_view rest = page.text();
+  int examples = 0;
+  for (std::size_t at = rest.find("```toml\n"); at != std::string_view::npos; at = rest.find("```toml\n")) {
+    rest.remove_prefix(at + 8);
+    EXPECT_NO_THROW(parse(std::string(rest.substr(0, rest.find("```"))))) << rest.substr(0, rest.find("```"));
+    ++examples;
+  }
+  EXPECT_GE(examples, 2);
 }
 
 TEST(SessionFile, NamesAMissingFile) {

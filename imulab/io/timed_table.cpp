@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 namespace imulab {
 namespace {
@@ -37,10 +38,12 @@ const char* read_number(const char* p, const char* last, double& value) {
   return error == std::errc() && std::isfinite(value) ? end : nullptr;
 }
 
+/// Reads the stamp at p; nullptr where there is none, or one so far out that differences of stamps would not fit.
 const char* read_time(const char* p, const char* last, const RowPlan& plan, std::int64_t& time_ns) {
+  constexpr std::int64_t farthest = std::numeric_limits<std::int64_t>::max() / 2;  // 146 years
   const ScaledInteger stamp = scaled_integer(p, last, plan.exponent);
   if (stamp.status != ScaledInteger::Status::good || __builtin_sub_overflow(stamp.value, plan.zero_ns, &time_ns)) return nullptr;
-  return stamp.end;
+  return time_ns >= -farthest && time_ns <= farthest ? stamp.end : nullptr;
 }
 
 /// Says what is wrong with a row that could not be read.
@@ -61,7 +64,7 @@ const char* read_time(const char* p, const char* last, const RowPlan& plan, std:
       std::int64_t time_ns = 0;
       const ScaledInteger stamp = scaled_integer(field.data(), last, plan.exponent);
       if (stamp.status != ScaledInteger::Status::not_a_number && stamp.end == last && read_time(field.data(), last, plan, time_ns) == nullptr)
-        throw Error(fmt::format("{}{} is too far from the clock's zero, expected less than 292 years (is the unit right?)", where, field));
+        throw Error(fmt::format("{}{} is too far from the clock's zero, expected less than 146 years (is the unit right?)", where, field));
       if (stamp.end != last) throw Error(fmt::format("{}\"{}\" is not a time, expected a decimal number", where, field));
       continue;
     }
@@ -106,8 +109,8 @@ const char* read_row(const char* p, const char* last, const RowPlan& plan, Row& 
   return p == last || *p == '\n' ? p : nullptr;
 }
 
-/// True where the row repeats the one before. Throws where time runs backwards, or stands still while the readings differ.
-bool repeats(const TimedTable& table, const Row& row, std::size_t line, const RowPlan& plan) {
+/// For a row whose time is not after the one before: throws unless it is that row again.
+void expect_repetition(const TimedTable& table, const Row& row, std::size_t line, const RowPlan& plan) {
   const std::int64_t before = table.time_ns.back();
   const auto time_name = [&] {
     return plan.layout.column_name(static_cast<std::size_t>(std::find(plan.fields.begin(), plan.fields.end(), time_field) - plan.fields.begin()));
@@ -119,7 +122,6 @@ bool repeats(const TimedTable& table, const Row& row, std::size_t line, const Ro
     if (row.values[k] != table.values[k].back())
       throw Error(fmt::format("{}:{}: {}: {} s stands on two rows with different readings, expected one row a time", table.file, line, time_name(),
                               seconds_text(row.time_ns)));
-  return true;
 }
 
 void reserve(TimedTable& table, std::string_view rows) {
@@ -142,7 +144,8 @@ void read_rows(TimedTable& table, std::string_view text, const RowPlan& plan) {
       end = std::find(p, last, '\n');
       const char* content = std::find_if_not(p, end, [](char c) { return c == ' ' || c == '\t' || c == '\r'; });
       if (content != end && *content != '#') explain({p, static_cast<std::size_t>(end - p)}, line, plan);
-    } else if (!table.time_ns.empty() && row.time_ns <= table.time_ns.back() && repeats(table, row, line, plan)) {
+    } else if (!table.time_ns.empty() && row.time_ns <= table.time_ns.back()) {
+      expect_repetition(table, row, line, plan);
       ++table.repeated;
     } else {
       table.lines.add(table.time_ns.size(), line);

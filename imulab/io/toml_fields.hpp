@@ -37,6 +37,7 @@ class TomlFields {
   template <class Enum>
   void choice(std::string_view key, Enum& value, const std::vector<Enum>& values, Presence presence = Presence::required) {
     std::vector<std::string_view> names;
+    names.reserve(values.size());
     for (const Enum v : values) names.push_back(to_string(v));
     std::size_t index = names.size();
     choose(key, names, presence, index);
