@@ -3,7 +3,7 @@
 
 #include "tests/run_command.hpp"
 
-namespace imulab::test {
+namespace imulab {
 namespace {
 
 TEST(Package, AnotherProjectFindsLinksAndUsesIt) {
@@ -25,4 +25,4 @@ TEST(Package, AnotherProjectFindsLinksAndUsesIt) {
 }
 
 }  // namespace
-}  // namespace imulab::test
+}  // namespace imulab

@@ -1,41 +1,20 @@
 // For tests of the command as a user types it.
 #pragma once
 
-#include <filesystem>
+#include "tests/temporary_folder.hpp"
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
-#include <stdlib.h>
 #include <string>
 #include <sys/wait.h>
 
-namespace imulab::test {
+namespace imulab {
 
-/// A folder of its own for one test, removed at its end.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "imulab-test-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
-  std::filesystem::path write(const std::string& file, const std::string& text) const {
-    std::filesystem::create_directories((path_ / file).parent_path());
-    std::ofstream(path_ / file, std::ios::binary) << text;
-    return path_ / file;
-  }
-  std::string read(const std::filesystem::path& file) const {
-    std::ostringstream text;
-    text << std::ifstream(path_ / file, std::ios::binary).rdbuf();
-    return text.str();
-  }
-
- private:
-  std::filesystem::path path_;
-};
+inline std::string read_text(const std::filesystem::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
 
 struct CommandResult {
   int exit_code = -1;
@@ -44,10 +23,11 @@ struct CommandResult {
 
 /// Runs a shell command in `folder`.
 inline CommandResult run_shell(const TemporaryFolder& folder, const std::string& command) {
+  const auto output = folder / ".standard-output", errors = folder / ".standard-error";
   const int status = std::system(("cd '" + folder.path().string() + "' && (" + command + ") >.standard-output 2>.standard-error </dev/null").c_str());
-  CommandResult result{WIFEXITED(status) ? WEXITSTATUS(status) : -1, folder.read(".standard-output"), folder.read(".standard-error")};
-  std::filesystem::remove(folder.path() / ".standard-output");
-  std::filesystem::remove(folder.path() / ".standard-error");
+  CommandResult result{WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(output), read_text(errors)};
+  std::filesystem::remove(output);
+  std::filesystem::remove(errors);
   return result;
 }
 
@@ -56,4 +36,4 @@ inline CommandResult run_imulab(const TemporaryFolder& folder, const std::string
   return run_shell(folder, std::string("'") + IMULAB_COMMAND + "' " + arguments);
 }
 
-}  // namespace imulab::test
+}  // namespace imulab

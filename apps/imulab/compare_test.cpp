@@ -8,7 +8,7 @@
 #include "tests/run_command.hpp"
 #include <cmath>
 
-namespace imulab::test {
+namespace imulab {
 namespace {
 
 using ::testing::ContainsRegex;
@@ -98,4 +98,4 @@ TEST_F(CompareCommand, WrongUseIsExplained) {
 }
 
 }  // namespace
-}  // namespace imulab::test
+}  // namespace imulab

@@ -4,11 +4,10 @@
 
 #include "tests/run_command.hpp"
 
-namespace imulab::test {
+namespace imulab {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::StartsWith;
 
 const char* const session_head = R"(format = "imulab.session/1"
 [imu]
@@ -31,6 +30,7 @@ accel = { columns = ["ax", "ay", "az"], output = "rate", unit = "count", limits 
 
 /// A session of the named recordings, three samples each, the temperature running 20, 30, 80 degC.
 void write_session(const TemporaryFolder& folder, const std::vector<std::string>& files, const std::string& more = "") {
+  std::filesystem::create_directories(folder / "session");
   std::string session = session_head;
   for (const auto& file : files) {
     session += recording_entry(file, more);
@@ -64,9 +64,9 @@ TEST(CompensateCommand, WritesOneRecordingToAFileAFolderOrStandardOutput) {
   EXPECT_EQ(stream.output, expected_samples);
   EXPECT_THAT(stream.errors, HasSubstr("imulab: warning: "));  // a saturated sample
   EXPECT_EQ(run_imulab(folder, "compensate calibration.json session/session.toml -o one.csv").exit_code, 0);
-  EXPECT_EQ(folder.read("one.csv"), expected_samples);
+  EXPECT_EQ(read_text(folder / "one.csv"), expected_samples);
   EXPECT_EQ(run_imulab(folder, "compensate calibration.json session --output out/of/folder").exit_code, 0);
-  EXPECT_EQ(folder.read("out/of/folder/recording.csv"), expected_samples);
+  EXPECT_EQ(read_text(folder / "out/of/folder/recording.csv"), expected_samples);
 }
 
 TEST(CompensateCommand, WritesSeveralRecordingsToAFolder) {
@@ -74,8 +74,8 @@ TEST(CompensateCommand, WritesSeveralRecordingsToAFolder) {
   write_session(folder, {"a.csv", "b.txt"});
   folder.write("calibration.json", calibration_text(any_calibration()));
   EXPECT_EQ(run_imulab(folder, "compensate calibration.json session -o out").exit_code, 0);
-  EXPECT_EQ(folder.read("out/a.csv"), expected_samples);
-  EXPECT_EQ(folder.read("out/b.csv"), expected_samples);
+  EXPECT_EQ(read_text(folder / "out/a.csv"), expected_samples);
+  EXPECT_EQ(read_text(folder / "out/b.csv"), expected_samples);
   for (const char* single : {"out.csv", "-"}) {
     const CommandResult refused = run_imulab(folder, std::string("compensate calibration.json session -o ") + single);
     EXPECT_EQ(refused.exit_code, 2);
@@ -113,12 +113,12 @@ TEST(CompensateCommand, WhatCannotBeDoneLeavesNothingBehind) {
                         Case{"calibration.json session -o session", "imulab: -o session: would overwrite"},
                         Case{"calibration.json session -o calibration.json", "imulab: -o calibration.json: exists and is not a folder"},
                         Case{"calibration.json session", "--output is required"}}) {
-    const std::string before = folder.read("session/recording.csv");
+    const std::string before = read_text(folder / "session/recording.csv");
     const CommandResult result = run_imulab(folder, std::string("compensate ") + c.arguments);
     EXPECT_EQ(result.exit_code, 2) << c.arguments;
     EXPECT_THAT(result.errors, HasSubstr(c.message)) << c.arguments;
-    EXPECT_FALSE(std::filesystem::exists(folder.path() / "out.csv")) << c.arguments;
-    EXPECT_EQ(folder.read("session/recording.csv"), before);
+    EXPECT_FALSE(std::filesystem::exists(folder / "out.csv")) << c.arguments;
+    EXPECT_EQ(read_text(folder / "session/recording.csv"), before);
   }
 }
 
@@ -132,4 +132,4 @@ TEST(CompensateCommand, TemperaturesInAnotherUnitAreRefused) {
 }
 
 }  // namespace
-}  // namespace imulab::test
+}  // namespace imulab

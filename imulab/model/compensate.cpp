@@ -74,14 +74,12 @@ void check_columns(const SensorModel& model, const RawColumns& raw, const Motion
     if (size != n)
       throw Error(std::string("compensate: the ") + what + " column has " + std::to_string(size) + " samples, expected " + std::to_string(n));
   };
-  const auto need_thermal = [&](const TriadModel& m, const Inputs& columns, const char* what) {
+  const auto need_thermal = [&](const TriadModel& m, const Inputs& columns, const std::string& what) {
+    const bool used = !m.thermal.rightCols<2>().isZero(0);
+    if (used && columns[0].empty() && n > 0) throw Error("the calibration has thermal terms, but the recording has no " + what + " temperature");
+    if (used && !m.temperature) throw Error("the calibration has thermal terms, but no reference temperature for the " + what);
     for (const auto& c : columns)
-      if (!c.empty() || m.thermal.rightCols<2>().cwiseAbs().maxCoeff() > 0) {
-        if (c.empty() && n > 0) throw Error(std::string("the calibration has thermal terms, but the recording has no ") + what + " temperature");
-        need(c.size(), what);
-      }
-    if (m.thermal.rightCols<2>().cwiseAbs().maxCoeff() > 0 && !m.temperature)
-      throw Error(std::string("the calibration has thermal terms, but no reference temperature for the ") + what);
+      if (used || !c.empty()) need(c.size(), (what + " temperature").c_str());
   };
   for (std::size_t i = 0; i < 3; ++i) {
     need(raw.accel[i].size(), "accelerometer");
