@@ -93,7 +93,7 @@ Adjustment adjust(const Conditions& conditions, const VectorXd& prior_sigma) {
   return result;
 }
 
-double estimate_spread(const Conditions& conditions, const Adjustment& adjustment, ConditionKind kind, double current, bool robust) {
+double estimate_spread(const Conditions& conditions, const Adjustment& adjustment, ConditionKind kind, double current) {
   struct Row {
     double square, variance, gain, redundancy;  // expected square = (variance + x gain) redundancy, variance without spread
   };
@@ -104,19 +104,15 @@ double estimate_spread(const Conditions& conditions, const Adjustment& adjustmen
     const double redundancy = adjustment.residual_variance[i] / conditions.variance[i];
     if (redundancy < 1e-3) continue;  // the fit follows this row: it says nothing of the spread
     const double gain = conditions.spread_gain[i];
-    rows.push_back({adjustment.residual[i] * adjustment.residual[i], conditions.variance[i] - current * current * gain, gain, redundancy});
+    const double sampling = std::max(conditions.variance[i] - current * current * gain, 1e-12 * conditions.variance[i]);
+    rows.push_back({adjustment.residual[i] * adjustment.residual[i], sampling, gain, redundancy});
     degrees += redundancy;
   }
   if (rows.size() < 3 || degrees < 1) return 0;
   const auto excess = [&](double x) {  // observed over expected squares, 1 where the spread is right; falls with x
-    std::vector<double> ratios;
     double sum = 0;
-    for (const Row& row : rows) {
-      ratios.push_back(row.square / ((row.variance + x * row.gain) * row.redundancy));
-      sum += ratios.back();
-    }
-    const double median_of_chi_square_1 = 0.4549364;
-    return robust ? median(ratios) / median_of_chi_square_1 : sum / static_cast<double>(rows.size());
+    for (const Row& row : rows) sum += row.square / ((row.variance + x * row.gain) * row.redundancy);
+    return sum / static_cast<double>(rows.size());
   };
   if (chi_square_tail(excess(0) * degrees, degrees) > 0.01) return 0;
   double low = 0, high = 0;
@@ -148,7 +144,8 @@ double outlier_log_probability(const Conditions& conditions, const Adjustment& a
   }
   if (degrees == 0) return 0;
   const double probability = chi_square_tail(statistic, degrees);
-  return probability > 0 ? std::log(probability) : -0.5 * statistic;  // beyond double's range: the leading term
+  if (probability > 0) return std::log(probability);
+  return -0.5 * statistic + (0.5 * degrees - 1) * std::log(0.5 * statistic) - std::lgamma(0.5 * degrees);  // the tail far out, beyond double's range
 }
 
 KindFit fit_of(const Conditions& conditions, const Adjustment& adjustment, ConditionKind kind) {

@@ -45,10 +45,9 @@ struct Adjustment {
 Adjustment adjust(const Conditions& conditions, const Eigen::VectorXd& prior_sigma);
 
 /// The additional spread of a kind with which its residuals have their expected size: zero if the sample noise explains them (1 % level).
-/// `robust` fits the median instead of the mean, so that a few bad rests do not count.
-double estimate_spread(const Conditions& conditions, const Adjustment& adjustment, ConditionKind kind, double current, bool robust);
+double estimate_spread(const Conditions& conditions, const Adjustment& adjustment, ConditionKind kind, double current);
 
-/// Natural logarithm of the probability that rows as far off as these arise by chance, judged by an adjustment without them.
+/// Natural logarithm of the probability that leaving out these rows lowers chi-square by as much as it does by chance.
 double outlier_log_probability(const Conditions& conditions, const Adjustment& adjustment, const std::vector<Eigen::Index>& rows);
 
 /// Chi-square and expected value of the residuals of one kind, for reporting.

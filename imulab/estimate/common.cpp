@@ -87,8 +87,9 @@ Start start_from_rests(const Recording& recording, const std::vector<Range>& ran
       start.warnings.push_back(fmt::format("the accelerometers' noise at rest is {:.2g} times the declared density; the declared one sets the weights", ratio));
     start.noise.accel = declared;
   }
-  // A stuck or coarsely quantised axis shows no noise: half a least step keeps the weights finite.
-  for (Vector3d* sigma : {&start.noise.accel, &start.noise.gyro}) *sigma = sigma->cwiseMax(1e-6 * sigma->maxCoeff()).cwiseMax(1e-12);
+  // A stuck or coarsely quantised axis shows no noise; a hundred-millionth of the scale keeps the weights finite.
+  start.noise.accel = start.noise.accel.cwiseMax(1e-8 * start.scaling.accel_scale);
+  start.noise.gyro = start.noise.gyro.cwiseMax(1e-8 * start.scaling.gyro_scale);
   return start;
 }
 

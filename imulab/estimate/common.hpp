@@ -44,18 +44,4 @@ void conclude(Calibration& calibration, const std::vector<std::string>& doubts);
 /// What is doubtful whatever the method: undetermined coefficients, few degrees of freedom, many dropped parts.
 std::vector<std::string> common_doubts(const Calibration& calibration, std::size_t dropped, std::size_t all);
 
-/// Drops suspects until none is left, with spreads that a few of them do not inflate. Returns the names of what was dropped.
-template <class Problem>
-std::vector<std::string> drop_outliers(Problem& problem, double level) {
-  std::vector<std::string> dropped;
-  Fit fit = converge(problem, {}, SpreadMode::robust);
-  const std::size_t most = problem.rests().size() / 3;
-  for (int worst = worst_suspect(problem, fit, level); worst >= 0 && dropped.size() < most; worst = worst_suspect(problem, fit, level)) {
-    dropped.push_back(problem.suspects(fit.conditions)[static_cast<std::size_t>(worst)].name);
-    problem.drop(worst);
-    fit = converge(problem, fit.spreads, SpreadMode::robust);
-  }
-  return dropped;
-}
-
 }  // namespace imulab

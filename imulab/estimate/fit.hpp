@@ -5,7 +5,11 @@
 
 #include "imulab/estimate/adjustment.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace imulab {
 
@@ -22,47 +26,64 @@ struct Suspect {
   std::vector<Eigen::Index> rows;
 };
 
-enum class SpreadMode { keep, robust, mean };
-
-/// Gauss-Newton until the correction is below a hundredth of its standard deviation everywhere.
+/// Gauss-Newton until the correction is below a hundredth of its standard deviation everywhere, and the spreads stand still.
 template <class Problem>
-Fit converge(Problem& problem, Spreads spreads, SpreadMode mode, int most_iterations = 20) {
+Fit converge(Problem& problem, const Spreads& start = {}, int most_iterations = 20) {
   Fit fit;
-  fit.spreads = spreads;
+  fit.spreads = start;
   for (int iteration = 0; iteration < most_iterations && !fit.converged; ++iteration) {
     fit.conditions = problem.conditions(fit.spreads);
     fit.adjustment = adjust(fit.conditions, problem.prior_sigma());
     problem.correct(fit.adjustment.correction);
     const Eigen::VectorXd sigma = fit.adjustment.covariance.diagonal().cwiseSqrt();
-    bool still = true;
-    for (Eigen::Index i = 0; i < sigma.size(); ++i) still = still && std::abs(fit.adjustment.correction[i]) <= 0.01 * sigma[i];
-    if (mode != SpreadMode::keep) {
-      for (int k = 0; k < spread_kinds; ++k) {
-        const double before = fit.spreads[static_cast<std::size_t>(k)];
-        const double now = estimate_spread(fit.conditions, fit.adjustment, static_cast<ConditionKind>(k), before, mode == SpreadMode::robust);
-        fit.spreads[static_cast<std::size_t>(k)] = now;
-        still = still && std::abs(now - before) <= 0.02 * std::max(now, before);
-      }
+    fit.converged = (fit.adjustment.correction.cwiseAbs() - 0.01 * sigma).maxCoeff() <= 0;
+    for (int k = 0; k < spread_kinds; ++k) {
+      double& spread = fit.spreads[static_cast<std::size_t>(k)];
+      const double before = std::exchange(spread, estimate_spread(fit.conditions, fit.adjustment, static_cast<ConditionKind>(k), spread));
+      fit.converged = fit.converged && std::abs(spread - before) <= 0.02 * std::max(spread, before);
     }
-    fit.converged = still;
   }
   return fit;
 }
 
-/// The most improbable suspect below `level` shared among all (Bonferroni), or -1.
+/// The least probable suspect and the logarithm of its probability.
+struct Worst {
+  int index = -1;
+  double log_probability = 0;
+};
+
 template <class Problem>
-int worst_suspect(const Problem& problem, const Fit& fit, double level) {
-  const std::vector<Suspect> suspects = problem.suspects(fit.conditions);
-  int worst = -1;
-  double lowest = std::log(level / static_cast<double>(std::max<std::size_t>(suspects.size(), 1)));
+Worst worst_suspect(const Problem& problem, const Conditions& conditions, const Adjustment& adjustment) {
+  const std::vector<Suspect> suspects = problem.suspects(conditions);
+  Worst worst;
   for (std::size_t i = 0; i < suspects.size(); ++i) {
-    const double p = outlier_log_probability(fit.conditions, fit.adjustment, suspects[i].rows);
-    if (p < lowest) {
-      lowest = p;
-      worst = static_cast<int>(i);
-    }
+    const double p = outlier_log_probability(conditions, adjustment, suspects[i].rows);
+    if (p < worst.log_probability) worst = {static_cast<int>(i), p};
   }
   return worst;
+}
+
+/// Drops suspects one by one, the least probable first, while chance explains it with less than `level` shared among all (Bonferroni). The spreads are
+/// those of the data without the suspect, which would otherwise hide itself. Returns the names of what was dropped.
+template <class Problem>
+std::vector<std::string> drop_outliers(Problem& problem, double level) {
+  std::vector<std::string> dropped;
+  Fit fit = converge(problem);
+  for (std::size_t most = problem.rests().size() / 3; dropped.size() < most;) {
+    const Worst candidate = worst_suspect(problem, fit.conditions, fit.adjustment);
+    if (candidate.index < 0) break;
+    Problem without = problem;
+    without.drop(candidate.index);
+    const Fit fit_without = converge(without, fit.spreads);
+    const Conditions judged = problem.conditions(fit_without.spreads);
+    const Suspect suspect = problem.suspects(judged)[static_cast<std::size_t>(candidate.index)];
+    const double log_p = outlier_log_probability(judged, adjust(judged, problem.prior_sigma()), suspect.rows);
+    if (log_p > std::log(level / static_cast<double>(problem.suspects(judged).size()))) break;
+    dropped.push_back(suspect.name);
+    problem = without;
+    fit = fit_without;
+  }
+  return dropped;
 }
 
 }  // namespace imulab

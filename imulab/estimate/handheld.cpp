@@ -70,9 +70,17 @@ TermTest test_term(std::string_view term, const HandheldProblem& problem, const 
   return test;
 }
 
-/// RMS angle [deg] between gravity as the gyros carry it across a rotation and as it is found after it, each tenth of the rotations predicted without it.
-double cross_validated_residual(const HandheldProblem& problem, const Fit& fit) {
-  const auto rotations = problem.rotation_rows(fit.conditions);
+/// Gravity as the gyros carry it across a rotation against gravity as it is found after it, each tenth of the rotations predicted without it. Rotations
+/// of less than 10 deg count for nothing: they would be predicted well by any gyro.
+struct CrossValidation {
+  double rms_deg = 0;
+  std::size_t rotations = 0;
+};
+
+CrossValidation cross_validate(const HandheldProblem& problem, const Fit& fit) {
+  std::vector<std::array<Index, 2>> rotations;
+  for (const auto& rotation : problem.rotation_rows(fit.conditions))
+    if (rotation.angle > 10 * unit::deg) rotations.push_back(rotation.rows);
   const std::size_t folds = std::min<std::size_t>(10, rotations.size());
   double squares = 0;
   for (std::size_t fold = 0; fold < folds; ++fold) {
@@ -85,7 +93,7 @@ double cross_validated_residual(const HandheldProblem& problem, const Fit& fit) 
     for (std::size_t i = fold; i < rotations.size(); i += folds)
       for (const Index row : rotations[i]) squares += without.residual[row] * without.residual[row];
   }
-  return std::sqrt(squares / static_cast<double>(rotations.size())) / unit::deg;
+  return {std::sqrt(squares / static_cast<double>(std::max<std::size_t>(rotations.size(), 1))) / unit::deg, rotations.size()};
 }
 
 }  // namespace
@@ -108,7 +116,7 @@ Calibration calibrate_handheld(const Recording& recording, const std::vector<Ran
   HandheldProblem problem(recording, start.rests, site.gravity(), site.latitude, start.noise, start.scaling, start.scaled_model, indices);
   const std::size_t all = start.rests.size() + problem.rotations();
   const std::vector<std::string> dropped = drop_outliers(problem, options.outlier_level);
-  Fit fit = converge(problem, {}, SpreadMode::mean);
+  Fit fit = converge(problem);
 
   std::vector<TermTest> tests;
   if (options.terms.empty()) {
@@ -118,7 +126,7 @@ Calibration calibrate_handheld(const Recording& recording, const std::vector<Ran
       const std::vector<int> term = select_coefficients("gyro.g_sensitivity");
       std::erase_if(fewer, [&](int index) { return std::find(term.begin(), term.end(), index) != term.end(); });
       problem.estimate_only(fewer);
-      fit = converge(problem, {}, SpreadMode::mean);
+      fit = converge(problem);
     }
   }
 
@@ -128,8 +136,12 @@ Calibration calibrate_handheld(const Recording& recording, const std::vector<Ran
   const Conditions noise_only = problem.conditions({});
   const Adjustment under_noise = adjust(noise_only, problem.prior_sigma());
   quality.chi2_per_dof = under_noise.chi2 / std::max(1, under_noise.degrees_of_freedom);
-  if (problem.rotations() > 0) quality.rotation_residual_deg = cross_validated_residual(problem, fit);
   quality.notes.push_back(fmt::format("{} rests and {} rotations between them were used", problem.rests().size(), problem.rotations()));
+  if (const CrossValidation check = cross_validate(problem, fit); check.rotations > 0) {
+    quality.rotation_residual_deg = check.rms_deg;
+    quality.notes.push_back(fmt::format("rotations are predicted to {:.3f} deg RMS (10-fold cross-validation over {} rotations of more than 10 deg)", check.rms_deg,
+                                        check.rotations));
+  }
   if (fit.spreads[0] > 0) quality.notes.push_back(spread_note("the rests' accelerometer means", fit.spreads[0] / unit::ug, "ug"));
   if (fit.spreads[1] > 0) quality.notes.push_back(spread_note("the rests' gyro means", fit.spreads[1] / unit::deg_per_h, "deg/h"));
   if (fit.spreads[2] > 0) quality.notes.push_back(spread_note("the rotations", fit.spreads[2] / unit::deg, "deg"));

@@ -39,7 +39,7 @@ const Vector3d up_n = Vector3d::UnitZ();
 
 HandheldProblem::HandheldProblem(const Recording& recording, std::vector<Rest> rests, double gravity, std::optional<double> latitude,
                                  const SampleNoise& noise, const Scaling& scaling, const SensorModel& scaled_model, std::vector<int> indices)
-    : recording_(recording), rests_(std::move(rests)), gravity_(gravity), latitude_(latitude), scaling_(scaling), model_(scaled_model), indices_(std::move(indices)) {
+    : recording_(&recording), rests_(std::move(rests)), gravity_(gravity), latitude_(latitude), scaling_(scaling), model_(scaled_model), indices_(std::move(indices)) {
   noise_ = {noise.accel.cwiseQuotient(scaling.accel_scale), noise.gyro.cwiseQuotient(scaling.gyro_scale)};
   links_.resize(rests_.empty() ? 0 : rests_.size() - 1);
   if (latitude_) earth_up_ = earth_rate * std::sin(*latitude_);
@@ -50,7 +50,7 @@ void HandheldProblem::relink() {
   for (std::size_t k = 0; k < links_.size(); ++k) {
     const std::size_t begin = rests_[k].range.end, end = rests_[k + 1].range.begin;
     // A gap before sample `end` itself is missing motion too. Rests that adjoin have no rotation between them.
-    links_[k].usable = !links_[k].refused && !contains_any(recording_.gaps, begin, end + 1) && !contains_any(recording_.saturated, begin, end);
+    links_[k].usable = !links_[k].refused && !contains_any(recording_->gaps, begin, end + 1) && !contains_any(recording_->saturated, begin, end);
   }
   set_stretches();
 }
@@ -80,9 +80,19 @@ Matrix3d HandheldProblem::force_covariance(const Rest& rest, double spread) cons
 }
 
 void HandheldProblem::integrate() {
-  for (std::size_t k = 0; k < links_.size(); ++k)
-    if (links_[k].usable)
-      links_[k].rotation = integrate_rotation(recording_, {rests_[k].range.end, rests_[k + 1].range.begin}, model_, scaling_, noise_.gyro);
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    Link& link = links_[k];
+    if (!link.usable) continue;
+    if (link.at) {  // a small step follows from the derivatives: the second-order part of 3e-4 rad is below 1e-7 rad
+      const Vector3d angle = link.rotation.change(link.at->gyro, link.at->g_sensitivity, model_.gyro, model_.g_sensitivity);
+      if (angle.norm() < 3e-4 && (model_.accel.matrix - link.at->accel.matrix).norm() + (model_.accel.offset - link.at->accel.offset).norm() < 1e-3 * gravity_) {
+        link.now.C = rotation_exp(angle) * link.rotation.C;
+        continue;
+      }
+    }
+    link.rotation = link.now = integrate_rotation(*recording_, {rests_[k].range.end, rests_[k + 1].range.begin}, model_, scaling_, noise_.gyro);
+    link.at = model_;
+  }
 }
 
 void HandheldProblem::follow_attitudes() {
@@ -90,7 +100,7 @@ void HandheldProblem::follow_attitudes() {
   for (std::size_t k = 0; k < rests_.size(); ++k) {
     const Vector3d up = force_at(rests_[k]).normalized();
     Matrix3d carried = Matrix3d::Identity();
-    if (k > 0 && links_[k - 1].usable) carried = C_nb_[k - 1] * links_[k - 1].rotation.C;
+    if (k > 0 && links_[k - 1].usable) carried = C_nb_[k - 1] * links_[k - 1].now.C;
     C_nb_[k] = shortest_rotation(carried * up, up_n) * carried;  // the accelerometers level it, the gyros keep its heading
   }
 }
@@ -141,12 +151,12 @@ Conditions HandheldProblem::conditions(const Spreads& spreads) {
       const Rest& next = rests_[k + 1];
       const Vector3d next_force = force_at(next), next_up = next_force.normalized();
       const Eigen::Matrix<double, 2, 3> basis = tangent_basis(next_up).transpose();
-      const Matrix3d C_next = links_[k].rotation.C.transpose();
+      const Matrix3d C_next = links_[k].now.C.transpose();
       on_force.bottomRows<2>() = basis * C_next * across;
       on_next.bottomRows<2>() = -basis * (Matrix3d::Identity() - next_up * next_up.transpose()) / next_force.norm();
       const Eigen::Matrix<double, 2, 3> on_rotation = basis * C_next * skew<double>(up);
       block.covariance.bottomRightCorner<2, 2>() =
-          on_rotation * (links_[k].rotation.covariance + spreads[2] * spreads[2] * Matrix3d::Identity()) * on_rotation.transpose();
+          on_rotation * (links_[k].now.covariance + spreads[2] * spreads[2] * Matrix3d::Identity()) * on_rotation.transpose();
       block.covariance += on_next * force_covariance(next, spreads[0]) * on_next.transpose();
     }
     block.covariance += on_force * p * on_force.transpose();
@@ -207,7 +217,7 @@ void HandheldProblem::add_gyro_rows(Conditions& c, Index row, std::size_t k) con
 
 /// Up before the rotation, carried by the gyros, against up after it, in the plane across it (Tedaldi 2014). While the unit turns, so does the Earth.
 void HandheldProblem::add_rotation_rows(Conditions& c, Index row, std::size_t k) const {
-  const IntegratedRotation& rotation = links_[k].rotation;
+  const IntegratedRotation& rotation = links_[k].now;
   const Rest &rest = rests_[k], &next = rests_[k + 1];
   const Vector3d force = force_at(rest), up = force.normalized(), next_force = force_at(next), next_up = next_force.normalized();
   const Matrix3d C_next = rotation.C.transpose(), C_bn = C_nb_[k].transpose();
@@ -252,10 +262,10 @@ void HandheldProblem::correct(const Eigen::VectorXd& correction) {
   for (std::size_t s = 0; s < earth_horizontal_.size(); ++s) earth_horizontal_[s] += correction.segment<2>(earth_column(indices_.size(), !latitude_, s));
 }
 
-std::vector<std::array<Index, 2>> HandheldProblem::rotation_rows(const Conditions& conditions) const {
-  std::vector<std::array<Index, 2>> rows;
+std::vector<HandheldProblem::RotationRows> HandheldProblem::rotation_rows(const Conditions& conditions) const {
+  std::vector<RotationRows> rows;
   for (std::size_t k = 0; k < links_.size(); ++k)
-    if (links_[k].usable) rows.push_back({conditions.blocks[k].first + 4, conditions.blocks[k].first + 5});
+    if (links_[k].usable) rows.push_back({{conditions.blocks[k].first + 4, conditions.blocks[k].first + 5}, rotation_log(links_[k].now.C).norm()});
   return rows;
 }
 
@@ -284,7 +294,7 @@ void HandheldProblem::drop(int suspect) {
     if (!links_.empty()) {
       const std::size_t gone = std::min(k, links_.size() - 1);
       links_.erase(links_.begin() + static_cast<std::ptrdiff_t>(gone));
-      if (k > 0 && k - 1 < links_.size()) links_[k - 1].refused = false;  // a new, longer rotation
+      if (k > 0 && k - 1 < links_.size()) links_[k - 1] = {};  // a new, longer rotation
     }
   } else {
     links_[k - rests_.size()].refused = true;

@@ -29,14 +29,20 @@ class HandheldProblem {
   const std::vector<int>& indices() const { return indices_; }
   const SensorModel& scaled_model() const { return model_; }
   std::size_t rotations() const;
-  /// Rows of each rotation in `conditions`, in time order.
-  std::vector<std::array<Eigen::Index, 2>> rotation_rows(const Conditions& conditions) const;
+  struct RotationRows {
+    std::array<Eigen::Index, 2> rows;
+    double angle;  ///< by which the unit turned, rad
+  };
+  /// Of each rotation in `conditions`, in time order.
+  std::vector<RotationRows> rotation_rows(const Conditions& conditions) const;
 
  private:
   struct Link {  ///< the way from a rest to the next
     bool usable = false;
-    bool refused = false;  ///< dropped as an outlier
+    bool refused = false;             ///< dropped as an outlier
     IntegratedRotation rotation{};
+    std::optional<SensorModel> at{};  ///< the model `rotation` was integrated with
+    IntegratedRotation now{};         ///< at the present model
   };
   void relink();
   void integrate();
@@ -49,7 +55,7 @@ class HandheldProblem {
   void add_rotation_rows(Conditions& c, Eigen::Index row, std::size_t k) const;
   Matrix3d force_covariance(const Rest& rest, double spread) const;
 
-  const Recording& recording_;
+  const Recording* recording_;
   std::vector<Rest> rests_;
   double gravity_;
   std::optional<double> latitude_;

@@ -51,6 +51,15 @@ SampleNoise measure_noise(const Recording& recording, const std::vector<Rest>& r
   return {(accel / std::max(degrees, 1.0)).cwiseSqrt(), (gyro / std::max(degrees, 1.0)).cwiseSqrt()};
 }
 
+Vector3d IntegratedRotation::change(const TriadModel& from, const Matrix3d& from_g, const TriadModel& to, const Matrix3d& to_g) const {
+  Vector3d dphi = phi[0] * (to.offset - from.offset);
+  for (Eigen::Index j = 0; j < 3; ++j) {
+    dphi += phi[static_cast<std::size_t>(1 + j)] * (to.matrix.col(j) - from.matrix.col(j));
+    dphi += phi[static_cast<std::size_t>(4 + j)] * (to_g.col(j) - from_g.col(j));
+  }
+  return dphi;
+}
+
 IntegratedRotation integrate_rotation(const Recording& recording, Range range, const SensorModel& model, const Scaling& scaling,
                                       const Vector3d& gyro_sigma) {
   IntegratedRotation sum;

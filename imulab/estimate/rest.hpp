@@ -35,6 +35,9 @@ struct IntegratedRotation {
   std::array<Matrix3d, 7> phi;
   Matrix3d covariance;  ///< of dphi from the gyros' sample noise, rad^2
   double duration_s;
+
+  /// dphi from one linear gyro model to another.
+  Vector3d change(const TriadModel& from, const Matrix3d& from_g, const TriadModel& to, const Matrix3d& to_g) const;
 };
 
 /// The model's raw input is (reading - center) / scale, per axis.

@@ -30,8 +30,21 @@ struct GyroStart {
   std::string reason;
 };
 
-GyroStart start_gyro(const Start& start, const Site& site) {
+/// How far the rests' means may be off through the samples' noise [rad/s], with a matrix of scaled readings.
+double mean_noise(const Start& start, const Matrix3d& matrix) {
+  double worst = 0;
+  for (const Rest& rest : start.rests)
+    worst = std::max(worst, (matrix * start.noise.gyro.cwiseQuotient(start.scaling.gyro_scale)).norm() / std::sqrt(3.0 * static_cast<double>(rest.range.size())));
+  return worst;
+}
+
+GyroStart start_gyro(const Start& start, const Recording& recording, const Site& site) {
+  const auto not_resolved = [](double error) {
+    return GyroStart{{}, fmt::format("they do not resolve Earth's rate: the rests' means miss it by {:.2g} deg/h, more than a tenth of it", error / unit::deg_per_h)};
+  };
   if (!site.latitude) return {{}, "the site gives no latitude, and Earth's rate is the gyros' only reference at rest"};
+  if (recording.gyro_unit != "count")
+    if (const double noise = mean_noise(start, Matrix3d::Identity()); noise > resolvable_part * earth_rate) return not_resolved(noise);
   std::vector<Vector3d> readings, up;
   for (const Rest& rest : start.rests) {
     readings.push_back((rest.gyro - start.scaling.gyro_center).cwiseQuotient(start.scaling.gyro_scale));
@@ -43,22 +56,13 @@ GyroStart start_gyro(const Start& start, const Site& site) {
     gyro.reason = "twelve or more rests in different directions away from the equator are needed for the gyros";
     return gyro;
   }
-  // The noise of a rest's mean, and how far the solution misses the size of Earth's rate.
-  std::vector<double> sizes;
-  double noise = 0;
-  for (std::size_t k = 0; k < readings.size(); ++k) {
-    const double n = static_cast<double>(start.rests[k].range.size());
-    sizes.push_back((gyro.coarse->offset + gyro.coarse->matrix * readings[k]).norm());
-    noise = std::max(noise, (gyro.coarse->matrix * start.noise.gyro.cwiseQuotient(start.scaling.gyro_scale)).norm() / std::sqrt(3 * n));
+  double misfit = 0;  // mean square of what the solution misses of the size of Earth's rate
+  for (const Vector3d& reading : readings) {
+    const double miss = (gyro.coarse->offset + gyro.coarse->matrix * reading).norm() - earth_rate;
+    misfit += miss * miss / static_cast<double>(readings.size());
   }
-  double misfit = 0;
-  for (const double size : sizes) misfit += (size - earth_rate) * (size - earth_rate) / static_cast<double>(sizes.size());
-  const double error = std::max(noise, std::sqrt(misfit));
-  if (error > resolvable_part * earth_rate) {
-    gyro.coarse.reset();
-    gyro.reason = fmt::format("they do not resolve Earth's rate: the rests' means miss it by {:.2g} deg/h, more than a tenth of it", error / unit::deg_per_h);
-  }
-  return gyro;
+  const double error = std::max(mean_noise(start, gyro.coarse->matrix), std::sqrt(misfit));
+  return error > resolvable_part * earth_rate ? not_resolved(error) : gyro;
 }
 
 }  // namespace
@@ -66,7 +70,7 @@ GyroStart start_gyro(const Start& start, const Site& site) {
 Calibration calibrate_static(const Recording& recording, const std::vector<Range>& ranges, const ImuDeclaration& imu, const Site& site,
                              const EstimateOptions& options) {
   Start start = start_from_rests(recording, ranges, imu, site.gravity());
-  const GyroStart gyro = start_gyro(start, site);
+  const GyroStart gyro = start_gyro(start, recording, site);
   std::vector<int> supplied = accel_coefficients();
   if (gyro.coarse) {
     start.scaled_model.gyro.offset = gyro.coarse->offset;
@@ -81,7 +85,7 @@ Calibration calibrate_static(const Recording& recording, const std::vector<Range
 
   StaticProblem problem(start.rests, site.gravity(), gyro.coarse ? site.latitude : std::nullopt, start.noise, start.scaling, start.scaled_model, indices);
   const std::vector<std::string> dropped = drop_outliers(problem, options.outlier_level);
-  const Fit fit = converge(problem, {}, SpreadMode::mean);
+  const Fit fit = converge(problem);
 
   Calibration calibration = finish("static", start, fit, problem.scaled_model(), indices, imu, site);
   Quality& quality = calibration.quality;
