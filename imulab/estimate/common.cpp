@@ -97,6 +97,8 @@ Start start_from_rests(const Recording& recording, const std::vector<Range>& ran
   start.scaling = choose_scaling(recording, start.rests);
   start.noise = measure_noise(recording, start.rests);
 
+  start.scaled_model.accel.raw_unit = recording.accel_unit;
+  start.scaled_model.gyro.raw_unit = recording.gyro_unit;
   std::vector<Vector3d> readings;
   for (const Rest& rest : start.rests) readings.push_back((rest.accel - start.scaling.accel_center).cwiseQuotient(start.scaling.accel_scale));
   if (const auto coarse = coarse_accel(readings, gravity)) {
@@ -176,6 +178,12 @@ std::vector<std::string> common_doubts(const Calibration& calibration, std::size
   if (quality.degrees_of_freedom < 6)
     doubts.push_back(fmt::format("only {} degrees of freedom remain to check the result", quality.degrees_of_freedom));
   if (5 * dropped > all) doubts.push_back(fmt::format("{} of {} rests and rotations were dropped as outliers", dropped, all));
+  for (const int index : calibration.estimated) {
+    const Coefficient& c = coefficient_table()[static_cast<std::size_t>(index)];
+    const double relative = *standard_uncertainty(calibration, index) / std::abs(coefficient_value(calibration.model, index));
+    // Uncalibrated sensors are within a few per cent.
+    if (c.term == Term::matrix && c.row == c.column && relative > 0.01) doubts.push_back(fmt::format("{} is uncertain by {:.2g} %", c.name, 100 * relative));
+  }
   for (const std::string& warning : quality.warnings)
     if (warning == "the fit did not converge") doubts.push_back(warning);
   return doubts;

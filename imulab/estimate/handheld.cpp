@@ -162,6 +162,8 @@ Calibration calibrate_handheld(const Recording& recording, const std::vector<Ran
   if (!site.latitude) quality.notes.push_back("no latitude: Earth's rate was taken as unknown up to its size (15 deg/h) and is counted in the gyros' uncertainties");
 
   std::vector<std::string> doubts = common_doubts(calibration, dropped.size(), all);
+  // An uncalibrated gyro of 2 % predicts turns of a right angle to about 1 deg.
+  if (quality.rotation_residual_deg.value_or(0) > 1) doubts.push_back(fmt::format("the rotations are predicted no better than to {:.2g} deg", *quality.rotation_residual_deg));
   conclude(calibration, doubts);
   return calibration;
 }

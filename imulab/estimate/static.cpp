@@ -45,6 +45,8 @@ GyroStart start_gyro(const Start& start, const Recording& recording, const Site&
   if (!site.latitude) return {{}, "the site gives no latitude, and Earth's rate is the gyros' only reference at rest"};
   if (recording.gyro_unit != "count")
     if (const double noise = mean_noise(start, Matrix3d::Identity()); noise > resolvable_part * earth_rate) return not_resolved(noise);
+  // The headings are found from the horizontal part, which is nothing at a pole.
+  if (std::cos(*site.latitude) < resolvable_part) return {{}, "the latitude is too near a pole for the horizontal part of Earth's rate to be seen"};
   std::vector<Vector3d> readings, up;
   for (const Rest& rest : start.rests) {
     readings.push_back((rest.gyro - start.scaling.gyro_center).cwiseQuotient(start.scaling.gyro_scale));
@@ -78,7 +80,9 @@ Calibration calibrate_static(const Recording& recording, const std::vector<Range
     for (const int index : gyro_coefficients()) supplied.push_back(index);
   } else {
     // The scaled model must give back the starting value, one, when it returns to raw readings.
-    start.scaled_model.gyro = to_scaled(SensorModel{}, start.scaling).gyro;
+    SensorModel unit;
+    unit.gyro.raw_unit = recording.gyro_unit;
+    start.scaled_model.gyro = to_scaled(unit, start.scaling).gyro;
     start.notes.push_back("the gyros were not calibrated: " + gyro.reason);
   }
   const std::vector<int> indices = options.terms.empty() ? supplied : choose_terms(options.terms, supplied, "static");

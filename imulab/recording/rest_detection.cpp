@@ -11,6 +11,8 @@ namespace imulab {
 
 namespace {
 
+constexpr std::size_t strides_per_window = 10;
+
 /// Mean and variance of one column in every window, windows beginning every `stride` samples.
 struct Windows {
   std::vector<double> mean, variance;
@@ -59,14 +61,30 @@ double half_sample_mode(const std::vector<double>& sorted) {
   return sorted[begin + (end - begin) / 2];
 }
 
-/// Mode of the positive part of a sample of variances, as a standard deviation; 0 where all are 0 (a stuck or coarsely quantised axis).
+/// The dense cluster of a sample of logarithms: its median, and its robust width from the side below, which motion cannot reach.
+struct Cluster {
+  double center = 0, width = 0;
+};
+
+Cluster cluster_of(std::vector<double> logs) {
+  std::sort(logs.begin(), logs.end());
+  const double mode = half_sample_mode(logs);
+  std::erase_if(logs, [&](double x) { return std::abs(x - mode) > 1; });  // the mode scatters by less, motion begins further off
+  Cluster cluster{median(logs), 0};
+  std::erase_if(logs, [&](double x) { return x > cluster.center; });
+  for (double& x : logs) x = cluster.center - x;
+  cluster.width = 1.4826 * median(logs);
+  return cluster;
+}
+
+/// Typical standard deviation of a sample of variances; 0 where most are 0 (a stuck or coarsely quantised axis). Windows that do not overlap are
+/// enough for it.
 double typical_noise(const std::vector<double>& variance) {
   std::vector<double> logs;
-  for (const double v : variance)
-    if (v > 0) logs.push_back(std::log(v));
-  if (2 * logs.size() < variance.size()) return 0;
-  std::sort(logs.begin(), logs.end());
-  return std::exp(0.5 * half_sample_mode(logs));
+  for (std::size_t k = 0; k < variance.size(); k += strides_per_window)
+    if (variance[k] > 0) logs.push_back(0.5 * std::log(variance[k]));
+  if (2 * logs.size() < variance.size() / strides_per_window) return 0;
+  return std::exp(cluster_of(std::move(logs)).center);
 }
 
 /// One triad: the noise at rest of its axes, and which windows are quiet.
@@ -87,14 +105,10 @@ Quietness quietness_of(const std::array<Windows, 3>& axes, double threshold_sigm
     for (int j = 0; j < 3; ++j) sum += result.noise[j] > 0 ? axes[j].variance[k] / (result.noise[j] * result.noise[j]) : axes[j].variance[k] > 0 ? 3 : 1;
     level[k] = 0.5 * std::log(std::max(sum / 3, 1e-300));
   }
-  std::vector<double> sorted = level;
-  std::sort(sorted.begin(), sorted.end());
-  const double mode = half_sample_mode(sorted);
-  // The cluster's width from its lower side, which motion cannot reach, and from the same number of windows above the mode.
-  const auto below = static_cast<std::size_t>(std::lower_bound(sorted.begin(), sorted.end(), mode) - sorted.begin());
-  std::vector<double> cluster(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(std::min(count, 2 * below + 1)));
-  const double width = robust_sigma(cluster);
-  const double threshold = mode + threshold_sigmas * width;
+  std::vector<double> apart;  // windows that do not overlap
+  for (std::size_t k = 0; k < count; k += strides_per_window) apart.push_back(level[k]);
+  const Cluster cluster = cluster_of(std::move(apart));
+  const double threshold = cluster.center + threshold_sigmas * cluster.width;
   result.factor = std::exp(threshold);
   result.quiet.resize(count);
   for (std::size_t k = 0; k < count; ++k) result.quiet[k] = level[k] <= threshold;
@@ -198,8 +212,8 @@ std::vector<Range> without_interruptions(const Recording& recording, Range range
 
 RestDetection detect_rests(const Recording& recording, const RestOptions& options) {
   RestDetection found;
-  const auto stride = static_cast<std::size_t>(std::max(1.0, std::round(options.window_s / 10 / recording.interval_s)));
-  const std::size_t length = 10 * stride;
+  const auto stride = static_cast<std::size_t>(std::max(1.0, std::round(options.window_s / strides_per_window / recording.interval_s)));
+  const std::size_t length = strides_per_window * stride;
   if (recording.size() < 2 * length) return found;
 
   std::array<Windows, 3> gyro, accel;
