@@ -31,8 +31,8 @@ std::vector<DocumentedCommand> commands_of(const std::string& page, const std::s
       inside = line == "```console";
     } else if (inside && line.starts_with("$ ")) {
       commands.push_back({name + ":" + std::to_string(number), line.substr(2), 0, {}});
-    } else if (inside && !commands.empty() && line.starts_with("> ")) {
-      commands.back().text += "\n" + line.substr(2);
+    } else if (inside && !commands.empty() && line.starts_with(">")) {
+      commands.back().text += "\n" + line.substr(std::min<std::size_t>(2, line.size()));
     } else if (inside && !commands.empty() && line.starts_with("# exit code ")) {
       commands.back().exit_code = std::stoi(line.substr(12));
     } else if (inside && !commands.empty() && line.starts_with("imulab: ")) {

@@ -75,7 +75,8 @@ Adjustment adjust(const Conditions& conditions, const VectorXd& prior_sigma, con
     result.condition = std::sqrt(spectrum.eigenvalues().maxCoeff() / std::max(spectrum.eigenvalues().minCoeff(), 1e-300));
     const Eigen::LLT<MatrixXd> factor(n_kk);
     MatrixXd p_kk = factor.solve(MatrixXd::Identity(n_kk.rows(), n_kk.cols()));
-    const VectorXd step = p_kk * right(known);
+    // Damped by the prior (Levenberg): the same fixed point, and no leap along what is hardly determined.
+    const VectorXd step = (n_kk + MatrixXd::Identity(n_kk.rows(), n_kk.cols())).llt().solve(right(known));
     if (!unknown.empty()) {  // the parameters left at their starting values are uncertain by their prior sigma
       const MatrixXd leak = p_kk * normal(known, unknown);
       p_kk += leak * leak.transpose();

@@ -35,6 +35,18 @@ void check_accel_unit(const Recording& recording, const std::vector<Rest>& rests
                             recording.name, size, gravity));
 }
 
+/// Do the rests move every axis's reading by a part of gravity? Else the quadric would be fitted to noise.
+bool every_axis_feels_gravity(const Start& start) {
+  Vector3d low = start.rests.front().accel, high = low;
+  for (const Rest& rest : start.rests) {
+    low = low.cwiseMin(rest.accel);
+    high = high.cwiseMax(rest.accel);
+  }
+  const Vector3d range = high - low;
+  // Uncalibrated scales differ by less than a factor of 5, and a sample's noise is below a fiftieth of g.
+  return range.minCoeff() > 0.2 * range.maxCoeff() && (range.array() > 20 * start.noise.accel.array()).all();
+}
+
 /// What keeps these rests from telling everything, where it can be seen at a glance.
 void warn_of_poor_rests(Start& start) {
   constexpr std::size_t enough = 9;  // as many as the accelerometers have coefficients
@@ -101,7 +113,7 @@ Start start_from_rests(const Recording& recording, const std::vector<Range>& ran
   start.scaled_model.gyro.raw_unit = recording.gyro_unit;
   std::vector<Vector3d> readings;
   for (const Rest& rest : start.rests) readings.push_back((rest.accel - start.scaling.accel_center).cwiseQuotient(start.scaling.accel_scale));
-  if (const auto coarse = coarse_accel(readings, gravity)) {
+  if (const auto coarse = every_axis_feels_gravity(start) ? coarse_accel(readings, gravity) : std::nullopt) {
     start.scaled_model.accel.offset = coarse->offset;
     start.scaled_model.accel.matrix = coarse->matrix;
     if (!coarse->misalignment)
