@@ -51,7 +51,11 @@ std::vector<int> parse_terms(const std::string& terms) {
   if (terms == "auto") return indices;
   for (std::size_t begin = 0; begin <= terms.size();) {
     const std::size_t end = std::min(terms.find(',', begin), terms.size());
-    for (const int index : select_coefficients(terms.substr(begin, end - begin))) indices.push_back(index);
+    try {
+      for (const int index : select_coefficients(terms.substr(begin, end - begin))) indices.push_back(index);
+    } catch (const Error& e) {
+      throw Error(fmt::format("--terms: {}", e.what()));
+    }
     begin = end + 1;
   }
   return indices;
@@ -64,7 +68,11 @@ Calibration calibrate(const CalibrateArguments& arguments) {
   options.terms = parse_terms(arguments.terms);
   const Session session = read_session(arguments.session);
   const RecordingSource& source = choose_recording(session, arguments.recording);
-  session.site.gravity();  // says at once where neither g nor the latitude is known
+  try {
+    session.site.gravity();
+  } catch (const Error& e) {  // neither g nor the latitude is known
+    throw Error(fmt::format("{}: {}", session.file, e.what()));
+  }
   RecordingReading reading = read_recording(session, source);
   for (const std::string& text : reading.warnings) warn(text);
   const Rests rests = rests_of(reading.recording, session);
@@ -80,8 +88,10 @@ Calibration calibrate(const CalibrateArguments& arguments) {
   quality.warnings.insert(quality.warnings.begin(), reading.warnings.begin(), reading.warnings.end());
   if (!arguments.output.empty()) {
     const std::string text = calibration_text(calibration);
-    if (arguments.output == "-") fmt::print("{}", text);
-    else write_whole(arguments.output, text);
+    if (arguments.output == "-")
+      fmt::print("{}", text);
+    else
+      write_whole(arguments.output, text);
   }
   return calibration;
 }
@@ -92,15 +102,18 @@ void add_calibrate(CLI::App& app) {
   verb->add_option("session", a->session, "a session folder or its session.toml")->required();
   std::vector<std::string> names;
   for (const auto& [name, method] : methods) names.push_back(name);
-  verb->add_option("--method", a->method, "static: from rests alone; handheld: from rests and the rotations between them")->required()->check(CLI::IsMember(names));
+  verb->add_option("--method", a->method, "static: from rests alone; handheld: from rests and the rotations between them")
+      ->required()
+      ->check(CLI::IsMember(names));
   verb->add_option("-o,--output", a->output, "the calibration file to write; - for standard output");
-  verb->add_option("--terms", a->terms, "coefficients to estimate, for example accel.offset,gyro.matrix.diagonal; auto: what the data support")->capture_default_str();
+  verb->add_option("--terms", a->terms, "coefficients to estimate, for example accel.offset,gyro.matrix.diagonal; auto: what the data support")
+      ->capture_default_str();
   verb->add_option("--recording", a->recording, "which recording, where the session has several");
   verb->add_flag("--json", a->json, "print the calibration file's text instead of the table");
   verb->callback([a] {
     const Calibration calibration = calibrate(*a);
-    if (a->json) fmt::print("{}", calibration_text(calibration));
-    else if (a->output != "-") print_calibration(calibration);
+    if (a->json && a->output != "-") fmt::print("{}", calibration_text(calibration));
+    if (!a->json && a->output != "-") print_calibration(calibration);
     if (!a->output.empty() && a->output != "-" && !a->json) fmt::print("\nwritten: {}\n", a->output);
     if (calibration.quality.unobservable.empty()) return;
     std::string list;

@@ -49,7 +49,7 @@ double covariance_between(const Conditions& conditions, Index a, Index b) {
 
 }  // namespace
 
-Adjustment adjust(const Conditions& conditions, const VectorXd& prior_sigma) {
+Adjustment adjust(const Conditions& conditions, const VectorXd& prior_sigma, const std::vector<char>& excluded) {
   const Index n = prior_sigma.size();
   MatrixXd joined(conditions.value.size(), n + 1);
   joined << conditions.jacobian * prior_sigma.asDiagonal(), conditions.value;
@@ -61,7 +61,8 @@ Adjustment adjust(const Conditions& conditions, const VectorXd& prior_sigma) {
   // Undetermined: data and prior together know it no better than half its prior sigma.
   const VectorXd posterior = (normal + MatrixXd::Identity(n, n)).llt().solve(MatrixXd::Identity(n, n)).diagonal();
   std::vector<Index> known, unknown;
-  for (Index i = 0; i < n; ++i) (posterior[i] < 0.25 ? known : unknown).push_back(i);
+  const auto is_excluded = [&](Index i) { return !excluded.empty() && excluded[static_cast<std::size_t>(i)] != 0; };
+  for (Index i = 0; i < n; ++i) (posterior[i] < 0.25 && !is_excluded(i) ? known : unknown).push_back(i);
   result.determined.assign(static_cast<std::size_t>(n), 0);
   for (const Index i : known) result.determined[static_cast<std::size_t>(i)] = 1;
 
@@ -74,7 +75,8 @@ Adjustment adjust(const Conditions& conditions, const VectorXd& prior_sigma) {
     result.condition = std::sqrt(spectrum.eigenvalues().maxCoeff() / std::max(spectrum.eigenvalues().minCoeff(), 1e-300));
     const Eigen::LLT<MatrixXd> factor(n_kk);
     MatrixXd p_kk = factor.solve(MatrixXd::Identity(n_kk.rows(), n_kk.cols()));
-    const VectorXd step = p_kk * right(known);
+    // Damped by the prior (Levenberg): the same fixed point, and no leap along what is hardly determined.
+    const VectorXd step = (n_kk + MatrixXd::Identity(n_kk.rows(), n_kk.cols())).llt().solve(right(known));
     if (!unknown.empty()) {  // the parameters left at their starting values are uncertain by their prior sigma
       const MatrixXd leak = p_kk * normal(known, unknown);
       p_kk += leak * leak.transpose();

@@ -41,8 +41,8 @@ struct Adjustment {
 };
 
 /// `prior_sigma`: how far each parameter may be from its starting value. A parameter is determined if the data bring its standard deviation
-/// below half of that; the others keep their values.
-Adjustment adjust(const Conditions& conditions, const Eigen::VectorXd& prior_sigma);
+/// below half of that; the others keep their values, and so do those in `excluded` (by parameter; empty for none).
+Adjustment adjust(const Conditions& conditions, const Eigen::VectorXd& prior_sigma, const std::vector<char>& excluded = {});
 
 /// The additional spread of a kind with which its residuals have their expected size: zero if the sample noise explains them (1 % level).
 double estimate_spread(const Conditions& conditions, const Adjustment& adjustment, ConditionKind kind, double current);

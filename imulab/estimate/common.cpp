@@ -5,6 +5,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/coarse.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -22,11 +23,46 @@ void check_accel_unit(const Recording& recording, const std::vector<Rest>& rests
   const double size = median(sizes);
   const auto near = [&](double expected) { return std::abs(size / expected - 1) < 0.2; };
   if (near(1.0))
-    throw Error(fmt::format("{}: accel: at rest the readings have the size {:.4g} where {} is declared: they look like g; declare unit = \"g\" (expected {:.4g} m/s^2)",
-                            recording.name, size, recording.accel_unit, gravity));
+    throw Error(fmt::format(
+        "{}: accel: at rest the readings have the size {:.4g} where {} is declared: they look like g; declare unit = \"g\" (expected {:.4g} m/s^2)",
+        recording.name, size, recording.accel_unit, gravity));
   if (near(gravity * unit::g))
-    throw Error(fmt::format("{}: accel: at rest the readings have the size {:.4g} m/s^2 with the declared unit {}: they look like m/s^2; declare unit = \"m/s^2\"",
-                            recording.name, size, recording.accel_unit));
+    throw Error(fmt::format(
+        "{}: accel: at rest the readings have the size {:.4g} m/s^2 with the declared unit {}: they look like m/s^2; declare unit = \"m/s^2\"",
+        recording.name, size, recording.accel_unit));
+  if (!(size > 0.5 * gravity && size < 2 * gravity))
+    throw Error(fmt::format("{}: accel: at rest the readings have the size {:.4g} m/s^2, expected about {:.4g}: are the columns and the unit right?",
+                            recording.name, size, gravity));
+}
+
+/// Do the rests move every axis's reading by a part of gravity? Else the quadric would be fitted to noise.
+bool every_axis_feels_gravity(const Start& start) {
+  Vector3d low = start.rests.front().accel, high = low;
+  for (const Rest& rest : start.rests) {
+    low = low.cwiseMin(rest.accel);
+    high = high.cwiseMax(rest.accel);
+  }
+  const Vector3d range = high - low;
+  // Uncalibrated scales differ by less than a factor of 5, and a sample's noise is below a fiftieth of g.
+  return range.minCoeff() > 0.2 * range.maxCoeff() && (range.array() > 20 * start.noise.accel.array()).all();
+}
+
+/// What keeps these rests from telling everything, where it can be seen at a glance.
+void warn_of_poor_rests(Start& start) {
+  constexpr std::size_t enough = 9;  // as many as the accelerometers have coefficients
+  if (start.rests.size() < enough)
+    start.warnings.push_back(fmt::format("only {} rest{}: at least {} in different directions are needed, about 20 are good", start.rests.size(),
+                                         start.rests.size() == 1 ? "" : "s", enough));
+  Matrix3d scatter = Matrix3d::Zero();
+  for (const Rest& rest : start.rests) {
+    const TriadModel& accel = start.scaled_model.accel;
+    const Vector3d up =
+        (accel.offset + accel.matrix * (rest.accel - start.scaling.accel_center).cwiseQuotient(start.scaling.accel_scale)).normalized();
+    scatter += up * up.transpose() / static_cast<double>(start.rests.size());
+  }
+  // A third in every direction is even; at a thirtieth every rest is within about 10 deg of one plane.
+  if (start.rests.size() > 1 && Eigen::SelfAdjointEigenSolver<Matrix3d>(scatter).eigenvalues()[0] < 1.0 / 30)
+    start.warnings.push_back("the rests hold gravity near one axis or plane of the unit: turn it so that each of its axes points up and down");
 }
 
 Vector3d declared_sigma(double density, const Matrix3d& raw_matrix, double interval_s) {
@@ -56,9 +92,17 @@ std::vector<int> choose_terms(const std::vector<int>& wanted, const std::vector<
   return chosen;
 }
 
+void expect_alive(const Columns3& triad, std::string_view file, std::string_view name, std::string_view consequence) {
+  for (std::size_t j = 0; j < 3; ++j)
+    if (!triad[j].empty() && std::all_of(triad[j].begin(), triad[j].end(), [&](double v) { return v == triad[j].front(); }))
+      throw Unsupported(fmt::format("{}: {} {} reads {:g} in every sample: {}", file, name, "xyz"[j], triad[j].front(), consequence));
+}
+
 Start start_from_rests(const Recording& recording, const std::vector<Range>& ranges, const ImuDeclaration& imu, double gravity) {
   if (ranges.empty())
-    throw Unsupported(fmt::format("{}: no rests: the unit was never still for long enough; hold it still in many different orientations", recording.name));
+    throw Unsupported(
+        fmt::format("{}: no rests: the unit was never still for long enough; hold it still in many different orientations", recording.name));
+  expect_alive(recording.accel, recording.name, "accel", "without it nothing can be calibrated");
   Start start;
   start.rests = summarize_rests(recording, ranges);
   check_accel_unit(recording, start.rests, gravity);
@@ -69,24 +113,28 @@ Start start_from_rests(const Recording& recording, const std::vector<Range>& ran
   start.scaled_model.gyro.raw_unit = recording.gyro_unit;
   std::vector<Vector3d> readings;
   for (const Rest& rest : start.rests) readings.push_back((rest.accel - start.scaling.accel_center).cwiseQuotient(start.scaling.accel_scale));
-  if (const auto coarse = coarse_accel(readings, gravity)) {
+  if (const auto coarse = every_axis_feels_gravity(start) ? coarse_accel(readings, gravity) : std::nullopt) {
     start.scaled_model.accel.offset = coarse->offset;
     start.scaled_model.accel.matrix = coarse->matrix;
-    if (!coarse->misalignment) start.notes.push_back("the rests leave the accelerometers' misalignments open to the linear solution: it started from zero");
+    if (!coarse->misalignment)
+      start.notes.push_back("the rests leave the accelerometers' misalignments open to the linear solution: it started from zero");
   } else if (recording.accel_unit != "count") {
     start.notes.push_back("the rests do not give offsets and scales by themselves: the fit started from the declared units");
   } else {
-    throw Unsupported(fmt::format("{}: {} rests do not determine the accelerometers' offsets and scales: at least six rests with each axis up and down, or nine in "
-                                  "different directions, are needed",
-                                  recording.name, ranges.size()));
+    throw Unsupported(
+        fmt::format("{}: {} rests do not determine the accelerometers' offsets and scales: at least six rests with each axis up and down, or nine in "
+                    "different directions, are needed",
+                    recording.name, ranges.size()));
   }
 
+  warn_of_poor_rests(start);
   const SensorModel raw = to_raw(start.scaled_model, start.scaling);
   if (imu.accel_noise_density) {
     const Vector3d declared = declared_sigma(*imu.accel_noise_density, raw.accel.matrix, recording.interval_s);
     const double ratio = start.noise.accel.norm() / declared.norm();
     if (ratio > 1.5 || ratio < 1 / 1.5)
-      start.warnings.push_back(fmt::format("the accelerometers' noise at rest is {:.2g} times the declared density; the declared one sets the weights", ratio));
+      start.warnings.push_back(
+          fmt::format("the accelerometers' noise at rest is {:.2g} times the declared density; the declared one sets the weights", ratio));
     start.noise.accel = declared;
   }
   // A stuck or coarsely quantised axis shows no noise; a hundred-millionth of the scale keeps the weights finite.
@@ -128,7 +176,8 @@ Calibration finish(std::string_view method, const Start& start, const Fit& fit, 
   quality.condition = fit.adjustment.condition;
   quality.notes = start.notes;
   quality.warnings = start.warnings;
-  quality.sources.push_back({"gravity", relative, fmt::format("g is known to {:.3g} ppm: this much is common to all three accelerometer scales", 1e6 * relative)});
+  quality.sources.push_back(
+      {"gravity", relative, fmt::format("g is known to {:.3g} ppm: this much is common to all three accelerometer scales", 1e6 * relative)});
   if (!fit.converged) quality.warnings.push_back("the fit did not converge");
   return calibration;
 }
@@ -138,7 +187,8 @@ std::vector<std::string> common_doubts(const Calibration& calibration, std::size
   const Quality& quality = calibration.quality;
   if (!quality.unobservable.empty()) doubts.push_back(fmt::format("{} coefficients are not determined by the data", quality.unobservable.size()));
   // Below about six degrees of freedom the residuals can hardly contradict the model or the noise.
-  if (quality.degrees_of_freedom < 6) doubts.push_back(fmt::format("only {} degrees of freedom remain to check the result", quality.degrees_of_freedom));
+  if (quality.degrees_of_freedom < 6)
+    doubts.push_back(fmt::format("only {} degrees of freedom remain to check the result", quality.degrees_of_freedom));
   if (5 * dropped > all) doubts.push_back(fmt::format("{} of {} rests and rotations were dropped as outliers", dropped, all));
   for (const int index : calibration.estimated) {
     const Coefficient& c = coefficient_table()[static_cast<std::size_t>(index)];

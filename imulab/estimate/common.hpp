@@ -25,6 +25,9 @@ struct Start {
 /// Throws Unsupported for too few or too similar rests, Error where the accelerometers' declared unit contradicts gravity.
 Start start_from_rests(const Recording& recording, const std::vector<Range>& ranges, const ImuDeclaration& imu, double gravity);
 
+/// Throws Unsupported where an axis reads the same in every sample.
+void expect_alive(const Columns3& triad, std::string_view file, std::string_view name, std::string_view consequence);
+
 /// The accelerometer coefficients in the accelerometers' frame: offsets and the lower triangle of the matrix.
 std::vector<int> accel_coefficients();
 

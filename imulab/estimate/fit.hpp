@@ -26,17 +26,34 @@ struct Suspect {
   std::vector<Eigen::Index> rows;
 };
 
-/// Gauss-Newton until the correction is below a hundredth of its standard deviation everywhere, and the spreads stand still.
+/// Gauss-Newton until the correction is below a hundredth of its standard deviation everywhere, and the spreads stand still. What is found
+/// undetermined on the way returns to its starting value and stays there: a parameter that the data hold only now and then would run away.
 template <class Problem>
 Fit converge(Problem& problem, const Spreads& start = {}, int most_iterations = 20) {
   Fit fit;
   fit.spreads = start;
+  Eigen::VectorXd moved;  // of each parameter since the start
+  std::vector<char> excluded;
   for (int iteration = 0; iteration < most_iterations && !fit.converged; ++iteration) {
     fit.conditions = problem.conditions(fit.spreads);
-    fit.adjustment = adjust(fit.conditions, problem.prior_sigma());
-    problem.correct(fit.adjustment.correction);
+    fit.adjustment = adjust(fit.conditions, problem.prior_sigma(), excluded);
+    Eigen::VectorXd correction = fit.adjustment.correction;
+    if (iteration == 0) {
+      moved.setZero(correction.size());
+      excluded.resize(static_cast<std::size_t>(correction.size()), 0);
+    }
+    bool returned = false;
+    for (std::size_t i = 0; i < excluded.size(); ++i) {
+      if (fit.adjustment.determined[i]) continue;
+      const auto at = static_cast<Eigen::Index>(i);
+      returned = returned || moved[at] != 0;
+      correction[at] = -moved[at];
+      excluded[i] = 1;
+    }
+    moved += correction;
+    problem.correct(correction);
     const Eigen::VectorXd sigma = fit.adjustment.covariance.diagonal().cwiseSqrt();
-    fit.converged = (fit.adjustment.correction.cwiseAbs() - 0.01 * sigma).maxCoeff() <= 0;
+    fit.converged = !returned && (fit.adjustment.correction.cwiseAbs() - 0.01 * sigma).maxCoeff() <= 0;
     for (int k = 0; k < spread_kinds; ++k) {
       double& spread = fit.spreads[static_cast<std::size_t>(k)];
       const double before = std::exchange(spread, estimate_spread(fit.conditions, fit.adjustment, static_cast<ConditionKind>(k), spread));

@@ -52,6 +52,17 @@ void start_gyro(Start& start, const Recording& recording) {
   gyro.offset = -gyro.matrix * (at_rest - start.scaling.gyro_center).cwiseQuotient(start.scaling.gyro_scale);
 }
 
+/// Gyros and accelerometers that do not turn together: columns swapped, or a sign. The calibration is right for the readings as they are.
+void warn_of_other_axes(const SensorModel& model, std::vector<std::string>& warnings) {
+  for (Index row = 0; row < 3; ++row) {
+    Index column = 0;
+    model.gyro.matrix.row(row).cwiseAbs().maxCoeff(&column);
+    if (column == row && model.gyro.matrix(row, row) > 0) continue;
+    warnings.push_back(fmt::format("the rate about the accelerometers' {} axis is the gyros' {}{} reading: are the columns and signs right?",
+                                   "xyz"[row], model.gyro.matrix(row, column) < 0 ? "-" : "", "xyz"[column]));
+  }
+}
+
 /// Wald test of a term's coefficients against zero.
 TermTest test_term(std::string_view term, const HandheldProblem& problem, const Fit& fit, double significance) {
   std::vector<Index> at;
@@ -101,6 +112,7 @@ CrossValidation cross_validate(const HandheldProblem& problem, const Fit& fit) {
 Calibration calibrate_handheld(const Recording& recording, const std::vector<Range>& ranges, const ImuDeclaration& imu, const Site& site,
                                const EstimateOptions& options) {
   Start start = start_from_rests(recording, ranges, imu, site.gravity());
+  expect_alive(recording.gyro, recording.name, "gyro", "the method static calibrates the accelerometers alone");
   start_gyro(start, recording);
   if (imu.gyro_noise_density) {
     const Vector3d scale = to_raw(start.scaled_model, start.scaling).gyro.matrix.rowwise().norm();
@@ -133,6 +145,7 @@ Calibration calibrate_handheld(const Recording& recording, const std::vector<Ran
   Calibration calibration = finish("handheld", start, fit, problem.scaled_model(), problem.indices(), imu, site);
   Quality& quality = calibration.quality;
   quality.term_tests = tests;
+  warn_of_other_axes(calibration.model, quality.warnings);
   const Conditions noise_only = problem.conditions({});
   const Adjustment under_noise = adjust(noise_only, problem.prior_sigma());
   quality.chi2_per_dof = under_noise.chi2 / std::max(1, under_noise.degrees_of_freedom);

@@ -162,6 +162,32 @@ std::vector<char> turning_runs(const Recording& recording, const std::vector<Ran
   return turning;
 }
 
+/// Do the readings of quiet windows follow one another like motion? Of the means of strides, half the mean square of the differences of neighbours
+/// over the variance about the window's mean (von Neumann's ratio) is 1 for noise, and near 0 for motion that is smooth over a window.
+bool quiet_is_motion(const Recording& recording, const std::vector<char>& quiet, std::size_t stride) {
+  std::vector<double> ratios;
+  const std::size_t step = 1 + quiet.size() / 2000;  // windows enough for a median
+  for (std::size_t k = 0; k < quiet.size(); k += step) {
+    if (!quiet[k]) continue;
+    double sum = 0, axes = 0;
+    for (const Columns3* triad : {&recording.gyro, &recording.accel})
+      for (const auto& column : *triad) {
+        std::array<double, 10> mean{};
+        for (std::size_t s = 0; s < mean.size(); ++s) mean[s] = mean_of(column, {(k + s) * stride, (k + s + 1) * stride});
+        double center = 0, squares = 0, differences = 0;
+        for (const double m : mean) center += m / 10;
+        for (std::size_t s = 0; s < mean.size(); ++s) {
+          squares += (mean[s] - center) * (mean[s] - center) / 9;
+          if (s > 0) differences += (mean[s] - mean[s - 1]) * (mean[s] - mean[s - 1]) / 18;
+        }
+        if (squares > 0) sum += differences / squares, axes += 1;
+      }
+    if (axes > 0) ratios.push_back(sum / axes);
+  }
+  // Noise through a filter of a few hertz keeps 0.5; a turn at 500 deg/s has 0.1.
+  return !ratios.empty() && median(ratios) < 0.25;
+}
+
 }  // namespace
 
 std::vector<Range> without_interruptions(const Recording& recording, Range range) {
@@ -199,6 +225,10 @@ RestDetection detect_rests(const Recording& recording, const RestOptions& option
   std::vector<char> quiet(g.quiet.size());
   for (std::size_t k = 0; k < quiet.size(); ++k) quiet[k] = g.quiet[k] && a.quiet[k];
 
+  if (quiet_is_motion(recording, quiet, stride)) {
+    found.notes.push_back("no rests: even the quietest stretches move smoothly");
+    return found;
+  }
   std::vector<Range> runs = quiet_runs(recording, quiet, length, stride);
   const auto shortest = static_cast<std::size_t>(options.shortest_s / recording.interval_s);
   std::erase_if(runs, [&](const Range& run) { return run.size() < std::max<std::size_t>(shortest, 2); });
