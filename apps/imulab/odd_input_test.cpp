@@ -89,6 +89,34 @@ TEST(OddInput, UnitsAndClocks) {
   }
 }
 
+/// Stamps of a computer that reads the unit when it finds time: up to 4 ms off, in no order.
+TEST(OddInput, JitteringStamps) {
+  const TemporaryFolder folder;
+  SessionText text = hand_held_session();
+  std::uint32_t state = 1;
+  for (std::size_t line = 2; line <= text.lines.size(); ++line) {
+    state = state * 1664525u + 1013904223u;  // Numerical Recipes' quick generator
+    text.set(line, 0, std::to_string(0.01 * static_cast<double>(line - 1) + 0.008 * (state / 4294967296.0 - 0.5)));
+  }
+  text.write(folder);
+  const Calibration jittering = calibrated(folder);
+  EXPECT_EQ(jittering.estimated, plain().estimated);
+  // The gyros' scales are those of the true clock within what such intervals add: 2.3 ms on 2 s, in 19 turns, 3e-4.
+  for (const char* name : {"gyro.matrix.xx", "gyro.matrix.yy", "gyro.matrix.zz"}) {
+    const int index = coefficient_index(name);
+    EXPECT_NEAR(coefficient_value(jittering.model, index), coefficient_value(plain().model, index), 3 * 3e-4) << name;
+  }
+}
+
+TEST(OddInput, LostRowsInRests) {
+  const TemporaryFolder folder;
+  SessionText text = hand_held_session();
+  for (std::size_t line = 2800; line > 100; line -= 7) text.lines.erase(text.lines.begin() + static_cast<std::ptrdiff_t>(line));  // of the first 30 s
+  text.write(folder);
+  // A seventh less of the longest rest moves nothing by more than its standard uncertainty.
+  expect_as_plain(calibrated(folder), 1);
+}
+
 TEST(OddInput, WholeCounts) {
   const TemporaryFolder folder;
   SessionText text = hand_held_session();

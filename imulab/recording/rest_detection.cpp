@@ -132,7 +132,7 @@ std::vector<Range> quiet_runs(const Recording& recording, const std::vector<char
   }
   std::vector<Range> pieces;
   for (const Range& run : runs)
-    for (const Range& piece : without_interruptions(recording, run)) pieces.push_back(piece);
+    for (const Range& piece : without_interruptions(recording, run, still_s)) pieces.push_back(piece);
   return pieces;
 }
 
@@ -190,11 +190,13 @@ bool quiet_is_motion(const Recording& recording, const std::vector<char>& quiet,
 
 }  // namespace
 
-std::vector<Range> without_interruptions(const Recording& recording, Range range) {
+std::vector<Range> without_interruptions(const Recording& recording, Range range, double shortest_gap_s) {
   std::vector<Range> pieces;
   auto gap = std::lower_bound(recording.gaps.begin(), recording.gaps.end(), range.begin + 1);
   auto saturated = std::lower_bound(recording.saturated.begin(), recording.saturated.end(), range.begin);
+  const auto is_short = [&](std::size_t i) { return shortest_gap_s > 0 && recording.time_s(i) - recording.time_s(i - 1) < shortest_gap_s; };
   while (range.begin < range.end) {
+    while (gap != recording.gaps.end() && *gap < range.end && is_short(*gap)) ++gap;
     const std::size_t next_gap = gap != recording.gaps.end() ? *gap : range.end;
     const std::size_t next_saturated = saturated != recording.saturated.end() ? *saturated : range.end;
     const std::size_t cut = std::min({next_gap, next_saturated, range.end});

@@ -28,8 +28,11 @@ struct RestDetection {
   std::vector<std::string> notes;                     ///< the same in words
 };
 
-/// The parts of a range between its gaps and saturated samples.
-std::vector<Range> without_interruptions(const Recording& recording, Range range);
+/// The parts of a range between its gaps of at least `shortest_gap_s` and its saturated samples.
+std::vector<Range> without_interruptions(const Recording& recording, Range range, double shortest_gap_s = 0);
+
+/// A unit at rest on both sides of a shorter gap rested inside it.
+inline constexpr double still_s = 0.25;
 
 RestDetection detect_rests(const Recording& recording, const RestOptions& options = {});
 
