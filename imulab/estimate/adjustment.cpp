@@ -79,6 +79,22 @@ Adjustment adjust(const Conditions& conditions, const VectorXd& prior_sigma) {
   return result;
 }
 
+MatrixXd covariance_considering(const Conditions& conditions, const VectorXd& prior_sigma, const std::vector<char>& determined) {
+  std::vector<Index> known, held;
+  for (std::size_t i = 0; i < determined.size(); ++i) (determined[i] ? known : held).push_back(static_cast<Index>(i));
+  const MatrixXd design = whitened(conditions, conditions.jacobian * prior_sigma.asDiagonal());
+  const MatrixXd normal = design.transpose() * design;  // the held ones' own prior rows are on its diagonal alone
+  MatrixXd p = MatrixXd::Identity(prior_sigma.size(), prior_sigma.size());
+  if (!known.empty()) {
+    const MatrixXd p_kk = MatrixXd(normal(known, known)).llt().solve(MatrixXd::Identity(static_cast<Index>(known.size()), static_cast<Index>(known.size())));
+    const MatrixXd leak = p_kk * normal(known, held);
+    p(known, known) = p_kk + leak * leak.transpose();
+    p(known, held) = -leak;
+    p(held, known) = -leak.transpose();
+  }
+  return prior_sigma.asDiagonal() * p * prior_sigma.asDiagonal();
+}
+
 namespace {
 
 /// Residuals of one kind against their size: square / ((sampling + x gain) redundancy) is 1 on average where x is the square of the spread.

@@ -44,6 +44,10 @@ struct Adjustment {
 /// chi-square count what is not known. `prior_sigma` are the priors' standard deviations, as the measure of what the data determine.
 Adjustment adjust(const Conditions& conditions, const Eigen::VectorXd& prior_sigma);
 
+/// Covariance of all parameters where those not `determined` were held at their prior values: the others' is enlarged by what the prior's standard
+/// deviation of the held ones does to them ("consider" covariance).
+Eigen::MatrixXd covariance_considering(const Conditions& conditions, const Eigen::VectorXd& prior_sigma, const std::vector<char>& determined);
+
 /// Degrees of freedom that the residuals of one kind keep.
 double redundancy(const Conditions& conditions, const Adjustment& adjustment, ConditionKind kind);
 

@@ -173,12 +173,38 @@ void keep_start_of_others(Start& start, const std::vector<int>& indices, const s
   }
 }
 
-Calibration finish(std::string_view method, const Start& start, const Fit& fit, const SensorModel& scaled_model, const std::vector<int>& indices,
+namespace {
+
+/// A triad's scale further from its prior than an IMU can be: the rests are too alike, and the fit has left along what they do not determine.
+const Coefficient* runaway(const Fit& fit, const SensorModel& scaled_model, const Prior& prior, const std::vector<int>& indices, Triad triad) {
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    const Coefficient& c = coefficient_table()[static_cast<std::size_t>(indices[i])];
+    if (c.triad != triad || c.term != Term::matrix || c.row != c.column || !fit.adjustment.determined[i]) continue;
+    const double moved = coefficient_value(scaled_model, indices[i]) - coefficient_value(prior.mean, indices[i]);
+    if (!(std::abs(moved) <= prior.sigma(c, 1.0))) return &c;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+Calibration finish(std::string_view method, const Start& start, Fit fit, const SensorModel& scaled_model, const std::vector<int>& indices,
                    const ImuDeclaration& imu, const Site& site) {
   Calibration calibration;
   calibration.imu = imu.name;
   calibration.method = method;
-  calibration.model = to_raw(scaled_model, start.scaling);
+  for (const Triad triad : {Triad::accel, Triad::gyro}) {
+    const Coefficient* c = runaway(fit, scaled_model, start.prior, indices, triad);
+    if (!c) continue;
+    calibration.quality.warnings.push_back(fmt::format("{} came out further off than any IMU is: the rests are too alike, and {} is kept", c->name,
+                                                       triad == Triad::accel ? "nothing of the fit" : "nothing of the gyros'"));
+    for (std::size_t i = 0; i < indices.size(); ++i)
+      if (triad == Triad::accel || coefficient_table()[static_cast<std::size_t>(indices[i])].triad == triad) fit.adjustment.determined[i] = 0;
+  }
+  SensorModel scaled = scaled_model;
+  for (std::size_t i = 0; i < indices.size(); ++i)  // to the last bit: the fit held them to a millionth of their prior
+    if (!fit.adjustment.determined[i]) set_coefficient(scaled, indices[i], coefficient_value(start.prior.mean, indices[i]));
+  calibration.model = to_raw(scaled, start.scaling);
   const auto n = static_cast<Eigen::Index>(indices.size());
   Eigen::MatrixXd covariance = covariance_to_raw(fit.adjustment.covariance.topLeftCorner(n, n), indices, start.scaling);
 
@@ -204,7 +230,7 @@ Calibration finish(std::string_view method, const Start& start, const Fit& fit, 
   Quality& quality = calibration.quality;
   quality.condition = fit.adjustment.condition;
   quality.notes = start.notes;
-  quality.warnings = start.warnings;
+  quality.warnings.insert(quality.warnings.begin(), start.warnings.begin(), start.warnings.end());
   quality.sources.push_back(
       {"gravity", relative, fmt::format("g is known to {:.3g} ppm: this much is common to all three accelerometer scales", 1e6 * relative)});
   return calibration;

@@ -45,7 +45,7 @@ std::vector<int> accel_coefficients();
 std::vector<int> choose_terms(const std::vector<int>& wanted, const std::vector<int>& supplied, std::string_view method);
 
 /// Model, covariance and quality from a converged fit: raw units, g's uncertainty added, undetermined coefficients named.
-Calibration finish(std::string_view method, const Start& start, const Fit& fit, const SensorModel& scaled_model, const std::vector<int>& indices,
+Calibration finish(std::string_view method, const Start& start, Fit fit, const SensorModel& scaled_model, const std::vector<int>& indices,
                    const ImuDeclaration& imu, const Site& site);
 
 /// A note that `what` spreads more than its sample noise explains.

@@ -1,6 +1,6 @@
 // The course of a fit: iterate to convergence, let the residuals say how much more than the sample noise they spread, drop what is off.
 //
-// A Problem has rests(), indices(), conditions(spreads), prior_sigma(), correct(correction), pin(determined), suspects(conditions) and drop(index).
+// A Problem has rests(), indices(), conditions(spreads), prior_sigma(), correct(correction), needed_sigma(), pin(determined), suspects(conditions) and drop(index).
 #pragma once
 
 #include "imulab/estimate/adjustment.hpp"
@@ -55,17 +55,27 @@ Fit converge(Problem& problem, const Spreads& start = {}) {
   return fit;
 }
 
-/// converge, then what is undetermined returns to its starting value and the rest settles around it. The covariance is that of before, which counts what
-/// the undetermined may really be.
+/// converge, then what is undetermined returns to its starting value and the rest settles around it, until what remains is determined though the held
+/// ones may be off by their prior.
 template <class Problem>
 Fit settle(Problem& problem) {
   Fit fit = converge(problem);
-  const auto coefficients = fit.adjustment.determined.begin() + static_cast<std::ptrdiff_t>(problem.indices().size());
-  if (std::find(fit.adjustment.determined.begin(), coefficients, 0) != coefficients) {
-    problem.pin(fit.adjustment.determined);
-    const Fit pinned = converge(problem, fit.spreads);
-    fit.converged = fit.converged && pinned.converged;
+  const Eigen::VectorXd needed = problem.needed_sigma(), prior_sigma = problem.prior_sigma();
+  std::vector<char> determined(static_cast<std::size_t>(prior_sigma.size()), 1);
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (Eigen::Index i = 0; i < needed.size(); ++i) {
+      char& known = determined[static_cast<std::size_t>(i)];
+      if (!known || fit.adjustment.covariance(i, i) < needed[i] * needed[i]) continue;
+      known = 0;
+      changed = true;
+    }
+    if (!changed) break;
+    problem.pin(determined);
+    fit = converge(problem, fit.spreads);
+    fit.adjustment.covariance = covariance_considering(problem.conditions(fit.spreads), prior_sigma, determined);
   }
+  fit.adjustment.determined = determined;
   return fit;
 }
 

@@ -261,7 +261,7 @@ Eigen::VectorXd HandheldProblem::prior_sigma() const {
 
 void HandheldProblem::pin(const std::vector<char>& determined) {
   for (std::size_t i = 0; i < indices_.size(); ++i)
-    if (!determined[i]) sigma_[static_cast<Index>(i)] *= 1e-6;
+    if (!determined[i]) sigma_[static_cast<Index>(i)] = 1e-6 * prior_.sigma(coefficient_table()[static_cast<std::size_t>(indices_[i])], gravity_);
 }
 
 void HandheldProblem::correct(const Eigen::VectorXd& correction) {

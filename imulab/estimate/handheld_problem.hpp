@@ -19,6 +19,7 @@ class HandheldProblem {
   Conditions conditions(const Spreads& spreads);
   Eigen::VectorXd prior_sigma() const;
   void correct(const Eigen::VectorXd& correction);
+  Eigen::VectorXd needed_sigma() const { return prior_.needed(indices_, gravity_); }
   /// Coefficients that are not determined are held at their prior value from now on.
   void pin(const std::vector<char>& determined);
   std::vector<Suspect> suspects(const Conditions& conditions) const;

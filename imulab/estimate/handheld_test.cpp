@@ -140,7 +140,9 @@ TEST(Handheld, TermsByHand) {
   const SimulatedSession s = simulate_session(short_options(), 8);
   EstimateOptions options;
   options.terms = select_coefficients("accel.offset");
-  EXPECT_EQ(calibrate_handheld(s.recording, s.rests, {}, s.site(), options).estimated, options.terms);
+  const Calibration c = calibrate_handheld(s.recording, s.rests, {}, s.site(), options);
+  EXPECT_EQ(c.estimated, options.terms);
+  EXPECT_EQ(c.model.gyro.matrix, Matrix3d::Identity()) << "what is not asked for keeps the declared unit";
   options.terms = select_coefficients("accel.cubic");
   EXPECT_THROW(calibrate_handheld(s.recording, s.rests, {}, s.site(), options), Error);
 }
@@ -201,6 +203,40 @@ TEST(Handheld, TooLittleDataSayWhatIsMissing) {
   Recording counts = s.recording;
   counts.accel_unit = counts.gyro_unit = "count";
   EXPECT_THROW(calibrate_handheld(counts, {s.rests[0], s.rests[1], s.rests[2]}, {}, s.site()), Unsupported);
+}
+
+TEST(Handheld, WhatIsStatedHoldsWithFewOrCardinalRests) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    for (const bool cardinal : {false, true}) {
+      HandHeldOptions options = short_options();
+      options.poses = cardinal ? 18 : 5 + static_cast<int>(seed);
+      SimulatedSession s;
+      s.session = hand_held_procedure(options, seed);
+      if (cardinal)
+        for (Step& step : s.session.steps)
+          for (double& angle : step.angles) angle = std::round(angle / (90 * unit::deg)) * 90 * unit::deg;
+      s.truth = draw_truth(s.session, seed);
+      s.recording = simulate_recording(s.session, s.session.recordings.front(), s.truth, seed);
+      const Calibration c = calibrate_handheld(s.recording, rests_of(s.recording, s.session).ranges, {}, s.site());
+      EXPECT_LT(largest_sigmas(c, s.truth.model), 5) << "seed " << seed << (cardinal ? ", cardinal" : ", few") << ": 300 coefficients in all";
+      for (const std::string& warning : c.quality.warnings) EXPECT_EQ(warning.find("dropped"), std::string::npos) << warning;
+    }
+  }
+}
+
+TEST(Handheld, NavigationGradeKeepsItsHeadings) {
+  // Gyros that see Earth's rate: half an hour during which the Earth turns by 8 deg under the headings that the gyros carry.
+  HandHeldOptions options;
+  options.poses = 24;
+  options.first_rest = options.rest = 30;
+  options.move = 40;
+  options.grade = "navigation";
+  const SimulatedSession s = simulate_session(options, 13);
+  const Calibration c = calibrate_handheld(s.recording, rests_of(s.recording, s.session).ranges, {}, s.site());
+  EXPECT_LT(largest_sigmas(c, s.truth.model), 5);
+  // 160 degrees of freedom: chi-square per degree of freedom above 1.39 once in a thousand sessions.
+  EXPECT_LT(c.quality.chi2_per_dof, 1.39);
+  EXPECT_FALSE(c.quality.term_tests.at(0).kept) << "this grade has no g-sensitivity; kept once in a hundred sessions";
 }
 
 }  // namespace

@@ -87,6 +87,16 @@ Eigen::VectorXd Prior::sigmas(const std::vector<int>& indices, double gravity) c
   return all;
 }
 
+Eigen::VectorXd Prior::needed(const std::vector<int>& indices, double gravity) const {
+  Eigen::VectorXd all = sigmas(indices, gravity);
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    const Coefficient& c = coefficient_table()[static_cast<std::size_t>(indices[i])];
+    const bool basic = c.term == Term::offset || (c.term == Term::matrix && c.row == c.column);
+    all[static_cast<Eigen::Index>(i)] *= basic ? 0.05 : 0.5;
+  }
+  return all;
+}
+
 void add_prior_rows(Conditions& conditions, Eigen::Index row, const Prior& prior, const Eigen::VectorXd& sigma, const SensorModel& model,
                     const std::vector<int>& indices) {
   for (std::size_t i = 0; i < indices.size(); ++i) {

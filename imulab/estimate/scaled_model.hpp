@@ -26,6 +26,9 @@ struct Prior {
   /// g-sensitivity 1e-3 (rad/s)/(m/s^2), 5.6 deg/s/g: uncalibrated units are within these.
   double sigma(const Coefficient& coefficient, double gravity) const;
   Eigen::VectorXd sigmas(const std::vector<int>& indices, double gravity) const;
+  /// A coefficient is determined if the data bring it below this: offsets and scales to 1 % (a twentieth of the prior; what is less sure is no calibration,
+  /// and bends the conditions more than their derivatives say), misalignments and g-sensitivity to half of their prior.
+  Eigen::VectorXd needed(const std::vector<int>& indices, double gravity) const;
 };
 
 /// Adds the prior's conditions as rows `row`, `row` + 1, ... of the coefficients, which are the first parameters.

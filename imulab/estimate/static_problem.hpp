@@ -21,6 +21,7 @@ class StaticProblem {
   Conditions conditions(const Spreads& spreads) const;
   const Eigen::VectorXd& prior_sigma() const { return sigma_; }
   void correct(const Eigen::VectorXd& correction);
+  Eigen::VectorXd needed_sigma() const { return prior_.needed(indices_, gravity_); }
   /// Coefficients that are not determined are held at their prior value from now on.
   void pin(const std::vector<char>& determined);
   std::vector<Suspect> suspects(const Conditions& conditions) const;

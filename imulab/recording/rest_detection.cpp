@@ -143,7 +143,7 @@ double mean_of(const std::vector<double>& column, Range range) {
   return origin + sum / static_cast<double>(range.size());
 }
 
-/// Which runs turn steadily: the gyros' mean lies further from the runs' median than the motion's own size suggests for a rest.
+/// Which runs turn steadily: the gyros' mean lies further from the runs' median than rests differ.
 std::vector<char> turning_runs(const Recording& recording, const std::vector<Range>& runs, const std::array<double, 3>& noise) {
   std::vector<char> turning(runs.size(), 0);
   for (int j = 0; j < 3; ++j) {
