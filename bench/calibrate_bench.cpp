@@ -1,4 +1,4 @@
-// From columns in memory to a calibration. Targets: rest detection 50 million samples/s; each method on a nine-minute session at 100 Hz (like the
+// From columns in memory to a calibration. Targets: rest detection 10 million samples/s; each method on a nine-minute session at 100 Hz (like the
 // public hand-held records) in 40 ms, so that loading, not estimating, sets the time of the command.
 #include "imulab/estimate/handheld.hpp"
 #include "imulab/estimate/static.hpp"
