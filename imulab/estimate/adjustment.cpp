@@ -1,5 +1,6 @@
 #include "imulab/estimate/adjustment.hpp"
 
+#include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
 
 #include <Eigen/Cholesky>
@@ -62,6 +63,7 @@ Adjustment adjust(const Conditions& conditions, const VectorXd& prior_sigma) {
   result.condition = std::sqrt(spectrum.eigenvalues()[n - 1] / std::max(spectrum.eigenvalues()[0], 1e-300));
   const MatrixXd p = normal.llt().solve(MatrixXd::Identity(n, n));
   const VectorXd step = -p * (design.transpose() * white.col(n));
+  if (!p.allFinite() || !step.allFinite()) throw Unsupported("the data are too poor for a fit: the normal equations cannot be solved; more rests in more directions are needed");
   result.determined.resize(static_cast<std::size_t>(n));
   for (Index i = 0; i < n; ++i) result.determined[static_cast<std::size_t>(i)] = p(i, i) < 0.25;
   result.correction = step.cwiseProduct(prior_sigma);
