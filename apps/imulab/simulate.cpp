@@ -114,12 +114,6 @@ Calibration truth_calibration(const Session& session, const Truth& truth, std::u
   return c;
 }
 
-bool declares_errors(const RigDeclaration& rig) {
-  const auto given = [](const auto& by_axis) { return std::any_of(by_axis.begin(), by_axis.end(), [](const auto& x) { return x.has_value(); }); };
-  return rig.angle.value != 0 || rig.orthogonality.value != 0 || rig.zero.value != 0 || rig.timing.value != 0 || given(rig.given_orthogonality) ||
-         given(rig.given_zero);
-}
-
 void simulate(const Arguments& a) {
   Session procedure = read_session(a.procedure);
   if (procedure.recordings.empty()) procedure.recordings.push_back(default_source());
@@ -128,13 +122,12 @@ void simulate(const Arguments& a) {
   if (procedure.imu.truth) given = read_calibration(session_path(procedure, *procedure.imu.truth));
   const Truth truth = draw_truth(procedure, a.seed, given ? std::optional(given->model) : std::nullopt);
 
-  if (std::any_of(procedure.rigs.begin(), procedure.rigs.end(), declares_errors))
-    warn("the rig's declared errors are not simulated yet: its axes are ideal, its angles and times exact");
-
   NewFolder folder(a.folder);
   std::string report;
+  std::vector<RecordedRigErrors> rig;
   for (const RecordingSource& source : procedure.recordings) {
-    const Recording recording = simulate_recording(procedure, source, truth, a.seed);
+    rig.push_back({source.file, draw_rig_errors(procedure, source, a.seed)});
+    const Recording recording = simulate_recording(procedure, source, truth, a.seed, rig.back().errors);
     write_recording(folder.path() / source.file, recording);
     report += fmt::format("  {:<14} {} samples, {:g} s\n", source.file, recording.size(), recording.time_s(recording.size() - 1));
   }
@@ -142,7 +135,7 @@ void simulate(const Arguments& a) {
   write_whole(folder.path() / "session.toml", text);
   Calibration calibration = truth_calibration(procedure, truth, a.seed, given ? given->frame : "accelerometers");
   calibration.session_sha256 = sha256(text);
-  write_whole(folder.path() / "truth.json", calibration_text(calibration));
+  write_whole(folder.path() / "truth.json", truth_text(calibration, rig));
   folder.finish();
   fmt::print("{} (seed {})\n{}  {:<14} what a calibration of this session has to find\n  session.toml\n", a.folder, a.seed, report, "truth.json");
 }

@@ -1,5 +1,6 @@
 #include "imulab/io/session_fields.hpp"
 #include "imulab/io/session_file.hpp"
+#include "imulab/io/step_layout.hpp"
 
 #include <fmt/format.h>
 
@@ -139,19 +140,54 @@ StepText step_text(const Step& step, bool several_recordings) {
   return text;
 }
 
-}  // namespace
+/// The step by its duration, if that puts it where it is.
+std::optional<StepText> in_durations(const StepText& timed, const Step& step, double previous_end, StepLayout& layout) {
+  const auto decimal = [](double seconds) { return std::round(seconds * 1e9) / 1e9; };  // 60, not 59.99999999999
+  StepText text = timed;
+  text.start_s.reset(), text.end_s.reset();
+  if (step.kind != StepKind::rotate) {
+    text.duration_s = decimal(step.end - step.start);
+    if (const double move = decimal(step.start - previous_end); move != 0 && move != default_move_s) text.move_s = move;
+  }
+  StepLayout trial = layout;
+  Step placed;
+  constexpr double same_time = 1e-6;  // s: sums of decimal durations, far below a sample
+  if (text.duration_s == 0.0 || trial.place(text, step.recording, placed)) return std::nullopt;
+  if (std::abs(placed.start - step.start) > same_time || std::abs(placed.end - step.end) > same_time) return std::nullopt;
+  layout = trial;
+  return text;
+}
 
-std::string session_text(const Session& session) {
+std::string text_of(const Session& session, bool durations) {
   std::string text = fmt::format("format = {}\n", toml_string(session_format));
   if (session.imu != ImuDeclaration{}) text += section("[imu]", session.imu);
   if (session.site != Site{}) text += section("[site]", session.site);
   const bool several = session.rigs.size() > 1;
   for (const RigDeclaration& rig : session.rigs) text += section(several ? "[[rig]]" : "[rig]", rig, several);
   for (const RecordingSource& recording : session.recordings) text += section("[[recording]]", recording);
-  for (const Step& step : session.steps) text += section("[[step]]", step_text(step, session.recordings.size() != 1));
+  StepLayout layout;
+  std::map<std::string, double> ends;
+  for (const Step& step : session.steps) {
+    StepText written = step_text(step, session.recordings.size() != 1);
+    if (durations) {
+      if (const auto short_form = in_durations(written, step, ends[step.recording], layout)) {
+        written = *short_form;
+      } else {
+        Step placed;
+        layout.place(written, step.recording, placed);
+      }
+      ends[step.recording] = step.end;
+    }
+    text += section("[[step]]", written);
+  }
   if (session.initial) text += section("[initial]", *session.initial);
   if (session.truth_file) text += fmt::format("\n[truth]\nfile = {}\n", toml_string(*session.truth_file));
   return text;
 }
+
+}  // namespace
+
+std::string session_text(const Session& session) { return text_of(session, false); }
+std::string procedure_text(const Session& session) { return text_of(session, true); }
 
 }  // namespace imulab

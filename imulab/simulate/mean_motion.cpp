@@ -31,7 +31,7 @@ double rate_bound(const MotionPiece& piece) {
 }
 
 BodyState state_of(const RigMotion& motion, std::size_t piece, double t) {
-  return turntable_state(motion.axes, axis_states(motion.pieces[piece], t));
+  return turntable_state(motion.axes, axis_states(motion.pieces[piece], t), motion.C_nt);
 }
 
 Vector3d size_effect_of_jump(const Vector3d& rate_jump, const Matrix3d& lever_arm) {

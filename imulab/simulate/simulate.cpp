@@ -97,12 +97,13 @@ void decompensate_columns(const SensorModel& model, std::span<const double> gyro
 
 }  // namespace
 
-Recording simulate_recording(const Session& procedure, const RecordingSource& source, const Truth& truth, std::uint64_t seed) {
+Recording simulate_recording(const Session& procedure, const RecordingSource& source, const Truth& truth, std::uint64_t seed, const RigErrors& rig) {
   validate(procedure, source, truth.model);
   const double rate = source.rate_hz.value_or(default_rate), interval_s = 1 / rate;
-  const RigMotion motion = rig_motion(steps_of(procedure, source));
+  const std::vector<Step> steps = steps_of(procedure, source);
+  const RigMotion motion = rig_motion(steps, rig);
   const MeanMotion mean(motion, {earth_rate_enu(*procedure.site.latitude), truth.gravity, truth.model.lever_arm});
-  const auto count = static_cast<std::size_t>(std::floor(motion.end() * rate * (1 + 1e-12)));  // the last sample ends with the last step
+  const auto count = static_cast<std::size_t>(std::floor(steps.back().end * rate * (1 + 1e-12)));  // the last sample ends with the last step
   if (count == 0) throw Error("[[recording]]: steps that last at least one sample were expected");
   Recording recording = empty_recording(source, rate, count);
   const std::vector<double> gyro_temperature = temperatures(motion, truth.model.gyro, count, interval_s);
@@ -112,17 +113,17 @@ Recording simulate_recording(const Session& procedure, const RecordingSource& so
 
   // Isolated: a thread that waits here must not take up an outer loop's next session on the same stack.
   tbb::this_task_arena::isolate([&] {
-  tbb::parallel_for(std::size_t{0}, (count + block_size - 1) / block_size, [&](std::size_t block) {
-    const std::size_t begin = block * block_size, size = std::min(block_size, count - begin);
-    const MotionColumns out = columns(recording, begin, size);
-    mean.over(begin, interval_s, out);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto noise = [&](const char* triad) { return RandomStream(seed, fmt::format("{}.{} noise of {}", triad, "xyz"[axis], source.file)); };
-      add_noise(noise("gyro"), truth.gyro_noise_density * std::sqrt(rate), begin, out.rate[axis]);
-      add_noise(noise("accel"), truth.accel_noise_density * std::sqrt(rate), begin, out.force[axis]);
-    }
-    decompensate_columns(truth.model, std::span(gyro_temperature).subspan(begin, size), std::span(accel_temperature).subspan(begin, size), out);
-  });
+    tbb::parallel_for(std::size_t{0}, (count + block_size - 1) / block_size, [&](std::size_t block) {
+      const std::size_t begin = block * block_size, size = std::min(block_size, count - begin);
+      const MotionColumns out = columns(recording, begin, size);
+      mean.over(begin, interval_s, out);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto noise = [&](const char* triad) { return RandomStream(seed, fmt::format("{}.{} noise of {}", triad, "xyz"[axis], source.file)); };
+        add_noise(noise("gyro"), truth.gyro_noise_density * std::sqrt(rate), begin, out.rate[axis]);
+        add_noise(noise("accel"), truth.accel_noise_density * std::sqrt(rate), begin, out.force[axis]);
+      }
+      decompensate_columns(truth.model, std::span(gyro_temperature).subspan(begin, size), std::span(accel_temperature).subspan(begin, size), out);
+    });
   });
   return recording;
 }

@@ -4,6 +4,7 @@
 #include "imulab/model/sensor_model.hpp"
 #include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"
+#include "imulab/rig/rig_errors.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -23,7 +24,8 @@ struct Truth {
 Truth draw_truth(const Session& procedure, std::uint64_t seed, const std::optional<SensorModel>& given = {});
 
 /// Samples from 0 to the end of the last step, at rate_hz (100 where absent). Each is the raw value of the mean motion over its interval plus
-/// white noise. Bit-equal on any number of threads.
-Recording simulate_recording(const Session& procedure, const RecordingSource& source, const Truth& truth, std::uint64_t seed);
+/// white noise. Without `rig` the rig is exact. Bit-equal on any number of threads.
+Recording simulate_recording(const Session& procedure, const RecordingSource& source, const Truth& truth, std::uint64_t seed,
+                             const RigErrors& rig = {});
 
 }  // namespace imulab
