@@ -145,17 +145,21 @@ std::optional<StepText> in_durations(const StepText& timed, const Step& step, do
   const auto decimal = [](double seconds) { return std::round(seconds * 1e9) / 1e9; };  // 60, not 59.99999999999
   StepText text = timed;
   text.start_s.reset(), text.end_s.reset();
-  if (step.kind != StepKind::rotate) {
-    text.duration_s = decimal(step.end - step.start);
-    if (const double move = decimal(step.start - previous_end); move != 0 && move != default_move_s) text.move_s = move;
-  }
-  StepLayout trial = layout;
-  Step placed;
   constexpr double same_time = 1e-6;  // s: sums of decimal durations, far below a sample
-  if (text.duration_s == 0.0 || trial.place(text, step.recording, placed)) return std::nullopt;
-  if (std::abs(placed.start - step.start) > same_time || std::abs(placed.end - step.end) > same_time) return std::nullopt;
-  layout = trial;
-  return text;
+  const auto places_it = [&](const StepText& written) {
+    StepLayout trial = layout;
+    Step placed;
+    if (trial.place(written, step.recording, placed)) return false;
+    if (std::abs(placed.start - step.start) > same_time || std::abs(placed.end - step.end) > same_time) return false;
+    layout = trial;
+    return true;
+  };
+  if (step.kind != StepKind::rotate) text.duration_s = decimal(step.end - step.start);
+  if (text.duration_s == 0.0) return std::nullopt;
+  if (places_it(text)) return text;
+  text.move_s = decimal(step.start - previous_end);
+  if (step.kind != StepKind::rotate && *text.move_s >= 0 && places_it(text)) return text;
+  return std::nullopt;
 }
 
 std::string text_of(const Session& session, bool durations) {
