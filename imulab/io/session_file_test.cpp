@@ -38,6 +38,9 @@ grade = "navigation"
 truth = "truth.json"
 accel_noise_density = 5e-5
 gyro_noise_density = 2.9e-7
+noise = "full"
+gyro_noise = { turn_on = { fixed = 1.5e-8 }, quantization = 1e-6, bias_instability = 2e-8, rate_random_walk = 3e-10, rate_ramp = 4e-13, resolution = 5e-6, range = 7.1 }
+accel_noise = { }
 [site]
 latitude_deg = 40.1
 longitude_deg = 116.3
@@ -114,6 +117,10 @@ TEST(SessionFile, ReadsWhatItSaysInSi) {
   const Session s = parse(rich);
   EXPECT_EQ(s.imu.name, "RLG-90 \"#012\"");
   EXPECT_EQ(s.imu.gyro_noise_density, 2.9e-7);
+  EXPECT_EQ(s.imu.noise, NoiseTerms::full);
+  EXPECT_EQ(s.imu.gyro_noise,
+            (NoiseModel{.Q = 1e-6, .N = 0, .B = 2e-8, .K = 3e-10, .R = {4e-13, false}, .turn_on = {1.5e-8, true}, .resolution = 5e-6, .range = 7.1}));
+  EXPECT_EQ(s.imu.accel_noise, NoiseModel{});
   EXPECT_EQ(s.site.latitude, 40.1 * unit::deg);
   ASSERT_EQ(s.rigs.size(), 2U);
   EXPECT_EQ(s.rigs[0].kind, RigKind::turntable);

@@ -65,8 +65,8 @@ class TomlText {
     if (value.value != 0 || value.fixed) add(key, value.fixed ? fmt::format("{{ fixed = {} }}", number) : number);
   }
   template <class Enum>
-  void choice(std::string_view key, Enum value, const std::vector<Enum>&) {
-    add(key, toml_string(to_string(value)));
+  void choice(std::string_view key, Enum value, const std::vector<Enum>& values, Presence presence = Presence::required) {
+    if (presence == Presence::required || value != values.front()) add(key, toml_string(to_string(value)));  // the first is the default
   }
   void choice(std::string_view key, const std::string& value, const std::vector<std::string_view>&, Presence) { add(key, toml_string(value)); }
   void column(std::string_view key, const Column& value) { add(key, column_text(value)); }
@@ -90,14 +90,14 @@ class TomlText {
   void table(std::string_view key, Presence, const Body& body) {
     TomlText inner;
     body(inner);
-    if (inner.items_.empty()) return;
-    std::string list;
-    for (const std::string& item : inner.items_) list += (list.empty() ? "" : ", ") + item;
-    add(key, "{ " + list + " }");
+    if (!inner.items_.empty()) add(key, inner.inline_table());
   }
   template <class T, class Body>
   void table_of(std::string_view key, std::optional<T>& value, const Body& body) {
-    if (value) table(key, Presence::optional, [&](TomlText& t) { body(t, *value); });
+    if (!value) return;
+    TomlText inner;
+    body(inner, *value);
+    add(key, inner.inline_table());
   }
   void check(bool, std::string_view, std::string_view) const {}
 
@@ -109,6 +109,11 @@ class TomlText {
   }
 
  private:
+  std::string inline_table() const {
+    std::string list;
+    for (const std::string& item : items_) list += (list.empty() ? "" : ", ") + item;
+    return "{ " + list + " }";
+  }
   void add(std::string_view key, const std::string& value) { items_.push_back(fmt::format("{} = {}", key, value)); }
 
   std::vector<std::string> items_;
