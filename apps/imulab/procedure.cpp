@@ -10,25 +10,56 @@
 
 namespace imulab::command {
 
-void add_procedure(CLI::App& app) {
-  CLI::App* const verb = app.add_subcommand("procedure", "A standard procedure as TOML, ready to edit");
-  verb->require_subcommand(1);
+namespace {
 
+void write(const std::string& output, const Session& session) {
+  const std::string text = procedure_text(session);
+  if (output == "-") {
+    fmt::print("{}", text);
+  } else {
+    write_whole(output, text);
+  }
+}
+
+void add_output(CLI::App& verb, std::string& output) {
+  verb.add_option("-o,--output", output, "the file to write; - for standard output")->capture_default_str();
+}
+
+void add_hand_held(CLI::App& verb) {
   struct Arguments {
     HandHeldOptions options;
     std::uint64_t seed = 1;
     std::string output = "-";
   };
   const auto a = std::make_shared<Arguments>();
-  CLI::App* const hand_held = verb->add_subcommand("hand-held", "A unit turned by hand: rests at random attitudes, no rig");
+  CLI::App* const hand_held = verb.add_subcommand("hand-held", "A unit turned by hand: rests at random attitudes, no rig");
   hand_held->add_option("--poses", a->options.poses, "number of rests")->capture_default_str();
   hand_held->add_option("--seed", a->seed, "another seed, other attitudes")->capture_default_str();
-  hand_held->add_option("-o,--output", a->output, "the file to write; - for standard output")->capture_default_str();
-  hand_held->callback([a] {
-    const std::string text = session_text(hand_held_procedure(a->options, a->seed));
-    if (a->output == "-") fmt::print("{}", text);
-    else write_whole(a->output, text);
-  });
+  add_output(*hand_held, a->output);
+  hand_held->callback([a] { write(a->output, hand_held_procedure(a->options, a->seed)); });
+}
+
+void add_turntable(CLI::App& verb, const char* name, const char* about, Session (*procedure)(const TurntableOptions&)) {
+  struct Arguments {
+    TurntableOptions options;
+    std::string output = "-";
+  };
+  const auto a = std::make_shared<Arguments>();
+  CLI::App* const own = verb.add_subcommand(name, about);
+  own->add_option("--rest", a->options.rest, "seconds of each rest")->capture_default_str();
+  add_output(*own, a->output);
+  own->callback([a, procedure] { write(a->output, procedure(a->options)); });
+}
+
+}  // namespace
+
+void add_procedure(CLI::App& app) {
+  CLI::App* const verb = app.add_subcommand("procedure", "A standard procedure as TOML, ready to edit");
+  verb->require_subcommand(1);
+  add_turntable(*verb, "six-position", "Turntable: each body axis up and down", six_position_procedure);
+  add_turntable(*verb, "zhang-24", "Turntable: five turns each way about each axis, then 24 positions", zhang_24_procedure);
+  add_turntable(*verb, "cheng-path", "Turntable: 20 turns of 90 and 180 deg between rests", cheng_path_procedure);
+  add_hand_held(*verb);
 }
 
 }  // namespace imulab::command

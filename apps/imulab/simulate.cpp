@@ -6,6 +6,7 @@
 #include "imulab/io/file.hpp"
 #include "imulab/io/recording_file.hpp"
 #include "imulab/io/session_file.hpp"
+#include "imulab/io/unit_names.hpp"
 
 #include <fmt/core.h>
 
@@ -65,7 +66,8 @@ RecordingSource written_source(const RecordingSource& source) {
     TriadSource to{.file = {}, .columns = std::move(columns), .output = from.output, .unit = from.unit, .limits = from.limits};
     if (from.unit == "count") return to;
     to.unit = from.output == Output::rate ? rate_unit : increment_unit;
-    if (to.unit != from.unit) to.limits.reset();
+    if (to.limits)
+      for (double& limit : *to.limits) limit *= si_factor(from.unit);
     return to;
   };
   written.gyro = triad(source.gyro, {"gx", "gy", "gz"}, "rad/s", "rad");
@@ -90,10 +92,18 @@ void check_file_name(const RecordingSource& source) {
     throw Error(fmt::format("[[recording]] file = \"{}\": the name of a file in the session's folder was expected", source.file));
 }
 
-/// The session as its user would have it: without the truth, and without the steps of a hand, which nobody recorded.
-Session given_session(Session session) {
+/// The session as its user would have it: without the truth, with the limits a sensor's data sheet gives, and without the steps of a hand, which
+/// nobody recorded.
+Session given_session(Session session, const Truth& truth) {
   session.imu.truth.reset();
-  for (RecordingSource& source : session.recordings) source = written_source(source);
+  for (RecordingSource& source : session.recordings) {
+    const auto limit = [&](TriadSource& triad, double range) {
+      const double reading = range * (triad.output == Output::increment ? 1 / source.rate_hz.value_or(100) : 1);
+      if (range > 0 && !triad.limits) triad.limits = {-reading, reading};
+    };
+    limit(source.gyro, truth.gyro_noise.range);
+    limit(source.accel, truth.accel_noise.range);
+  }
   const bool by_hand = std::all_of(session.rigs.begin(), session.rigs.end(), [](const RigDeclaration& rig) { return rig.kind == RigKind::none; });
   if (by_hand) session.steps.clear();
   return session;
@@ -109,40 +119,36 @@ Calibration truth_calibration(const Session& session, const Truth& truth, std::u
   c.model = truth.model;
   c.quality.verdict = "good";
   c.quality.notes = {fmt::format("seed {}", seed), fmt::format("gravity {} m/s^2", truth.gravity),
-                     fmt::format("accelerometer noise {} m/s^2/sqrt(Hz)", truth.accel_noise_density),
-                     fmt::format("gyro noise {} rad/s/sqrt(Hz)", truth.gyro_noise_density)};
+                     fmt::format("accelerometer noise {} m/s^2/sqrt(Hz)", truth.accel_noise.N),
+                     fmt::format("gyro noise {} rad/s/sqrt(Hz)", truth.gyro_noise.N)};
   return c;
-}
-
-bool declares_errors(const RigDeclaration& rig) {
-  const auto given = [](const auto& by_axis) { return std::any_of(by_axis.begin(), by_axis.end(), [](const auto& x) { return x.has_value(); }); };
-  return rig.angle.value != 0 || rig.orthogonality.value != 0 || rig.zero.value != 0 || rig.timing.value != 0 || given(rig.given_orthogonality) ||
-         given(rig.given_zero);
 }
 
 void simulate(const Arguments& a) {
   Session procedure = read_session(a.procedure);
   if (procedure.recordings.empty()) procedure.recordings.push_back(default_source());
-  for (const RecordingSource& source : procedure.recordings) check_file_name(source);
+  for (RecordingSource& source : procedure.recordings) {
+    check_file_name(source);
+    source = written_source(source);
+  }
   std::optional<Calibration> given;
   if (procedure.imu.truth) given = read_calibration(session_path(procedure, *procedure.imu.truth));
   const Truth truth = draw_truth(procedure, a.seed, given ? std::optional(given->model) : std::nullopt);
 
-  if (std::any_of(procedure.rigs.begin(), procedure.rigs.end(), declares_errors))
-    warn("the rig's declared errors are not simulated yet: its axes are ideal, its angles and times exact");
-
   NewFolder folder(a.folder);
   std::string report;
+  std::vector<RecordedRigErrors> rig;
   for (const RecordingSource& source : procedure.recordings) {
-    const Recording recording = simulate_recording(procedure, source, truth, a.seed);
+    rig.push_back({source.file, draw_rig_errors(procedure, source, a.seed)});
+    const Recording recording = simulate_recording(procedure, source, truth, a.seed, rig.back().errors);
     write_recording(folder.path() / source.file, recording);
     report += fmt::format("  {:<14} {} samples, {:g} s\n", source.file, recording.size(), recording.time_s(recording.size() - 1));
   }
-  const std::string text = session_text(given_session(procedure));
+  const std::string text = session_text(given_session(procedure, truth));
   write_whole(folder.path() / "session.toml", text);
   Calibration calibration = truth_calibration(procedure, truth, a.seed, given ? given->frame : "accelerometers");
   calibration.session_sha256 = sha256(text);
-  write_whole(folder.path() / "truth.json", calibration_text(calibration));
+  write_whole(folder.path() / "truth.json", truth_text(calibration, rig));
   folder.finish();
   fmt::print("{} (seed {})\n{}  {:<14} what a calibration of this session has to find\n  session.toml\n", a.folder, a.seed, report, "truth.json");
 }

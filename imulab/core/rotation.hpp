@@ -37,8 +37,18 @@ inline Matrix3d rotation_exp(const Vector3d& r) {
 /// Rotation vector [rad] of a rotation matrix, angle in [0, pi].
 Vector3d rotation_log(const Matrix3d& c);
 
-/// Rotation by `angle` [rad] about the unit vector `axis`, right-handed.
-inline Matrix3d rotation_about(const Vector3d& axis, double angle) { return rotation_exp(axis * angle); }
+/// Rotation by `angle` [rad] about the unit vector `axis`, right-handed. T is double, or a type that carries derivatives.
+template <class T>
+Eigen::Matrix<T, 3, 3> rotation_about(const Eigen::Matrix<T, 3, 1>& axis, const T& angle) {
+  using std::cos, std::sin;
+  const Eigen::Matrix<T, 3, 3> k = skew<T>(axis), k2 = k * k;
+  const T sine = sin(angle), versine = T(1) - cos(angle);
+  Eigen::Matrix<T, 3, 3> m;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) m(i, j) = T(i == j ? 1 : 0) + sine * k(i, j) + versine * k2(i, j);
+  return m;
+}
+inline Matrix3d rotation_about(const Vector3d& axis, double angle) { return rotation_about<double>(axis, angle); }
 
 /// The nearest rotation matrix: removes the rounding that long products gather.
 Matrix3d orthonormalized(const Matrix3d& c);

@@ -30,7 +30,7 @@ double largest_sigmas(const Calibration& c, const SensorModel& truth) {
 }
 
 TEST(Handheld, WithoutNoiseTheTruthComesBack) {
-  const SimulatedSession s = simulate_session(short_options(), 1, [](Truth& t) { t.accel_noise_density = t.gyro_noise_density = 1e-10; });
+  const SimulatedSession s = simulate_session(short_options(), 1, [](Truth& t) { t.accel_noise.N = t.gyro_noise.N = 1e-10; });
   Site site = s.site();
   site.given_gravity = s.truth.gravity;
   ImuDeclaration imu;

@@ -2,10 +2,12 @@
 #pragma once
 
 #include "imulab/model/calibration.hpp"
+#include "imulab/rig/rig_errors.hpp"
 
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace imulab {
 
@@ -18,5 +20,12 @@ Calibration parse_calibration(std::string_view text, const std::string& file);
 
 /// The calibration as JSON text that reads back to the same numbers.
 std::string calibration_text(const Calibration& calibration);
+
+/// A simulation's truth: the calibration, and under the key "rig" each recording's rig errors by name (rad, s).
+struct RecordedRigErrors {
+  std::string recording;
+  RigErrors errors;
+};
+std::string truth_text(const Calibration& calibration, const std::vector<RecordedRigErrors>& rig);
 
 }  // namespace imulab

@@ -101,20 +101,30 @@ std::string layout(const Json& value, const std::string& indent) {
   return fmt::format("{}\n{}{}\n{}{}", brackets[0], inner, out, indent, brackets[1]);
 }
 
+Json calibration_json(const Calibration& c) {
+  return {{"format", "imulab.calibration/1"},
+          {"imu", c.imu},
+          {"method", c.method},
+          {"created", c.created},
+          {"software", c.software},
+          {"session", {{"file", c.session_file}, {"sha256", c.session_sha256}}},
+          {"frame", c.frame},
+          {"model", model_json(c.model)},
+          {"standard_uncertainty", uncertainty_json(c)},
+          {"covariance", covariance_json(c)},
+          {"quality", quality_json(c.quality)}};
+}
+
 }  // namespace
 
-std::string calibration_text(const Calibration& c) {
-  const Json json = {{"format", "imulab.calibration/1"},
-                     {"imu", c.imu},
-                     {"method", c.method},
-                     {"created", c.created},
-                     {"software", c.software},
-                     {"session", {{"file", c.session_file}, {"sha256", c.session_sha256}}},
-                     {"frame", c.frame},
-                     {"model", model_json(c.model)},
-                     {"standard_uncertainty", uncertainty_json(c)},
-                     {"covariance", covariance_json(c)},
-                     {"quality", quality_json(c.quality)}};
+std::string calibration_text(const Calibration& c) { return layout(calibration_json(c), "") + "\n"; }
+
+std::string truth_text(const Calibration& c, const std::vector<RecordedRigErrors>& rig) {
+  Json json = calibration_json(c);
+  for (const auto& [recording, errors] : rig) {
+    Json& values = json["rig"][recording] = Json::object();
+    for (std::size_t i = 0; i < errors.sources.size(); ++i) values[errors.sources[i].name()] = errors.values[i];
+  }
   return layout(json, "") + "\n";
 }
 

@@ -17,6 +17,23 @@ inline constexpr std::string_view session_format = "imulab.session/1";
 
 inline std::string_view to_string(Output output) { return output == Output::rate ? "rate" : "increment"; }
 
+/// Noise terms of a triad but N, which has a key of its own.
+template <class Fields>
+void describe(Fields& f, NoiseModel& noise) {
+  const auto size = [&](std::string_view key, double& value) {
+    std::optional<double> given = value == 0 ? std::nullopt : std::optional(value);
+    f.number(key, given, not_negative());
+    value = given.value_or(0);
+  };
+  f.spread("turn_on", noise.turn_on, 1);
+  size("quantization", noise.Q);
+  size("bias_instability", noise.B);
+  size("rate_random_walk", noise.K);
+  f.spread("rate_ramp", noise.R, 1);
+  size("resolution", noise.resolution);
+  size("range", noise.range);
+}
+
 template <class Fields>
 void describe(Fields& f, ImuDeclaration& imu) {
   f.text("name", imu.name);
@@ -24,6 +41,9 @@ void describe(Fields& f, ImuDeclaration& imu) {
   f.text("truth", imu.truth);
   f.number("accel_noise_density", imu.accel_noise_density, not_negative());
   f.number("gyro_noise_density", imu.gyro_noise_density, not_negative());
+  f.choice("noise", imu.noise, std::vector{NoiseTerms::white, NoiseTerms::full}, Presence::optional);
+  f.template table_of<NoiseModel>("accel_noise", imu.accel_noise, [](Fields& t, NoiseModel& n) { describe(t, n); });
+  f.template table_of<NoiseModel>("gyro_noise", imu.gyro_noise, [](Fields& t, NoiseModel& n) { describe(t, n); });
 }
 
 template <class Fields>

@@ -15,6 +15,9 @@ Session read_session(const std::filesystem::path& path);
 /// The session as TOML text that read_session reads back to the same values.
 std::string session_text(const Session& session);
 
+/// The same with durations in place of times where read_session lays the steps out alike: what a procedure's author edits.
+std::string procedure_text(const Session& session);
+
 /// A file the session names, relative to the session's own folder.
 std::filesystem::path session_path(const Session& session, const std::string& file);
 

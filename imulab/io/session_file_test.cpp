@@ -3,6 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/recording/turn.hpp"
+#include "imulab/rig/procedure.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -37,6 +38,9 @@ grade = "navigation"
 truth = "truth.json"
 accel_noise_density = 5e-5
 gyro_noise_density = 2.9e-7
+noise = "full"
+gyro_noise = { turn_on = { fixed = 1.5e-8 }, quantization = 1e-6, bias_instability = 2e-8, rate_random_walk = 3e-10, rate_ramp = 4e-13, resolution = 5e-6, range = 7.1 }
+accel_noise = { }
 [site]
 latitude_deg = 40.1
 longitude_deg = 116.3
@@ -113,6 +117,10 @@ TEST(SessionFile, ReadsWhatItSaysInSi) {
   const Session s = parse(rich);
   EXPECT_EQ(s.imu.name, "RLG-90 \"#012\"");
   EXPECT_EQ(s.imu.gyro_noise_density, 2.9e-7);
+  EXPECT_EQ(s.imu.noise, NoiseTerms::full);
+  EXPECT_EQ(s.imu.gyro_noise,
+            (NoiseModel{.Q = 1e-6, .N = 0, .B = 2e-8, .K = 3e-10, .R = {4e-13, false}, .turn_on = {1.5e-8, true}, .resolution = 5e-6, .range = 7.1}));
+  EXPECT_EQ(s.imu.accel_noise, NoiseModel{});
   EXPECT_EQ(s.site.latitude, 40.1 * unit::deg);
   ASSERT_EQ(s.rigs.size(), 2U);
   EXPECT_EQ(s.rigs[0].kind, RigKind::turntable);
@@ -153,6 +161,31 @@ TEST(SessionFile, WritesWhatItReadsBackIdentically) {
     EXPECT_EQ(session_text(first), session_text(second));
     second.file = first.file, second.sha256 = first.sha256;  // these name the file itself
     EXPECT_TRUE(first == second) << session_text(first);
+  }
+}
+
+TEST(SessionFile, AProcedureIsWrittenInDurations) {
+  for (const Session& given :
+       {zhang_24_procedure({}), six_position_procedure({.rest = 33.3}), cheng_path_procedure({}), hand_held_procedure({}, 1)}) {
+    const std::string text = procedure_text(given);
+    EXPECT_THAT(text, testing::Not(testing::HasSubstr("start_s")));
+    const Session read = parse(text);
+    ASSERT_EQ(read.steps.size(), given.steps.size());
+    for (std::size_t k = 0; k < given.steps.size(); ++k) {
+      EXPECT_NEAR(read.steps[k].start, given.steps[k].start, 1e-9);  // sums of decimal durations
+      EXPECT_NEAR(read.steps[k].end, given.steps[k].end, 1e-9);
+      EXPECT_EQ(read.steps[k].kind, given.steps[k].kind);
+      EXPECT_NEAR(read.steps[k].angle, given.steps[k].angle, 1e-12);
+    }
+  }
+  Session odd = six_position_procedure({});
+  odd.steps[3].start += 0.5, odd.steps[4].temperature = 30;
+  odd.steps.push_back(odd.steps[5]);
+  odd.steps[6].start = odd.steps[5].end + 7, odd.steps[6].end = odd.steps[6].start + 1;  // a gap without a move: no duration says that
+  const Session read = parse(procedure_text(odd));
+  for (std::size_t k = 0; k < odd.steps.size(); ++k) {
+    EXPECT_NEAR(read.steps[k].start, odd.steps[k].start, 1e-9);
+    EXPECT_NEAR(read.steps[k].end, odd.steps[k].end, 1e-9);
   }
 }
 

@@ -1,5 +1,6 @@
 #include "imulab/io/session_fields.hpp"
 #include "imulab/io/session_file.hpp"
+#include "imulab/io/step_layout.hpp"
 
 #include <fmt/format.h>
 
@@ -64,8 +65,8 @@ class TomlText {
     if (value.value != 0 || value.fixed) add(key, value.fixed ? fmt::format("{{ fixed = {} }}", number) : number);
   }
   template <class Enum>
-  void choice(std::string_view key, Enum value, const std::vector<Enum>&) {
-    add(key, toml_string(to_string(value)));
+  void choice(std::string_view key, Enum value, const std::vector<Enum>& values, Presence presence = Presence::required) {
+    if (presence == Presence::required || value != values.front()) add(key, toml_string(to_string(value)));  // the first is the default
   }
   void choice(std::string_view key, const std::string& value, const std::vector<std::string_view>&, Presence) { add(key, toml_string(value)); }
   void column(std::string_view key, const Column& value) { add(key, column_text(value)); }
@@ -89,14 +90,14 @@ class TomlText {
   void table(std::string_view key, Presence, const Body& body) {
     TomlText inner;
     body(inner);
-    if (inner.items_.empty()) return;
-    std::string list;
-    for (const std::string& item : inner.items_) list += (list.empty() ? "" : ", ") + item;
-    add(key, "{ " + list + " }");
+    if (!inner.items_.empty()) add(key, inner.inline_table());
   }
   template <class T, class Body>
   void table_of(std::string_view key, std::optional<T>& value, const Body& body) {
-    if (value) table(key, Presence::optional, [&](TomlText& t) { body(t, *value); });
+    if (!value) return;
+    TomlText inner;
+    body(inner, *value);
+    add(key, inner.inline_table());
   }
   void check(bool, std::string_view, std::string_view) const {}
 
@@ -108,6 +109,11 @@ class TomlText {
   }
 
  private:
+  std::string inline_table() const {
+    std::string list;
+    for (const std::string& item : items_) list += (list.empty() ? "" : ", ") + item;
+    return "{ " + list + " }";
+  }
   void add(std::string_view key, const std::string& value) { items_.push_back(fmt::format("{} = {}", key, value)); }
 
   std::vector<std::string> items_;
@@ -139,19 +145,58 @@ StepText step_text(const Step& step, bool several_recordings) {
   return text;
 }
 
-}  // namespace
+/// The step by its duration, if that puts it where it is.
+std::optional<StepText> in_durations(const StepText& timed, const Step& step, double previous_end, StepLayout& layout) {
+  const auto decimal = [](double seconds) { return std::round(seconds * 1e9) / 1e9; };  // 60, not 59.99999999999
+  StepText text = timed;
+  text.start_s.reset(), text.end_s.reset();
+  constexpr double same_time = 1e-6;  // s: sums of decimal durations, far below a sample
+  const auto places_it = [&](const StepText& written) {
+    StepLayout trial = layout;
+    Step placed;
+    if (trial.place(written, step.recording, placed)) return false;
+    if (std::abs(placed.start - step.start) > same_time || std::abs(placed.end - step.end) > same_time) return false;
+    layout = trial;
+    return true;
+  };
+  if (step.kind != StepKind::rotate) text.duration_s = decimal(step.end - step.start);
+  if (text.duration_s == 0.0) return std::nullopt;
+  if (places_it(text)) return text;
+  text.move_s = decimal(step.start - previous_end);
+  if (step.kind != StepKind::rotate && *text.move_s >= 0 && places_it(text)) return text;
+  return std::nullopt;
+}
 
-std::string session_text(const Session& session) {
+std::string text_of(const Session& session, bool durations) {
   std::string text = fmt::format("format = {}\n", toml_string(session_format));
   if (session.imu != ImuDeclaration{}) text += section("[imu]", session.imu);
   if (session.site != Site{}) text += section("[site]", session.site);
   const bool several = session.rigs.size() > 1;
   for (const RigDeclaration& rig : session.rigs) text += section(several ? "[[rig]]" : "[rig]", rig, several);
   for (const RecordingSource& recording : session.recordings) text += section("[[recording]]", recording);
-  for (const Step& step : session.steps) text += section("[[step]]", step_text(step, session.recordings.size() != 1));
+  StepLayout layout;
+  std::map<std::string, double> ends;
+  for (const Step& step : session.steps) {
+    StepText written = step_text(step, session.recordings.size() != 1);
+    if (durations) {
+      if (const auto short_form = in_durations(written, step, ends[step.recording], layout)) {
+        written = *short_form;
+      } else {
+        Step placed;
+        layout.place(written, step.recording, placed);
+      }
+      ends[step.recording] = step.end;
+    }
+    text += section("[[step]]", written);
+  }
   if (session.initial) text += section("[initial]", *session.initial);
   if (session.truth_file) text += fmt::format("\n[truth]\nfile = {}\n", toml_string(*session.truth_file));
   return text;
 }
+
+}  // namespace
+
+std::string session_text(const Session& session) { return text_of(session, false); }
+std::string procedure_text(const Session& session) { return text_of(session, true); }
 
 }  // namespace imulab

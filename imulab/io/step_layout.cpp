@@ -10,8 +10,6 @@
 namespace imulab {
 namespace {
 
-constexpr double default_move_s = 10;
-
 bool differ(const std::array<double, 3>& a, const std::array<double, 3>& b) {
   constexpr double rounding = 1e-9;  // deg: what sums of decimal fractions leave, far below any table's resolution
   for (std::size_t i = 0; i < 3; ++i)

@@ -12,6 +12,9 @@
 
 namespace imulab {
 
+/// What a procedure's hold or spin is reached in where it does not say.
+inline constexpr double default_move_s = 10;
+
 class StepLayout {
  public:
   /// The problem of a step, if any: the key it is about and what is wrong. Then the step is not usable.

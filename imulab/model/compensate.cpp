@@ -154,4 +154,63 @@ void compensate(const SensorModel& model, const RawColumns& raw, const MotionCol
   }
 }
 
+namespace {
+
+bool linear(const TriadModel& m) { return m.quadratic.isZero(0) && m.cubic.isZero(0); }
+
+/// V with polynomial(V) = out, in place.
+void invert_columns(const TriadModel& m, const char* triad, const std::array<std::span<double>, 3>& columns) {
+  const std::size_t n = columns[0].size();
+  double* const x = columns[0].data();
+  double* const y = columns[1].data();
+  double* const z = columns[2].data();
+  if (!linear(m)) {
+    for (std::size_t k = 0; k < n; ++k) {
+      const Vector3d v = invert(m, {x[k], y[k], z[k]}, triad);
+      x[k] = v(0), y[k] = v(1), z[k] = v(2);
+    }
+    return;
+  }
+  const Matrix3d inverse = m.matrix.inverse();
+  const double ox = m.offset(0), oy = m.offset(1), oz = m.offset(2);
+  const double xx = inverse(0, 0), xy = inverse(0, 1), xz = inverse(0, 2), yx = inverse(1, 0), yy = inverse(1, 1), yz = inverse(1, 2);
+  const double zx = inverse(2, 0), zy = inverse(2, 1), zz = inverse(2, 2);
+  for (std::size_t k = 0; k < n; ++k) {
+    const double a = x[k] - ox, b = y[k] - oy, c = z[k] - oz;
+    x[k] = xx * a + xy * b + xz * c;
+    y[k] = yx * a + yy * b + yz * c;
+    z[k] = zx * a + zy * b + zz * c;
+  }
+}
+
+/// Adds c0 + c1 tau + c2 tau^2.
+void add_drift(const TriadModel& m, const Inputs& temperature, const std::array<std::span<double>, 3>& columns) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto c = m.thermal.row(static_cast<Eigen::Index>(axis));
+    const double c0 = c(0), c1 = c(1), c2 = c(2);
+    if (c0 == 0 && c1 == 0 && c2 == 0) continue;
+    if (temperature[axis].size() != columns[axis].size() || !m.temperature)
+      throw Error("decompensate: the model has thermal terms, so a thermal reading for each sample and a reference temperature were expected");
+    for (std::size_t k = 0; k < columns[axis].size(); ++k) {
+      const double tau = temperature[axis][k] - m.temperature->reference;
+      columns[axis][k] += c0 + (c1 + c2 * tau) * tau;
+    }
+  }
+}
+
+}  // namespace
+
+void decompensate(const SensorModel& model, const Inputs& accel_temperature, const Inputs& gyro_temperature, const MotionColumns& columns) {
+  if (!model.g_sensitivity.isZero(0))
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto c = model.g_sensitivity.row(static_cast<Eigen::Index>(axis));
+      for (std::size_t k = 0; k < columns.rate[axis].size(); ++k)
+        columns.rate[axis][k] -= c(0) * columns.force[0][k] + c(1) * columns.force[1][k] + c(2) * columns.force[2][k];
+    }
+  invert_columns(model.accel, "accelerometers'", columns.force);
+  invert_columns(model.gyro, "gyros'", columns.rate);
+  add_drift(model.accel, accel_temperature, columns.force);
+  add_drift(model.gyro, gyro_temperature, columns.rate);
+}
+
 }  // namespace imulab

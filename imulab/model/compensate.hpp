@@ -37,4 +37,9 @@ struct MotionColumns {
 /// compensate on columns; `out` may be the input's own memory.
 void compensate(const SensorModel& model, const RawColumns& raw, const MotionColumns& out);
 
+/// decompensate on columns, in place: motion becomes raw readings. Thermal readings (not less the reference) may be empty where the model has no
+/// thermal terms.
+void decompensate(const SensorModel& model, const std::array<std::span<const double>, 3>& accel_temperature,
+                  const std::array<std::span<const double>, 3>& gyro_temperature, const MotionColumns& columns);
+
 }  // namespace imulab

@@ -207,5 +207,43 @@ TEST(CompensateColumns, ColumnsOfDifferentLengthsAreAnError) {
   EXPECT_THROW(compensate(any_model(), raw, samples.in_place()), Error);
 }
 
+TEST(Decompensate, ColumnsAreTheSamplesOneByOne) {
+  EXPECT_TRUE(rc::check([] {
+    SensorModel m = draw_model();
+    if (*rc::gen::inRange(0, 2) == 0) m.accel.quadratic.setZero(), m.accel.cubic.setZero(), m.gyro.quadratic.setZero(), m.gyro.cubic.setZero();
+    constexpr std::size_t n = 5;
+    std::array<std::vector<double>, 6> columns;
+    for (auto& c : columns)
+      for (std::size_t k = 0; k < n; ++k) c.push_back(draw(-1, 1) * (&c < &columns[3] ? 30 * unit::g : 400 * unit::deg));
+    std::vector<double> temperature;
+    for (std::size_t k = 0; k < n; ++k) temperature.push_back(draw(0, 70));
+    const auto before = columns;
+    MotionColumns in_place;
+    std::array<std::span<const double>, 3> readings;
+    for (std::size_t a = 0; a < 3; ++a) in_place.force[a] = columns[a], in_place.rate[a] = columns[a + 3], readings[a] = temperature;
+    decompensate(m, readings, readings, in_place);
+    for (std::size_t k = 0; k < n; ++k) {
+      const Vector3d tau = Vector3d::Constant(temperature[k] - 25);
+      const RawSample raw = decompensate(m, {{before[0][k], before[1][k], before[2][k]}, {before[3][k], before[4][k], before[5][k]}}, tau, tau);
+      for (std::size_t a = 0; a < 3; ++a) {
+        const auto i = static_cast<Eigen::Index>(a);
+        // Sums in another order: a few roundings of full scale.
+        RC_ASSERT(std::abs(columns[a][k] - raw.accel(i)) < 1e-14 * raw.accel.norm() + 1e-14 * 30 * unit::g / std::abs(m.accel.matrix(i, i)));
+        RC_ASSERT(std::abs(columns[a + 3][k] - raw.gyro(i)) < 1e-14 * raw.gyro.norm() + 1e-14 * 400 * unit::deg / std::abs(m.gyro.matrix(i, i)));
+      }
+    }
+  }));
+}
+
+TEST(Decompensate, MissingThermalReadingsAreNamed) {
+  SensorModel m;
+  m.gyro.thermal(1, 1) = 1;
+  m.gyro.temperature = ThermalReading{};
+  std::array<double, 2> x{};
+  MotionColumns columns;
+  for (std::size_t a = 0; a < 3; ++a) columns.rate[a] = columns.force[a] = x;
+  EXPECT_THAT([&] { decompensate(m, {}, {}, columns); }, testing::ThrowsMessage<Error>(HasSubstr("thermal reading for each sample")));
+}
+
 }  // namespace
 }  // namespace imulab

@@ -1,6 +1,8 @@
 // Grades of IMU: what a unit of a kind departs from the ideal before calibration, as one sigma of a draw.
 #pragma once
 
+#include "imulab/model/noise.hpp"
+
 #include <span>
 #include <string_view>
 
@@ -13,7 +15,7 @@ struct Grade {
   double gyro_scale, accel_scale;                  ///< relative
   double gyro_misalignment, accel_misalignment;    ///< rad; gyros: all six; accelerometers: the three non-orthogonalities
   double g_sensitivity;                            ///< (rad/s)/(m/s^2)
-  double gyro_noise_density, accel_noise_density;  ///< rad/s/sqrt(Hz), m/s^2/sqrt(Hz): the size itself, not a spread
+  NoiseModel gyro_noise, accel_noise;              ///< resolution and range in SI: the raw unit of a drawn unit
 };
 
 /// strategic, navigation, tactical, mems.

@@ -17,6 +17,8 @@ double Site::gravity_sigma() const {
   return height ? 3e-4 : 3e-3;
 }
 
+std::string_view to_string(NoiseTerms terms) { return terms == NoiseTerms::white ? "white" : "full"; }
+
 std::string_view to_string(RigKind kind) {
   switch (kind) {
     case RigKind::turntable: return "turntable";

@@ -1,6 +1,9 @@
 // A session: what was recorded, where, on which rig, with which unit. A procedure is a session without recordings.
 #pragma once
 
+#include "imulab/core/spread.hpp"
+#include "imulab/model/noise.hpp"
+
 #include <array>
 #include <cstdint>
 #include <map>
@@ -12,12 +15,9 @@
 
 namespace imulab {
 
-/// A number that a simulation draws from: one sigma of a draw, or exactly itself.
-struct Spread {
-  double value = 0;
-  bool fixed = false;
-  bool operator==(const Spread&) const = default;
-};
+/// Which of a grade's noise terms a simulation has: white noise alone, or all.
+enum class NoiseTerms { white, full };
+std::string_view to_string(NoiseTerms terms);
 
 struct ImuDeclaration {
   std::string name;
@@ -25,6 +25,8 @@ struct ImuDeclaration {
   std::optional<std::string> truth;           ///< file of the exact unit to simulate
   std::optional<double> accel_noise_density;  ///< m/s^2/sqrt(Hz)
   std::optional<double> gyro_noise_density;   ///< rad/s/sqrt(Hz)
+  NoiseTerms noise = NoiseTerms::white;
+  std::optional<NoiseModel> accel_noise, gyro_noise;  ///< in place of the grade's, except N, which the densities above give
   bool operator==(const ImuDeclaration&) const = default;
 };
 

@@ -15,21 +15,18 @@ namespace {
 
 using Angles = std::array<double, 3>;
 
-constexpr double same_angle = 1e-9;    // rad: below what a decimal number of degrees in a file can mean
 constexpr double same_time = 1e-9;     // s: rounding of a time in a file
 constexpr double written_time = 1e-3;  // s: times and rates are often written by hand to the millisecond
 
 /// Builds the pieces one after the other.
 struct Builder {
-  double time = 0;              // up to here
-  Angles commanded{}, error{};  // where the axes were sent, and how far from there they are
+  double commanded_time = 0, time = 0;  // commanded and done up to here: a late rotation ends after its step does
+  Angles actual{};
   std::vector<MotionPiece> pieces{};
 
-  double actual(std::size_t axis) const { return commanded[axis] + error[axis]; }
-
-  MotionPiece resting_until(double end, std::optional<double> temperature) const {
-    MotionPiece piece{.begin = time, .end = end, .angle = {}, .temperature = temperature};
-    for (std::size_t a = 0; a < 3; ++a) piece.angle[a][0] = actual(a);
+  MotionPiece resting_for(double duration, std::optional<double> temperature) const {
+    MotionPiece piece{.begin = time, .end = time + duration, .angle = {}, .temperature = temperature};
+    for (std::size_t a = 0; a < 3; ++a) piece.angle[a][0] = actual[a];
     return piece;
   }
   void append(const MotionPiece& piece) {
@@ -37,7 +34,11 @@ struct Builder {
     pieces.push_back(piece);
     time = piece.end;
   }
-  void rest(double end, std::optional<double> temperature) { append(resting_until(end, temperature)); }
+  void rest_until(double end, std::optional<double> temperature) {
+    MotionPiece piece = resting_for(0, temperature);
+    piece.end = end;
+    append(piece);
+  }
 };
 
 std::string describe(const Step& step, std::size_t index) {
@@ -45,26 +46,21 @@ std::string describe(const Step& step, std::size_t index) {
 }
 
 /// The gap before a hold: rest, or the move to its angles.
-void reach(Builder& build, const Step& step, std::size_t index, const Angles& error) {
-  Angles change{};
-  bool moves = false;
-  for (std::size_t a = 0; a < 3; ++a) {
-    change[a] = std::fmod(step.angles[a] - build.commanded[a], 2 * std::numbers::pi);
-    if (std::abs(std::remainder(change[a], 2 * std::numbers::pi)) < same_angle) change[a] = 0;
-    moves = moves || change[a] != 0;
-  }
-  if (moves && step.start - build.time < same_time)
+void reach(Builder& build, const Step& step, std::size_t index, const Command& command, const Angles& error_change) {
+  const double gap = step.start - build.commanded_time;
+  const bool moves = std::any_of(command.moves.begin(), command.moves.end(), [](bool m) { return m; });
+  if (moves && gap < same_time)
     throw Error(fmt::format("{}: its angles differ from those before it, but no time is left to reach them: start_s later than {:g} was expected",
-                            describe(step, index), build.time));
-  MotionPiece move = build.resting_until(step.start, step.temperature);
+                            describe(step, index), build.commanded_time));
+  if (!moves) return build.rest_until(step.start, step.temperature);
+  MotionPiece move = build.resting_for(gap, step.temperature);
   for (std::size_t a = 0; a < 3; ++a) {
-    if (change[a] == 0) continue;
-    const double whole = change[a] + error[a] - build.error[a];
-    move.angle[a] = {build.actual(a), 0, 0, 10 * whole, -15 * whole, 6 * whole};
-    build.error[a] = error[a];
+    if (!command.moves[a]) continue;
+    const double whole = std::fmod(command.after[a] - command.before[a], 2 * std::numbers::pi) + error_change[a];
+    move.angle[a] = {build.actual[a], 0, 0, 10 * whole, -15 * whole, 6 * whole};
+    build.actual[a] += whole;
   }
   build.append(move);
-  build.commanded = step.angles;
 }
 
 /// Duration of each ramp of a rotation by `angle` (unsigned) at rate `rate`, and the whole rotation's.
@@ -93,15 +89,18 @@ Trapezoid trapezoid(const Step& step, std::size_t index) {
   return {std::clamp(available - cruise, 0.0, available / 2), available};
 }
 
-void rotate(Builder& build, const Step& step, std::size_t index, const Angles& error) {
+void rotate(Builder& build, const Step& step, std::size_t index, const Angles& error_change, double delay) {
   const auto axis = static_cast<std::size_t>(step.axis);
-  const auto [ramp, duration] = trapezoid(step, index);
-  build.rest(step.start, step.temperature);
-  const double whole = step.angle + error[axis] - build.error[axis];
+  auto [ramp, duration] = trapezoid(step, index);
+  // A rotation-time error stretches the whole motion; no rig is so late or early that its rate is halved or doubled.
+  const double stretch = duration > 0 ? std::clamp(1 + delay / duration, 0.5, 2.0) : 1;
+  ramp *= stretch, duration *= stretch;
+  build.rest_until(step.start, step.temperature);
+  const double whole = step.angle + error_change[axis];
   const double cruise = duration - 2 * ramp, rate = duration > ramp ? whole / (duration - ramp) : 0.0;
-  double angle = build.actual(axis);
+  double angle = build.actual[axis];
   const auto append = [&](double lasting, double linear, double quadratic) {
-    MotionPiece piece = build.resting_until(build.time + lasting, step.temperature);
+    MotionPiece piece = build.resting_for(lasting, step.temperature);
     piece.angle[axis] = {angle, linear, quadratic, 0, 0, 0};
     build.append(piece);
     angle += linear + quadratic;
@@ -109,8 +108,7 @@ void rotate(Builder& build, const Step& step, std::size_t index, const Angles& e
   append(ramp, 0, rate * ramp / 2);
   append(cruise, rate * cruise, 0);
   append(ramp, rate * ramp, -rate * ramp / 2);
-  build.commanded[axis] += step.angle;
-  build.error[axis] = error[axis];
+  build.actual[axis] += whole;
 }
 
 }  // namespace
@@ -122,24 +120,26 @@ bool MotionPiece::at_rest() const {
 
 RigMotion rig_motion(std::span<const Step> steps, const RigErrors& errors) {
   if (steps.empty()) throw Error("there are no steps: [[step]] says what the rig does");
-  if (!errors.angle.empty() && errors.angle.size() != steps.size()) throw Error("one angle error for each step was expected");
+  const ActualRig<double> rig = actual_rig<double>(errors.sources, errors.values, steps.size());
+  const std::vector<Command> commands = commands_of(steps);
   Builder build;
-  const bool there_at_once = steps.front().kind == StepKind::hold && steps.front().start < same_time;
-  if (there_at_once) build.commanded = steps.front().angles;
-  if (there_at_once && !errors.angle.empty()) build.error = errors.angle.front();
+  build.actual = angles_before(rig, commands.front(), 0);
   for (std::size_t k = 0; k < steps.size(); ++k) {
     const Step& step = steps[k];
-    const Angles error = errors.angle.empty() ? Angles{} : errors.angle[k];
     if (step.kind == StepKind::spin) throw Error(describe(step, k) + ": a turntable's or a hand's steps are hold and rotate");
-    if (step.start < build.time - same_time || step.end <= step.start)
-      throw Error(fmt::format("{}: a start_s from {:g} on and a later end_s were expected", describe(step, k), build.time));
-    if (step.kind == StepKind::hold)
-      reach(build, step, k, error);
-    else
-      rotate(build, step, k, error);
-    build.rest(step.end, step.temperature);
+    if (step.start < build.commanded_time - same_time || step.end <= step.start)
+      throw Error(fmt::format("{}: a start_s from {:g} on and a later end_s were expected", describe(step, k), build.commanded_time));
+    Angles error_change = rig.angle[k];
+    for (std::size_t a = 0; a < 3; ++a) error_change[a] -= k == 0 ? rig.start[a] : rig.angle[k - 1][a];
+    if (step.kind == StepKind::hold) {
+      reach(build, step, k, commands[k], error_change);
+    } else {
+      rotate(build, step, k, error_change, rig.delay[k]);
+    }
+    build.rest_until(step.end, step.temperature);
+    build.commanded_time = step.end;
   }
-  return {errors.axes, std::move(build.pieces)};
+  return {rig.axes, rig.C_nt, std::move(build.pieces)};
 }
 
 AxisStates axis_states(const MotionPiece& piece, double t) {
@@ -160,17 +160,7 @@ AxisStates axis_states(const MotionPiece& piece, double t) {
 
 BodyState body_state(const RigMotion& motion, double t) {
   const auto after = std::upper_bound(motion.pieces.begin(), motion.pieces.end(), t, [](double x, const MotionPiece& p) { return x < p.end; });
-  return turntable_state(motion.axes, axis_states(after == motion.pieces.end() ? motion.pieces.back() : *after, t));
-}
-
-std::vector<Step> steps_of(const Session& session, const RecordingSource& source) {
-  for (const RigDeclaration& rig : session.rigs)
-    if ((source.rig.empty() || rig.name == source.rig) && rig.kind != RigKind::turntable && rig.kind != RigKind::none)
-      throw Error(fmt::format("[rig] kind = \"{}\": motion by axis angles, \"turntable\" or \"none\" (a hand), was expected", to_string(rig.kind)));
-  std::vector<Step> steps;
-  for (const Step& step : session.steps)
-    if (session.recordings.size() < 2 || step.recording == source.file) steps.push_back(step);
-  return steps;
+  return turntable_state(motion.axes, axis_states(after == motion.pieces.end() ? motion.pieces.back() : *after, t), motion.C_nt);
 }
 
 }  // namespace imulab

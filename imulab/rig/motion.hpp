@@ -2,6 +2,7 @@
 #pragma once
 
 #include "imulab/recording/session.hpp"
+#include "imulab/rig/rig_errors.hpp"
 #include "imulab/rig/turntable.hpp"
 
 #include <optional>
@@ -23,16 +24,9 @@ struct MotionPiece {
 /// The rig's motion without gaps from 0 to the end of the last step.
 struct RigMotion {
   RigAxes axes = ideal_axes();
+  Matrix3d C_nt = Matrix3d::Identity();  ///< how the table stands against n
   std::vector<MotionPiece> pieces;
   double end() const { return pieces.back().end; }
-};
-
-/// How a real rig departs from its commands.
-struct RigErrors {
-  RigAxes axes = ideal_axes();
-  /// Angle error [rad] by step and RigAxis: actual less commanded angle from the end of that step's motion on. Only the axes a step moves
-  /// take it up, the others keep theirs. Empty: none.
-  std::vector<std::array<double, 3>> angle;
 };
 
 /// The motion of these steps (of one recording):
@@ -40,7 +34,8 @@ struct RigErrors {
 ///   the difference less its whole turns;
 /// - rotate: a trapezoid of rate. With an acceleration it starts at once and waits when done; without, its ramps fill the step's time:
 ///   |angle| = rate (T - t_ramp), zero when T = |angle| / rate.
-/// The rig begins at zero angles, or at those of a hold that begins at time 0. Throws Error where a step cannot be done in its time.
+/// The rig begins at zero angles, or at those of a hold that begins at time 0. Errors of the rig change angles, axes and the duration of rotations;
+/// a step that a late one holds up begins as soon as that is done. Throws Error where a step cannot be done in its time.
 RigMotion rig_motion(std::span<const Step> steps, const RigErrors& errors = {});
 
 /// The axes at time t [s] of a piece.
@@ -48,9 +43,5 @@ AxisStates axis_states(const MotionPiece& piece, double t);
 
 /// The body at time t [s]; at a joint of two pieces, the later one.
 BodyState body_state(const RigMotion& motion, double t);
-
-/// The steps of one recording of a session: those that name it, or all where it is the only one. Throws Error for a rig that does not move
-/// by axis angles (turntable and none do).
-std::vector<Step> steps_of(const Session& session, const RecordingSource& source);
 
 }  // namespace imulab

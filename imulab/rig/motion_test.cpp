@@ -112,21 +112,6 @@ TEST(Motion, BeginsAtZeroOrAtAHoldThatBeginsAtOnce) {
   EXPECT_EQ(axes_at(none, 0)[0].angle, 90 * deg);
 }
 
-TEST(Motion, AnAxisTakesUpAnErrorOnlyWhenItMoves) {
-  const double e = 1e-4;
-  RigErrors errors;
-  errors.angle = {{e, 2 * e, 3 * e}, {9 * e, -e, 9 * e}, {5 * e, 9 * e, 9 * e}};
-  const RigMotion m = rig_motion(std::vector{hold(0, 1, 0), rotation(1, 11, RigAxis::middle, 90, 10), hold(21, 22, 10, 90, 0)}, errors);
-  const auto expect = [&](double t, double outer, double middle, double inner) {
-    EXPECT_NEAR(axes_at(m, t)[0].angle, outer, rounding);
-    EXPECT_NEAR(axes_at(m, t)[1].angle, middle, rounding);
-    EXPECT_NEAR(axes_at(m, t)[2].angle, inner, rounding);
-  };
-  expect(0.5, e, 2 * e, 3 * e);
-  expect(11, e, 90 * deg - e, 3 * e);
-  expect(21.5, 10 * deg + 5 * e, 90 * deg - e, 3 * e);
-}
-
 TEST(Motion, WhatCannotBeDoneIsNamed) {
   const auto message = [](const std::vector<Step>& steps) -> std::string {
     try {

@@ -3,8 +3,10 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/recording/turn.hpp"
 
 #include <cmath>
+#include <numbers>
 
 namespace imulab {
 
@@ -60,6 +62,109 @@ Session hand_held_procedure(const HandHeldOptions& options, std::uint64_t seed) 
     session.steps.push_back(hold);
   }
   return session;
+}
+
+namespace {
+
+constexpr double move = 10;  // s, from one position to the next where no turn is asked for
+constexpr double acceleration = default_acceleration_dps2 * unit::deg;
+
+/// Writes steps one after the other, in whole degrees.
+class Table {
+ public:
+  Table(std::string name, const TurntableOptions& o) : options_(o) {
+    if (!(o.rest > 0 && o.turn_rate > 0 && o.rate_hz > 0)) throw Error(name + ": rest, turn_rate and rate_hz above 0 were expected");
+    if (o.turns < 1) throw Error(name + ": at least one turn was expected");
+    session_.imu.name = std::move(name);
+    session_.imu.grade = o.grade;
+    session_.site.latitude = o.latitude;
+    session_.site.height = o.height;
+    RigDeclaration& rig = session_.rigs.emplace_back();
+    rig.kind = RigKind::turntable;
+    rig.angle.value = rig.orthogonality.value = rig.zero.value = 2 * unit::arcsec;
+    rig.timing.value = 10e-3;
+    session_.recordings.push_back(si_recording(o.rate_hz));
+  }
+
+  void rest() {
+    Step step = next(StepKind::hold, options_.rest);
+    session_.steps.push_back(step);
+  }
+  /// A rest at other angles.
+  void rest_at(double outer, double middle, double inner) {
+    const std::array<double, 3> angles{outer, middle, inner};
+    if (angles != degrees_ && !session_.steps.empty()) time_ += move;
+    if (angles != degrees_ && session_.steps.empty()) time_ = move;
+    degrees_ = angles;
+    rest();
+  }
+  void turn(RigAxis axis, double angle_deg) {
+    const double angle = angle_deg * unit::deg;
+    Step step = next(StepKind::rotate, turn_duration(angle, options_.turn_rate, acceleration));
+    step.axis = axis, step.angle = angle, step.rate = options_.turn_rate, step.acceleration = acceleration;
+    degrees_[static_cast<std::size_t>(axis)] += angle_deg;
+    session_.steps.push_back(step);
+  }
+  Session session() const { return session_; }
+
+ private:
+  Step next(StepKind kind, double duration) {
+    Step step;
+    step.kind = kind;
+    step.recording = session_.recordings.front().file;
+    step.start = time_;
+    step.end = time_ += duration;
+    for (std::size_t a = 0; a < 3; ++a) step.angles[a] = degrees_[a] * unit::deg;
+    return step;
+  }
+
+  TurntableOptions options_;
+  Session session_;
+  double time_ = 0;
+  std::array<double, 3> degrees_{};
+};
+
+}  // namespace
+
+Session six_position_procedure(const TurntableOptions& options) {
+  Table table("six-position", options);
+  for (const auto& [middle, inner] : {std::pair{0.0, 0.0}, {0.0, 90.0}, {90.0, 0.0}, {0.0, 180.0}, {0.0, -90.0}, {-90.0, 0.0}})
+    table.rest_at(0, middle, inner);
+  return table.session();
+}
+
+Session zhang_24_procedure(const TurntableOptions& options) {
+  Table table("zhang-24", options);
+  const double turns = 360.0 * options.turns;
+  table.rest();
+  for (const RigAxis axis : {RigAxis::middle, RigAxis::outer, RigAxis::inner})
+    for (const double angle : {turns, -turns}) {
+      table.turn(axis, angle);
+      table.rest();
+    }
+  struct Face {
+    double inner, middle;
+  };
+  for (const Face face : {Face{90, 0}, {0, 0}, {0, -90}, {-90, 0}, {0, 180}, {0, 90}})
+    for (const double outer : {0.0, 90.0, 180.0, 270.0}) table.rest_at(outer, face.middle, face.inner);
+  return table.session();
+}
+
+Session cheng_path_procedure(const TurntableOptions& options) {
+  Table table("cheng-path", options);
+  struct Turn {
+    RigAxis axis;
+    double angle;
+  };
+  using enum RigAxis;
+  table.rest();
+  for (const Turn& turn : {Turn{middle, 90}, {middle, 180}, {middle, 180}, {middle, -90}, {inner, 90},   {inner, 180}, {inner, 180},
+                           {middle, 90},     {middle, 180}, {middle, 180}, {outer, 90},   {middle, -90}, {inner, -90}, {outer, 90},
+                           {inner, -90},     {middle, 90},  {inner, 90},   {outer, -90},  {middle, 90},  {inner, -90}}) {
+    table.turn(turn.axis, turn.angle);
+    table.rest();
+  }
+  return table.session();
 }
 
 }  // namespace imulab

@@ -54,5 +54,61 @@ TEST(HandHeldProcedure, RefusesWhatMakesNoSense) {
   EXPECT_THROW(hand_held_procedure({.rate_hz = 0}, 1), Error);
 }
 
+Matrix3d attitude(const std::array<double, 3>& angles) { return turntable_attitude<double>(ideal_axes(), angles); }
+
+/// Which way body axis `axis` points: +1 up, -1 down, near 0 level.
+double up(const Step& hold, int axis) { return attitude(hold.angles)(2, axis); }
+
+TEST(SixPositionProcedure, EachAxisIsUpAndDownOnce) {
+  const Session s = six_position_procedure({});
+  ASSERT_EQ(s.steps.size(), 6u);
+  const int axis[] = {2, 1, 0, 2, 1, 0};
+  const double way[] = {1, 1, -1, -1, -1, 1};
+  for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(up(s.steps[k], axis[k]), way[k], 1e-15) << k;
+  rig_motion(steps_of(s, s.recordings.at(0)));
+}
+
+TEST(Zhang24Procedure, HasTheTurnsAndTheFacesAtFourHeadings) {
+  const Session s = zhang_24_procedure({});
+  ASSERT_EQ(s.steps.size(), 1u + 12u + 24u);
+  for (std::size_t k = 1; k < 13; k += 2) {
+    EXPECT_EQ(s.steps[k].kind, StepKind::rotate);
+    EXPECT_NEAR(std::abs(s.steps[k].angle), 10 * std::numbers::pi, 1e-14);
+    EXPECT_DOUBLE_EQ(s.steps[k].end - s.steps[k].start, 180.2);
+    EXPECT_NEAR(s.steps[k].angle + s.steps[k % 4 == 1 ? k + 2 : k - 2].angle, 0, 1e-14);  // forward, then back
+  }
+  const int enu_of_zhang[3] = {1, 2, 0};  // his x north, y up, z east
+  for (std::size_t k = 0; k < 24; ++k) {
+    const Step& hold = s.steps[13 + k];
+    const std::size_t face = k / 4;
+    EXPECT_NEAR(up(hold, enu_of_zhang[face % 3]), face < 3 ? 1 : -1, 1e-15);
+    EXPECT_NEAR(hold.angles[0], static_cast<double>(k % 4) * std::numbers::pi / 2, 1e-15);
+  }
+  rig_motion(steps_of(s, s.recordings.at(0)));
+}
+
+TEST(ChengPathProcedure, EndsAsThePathSays) {
+  const Session s = cheng_path_procedure({});
+  ASSERT_EQ(s.steps.size(), 41u);
+  const auto commands = commands_of(s.steps);
+  // Sums of the path's turns: middle 90+180+180-90+90+180+180-90+90+90, inner 90+180+180-90-90+90-90, outer 90+90-90.
+  const double sums[] = {90, 900, 270};
+  for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(commands.back().after[a], sums[a] * unit::deg, 1e-12);
+  // 21 rests of a minute, and 20 turns at 10 deg/s: 2430 deg, each with 0.2 s of ramps: 27 min, as in methods section 6.
+  double way = 0;
+  for (const Step& step : s.steps) way += std::abs(step.angle);
+  EXPECT_NEAR(s.steps.back().end, 21 * 60 + way / (10 * unit::deg) + 20 * 0.2, 1e-9);
+  rig_motion(steps_of(s, s.recordings.at(0)));
+}
+
+TEST(TurntableProcedures, RefuseWhatMakesNoSense) {
+  for (const auto procedure : {six_position_procedure, zhang_24_procedure, cheng_path_procedure}) {
+    EXPECT_THROW(procedure({.rest = 0}), Error);
+    EXPECT_THROW(procedure({.turn_rate = 0}), Error);
+    EXPECT_THROW(procedure({.turns = 0}), Error);
+    EXPECT_THROW(procedure({.rate_hz = -1}), Error);
+  }
+}
+
 }  // namespace
 }  // namespace imulab

@@ -1,14 +1,12 @@
 #include "imulab/rig/turntable.hpp"
 
-#include "imulab/core/rotation.hpp"
-
 #include <Eigen/Geometry>
 
 namespace imulab {
 
 RigAxes ideal_axes() { return {Vector3d::UnitZ(), Vector3d::UnitY(), Vector3d::UnitX()}; }
 
-BodyState turntable_state(const RigAxes& axes, const AxisStates& states) {
+BodyState turntable_state(const RigAxes& axes, const AxisStates& states, const Matrix3d& C_nt) {
   const auto& [outer, middle, inner] = states;
   const Matrix3d C_middle = rotation_about(axes[1], middle.angle), C_inner = rotation_about(axes[2], inner.angle);
   // The axes as the body sees them: an axis is fixed in the frame it carries, and turned back by the axes inside it.
@@ -18,7 +16,7 @@ BodyState turntable_state(const RigAxes& axes, const AxisStates& states) {
   const Vector3d rate_inner = inner.rate * l_inner, rate_middle = middle.rate * l_middle, rate_outer = outer.rate * l_outer;
   // l_middle turns in b with -rate_inner, l_outer with -(rate_middle + rate_inner).
   const Vector3d turning_axes = -rate_inner.cross(rate_middle) - (rate_middle + rate_inner).cross(rate_outer);
-  return {rotation_about(axes[0], outer.angle) * C_middle * C_inner, rate_outer + rate_middle + rate_inner,
+  return {C_nt * rotation_about(axes[0], outer.angle) * C_middle * C_inner, rate_outer + rate_middle + rate_inner,
           outer.acceleration * l_outer + middle.acceleration * l_middle + inner.acceleration * l_inner + turning_axes};
 }
 

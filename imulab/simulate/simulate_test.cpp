@@ -65,12 +65,12 @@ TEST(Simulate, IncrementsOfATurnSumToItsAngle) {
 
 TEST(Simulate, NoiseIsWhiteAndAsLargeAsDeclared) {
   const Session s = resting(200);
-  const Truth truth{.model = {}, .gravity = 9.8, .accel_noise_density = 2e-3, .gyro_noise_density = 3e-4};
+  const Truth truth{.model = {}, .gravity = 9.8, .accel_noise = {.N = 2e-3}, .gyro_noise = {.N = 3e-4}};
   const Recording noisy = simulate_recording(s, {}, truth, 1), clean = simulate_recording(s, {}, {.model = {}, .gravity = 9.8}, 1);
   const std::size_t n = noisy.size();
   std::vector<std::vector<double>> e;
   for (std::size_t a = 0; a < 6; ++a) {
-    const double sigma = (a < 3 ? truth.gyro_noise_density : truth.accel_noise_density) * std::sqrt(100.0);
+    const double sigma = (a < 3 ? truth.gyro_noise.N : truth.accel_noise.N) * std::sqrt(100.0);
     e.emplace_back(n);
     for (std::size_t k = 0; k < n; ++k) e[a][k] = ((*axes(noisy)[a])[k] - (*axes(clean)[a])[k]) / sigma;
   }
@@ -112,7 +112,8 @@ TEST(Simulate, CompensationWithTheTruthGivesMotionAndNoiseBack) {
 }
 
 TEST(Simulate, IsBitEqualOnAnyNumberOfThreads) {
-  const Session s = hand_held_procedure({.poses = 30}, 3);
+  Session s = hand_held_procedure({.poses = 30}, 3);
+  s.imu.noise = NoiseTerms::full;
   const Truth truth = draw_truth(s, 3);
   const auto on = [&](std::size_t threads) {
     const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
@@ -188,11 +189,53 @@ TEST(Truth, DrawsHaveTheGradesMoments) {
 TEST(Truth, DeclarationsGoBeforeTheGrade) {
   Session s = resting(1);
   s.imu.gyro_noise_density = 1e-5;
-  EXPECT_EQ(draw_truth(s, 1).gyro_noise_density, 1e-5);
-  EXPECT_EQ(draw_truth(s, 1).accel_noise_density, grade("mems").accel_noise_density);
+  EXPECT_EQ(draw_truth(s, 1).gyro_noise.N, 1e-5);
+  EXPECT_EQ(draw_truth(s, 1).accel_noise.N, grade("mems").accel_noise.N);
   SensorModel given;
   given.gyro.offset = {1, 2, 3};
   EXPECT_EQ(draw_truth(s, 1, given).model.gyro.offset, given.gyro.offset);
+}
+
+TEST(Truth, AGradeGivesWhiteNoiseAndAllTermsWhereAsked) {
+  Session s = resting(1);
+  EXPECT_EQ(draw_truth(s, 1).gyro_noise, NoiseModel{.N = grade("mems").gyro_noise.N});
+  s.imu.noise = NoiseTerms::full;
+  EXPECT_EQ(draw_truth(s, 1).gyro_noise, grade("mems").gyro_noise);
+  EXPECT_EQ(draw_truth(s, 1, SensorModel{}).gyro_noise.range, 0);  // raw readings of a given unit need not be in SI
+  EXPECT_EQ(draw_truth(s, 1, SensorModel{}).gyro_noise.B, grade("mems").gyro_noise.B);
+  s.imu.gyro_noise = NoiseModel{.B = 1};
+  s.imu.gyro_noise_density = 2;
+  EXPECT_EQ(draw_truth(s, 1).gyro_noise, (NoiseModel{.N = 2, .B = 1}));
+  EXPECT_EQ(draw_truth(s, 1).accel_noise, grade("mems").accel_noise);
+}
+
+TEST(Simulate, ReadingsAreWholeStepsInsideTheLimits) {
+  const Session s = resting(20);
+  Truth truth{.model = {}, .gravity = 9.8, .accel_noise = {.N = 0.05, .resolution = 0.25}, .gyro_noise = {.N = 0.05, .range = 0.8}};
+  RecordingSource source;
+  source.accel.unit = "m/s^2";
+  source.accel.limits = {-100, 8};  // the z axis reads 7.9 in the mean
+  const Recording r = simulate_recording(s, source, truth, 1);
+  truth.accel_noise.resolution = truth.gyro_noise.range = 0;
+  const Recording smooth = simulate_recording(s, {}, truth, 1);
+  std::vector<std::size_t> at_a_limit;
+  for (std::size_t k = 0; k < r.size(); ++k) {
+    bool stopped = false;
+    for (std::size_t a = 0; a < 3; ++a) {
+      EXPECT_EQ(r.accel[a][k], std::min(8.0, std::nearbyint(smooth.accel[a][k] / 0.25) * 0.25));
+      EXPECT_EQ(r.gyro[a][k], std::clamp(smooth.gyro[a][k], -0.8, 0.8));
+      stopped = stopped || r.accel[a][k] >= 8 || std::abs(r.gyro[a][k]) >= 0.8;
+    }
+    if (stopped) at_a_limit.push_back(k);
+  }
+  EXPECT_EQ(r.saturated, at_a_limit);
+  EXPECT_GT(at_a_limit.size(), 0u);
+  EXPECT_LT(at_a_limit.size(), r.size());
+  source.gyro.output = source.accel.output = Output::increment;  // a limit of an increment is one of the mean over 10 ms
+  source.accel.limits = {-1, 0.05};
+  EXPECT_EQ(simulate_recording(s, source, {.model = {}, .gravity = 9.8}, 1).accel[2][5], 5.0);
+  source.accel.unit = "g";
+  EXPECT_THROW(simulate_recording(s, source, truth, 1), Error);
 }
 
 TEST(Simulate, WhatIsMissingIsNamed) {

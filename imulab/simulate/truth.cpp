@@ -37,6 +37,20 @@ SensorModel drawn_model(const Grade& g, std::uint64_t seed) {
   return model;
 }
 
+/// Declared terms, else the grade's (white noise alone unless all are asked for); a declared density goes before the grade's.
+NoiseModel noise(const std::optional<NoiseModel>& declared, const NoiseModel* of_grade, const std::optional<double>& density, NoiseTerms terms,
+                 bool given_unit) {
+  NoiseModel noise;
+  if (declared) {
+    noise = *declared;
+  } else if (of_grade != nullptr && terms == NoiseTerms::full) {
+    noise = *of_grade;
+    if (given_unit) noise.resolution = noise.range = 0;  // the grade's are in SI, a given unit's raw readings need not be
+  }
+  noise.N = density ? *density : of_grade->N;
+  return noise;
+}
+
 }  // namespace
 
 Truth draw_truth(const Session& procedure, std::uint64_t seed, const std::optional<SensorModel>& given) {
@@ -48,8 +62,8 @@ Truth draw_truth(const Session& procedure, std::uint64_t seed, const std::option
   Truth truth;
   truth.model = given ? *given : drawn_model(*spread, seed);
   truth.gravity = procedure.site.gravity() + procedure.site.gravity_sigma() * RandomStream(seed, "truth gravity").normal(0);
-  truth.accel_noise_density = imu.accel_noise_density ? *imu.accel_noise_density : spread->accel_noise_density;
-  truth.gyro_noise_density = imu.gyro_noise_density ? *imu.gyro_noise_density : spread->gyro_noise_density;
+  truth.accel_noise = noise(imu.accel_noise, spread ? &spread->accel_noise : nullptr, imu.accel_noise_density, imu.noise, given.has_value());
+  truth.gyro_noise = noise(imu.gyro_noise, spread ? &spread->gyro_noise : nullptr, imu.gyro_noise_density, imu.noise, given.has_value());
   return truth;
 }
 

@@ -159,10 +159,10 @@ MatrixXd fisher_information(const Scenario& scenario, const Truth& truth, const 
     const double duration = static_cast<double>(spans[k].size()) * dt;
     const Matrix3d C_bn = model.C_nb[k].transpose();
     const RawSample raw = decompensate(truth.model, {C_bn * Vector3d(0, 0, truth.gravity), C_bn * earth_rate_enu(model.latitude)});
-    all.push_back(model.rest(k, raw, truth.accel_noise_density / std::sqrt(duration), truth.gyro_noise_density / std::sqrt(duration)));
+    all.push_back(model.rest(k, raw, truth.accel_noise.N / std::sqrt(duration), truth.gyro_noise.N / std::sqrt(duration)));
     if (!scenario.rotations || k + 1 == spans.size()) continue;
     const Range way{spans[k].end, spans[k + 1].begin};
-    all.push_back(model.rotation(k, exact, way, truth.gyro_noise_density * std::sqrt(static_cast<double>(way.size()) * dt)));
+    all.push_back(model.rotation(k, exact, way, truth.gyro_noise.N * std::sqrt(static_cast<double>(way.size()) * dt)));
   }
   MatrixXd information = information_of(all, at, step);
   const double sigma_g = scenario.session.site.gravity_sigma();
@@ -182,7 +182,7 @@ Run run(const Scenario& scenario, std::uint64_t seed) {
   if (c.estimated.size() != scenario.indices.size()) throw std::runtime_error(fmt::format("seed {}: {} coefficients were found undetermined", seed, c.quality.unobservable.size()));
 
   Truth quiet = truth;
-  quiet.accel_noise_density = quiet.gyro_noise_density = 0;
+  quiet.accel_noise.N = quiet.gyro_noise.N = 0;
   Run result{c.estimated, VectorXd(c.estimated.size()), c.covariance,
              fisher_information(scenario, truth, scenario.rotations ? simulate_recording(scenario.session, source, quiet, seed) : recording)};
   for (std::size_t i = 0; i < c.estimated.size(); ++i)

@@ -1,0 +1,158 @@
+#include "imulab/rig/rig_errors.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/random.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace imulab {
+
+namespace {
+
+constexpr double same_angle = 1e-9;  // rad: below what a decimal number of degrees in a file can mean
+constexpr double same_time = 1e-9;   // s: rounding of a time in a file
+
+const RigDeclaration* rig_of(const Session& session, const RecordingSource& source) {
+  for (const RigDeclaration& rig : session.rigs)
+    if (source.rig.empty() || rig.name == source.rig) return &rig;
+  return nullptr;
+}
+
+RigErrorSource declared(RigErrorKind kind, const Spread& spread) {
+  RigErrorSource source;
+  source.kind = kind;
+  (spread.fixed ? source.known : source.sigma) = spread.value;
+  return source;
+}
+
+RigErrorSource known(RigErrorKind kind, double value) {
+  RigErrorSource source;
+  source.kind = kind;
+  source.known = value;
+  return source;
+}
+
+/// What the table itself has: the same in every recording.
+void add_table_errors(const RigDeclaration& rig, const std::array<bool, 3>& used, std::vector<RigErrorSource>& sources) {
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t element = 0; element < 2 && used[a]; ++element) {
+      const auto& given = rig.given_orthogonality[a];
+      RigErrorSource source =
+          given ? known(RigErrorKind::orthogonality, (*given)[element]) : declared(RigErrorKind::orthogonality, rig.orthogonality);
+      source.axis = a, source.element = element;
+      sources.push_back(source);
+    }
+  bool any_zero_given = false;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto& given = rig.given_zero[a];
+    any_zero_given = any_zero_given || given.has_value();
+    RigErrorSource source = given ? known(RigErrorKind::zero, *given) : declared(RigErrorKind::zero, rig.zero);
+    source.axis = a;
+    sources.push_back(source);
+  }
+  for (std::size_t direction = 0; direction < 2; ++direction) {
+    RigErrorSource source = any_zero_given ? known(RigErrorKind::tilt, 0) : declared(RigErrorKind::tilt, rig.zero);
+    source.axis = direction;
+    sources.push_back(source);
+  }
+}
+
+void add_step_errors(const RigDeclaration& rig, std::span<const Step> steps, const std::vector<Command>& commands, const std::array<bool, 3>& used,
+                     std::vector<RigErrorSource>& sources) {
+  const auto add_angle = [&](std::size_t axis, std::size_t step) {
+    RigErrorSource source = declared(RigErrorKind::angle, rig.angle);
+    source.axis = axis, source.step = step;
+    sources.push_back(source);
+  };
+  for (std::size_t a = 0; a < 3; ++a)
+    if (used[a]) add_angle(a, RigErrorSource::at_start);
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    for (std::size_t a = 0; a < 3; ++a)
+      if (commands[k].moves[a]) add_angle(a, k);
+    if (steps[k].kind != StepKind::rotate) continue;
+    RigErrorSource source = declared(RigErrorKind::timing, rig.timing);
+    source.axis = static_cast<std::size_t>(steps[k].axis), source.step = k;
+    sources.push_back(source);
+  }
+}
+
+}  // namespace
+
+std::vector<Step> steps_of(const Session& session, const RecordingSource& source) {
+  for (const RigDeclaration& rig : session.rigs)
+    if ((source.rig.empty() || rig.name == source.rig) && rig.kind != RigKind::turntable && rig.kind != RigKind::none)
+      throw Error(fmt::format("[rig] kind = \"{}\": motion by axis angles, \"turntable\" or \"none\" (a hand), was expected", to_string(rig.kind)));
+  std::vector<Step> steps;
+  for (const Step& step : session.steps)
+    if (session.recordings.size() < 2 || step.recording == source.file) steps.push_back(step);
+  return steps;
+}
+
+std::vector<Command> commands_of(std::span<const Step> steps) {
+  std::vector<Command> commands;
+  std::array<double, 3> now{};
+  if (!steps.empty() && steps.front().kind == StepKind::hold && steps.front().start < same_time) now = steps.front().angles;
+  for (const Step& step : steps) {
+    Command command{.before = now, .after = now, .moves = {}};
+    if (step.kind == StepKind::hold) {
+      command.after = step.angles;
+      for (std::size_t a = 0; a < 3; ++a) command.moves[a] = std::abs(std::remainder(step.angles[a] - now[a], 2 * std::numbers::pi)) >= same_angle;
+    } else if (step.kind == StepKind::rotate) {
+      const auto axis = static_cast<std::size_t>(step.axis);
+      command.after[axis] += step.angle;
+      command.moves[axis] = true;
+    }
+    now = command.after;
+    commands.push_back(command);
+  }
+  return commands;
+}
+
+std::string RigErrorSource::name() const {
+  const std::string_view axis_name = to_string(static_cast<RigAxis>(axis));
+  switch (kind) {
+    case RigErrorKind::orthogonality:
+      return fmt::format("orthogonality.{}.{}", axis_name, element + 1);
+    case RigErrorKind::zero:
+      return fmt::format("zero.{}", axis_name);
+    case RigErrorKind::tilt:
+      return axis == 0 ? "tilt.east" : "tilt.north";
+    case RigErrorKind::angle:
+      return fmt::format("angle.{}.{}", axis_name, step == at_start ? "start" : fmt::format("{}", step + 1));
+    case RigErrorKind::timing:
+      break;
+  }
+  return fmt::format("timing.{}", step + 1);
+}
+
+std::vector<RigErrorSource> rig_error_sources(const Session& session, const RecordingSource& source) {
+  const RigDeclaration* const rig = rig_of(session, source);
+  if (rig == nullptr || rig->kind != RigKind::turntable) return {};
+  const std::vector<Step> steps = steps_of(session, source);
+  const std::vector<Command> commands = commands_of(steps);
+  std::array<bool, 3> used{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    used[a] = !commands.empty() && std::abs(commands.front().before[a]) >= same_angle;
+    for (const Command& command : commands) used[a] = used[a] || command.moves[a];
+  }
+  std::vector<RigErrorSource> sources;
+  add_table_errors(*rig, used, sources);
+  add_step_errors(*rig, steps, commands, used, sources);
+  return sources;
+}
+
+RigErrors draw_rig_errors(const Session& session, const RecordingSource& source, std::uint64_t seed) {
+  RigErrors errors{rig_error_sources(session, source), {}};
+  const RigDeclaration* const rig = rig_of(session, source);
+  for (const RigErrorSource& e : errors.sources) {
+    const bool of_the_table = e.kind != RigErrorKind::angle && e.kind != RigErrorKind::timing;
+    const RandomStream draws(seed, fmt::format("rig error {} of {}", e.name(), of_the_table ? rig->name : source.file));
+    errors.values.push_back(e.known + e.sigma * draws.normal(0));
+  }
+  return errors;
+}
+
+}  // namespace imulab

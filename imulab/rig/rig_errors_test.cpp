@@ -1,0 +1,235 @@
+#include "imulab/rig/rig_errors.hpp"
+
+#include "imulab/core/statistics.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/rig/motion.hpp"
+
+#include <ceres/jet.h>
+#include <gmock/gmock.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace imulab {
+namespace {
+
+using unit::arcsec, unit::deg;
+
+double gen(double low, double high) { return low + (high - low) * (*rc::gen::inRange(0, 1000001)) * 1e-6; }
+
+Step hold(double start, double end, double outer, double middle = 0, double inner = 0) {
+  Step s;
+  s.start = start, s.end = end, s.angles = {outer * deg, middle * deg, inner * deg};
+  return s;
+}
+
+Step rotation(double start, double end, RigAxis axis, double angle, double rate) {
+  Step s;
+  s.kind = StepKind::rotate, s.start = start, s.end = end, s.axis = axis, s.angle = angle * deg, s.rate = rate * deg;
+  return s;
+}
+
+/// hold, middle turns by 90 deg, hold, then a hold with other outer and inner angles, and five turns of the inner axis.
+Session table() {
+  Session s;
+  s.rigs.emplace_back();
+  s.rigs[0].kind = RigKind::turntable;
+  s.rigs[0].angle.value = 60 * arcsec;
+  s.rigs[0].orthogonality.value = 50 * arcsec;
+  s.rigs[0].zero.value = 40 * arcsec;
+  s.rigs[0].timing.value = 10e-3;
+  s.steps = {hold(0, 1, 0), rotation(1, 10.2, RigAxis::middle, 90, 10), hold(10.2, 12, 0, 90), hold(20, 25, 45, 90, -30),
+             rotation(25, 205.2, RigAxis::inner, 1800, 10)};
+  return s;
+}
+
+std::vector<std::string> names(const std::vector<RigErrorSource>& sources) {
+  std::vector<std::string> out;
+  for (const auto& s : sources) out.push_back(s.name());
+  return out;
+}
+
+RigErrors exactly(const std::vector<Step>& steps, std::vector<std::pair<std::string, double>> values) {
+  Session s = table();
+  s.steps = steps;
+  RigErrors errors{rig_error_sources(s, {}), {}};
+  for (const auto& source : errors.sources) {
+    double value = 0;
+    for (const auto& [name, x] : values)
+      if (name == source.name()) value = x;
+    errors.values.push_back(value);
+  }
+  return errors;
+}
+
+TEST(RigErrors, EverySourceIsListedOnceByName) {
+  EXPECT_THAT(names(rig_error_sources(table(), {})),
+              testing::ElementsAre("orthogonality.outer.1", "orthogonality.outer.2", "orthogonality.middle.1", "orthogonality.middle.2",
+                                   "orthogonality.inner.1", "orthogonality.inner.2", "zero.outer", "zero.middle", "zero.inner", "tilt.east",
+                                   "tilt.north", "angle.outer.start", "angle.middle.start", "angle.inner.start", "angle.middle.2", "timing.2",
+                                   "angle.outer.4", "angle.inner.4", "angle.inner.5", "timing.5"));
+}
+
+TEST(RigErrors, AnAxisThatStandsAtZeroIsNoAxis) {
+  Session s = table();
+  s.steps = {hold(0, 1, 0), rotation(1, 10.2, RigAxis::outer, 90, 10), hold(10.2, 12, 90)};  // a one-axis rate table
+  EXPECT_THAT(names(rig_error_sources(s, {})),
+              testing::ElementsAre("orthogonality.outer.1", "orthogonality.outer.2", "zero.outer", "zero.middle", "zero.inner", "tilt.east",
+                                   "tilt.north", "angle.outer.start", "angle.outer.2", "timing.2"));
+  s.rigs[0].kind = RigKind::none;
+  EXPECT_TRUE(rig_error_sources(s, {}).empty());  // a hand has no declared errors
+}
+
+TEST(RigErrors, WhatIsExactlyGivenIsNotDrawn) {
+  Session s = table();
+  s.rigs[0].given_orthogonality[2] = {1 * arcsec, 2 * arcsec};
+  s.rigs[0].given_zero[0] = 7 * arcsec;
+  s.rigs[0].timing = {5e-3, true};
+  const auto sources = rig_error_sources(s, {});
+  for (const std::uint64_t seed : {1u, 2u}) {
+    const RigErrors e = draw_rig_errors(s, {}, seed);
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+      const std::string name = sources[i].name();
+      if (name == "orthogonality.inner.1")
+        EXPECT_EQ(e.values[i], 1 * arcsec);
+      else if (name == "orthogonality.inner.2")
+        EXPECT_EQ(e.values[i], 2 * arcsec);
+      else if (name == "zero.outer")
+        EXPECT_EQ(e.values[i], 7 * arcsec);
+      else if (name.starts_with("tilt"))
+        EXPECT_EQ(e.values[i], 0);  // zero_arcsec is the whole zero error
+      else if (name.starts_with("timing"))
+        EXPECT_EQ(e.values[i], 5e-3);
+      else
+        EXPECT_NE(e.values[i], 0) << name;
+    }
+  }
+}
+
+TEST(RigErrors, DrawsHaveTheDeclaredSigmaAndTheTableIsSharedByItsRecordings) {
+  Session s = table();
+  s.rigs[0].name = "table";
+  s.recordings.resize(2);
+  s.recordings[0].file = "a.csv", s.recordings[1].file = "b.csv";
+  s.recordings[0].rig = s.recordings[1].rig = "table";
+  for (Step& step : s.steps) step.recording = "a.csv";
+  for (const Step& step : std::vector(s.steps)) s.steps.push_back(step), s.steps.back().recording = "b.csv";
+  double square = 0, n = 0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    const RigErrors a = draw_rig_errors(s, s.recordings[0], seed), b = draw_rig_errors(s, s.recordings[1], seed);
+    ASSERT_EQ(a.sources, b.sources);
+    for (std::size_t i = 0; i < a.sources.size(); ++i) {
+      const bool of_a_step = a.sources[i].kind == RigErrorKind::angle || a.sources[i].kind == RigErrorKind::timing;
+      EXPECT_EQ(a.values[i] == b.values[i], !of_a_step) << a.sources[i].name();
+      square += std::pow(a.values[i] / a.sources[i].sigma, 2), ++n;
+    }
+  }
+  EXPECT_GT(square, chi_square_quantile(5e-7, n));  // false alarm once in a million; the seeds are the first hundred
+  EXPECT_LT(square, chi_square_quantile(1 - 5e-7, n));
+}
+
+TEST(RigErrors, AnAxisTakesUpAnErrorOnlyWhenItMoves) {
+  const double e = 1e-4;
+  const std::vector<Step> steps{hold(0, 1, 0), rotation(1, 11, RigAxis::middle, 90, 10), hold(21, 22, 10, 90, 0)};
+  const RigErrors errors = exactly(
+      steps, {{"angle.outer.start", e}, {"angle.middle.start", 2 * e}, {"angle.middle.2", -e}, {"angle.outer.3", 5 * e}, {"zero.inner", 3 * e}});
+  const RigMotion m = rig_motion(steps, errors);
+  const auto expect = [&](double t, double outer, double middle, double inner) {
+    for (const MotionPiece& p : m.pieces)
+      if (p.begin <= t && t < p.end) {
+        const AxisStates s = axis_states(p, t);
+        const double rounding = 1e-15 * 4;  // of angles below 2 rad
+        EXPECT_NEAR(s[0].angle, outer, rounding);
+        EXPECT_NEAR(s[1].angle, middle, rounding);
+        EXPECT_NEAR(s[2].angle, inner, rounding);
+      }
+  };
+  expect(0.5, e, 2 * e, 3 * e);
+  expect(11, e, 90 * deg - e, 3 * e);
+  expect(21.5, 10 * deg + 5 * e, 90 * deg - e, 3 * e);
+}
+
+TEST(RigErrors, ARotationEndsAtItsAngleButLater) {
+  const double late = 10e-3;
+  const std::vector<Step> steps{hold(0, 1, 0), rotation(1, 10.2, RigAxis::middle, 90, 10), rotation(10.2, 19.4, RigAxis::middle, 90, 10),
+                                hold(19.4, 30, 0, 180)};
+  for (const double delay : {late, -late}) {
+    const RigMotion m = rig_motion(steps, exactly(steps, {{"timing.2", delay}}));
+    const auto middle = [&](double t) {
+      for (const MotionPiece& p : m.pieces)
+        if (t < p.end) return axis_states(p, t)[1];
+      return AxisState{};
+    };
+    const double tiny = 1e-12;                                       // s and rad; rounding of times of some ten seconds
+    EXPECT_NEAR(middle(10.2 + delay - 1e-9).angle, 90 * deg, 1e-9);  // it still moves, or has moved, by 10 deg/s at most
+    EXPECT_NEAR(middle(6).rate, 90 * deg / (9 * (1 + delay / 9.2)), tiny);
+    const double begins = std::max(10.2, 10.2 + delay);  // the next waits for a late one, and for its own time
+    EXPECT_NEAR(middle(begins + 1).angle, 99 * deg, tiny);
+    EXPECT_NEAR(middle(begins + 9.2).angle, 180 * deg, tiny);
+    EXPECT_EQ(m.end(), 30);
+  }
+}
+
+// The attitudes a method uses, as functions of the sources, are those the simulation goes through.
+RC_GTEST_PROP(RigErrors, AttitudesAndTurnsAreThoseOfTheMotion, ()) {
+  const Session s = table();
+  RigErrors errors{rig_error_sources(s, {}), {}};
+  for (std::size_t i = 0; i < errors.sources.size(); ++i)
+    errors.values.push_back(errors.sources[i].kind == RigErrorKind::timing ? gen(-0.05, 0.05) : gen(-0.02, 0.02));
+  const RigMotion motion = rig_motion(s.steps, errors);
+  const auto rig = actual_rig<double>(errors.sources, errors.values, s.steps.size());
+  const auto commands = commands_of(s.steps);
+  const double rounding = 1e-12;  // angles of up to 32 rad, a few hundred roundings
+  for (const std::size_t k : {0u, 2u, 3u}) {
+    const Matrix3d C_nb = body_state(motion, s.steps[k].end - 1e-9).C_nb;
+    RC_ASSERT((hold_attitude(rig, commands[k], k) - C_nb).norm() < rounding);
+  }
+  for (const std::size_t k : {1u, 4u}) {
+    const Turn<double> turn = turn_of(rig, commands[k], s.steps[k].axis, k);
+    RC_ASSERT((turn.C_nb - body_state(motion, s.steps[k].start).C_nb).norm() < rounding);
+    const Vector3d rate = body_state(motion, s.steps[k].start + 4).rate_nb_b;
+    RC_ASSERT((rate.normalized() - turn.axis_b).norm() < rounding);
+    // Ramps of 0.2 s and the rest at the commanded rate, all stretched by the delay.
+    RC_ASSERT(std::abs(rate.norm() * (s.steps[k].end - s.steps[k].start - 0.2) * (1 + turn.delay / (s.steps[k].end - s.steps[k].start)) -
+                       turn.angle) < 1e-10);
+  }
+}
+
+RC_GTEST_PROP(RigErrors, JetsGiveTheDerivativeByEverySource, ()) {
+  constexpr int n = 20;
+  using Jet = ceres::Jet<double, n>;
+  const Session s = table();
+  const auto sources = rig_error_sources(s, {});
+  ASSERT_EQ(sources.size(), static_cast<std::size_t>(n));
+  const auto commands = commands_of(s.steps);
+  std::vector<double> x(n);
+  for (double& v : x) v = *rc::gen::inRange(0, 4) == 0 ? 0.0 : gen(-0.02, 0.02);  // at zero too
+  std::vector<Jet> jets;
+  for (int i = 0; i < n; ++i) jets.emplace_back(x[static_cast<std::size_t>(i)], i);
+  const auto value = [&](const std::vector<double>& at) {
+    const auto rig = actual_rig<double>(sources, at, s.steps.size());
+    Eigen::Matrix<double, 12, 1> out;
+    const Matrix3d C = hold_attitude(rig, commands[3], 3);
+    const Turn<double> turn = turn_of(rig, commands[1], RigAxis::middle, 1);
+    out << C.reshaped(), turn.axis_b;
+    return out;
+  };
+  const auto rig = actual_rig<Jet>(sources, jets, s.steps.size());
+  const Eigen::Matrix<Jet, 3, 3> C = hold_attitude(rig, commands[3], 3);
+  const Turn<Jet> turn = turn_of(rig, commands[1], RigAxis::middle, 1);
+  const double h = 1e-5;
+  for (int i = 0; i < n; ++i) {
+    std::vector<double> more = x, less = x;
+    more[static_cast<std::size_t>(i)] += h, less[static_cast<std::size_t>(i)] -= h;
+    const auto difference = ((value(more) - value(less)) / (2 * h)).eval();
+    for (int k = 0; k < 12; ++k) {
+      const double derivative = k < 9 ? C.reshaped()(k).v(i) : turn.axis_b(k - 9).v(i);
+      // h^2 / 6 of a third derivative of order one, and rounding 1e-16 / h.
+      RC_ASSERT(std::abs(derivative - difference(k)) < 1e-9);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace imulab
