@@ -143,9 +143,7 @@ double outlier_log_probability(const Conditions& conditions, const Adjustment& a
     degrees += 1;
   }
   if (degrees == 0) return 0;
-  const double probability = chi_square_tail(statistic, degrees);
-  if (probability > 0) return std::log(probability);
-  return -0.5 * statistic + (0.5 * degrees - 1) * std::log(0.5 * statistic) - std::lgamma(0.5 * degrees);  // the tail far out, beyond double's range
+  return log_chi_square_tail(statistic, degrees);
 }
 
 KindFit fit_of(const Conditions& conditions, const Adjustment& adjustment, ConditionKind kind) {
