@@ -89,8 +89,10 @@ Calibration calibrate(const CalibrateArguments& arguments) {
   quality.warnings.insert(quality.warnings.begin(), reading.warnings.begin(), reading.warnings.end());
   if (!arguments.output.empty()) {
     const std::string text = calibration_text(calibration);
-    if (arguments.output == "-") fmt::print("{}", text);
-    else write_whole(arguments.output, text);
+    if (arguments.output == "-")
+      fmt::print("{}", text);
+    else
+      write_whole(arguments.output, text);
   }
   return calibration;
 }
@@ -101,15 +103,21 @@ void add_calibrate(CLI::App& app) {
   verb->add_option("session", a->session, "a session folder or its session.toml")->required();
   std::vector<std::string> names;
   for (const auto& [name, method] : methods) names.push_back(name);
-  verb->add_option("--method", a->method, "static: from rests alone; handheld: from rests and the rotations between them; turntable: from the table's angles")->required()->check(CLI::IsMember(names));
+  verb->add_option("--method", a->method,
+                   "static: from rests alone; handheld: from rests and the rotations between them; turntable: from the table's angles")
+      ->required()
+      ->check(CLI::IsMember(names));
   verb->add_option("-o,--output", a->output, "the calibration file to write; - for standard output");
-  verb->add_option("--terms", a->terms, "coefficients to estimate, for example accel.offset,gyro.matrix.diagonal; auto: what the data support")->capture_default_str();
+  verb->add_option("--terms", a->terms, "coefficients to estimate, for example accel.offset,gyro.matrix.diagonal; auto: what the data support")
+      ->capture_default_str();
   verb->add_option("--recording", a->recording, "which recording, where the session has several");
   verb->add_flag("--json", a->json, "print the calibration file's text instead of the table");
   verb->callback([a] {
     const Calibration calibration = calibrate(*a);
-    if (a->json) fmt::print("{}", calibration_text(calibration));
-    else if (a->output != "-") print_calibration(calibration);
+    if (a->json)
+      fmt::print("{}", calibration_text(calibration));
+    else if (a->output != "-")
+      print_calibration(calibration);
     if (!a->output.empty() && a->output != "-" && !a->json) fmt::print("\nwritten: {}\n", a->output);
     if (calibration.quality.unobservable.empty()) return;
     std::string list;

@@ -14,8 +14,8 @@ namespace imulab {
 
 namespace {
 
-constexpr double same_angle = 1e-9;    // rad: below what a decimal number of degrees in a file can mean
-constexpr double guard_sigmas = 5;     // of the declared timing: a hold's ends that a late or early turn may reach
+constexpr double same_angle = 1e-9;  // rad: below what a decimal number of degrees in a file can mean
+constexpr double guard_sigmas = 5;   // of the declared timing: a hold's ends that a late or early turn may reach
 
 double start_of(const Recording& r, std::size_t i, bool increment) { return r.time_s(i) - r.interval(i, increment); }
 
@@ -40,8 +40,10 @@ Range covering(const Recording& r, double begin, double end) {
   Range range;
   range.begin = static_cast<std::size_t>(
       std::upper_bound(r.time_ns.begin(), r.time_ns.end(), static_cast<std::int64_t>(std::llround(1e9 * (begin + rounding)))) - r.time_ns.begin());
-  range.end = static_cast<std::size_t>(
-      std::lower_bound(r.time_ns.begin(), r.time_ns.end(), static_cast<std::int64_t>(std::llround(1e9 * (end - rounding)))) - r.time_ns.begin()) + 1;
+  range.end =
+      static_cast<std::size_t>(std::lower_bound(r.time_ns.begin(), r.time_ns.end(), static_cast<std::int64_t>(std::llround(1e9 * (end - rounding)))) -
+                               r.time_ns.begin()) +
+      1;
   if (range.begin >= r.size() || range.end > r.size() || start_of(r, range.begin, r.gyro_increment) > begin + rounding) return {};
   const auto pieces = without_interruptions(r, range);
   return pieces.size() == 1 && pieces.front() == range ? range : Range{};
@@ -58,8 +60,10 @@ RestAround rest_around(const std::vector<Step>& steps, std::size_t k, const std:
   if (k + 1 < steps.size()) {
     const Step& next = steps[k + 1];
     const auto moved = axes_moved(next, commanded_after);
-    if (next.kind == StepKind::rotate) rest.after = next.start;
-    else if (std::none_of(moved.begin(), moved.end(), [](bool m) { return m; })) rest.after = next.end;
+    if (next.kind == StepKind::rotate)
+      rest.after = next.start;
+    else if (std::none_of(moved.begin(), moved.end(), [](bool m) { return m; }))
+      rest.after = next.end;
   }
   return rest;
 }
@@ -100,7 +104,8 @@ std::string describe_step(const std::vector<Step>& steps, std::size_t index) {
 
 std::array<bool, 3> axes_moved(const Step& step, const std::array<double, 3>& commanded) {
   std::array<bool, 3> moved{};
-  if (step.kind == StepKind::rotate) moved[static_cast<std::size_t>(step.axis)] = true;
+  if (step.kind == StepKind::rotate)
+    moved[static_cast<std::size_t>(step.axis)] = true;
   else
     for (std::size_t a = 0; a < 3; ++a) moved[a] = std::abs(std::remainder(step.angles[a] - commanded[a], 2 * std::numbers::pi)) >= same_angle;
   return moved;
@@ -133,14 +138,17 @@ TableObservations planned_observations(const std::vector<Step>& steps, double gu
       plan.holds.push_back({k, step.start + cut, step.end - cut});
       continue;
     }
-    if (!(std::abs(step.angle) > 0) || !(step.rate > 0)) throw Error(describe_step(steps, k) + ": angle_deg other than 0 and rate_dps above 0 were expected");
+    if (!(std::abs(step.angle) > 0) || !(step.rate > 0))
+      throw Error(describe_step(steps, k) + ": angle_deg other than 0 and rate_dps above 0 were expected");
     commanded[static_cast<std::size_t>(step.axis)] += step.angle;
     const auto [before, after] = rest_around(steps, k, commanded);
     TurnObservation turn{k, 0.5 * (before + step.start), 0.5 * (step.end + after)};
     turn.rest_after = after > step.end && turn.end >= step.end + guard;
     if (before == step.start || !turn.rest_after)
       plan.notes.push_back(fmt::format("{}: no rest {} it, so it was summed over its own time there", describe_step(steps, k),
-                                       before < step.start ? "after" : turn.rest_after ? "before" : "before and after"));
+                                       before < step.start ? "after"
+                                       : turn.rest_after   ? "before"
+                                                           : "before and after"));
     plan.turns.push_back(turn);
   }
   return plan;
@@ -178,7 +186,8 @@ TableObservations observe(const Recording& recording, const Session& session) {
     turn.begin = start_of(recording, range.begin, recording.gyro_increment);
     turn.end = recording.time_s(range.end - 1);
     for (std::size_t i = range.begin; i < range.end; ++i)
-      for (std::size_t j = 0; j < 3; ++j) turn.sum[static_cast<Eigen::Index>(j)] += recording.gyro[j][i] * recording.interval(i, recording.gyro_increment);
+      for (std::size_t j = 0; j < 3; ++j)
+        turn.sum[static_cast<Eigen::Index>(j)] += recording.gyro[j][i] * recording.interval(i, recording.gyro_increment);
   }
   std::erase_if(seen.holds, [](const HoldObservation& hold) { return hold.end <= hold.begin; });
   std::erase_if(seen.turns, [](const TurnObservation& turn) { return turn.end <= turn.begin; });

@@ -45,7 +45,8 @@ std::vector<int> chosen_coefficients(const std::vector<int>& wanted) {
       throw Error(fmt::format("--terms: of {0}.matrix the method turntable estimates all, or {0}.matrix.diagonal, or none", triad));
   }
   for (const char* term : {"accel.offset", "gyro.offset", "gyro.g_sensitivity"})
-    if (const auto [found, all] = part(term); found != 0 && found != all) throw Error(fmt::format("--terms: the method turntable estimates all of {} or none", term));
+    if (const auto [found, all] = part(term); found != 0 && found != all)
+      throw Error(fmt::format("--terms: the method turntable estimates all of {} or none", term));
   return chosen;
 }
 
@@ -82,13 +83,15 @@ SensorModel starting_model(const TableObservations& seen, const TableMotion& mot
   return start;
 }
 
-/// The noise declared, or as the holds' samples show it; a stuck or coarsely quantised axis shows none, and a hundred-millionth of the scale keeps the weights finite.
+/// The noise declared, or as the holds' samples show it; a stuck or coarsely quantised axis shows none, and a hundred-millionth of the scale keeps
+/// the weights finite.
 RawNoise raw_noise(const TableObservations& seen, const SensorModel& model, const ImuDeclaration& imu) {
   const auto measured = [](const Vector3d& density, const Matrix3d& matrix, double size) {
     return Matrix3d(density.cwiseMax(1e-8 * size / std::cbrt(std::abs(matrix.determinant()))).cwiseAbs2().asDiagonal());
   };
-  return {imu.accel_noise_density ? raw_density(*imu.accel_noise_density, model.accel.matrix) : measured(seen.accel_density, model.accel.matrix, unit::g),
-          imu.gyro_noise_density ? raw_density(*imu.gyro_noise_density, model.gyro.matrix) : measured(seen.gyro_density, model.gyro.matrix, 1.0)};
+  return {
+      imu.accel_noise_density ? raw_density(*imu.accel_noise_density, model.accel.matrix) : measured(seen.accel_density, model.accel.matrix, unit::g),
+      imu.gyro_noise_density ? raw_density(*imu.gyro_noise_density, model.gyro.matrix) : measured(seen.gyro_density, model.gyro.matrix, 1.0)};
 }
 
 struct Problem {
@@ -100,13 +103,14 @@ struct Problem {
 
 struct Solution {
   TurntableEstimator estimator;
+  VectorXd readings;  ///< linearised
   SensorModel model;
-  double chi2() const { return chi2_; }
-  double log_probability() const { return log_chi_square_tail(chi2_, std::max(1, estimator.degrees_of_freedom())); }
-  double chi2_ = 0;
+  double chi2;
+  double log_probability() const { return log_chi_square_tail(chi2, std::max(1, estimator.degrees_of_freedom())); }
 };
 
-/// Sensors' noise alone sets the first weights; then the table's errors are brought to raw readings with the model found.
+/// Sensors' noise alone sets the first weights; then the table's errors are brought to raw readings with the model found, and the motion is linear
+/// about the table errors found.
 Solution solve(const Problem& problem, TurntableSettings settings) {
   SensorModel model = starting_model(problem.seen, problem.motion);
   settings.table_errors = false;
@@ -118,8 +122,10 @@ Solution solve(const Problem& problem, TurntableSettings settings) {
   for (int pass = 0;; ++pass) {
     if (!usable(model)) throw Unsupported("the readings do not follow the table's motion: a triad's readings do not span three axes");
     TurntableEstimator estimator(problem.motion, model, raw_noise(problem.seen, model, problem.imu), settings);
-    model = estimator.estimate(problem.values);
-    if (pass == 1) return {estimator, model, estimator.chi2(problem.values)};
+    const VectorXd readings = estimator.linearised(problem.values);
+    model = estimator.estimate(readings);
+    if (pass == 1) return {estimator, readings, model, estimator.chi2(readings)};
+    settings.around = estimator.table_errors(readings);
   }
 }
 
@@ -128,8 +134,9 @@ void check_units(const TableObservations& seen, const SensorModel& model) {
   const double accel = std::cbrt(std::abs(model.accel.matrix.determinant())), gyro = std::cbrt(std::abs(model.gyro.matrix.determinant()));
   const auto near = [](double value, double expected) { return std::abs(value / expected - 1) < 0.2; };
   const auto mistaken = [](const char* triad, double scale, const char* looks) {
-    return Error(fmt::format("{0}: the table's motion is {1:.3g} times what the readings say with the declared unit: they look like {2}; declare unit = \"{2}\"", triad,
-                             scale, looks));
+    return Error(fmt::format(
+        "{0}: the table's motion is {1:.3g} times what the readings say with the declared unit: they look like {2}; declare unit = \"{2}\"", triad,
+        scale, looks));
   };
   if (!seen.accel_counts && near(accel, unit::g)) throw mistaken("accel", accel, "g");
   if (!seen.accel_counts && near(accel, 1 / unit::g)) throw mistaken("accel", accel, "m/s^2");
@@ -149,19 +156,20 @@ TableObservations reversed(TableObservations seen, std::size_t axis) {
 }
 
 /// Where the readings contradict the steps: do they fit with one axis turning the other way? Empty if not.
-std::string reversed_axis(const Problem& problem, const Solution& solution, const RigDeclaration& rig, const Site& site, const TurntableSettings& settings) {
+std::string reversed_axis(const Problem& problem, const Solution& solution, const RigDeclaration& rig, const Site& site,
+                          const TurntableSettings& settings) {
   const bool mirrored = left_handed(solution.model);
   if (!mirrored && solution.log_probability() > std::log(chance)) return {};
   std::string found;
-  double best = solution.chi2() + (mirrored ? 30.0 : -30.0);  // a few sigmas of doubt where handedness speaks for it, against it where not
+  double best = solution.chi2 + (mirrored ? 30.0 : -30.0);  // a few sigmas of doubt where handedness speaks for it, against it where not
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const TableObservations seen = reversed(problem.seen, axis);
     const TableMotion motion(seen, rig, site);
     const Solution other = solve({seen, motion, problem.imu, problem.values}, settings);
-    if (left_handed(other.model) || other.chi2() >= best) continue;
-    best = other.chi2();
+    if (left_handed(other.model) || other.chi2 >= best) continue;
+    best = other.chi2;
     found = fmt::format("the {} axis seems to turn against the sign of its angles: with it reversed chi-square falls from {:.4g} to {:.4g}",
-                        to_string(static_cast<RigAxis>(axis)), solution.chi2(), other.chi2());
+                        to_string(static_cast<RigAxis>(axis)), solution.chi2, other.chi2);
     if (mirrored) found += ", and the sensors' axes become right-handed";
   }
   if (found.empty() && mirrored) found = "a triad is left-handed in the table's axes: a sensor's or a table axis's sign is reversed";
@@ -180,7 +188,7 @@ Cleaned drop_outliers(const Problem& problem, Solution solution, TurntableSettin
   const TurntableSettings before = settings;
   Cleaned cleaned{solution, {}, {}};
   while (true) {
-    const std::vector<double> log_p = cleaned.solution.estimator.log_probabilities(problem.values);
+    const std::vector<double> log_p = cleaned.solution.estimator.log_probabilities(cleaned.solution.readings);
     const auto least = std::min_element(log_p.begin(), log_p.end());
     if (least == log_p.end() || *least > std::log(level / static_cast<double>(parts))) break;
     const auto part = static_cast<std::size_t>(least - log_p.begin());
@@ -220,7 +228,8 @@ void compare_noise(const TableObservations& seen, const SensorModel& model, cons
     if (!declared || !(measured.norm() > 0)) return;
     const double ratio = measured.norm() / std::sqrt(raw_density(*declared, matrix).trace());
     if (ratio > 1.5 || ratio < 1 / 1.5)
-      quality.warnings.push_back(fmt::format("the {}' noise at rest is {:.2g} times the declared density; the declared one sets the weights", what, ratio));
+      quality.warnings.push_back(
+          fmt::format("the {}' noise at rest is {:.2g} times the declared density; the declared one sets the weights", what, ratio));
   };
   compare("accelerometers", imu.accel_noise_density, seen.accel_density, model.accel.matrix);
   compare("gyros", imu.gyro_noise_density, seen.gyro_density, model.gyro.matrix);
@@ -230,15 +239,17 @@ void compare_noise(const TableObservations& seen, const SensorModel& model, cons
 void judge_residuals(const Solution& solution, const std::string& worst, Quality& quality, std::vector<std::string>& doubts) {
   quality.degrees_of_freedom = solution.estimator.degrees_of_freedom();
   quality.condition = solution.estimator.condition();
-  quality.chi2_per_dof = solution.chi2() / std::max(1, quality.degrees_of_freedom);
+  quality.chi2_per_dof = solution.chi2 / std::max(1, quality.degrees_of_freedom);
   if (quality.degrees_of_freedom < 1) return;
   if (solution.log_probability() < std::log(chance)) {
-    quality.warnings.push_back(fmt::format("the residuals are {:.3g} times what the noise and the declared table errors explain: the uncertainties are too small{}",
-                                           std::sqrt(quality.chi2_per_dof), worst.empty() ? "" : "; most of all " + worst));
+    quality.warnings.push_back(
+        fmt::format("the residuals are {:.3g} times what the noise and the declared table errors explain: the uncertainties are too small{}",
+                    std::sqrt(quality.chi2_per_dof), worst.empty() ? "" : "; most of all " + worst));
     doubts.push_back("the residuals exceed the declared noise and table errors");
-  } else if (chi_square_tail(solution.chi2(), quality.degrees_of_freedom) > 1 - chance) {
-    quality.warnings.push_back(fmt::format("the residuals are only {:.3g} times what the noise and the declared table errors explain: the table may be better than declared",
-                                           std::sqrt(quality.chi2_per_dof)));
+  } else if (chi_square_tail(solution.chi2, quality.degrees_of_freedom) > 1 - chance) {
+    quality.warnings.push_back(
+        fmt::format("the residuals are only {:.3g} times what the noise and the declared table errors explain: the table may be better than declared",
+                    std::sqrt(quality.chi2_per_dof)));
   }
 }
 
@@ -267,7 +278,8 @@ Calibration calibrate_turntable(const TableObservations& seen, const RigDeclarat
   }
 
   const auto uncertainty = cleaned.solution.estimator.uncertainty(cleaned.solution.model);
-  if (uncertainty.determined.empty()) throw Unsupported("the steps determine no coefficient: holds with each axis up and down, and turns about each axis, are needed");
+  if (uncertainty.determined.empty())
+    throw Unsupported("the steps determine no coefficient: holds with each axis up and down, and turns about each axis, are needed");
   calibration.imu = imu.name;
   calibration.method = "turntable";
   calibration.frame = "rig";
@@ -278,8 +290,10 @@ Calibration calibrate_turntable(const TableObservations& seen, const RigDeclarat
   quality.notes = seen.notes;
   quality.warnings = seen.warnings;
   const double relative = site.gravity_sigma() / site.gravity();
-  quality.sources.push_back({"gravity", relative, fmt::format("g is known to {:.3g} ppm: this much is common to all three accelerometer scales", 1e6 * relative)});
-  if (!site.latitude) quality.notes.push_back("no latitude: Earth's rate was taken as unknown up to its size (15 deg/h) and is counted in the gyros' uncertainties");
+  quality.sources.push_back(
+      {"gravity", relative, fmt::format("g is known to {:.3g} ppm: this much is common to all three accelerometer scales", 1e6 * relative)});
+  if (!site.latitude)
+    quality.notes.push_back("no latitude: Earth's rate was taken as unknown up to its size (15 deg/h) and is counted in the gyros' uncertainties");
   compare_noise(seen, calibration.model, imu, quality);
   std::vector<std::string> doubts;
   if (!reversal.empty()) {

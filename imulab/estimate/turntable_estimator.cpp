@@ -24,9 +24,12 @@ enum Column : Index { accel_offset = 0, accel_matrix = 3, gyro_offset = 12, gyro
 Index column_of(const Coefficient& c) {
   const bool accel = c.triad == Triad::accel;
   switch (c.term) {
-    case Term::offset: return (accel ? accel_offset : gyro_offset) + c.row;
-    case Term::matrix: return (accel ? accel_matrix : gyro_matrix) + 3 * c.row + c.column;
-    default: return gyro_force + 3 * c.row + c.column;
+    case Term::offset:
+      return (accel ? accel_offset : gyro_offset) + c.row;
+    case Term::matrix:
+      return (accel ? accel_matrix : gyro_matrix) + 3 * c.row + c.column;
+    default:
+      return gyro_force + 3 * c.row + c.column;
   }
 }
 
@@ -96,12 +99,16 @@ MatrixXd design_matrix(const TableMotion& motion, const VectorXd& truth) {
   return x;
 }
 
-/// d readings / d errors of the rig and the site.
-MatrixXd reading_jacobian(const TableMotion& motion, const SensorModel& model) {
-  SensorModel linear = model;  // the readings' linear part alone
-  linear.accel.offset.setZero();
-  linear.gyro.offset.setZero();
-  const MatrixXd truth = motion.jacobian(motion.nominal());
+/// The readings' linear part alone.
+SensorModel without_offsets(SensorModel model) {
+  model.accel.offset.setZero();
+  model.gyro.offset.setZero();
+  return model;
+}
+
+/// d readings / d errors of the rig and the site, from d truth / d errors.
+MatrixXd reading_jacobian(const TableMotion& motion, const SensorModel& model, const MatrixXd& truth) {
+  const SensorModel linear = without_offsets(model);
   MatrixXd out(motion.rows(), truth.cols());
   for (Index c = 0; c < truth.cols(); ++c) out.col(c) = readings(motion, linear, truth.col(c));
   return out;
@@ -114,9 +121,20 @@ Matrix3d raw_density(double density, const Matrix3d& matrix) {
   return density * density * inverse * inverse.transpose();
 }
 
-TurntableEstimator::TurntableEstimator(const TableMotion& motion, const SensorModel& nominal, const RawNoise& noise, const TurntableSettings& settings)
-    : holds_(motion.holds()), parts_(motion.holds() + motion.turns()), terms_(settings.terms), left_out_(parts_, 0), start_(forward(nominal)),
-      prior_(prior_sigma(nominal)), design_(design_matrix(motion, motion.truth(motion.nominal()))) {
+TurntableEstimator::TurntableEstimator(const TableMotion& motion, const SensorModel& nominal, const RawNoise& noise,
+                                       const TurntableSettings& settings)
+    : motion_(motion),
+      holds_(motion.holds()),
+      parts_(motion.holds() + motion.turns()),
+      terms_(settings.terms),
+      left_out_(parts_, 0),
+      start_(forward(nominal)),
+      prior_(prior_sigma(nominal)),
+      nominal_errors_(motion.nominal()) {
+  const VectorXd& around = settings.around.size() > 0 ? settings.around : nominal_errors_;
+  truth_ = motion.truth(around);
+  design_ = design_matrix(motion, truth_);
+  table_jacobian_ = reading_jacobian(motion, nominal, motion.jacobian(around));
   for (const int index : terms_) columns_.push_back(column_of(coefficient_table()[static_cast<std::size_t>(index)]));
   if (settings.bias_while_turning && motion.turns() > 0)
     for (Index k = 0; k < 3; ++k) columns_.push_back(turning_bias + k);
@@ -125,21 +143,26 @@ TurntableEstimator::TurntableEstimator(const TableMotion& motion, const SensorMo
   weight_ = covariance.diagonal().cwiseSqrt().cwiseInverse();
   for (const std::size_t part : settings.left_out) {
     left_out_[part] = 1;
-    if (part < holds_) weight_.segment<6>(static_cast<Index>(6 * part)).setZero();
-    else weight_.segment<3>(static_cast<Index>(6 * holds_ + 3 * (part - holds_))).setZero();
+    if (part < holds_)
+      weight_.segment<6>(static_cast<Index>(6 * part)).setZero();
+    else
+      weight_.segment<3>(static_cast<Index>(6 * holds_ + 3 * (part - holds_))).setZero();
   }
-  if (settings.table_errors) {
-    const MatrixXd table = reading_jacobian(motion, nominal) * motion.sigma().asDiagonal();
-    covariance += table * table.transpose();
-  }
+  const VectorXd table_sigma = settings.table_errors ? motion.sigma() : VectorXd::Zero(motion.sigma().size());
+  const MatrixXd table = table_jacobian_ * table_sigma.asDiagonal();
+  covariance += table * table.transpose();
   covariance = weight_.asDiagonal() * covariance * weight_.asDiagonal();
   for (Index row = 0; row < weight_.size(); ++row)
     if (weight_[row] == 0) covariance(row, row) = 1;
   factor_ = covariance.llt().matrixL();
+  const MatrixXd weighted_table = factor_.triangularView<Eigen::Lower>().solve(MatrixXd(weight_.asDiagonal() * table));
+  error_gain_ =
+      table_sigma.asDiagonal() * factor_.triangularView<Eigen::Lower>().transpose().solve(weighted_table).transpose() * weight_.asDiagonal();
 
   // Normal equations in units of the prior sigmas. Undetermined: data and prior together know it no better than half its prior sigma.
   const auto n = static_cast<Index>(columns_.size());
-  const MatrixXd white = factor_.triangularView<Eigen::Lower>().solve(MatrixXd(weight_.asDiagonal() * design_(Eigen::all, columns_) * prior_(columns_).asDiagonal()));
+  const MatrixXd white =
+      factor_.triangularView<Eigen::Lower>().solve(MatrixXd(weight_.asDiagonal() * design_(Eigen::all, columns_) * prior_(columns_).asDiagonal()));
   const MatrixXd normal = white.transpose() * white;
   const VectorXd posterior = (normal + MatrixXd::Identity(n, n)).llt().solve(MatrixXd::Identity(n, n)).diagonal();
   std::vector<Index> known, unknown;
@@ -179,6 +202,20 @@ VectorXd TurntableEstimator::solve(const VectorXd& readings) const {
 }
 
 SensorModel TurntableEstimator::estimate(const VectorXd& readings) const { return backward(solve(readings)); }
+
+VectorXd TurntableEstimator::table_errors(const VectorXd& readings) const {
+  return nominal_errors_ + error_gain_ * (readings - design_ * solve(readings));
+}
+
+VectorXd TurntableEstimator::linearised(const VectorXd& measured) const {
+  VectorXd v = measured;
+  for (int iteration = 0; iteration < 2; ++iteration) {  // each gains an order
+    const VectorXd errors = table_errors(v);
+    const VectorXd whole = readings(motion_, without_offsets(estimate(v)), motion_.truth(errors) - truth_);
+    v = measured - (whole - table_jacobian_ * (errors - nominal_errors_));
+  }
+  return v;
+}
 
 MatrixXd TurntableEstimator::coefficient_derivatives(const SensorModel& at, const std::vector<int>& coefficients) const {
   const VectorXd v = forward(at);
@@ -226,9 +263,7 @@ VectorXd TurntableEstimator::whitened_residual(const VectorXd& readings) const {
 
 double TurntableEstimator::chi2(const VectorXd& readings) const { return whitened_residual(readings).squaredNorm(); }
 
-int TurntableEstimator::degrees_of_freedom() const {
-  return static_cast<int>((weight_.array() > 0).count()) - static_cast<int>(known_.size());
-}
+int TurntableEstimator::degrees_of_freedom() const { return static_cast<int>((weight_.array() > 0).count()) - static_cast<int>(known_.size()); }
 
 std::vector<double> TurntableEstimator::log_probabilities(const VectorXd& readings) const {
   // z = S^-1 residual, with covariance B = S^-1 - S^-1 X P X^T S^-1. Leaving rows out lowers chi-square by z^T B^-1 z of these rows.

@@ -57,7 +57,8 @@ TableMotion::TableMotion(const TableObservations& plan, const RigDeclaration& ri
     for (std::size_t a = 0; a < 3; ++a) {
       if (!moved[a]) continue;
       in_force[a] = next();
-      sources_.push_back(source(Kind::angle, fmt::format("angle of the {} axis from step {} on", to_string(static_cast<RigAxis>(a)), k + 1), rig.angle));
+      sources_.push_back(
+          source(Kind::angle, fmt::format("angle of the {} axis from step {} on", to_string(static_cast<RigAxis>(a)), k + 1), rig.angle));
     }
     after.push_back(in_force);
     duration.push_back(step.kind == StepKind::rotate ? next() : -1);

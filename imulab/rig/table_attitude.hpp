@@ -93,8 +93,10 @@ std::array<T, 2> turn_integrals(const T& angle, const T& duration, double ramp) 
   T c(0), s(0);
   if (ramp > 0) {
     double turned_by;
-    if constexpr (std::is_same_v<T, double>) turned_by = std::abs(angle) * part;
-    else turned_by = std::abs(angle.a) * part;
+    if constexpr (std::is_same_v<T, double>)
+      turned_by = std::abs(angle) * part;
+    else
+      turned_by = std::abs(angle.a) * part;
     const int panels = std::max(1, static_cast<int>(std::ceil(2 * turned_by / 0.5)));
     for (int k = 0; k < panels; ++k)
       for (std::size_t n = 0; n < node.size(); ++n) {
@@ -114,10 +116,10 @@ std::array<T, 2> turn_integrals(const T& angle, const T& duration, double ramp) 
 /// A turn about one axis, in between rests: all that happens from `before` seconds before it begins until `after` seconds after its end.
 template <class T>
 struct TableTurn {
-  Eigen::Vector3<T> axis_b;  ///< stays where it is in b while the table turns about it
-  T angle;                   ///< actual, rad
-  T before, duration, after; ///< s
-  double ramp;               ///< fraction of the duration
+  Eigen::Vector3<T> axis_b;   ///< stays where it is in b while the table turns about it
+  T angle;                    ///< actual, rad
+  T before, duration, after;  ///< s
+  double ramp;                ///< fraction of the duration
 };
 
 /// Integral over the whole interval of C_bn v; `at_start` is C_bn v before the turn.
