@@ -21,7 +21,21 @@ TEST(Package, AnotherProjectFindsLinksAndUsesIt) {
   ASSERT_FALSE(HasFailure());
   expect_done("cmake --build build");
   ASSERT_FALSE(HasFailure());
-  EXPECT_EQ(expect_done("build/consumer"), "1 1 16 11 22 33\n");
+  expect_done("prefix/bin/imulab procedure hand-held --poses 12 -o hand.toml && prefix/bin/imulab simulate hand.toml -o session");
+  const std::string output = expect_done("build/consumer session");
+  EXPECT_THAT(output, ::testing::HasSubstr("verdict: good\n9600 samples; the last: "));
+  EXPECT_THAT(expect_done("prefix/bin/imulab compare calibration.json session/truth.json"),
+              ::testing::HasSubstr("0 of 30 coefficients differ significantly"));
+  EXPECT_NE(run_shell(folder, "build/consumer nowhere").exit_code, 0);
+}
+
+TEST(Package, TheTutorialShowsThatVeryProject) {
+  const std::string page = read_text(IMULAB_SOURCE "/docs/tutorial-library.md");
+  for (const char* file : {"main.cpp", "CMakeLists.txt"}) {
+    const std::string text = read_text(std::filesystem::path(IMULAB_SOURCE) / "tests/consumer" / file);
+    ASSERT_NE(text, "") << file;
+    EXPECT_THAT(page, ::testing::HasSubstr("\n" + text + "```\n")) << file;
+  }
 }
 
 }  // namespace

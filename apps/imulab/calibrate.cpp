@@ -60,7 +60,11 @@ std::vector<int> parse_terms(const std::string& terms) {
   if (terms == "auto") return indices;
   for (std::size_t begin = 0; begin <= terms.size();) {
     const std::size_t end = std::min(terms.find(',', begin), terms.size());
-    for (const int index : select_coefficients(terms.substr(begin, end - begin))) indices.push_back(index);
+    try {
+      for (const int index : select_coefficients(terms.substr(begin, end - begin))) indices.push_back(index);
+    } catch (const Error& e) {
+      throw Error(fmt::format("--terms: {}", e.what()));
+    }
     begin = end + 1;
   }
   return indices;
@@ -73,7 +77,11 @@ Calibration calibrate(const CalibrateArguments& arguments) {
   options.terms = parse_terms(arguments.terms);
   const Session session = read_session(arguments.session);
   const RecordingSource& source = choose_recording(session, arguments.recording);
-  session.site.gravity();  // says at once where neither g nor the latitude is known
+  try {
+    session.site.gravity();
+  } catch (const Error& e) {  // neither g nor the latitude is known
+    throw Error(fmt::format("{}: {}", session.file, e.what()));
+  }
   RecordingReading reading = read_recording(session, source);
   for (const std::string& text : reading.warnings) warn(text);
   const Rests rests = rests_of(reading.recording, session);
@@ -114,10 +122,8 @@ void add_calibrate(CLI::App& app) {
   verb->add_flag("--json", a->json, "print the calibration file's text instead of the table");
   verb->callback([a] {
     const Calibration calibration = calibrate(*a);
-    if (a->json)
-      fmt::print("{}", calibration_text(calibration));
-    else if (a->output != "-")
-      print_calibration(calibration);
+    if (a->json && a->output != "-") fmt::print("{}", calibration_text(calibration));
+    if (!a->json && a->output != "-") print_calibration(calibration);
     if (!a->output.empty() && a->output != "-" && !a->json) fmt::print("\nwritten: {}\n", a->output);
     if (calibration.quality.unobservable.empty()) return;
     std::string list;

@@ -12,34 +12,40 @@ namespace imulab::command {
 
 namespace {
 
-struct UserUnit {
-  double factor;  ///< SI = user x factor
-  const char* name;
+/// A coefficient as people know it: biases in ug and deg/h, scales as ppm from one or counts per unit, misalignments relative to their row's scale.
+struct UserValue {
+  double value, uncertainty;
+  std::string unit;
 };
 
-/// Matrix elements are shown relative to their row's diagonal: a scale's uncertainty in ppm, a misalignment as an angle.
-UserUnit user_unit(const Coefficient& c, const SensorModel& model) {
+UserValue user_value(const Calibration& calibration, const Coefficient& c, double value, double sigma) {
   const bool accel = c.triad == Triad::accel;
+  const TriadModel& triad = accel ? calibration.model.accel : calibration.model.gyro;
+  const bool counts = triad.raw_unit == "count";
+  const double scale = triad.matrix(c.row, c.row);
   switch (c.term) {
-    case Term::offset: return accel ? UserUnit{unit::ug, "ug"} : UserUnit{unit::deg_per_h, "deg/h"};
-    case Term::matrix: {
-      const double scale = std::abs((accel ? model.accel : model.gyro).matrix(c.row, c.row));
-      return c.row == c.column ? UserUnit{scale * unit::ppm, "ppm"} : UserUnit{scale * unit::arcsec, "arcsec"};
+    case Term::offset: {
+      if (counts) {
+        const RawZero zero = raw_zero(calibration, c.triad);
+        return {zero.value[c.row], zero.uncertainty[c.row], "count at zero"};
+      }
+      const double unit = accel ? unit::ug : unit::deg_per_h;
+      return {value / unit, sigma / unit, accel ? "ug" : "deg/h"};
     }
-    case Term::g_sensitivity: return {unit::deg_per_h / unit::g, "deg/h/g"};
-    default: return {1, ""};
+    case Term::matrix:
+      if (c.row != c.column) return {value / std::abs(scale) / unit::arcsec, sigma / std::abs(scale) / unit::arcsec, "arcsec"};
+      if (counts) return {1 / scale, sigma / (scale * scale), accel ? "count/(m/s^2)" : "count/(rad/s)"};
+      return {(scale - 1) / unit::ppm, sigma / unit::ppm, "ppm"};
+    case Term::g_sensitivity: return {value / (unit::deg_per_h / unit::g), sigma / (unit::deg_per_h / unit::g), "deg/h/g"};
+    default: return {value, sigma, ""};
   }
 }
 
 void print_row(const Calibration& calibration, int index) {
   const Coefficient& c = coefficient_table()[static_cast<std::size_t>(index)];
-  const auto sigma = standard_uncertainty(calibration, index);
-  const double value = coefficient_value(calibration.model, index);
-  const UserUnit user = user_unit(c, calibration.model);
-  const bool scale = c.term == Term::matrix && c.row == c.column;
-  const std::string value_in_user = scale ? "" : fmt::format("{:.5g}", value / user.factor);
-  fmt::print("  {:<24} {:>14.7g} {:>10} {:>14} {:>10} {}\n", c.name, value, sigma ? fmt::format("{:.2g}", *sigma) : "-", value_in_user,
-             sigma ? fmt::format("{:.2g}", *sigma / user.factor) : "-", user.name);
+  const double value = coefficient_value(calibration.model, index), sigma = *standard_uncertainty(calibration, index);
+  const UserValue user = user_value(calibration, c, value, sigma);
+  fmt::print("  {:<24} {:>14.7g} {:>10.2g} {:>14.6g} {:>10.2g} {}\n", c.name, value, sigma, user.value, user.uncertainty, user.unit);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // imulab compare CALIBRATION CALIBRATION|TRUTH...
+#include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/io/calibration_file.hpp"
 #include "imulab/io/comparison_text.hpp"
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <tuple>
 
 namespace imulab::command {
 
@@ -64,12 +66,19 @@ void print_table(const NamedComparison& named, const Calibration& a, const Calib
   print_consistency(named.comparison.consistency);
 }
 
+void check_same_raw_unit(const std::string& a_file, const Calibration& a, const std::string& b_file, const Calibration& b) {
+  for (const auto& [triad, a_unit, b_unit] : {std::tuple("accel", a.model.accel.raw_unit, b.model.accel.raw_unit), std::tuple("gyro", a.model.gyro.raw_unit, b.model.gyro.raw_unit)})
+    if (!a_unit.empty() && !b_unit.empty() && a_unit != b_unit)
+      throw Error(fmt::format("{}: {} was calibrated from {}, {} from {}; they cannot be compared", b_file, triad, b_unit, a_file, a_unit));
+}
+
 void run(const Options& options) {
   const Calibration first = read_calibration(options.first);
   std::vector<NamedComparison> comparisons;
   std::vector<Calibration> others;
   for (const auto& file : options.others) {
     others.push_back(read_calibration(file));
+    check_same_raw_unit(options.first, first, file, others.back());
     comparisons.push_back({options.first, file, compare(first, others.back())});
   }
   if (options.json) {

@@ -6,64 +6,32 @@
 #include "imulab/io/recording_file.hpp"
 #include "imulab/io/session_file.hpp"
 
-#include <fmt/core.h>
 #include <gmock/gmock.h>
 
-#include <array>
-#include <cstdio>
+#include "tests/run_command.hpp"
 #include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <random>
 #include <string>
-#include <sys/wait.h>
 
 namespace imulab {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Outcome {
-  int code;
-  std::string output;  // standard output and standard error
-};
-
-Outcome imulab(const std::string& arguments) {
-  FILE* const pipe = popen(fmt::format("{} {} 2>&1", IMULAB_COMMAND, arguments).c_str(), "r");
-  Outcome run{-1, ""};
-  std::array<char, 4096> buffer;
-  while (const std::size_t n = fread(buffer.data(), 1, buffer.size(), pipe)) run.output.append(buffer.data(), n);
-  const int status = pclose(pipe);
-  run.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return run;
-}
-
-std::string text_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-void write(const fs::path& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
-
 class SimulateCommand : public testing::Test {
  protected:
-  SimulateCommand() : folder(fs::temp_directory_path() / fmt::format("imulab-simulate-{}", std::random_device{}())) {
-    fs::create_directories(folder);
-  }
-  ~SimulateCommand() override { fs::remove_all(folder); }
-  std::string in(const char* name) const { return (folder / name).string(); }
-  fs::path folder;
+  CommandResult imulab(const std::string& arguments) const { return run_imulab(folder, arguments); }
+  TemporaryFolder folder;
 };
 
 TEST_F(SimulateCommand, AHandHeldProcedureBecomesASession) {
-  const Outcome procedure = imulab("procedure hand-held --poses 5 --seed 3");
-  ASSERT_EQ(procedure.code, 0) << procedure.output;
-  write(in("hand.toml"), procedure.output);
-  const Outcome run = imulab(fmt::format("simulate {} -o {} --seed 7", in("hand.toml"), in("out")));
-  ASSERT_EQ(run.code, 0) << run.output;
+  const CommandResult procedure = imulab("procedure hand-held --poses 5 --seed 3");
+  ASSERT_EQ(procedure.exit_code, 0) << procedure.errors;
+  folder.write("hand.toml", procedure.output);
+  const CommandResult run = imulab("simulate hand.toml -o out --seed 7");
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
   EXPECT_THAT(run.output, testing::HasSubstr("recording.csv  5400 samples, 54 s"));  // 30 s and four times 2 s + 4 s, at 100 Hz
 
-  const Session asked = read_session(in("hand.toml")), given = read_session(in("out"));
+  const Session asked = read_session(folder / "hand.toml"), given = read_session(folder / "out");
   EXPECT_EQ(asked.steps.size(), 5u);
   EXPECT_TRUE(given.steps.empty());  // nobody recorded what the hand did
   const Truth truth = draw_truth(asked, 7);
@@ -73,7 +41,7 @@ TEST_F(SimulateCommand, AHandHeldProcedureBecomesASession) {
   EXPECT_EQ(read.recording.time_ns, expected.time_ns);
   EXPECT_EQ(read.recording.gyro, expected.gyro);
   EXPECT_EQ(read.recording.accel, expected.accel);
-  const Calibration written = read_calibration(fs::path(in("out")) / "truth.json");
+  const Calibration written = read_calibration(folder / "out/truth.json");
   EXPECT_EQ(written.method, "truth");
   EXPECT_EQ(written.model.gyro.matrix, truth.model.gyro.matrix);
   EXPECT_EQ(written.model.g_sensitivity, truth.model.g_sensitivity);
@@ -108,11 +76,11 @@ rate_dps = 10
 )";
 
 TEST_F(SimulateCommand, ATableKeepsItsStepsAndOutputsInSi) {
-  write(in("table.toml"), table);
-  const Outcome run = imulab(fmt::format("simulate {} -o {}/", in("table.toml"), in("deep/er")));
-  ASSERT_EQ(run.code, 0) << run.output;
-  EXPECT_THAT(run.output, testing::HasSubstr("declared errors are not simulated yet"));
-  const Session given = read_session(in("deep/er"));
+  folder.write("table.toml", table);
+  const CommandResult run = imulab("simulate table.toml -o deep/er/");
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_THAT(run.errors, testing::HasSubstr("declared errors are not simulated yet"));
+  const Session given = read_session(folder / "deep/er");
   ASSERT_EQ(given.steps.size(), 2u);
   EXPECT_EQ(given.steps[1].angle, 90 * unit::deg);
   const Recording r = read_recording(given, given.recordings.at(0)).recording;
@@ -125,25 +93,25 @@ TEST_F(SimulateCommand, ATableKeepsItsStepsAndOutputsInSi) {
 }
 
 TEST_F(SimulateCommand, AGivenTruthIsSimulatedExactly) {
-  write(in("table.toml"), table);
-  ASSERT_EQ(imulab(fmt::format("simulate {} -o {} --seed 5", in("table.toml"), in("a"))).code, 0);
+  folder.write("table.toml", table);
+  ASSERT_EQ(imulab("simulate table.toml -o a --seed 5").exit_code, 0);
   std::string again = table;
   again.replace(again.find("grade"), 0, "truth = \"a/truth.json\"\n");
-  write(in("again.toml"), again);
-  ASSERT_EQ(imulab(fmt::format("simulate {} -o {} --seed 5", in("again.toml"), in("b"))).code, 0);
-  EXPECT_EQ(text_of(fs::path(in("a")) / "table.csv"), text_of(fs::path(in("b")) / "table.csv"));
-  EXPECT_FALSE(read_session(in("b")).imu.truth);
+  folder.write("again.toml", again);
+  ASSERT_EQ(imulab("simulate again.toml -o b --seed 5").exit_code, 0);
+  EXPECT_EQ(read_text(folder / "a/table.csv"), read_text(folder / "b/table.csv"));
+  EXPECT_FALSE(read_session(folder / "b").imu.truth);
 }
 
 TEST_F(SimulateCommand, WhatStandsIsNotOverwrittenAndNothingHalfDoneStays) {
-  write(in("table.toml"), table);
-  fs::create_directories(in("full"));
-  write(in("full/mine.txt"), "mine");
-  const Outcome run = imulab(fmt::format("simulate {} -o {}", in("table.toml"), in("full")));
-  EXPECT_EQ(run.code, 2);
-  EXPECT_THAT(run.output, testing::HasSubstr("a new or an empty folder was expected"));
-  fs::create_directories(in("empty"));
-  EXPECT_EQ(imulab(fmt::format("simulate {} -o {}", in("table.toml"), in("empty"))).code, 0);
+  folder.write("table.toml", table);
+  fs::create_directories(folder / "full");
+  folder.write("full/mine.txt", "mine");
+  const CommandResult run = imulab("simulate table.toml -o full");
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.errors, testing::HasSubstr("a new or an empty folder was expected"));
+  fs::create_directories(folder / "empty");
+  EXPECT_EQ(imulab("simulate table.toml -o empty").exit_code, 0);
 
   std::string impossible = table;
   impossible +=
@@ -151,11 +119,12 @@ TEST_F(SimulateCommand, WhatStandsIsNotOverwrittenAndNothingHalfDoneStays) {
   impossible += "accel = { columns = [5, 6, 7], output = \"rate\", unit = \"count\" }\n";
   impossible.replace(impossible.find("duration_s = 5"), 0, "recording = \"table.csv\"\n");
   impossible.replace(impossible.find("axis ="), 0, "recording = \"table.csv\"\n");
-  write(in("impossible.toml"), impossible);  // the second recording has no steps
-  const Outcome failed = imulab(fmt::format("simulate {} -o {}", in("impossible.toml"), in("none")));
-  EXPECT_EQ(failed.code, 2);
-  EXPECT_THAT(failed.output, testing::HasSubstr("no steps"));
-  for (const auto& entry : fs::directory_iterator(folder)) EXPECT_THAT(entry.path().filename().string(), testing::Not(testing::StartsWith("none")));
+  folder.write("impossible.toml", impossible);  // the second recording has no steps
+  const CommandResult failed = imulab("simulate impossible.toml -o none");
+  EXPECT_EQ(failed.exit_code, 2);
+  EXPECT_THAT(failed.errors, testing::HasSubstr("no steps"));
+  for (const auto& entry : fs::directory_iterator(folder.path()))
+    EXPECT_THAT(entry.path().filename().string(), testing::Not(testing::StartsWith("none")));
 }
 
 }  // namespace

@@ -21,11 +21,19 @@ bool out_of_range(const TriadModel& m, const Columns3& temperature, std::size_t 
   return std::any_of(temperature.begin(), temperature.end(), [&](const auto& t) { return t[sample] < low || t[sample] > high; });
 }
 
+/// A calibration made from counts is meaningless for physical readings, and the reverse.
+void check_unit(const Recording& recording, const char* triad, const std::string& unit, const TriadModel& model) {
+  if (!model.raw_unit.empty() && model.raw_unit != unit)
+    throw Error(recording.name + ": " + triad + " is in " + unit + ", expected " + model.raw_unit + ", which the calibration was made from");
+}
+
 }  // namespace
 
 CompensatedRecording compensate(const SensorModel& model, Recording recording) {
   CompensatedRecording out{std::move(recording), {}};
   Recording& r = out.recording;
+  check_unit(r, "accel", r.accel_unit, model.accel);
+  check_unit(r, "gyro", r.gyro_unit, model.gyro);
   using In = std::span<const double>;
   const RawColumns raw{spans<In>(r.gyro), spans<In>(r.accel), spans<In>(r.gyro_temperature), spans<In>(r.accel_temperature)};
   try {

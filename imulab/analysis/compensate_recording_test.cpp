@@ -77,5 +77,19 @@ TEST(CompensateRecording, ATemperatureTheModelNeedsIsAskedForByName) {
   }
 }
 
+TEST(CompensateRecording, RefusesReadingsInAnotherUnit) {
+  SensorModel from_counts;
+  from_counts.accel.raw_unit = "count";
+  Recording recording;
+  recording.name = "r.csv";
+  recording.accel_unit = "m/s^2";
+  try {
+    compensate(from_counts, recording);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_STREQ(e.what(), "r.csv: accel is in m/s^2, expected count, which the calibration was made from");
+  }
+}
+
 }  // namespace
 }  // namespace imulab

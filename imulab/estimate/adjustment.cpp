@@ -50,83 +50,100 @@ double covariance_between(const Conditions& conditions, Index a, Index b) {
 }  // namespace
 
 Adjustment adjust(const Conditions& conditions, const VectorXd& prior_sigma) {
-  const Index n = prior_sigma.size();
-  MatrixXd joined(conditions.value.size(), n + 1);
-  joined << conditions.jacobian * prior_sigma.asDiagonal(), conditions.value;
+  const Index n = prior_sigma.size(), rows = conditions.value.size();
+  MatrixXd joined(rows, n + 1);
+  joined << conditions.jacobian * prior_sigma.asDiagonal(), conditions.value;  // in units of the prior sigmas
   const MatrixXd white = whitened(conditions, joined);
-  const MatrixXd normal = white.leftCols(n).transpose() * white.leftCols(n);  // in units of the prior sigmas
-  const VectorXd right = -white.leftCols(n).transpose() * white.col(n);
+  const MatrixXd design = white.leftCols(n), normal = design.transpose() * design;
 
   Adjustment result;
-  // Undetermined: data and prior together know it no better than half its prior sigma.
-  const VectorXd posterior = (normal + MatrixXd::Identity(n, n)).llt().solve(MatrixXd::Identity(n, n)).diagonal();
-  std::vector<Index> known, unknown;
-  for (Index i = 0; i < n; ++i) (posterior[i] < 0.25 ? known : unknown).push_back(i);
-  result.determined.assign(static_cast<std::size_t>(n), 0);
-  for (const Index i : known) result.determined[static_cast<std::size_t>(i)] = 1;
-
-  result.correction = VectorXd::Zero(n);
-  result.covariance = MatrixXd::Zero(n, n);
-  if (!known.empty()) {
-    const MatrixXd n_kk = normal(known, known);
-    const VectorXd diagonal = n_kk.diagonal().cwiseSqrt().cwiseInverse();
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> spectrum(diagonal.asDiagonal() * n_kk * diagonal.asDiagonal());
-    result.condition = std::sqrt(spectrum.eigenvalues().maxCoeff() / std::max(spectrum.eigenvalues().minCoeff(), 1e-300));
-    const Eigen::LLT<MatrixXd> factor(n_kk);
-    MatrixXd p_kk = factor.solve(MatrixXd::Identity(n_kk.rows(), n_kk.cols()));
-    const VectorXd step = p_kk * right(known);
-    if (!unknown.empty()) {  // the parameters left at their starting values are uncertain by their prior sigma
-      const MatrixXd leak = p_kk * normal(known, unknown);
-      p_kk += leak * leak.transpose();
-    }
-    for (std::size_t i = 0; i < known.size(); ++i) {
-      result.correction[known[i]] = step[static_cast<Index>(i)] * prior_sigma[known[i]];
-      for (std::size_t j = 0; j < known.size(); ++j)
-        result.covariance(known[i], known[j]) = p_kk(static_cast<Index>(i), static_cast<Index>(j)) * prior_sigma[known[i]] * prior_sigma[known[j]];
-    }
-  }
+  const VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> spectrum(scale.asDiagonal() * normal * scale.asDiagonal());
+  result.condition = std::sqrt(spectrum.eigenvalues()[n - 1] / std::max(spectrum.eigenvalues()[0], 1e-300));
+  const MatrixXd p = normal.llt().solve(MatrixXd::Identity(n, n));
+  const VectorXd step = -p * (design.transpose() * white.col(n));
+  result.determined.resize(static_cast<std::size_t>(n));
+  for (Index i = 0; i < n; ++i) result.determined[static_cast<std::size_t>(i)] = p(i, i) < 0.25;
+  result.correction = step.cwiseProduct(prior_sigma);
+  result.covariance = prior_sigma.asDiagonal() * p * prior_sigma.asDiagonal();
   result.residual = conditions.value + conditions.jacobian * result.correction;
   result.residual_variance = conditions.variance - (conditions.jacobian * result.covariance).cwiseProduct(conditions.jacobian).rowwise().sum();
-  result.residual_variance = result.residual_variance.cwiseMax(1e-9 * conditions.variance);
-  result.chi2 = (white.col(n) + white.leftCols(n) * result.correction.cwiseQuotient(prior_sigma)).squaredNorm();
-  result.degrees_of_freedom = static_cast<int>(conditions.value.size()) - static_cast<int>(known.size());
+  result.residual_variance = result.residual_variance.cwiseMax(1e-9 * conditions.variance);  // rounding, where the fit follows a row
+  const VectorXd white_residual = white.col(n) + design * step;
+  const VectorXd kept = VectorXd::Ones(rows) - (design * p).cwiseProduct(design).rowwise().sum();
+  for (Index i = 0; i < rows; ++i) {
+    if (conditions.kind[static_cast<std::size_t>(i)] == ConditionKind::prior) continue;
+    result.chi2 += white_residual[i] * white_residual[i];
+    result.degrees_of_freedom += kept[i];
+  }
   return result;
 }
 
-double estimate_spread(const Conditions& conditions, const Adjustment& adjustment, ConditionKind kind, double current) {
-  struct Row {
-    double square, variance, gain, redundancy;  // expected square = (variance + x gain) redundancy, variance without spread
-  };
-  std::vector<Row> rows;
-  double degrees = 0;
-  for (Index i = 0; i < conditions.value.size(); ++i) {
-    if (conditions.kind[static_cast<std::size_t>(i)] != kind) continue;
-    const double redundancy = adjustment.residual_variance[i] / conditions.variance[i];
-    if (redundancy < 1e-3) continue;  // the fit follows this row: it says nothing of the spread
-    const double gain = conditions.spread_gain[i];
-    const double sampling = std::max(conditions.variance[i] - current * current * gain, 1e-12 * conditions.variance[i]);
-    rows.push_back({adjustment.residual[i] * adjustment.residual[i], sampling, gain, redundancy});
-    degrees += redundancy;
+namespace {
+
+/// Residuals of one kind against their size: square / ((sampling + x gain) redundancy) is 1 on average where x is the square of the spread.
+class KindResiduals {
+ public:
+  KindResiduals(const Conditions& conditions, const Adjustment& adjustment, ConditionKind kind, double current_spread) {
+    for (Index i = 0; i < conditions.value.size(); ++i) {
+      if (conditions.kind[static_cast<std::size_t>(i)] != kind) continue;
+      const double redundancy = adjustment.residual_variance[i] / conditions.variance[i];
+      if (redundancy < 1e-3) continue;  // the fit follows this row: it says nothing of the spread
+      const double gain = conditions.spread_gain[i];
+      const double sampling = std::max(conditions.variance[i] - current_spread * current_spread * gain, 1e-12 * conditions.variance[i]);
+      rows_.push_back({adjustment.residual[i] * adjustment.residual[i], sampling, gain, redundancy});
+      degrees_ += redundancy;
+    }
   }
-  if (rows.size() < 3 || degrees < 1) return 0;
-  const auto excess = [&](double x) {  // observed over expected squares, 1 where the spread is right; falls with x
+  bool enough() const { return rows_.size() >= 3 && degrees_ >= 1; }
+  double degrees() const { return degrees_; }
+  double excess(double x) const {
     double sum = 0;
-    for (const Row& row : rows) sum += row.square / ((row.variance + x * row.gain) * row.redundancy);
-    return sum / static_cast<double>(rows.size());
+    for (const Row& row : rows_) sum += row.square / ((row.sampling + x * row.gain) * row.redundancy);
+    return sum / static_cast<double>(rows_.size());
+  }
+  double upper_bound() const {
+    double high = 0;
+    for (const Row& row : rows_) high = std::max(high, row.square / (row.gain * row.redundancy));
+    return 10 * high;
+  }
+
+ private:
+  struct Row {
+    double square, sampling, gain, redundancy;
   };
-  if (chi_square_tail(excess(0) * degrees, degrees) > 0.01) return 0;
-  double low = 0, high = 0;
-  for (const Row& row : rows) high = std::max(high, row.square / (row.gain * row.redundancy));
-  high *= 10;
+  std::vector<Row> rows_;
+  double degrees_ = 0;
+};
+
+}  // namespace
+
+double redundancy(const Conditions& conditions, const Adjustment& adjustment, ConditionKind kind) {
+  double sum = 0;
+  for (Index i = 0; i < conditions.value.size(); ++i)
+    if (conditions.kind[static_cast<std::size_t>(i)] == kind) sum += adjustment.residual_variance[i] / conditions.variance[i];
+  return sum;
+}
+
+bool spread_is_significant(const Conditions& conditions, const Adjustment& adjustment, ConditionKind kind) {
+  const KindResiduals residuals(conditions, adjustment, kind, 0);
+  return residuals.enough() && chi_square_tail(residuals.excess(0) * residuals.degrees(), residuals.degrees()) < 0.01;
+}
+
+double estimate_spread(const Conditions& conditions, const Adjustment& adjustment, ConditionKind kind, double current) {
+  const KindResiduals residuals(conditions, adjustment, kind, current);
+  if (!residuals.enough() || residuals.excess(0) <= 1) return 0;
+  double low = 0, high = residuals.upper_bound();
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
-    (excess(middle) > 1 ? low : high) = middle;
+    (residuals.excess(middle) > 1 ? low : high) = middle;
   }
   return std::sqrt(0.5 * (low + high));
 }
 
-double outlier_log_probability(const Conditions& conditions, const Adjustment& adjustment, const std::vector<Index>& rows) {
-  if (rows.empty()) return 0;
+Deviation deviation_of(const Conditions& conditions, const Adjustment& adjustment, const std::vector<Index>& rows) {
+  Deviation deviation;
+  if (rows.empty()) return deviation;
   const auto n = static_cast<Index>(rows.size());
   MatrixXd expected(n, n);
   for (Index a = 0; a < n; ++a)
@@ -136,32 +153,22 @@ double outlier_log_probability(const Conditions& conditions, const Adjustment& a
   expected -= j * adjustment.covariance * j.transpose();
   const Eigen::SelfAdjointEigenSolver<MatrixXd> spectrum(scale.asDiagonal() * expected * scale.asDiagonal());
   const VectorXd projected = spectrum.eigenvectors().transpose() * scale.cwiseProduct(adjustment.residual(rows));
-  double statistic = 0, degrees = 0;
   for (Index i = 0; i < n; ++i) {
     if (spectrum.eigenvalues()[i] < 1e-6) continue;  // the adjustment follows this combination whatever its value
-    statistic += projected[i] * projected[i] / spectrum.eigenvalues()[i];
-    degrees += 1;
+    deviation.statistic += projected[i] * projected[i] / spectrum.eigenvalues()[i];
+    deviation.degrees_of_freedom += 1;
   }
-  if (degrees == 0) return 0;
-  return log_chi_square_tail(statistic, degrees);
+  return deviation;
 }
 
-KindFit fit_of(const Conditions& conditions, const Adjustment& adjustment, ConditionKind kind) {
-  KindFit fit;
-  double chi2 = 0, squares = 0, rows = 0;
-  for (Index i = 0; i < conditions.value.size(); ++i) {
-    if (conditions.kind[static_cast<std::size_t>(i)] != kind) continue;
-    const double square = adjustment.residual[i] * adjustment.residual[i];
-    chi2 += square / adjustment.residual_variance[i];
-    squares += square;
-    fit.degrees_of_freedom += adjustment.residual_variance[i] / conditions.variance[i];
-    rows += 1;
-  }
-  if (rows > 0) {
-    fit.chi2_per_dof = chi2 / rows;
-    fit.rms = std::sqrt(squares / rows);
-  }
-  return fit;
+double Deviation::log_probability() const {
+  if (degrees_of_freedom == 0) return 0;
+  return log_chi_square_tail(statistic, degrees_of_freedom);
+}
+
+double Deviation::log_probability(double residual_degrees) const {
+  if (degrees_of_freedom == 0) return 0;
+  return std::log(std::max(f_tail(statistic / degrees_of_freedom, degrees_of_freedom, residual_degrees), 1e-300));
 }
 
 }  // namespace imulab

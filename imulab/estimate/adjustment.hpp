@@ -30,30 +30,37 @@ struct Conditions {
 };
 
 struct Adjustment {
-  Eigen::VectorXd correction;         ///< of theta; zero where undetermined
-  Eigen::MatrixXd covariance;         ///< of theta; includes what the undetermined parameters' prior sigmas do to the others
-  std::vector<char> determined;       ///< by parameter
+  Eigen::VectorXd correction;         ///< of theta
+  Eigen::MatrixXd covariance;         ///< of theta, priors included
+  std::vector<char> determined;       ///< by parameter: the data bring its standard deviation below half of its prior's
   Eigen::VectorXd residual;           ///< w after the correction
   Eigen::VectorXd residual_variance;  ///< expected, by row: S - J P J^T
-  double chi2 = 0;
-  int degrees_of_freedom = 0;
+  double chi2 = 0;                    ///< of all but the priors
+  double degrees_of_freedom = 0;      ///< its expected value
   double condition = 0;               ///< of the normal equations scaled to unit diagonal
 };
 
-/// `prior_sigma`: how far each parameter may be from its starting value. A parameter is determined if the data bring its standard deviation
-/// below half of that; the others keep their values.
+/// Every parameter has a prior condition among the rows, so the normal equations are regular whatever the data leave open, and covariance, residuals and
+/// chi-square count what is not known. `prior_sigma` are the priors' standard deviations, as the measure of what the data determine.
 Adjustment adjust(const Conditions& conditions, const Eigen::VectorXd& prior_sigma);
 
-/// The additional spread of a kind with which its residuals have their expected size: zero if the sample noise explains them (1 % level).
+/// Degrees of freedom that the residuals of one kind keep.
+double redundancy(const Conditions& conditions, const Adjustment& adjustment, ConditionKind kind);
+
+/// Does a kind's spread exceed what the conditions' covariance explains (1 % level)?
+bool spread_is_significant(const Conditions& conditions, const Adjustment& adjustment, ConditionKind kind);
+
+/// The additional spread of a kind with which its residuals have their expected size; zero where they are smaller without any.
 double estimate_spread(const Conditions& conditions, const Adjustment& adjustment, ConditionKind kind, double current);
 
-/// Natural logarithm of the probability that leaving out these rows lowers chi-square by as much as it does by chance.
-double outlier_log_probability(const Conditions& conditions, const Adjustment& adjustment, const std::vector<Eigen::Index>& rows);
-
-/// Chi-square and expected value of the residuals of one kind, for reporting.
-struct KindFit {
-  double chi2_per_dof = 0, degrees_of_freedom = 0, rms = 0;
+/// How far off rows are: the chi-square that leaving them out saves, and its degrees of freedom.
+struct Deviation {
+  double statistic = 0, degrees_of_freedom = 0;
+  /// Natural logarithm of the probability that chance does as much.
+  double log_probability() const;
+  /// The same where the size of the residuals was itself estimated from `residual_degrees` degrees of freedom (F distribution).
+  double log_probability(double residual_degrees) const;
 };
-KindFit fit_of(const Conditions& conditions, const Adjustment& adjustment, ConditionKind kind);
+Deviation deviation_of(const Conditions& conditions, const Adjustment& adjustment, const std::vector<Eigen::Index>& rows);
 
 }  // namespace imulab

@@ -106,6 +106,8 @@ std::optional<Matrix3d> coarse_gyro_in_motion(const Recording& recording, const 
       right += row.transpose() * (end - begin);
     }
   }
+  // Squares: an axis that turns less than 3 % of the most turned one shows its noise rather than its scale.
+  if (!(normal.diagonal().minCoeff() > 1e-3 * normal.diagonal().maxCoeff())) return {};
   const auto x = solve_full_rank(normal, right);
   if (!x) return {};
   Matrix3d matrix;

@@ -19,11 +19,24 @@ struct Start {
   SampleNoise noise;  ///< raw
   Scaling scaling;
   SensorModel scaled_model;
+  Prior prior;        ///< what holds without the data: the declared unit; for counts the coarse solution
   std::vector<std::string> notes, warnings;
 };
 
 /// Throws Unsupported for too few or too similar rests, Error where the accelerometers' declared unit contradicts gravity.
 Start start_from_rests(const Recording& recording, const std::vector<Range>& ranges, const ImuDeclaration& imu, double gravity);
+
+/// Is a coarse matrix of SI readings that of a sensor whose axes and unit are as declared?
+bool near_identity(const Matrix3d& matrix);
+
+/// The declared gyro noise density in place of the measured noise, once the start has its matrix.
+void use_declared_gyro_noise(Start& start, const Recording& recording, const ImuDeclaration& imu);
+
+/// Sets coefficients that are not to be estimated to what holds without the data. Throws Error for counts whose offsets or scales are among them.
+void keep_start_of_others(Start& start, const std::vector<int>& indices, const std::vector<int>& supplied);
+
+/// Throws Unsupported where an axis reads the same in every sample.
+void expect_alive(const Columns3& triad, std::string_view file, std::string_view name, std::string_view consequence);
 
 /// The accelerometer coefficients in the accelerometers' frame: offsets and the lower triangle of the matrix.
 std::vector<int> accel_coefficients();
@@ -41,7 +54,9 @@ std::string spread_note(std::string_view what, double spread, std::string_view u
 /// The verdict: good, or doubtful for these reasons.
 void conclude(Calibration& calibration, const std::vector<std::string>& doubts);
 
-/// What is doubtful whatever the method: undetermined coefficients, few degrees of freedom, many dropped parts.
-std::vector<std::string> common_doubts(const Calibration& calibration, std::size_t dropped, std::size_t all);
+/// What is doubtful whatever the method: undetermined coefficients, few degrees of freedom, many dropped parts, residuals of the wrong size, g.
+std::vector<std::string> common_doubts(const Calibration& calibration, const Site& site, std::size_t dropped, std::size_t all);
+/// The same, and what is doubtful of the fit's course.
+std::vector<std::string> common_doubts(const Calibration& calibration, const Fit& fit, const Site& site, std::size_t dropped, std::size_t all);
 
 }  // namespace imulab

@@ -27,6 +27,10 @@ std::vector<int> supplied_coefficients() {
   return indices;
 }
 
+bool near_diagonal(const Matrix3d& matrix) {
+  return (matrix.rowwise().norm() - matrix.diagonal().cwiseAbs()).cwiseQuotient(matrix.rowwise().norm()).maxCoeff() < 0.1;
+}
+
 /// Gyro offset and matrix for the start: from the motion where it tells, else as the declared unit says.
 void start_gyro(Start& start, const Recording& recording) {
   Vector3d at_rest = Vector3d::Zero();
@@ -50,6 +54,24 @@ void start_gyro(Start& start, const Recording& recording) {
     throw Unsupported(fmt::format("{}: the motion between the rests does not turn the unit about all three axes: the gyros' scales cannot be determined", recording.name));
   }
   gyro.offset = -gyro.matrix * (at_rest - start.scaling.gyro_center).cwiseQuotient(start.scaling.gyro_scale);
+  // Axes that are not as declared (swapped, turned) and counts have no better prior than the coarse solution itself.
+  if (recording.gyro_unit == "count") {
+    start.prior.mean.gyro.offset = gyro.offset;
+    start.prior.mean.gyro.matrix = near_diagonal(gyro.matrix) ? Matrix3d(gyro.matrix.diagonal().asDiagonal()) : gyro.matrix;
+  } else if (!near_identity(gyro.matrix)) {
+    start.prior.mean.gyro.matrix = gyro.matrix;
+  }
+}
+
+/// Gyros and accelerometers that do not turn together: columns swapped, or a sign. The calibration is right for the readings as they are.
+void warn_of_other_axes(const SensorModel& model, std::vector<std::string>& warnings) {
+  for (Index row = 0; row < 3; ++row) {
+    Index column = 0;
+    model.gyro.matrix.row(row).cwiseAbs().maxCoeff(&column);
+    if (column == row && model.gyro.matrix(row, row) > 0) continue;
+    warnings.push_back(fmt::format("the rate about the accelerometers' {} axis is the gyros' {}{} reading: are the columns and signs right?",
+                                   "xyz"[row], model.gyro.matrix(row, column) < 0 ? "-" : "", "xyz"[column]));
+  }
 }
 
 /// Wald test of a term's coefficients against zero.
@@ -101,19 +123,14 @@ CrossValidation cross_validate(const HandheldProblem& problem, const Fit& fit) {
 Calibration calibrate_handheld(const Recording& recording, const std::vector<Range>& ranges, const ImuDeclaration& imu, const Site& site,
                                const EstimateOptions& options) {
   Start start = start_from_rests(recording, ranges, imu, site.gravity());
+  expect_alive(recording.gyro, recording.name, "gyro", "the method static calibrates the accelerometers alone");
   start_gyro(start, recording);
-  if (imu.gyro_noise_density) {
-    const Vector3d scale = to_raw(start.scaled_model, start.scaling).gyro.matrix.rowwise().norm();
-    const Vector3d declared = *imu.gyro_noise_density / std::sqrt(recording.interval_s) * scale.cwiseInverse();
-    const double ratio = start.noise.gyro.norm() / declared.norm();
-    if (ratio > 1.5 || ratio < 1 / 1.5)
-      start.warnings.push_back(fmt::format("the gyros' noise at rest is {:.2g} times the declared density; the declared one sets the weights", ratio));
-    start.noise.gyro = declared;
-  }
+  use_declared_gyro_noise(start, recording, imu);
 
   const std::vector<int> supplied = supplied_coefficients();
   const std::vector<int> indices = options.terms.empty() ? supplied : choose_terms(options.terms, supplied, "handheld");
-  HandheldProblem problem(recording, start.rests, site.gravity(), site.latitude, start.noise, start.scaling, start.scaled_model, indices);
+  keep_start_of_others(start, indices, supplied);
+  HandheldProblem problem(recording, start.rests, site.gravity(), site.latitude, start.noise, start.scaling, start.scaled_model, start.prior, indices);
   const std::size_t all = start.rests.size() + problem.rotations();
   const std::vector<std::string> dropped = drop_outliers(problem, options.outlier_level);
   Fit fit = converge(problem);
@@ -126,18 +143,20 @@ Calibration calibrate_handheld(const Recording& recording, const std::vector<Ran
       const std::vector<int> term = select_coefficients("gyro.g_sensitivity");
       std::erase_if(fewer, [&](int index) { return std::find(term.begin(), term.end(), index) != term.end(); });
       problem.estimate_only(fewer);
-      fit = converge(problem);
     }
   }
+  fit = settle(problem);
 
   Calibration calibration = finish("handheld", start, fit, problem.scaled_model(), problem.indices(), imu, site);
   Quality& quality = calibration.quality;
   quality.term_tests = tests;
+  warn_of_other_axes(calibration.model, quality.warnings);
   const Conditions noise_only = problem.conditions({});
   const Adjustment under_noise = adjust(noise_only, problem.prior_sigma());
-  quality.chi2_per_dof = under_noise.chi2 / std::max(1, under_noise.degrees_of_freedom);
+  quality.degrees_of_freedom = static_cast<int>(std::lround(under_noise.degrees_of_freedom));
+  quality.chi2_per_dof = under_noise.chi2 / std::max(1.0, under_noise.degrees_of_freedom);
   quality.notes.push_back(fmt::format("{} rests and {} rotations between them were used", problem.rests().size(), problem.rotations()));
-  if (const CrossValidation check = cross_validate(problem, fit); check.rotations > 0) {
+  if (const CrossValidation check = cross_validate(problem, fit); check.rotations >= 10) {  // of fewer a tenth is not a rotation
     quality.rotation_residual_deg = check.rms_deg;
     quality.notes.push_back(fmt::format("rotations are predicted to {:.3f} deg RMS (10-fold cross-validation over {} rotations of more than 10 deg)", check.rms_deg,
                                         check.rotations));
@@ -148,7 +167,9 @@ Calibration calibrate_handheld(const Recording& recording, const std::vector<Ran
   for (const std::string& name : dropped) quality.warnings.push_back("dropped as an outlier: " + name);
   if (!site.latitude) quality.notes.push_back("no latitude: Earth's rate was taken as unknown up to its size (15 deg/h) and is counted in the gyros' uncertainties");
 
-  std::vector<std::string> doubts = common_doubts(calibration, dropped.size(), all);
+  std::vector<std::string> doubts = common_doubts(calibration, fit, site, dropped.size(), all);
+  // An uncalibrated gyro of 2 % predicts turns of a right angle to about 1 deg.
+  if (quality.rotation_residual_deg.value_or(0) > 1) doubts.push_back(fmt::format("the rotations are predicted no better than to {:.2g} deg", *quality.rotation_residual_deg));
   conclude(calibration, doubts);
   return calibration;
 }

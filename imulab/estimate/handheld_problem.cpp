@@ -38,8 +38,10 @@ const Vector3d up_n = Vector3d::UnitZ();
 }  // namespace
 
 HandheldProblem::HandheldProblem(const Recording& recording, std::vector<Rest> rests, double gravity, std::optional<double> latitude,
-                                 const SampleNoise& noise, const Scaling& scaling, const SensorModel& scaled_model, std::vector<int> indices)
-    : recording_(&recording), rests_(std::move(rests)), gravity_(gravity), latitude_(latitude), scaling_(scaling), model_(scaled_model), indices_(std::move(indices)) {
+                                 const SampleNoise& noise, const Scaling& scaling, const SensorModel& scaled_model, const Prior& prior,
+                                 std::vector<int> indices)
+    : recording_(&recording), rests_(std::move(rests)), gravity_(gravity), latitude_(latitude), scaling_(scaling), model_(scaled_model), prior_(prior), indices_(std::move(indices)),
+      sigma_(prior_.sigmas(indices_, gravity_)) {
   noise_ = {noise.accel.cwiseQuotient(scaling.accel_scale), noise.gyro.cwiseQuotient(scaling.gyro_scale)};
   links_.resize(rests_.empty() ? 0 : rests_.size() - 1);
   if (latitude_) earth_up_ = earth_rate * std::sin(*latitude_);
@@ -83,9 +85,9 @@ void HandheldProblem::integrate() {
   for (std::size_t k = 0; k < links_.size(); ++k) {
     Link& link = links_[k];
     if (!link.usable) continue;
-    if (link.at) {  // a small step follows from the derivatives: the second-order part of 3e-4 rad is below 1e-7 rad
+    if (link.at) {  // a small step follows from the derivatives: the second-order part of 1e-4 rad is below 1e-8 rad
       const Vector3d angle = link.rotation.change(link.at->gyro, link.at->g_sensitivity, model_.gyro, model_.g_sensitivity);
-      if (angle.norm() < 3e-4 && (model_.accel.matrix - link.at->accel.matrix).norm() + (model_.accel.offset - link.at->accel.offset).norm() < 1e-3 * gravity_) {
+      if (angle.norm() < 1e-4 && (model_.accel.matrix - link.at->accel.matrix).norm() + (model_.accel.offset - link.at->accel.offset).norm() < 1e-3 * gravity_) {
         link.now.C = rotation_exp(angle) * link.rotation.C;
         continue;
       }
@@ -100,7 +102,8 @@ void HandheldProblem::follow_attitudes() {
   for (std::size_t k = 0; k < rests_.size(); ++k) {
     const Vector3d up = force_at(rests_[k]).normalized();
     Matrix3d carried = Matrix3d::Identity();
-    if (k > 0 && links_[k - 1].usable) carried = C_nb_[k - 1] * links_[k - 1].now.C;
+    if (k > 0 && links_[k - 1].usable)  // the gyros turn against inertial space, and n turns with the Earth meanwhile
+      carried = rotation_exp(-links_[k - 1].now.duration_s * earth_rate_of(k - 1)) * C_nb_[k - 1] * links_[k - 1].now.C;
     C_nb_[k] = shortest_rotation(carried * up, up_n) * carried;  // the accelerometers level it, the gyros keep its heading
   }
 }
@@ -117,8 +120,8 @@ Conditions HandheldProblem::conditions(const Spreads& spreads) {
   follow_attitudes();
   const bool vertical = !latitude_;
   const Index unknowns = earth_column(indices_.size(), vertical, earth_horizontal_.size());
-  const Index priors = unknowns - static_cast<Index>(indices_.size());
-  const Index rows = 4 * static_cast<Index>(rests_.size()) + 2 * static_cast<Index>(rotations()) + priors;
+  const Index coefficients = static_cast<Index>(indices_.size()), priors = unknowns - coefficients;
+  const Index rows = 4 * static_cast<Index>(rests_.size()) + 2 * static_cast<Index>(rotations()) + unknowns;
 
   Conditions c;
   c.value.setZero(rows);
@@ -165,13 +168,15 @@ Conditions HandheldProblem::conditions(const Spreads& spreads) {
     row += block.size;
     c.blocks.push_back(std::move(block));
   }
+  add_prior_rows(c, row, prior_, sigma_, model_, indices_);
+  row += coefficients;
   // Without a usable heading the horizontal Earth rate is a vector of known length and unknown direction; without a latitude nothing but its size is known.
   for (Index i = 0; i < priors; ++i) {
     const bool is_vertical = vertical && i == 0;
     const Index horizontal = i - (vertical ? 1 : 0);
     const double sigma = latitude_ ? std::max(earth_rate * std::cos(*latitude_) / std::sqrt(2.0), 1e-3 * earth_rate) : earth_rate / std::sqrt(3.0);
     c.value[row] = is_vertical ? earth_up_ : earth_horizontal_[static_cast<std::size_t>(horizontal / 2)][horizontal % 2];
-    c.jacobian(row, static_cast<Index>(indices_.size()) + i) = 1;
+    c.jacobian(row, coefficients + i) = 1;
     Conditions::Block block;
     block.first = row++;
     block.size = 1;
@@ -221,7 +226,7 @@ void HandheldProblem::add_rotation_rows(Conditions& c, Index row, std::size_t k)
   const Rest &rest = rests_[k], &next = rests_[k + 1];
   const Vector3d force = force_at(rest), up = force.normalized(), next_force = force_at(next), next_up = next_force.normalized();
   const Matrix3d C_next = rotation.C.transpose(), C_bn = C_nb_[k].transpose();
-  const Vector3d turned_up = up + rotation.duration_s * C_bn * earth_rate_of(k).cross(up_n);
+  const Vector3d turned_up = up + C_bn * (rotation_exp(rotation.duration_s * earth_rate_of(k)) * up_n - up_n);
   const Eigen::Matrix<double, 2, 3> basis = tangent_basis(next_up).transpose();
   const Eigen::Matrix<double, 2, 3> on_up = basis * C_next * (Matrix3d::Identity() - up * up.transpose()) / force.norm();
   const Eigen::Matrix<double, 2, 3> on_next_up = -basis / next_force.norm();
@@ -249,10 +254,14 @@ void HandheldProblem::add_rotation_rows(Conditions& c, Index row, std::size_t k)
 
 Eigen::VectorXd HandheldProblem::prior_sigma() const {
   const Index unknowns = earth_column(indices_.size(), !latitude_, earth_horizontal_.size());
-  Eigen::VectorXd sigma = Eigen::VectorXd::Constant(unknowns, 1.0);  // rad/s: Earth's rate has its own prior conditions
-  for (std::size_t i = 0; i < indices_.size(); ++i)
-    sigma[static_cast<Index>(i)] = coefficient_prior_sigma(coefficient_table()[static_cast<std::size_t>(indices_[i])], model_, gravity_);
+  Eigen::VectorXd sigma = Eigen::VectorXd::Constant(unknowns, earth_rate);
+  sigma.head(sigma_.size()) = sigma_;
   return sigma;
+}
+
+void HandheldProblem::pin(const std::vector<char>& determined) {
+  for (std::size_t i = 0; i < indices_.size(); ++i)
+    if (!determined[i]) sigma_[static_cast<Index>(i)] *= 1e-6;
 }
 
 void HandheldProblem::correct(const Eigen::VectorXd& correction) {
@@ -306,6 +315,7 @@ void HandheldProblem::estimate_only(std::vector<int> indices) {
   for (const int index : indices_)
     if (std::find(indices.begin(), indices.end(), index) == indices.end()) set_coefficient(model_, index, 0.0);
   indices_ = std::move(indices);
+  sigma_ = prior_.sigmas(indices_, gravity_);
 }
 
 }  // namespace imulab

@@ -14,11 +14,13 @@ namespace imulab {
 class HandheldProblem {
  public:
   HandheldProblem(const Recording& recording, std::vector<Rest> rests, double gravity, std::optional<double> latitude, const SampleNoise& noise,
-                  const Scaling& scaling, const SensorModel& scaled_model, std::vector<int> indices);
+                  const Scaling& scaling, const SensorModel& scaled_model, const Prior& prior, std::vector<int> indices);
 
   Conditions conditions(const Spreads& spreads);
   Eigen::VectorXd prior_sigma() const;
   void correct(const Eigen::VectorXd& correction);
+  /// Coefficients that are not determined are held at their prior value from now on.
+  void pin(const std::vector<char>& determined);
   std::vector<Suspect> suspects(const Conditions& conditions) const;
   /// Leaves out a rest (the rotations before and after it become one) or a rotation.
   void drop(int suspect);
@@ -62,7 +64,9 @@ class HandheldProblem {
   SampleNoise noise_;  ///< scaled
   Scaling scaling_;
   SensorModel model_;
+  Prior prior_;
   std::vector<int> indices_;
+  Eigen::VectorXd sigma_;  ///< priors' standard deviations of the coefficients
   std::vector<Link> links_;            ///< links_[k] leads from rest k to rest k + 1
   std::vector<std::size_t> stretch_;   ///< of each rest
   std::vector<Matrix3d> C_nb_;         ///< attitude of each rest; heading relative to the stretch's first

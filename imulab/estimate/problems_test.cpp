@@ -44,7 +44,7 @@ TEST(HandheldProblem, DerivativesEqualDifferences) {
   const SampleNoise noise = measure_noise(s.recording, rests);
   for (const bool latitude : {true, false}) {
     const auto make = [&] {
-      return HandheldProblem(s.recording, rests, s.truth.gravity, latitude ? s.session.site.latitude : std::nullopt, noise, {}, s.truth.model, all_coefficients());
+      return HandheldProblem(s.recording, rests, s.truth.gravity, latitude ? s.session.site.latitude : std::nullopt, noise, {}, s.truth.model, {}, all_coefficients());
     };
     // What the derivatives leave out is stated there: the force's part in C f (1e-3) and in the direction of Earth's rate (1e-4), the integrals' midpoint
     // rule and the coning term ((rate dt)^2, 1e-4).
@@ -63,7 +63,7 @@ TEST(StaticProblem, DerivativesEqualDifferences) {
   for (const char* selector : {"gyro.offset", "gyro.matrix"})
     for (const int index : select_coefficients(selector)) indices.push_back(index);
   const auto make = [&] {
-    return StaticProblem(rests, s.truth.gravity, s.session.site.latitude, measure_noise(s.recording, rests), {}, s.truth.model, indices);
+    return StaticProblem(rests, s.truth.gravity, s.session.site.latitude, measure_noise(s.recording, rests), {}, s.truth.model, {}, indices);
   };
   // The horizontal part is the length of a vector as short as 5e-5 rad/s: 1e-8 rad/s bends it by (1e-8 / 5e-5)^2.
   const auto step = [&](Eigen::Index u) {

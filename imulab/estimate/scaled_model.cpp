@@ -66,16 +66,35 @@ SensorModel to_scaled(const SensorModel& raw, const Scaling& scaling) {
   return scaled;
 }
 
-double coefficient_prior_sigma(const Coefficient& coefficient, const SensorModel& model, double gravity) {
+double Prior::sigma(const Coefficient& coefficient, double gravity) const {
   const bool accel = coefficient.triad == Triad::accel;
   switch (coefficient.term) {
-    case Term::offset: return accel ? gravity : 1.0;
+    case Term::offset: return accel ? 0.2 * gravity : 1.0;
     case Term::matrix: {
-      const double scale = (accel ? model.accel : model.gyro).matrix.row(coefficient.row).norm();
-      return coefficient.row == coefficient.column ? scale : 1e-2 * scale;
+      const auto row = (accel ? mean.accel : mean.gyro).matrix.row(coefficient.row);
+      const bool along = std::abs(row[coefficient.row]) > 0.9 * row.norm();
+      return (along && coefficient.row != coefficient.column ? 1e-2 : 0.2) * row.norm();
     }
     case Term::g_sensitivity: return 1e-3;
     default: return 0;
+  }
+}
+
+Eigen::VectorXd Prior::sigmas(const std::vector<int>& indices, double gravity) const {
+  Eigen::VectorXd all(static_cast<Eigen::Index>(indices.size()));
+  for (std::size_t i = 0; i < indices.size(); ++i)
+    all[static_cast<Eigen::Index>(i)] = sigma(coefficient_table()[static_cast<std::size_t>(indices[i])], gravity);
+  return all;
+}
+
+void add_prior_rows(Conditions& conditions, Eigen::Index row, const Prior& prior, const Eigen::VectorXd& sigma, const SensorModel& model,
+                    const std::vector<int>& indices) {
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    conditions.value[row + at] = coefficient_value(model, indices[i]) - coefficient_value(prior.mean, indices[i]);
+    conditions.jacobian(row + at, at) = 1;
+    conditions.kind[static_cast<std::size_t>(row + at)] = ConditionKind::prior;
+    conditions.blocks.push_back({row + at, 1, Eigen::MatrixXd::Constant(1, 1, sigma[at] * sigma[at]), {}});
   }
 }
 

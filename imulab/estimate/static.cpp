@@ -45,6 +45,8 @@ GyroStart start_gyro(const Start& start, const Recording& recording, const Site&
   if (!site.latitude) return {{}, "the site gives no latitude, and Earth's rate is the gyros' only reference at rest"};
   if (recording.gyro_unit != "count")
     if (const double noise = mean_noise(start, Matrix3d::Identity()); noise > resolvable_part * earth_rate) return not_resolved(noise);
+  // The headings are found from the horizontal part, which is nothing at a pole.
+  if (std::cos(*site.latitude) < resolvable_part) return {{}, "the latitude is too near a pole for the horizontal part of Earth's rate to be seen"};
   std::vector<Vector3d> readings, up;
   for (const Rest& rest : start.rests) {
     readings.push_back((rest.gyro - start.scaling.gyro_center).cwiseQuotient(start.scaling.gyro_scale));
@@ -54,6 +56,11 @@ GyroStart start_gyro(const Start& start, const Recording& recording, const Site&
   GyroStart gyro{coarse_gyro_at_rest(readings, up, earth_rate * std::sin(*site.latitude)), {}};
   if (!gyro.coarse) {
     gyro.reason = "twelve or more rests in different directions away from the equator are needed for the gyros";
+    return gyro;
+  }
+  if (recording.gyro_unit != "count" && !near_identity(gyro.coarse->matrix)) {
+    gyro.coarse.reset();
+    gyro.reason = "what they read at rest is not Earth's rate as gyros in rad/s see it: are the latitude (and its sign), the axes and the unit right?";
     return gyro;
   }
   double misfit = 0;  // mean square of what the solution misses of the size of Earth's rate
@@ -75,27 +82,34 @@ Calibration calibrate_static(const Recording& recording, const std::vector<Range
   if (gyro.coarse) {
     start.scaled_model.gyro.offset = gyro.coarse->offset;
     start.scaled_model.gyro.matrix = gyro.coarse->matrix;
+    if (recording.gyro_unit == "count") start.prior.mean.gyro = start.scaled_model.gyro;
     for (const int index : gyro_coefficients()) supplied.push_back(index);
+    use_declared_gyro_noise(start, recording, imu);
   } else {
     // The scaled model must give back the starting value, one, when it returns to raw readings.
-    start.scaled_model.gyro = to_scaled(SensorModel{}, start.scaling).gyro;
+    SensorModel unit;
+    unit.gyro.raw_unit = recording.gyro_unit;
+    start.scaled_model.gyro = to_scaled(unit, start.scaling).gyro;
     start.notes.push_back("the gyros were not calibrated: " + gyro.reason);
   }
   const std::vector<int> indices = options.terms.empty() ? supplied : choose_terms(options.terms, supplied, "static");
 
-  StaticProblem problem(start.rests, site.gravity(), gyro.coarse ? site.latitude : std::nullopt, start.noise, start.scaling, start.scaled_model, indices);
+  keep_start_of_others(start, indices, supplied);
+  StaticProblem problem(start.rests, site.gravity(), gyro.coarse ? site.latitude : std::nullopt, start.noise, start.scaling, start.scaled_model, start.prior,
+                        indices);
   const std::vector<std::string> dropped = drop_outliers(problem, options.outlier_level);
-  const Fit fit = converge(problem);
+  const Fit fit = settle(problem);
 
   Calibration calibration = finish("static", start, fit, problem.scaled_model(), indices, imu, site);
   Quality& quality = calibration.quality;
   const Adjustment under_noise = adjust(problem.conditions({}), problem.prior_sigma());
-  quality.chi2_per_dof = under_noise.chi2 / std::max(1, under_noise.degrees_of_freedom);
+  quality.degrees_of_freedom = static_cast<int>(std::lround(under_noise.degrees_of_freedom));
+  quality.chi2_per_dof = under_noise.chi2 / std::max(1.0, under_noise.degrees_of_freedom);
   quality.notes.push_back(fmt::format("{} rests were used", problem.rests().size()));
   if (fit.spreads[0] > 0) quality.notes.push_back(spread_note("the rests' accelerometer means", fit.spreads[0] / unit::ug, "ug"));
   if (fit.spreads[1] > 0) quality.notes.push_back(spread_note("the rests' gyro means", fit.spreads[1] / unit::deg_per_h, "deg/h"));
   for (const std::string& name : dropped) quality.warnings.push_back("dropped as an outlier: " + name);
-  conclude(calibration, common_doubts(calibration, dropped.size(), start.rests.size()));
+  conclude(calibration, common_doubts(calibration, fit, site, dropped.size(), start.rests.size()));
   return calibration;
 }
 

@@ -12,14 +12,15 @@ namespace imulab {
 using Eigen::Index;
 
 StaticProblem::StaticProblem(std::vector<Rest> rests, double gravity, std::optional<double> latitude, const SampleNoise& noise, const Scaling& scaling,
-                             const SensorModel& scaled_model, std::vector<int> indices)
-    : rests_(std::move(rests)), gravity_(gravity), latitude_(latitude), scaling_(scaling), model_(scaled_model), indices_(std::move(indices)) {
+                             const SensorModel& scaled_model, const Prior& prior, std::vector<int> indices)
+    : rests_(std::move(rests)), gravity_(gravity), latitude_(latitude), scaling_(scaling), model_(scaled_model), prior_(prior), indices_(std::move(indices)),
+      sigma_(prior_.sigmas(indices_, gravity_)) {
   noise_ = {noise.accel.cwiseQuotient(scaling.accel_scale), noise.gyro.cwiseQuotient(scaling.gyro_scale)};
 }
 
 Conditions StaticProblem::conditions(const Spreads& spreads) const {
   const Index per_rest = latitude_ ? 3 : 1;
-  const Index rows = per_rest * static_cast<Index>(rests_.size());
+  const Index rows = per_rest * static_cast<Index>(rests_.size()) + static_cast<Index>(indices_.size());
   Conditions c;
   c.value.setZero(rows);
   c.jacobian.setZero(rows, static_cast<Index>(indices_.size()));
@@ -66,16 +67,15 @@ Conditions StaticProblem::conditions(const Spreads& spreads) const {
     block.covariance = on_force * force_covariance * on_force.transpose() + on_rate * rate_covariance * on_rate.transpose();
     c.blocks.push_back(std::move(block));
   }
+  add_prior_rows(c, per_rest * static_cast<Index>(rests_.size()), prior_, sigma_, model_, indices_);
   c.variance.resize(rows);
   for (const Conditions::Block& block : c.blocks) c.variance.segment(block.first, block.size) = block.covariance.diagonal();
   return c;
 }
 
-Eigen::VectorXd StaticProblem::prior_sigma() const {
-  Eigen::VectorXd sigma(static_cast<Index>(indices_.size()));
+void StaticProblem::pin(const std::vector<char>& determined) {
   for (std::size_t i = 0; i < indices_.size(); ++i)
-    sigma[static_cast<Index>(i)] = coefficient_prior_sigma(coefficient_table()[static_cast<std::size_t>(indices_[i])], model_, gravity_);
-  return sigma;
+    if (!determined[i]) sigma_[static_cast<Index>(i)] *= 1e-6;
 }
 
 void StaticProblem::correct(const Eigen::VectorXd& correction) {

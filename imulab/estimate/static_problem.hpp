@@ -16,11 +16,13 @@ class StaticProblem {
  public:
   /// `latitude`: empty to leave the gyros out.
   StaticProblem(std::vector<Rest> rests, double gravity, std::optional<double> latitude, const SampleNoise& noise, const Scaling& scaling,
-                const SensorModel& scaled_model, std::vector<int> indices);
+                const SensorModel& scaled_model, const Prior& prior, std::vector<int> indices);
 
   Conditions conditions(const Spreads& spreads) const;
-  Eigen::VectorXd prior_sigma() const;
+  const Eigen::VectorXd& prior_sigma() const { return sigma_; }
   void correct(const Eigen::VectorXd& correction);
+  /// Coefficients that are not determined are held at their prior value from now on.
+  void pin(const std::vector<char>& determined);
   std::vector<Suspect> suspects(const Conditions& conditions) const;
   void drop(int suspect) { rests_.erase(rests_.begin() + suspect); }
 
@@ -35,7 +37,9 @@ class StaticProblem {
   SampleNoise noise_;  ///< scaled
   Scaling scaling_;
   SensorModel model_;
+  Prior prior_;
   std::vector<int> indices_;
+  Eigen::VectorXd sigma_;  ///< priors' standard deviations
 };
 
 }  // namespace imulab

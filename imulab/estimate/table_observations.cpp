@@ -197,8 +197,8 @@ TableObservations observe(const Recording& recording, const Session& session) {
   const SampleNoise noise = measure_noise(recording, rests);
   seen.accel_density = noise.accel * std::sqrt(recording.interval_s);
   seen.gyro_density = noise.gyro * std::sqrt(recording.interval_s);
-  seen.accel_counts = recording.accel_unit == "count";
-  seen.gyro_counts = recording.gyro_unit == "count";
+  seen.accel_unit = recording.accel_unit;
+  seen.gyro_unit = recording.gyro_unit;
   seen.notes.push_back(fmt::format("{} holds and {} turns of {} steps were used", seen.holds.size(), seen.turns.size(), steps.size()));
   return seen;
 }

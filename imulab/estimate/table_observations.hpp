@@ -34,7 +34,7 @@ struct TableObservations {
   std::vector<HoldObservation> holds;
   std::vector<TurnObservation> turns;
   Vector3d accel_density = Vector3d::Zero(), gyro_density = Vector3d::Zero();  ///< raw / sqrt(Hz), from the samples of the holds
-  bool accel_counts = false, gyro_counts = false;                              ///< raw readings in counts, not in SI
+  std::string accel_unit = "m/s^2", gyro_unit = "rad/s";                       ///< of the raw readings; "count" for raw counts
   std::vector<std::string> notes, warnings;
 
   /// Six rows a hold (accelerometers, gyros), then three rows a turn.

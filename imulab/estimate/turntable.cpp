@@ -29,7 +29,7 @@ std::vector<int> supplied_coefficients() {
 }
 
 /// The forward model keeps a matrix whole or diagonal, and the other terms whole.
-std::vector<int> chosen_coefficients(const std::vector<int>& wanted) {
+std::vector<int> chosen_coefficients(const std::vector<int>& wanted, const TableObservations& seen) {
   const std::vector<int> chosen = choose_terms(wanted, supplied_coefficients(), "turntable");
   const auto part = [&](const char* selector) {
     const std::vector<int> all = select_coefficients(selector);
@@ -45,6 +45,11 @@ std::vector<int> chosen_coefficients(const std::vector<int>& wanted) {
   for (const char* term : {"accel.offset", "gyro.offset", "gyro.g_sensitivity"})
     if (const auto [found, all] = part(term); found != 0 && found != all)
       throw Error(fmt::format("--terms: the method turntable estimates all of {} or none", term));
+  for (const auto& [triad, unit] : {std::pair{"accel", seen.accel_unit}, std::pair{"gyro", seen.gyro_unit}})
+    if (unit == "count" &&
+        (part(fmt::format("{}.offset", triad).c_str()).first == 0 || part(fmt::format("{}.matrix.diagonal", triad).c_str()).first == 0))
+      throw Error(
+          fmt::format("--terms: {0}.offset or {0}.matrix.diagonal is missing: readings in counts have no offset and scale to start from", triad));
   return chosen;
 }
 
@@ -62,10 +67,10 @@ void check_units(const TableObservations& seen, const SensorModel& model) {
         "{0}: the table's motion is {1:.3g} times what the readings say with the declared unit: they look like {2}; declare unit = \"{2}\"", triad,
         scale, looks));
   };
-  if (!seen.accel_counts && near(accel, unit::g)) throw mistaken("accel", accel, "g");
-  if (!seen.accel_counts && near(accel, 1 / unit::g)) throw mistaken("accel", accel, "m/s^2");
-  if (!seen.gyro_counts && near(gyro, unit::deg)) throw mistaken("gyro", gyro, "deg/s");
-  if (!seen.gyro_counts && near(gyro, 1 / unit::deg)) throw mistaken("gyro", gyro, "rad/s");
+  if (seen.accel_unit != "count" && near(accel, unit::g)) throw mistaken("accel", accel, "g");
+  if (seen.accel_unit != "count" && near(accel, 1 / unit::g)) throw mistaken("accel", accel, "m/s^2");
+  if (seen.gyro_unit != "count" && near(gyro, unit::deg)) throw mistaken("gyro", gyro, "deg/s");
+  if (seen.gyro_unit != "count" && near(gyro, 1 / unit::deg)) throw mistaken("gyro", gyro, "rad/s");
 }
 
 TermTest test_g_sensitivity(const TurntableFit& fit, double significance) {
@@ -121,7 +126,7 @@ Calibration calibrate_turntable(const TableObservations& seen, const RigDeclarat
   const TableMotion motion(seen, rig, site);
   const TurntableProblem problem{seen, motion, imu, seen.values()};
   TurntableSettings settings;
-  settings.terms = options.terms.empty() ? supplied_coefficients() : chosen_coefficients(options.terms);
+  settings.terms = options.terms.empty() ? supplied_coefficients() : chosen_coefficients(options.terms, seen);
   settings.bias_while_turning = options.bias_while_turning;
   TurntableFit fit = fit_turntable(problem, settings);
   check_units(seen, fit.model);
@@ -145,6 +150,8 @@ Calibration calibrate_turntable(const TableObservations& seen, const RigDeclarat
   calibration.method = "turntable";
   calibration.frame = "rig";
   calibration.model = cleaned.fit.model;
+  calibration.model.accel.raw_unit = seen.accel_unit;
+  calibration.model.gyro.raw_unit = seen.gyro_unit;
   calibration.estimated = uncertainty.determined;
   calibration.covariance = uncertainty.covariance;
   for (const int index : uncertainty.undetermined) quality.unobservable.emplace_back(coefficient_table()[static_cast<std::size_t>(index)].name);
@@ -163,7 +170,8 @@ Calibration calibrate_turntable(const TableObservations& seen, const RigDeclarat
   }
   for (const std::string& name : cleaned.dropped) quality.warnings.push_back("dropped as an outlier: " + name);
   judge_residuals(cleaned.fit, cleaned.worst, quality, doubts);
-  for (const std::string& doubt : common_doubts(calibration, cleaned.dropped.size(), seen.holds.size() + seen.turns.size())) doubts.push_back(doubt);
+  for (const std::string& doubt : common_doubts(calibration, site, cleaned.dropped.size(), seen.holds.size() + seen.turns.size()))
+    doubts.push_back(doubt);
   conclude(calibration, doubts);
   return calibration;
 }

@@ -37,9 +37,9 @@ SensorModel starting_model(const TableObservations& seen, const TableMotion& mot
     turn_sum.push_back(6 * holds + 3 * k);
   }
   SensorModel start;
-  if (seen.accel_counts && spread(truth, force, true) > 0 && spread(values, force, true) > 0)
+  if (seen.accel_unit == "count" && spread(truth, force, true) > 0 && spread(values, force, true) > 0)
     start.accel.matrix *= spread(truth, force, true) / spread(values, force, true);
-  if (seen.gyro_counts && turn_sum.size() > 1 && spread(values, turn_sum, true) > 0)
+  if (seen.gyro_unit == "count" && turn_sum.size() > 1 && spread(values, turn_sum, true) > 0)
     start.gyro.matrix *= spread(truth, turn_truth, true) / spread(values, turn_sum, true);
   return start;
 }

@@ -44,13 +44,14 @@ TEST(Turntable, CountsWithALargeOffsetAreNoDifferent) {
     hold.gyro = 1e7 * hold.gyro + Vector3d::Constant(-1000);
   }
   for (TurnObservation& turn : run.seen.turns) turn.sum = 1e7 * turn.sum + Vector3d::Constant(-1000 * (turn.end - turn.begin));
-  run.seen.accel_counts = run.seen.gyro_counts = true;
+  run.seen.accel_unit = run.seen.gyro_unit = "count";
   const Calibration counts = calibrate_turntable(run.seen, table_of(2 * unit::arcsec), table_imu(), table_site());
   // 1e5 counts are 1 m/s^2: rounding of 1e6 counts is 1e-10 counts; what differs is the first pass's start, which the second forgets.
   EXPECT_LT((1e5 * counts.model.accel.matrix - si.model.accel.matrix).norm(), 1e-9);
   EXPECT_LT((1e7 * counts.model.gyro.matrix - si.model.gyro.matrix).norm(), 1e-9);
   EXPECT_EQ(counts.quality.unobservable, si.quality.unobservable);
   EXPECT_EQ(counts.quality.verdict, "good");
+  EXPECT_EQ(counts.model.gyro.raw_unit, "count");
 }
 
 /// Its gyros see nothing of Earth's rate in minutes.
@@ -155,6 +156,10 @@ TEST(Turntable, TermsByHand) {
   EXPECT_EQ(calibrate_turntable(run.seen, rig, table_imu(), table_site(), options).estimated, options.terms);
   options.terms = {coefficient_index("gyro.matrix.xy")};
   EXPECT_THROW(calibrate_turntable(run.seen, rig, table_imu(), table_site(), options), Error);
+  TableObservations counts = run.seen;
+  counts.gyro_unit = "count";
+  options.terms = select_coefficients("accel.matrix.diagonal");
+  EXPECT_THROW(calibrate_turntable(counts, rig, table_imu(), table_site(), options), Error);
   options.terms = {coefficient_index("gyro.quadratic.x")};
   EXPECT_THROW(calibrate_turntable(run.seen, rig, table_imu(), table_site(), options), Error);
 }

@@ -120,6 +120,7 @@ SensorModel read_model(const Field& field) {
       if (constant.number() != 0) constant.expected("0: the constant of the thermal polynomial is zero by definition (it belongs in the offset)");
     }
     TriadModel& m = triad == Triad::accel ? model.accel : model.gyro;
+    m.raw_unit = field[to_string(triad)].text_or_empty("raw");
     m.temperature = read_temperature(field[to_string(triad)], m.thermal);
   }
   return model;

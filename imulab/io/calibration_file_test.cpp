@@ -32,6 +32,7 @@ Calibration any_calibration() {
     const auto k = static_cast<std::uint64_t>(i);
     set_coefficient(c.model, i, random.normal(2 * k) * std::pow(10.0, 20 * random.normal(2 * k + 1)));
   }
+  c.model.accel.raw_unit = "count";
   c.model.accel.temperature = ThermalReading{"degC", 25.1, {0.3, 70.7}};
   c.model.gyro.temperature = ThermalReading{"raw", 5012.3, {4990.1, 5030.9}};
   c.estimated = {coefficient_index("gyro.matrix.xy"), coefficient_index("accel.offset.x"), coefficient_index("accel.thermal.z2")};
@@ -56,6 +57,8 @@ void expect_equal(const Calibration& a, const Calibration& b) {
             std::tie(b.imu, b.method, b.created, b.software, b.session_file, b.session_sha256, b.frame));
   for (int i = 0; i < coefficient_count; ++i)
     EXPECT_EQ(std::bit_cast<std::uint64_t>(coefficient_value(a.model, i)), std::bit_cast<std::uint64_t>(coefficient_value(b.model, i))) << i;
+  EXPECT_EQ(a.model.accel.raw_unit, b.model.accel.raw_unit);
+  EXPECT_EQ(a.model.gyro.raw_unit, b.model.gyro.raw_unit);
   EXPECT_EQ(a.model.accel.temperature, b.model.accel.temperature);
   EXPECT_EQ(a.model.gyro.temperature, b.model.gyro.temperature);
   EXPECT_EQ(a.estimated, b.estimated);
@@ -96,8 +99,9 @@ TEST(CalibrationFile, HasTheShapeOfTheFormat) {
   EXPECT_EQ(json["standard_uncertainty"]["gyro"]["matrix"][0][1], std::sqrt(json["covariance"]["matrix"][0][0].get<double>()));
   EXPECT_TRUE(json["standard_uncertainty"]["gyro"]["matrix"][0][0].is_null());
   EXPECT_TRUE(json["standard_uncertainty"]["gyro"]["thermal"][0][0].is_null());
-  EXPECT_EQ(json["model"]["accel"].size(), 7u);
-  EXPECT_EQ(json["model"]["gyro"].size(), 7u);
+  EXPECT_EQ(json["model"]["accel"]["raw"], "count");
+  EXPECT_EQ(json["model"]["accel"].size(), 8u);
+  EXPECT_EQ(json["model"]["gyro"].size(), 7u) << "a raw unit that is not known is left out";
 }
 
 TEST(CalibrationFile, KeysBeyondTheFormatAreLeftAlone) {

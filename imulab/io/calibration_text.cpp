@@ -41,7 +41,9 @@ Json model_json(const SensorModel& model) {
   });
   for (const char* triad : {"accel", "gyro"}) {
     for (auto& row : out[triad]["thermal"]) row[0] = 0.0;  // the gauge
-    out[triad]["temperature"] = temperature_json((triad == std::string_view("accel") ? model.accel : model.gyro).temperature);
+    const TriadModel& m = triad == std::string_view("accel") ? model.accel : model.gyro;
+    if (!m.raw_unit.empty()) out[triad]["raw"] = m.raw_unit;
+    out[triad]["temperature"] = temperature_json(m.temperature);
   }
   return out;
 }

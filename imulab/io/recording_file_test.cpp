@@ -169,6 +169,8 @@ TEST(RecordingFile, ListsGaps) {
   EXPECT_THAT(warnings, ElementsAre(HasSubstr("r.csv: 2 gaps in time (more than 1.5 of the nominal 0.01 s), the largest of 0.1949 s before 0.25 s "
                                               "(line 8)")));
   EXPECT_THAT(parse(rows_at({"0", "0.01", "0.0249", "0.0349"})).recording.gaps, IsEmpty());  // 1.49 intervals
+  EXPECT_THAT(parse(rows_at({"0", "0.01", "0.02", "0.037", "0.04", "0.05", "0.06"})).recording.gaps, IsEmpty());  // a late stamp
+  EXPECT_THAT(parse(rows_at({"0", "0.01", "0.02", "0.04", "0.05", "0.06"})).recording.gaps, ElementsAre(3));      // a lost row
 }
 
 TEST(RecordingFile, ListsSaturatedSamples) {

@@ -46,6 +46,12 @@ const char* read_time(const char* p, const char* last, const RowPlan& plan, std:
   return time_ns >= -farthest && time_ns <= farthest ? stamp.end : nullptr;
 }
 
+/// A field as it is quoted in a message.
+std::string shortened(std::string_view field) {
+  constexpr std::size_t longest = 40;
+  return field.size() <= longest ? std::string(field) : fmt::format("{}... ({} characters)", field.substr(0, longest), field.size());
+}
+
 /// Says what is wrong with a row that could not be read.
 [[noreturn]] void explain(std::string_view line, std::size_t number, const RowPlan& plan) {
   const TableLayout& layout = plan.layout;
@@ -64,16 +70,16 @@ const char* read_time(const char* p, const char* last, const RowPlan& plan, std:
       std::int64_t time_ns = 0;
       const ScaledInteger stamp = scaled_integer(field.data(), last, plan.exponent);
       if (stamp.status != ScaledInteger::Status::not_a_number && stamp.end == last && read_time(field.data(), last, plan, time_ns) == nullptr)
-        throw Error(fmt::format("{}{} is too far from the clock's zero, expected less than 146 years (is the unit right?)", where, field));
-      if (stamp.end != last) throw Error(fmt::format("{}\"{}\" is not a time, expected a decimal number", where, field));
+        throw Error(fmt::format("{}{} is too far from the clock's zero, expected less than 146 years (is the unit right?)", where, shortened(field)));
+      if (stamp.end != last) throw Error(fmt::format("{}\"{}\" is not a time, expected a decimal number", where, shortened(field)));
       continue;
     }
     double value = 0;
     const std::string_view digits = field.substr(field.front() == '+');
     const auto [end, error] = std::from_chars(digits.data(), last, value);
-    if (error == std::errc::result_out_of_range) throw Error(fmt::format("{}{} is beyond what a double holds", where, field));
-    if (error != std::errc() || end != last) throw Error(fmt::format("{}\"{}\" is not a number", where, field));
-    if (!std::isfinite(value)) throw Error(fmt::format("{}{} is not a reading, expected a finite number", where, field));
+    if (error == std::errc::result_out_of_range) throw Error(fmt::format("{}{} is beyond what a double holds", where, shortened(field)));
+    if (error != std::errc() || end != last) throw Error(fmt::format("{}\"{}\" is not a number", where, shortened(field)));
+    if (!std::isfinite(value)) throw Error(fmt::format("{}{} is not a reading, expected a finite number", where, shortened(field)));
   }
   throw Error(fmt::format("{}:{}: cannot be read", layout.file, number));
 }

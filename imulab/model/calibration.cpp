@@ -1,7 +1,10 @@
 #include "imulab/model/calibration.hpp"
 
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace imulab {
 
@@ -11,6 +14,23 @@ std::optional<double> standard_uncertainty(const Calibration& calibration, int i
   if (found == estimated.end()) return std::nullopt;
   const auto i = found - estimated.begin();
   return std::sqrt(calibration.covariance(i, i));
+}
+
+RawZero raw_zero(const Calibration& calibration, Triad triad) {
+  const TriadModel& model = triad == Triad::accel ? calibration.model.accel : calibration.model.gyro;
+  const Matrix3d inverse = model.matrix.inverse();
+  RawZero zero{-inverse * model.offset, Vector3d::Constant(std::numeric_limits<double>::quiet_NaN())};
+  // dB = -A1^-1 (dA0 + dA1 B)
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(3, static_cast<Eigen::Index>(calibration.estimated.size()));
+  for (std::size_t i = 0; i < calibration.estimated.size(); ++i) {
+    const Coefficient& c = coefficient_table()[static_cast<std::size_t>(calibration.estimated[i])];
+    if (c.triad != triad || (c.term != Term::offset && c.term != Term::matrix)) continue;
+    jacobian.col(static_cast<Eigen::Index>(i)) = -inverse.col(c.row) * (c.term == Term::offset ? 1.0 : zero.value[c.column]);
+  }
+  const Eigen::MatrixXd covariance = jacobian * calibration.covariance * jacobian.transpose();
+  for (int axis = 0; axis < 3; ++axis)
+    if (standard_uncertainty(calibration, coefficient_index(triad, Term::offset, axis, axis))) zero.uncertainty[axis] = std::sqrt(covariance(axis, axis));
+  return zero;
 }
 
 }  // namespace imulab

@@ -1,6 +1,7 @@
 // The result of every method: the model, how sure each coefficient is, and what the residuals say.
 #pragma once
 
+#include "imulab/model/coefficient.hpp"
 #include "imulab/model/sensor_model.hpp"
 
 #include <optional>
@@ -47,6 +48,13 @@ struct Calibration {
   Eigen::MatrixXd covariance;  ///< SI, estimated.size() squared
   Quality quality;
 };
+
+/// The raw readings at which a triad's compensated output is zero, of the linear model: -A1^-1 A0, and their standard uncertainties (NaN where a
+/// coefficient of the row was not estimated). For readings in counts this is what datasheets call the zero level.
+struct RawZero {
+  Vector3d value, uncertainty;
+};
+RawZero raw_zero(const Calibration& calibration, Triad triad);
 
 /// Standard uncertainty of a table coefficient; absent where it was not estimated or is fixed by the frame.
 std::optional<double> standard_uncertainty(const Calibration& calibration, int index);

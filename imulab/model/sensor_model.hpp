@@ -31,6 +31,7 @@ struct TriadModel {
   Vector3d quadratic = Vector3d::Zero();      ///< diagonal of A2, W2: out/raw^2
   Vector3d cubic = Vector3d::Zero();          ///< diagonal of A3, W3: out/raw^3
   Matrix3d thermal = Matrix3d::Zero();        ///< row i: c0 = 0, c1 [raw/K], c2 [raw/K^2] of axis i
+  std::string raw_unit;                       ///< what the model takes: "count", "rad/s", "m/s^2"; empty where not said
   std::optional<ThermalReading> temperature;  ///< absent: the session had no thermal reading
 };
 

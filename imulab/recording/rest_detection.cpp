@@ -11,6 +11,8 @@ namespace imulab {
 
 namespace {
 
+constexpr std::size_t strides_per_window = 10;
+
 /// Mean and variance of one column in every window, windows beginning every `stride` samples.
 struct Windows {
   std::vector<double> mean, variance;
@@ -59,14 +61,30 @@ double half_sample_mode(const std::vector<double>& sorted) {
   return sorted[begin + (end - begin) / 2];
 }
 
-/// Mode of the positive part of a sample of variances, as a standard deviation; 0 where all are 0 (a stuck or coarsely quantised axis).
+/// The dense cluster of a sample of logarithms: its median, and its robust width from the side below, which motion cannot reach.
+struct Cluster {
+  double center = 0, width = 0;
+};
+
+Cluster cluster_of(std::vector<double> logs) {
+  std::sort(logs.begin(), logs.end());
+  const double mode = half_sample_mode(logs);
+  std::erase_if(logs, [&](double x) { return std::abs(x - mode) > 1; });  // the mode scatters by less, motion begins further off
+  Cluster cluster{median(logs), 0};
+  std::erase_if(logs, [&](double x) { return x > cluster.center; });
+  for (double& x : logs) x = cluster.center - x;
+  cluster.width = 1.4826 * median(logs);
+  return cluster;
+}
+
+/// Typical standard deviation of a sample of variances; 0 where most are 0 (a stuck or coarsely quantised axis). Windows that do not overlap are
+/// enough for it.
 double typical_noise(const std::vector<double>& variance) {
   std::vector<double> logs;
-  for (const double v : variance)
-    if (v > 0) logs.push_back(std::log(v));
-  if (2 * logs.size() < variance.size()) return 0;
-  std::sort(logs.begin(), logs.end());
-  return std::exp(0.5 * half_sample_mode(logs));
+  for (std::size_t k = 0; k < variance.size(); k += strides_per_window)
+    if (variance[k] > 0) logs.push_back(0.5 * std::log(variance[k]));
+  if (2 * logs.size() < variance.size() / strides_per_window) return 0;
+  return std::exp(cluster_of(std::move(logs)).center);
 }
 
 /// One triad: the noise at rest of its axes, and which windows are quiet.
@@ -87,14 +105,10 @@ Quietness quietness_of(const std::array<Windows, 3>& axes, double threshold_sigm
     for (int j = 0; j < 3; ++j) sum += result.noise[j] > 0 ? axes[j].variance[k] / (result.noise[j] * result.noise[j]) : axes[j].variance[k] > 0 ? 3 : 1;
     level[k] = 0.5 * std::log(std::max(sum / 3, 1e-300));
   }
-  std::vector<double> sorted = level;
-  std::sort(sorted.begin(), sorted.end());
-  const double mode = half_sample_mode(sorted);
-  // The cluster's width from its lower side, which motion cannot reach, and from the same number of windows above the mode.
-  const auto below = static_cast<std::size_t>(std::lower_bound(sorted.begin(), sorted.end(), mode) - sorted.begin());
-  std::vector<double> cluster(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(std::min(count, 2 * below + 1)));
-  const double width = robust_sigma(cluster);
-  const double threshold = mode + threshold_sigmas * width;
+  std::vector<double> apart;  // windows that do not overlap
+  for (std::size_t k = 0; k < count; k += strides_per_window) apart.push_back(level[k]);
+  const Cluster cluster = cluster_of(std::move(apart));
+  const double threshold = cluster.center + threshold_sigmas * cluster.width;
   result.factor = std::exp(threshold);
   result.quiet.resize(count);
   for (std::size_t k = 0; k < count; ++k) result.quiet[k] = level[k] <= threshold;
@@ -118,7 +132,7 @@ std::vector<Range> quiet_runs(const Recording& recording, const std::vector<char
   }
   std::vector<Range> pieces;
   for (const Range& run : runs)
-    for (const Range& piece : without_interruptions(recording, run)) pieces.push_back(piece);
+    for (const Range& piece : without_interruptions(recording, run, still_s)) pieces.push_back(piece);
   return pieces;
 }
 
@@ -148,13 +162,41 @@ std::vector<char> turning_runs(const Recording& recording, const std::vector<Ran
   return turning;
 }
 
+/// Do the readings of quiet windows follow one another like motion? Of the means of strides, half the mean square of the differences of neighbours
+/// over the variance about the window's mean (von Neumann's ratio) is 1 for noise, and near 0 for motion that is smooth over a window.
+bool quiet_is_motion(const Recording& recording, const std::vector<char>& quiet, std::size_t stride) {
+  std::vector<double> ratios;
+  const std::size_t step = 1 + quiet.size() / 2000;  // windows enough for a median
+  for (std::size_t k = 0; k < quiet.size(); k += step) {
+    if (!quiet[k]) continue;
+    double sum = 0, axes = 0;
+    for (const Columns3* triad : {&recording.gyro, &recording.accel})
+      for (const auto& column : *triad) {
+        std::array<double, 10> mean{};
+        for (std::size_t s = 0; s < mean.size(); ++s) mean[s] = mean_of(column, {(k + s) * stride, (k + s + 1) * stride});
+        double center = 0, squares = 0, differences = 0;
+        for (const double m : mean) center += m / 10;
+        for (std::size_t s = 0; s < mean.size(); ++s) {
+          squares += (mean[s] - center) * (mean[s] - center) / 9;
+          if (s > 0) differences += (mean[s] - mean[s - 1]) * (mean[s] - mean[s - 1]) / 18;
+        }
+        if (squares > 0) sum += differences / squares, axes += 1;
+      }
+    if (axes > 0) ratios.push_back(sum / axes);
+  }
+  // Noise through a filter of a few hertz keeps 0.5; a turn at 500 deg/s has 0.1.
+  return !ratios.empty() && median(ratios) < 0.25;
+}
+
 }  // namespace
 
-std::vector<Range> without_interruptions(const Recording& recording, Range range) {
+std::vector<Range> without_interruptions(const Recording& recording, Range range, double shortest_gap_s) {
   std::vector<Range> pieces;
   auto gap = std::lower_bound(recording.gaps.begin(), recording.gaps.end(), range.begin + 1);
   auto saturated = std::lower_bound(recording.saturated.begin(), recording.saturated.end(), range.begin);
+  const auto is_short = [&](std::size_t i) { return shortest_gap_s > 0 && recording.time_s(i) - recording.time_s(i - 1) < shortest_gap_s; };
   while (range.begin < range.end) {
+    while (gap != recording.gaps.end() && *gap < range.end && is_short(*gap)) ++gap;
     const std::size_t next_gap = gap != recording.gaps.end() ? *gap : range.end;
     const std::size_t next_saturated = saturated != recording.saturated.end() ? *saturated : range.end;
     const std::size_t cut = std::min({next_gap, next_saturated, range.end});
@@ -172,8 +214,8 @@ std::vector<Range> without_interruptions(const Recording& recording, Range range
 
 RestDetection detect_rests(const Recording& recording, const RestOptions& options) {
   RestDetection found;
-  const auto stride = static_cast<std::size_t>(std::max(1.0, std::round(options.window_s / 10 / recording.interval_s)));
-  const std::size_t length = 10 * stride;
+  const auto stride = static_cast<std::size_t>(std::max(1.0, std::round(options.window_s / strides_per_window / recording.interval_s)));
+  const std::size_t length = strides_per_window * stride;
   if (recording.size() < 2 * length) return found;
 
   std::array<Windows, 3> gyro, accel;
@@ -185,6 +227,10 @@ RestDetection detect_rests(const Recording& recording, const RestOptions& option
   std::vector<char> quiet(g.quiet.size());
   for (std::size_t k = 0; k < quiet.size(); ++k) quiet[k] = g.quiet[k] && a.quiet[k];
 
+  if (quiet_is_motion(recording, quiet, stride)) {
+    found.notes.push_back("no rests: even the quietest stretches move smoothly");
+    return found;
+  }
   std::vector<Range> runs = quiet_runs(recording, quiet, length, stride);
   const auto shortest = static_cast<std::size_t>(options.shortest_s / recording.interval_s);
   std::erase_if(runs, [&](const Range& run) { return run.size() < std::max<std::size_t>(shortest, 2); });

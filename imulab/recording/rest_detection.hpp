@@ -1,7 +1,7 @@
 // Finds the rests of a recording by itself. Every threshold is estimated from the recording.
 //
 // The standard deviation within short windows has a dense, narrow cluster, the sensors' noise at rest, and a wide tail, the motion. The
-// cluster's mode and width set the threshold of each triad; a run of quiet windows is a rest if the gyros' mean agrees with that of the
+// cluster's centre and width set the threshold of each triad; a run of quiet windows is a rest if the gyros' mean agrees with that of the
 // other rests, so that steady turning is not taken for rest.
 #pragma once
 
@@ -16,7 +16,7 @@ namespace imulab {
 struct RestOptions {
   double window_s = 0.5;        ///< length of a window; motion shorter than a fraction of it is not seen
   double shortest_s = 1.0;      ///< a shorter quiet run is no rest
-  double threshold_sigmas = 6;  ///< threshold above the mode of the cluster, in its own (robust) widths
+  double threshold_sigmas = 6;  ///< threshold above the centre of the cluster, in its own (robust) widths
 };
 
 /// What was found, and with which thresholds (in the recording's units, per axis).
@@ -28,8 +28,11 @@ struct RestDetection {
   std::vector<std::string> notes;                     ///< the same in words
 };
 
-/// The parts of a range between its gaps and saturated samples.
-std::vector<Range> without_interruptions(const Recording& recording, Range range);
+/// The parts of a range between its gaps of at least `shortest_gap_s` and its saturated samples.
+std::vector<Range> without_interruptions(const Recording& recording, Range range, double shortest_gap_s = 0);
+
+/// A unit at rest on both sides of a shorter gap rested inside it.
+inline constexpr double still_s = 0.25;
 
 RestDetection detect_rests(const Recording& recording, const RestOptions& options = {});
 

@@ -82,6 +82,10 @@ TEST(RestDetection, GapsAndSaturatedSamplesCutARange) {
   r.saturated = {8, 9, 30};
   EXPECT_EQ(without_interruptions(r, {2, 12}), (std::vector<Range>{{2, 5}, {5, 8}, {10, 12}}));
   EXPECT_EQ(without_interruptions(r, {5, 8}), (std::vector<Range>{{5, 8}})) << "a gap before the first sample is outside";
+  r.time_ns.resize(40);
+  for (int i = 0; i < 40; ++i) r.time_ns[static_cast<std::size_t>(i)] = 10'000'000 * (i + (i >= 5 ? 2 : 0) + (i >= 20 ? 30 : 0));
+  EXPECT_EQ(without_interruptions(r, {2, 8}, still_s), (std::vector<Range>{{2, 8}})) << "30 ms";
+  EXPECT_EQ(without_interruptions(r, {10, 25}, still_s), (std::vector<Range>{{10, 20}, {20, 25}})) << "310 ms";
   EXPECT_EQ(without_interruptions(r, {10, 20}), (std::vector<Range>{{10, 20}}));
   EXPECT_EQ(without_interruptions(r, {29, 31}), (std::vector<Range>{{29, 30}}));
 }

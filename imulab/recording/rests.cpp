@@ -28,7 +28,7 @@ Rests rests_of(const Recording& recording, const Session& session) {
   for (const Step& step : session.steps) {
     if (step.kind != StepKind::hold || step.recording != recording.name) continue;
     const Range whole = samples_between(recording, step.start, step.end);
-    for (const Range& piece : without_interruptions(recording, whole))
+    for (const Range& piece : without_interruptions(recording, whole, still_s))
       if (piece.size() >= 2) rests.ranges.push_back(piece);
   }
   rests.notes.push_back(fmt::format("{} rests taken from the session's hold steps", rests.ranges.size()));

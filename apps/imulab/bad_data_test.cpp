@@ -1,0 +1,126 @@
+// Well-formed files whose data are poor: a warning (exit code 0), or what cannot be determined is said and the rest is written (1).
+#include "imulab/io/calibration_file.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/recorded_session.hpp"
+#include <cmath>
+#include <functional>
+
+namespace imulab {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+CommandResult calibrate(const TemporaryFolder& folder, const SessionText& text, const std::string& method = "handheld") {
+  text.write(folder);
+  return run_imulab(folder, "calibrate session -o c.json --method " + method);
+}
+
+/// Samples `begin` to `end` in the file's lines: lines begin + 2 to end + 1.
+void erase_samples(SessionText& s, std::size_t begin, std::size_t end) {
+  s.lines.erase(s.lines.begin() + 1 + static_cast<std::ptrdiff_t>(begin), s.lines.begin() + 1 + static_cast<std::ptrdiff_t>(end));
+}
+
+TEST(BadData, IsWarnedOfAndUsedWhereItCanBe) {
+  struct Case {
+    std::function<void(SessionText&)> damage;
+    std::string warning;
+  };
+  for (const Case& c : {
+           Case{[](SessionText& s) { erase_samples(s, 3050, 3150); }, "session/recording.csv: 1 gap in time"},
+           Case{[](SessionText& s) { s.lines.insert(s.lines.begin() + 100, s.lines[100]); },
+                "session/recording.csv: 1 row equal to the row before dropped"},
+           Case{[](SessionText& s) {
+                  s.declare("unit = \"rad/s\"", "unit = \"rad/s\", limits = [-2, 2]");
+                  s.set(3101, 1, "2.5");
+                },
+                "session/recording.csv: "},
+           Case{[](SessionText& s) { s.for_rows([](std::vector<double>& row) { row[4] = -row[4]; }); },
+                "the rate about the accelerometers' y axis is the gyros' -y reading: are the columns and signs right?"},
+           Case{[](SessionText& s) { s.for_rows([](std::vector<double>& row) { std::swap(row[1], row[2]); }); },
+                "the rate about the accelerometers' x axis is the gyros' y reading: are the columns and signs right?"},
+       }) {
+    const TemporaryFolder folder;
+    SessionText text = hand_held_session();
+    c.damage(text);
+    const CommandResult result = calibrate(folder, text);
+    EXPECT_EQ(result.exit_code, 0) << c.warning << result.errors;
+    EXPECT_THAT(result.errors, HasSubstr("imulab: warning: " + c.warning));
+    EXPECT_TRUE(std::filesystem::exists(folder / "c.json")) << c.warning;
+  }
+}
+
+TEST(BadData, NothingIsWrittenWhereNothingFollows) {
+  struct Case {
+    std::function<void(SessionText&)> damage;
+    std::string message;
+  };
+  // The unit turns about two axes of its own all the time, smoothly, with g going round.
+  const auto never_still = [](SessionText& s) {
+    s.for_rows([](std::vector<double>& row) {
+      const double a = 0.5 * row[0], b = 0.3 * row[0];
+      row = {row[0], 0.3 * std::cos(a), 0.5, 0.3 * std::sin(a), 9.8 * std::sin(a) * std::cos(b), 9.8 * std::sin(b), 9.8 * std::cos(a) * std::cos(b)};
+    });
+  };
+  for (const Case& c : {
+           Case{never_still, "recording.csv: no rests: the unit was never still for long enough"},
+           Case{[](SessionText& s) { s.declare("unit = \"m/s^2\"", "unit = \"m/s^2\", limits = [-1, 1]"); }, "recording.csv: no rests"},
+           Case{[](SessionText& s) { s.lines.resize(3); }, "recording.csv: no rests"},
+           Case{[](SessionText& s) { s.for_rows([](std::vector<double>& row) { row[6] = 9.81; }); },
+                "recording.csv: accel z reads 9.81 in every sample"},
+           Case{[](SessionText& s) { s.for_rows([](std::vector<double>& row) { row[1] = 0; }); },
+                "recording.csv: gyro x reads 0 in every sample: the method static calibrates the accelerometers alone"},
+       }) {
+    const TemporaryFolder folder;
+    SessionText text = hand_held_session();
+    c.damage(text);
+    const CommandResult result = calibrate(folder, text);
+    EXPECT_EQ(result.exit_code, 1) << c.message;
+    EXPECT_THAT(result.errors, HasSubstr("imulab: " + c.message));
+    EXPECT_FALSE(std::filesystem::exists(folder / "c.json")) << c.message;
+  }
+}
+
+TEST(BadData, ADeadGyroLeavesTheAccelerometersToTheStaticMethod) {
+  const TemporaryFolder folder;
+  SessionText text = hand_held_session();
+  text.for_rows([](std::vector<double>& row) { row[1] = 0; });
+  EXPECT_EQ(calibrate(folder, text, "static").exit_code, 0);
+}
+
+/// Exit code 1; what is written reads back, says what is not determined, and gives that neither a value of its own nor an uncertainty.
+void expect_partly_determined(const TemporaryFolder& folder, const CommandResult& result, const std::string& warning) {
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.errors, HasSubstr("imulab: warning: " + warning));
+  EXPECT_THAT(result.errors, HasSubstr("imulab: the data do not determine: "));
+  EXPECT_THAT(result.errors + result.output, Not(HasSubstr("nan")));
+  const Calibration calibration = read_calibration(folder / "c.json");
+  EXPECT_THAT(calibration.quality.unobservable, Not(testing::IsEmpty()));
+  EXPECT_THAT(calibration.quality.verdict, testing::StartsWith("doubtful, because "));
+}
+
+TEST(BadData, TooFewRests) {
+  for (const std::size_t samples : {1000, 3500, 4100, 5300}) {  // 1, 2, 3 and 5 rests
+    const TemporaryFolder folder;
+    SessionText text = hand_held_session();
+    text.lines.resize(1 + samples);
+    expect_partly_determined(folder, calibrate(folder, text), "only ");
+  }
+}
+
+TEST(BadData, AllRestsOnOneAxis) {
+  const TemporaryFolder folder;
+  std::string procedure =
+      "format = \"imulab.session/1\"\n[imu]\nname = \"flat\"\ngrade = \"mems\"\n[site]\nlatitude_deg = 45\nheight_m = 0\n[rig]\nkind = \"none\"\n";
+  for (int k = 0; k < 12; ++k) procedure += "[[step]]\nkind = \"hold\"\nduration_s = 4\nmove_s = 2\nouter_deg = " + std::to_string(90 * k) + "\n";
+  folder.write("flat.toml", procedure);
+  ASSERT_EQ(run_imulab(folder, "simulate flat.toml -o session").exit_code, 0);
+  for (const char* method : {"handheld", "static"})
+    expect_partly_determined(folder, run_imulab(folder, std::string("calibrate session -o c.json --method ") + method),
+                             "the rests hold gravity near one axis or plane of the unit");
+}
+
+}  // namespace
+}  // namespace imulab

@@ -1,0 +1,89 @@
+// The commands in the documentation work as they stand: each ```console block of README.md and docs/*.md runs in order, a page in one fresh folder.
+//
+// A line "$ command" is run by the shell with the built imulab in PATH ("> " continues it); "# exit code N" after it is what it must end with (0 where
+// nothing is said).
+// Output is illustrative, but a line that begins with "imulab: " must appear on standard error.
+#include <gmock/gmock.h>
+
+#include "tests/run_command.hpp"
+#include <algorithm>
+#include <vector>
+
+namespace imulab {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct DocumentedCommand {
+  std::string where, text;
+  int exit_code = 0;
+  std::vector<std::string> errors;
+};
+
+std::vector<DocumentedCommand> commands_of(const std::string& page, const std::string& name) {
+  std::vector<DocumentedCommand> commands;
+  std::istringstream lines(page);
+  bool inside = false;
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    if (line.starts_with("```")) {
+      inside = line == "```console";
+    } else if (inside && line.starts_with("$ ")) {
+      commands.push_back({name + ":" + std::to_string(number), line.substr(2), 0, {}});
+    } else if (inside && !commands.empty() && line.starts_with(">")) {
+      commands.back().text += "\n" + line.substr(std::min<std::size_t>(2, line.size()));
+    } else if (inside && !commands.empty() && line.starts_with("# exit code ")) {
+      commands.back().exit_code = std::stoi(line.substr(12));
+    } else if (inside && !commands.empty() && line.starts_with("imulab: ")) {
+      commands.back().errors.push_back(line);
+    }
+  }
+  return commands;
+}
+
+/// What does not happen as the page says, one text a command.
+std::vector<std::string> wrong_commands(const std::string& page, const std::string& name) {
+  const TemporaryFolder folder;
+  const std::string path = "export PATH=\"" + fs::path(IMULAB_COMMAND).parent_path().string() + ":$PATH\"; ";
+  std::vector<std::string> wrong;
+  for (const DocumentedCommand& command : commands_of(page, name)) {
+    if (command.text.starts_with("./dev")) continue;  // builds the project
+    const CommandResult result = run_shell(folder, path + command.text);
+    const std::string what = command.where + ": " + command.text + "\n";
+    if (result.exit_code != command.exit_code) wrong.push_back(what + "exit code " + std::to_string(result.exit_code) + "\n" + result.errors);
+    for (const std::string& line : command.errors)
+      if (result.errors.find(line + "\n") == std::string::npos) wrong.push_back(what + "did not say: " + line + "\nbut: " + result.errors);
+  }
+  return wrong;
+}
+
+TEST(Documentation, EveryCommandRuns) {
+  std::vector<fs::path> pages{fs::path(IMULAB_SOURCE) / "README.md"};
+  for (const auto& entry : fs::directory_iterator(fs::path(IMULAB_SOURCE) / "docs"))
+    if (entry.path().extension() == ".md") pages.push_back(entry.path());
+  std::size_t commands = 0;
+  for (const fs::path& page : pages) {
+    const std::string text = read_text(page);
+    commands += commands_of(text, "").size();
+    EXPECT_THAT(wrong_commands(text, page.filename().string()), testing::IsEmpty());
+  }
+  EXPECT_GE(commands, 5u);  // the tutorial by hand alone has more
+}
+
+TEST(Documentation, AWrongCommandIsFound) {
+  const auto page = [](const std::string& block) { return "text\n```console\n" + block + "```\n"; };
+  EXPECT_THAT(wrong_commands(page("$ imulab --version\n"), "p"), testing::IsEmpty());
+  EXPECT_THAT(
+      wrong_commands(
+          page("$ imulab calibrate nothing --method static\nimulab: nothing: cannot be opened: No such file or directory\n# exit code 2\n"), "p"),
+      testing::IsEmpty());
+  EXPECT_THAT(wrong_commands(page("$ imulab calibarte\n"), "p"), testing::ElementsAre(testing::StartsWith("p:3: imulab calibarte\nexit code 2")));
+  EXPECT_THAT(wrong_commands(page("$ imulab --version\n# exit code 1\n"), "p"), testing::SizeIs(1));
+  EXPECT_THAT(wrong_commands(page("$ imulab --version\nimulab: warning: old\n"), "p"), testing::SizeIs(1));
+  EXPECT_THAT(wrong_commands(page("$ cat > f <<END\n> a\n> END\n$ grep -q a f\n$ grep -q b f\n"), "p"), testing::SizeIs(1));
+  EXPECT_THAT(wrong_commands("```\n$ imulab calibarte\n```\n", "p"), testing::IsEmpty());  // not marked console
+}
+
+}  // namespace
+}  // namespace imulab
