@@ -4,6 +4,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/handheld.hpp"
 #include "imulab/estimate/static.hpp"
+#include "imulab/estimate/turntable.hpp"
 #include "imulab/io/calibration_file.hpp"
 #include "imulab/io/file.hpp"
 #include "imulab/io/recording_file.hpp"
@@ -23,8 +24,16 @@ namespace imulab::command {
 
 namespace {
 
-using Method = Calibration (*)(const Recording&, const std::vector<Range>&, const ImuDeclaration&, const Site&, const EstimateOptions&);
-const std::map<std::string, Method> methods{{"handheld", calibrate_handheld}, {"static", calibrate_static}};
+/// `rests` are those that the session declares or the data show; the turntable looks at the steps themselves.
+using Method = Calibration (*)(const Recording&, const std::vector<Range>& rests, const Session&, const EstimateOptions&);
+const std::map<std::string, Method> methods{
+    {"handheld", [](const Recording& recording, const std::vector<Range>& rests, const Session& session,
+                    const EstimateOptions& options) { return calibrate_handheld(recording, rests, session.imu, session.site, options); }},
+    {"static", [](const Recording& recording, const std::vector<Range>& rests, const Session& session,
+                  const EstimateOptions& options) { return calibrate_static(recording, rests, session.imu, session.site, options); }},
+    {"turntable", [](const Recording& recording, const std::vector<Range>&, const Session& session, const EstimateOptions& options) {
+       return calibrate_turntable(recording, session, TurntableOptions{options});
+     }}};
 
 std::string utc_now() {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
@@ -77,7 +86,7 @@ Calibration calibrate(const CalibrateArguments& arguments) {
   for (const std::string& text : reading.warnings) warn(text);
   const Rests rests = rests_of(reading.recording, session);
 
-  Calibration calibration = methods.at(arguments.method)(reading.recording, rests.ranges, session.imu, session.site, options);
+  Calibration calibration = methods.at(arguments.method)(reading.recording, rests.ranges, session, options);
   calibration.created = utc_now();
   calibration.software = "imulab " IMULAB_VERSION;
   calibration.session_file = session.file;
@@ -102,7 +111,8 @@ void add_calibrate(CLI::App& app) {
   verb->add_option("session", a->session, "a session folder or its session.toml")->required();
   std::vector<std::string> names;
   for (const auto& [name, method] : methods) names.push_back(name);
-  verb->add_option("--method", a->method, "static: from rests alone; handheld: from rests and the rotations between them")
+  verb->add_option("--method", a->method,
+                   "static: from rests alone; handheld: from rests and the rotations between them; turntable: from the table's angles")
       ->required()
       ->check(CLI::IsMember(names));
   verb->add_option("-o,--output", a->output, "the calibration file to write; - for standard output");

@@ -62,8 +62,8 @@ void print_calibration(const Calibration& calibration) {
   for (const TermTest& test : quality.term_tests)
     fmt::print("  {}: {} (chi2 {:.4g} with {} degrees of freedom, probability by chance {:.2g})\n", test.term,
                test.kept ? "significant, estimated" : "not significant, left at zero", test.statistic, test.degrees_of_freedom, test.p_value);
-  fmt::print("  residuals: chi2 per degree of freedom {:.3g} against the sample noise alone ({} degrees of freedom); condition {:.3g}\n", quality.chi2_per_dof,
-             quality.degrees_of_freedom, quality.condition);
+  fmt::print("  residuals: chi2 per degree of freedom {:.3g} against {} ({} degrees of freedom); condition {:.3g}\n", quality.chi2_per_dof,
+             calibration.method == "turntable" ? "the noise and the declared table errors" : "the sample noise alone", quality.degrees_of_freedom, quality.condition);
   fmt::print("\n{}\n", quality.verdict);
 }
 

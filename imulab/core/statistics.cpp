@@ -37,6 +37,11 @@ double robust_sigma(const std::vector<double>& values) {
 double normal_quantile(double p) { return bm::quantile(bm::normal(), p); }
 double chi_square_quantile(double p, double dof) { return bm::quantile(bm::chi_squared(dof), p); }
 double chi_square_tail(double x, double dof) { return bm::cdf(bm::complement(bm::chi_squared(dof), std::max(x, 0.0))); }
+double log_chi_square_tail(double x, double dof) {
+  const double tail = chi_square_tail(x, dof);
+  if (tail > 0) return std::log(tail);
+  return -0.5 * x + (0.5 * dof - 1) * std::log(0.5 * x) - std::lgamma(0.5 * dof);  // the first term of the expansion far out
+}
 double f_tail(double f, double dof_1, double dof_2) { return bm::cdf(bm::complement(bm::fisher_f(dof_1, dof_2), std::max(f, 0.0))); }
 double binomial_quantile(double p, double trials, double probability) { return bm::quantile(bm::binomial(trials, probability), p); }
 

@@ -14,6 +14,7 @@ double quantile(std::vector<double> values, double p);
 double normal_quantile(double p);
 double chi_square_quantile(double p, double degrees_of_freedom);
 double chi_square_tail(double x, double degrees_of_freedom);  ///< P(X > x)
+double log_chi_square_tail(double x, double degrees_of_freedom);  ///< ln P(X > x), also where P is too small for a double
 double f_tail(double f, double degrees_of_freedom_1, double degrees_of_freedom_2);  ///< P(F > f)
 double binomial_quantile(double p, double trials, double probability);
 

@@ -181,9 +181,7 @@ Deviation deviation_of(const Conditions& conditions, const Adjustment& adjustmen
 
 double Deviation::log_probability() const {
   if (degrees_of_freedom == 0) return 0;
-  const double probability = chi_square_tail(statistic, degrees_of_freedom), half = 0.5 * degrees_of_freedom;
-  if (probability > 0) return std::log(probability);
-  return -0.5 * statistic + (half - 1) * std::log(0.5 * statistic) - std::lgamma(half);  // the tail far out, beyond double's range
+  return log_chi_square_tail(statistic, degrees_of_freedom);
 }
 
 double Deviation::log_probability(double residual_degrees) const {

@@ -238,16 +238,22 @@ Calibration finish(std::string_view method, const Start& start, Fit fit, const S
 
 std::vector<std::string> common_doubts(const Calibration& calibration, const Fit& fit, const Site& site, std::size_t dropped, std::size_t all) {
   std::vector<std::string> doubts;
-  const Quality& quality = calibration.quality;
   if (!fit.converged) doubts.push_back("the fit did not converge");
+  for (const std::string& doubt : common_doubts(calibration, site, dropped, all)) doubts.push_back(doubt);
+  // A spread from ten residuals is good to a quarter; from fewer the uncertainties may be far too small.
+  if (const double degrees = spread_degrees(fit); degrees < 10)
+    doubts.push_back(fmt::format("the spread beyond the sample noise rests on {:.0f} degrees of freedom", degrees));
+  return doubts;
+}
+
+std::vector<std::string> common_doubts(const Calibration& calibration, const Site& site, std::size_t dropped, std::size_t all) {
+  std::vector<std::string> doubts;
+  const Quality& quality = calibration.quality;
   if (!quality.unobservable.empty()) doubts.push_back(fmt::format("{} coefficients are not determined by the data", quality.unobservable.size()));
   // Below about six degrees of freedom the residuals can hardly contradict the model or the noise.
   if (quality.degrees_of_freedom < 6)
     doubts.push_back(fmt::format("only {} degrees of freedom remain to check the result", quality.degrees_of_freedom));
   if (5 * dropped > all) doubts.push_back(fmt::format("{} of {} rests and rotations were dropped as outliers", dropped, all));
-  // A spread from ten residuals is good to a quarter; from fewer the uncertainties may be far too small.
-  if (const double degrees = spread_degrees(fit); degrees < 10)
-    doubts.push_back(fmt::format("the spread beyond the sample noise rests on {:.0f} degrees of freedom", degrees));
   // Real sensors in a hand show 3 to 10; five times the noise is another sensor, another motion or another place than was declared.
   if (quality.chi2_per_dof > 25) doubts.push_back(fmt::format("the residuals are {:.0f} times what the noise explains", std::sqrt(quality.chi2_per_dof)));
   if (quality.chi2_per_dof < 0.3) doubts.push_back("the residuals are far smaller than the declared noise: the uncertainties are too large");

@@ -55,6 +55,8 @@ std::string spread_note(std::string_view what, double spread, std::string_view u
 void conclude(Calibration& calibration, const std::vector<std::string>& doubts);
 
 /// What is doubtful whatever the method: undetermined coefficients, few degrees of freedom, many dropped parts, residuals of the wrong size, g.
+std::vector<std::string> common_doubts(const Calibration& calibration, const Site& site, std::size_t dropped, std::size_t all);
+/// The same, and what is doubtful of the fit's course.
 std::vector<std::string> common_doubts(const Calibration& calibration, const Fit& fit, const Site& site, std::size_t dropped, std::size_t all);
 
 }  // namespace imulab

@@ -27,7 +27,7 @@ struct TermTest {
 };
 
 struct Quality {
-  double chi2_per_dof = 0;  ///< residuals against the declared or measured sample noise alone
+  double chi2_per_dof = 0;  ///< residuals against the declared or measured sample noise alone; on a turntable also its declared errors
   int degrees_of_freedom = 0;
   double condition = 0;  ///< of the scaled normal equations
   std::vector<std::string> unobservable;

@@ -1,0 +1,206 @@
+#include "imulab/estimate/table_observations.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/estimate/rest.hpp"
+#include "imulab/recording/rest_detection.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace imulab {
+
+namespace {
+
+constexpr double same_angle = 1e-9;  // rad: below what a decimal number of degrees in a file can mean
+constexpr double guard_sigmas = 5;   // of the declared timing: a hold's ends that a late or early turn may reach
+
+double start_of(const Recording& r, std::size_t i, bool increment) { return r.time_s(i) - r.interval(i, increment); }
+
+/// The longest stretch without gaps and saturated samples whose samples' intervals lie inside [begin, end].
+Range longest_inside(const Recording& r, double begin, double end) {
+  const double rounding = 1e-3 * r.interval_s;
+  std::size_t first = 0;
+  const auto stamp = [&](double s) { return static_cast<std::int64_t>(std::llround(1e9 * s)); };
+  first = static_cast<std::size_t>(std::upper_bound(r.time_ns.begin(), r.time_ns.end(), stamp(begin)) - r.time_ns.begin());
+  while (first < r.size() && start_of(r, first, r.gyro_increment) < begin - rounding) ++first;
+  const auto last = static_cast<std::size_t>(std::upper_bound(r.time_ns.begin(), r.time_ns.end(), stamp(end + rounding)) - r.time_ns.begin());
+  Range longest;
+  if (first >= last) return longest;
+  for (const Range& piece : without_interruptions(r, {first, last}))
+    if (piece.size() > longest.size()) longest = piece;
+  return longest;
+}
+
+/// The samples that cover [begin, end]; empty where the recording does not, or is interrupted.
+Range covering(const Recording& r, double begin, double end) {
+  const double rounding = 1e-3 * r.interval_s;
+  Range range;
+  range.begin = static_cast<std::size_t>(
+      std::upper_bound(r.time_ns.begin(), r.time_ns.end(), static_cast<std::int64_t>(std::llround(1e9 * (begin + rounding)))) - r.time_ns.begin());
+  range.end =
+      static_cast<std::size_t>(std::lower_bound(r.time_ns.begin(), r.time_ns.end(), static_cast<std::int64_t>(std::llround(1e9 * (end - rounding)))) -
+                               r.time_ns.begin()) +
+      1;
+  if (range.begin >= r.size() || range.end > r.size() || start_of(r, range.begin, r.gyro_increment) > begin + rounding) return {};
+  const auto pieces = without_interruptions(r, range);
+  return pieces.size() == 1 && pieces.front() == range ? range : Range{};
+}
+
+/// The rest around a turn: from `before` to its start and from its end to `after`. Equal times: there is none.
+struct RestAround {
+  double before, after;
+};
+
+RestAround rest_around(const std::vector<Step>& steps, std::size_t k, const std::array<double, 3>& commanded_after) {
+  RestAround rest{steps[k].start, steps[k].end};
+  if (k > 0) rest.before = steps[k - 1].kind == StepKind::hold ? steps[k - 1].start : steps[k - 1].end;
+  if (k + 1 < steps.size()) {
+    const Step& next = steps[k + 1];
+    const auto moved = axes_moved(next, commanded_after);
+    if (next.kind == StepKind::rotate)
+      rest.after = next.start;
+    else if (std::none_of(moved.begin(), moved.end(), [](bool m) { return m; }))
+      rest.after = next.end;
+  }
+  return rest;
+}
+
+}  // namespace
+
+Eigen::VectorXd TableObservations::values() const {
+  Eigen::VectorXd v(static_cast<Eigen::Index>(6 * holds.size() + 3 * turns.size()));
+  Eigen::Index row = 0;
+  for (const HoldObservation& hold : holds) {
+    v.segment<3>(row) = hold.accel;
+    v.segment<3>(row + 3) = hold.gyro;
+    row += 6;
+  }
+  for (const TurnObservation& turn : turns) {
+    v.segment<3>(row) = turn.sum;
+    row += 3;
+  }
+  return v;
+}
+
+void TableObservations::set_values(const Eigen::VectorXd& v) {
+  Eigen::Index row = 0;
+  for (HoldObservation& hold : holds) {
+    hold.accel = v.segment<3>(row);
+    hold.gyro = v.segment<3>(row + 3);
+    row += 6;
+  }
+  for (TurnObservation& turn : turns) {
+    turn.sum = v.segment<3>(row);
+    row += 3;
+  }
+}
+
+std::string describe_step(const std::vector<Step>& steps, std::size_t index) {
+  return fmt::format("step {} ({} at {:g} s)", index + 1, to_string(steps[index].kind), steps[index].start);
+}
+
+std::array<bool, 3> axes_moved(const Step& step, const std::array<double, 3>& commanded) {
+  std::array<bool, 3> moved{};
+  if (step.kind == StepKind::rotate)
+    moved[static_cast<std::size_t>(step.axis)] = true;
+  else
+    for (std::size_t a = 0; a < 3; ++a) moved[a] = std::abs(std::remainder(step.angles[a] - commanded[a], 2 * std::numbers::pi)) >= same_angle;
+  return moved;
+}
+
+const RigDeclaration& turntable_of(const Session& session, const std::string& recording) {
+  std::string name;
+  for (const RecordingSource& source : session.recordings)
+    if (source.file == recording) name = source.rig;
+  for (const RigDeclaration& rig : session.rigs) {
+    if (!name.empty() && rig.name != name) continue;
+    if (rig.kind == RigKind::turntable) return rig;
+    throw Error(fmt::format("{}: [rig] kind = \"{}\": \"turntable\" was expected by the method turntable", session.file, to_string(rig.kind)));
+  }
+  throw Error(session.file + ": [rig]: the method turntable needs the table's declared accuracy; kind = \"turntable\" was expected");
+}
+
+TableObservations planned_observations(const std::vector<Step>& steps, double guard) {
+  TableObservations plan;
+  plan.steps = steps;
+  std::array<double, 3> commanded{};
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    const Step& step = steps[k];
+    if (step.kind == StepKind::spin) throw Error(describe_step(steps, k) + ": a turntable's steps are hold and rotate");
+    if (step.end <= step.start) throw Error(describe_step(steps, k) + ": an end_s after start_s was expected");
+    if (k > 0 && step.start < steps[k - 1].end - 1e-9) throw Error(describe_step(steps, k) + ": begins before the step before it has ended");
+    if (step.kind == StepKind::hold) {
+      commanded = step.angles;
+      const double cut = std::min(guard, 0.25 * (step.end - step.start));
+      plan.holds.push_back({k, step.start + cut, step.end - cut});
+      continue;
+    }
+    if (!(std::abs(step.angle) > 0) || !(step.rate > 0))
+      throw Error(describe_step(steps, k) + ": angle_deg other than 0 and rate_dps above 0 were expected");
+    commanded[static_cast<std::size_t>(step.axis)] += step.angle;
+    const auto [before, after] = rest_around(steps, k, commanded);
+    TurnObservation turn{k, 0.5 * (before + step.start), 0.5 * (step.end + after)};
+    turn.rest_after = after > step.end && turn.end >= step.end + guard;
+    if (before == step.start || !turn.rest_after)
+      plan.notes.push_back(fmt::format("{}: no rest {} it, so it was summed over its own time there", describe_step(steps, k),
+                                       before < step.start ? "after"
+                                       : turn.rest_after   ? "before"
+                                                           : "before and after"));
+    plan.turns.push_back(turn);
+  }
+  return plan;
+}
+
+TableObservations observe(const Recording& recording, const Session& session) {
+  const RigDeclaration& rig = turntable_of(session, recording.name);
+  std::vector<Step> steps;
+  for (const Step& step : session.steps)
+    if (session.recordings.size() < 2 || step.recording == recording.name) steps.push_back(step);
+  if (steps.empty()) throw Error(session.file + ": [[step]]: what the table did was expected by the method turntable");
+
+  TableObservations seen = planned_observations(steps, guard_sigmas * rig.timing.value);
+  std::vector<Rest> rests;
+  for (HoldObservation& hold : seen.holds) {
+    const Range range = longest_inside(recording, hold.begin, hold.end);
+    if (range.size() < 2) {
+      seen.warnings.push_back(describe_step(steps, hold.step) + ": no samples, left out");
+      hold.begin = hold.end;
+      continue;
+    }
+    rests.push_back(summarize_rests(recording, {range}).front());
+    hold.begin = start_of(recording, range.begin, recording.gyro_increment);
+    hold.end = recording.time_s(range.end - 1);
+    hold.accel = rests.back().accel;
+    hold.gyro = rests.back().gyro;
+  }
+  for (TurnObservation& turn : seen.turns) {
+    const Range range = covering(recording, turn.begin, turn.end);
+    turn.begin = turn.end = 0;
+    if (range.size() == 0) {
+      seen.warnings.push_back(describe_step(steps, turn.step) + ": the recording is interrupted during this turn or does not cover it, left out");
+      continue;
+    }
+    turn.begin = start_of(recording, range.begin, recording.gyro_increment);
+    turn.end = recording.time_s(range.end - 1);
+    for (std::size_t i = range.begin; i < range.end; ++i)
+      for (std::size_t j = 0; j < 3; ++j)
+        turn.sum[static_cast<Eigen::Index>(j)] += recording.gyro[j][i] * recording.interval(i, recording.gyro_increment);
+  }
+  std::erase_if(seen.holds, [](const HoldObservation& hold) { return hold.end <= hold.begin; });
+  std::erase_if(seen.turns, [](const TurnObservation& turn) { return turn.end <= turn.begin; });
+  if (seen.holds.empty() && seen.turns.empty())
+    throw Unsupported(recording.name + ": no samples in the session's steps: do their times belong to this recording's clock (time.zero)?");
+
+  const SampleNoise noise = measure_noise(recording, rests);
+  seen.accel_density = noise.accel * std::sqrt(recording.interval_s);
+  seen.gyro_density = noise.gyro * std::sqrt(recording.interval_s);
+  seen.accel_unit = recording.accel_unit;
+  seen.gyro_unit = recording.gyro_unit;
+  seen.notes.push_back(fmt::format("{} holds and {} turns of {} steps were used", seen.holds.size(), seen.turns.size(), steps.size()));
+  return seen;
+}
+
+}  // namespace imulab

@@ -1,0 +1,114 @@
+// From a recording to the means and sums of its steps, and to a calibration.
+#include "imulab/estimate/table_observations.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/simulate/simulate.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/table_session.hpp"
+
+namespace imulab {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+Session table_session(const std::vector<Step>& steps, double sigma) {
+  Session session;
+  session.imu = table_imu();
+  session.imu.grade = "navigation";
+  session.site = table_site();
+  session.rigs.push_back(table_of(sigma));
+  RecordingSource source;
+  source.file = "recording.csv";
+  source.rate_hz = 100;
+  source.gyro.unit = "rad/s";
+  source.accel.unit = "m/s^2";
+  session.recordings.push_back(source);
+  session.steps = steps;
+  return session;
+}
+
+std::vector<Step> short_steps() {
+  TableSteps steps;
+  for (const RigAxis axis : {RigAxis::middle, RigAxis::outer, RigAxis::inner}) {
+    std::array<double, 3> turned{};
+    turned[static_cast<std::size_t>(axis)] = 360;
+    steps.hold(10, {}).turn(axis, 360, 40).hold(10, turned).turn(axis, -360, 40).hold(10, {});
+  }
+  for (const auto& [inner, middle] : std::vector<std::array<double, 2>>{{90, 0}, {0, 0}, {0, -90}, {-90, 0}, {0, 180}, {0, 90}})
+    steps.hold(20, {0, middle, inner});
+  return steps.steps();
+}
+
+TEST(TableObservations, ARecordingGivesTheMeansAndSumsOfItsSteps) {
+  const Session session = table_session(short_steps(), 2 * unit::arcsec);
+  Truth truth = draw_truth(session, 15);
+  truth.accel_noise.N = truth.gyro_noise.N = 0;
+  const Recording recording = simulate_recording(session, session.recordings.front(), truth, 15);
+  const TableObservations seen = observe(recording, session);
+  ASSERT_EQ(seen.holds.size(), 15u);
+  ASSERT_EQ(seen.turns.size(), 6u);
+  EXPECT_THAT(seen.warnings, IsEmpty());
+  EXPECT_NEAR(seen.turns[0].begin, 5, 1e-9);
+  EXPECT_NEAR(seen.holds[0].end, 9.95, 0.0101);  // five sigmas of timing are left out
+  const TableMotion motion(seen, session.rigs.front(), session.site);
+  VectorXd errors = motion.nominal();
+  for (std::size_t k = 0; k < motion.sources().size(); ++k)
+    if (motion.sources()[k].kind == ErrorSource::Kind::gravity) errors[static_cast<Index>(k)] = truth.gravity;
+  // The simulator's quadrature has 1e-10 of 3 g and 500 deg/s; a sum has 2000 samples of 10 ms.
+  EXPECT_LT((readings(motion, truth.model, motion.truth(errors)) - seen.values()).cwiseAbs().maxCoeff(), 1e-8);
+}
+
+TEST(TableObservations, ARecordingIsCalibrated) {
+  const Session session = table_session(short_steps(), 2 * unit::arcsec);
+  const Truth truth = draw_truth(session, 16);
+  const Recording recording = simulate_recording(session, session.recordings.front(), truth, 16);
+  const Calibration c = calibrate_turntable(recording, session);
+  EXPECT_EQ(c.estimated.size(), 24u);
+  for (const int index : c.estimated)
+    EXPECT_LT(std::abs(coefficient_value(c.model, index) - coefficient_value(truth.model, index)), 4.5 * *standard_uncertainty(c, index))
+        << coefficient_table()[static_cast<std::size_t>(index)].name;
+  EXPECT_EQ(c.method, "turntable");
+}
+
+TEST(TableObservations, AnInterruptedTurnIsLeftOutAndATurnWithoutRestSaid) {
+  TableSteps steps;
+  steps.hold(10, {}).turn(RigAxis::outer, 90).turn(RigAxis::middle, 90).hold(10, {90, 90, 0});
+  const Session session = table_session(steps.steps(), 2 * unit::arcsec);
+  const Truth truth = draw_truth(session, 17);
+  Recording recording = simulate_recording(session, session.recordings.front(), truth, 17);
+  EXPECT_THAT(observe(recording, session).notes, Contains(HasSubstr("step 2 (rotate at 10 s): no rest after it")));
+  recording.gaps = {1500};
+  EXPECT_THAT(observe(recording, session).warnings, Contains(HasSubstr("step 2 (rotate at 10 s): the recording is interrupted")));
+}
+
+TEST(TableObservations, WhatIsMissingOrWrongIsSaid) {
+  Session session = table_session(short_steps(), 2 * unit::arcsec);
+  const Truth truth = draw_truth(session, 18);
+  const Recording recording = simulate_recording(session, session.recordings.front(), truth, 18);
+  Recording in_g = recording;
+  for (auto& column : in_g.accel)
+    for (double& x : column) x /= unit::g;
+  EXPECT_THROW(calibrate_turntable(in_g, session), Error);
+  Session other = session;
+  other.rigs.clear();
+  EXPECT_THROW(calibrate_turntable(recording, other), Error);
+  other = session;
+  other.steps.clear();
+  EXPECT_THROW(calibrate_turntable(recording, other), Error);
+  other = session;
+  std::swap(other.steps[1].start, other.steps[1].end);
+  EXPECT_THROW(calibrate_turntable(recording, other), Error);
+  other = session;
+  for (Step& step : other.steps) step.start += 1e6, step.end += 1e6;
+  EXPECT_THROW(calibrate_turntable(recording, other), Unsupported);
+}
+
+}  // namespace
+}  // namespace imulab

@@ -1,0 +1,135 @@
+// A three-axis table with its errors (methods section 3.1), for any scalar: with ceres::Jet every result comes with its derivatives.
+// At zero angles the body frame is east-north-up; the outer axis points up, the middle axis north, the inner axis east.
+#pragma once
+
+#include "imulab/recording/session.hpp"
+#include "imulab/recording/turn.hpp"
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace imulab {
+
+/// Six small angles by RigAxis: (o1, o2), (m1, m2), (i1, i2), rad.
+template <class T>
+using Orthogonality = std::array<std::array<T, 2>, 3>;
+
+/// Unit vectors of the axes in n at zero angles, by RigAxis: (o1, o2, 1), (m1, 1, m2), (1, i1, i2), normalised.
+template <class T>
+using TableAxes = std::array<Eigen::Vector3<T>, 3>;
+
+template <class T>
+TableAxes<T> table_axes(const Orthogonality<T>& errors) {
+  using std::sqrt;
+  const auto& [o, m, i] = errors;
+  TableAxes<T> axes{Eigen::Vector3<T>(o[0], o[1], T(1)), Eigen::Vector3<T>(m[0], T(1), m[1]), Eigen::Vector3<T>(T(1), i[0], i[1])};
+  for (auto& axis : axes) axis /= sqrt(axis.squaredNorm());
+  return axes;
+}
+
+/// v turned by the angle whose cosine and sine are given about the unit vector `axis`.
+template <class T>
+Eigen::Vector3<T> turned(const Eigen::Vector3<T>& axis, const T& cosine, const T& sine, const Eigen::Vector3<T>& v) {
+  const Eigen::Vector3<T> along = axis * axis.dot(v);
+  return along + (v - along) * cosine + axis.cross(v) * sine;
+}
+
+/// C_bn v: a vector given in n as the body sees it, at the axes' actual angles (errors included) by RigAxis.
+template <class T>
+Eigen::Vector3<T> seen_in_body(const TableAxes<T>& axes, const std::array<T, 3>& angles, const Eigen::Vector3<T>& v) {
+  using std::cos, std::sin;
+  Eigen::Vector3<T> out = v;
+  for (std::size_t a = 0; a < 3; ++a) out = turned<T>(axes[a], cos(angles[a]), -sin(angles[a]), out);
+  return out;
+}
+
+/// The unit vector of an axis in b: an axis is fixed in the frame it carries, and turned back by the axes inside it.
+template <class T>
+Eigen::Vector3<T> axis_in_body(const TableAxes<T>& axes, const std::array<T, 3>& angles, RigAxis axis) {
+  using std::cos, std::sin;
+  const auto own = static_cast<std::size_t>(axis);
+  Eigen::Vector3<T> out = axes[own];
+  for (std::size_t a = own + 1; a < 3; ++a) out = turned<T>(axes[a], cos(angles[a]), -sin(angles[a]), out);
+  return out;
+}
+
+/// C_nb = R(l_outer, outer) R(l_middle, middle) R(l_inner, inner).
+template <class T>
+Eigen::Matrix3<T> table_attitude(const TableAxes<T>& axes, const std::array<T, 3>& angles) {
+  Eigen::Matrix3<T> C_nb;
+  for (Eigen::Index k = 0; k < 3; ++k) C_nb.row(k) = seen_in_body<T>(axes, angles, Eigen::Vector3<T>(Eigen::Vector3<T>::Unit(k))).transpose();
+  return C_nb;
+}
+
+/// How a rotate step's rate runs: a trapezoid that lasts `duration` [s], each ramp a fraction of it.
+struct TurnProfile {
+  double duration = 0, ramp = 0;
+};
+
+/// With an acceleration the turn starts at once and waits when done; without, its ramps fill the step's time.
+inline TurnProfile turn_profile(const Step& step) {
+  const double available = step.end - step.start, way = std::abs(step.angle);
+  if (step.acceleration) {
+    const double duration = std::min(available, turn_duration(way, step.rate, *step.acceleration));
+    const double ramp = std::min(step.rate, std::sqrt(way * *step.acceleration)) / *step.acceleration;
+    return {duration, std::min(0.5, ramp / duration)};
+  }
+  return {available, std::clamp(1 - way / (step.rate * available), 0.0, 0.5)};
+}
+
+/// Integrals over the turn of the cosine and the sine of the angle turned so far; `angle` is not zero.
+template <class T>
+std::array<T, 2> turn_integrals(const T& angle, const T& duration, double ramp) {
+  using std::abs, std::cos, std::sin;
+  // The first ramp turns by `angle` x part x (u / ramp)^2, u = t / duration. Five Gauss-Legendre nodes for every half radian: 1e-15.
+  constexpr std::array<double, 5> node{-0.90617984593866399280, -0.53846931010568309104, 0, 0.53846931010568309104, 0.90617984593866399280};
+  constexpr std::array<double, 5> weight{0.23692688505618908751, 0.47862867049936646804, 0.56888888888888888889, 0.47862867049936646804,
+                                         0.23692688505618908751};
+  const double part = 0.5 * ramp / (1 - ramp);
+  T c(0), s(0);
+  if (ramp > 0) {
+    double turned_by;
+    if constexpr (std::is_same_v<T, double>)
+      turned_by = std::abs(angle) * part;
+    else
+      turned_by = std::abs(angle.a) * part;
+    const int panels = std::max(1, static_cast<int>(std::ceil(2 * turned_by / 0.5)));
+    for (int k = 0; k < panels; ++k)
+      for (std::size_t n = 0; n < node.size(); ++n) {
+        const double x = (k + 0.5 + 0.5 * node[n]) / panels;
+        const T phi = angle * (part * x * x);
+        c += cos(phi) * (0.5 * weight[n] * ramp / panels);
+        s += sin(phi) * (0.5 * weight[n] * ramp / panels);
+      }
+  }
+  const T whole_c = cos(angle), whole_s = sin(angle);
+  const T from = angle * part, to = angle - from;  // the cruise
+  const T cruise_c = (sin(to) - sin(from)) * (1 - ramp) / angle, cruise_s = (cos(from) - cos(to)) * (1 - ramp) / angle;
+  // The second ramp is the first one mirrored: angle - phi.
+  return {duration * (c + cruise_c + whole_c * c + whole_s * s), duration * (s + cruise_s + whole_s * c - whole_c * s)};
+}
+
+/// A turn about one axis, in between rests: all that happens from `before` seconds before it begins until `after` seconds after its end.
+template <class T>
+struct TableTurn {
+  Eigen::Vector3<T> axis_b;   ///< stays where it is in b while the table turns about it
+  T angle;                    ///< actual, rad
+  T before, duration, after;  ///< s
+  double ramp;                ///< fraction of the duration
+};
+
+/// Integral over the whole interval of C_bn v; `at_start` is C_bn v before the turn.
+template <class T>
+Eigen::Vector3<T> integral_in_body(const TableTurn<T>& turn, const Eigen::Vector3<T>& at_start) {
+  using std::cos, std::sin;
+  const auto [c, s] = turn_integrals<T>(turn.angle, turn.duration, turn.ramp);
+  const Eigen::Vector3<T> along = turn.axis_b * turn.axis_b.dot(at_start);
+  const Eigen::Vector3<T> moving = along * turn.duration + (at_start - along) * c - turn.axis_b.cross(at_start) * s;
+  return at_start * turn.before + moving + turned<T>(turn.axis_b, cos(turn.angle), -sin(turn.angle), at_start) * turn.after;
+}
+
+}  // namespace imulab
