@@ -22,13 +22,8 @@ void turntable_procedure(benchmark::State& state) {
   std::uint64_t run = 0;
   const auto drawn = [&](const RandomStream& draws, const Eigen::VectorXd& s) {
     Eigen::VectorXd v(s.size());
-    const auto pairs = static_cast<std::uint64_t>(s.size() + 1) / 2;
-    for (Eigen::Index i = 0; i < s.size(); i += 2) {
-      const auto pair = draws.normal_pair(run * pairs + static_cast<std::uint64_t>(i) / 2);
-      v[i] = s[i] * pair[0];
-      if (i + 1 < s.size()) v[i + 1] = s[i + 1] * pair[1];
-    }
-    return v;
+    draws.normals(run * static_cast<std::uint64_t>(s.size()), {v.data(), static_cast<std::size_t>(v.size())});
+    return Eigen::VectorXd(v.cwiseProduct(s));
   };
   for (auto _ : state) {
     const Eigen::VectorXd seen = readings(motion, truth, motion.truth(nominal + drawn(table, sigma))) + drawn(white, noise_sigma);

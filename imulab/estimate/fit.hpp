@@ -28,9 +28,10 @@ struct Suspect {
 };
 
 /// Gauss-Newton until the correction is below a hundredth of its standard deviation everywhere; then, where residuals of a kind are significantly too large
-/// (or its spread was given), with that kind's spread, until the spreads stand still.
+/// (or its spread was given), with that kind's spread, until the spreads stand still. No step goes beyond `longest_step`, by default one prior sigma:
+/// poor data would be linearised far from where the answer is.
 template <class Problem>
-Fit converge(Problem& problem, const Spreads& start = {}) {
+Fit converge(Problem& problem, const Spreads& start, const Eigen::VectorXd& longest_step) {
   constexpr int most_iterations = 30, most_before_spreads = 8;
   Fit fit;
   fit.spreads = start;
@@ -38,7 +39,8 @@ Fit converge(Problem& problem, const Spreads& start = {}) {
   for (int iteration = 0; iteration < most_iterations && !fit.converged; ++iteration) {
     fit.conditions = problem.conditions(fit.spreads);
     fit.adjustment = adjust(fit.conditions, problem.prior_sigma());
-    problem.correct(fit.adjustment.correction);
+    const double steps = fit.adjustment.correction.cwiseQuotient(longest_step).cwiseAbs().maxCoeff();
+    problem.correct(fit.adjustment.correction / std::max(1.0, steps));
     const Eigen::VectorXd sigma = fit.adjustment.covariance.diagonal().cwiseSqrt();
     bool still = (fit.adjustment.correction.cwiseAbs() - 0.01 * sigma).maxCoeff() <= 0;
     if (!decided && !still && iteration < most_before_spreads) continue;
@@ -53,6 +55,10 @@ Fit converge(Problem& problem, const Spreads& start = {}) {
     fit.converged = still;
   }
   return fit;
+}
+template <class Problem>
+Fit converge(Problem& problem) {
+  return converge(problem, {}, problem.prior_sigma());
 }
 
 /// converge, then what is undetermined returns to its starting value and the rest settles around it, until what remains is determined though the held
@@ -72,7 +78,7 @@ Fit settle(Problem& problem) {
     }
     if (!changed) break;
     problem.pin(determined);
-    fit = converge(problem, fit.spreads);
+    fit = converge(problem, fit.spreads, prior_sigma);
     fit.adjustment.covariance = covariance_considering(problem.conditions(fit.spreads), prior_sigma, determined);
   }
   fit.adjustment.determined = determined;

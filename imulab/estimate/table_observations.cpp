@@ -3,18 +3,17 @@
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/rest.hpp"
 #include "imulab/recording/rest_detection.hpp"
+#include "imulab/rig/rig_errors.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace imulab {
 
 namespace {
 
-constexpr double same_angle = 1e-9;  // rad: below what a decimal number of degrees in a file can mean
 constexpr double guard_sigmas = 5;   // of the declared timing: a hold's ends that a late or early turn may reach
 
 double start_of(const Recording& r, std::size_t i, bool increment) { return r.time_s(i) - r.interval(i, increment); }
@@ -54,16 +53,15 @@ struct RestAround {
   double before, after;
 };
 
-RestAround rest_around(const std::vector<Step>& steps, std::size_t k, const std::array<double, 3>& commanded_after) {
+RestAround rest_around(const std::vector<Step>& steps, const std::vector<Command>& commands, std::size_t k) {
   RestAround rest{steps[k].start, steps[k].end};
   if (k > 0) rest.before = steps[k - 1].kind == StepKind::hold ? steps[k - 1].start : steps[k - 1].end;
   if (k + 1 < steps.size()) {
-    const Step& next = steps[k + 1];
-    const auto moved = axes_moved(next, commanded_after);
-    if (next.kind == StepKind::rotate)
-      rest.after = next.start;
-    else if (std::none_of(moved.begin(), moved.end(), [](bool m) { return m; }))
-      rest.after = next.end;
+    const auto& moves = commands[k + 1].moves;
+    if (steps[k + 1].kind == StepKind::rotate)
+      rest.after = steps[k + 1].start;
+    else if (std::none_of(moves.begin(), moves.end(), [](bool m) { return m; }))
+      rest.after = steps[k + 1].end;
   }
   return rest;
 }
@@ -102,15 +100,6 @@ std::string describe_step(const std::vector<Step>& steps, std::size_t index) {
   return fmt::format("step {} ({} at {:g} s)", index + 1, to_string(steps[index].kind), steps[index].start);
 }
 
-std::array<bool, 3> axes_moved(const Step& step, const std::array<double, 3>& commanded) {
-  std::array<bool, 3> moved{};
-  if (step.kind == StepKind::rotate)
-    moved[static_cast<std::size_t>(step.axis)] = true;
-  else
-    for (std::size_t a = 0; a < 3; ++a) moved[a] = std::abs(std::remainder(step.angles[a] - commanded[a], 2 * std::numbers::pi)) >= same_angle;
-  return moved;
-}
-
 const RigDeclaration& turntable_of(const Session& session, const std::string& recording) {
   std::string name;
   for (const RecordingSource& source : session.recordings)
@@ -126,22 +115,20 @@ const RigDeclaration& turntable_of(const Session& session, const std::string& re
 TableObservations planned_observations(const std::vector<Step>& steps, double guard) {
   TableObservations plan;
   plan.steps = steps;
-  std::array<double, 3> commanded{};
+  const std::vector<Command> commands = commands_of(steps);
   for (std::size_t k = 0; k < steps.size(); ++k) {
     const Step& step = steps[k];
     if (step.kind == StepKind::spin) throw Error(describe_step(steps, k) + ": a turntable's steps are hold and rotate");
     if (step.end <= step.start) throw Error(describe_step(steps, k) + ": an end_s after start_s was expected");
     if (k > 0 && step.start < steps[k - 1].end - 1e-9) throw Error(describe_step(steps, k) + ": begins before the step before it has ended");
     if (step.kind == StepKind::hold) {
-      commanded = step.angles;
       const double cut = std::min(guard, 0.25 * (step.end - step.start));
       plan.holds.push_back({k, step.start + cut, step.end - cut});
       continue;
     }
     if (!(std::abs(step.angle) > 0) || !(step.rate > 0))
       throw Error(describe_step(steps, k) + ": angle_deg other than 0 and rate_dps above 0 were expected");
-    commanded[static_cast<std::size_t>(step.axis)] += step.angle;
-    const auto [before, after] = rest_around(steps, k, commanded);
+    const auto [before, after] = rest_around(steps, commands, k);
     TurnObservation turn{k, 0.5 * (before + step.start), 0.5 * (step.end + after)};
     turn.rest_after = after > step.end && turn.end >= step.end + guard;
     if (before == step.start || !turn.rest_after)
@@ -156,9 +143,10 @@ TableObservations planned_observations(const std::vector<Step>& steps, double gu
 
 TableObservations observe(const Recording& recording, const Session& session) {
   const RigDeclaration& rig = turntable_of(session, recording.name);
-  std::vector<Step> steps;
-  for (const Step& step : session.steps)
-    if (session.recordings.size() < 2 || step.recording == recording.name) steps.push_back(step);
+  RecordingSource source;
+  source.file = recording.name;
+  source.rig = rig.name;
+  const std::vector<Step> steps = steps_of(session, source);
   if (steps.empty()) throw Error(session.file + ": [[step]]: what the table did was expected by the method turntable");
 
   TableObservations seen = planned_observations(steps, guard_sigmas * rig.timing.value);

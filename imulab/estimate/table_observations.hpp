@@ -45,9 +45,6 @@ struct TableObservations {
 /// "step 3 (hold at 120 s)"
 std::string describe_step(const std::vector<Step>& steps, std::size_t index);
 
-/// The axes that move to reach step `index`, by RigAxis; `commanded` are the angles before it.
-std::array<bool, 3> axes_moved(const Step& step, const std::array<double, 3>& commanded);
-
 /// The table's declaration that belongs to a recording; throws Error where it is not a turntable.
 const RigDeclaration& turntable_of(const Session& session, const std::string& recording);
 

@@ -50,7 +50,8 @@ TEST(TableObservations, ARecordingGivesTheMeansAndSumsOfItsSteps) {
   const Session session = table_session(short_steps(), 2 * unit::arcsec);
   Truth truth = draw_truth(session, 15);
   truth.accel_noise.N = truth.gyro_noise.N = 0;
-  const Recording recording = simulate_recording(session, session.recordings.front(), truth, 15);
+  const RigErrors table = draw_rig_errors(session, session.recordings.front(), 15);
+  const Recording recording = simulate_recording(session, session.recordings.front(), truth, 15, table);
   const TableObservations seen = observe(recording, session);
   ASSERT_EQ(seen.holds.size(), 15u);
   ASSERT_EQ(seen.turns.size(), 6u);
@@ -59,8 +60,13 @@ TEST(TableObservations, ARecordingGivesTheMeansAndSumsOfItsSteps) {
   EXPECT_NEAR(seen.holds[0].end, 9.95, 0.0101);  // five sigmas of timing are left out
   const TableMotion motion(seen, session.rigs.front(), session.site);
   VectorXd errors = motion.nominal();
-  for (std::size_t k = 0; k < motion.sources().size(); ++k)
+  for (std::size_t k = 0; k < motion.sources().size(); ++k) {
+    if (k < table.values.size()) {
+      EXPECT_EQ(motion.sources()[k].name, table.sources[k].name());
+      errors[static_cast<Index>(k)] = table.values[k];
+    }
     if (motion.sources()[k].kind == ErrorSource::Kind::gravity) errors[static_cast<Index>(k)] = truth.gravity;
+  }
   // The simulator's quadrature has 1e-10 of 3 g and 500 deg/s; a sum has 2000 samples of 10 ms.
   EXPECT_LT((readings(motion, truth.model, motion.truth(errors)) - seen.values()).cwiseAbs().maxCoeff(), 1e-8);
 }

@@ -153,7 +153,12 @@ Calibration calibrate_turntable(const TableObservations& seen, const RigDeclarat
   calibration.model.accel.raw_unit = seen.accel_unit;
   calibration.model.gyro.raw_unit = seen.gyro_unit;
   calibration.estimated = uncertainty.determined;
-  calibration.covariance = uncertainty.covariance;
+  const auto second = cleaned.fit.estimator.second_order(calibration.model, calibration.estimated);
+  for (std::size_t i = 0; i < calibration.estimated.size(); ++i) {
+    const int index = calibration.estimated[i];
+    set_coefficient(calibration.model, index, coefficient_value(calibration.model, index) - second.bias[static_cast<Index>(i)]);
+  }
+  calibration.covariance = uncertainty.covariance + second.covariance;
   for (const int index : uncertainty.undetermined) quality.unobservable.emplace_back(coefficient_table()[static_cast<std::size_t>(index)].name);
   quality.notes = seen.notes;
   quality.warnings = seen.warnings;

@@ -1,6 +1,7 @@
 #include "imulab/estimate/turntable_estimator.hpp"
 
 #include "imulab/core/statistics.hpp"
+#include "imulab/estimate/forward_model.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <Eigen/Cholesky>
@@ -18,65 +19,25 @@ using Eigen::VectorXd;
 
 namespace {
 
-// Columns of the forward model; matrices row by row.
-enum Column : Index { accel_offset = 0, accel_matrix = 3, gyro_offset = 12, gyro_matrix = 15, gyro_force = 24, turning_bias = 33, all_columns = 36 };
-
-Index column_of(const Coefficient& c) {
-  const bool accel = c.triad == Triad::accel;
-  switch (c.term) {
-    case Term::offset:
-      return (accel ? accel_offset : gyro_offset) + c.row;
-    case Term::matrix:
-      return (accel ? accel_matrix : gyro_matrix) + 3 * c.row + c.column;
-    default:
-      return gyro_force + 3 * c.row + c.column;
-  }
-}
-
-using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-
-Matrix3d matrix_at(const VectorXd& v, Index at) { return Eigen::Map<const RowMajor3>(v.data() + at); }
-
-VectorXd forward(const SensorModel& model) {
-  VectorXd v = VectorXd::Zero(all_columns);
-  const Matrix3d accel = model.accel.matrix.inverse(), gyro = model.gyro.matrix.inverse();
-  v.segment<3>(accel_offset) = -accel * model.accel.offset;
-  Eigen::Map<RowMajor3>(v.data() + accel_matrix) = accel;
-  v.segment<3>(gyro_offset) = -gyro * model.gyro.offset;
-  Eigen::Map<RowMajor3>(v.data() + gyro_matrix) = gyro;
-  Eigen::Map<RowMajor3>(v.data() + gyro_force) = gyro * model.g_sensitivity;
-  return v;
-}
-
-SensorModel backward(const VectorXd& v) {
-  SensorModel model;
-  model.accel.matrix = matrix_at(v, accel_matrix).inverse();
-  model.accel.offset = -model.accel.matrix * v.segment<3>(accel_offset);
-  model.gyro.matrix = matrix_at(v, gyro_matrix).inverse();
-  model.gyro.offset = -model.gyro.matrix * v.segment<3>(gyro_offset);
-  model.g_sensitivity = model.gyro.matrix * matrix_at(v, gyro_force);
-  return model;
-}
-
 /// How far each column may be from its start: offsets g and 1 rad/s, scales 100 %, misalignments 1e-2, g-sensitivity 1e-3 (rad/s)/(m/s^2), as in
 /// the methods without a rig. Decides only what counts as determined.
 VectorXd prior_sigma(const SensorModel& nominal) {
   const double accel = 1 / std::cbrt(std::abs(nominal.accel.matrix.determinant())), gyro = 1 / std::cbrt(std::abs(nominal.gyro.matrix.determinant()));
-  VectorXd v(all_columns);
-  v.segment<3>(accel_offset).setConstant(10 * accel);
-  v.segment<3>(gyro_offset).setConstant(gyro);
+  VectorXd v(Forward::all);
+  v.segment<3>(Forward::accel_offset).setConstant(10 * accel);
+  v.segment<3>(Forward::gyro_offset).setConstant(gyro);
   for (Index k = 0; k < 9; ++k) {
     const double part = k % 4 == 0 ? 1 : 1e-2;
-    v[accel_matrix + k] = part * accel;
-    v[gyro_matrix + k] = part * gyro;
+    v[Forward::accel_matrix + k] = part * accel;
+    v[Forward::gyro_matrix + k] = part * gyro;
   }
-  v.segment<9>(gyro_force).setConstant(1e-3 * gyro);
-  v.segment<3>(turning_bias).setConstant(gyro);
+  v.segment<9>(Forward::gyro_force).setConstant(1e-3 * gyro);
+  v.segment<3>(Forward::turning_bias).setConstant(gyro);
   return v;
 }
 
 MatrixXd design_matrix(const TableMotion& motion, const VectorXd& truth) {
-  MatrixXd x = MatrixXd::Zero(motion.rows(), all_columns);
+  MatrixXd x = MatrixXd::Zero(motion.rows(), Forward::all);
   const auto holds = static_cast<Index>(motion.holds()), parts = holds + static_cast<Index>(motion.turns());
   for (Index k = 0; k < parts; ++k) {
     const bool hold = k < holds;
@@ -86,14 +47,14 @@ MatrixXd design_matrix(const TableMotion& motion, const VectorXd& truth) {
     const Index gyro_row = hold ? 6 * k + 3 : 6 * holds + 3 * (k - holds);
     for (Index i = 0; i < 3; ++i) {
       if (hold) {
-        x(6 * k + i, accel_offset + i) = 1;
-        x.block<1, 3>(6 * k + i, accel_matrix + 3 * i) = force.transpose();
+        x(6 * k + i, Forward::accel_offset + i) = 1;
+        x.block<1, 3>(6 * k + i, Forward::accel_matrix + 3 * i) = force.transpose();
       } else {
-        x(gyro_row + i, turning_bias + i) = duration;
+        x(gyro_row + i, Forward::turning_bias + i) = duration;
       }
-      x(gyro_row + i, gyro_offset + i) = duration;
-      x.block<1, 3>(gyro_row + i, gyro_matrix + 3 * i) = rate.transpose();
-      x.block<1, 3>(gyro_row + i, gyro_force + 3 * i) = -force.transpose();
+      x(gyro_row + i, Forward::gyro_offset + i) = duration;
+      x.block<1, 3>(gyro_row + i, Forward::gyro_matrix + 3 * i) = rate.transpose();
+      x.block<1, 3>(gyro_row + i, Forward::gyro_force + 3 * i) = -force.transpose();
     }
   }
   return x;
@@ -130,16 +91,18 @@ TurntableEstimator::TurntableEstimator(const TableMotion& motion, const SensorMo
       left_out_(parts_, 0),
       start_(forward(nominal)),
       prior_(prior_sigma(nominal)),
-      nominal_errors_(motion.nominal()) {
-  const VectorXd& around = settings.around.size() > 0 ? settings.around : nominal_errors_;
-  truth_ = motion.truth(around);
+      nominal_errors_(motion.nominal()),
+      around_(settings.around.size() > 0 ? settings.around : nominal_errors_),
+      truth_(motion.truth(around_)),
+      truth_jacobian_(motion.jacobian(around_)) {
   design_ = design_matrix(motion, truth_);
-  table_jacobian_ = reading_jacobian(motion, nominal, motion.jacobian(around));
-  for (const int index : terms_) columns_.push_back(column_of(coefficient_table()[static_cast<std::size_t>(index)]));
+  table_jacobian_ = reading_jacobian(motion, nominal, truth_jacobian_);
+  for (const int index : terms_) columns_.push_back(Forward::of(coefficient_table()[static_cast<std::size_t>(index)]));
   if (settings.bias_while_turning && motion.turns() > 0)
-    for (Index k = 0; k < 3; ++k) columns_.push_back(turning_bias + k);
+    for (Index k = 0; k < 3; ++k) columns_.push_back(Forward::turning_bias + k);
 
-  MatrixXd covariance = noise_covariance(motion, noise.accel, noise.gyro);
+  noise_ = noise_covariance(motion, noise.accel, noise.gyro);
+  MatrixXd covariance = noise_;
   weight_ = covariance.diagonal().cwiseSqrt().cwiseInverse();
   for (const std::size_t part : settings.left_out) {
     left_out_[part] = 1;
@@ -156,7 +119,7 @@ TurntableEstimator::TurntableEstimator(const TableMotion& motion, const SensorMo
     if (weight_[row] == 0) covariance(row, row) = 1;
   factor_ = covariance.llt().matrixL();
   const MatrixXd weighted_table = factor_.triangularView<Eigen::Lower>().solve(MatrixXd(weight_.asDiagonal() * table));
-  error_gain_ =
+  const MatrixXd error_gain =
       table_sigma.asDiagonal() * factor_.triangularView<Eigen::Lower>().transpose().solve(weighted_table).transpose() * weight_.asDiagonal();
 
   // Normal equations in units of the prior sigmas. Undetermined: data and prior together know it no better than half its prior sigma.
@@ -170,7 +133,7 @@ TurntableEstimator::TurntableEstimator(const TableMotion& motion, const SensorMo
   for (const Index i : known) known_.push_back(columns_[static_cast<std::size_t>(i)]);
   for (const Index i : unknown) unknown_.push_back(columns_[static_cast<std::size_t>(i)]);
 
-  covariance_ = MatrixXd::Zero(all_columns, all_columns);
+  covariance_ = MatrixXd::Zero(Forward::all, Forward::all);
   for (const Index column : unknown_) covariance_(column, column) = prior_[column] * prior_[column];
   gain_.resize(static_cast<Index>(known_.size()), motion.rows());
   white_.resize(motion.rows(), static_cast<Index>(known_.size()));
@@ -193,6 +156,8 @@ TurntableEstimator::TurntableEstimator(const TableMotion& motion, const SensorMo
   VectorXd held = start_;
   for (const Index column : known_) held[column] = 0;
   base_ = gain_ * (design_ * held);
+  error_gain_ = error_gain - (error_gain * design_(Eigen::all, known_)) * gain_;
+  error_base_ = nominal_errors_ - error_gain * (design_ * held - design_(Eigen::all, known_) * base_);
 }
 
 VectorXd TurntableEstimator::solve(const VectorXd& readings) const {
@@ -204,41 +169,20 @@ VectorXd TurntableEstimator::solve(const VectorXd& readings) const {
 SensorModel TurntableEstimator::estimate(const VectorXd& readings) const { return backward(solve(readings)); }
 
 VectorXd TurntableEstimator::table_errors(const VectorXd& readings) const {
-  return nominal_errors_ + error_gain_ * (readings - design_ * solve(readings));
+  return error_base_ + error_gain_ * readings;
 }
 
 VectorXd TurntableEstimator::linearised(const VectorXd& measured) const {
-  VectorXd v = measured;
-  for (int iteration = 0; iteration < 2; ++iteration) {  // each gains an order
-    const VectorXd errors = table_errors(v);
-    const VectorXd whole = readings(motion_, without_offsets(estimate(v)), motion_.truth(errors) - truth_);
-    v = measured - (whole - table_jacobian_ * (errors - nominal_errors_));
-  }
-  return v;
-}
-
-MatrixXd TurntableEstimator::coefficient_derivatives(const SensorModel& at, const std::vector<int>& coefficients) const {
-  const VectorXd v = forward(at);
-  const Vector3d accel_at = v.segment<3>(accel_offset), gyro_at = v.segment<3>(gyro_offset);
-  const Matrix3d force_at = matrix_at(v, gyro_force);
-  MatrixXd out = MatrixXd::Zero(static_cast<Index>(coefficients.size()), all_columns);
-  for (Index column = 0; column < turning_bias; ++column) {
-    const VectorXd d = VectorXd::Unit(all_columns, column);
-    SensorModel change;  // of A1 = Fa^-1, A0 = -A1 Da, W1 = Fg^-1, W0 = -W1 Dg, C = W1 E
-    change.accel.matrix = -at.accel.matrix * matrix_at(d, accel_matrix) * at.accel.matrix;
-    change.accel.offset = -change.accel.matrix * accel_at - at.accel.matrix * d.segment<3>(accel_offset);
-    change.gyro.matrix = -at.gyro.matrix * matrix_at(d, gyro_matrix) * at.gyro.matrix;
-    change.gyro.offset = -change.gyro.matrix * gyro_at - at.gyro.matrix * d.segment<3>(gyro_offset);
-    change.g_sensitivity = change.gyro.matrix * force_at + at.gyro.matrix * matrix_at(d, gyro_force);
-    for (std::size_t i = 0; i < coefficients.size(); ++i) out(static_cast<Index>(i), column) = coefficient_value(change, coefficients[i]);
-  }
-  return out;
+  const VectorXd first_order = measured + table_jacobian_ * (around_ - nominal_errors_);
+  const VectorXd errors = table_errors(first_order);
+  const VectorXd whole = readings(motion_, without_offsets(estimate(first_order)), motion_.truth(errors) - truth_);
+  return measured - (whole - table_jacobian_ * (errors - nominal_errors_));
 }
 
 TurntableEstimator::Uncertainty TurntableEstimator::uncertainty(const SensorModel& at) const {
-  const MatrixXd derivatives = coefficient_derivatives(at, terms_);
+  const MatrixXd derivatives = backward_derivatives(at, terms_);
   const MatrixXd covariance = derivatives * covariance_ * derivatives.transpose();
-  VectorXd prior = VectorXd::Zero(all_columns);
+  VectorXd prior = VectorXd::Zero(Forward::all);
   prior(columns_) = prior_(columns_);
   const VectorXd before = (derivatives * prior.asDiagonal()).rowwise().squaredNorm();
   Uncertainty out;
@@ -254,7 +198,7 @@ TurntableEstimator::Uncertainty TurntableEstimator::uncertainty(const SensorMode
 }
 
 MatrixXd TurntableEstimator::sensitivity(const SensorModel& at, const std::vector<int>& coefficients) const {
-  return coefficient_derivatives(at, coefficients)(Eigen::all, known_) * gain_;
+  return backward_derivatives(at, coefficients)(Eigen::all, known_) * gain_;
 }
 
 VectorXd TurntableEstimator::whitened_residual(const VectorXd& readings) const {

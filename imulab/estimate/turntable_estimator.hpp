@@ -1,8 +1,5 @@
 // Generalized least squares for a turntable: everything that depends on the procedure alone is computed once, and an estimate is then one product of
 // a matrix with the readings.
-//
-// The model is fitted forwards, where it is linear:  Ua = Da + Fa f,  Ug = Dg + Fg w - E f,  a turn's sum of Ug likewise with the integrals of w and
-// f. Then A1 = Fa^-1, A0 = -A1 Da, W1 = Fg^-1, W0 = -W1 Dg, C = W1 E.
 #pragma once
 
 #include "imulab/estimate/turntable_problem.hpp"
@@ -46,6 +43,14 @@ class TurntableEstimator {
   /// d coefficient / d reading, one row for each of `coefficients`.
   Eigen::MatrixXd sensitivity(const SensorModel& at, const std::vector<int>& coefficients) const;
 
+  /// What remains of `linearised` readings beyond first order: products of the table errors that no reading shows and of the model's own errors. They
+  /// shift an estimate by `bias` (estimate less truth) and scatter it by `covariance` on top of the first order's.
+  struct SecondOrder {
+    Eigen::VectorXd bias;
+    Eigen::MatrixXd covariance;
+  };
+  SecondOrder second_order(const SensorModel& at, const std::vector<int>& coefficients) const;
+
   double chi2(const Eigen::VectorXd& readings) const;
   int degrees_of_freedom() const;
   double condition() const { return condition_; }
@@ -55,7 +60,6 @@ class TurntableEstimator {
  private:
   Eigen::VectorXd solve(const Eigen::VectorXd& readings) const;
   Eigen::VectorXd whitened_residual(const Eigen::VectorXd& readings) const;
-  Eigen::MatrixXd coefficient_derivatives(const SensorModel& at, const std::vector<int>& coefficients) const;
 
   TableMotion motion_;
   std::size_t holds_, parts_;
@@ -70,9 +74,11 @@ class TurntableEstimator {
       white_;             ///< rows x all columns; Cholesky factor of the weighted covariance; its inverse x weighted design of known_
   Eigen::MatrixXd gain_;  ///< known_ x rows
   Eigen::VectorXd base_;  ///< gain_ x what the columns held at their start explain
-  Eigen::VectorXd nominal_errors_, truth_;  ///< the latter at `around`
-  Eigen::MatrixXd table_jacobian_;          ///< rows x sources
-  Eigen::MatrixXd error_gain_;              ///< sources x rows: of a residual
+  Eigen::VectorXd nominal_errors_, around_, truth_;  ///< the latter at `around`
+  Eigen::MatrixXd truth_jacobian_, table_jacobian_;  ///< truth and readings x sources, at `around`
+  Eigen::MatrixXd noise_;                            ///< covariance of the readings without the table's errors
+  Eigen::MatrixXd error_gain_;                       ///< sources x rows: table errors found, from readings
+  Eigen::VectorXd error_base_;                       ///< table errors found at readings of zero
   Eigen::MatrixXd covariance_;              ///< of all columns, forward
   double condition_ = 0;
 };

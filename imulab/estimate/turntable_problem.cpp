@@ -1,6 +1,7 @@
 #include "imulab/estimate/turntable_problem.hpp"
 
 #include "imulab/earth/earth.hpp"
+#include "imulab/rig/rig_errors.hpp"
 #include "imulab/rig/table_attitude.hpp"
 
 #include <Eigen/LU>
@@ -17,82 +18,61 @@ using Eigen::VectorXd;
 
 namespace {
 
-enum Local { angle_error = 6, end_error = 9, timing = 10, gravity = 11, earth_north = 12, earth_up = 13 };
+constexpr int none = RigErrorIndex::none;
 
-constexpr std::array<const char*, 6> orthogonality_names{"o1", "o2", "m1", "m2", "i1", "i2"};
-
-/// A declared spread: drawn with this sigma, or known to be this.
-ErrorSource source(ErrorSource::Kind kind, std::string name, const Spread& spread) {
-  return {kind, std::move(name), spread.fixed ? spread.value : 0.0, spread.fixed ? 0.0 : spread.value};
+ErrorSource::Kind kind_of(RigErrorKind kind) {
+  switch (kind) {
+    case RigErrorKind::orthogonality:
+      return ErrorSource::Kind::orthogonality;
+    case RigErrorKind::angle:
+      return ErrorSource::Kind::angle;
+    case RigErrorKind::timing:
+      return ErrorSource::Kind::timing;
+    default:
+      return ErrorSource::Kind::zero;  // the table's tilt is levelling too
+  }
 }
 
 }  // namespace
 
-TableMotion::TableMotion(const TableObservations& plan, const RigDeclaration& rig, const Site& site) : steps_(plan.steps), holds_(plan.holds.size()) {
-  using Kind = ErrorSource::Kind;
-  const auto known = [](Kind kind, std::string name, double value) { return ErrorSource{kind, std::move(name), value, 0}; };
-  for (std::size_t k = 0; k < 6; ++k) {
-    const std::string name = fmt::format("orthogonality {}", orthogonality_names[k]);
-    const auto& given = rig.given_orthogonality[k / 2];
-    sources_.push_back(given ? known(Kind::orthogonality, name, (*given)[k % 2]) : source(Kind::orthogonality, name, rig.orthogonality));
+TableMotion::TableMotion(const TableObservations& plan, const RigDeclaration& rig, const Site& site)
+    : steps_(plan.steps), latitude_known_(site.latitude.has_value()), holds_(plan.holds.size()) {
+  const std::vector<RigErrorSource> rig_sources = rig_error_sources(rig, steps_);
+  const RigErrorIndex index = index_of(rig_sources, steps_.size());
+  for (const RigErrorSource& source : rig_sources) sources_.push_back({kind_of(source.kind), source.name(), source.known, source.sigma});
+  const int site_at = static_cast<int>(sources_.size());
+  sources_.push_back({ErrorSource::Kind::gravity, "gravity", site.gravity(), site.gravity_sigma()});
+  if (latitude_known_) {
+    sources_.push_back({ErrorSource::Kind::latitude, "latitude", *site.latitude, site.latitude_sigma.value_or(0)});
+  } else {
+    for (const char* direction : {"north", "up"})
+      sources_.push_back({ErrorSource::Kind::earth, fmt::format("earth_rate.{}", direction), 0, earth_rate});
   }
-  for (std::size_t a = 0; a < 3; ++a) {
-    const std::string name = fmt::format("zero of the {} axis", to_string(static_cast<RigAxis>(a)));
-    sources_.push_back(rig.given_zero[a] ? known(Kind::zero, name, *rig.given_zero[a]) : source(Kind::zero, name, rig.zero));
-  }
-  std::array<int, 3> in_force{};  // the angle error of each axis
-  const auto next = [&] { return static_cast<int>(sources_.size()); };
-  for (std::size_t a = 0; a < 3; ++a) {
-    in_force[a] = next();
-    sources_.push_back(source(Kind::angle, fmt::format("angle of the {} axis at the start", to_string(static_cast<RigAxis>(a))), rig.angle));
-  }
-  std::vector<std::array<int, 3>> before, after;  // by step
-  std::vector<int> duration;
-  std::array<double, 3> commanded{};
-  for (std::size_t k = 0; k < steps_.size(); ++k) {
-    const Step& step = steps_[k];
-    before.push_back(in_force);
-    const bool there_at_once = k == 0 && step.kind == StepKind::hold && step.start < 1e-9;
-    const auto moved = there_at_once ? std::array<bool, 3>{} : axes_moved(step, commanded);
-    for (std::size_t a = 0; a < 3; ++a) {
-      if (!moved[a]) continue;
-      in_force[a] = next();
-      sources_.push_back(
-          source(Kind::angle, fmt::format("angle of the {} axis from step {} on", to_string(static_cast<RigAxis>(a)), k + 1), rig.angle));
-    }
-    after.push_back(in_force);
-    duration.push_back(step.kind == StepKind::rotate ? next() : -1);
-    if (step.kind == StepKind::rotate) {
-      sources_.push_back(source(Kind::timing, fmt::format("duration of the turn in step {}", k + 1), rig.timing));
-      commanded[static_cast<std::size_t>(step.axis)] += step.angle;
-    } else {
-      commanded = step.angles;
-    }
-  }
-  const int site_at = next();
-  sources_.push_back({Kind::gravity, "gravity", site.gravity(), site.gravity_sigma()});
-  const Vector3d earth = site.latitude ? earth_rate_enu(*site.latitude) : Vector3d::Zero();
-  const double unknown = site.latitude ? 0 : earth_rate;
-  sources_.push_back({Kind::earth, "Earth's rate north", earth.y(), unknown});
-  sources_.push_back({Kind::earth, "Earth's rate up", earth.z(), unknown});
 
   const auto add = [&](std::size_t step, double begin, double end, bool rest_after) {
     Part part{step, begin, end, rest_after, {}, {}};
-    part.first.fill(-1);
-    part.second.fill(-1);
-    for (int k = 0; k < 6; ++k) part.first[static_cast<std::size_t>(k)] = k;
+    part.first.fill(none);
+    part.second.fill(none);
     const bool turns = steps_[step].kind == StepKind::rotate;
     for (std::size_t a = 0; a < 3; ++a) {
-      part.first[angle_error + a] = (turns ? before : after)[step][a];
-      part.second[angle_error + a] = static_cast<int>(6 + a);
+      for (std::size_t element = 0; element < 2; ++element) part.first[orthogonality + 2 * a + element] = index.orthogonality[a][element];
+      part.first[angle_error + a] = (turns ? index.angle_before : index.angle_after)[step][a];
+      part.second[angle_error + a] = index.zero[a];
     }
+    for (std::size_t k = 0; k < 2; ++k) part.first[tilt + k] = index.tilt[k];
     if (turns) {
       const auto axis = static_cast<std::size_t>(steps_[step].axis);
-      part.first[end_error] = after[step][axis];
-      part.second[end_error] = static_cast<int>(6 + axis);
-      part.first[timing] = duration[step];
+      part.first[end_error] = index.angle_after[step][axis];
+      part.second[end_error] = index.zero[axis];
+      part.first[timing] = index.timing[step];
     }
-    for (int k = 0; k < 3; ++k) part.first[static_cast<std::size_t>(gravity + k)] = site_at + k;
+    part.first[gravity] = site_at;
+    if (latitude_known_) {
+      part.first[latitude] = site_at + 1;
+    } else {
+      part.first[earth] = site_at + 1;
+      part.first[earth + 1] = site_at + 2;
+    }
     parts_.push_back(part);
   };
   for (const HoldObservation& hold : plan.holds) add(hold.step, hold.begin, hold.end, true);
@@ -111,21 +91,17 @@ VectorXd TableMotion::sigma() const {
   return v;
 }
 
-VectorXd TableMotion::with(const ConstantTableErrors& errors) const {
-  VectorXd v = nominal();
-  for (std::size_t k = 0; k < 6; ++k) v[static_cast<Index>(k)] = errors.orthogonality[k / 2][k % 2];
-  for (std::size_t a = 0; a < 3; ++a) v[static_cast<Index>(6 + a)] = errors.zero[a];
-  return v;
-}
-
 template <class T>
 Eigen::Matrix<T, 6, 1> TableMotion::truth_of(const Part& part, const std::array<T, locals>& e) const {
   const Step& step = steps_[part.step];
   const TableAxes<T> axes = table_axes<T>({{{e[0], e[1]}, {e[2], e[3]}, {e[4], e[5]}}});
   std::array<T, 3> angles;
   for (std::size_t a = 0; a < 3; ++a) angles[a] = step.angles[a] + e[angle_error + a];
-  const Eigen::Vector3<T> force = seen_in_body<T>(axes, angles, {T(0), T(0), e[gravity]});
-  const Eigen::Vector3<T> rate_ie = seen_in_body<T>(axes, angles, {T(0), e[earth_north], e[earth_up]});
+  using std::cos, std::sin;
+  const double w_ie = latitude_known_ ? earth_rate : 0;
+  const auto in_body = [&](const Eigen::Vector3<T>& v) { return seen_in_body<T>(axes, angles, seen_by_table<T>(e[tilt], e[tilt + 1], v)); };
+  const Eigen::Vector3<T> force = in_body({T(0), T(0), e[gravity]});
+  const Eigen::Vector3<T> rate_ie = in_body({T(0), w_ie * cos(e[latitude]) + e[earth], w_ie * sin(e[latitude]) + e[earth + 1]});
   Eigen::Matrix<T, 6, 1> out;
   if (step.kind == StepKind::hold) {
     out << force, rate_ie;
@@ -161,18 +137,45 @@ VectorXd TableMotion::truth(const VectorXd& errors) const {
   return out;
 }
 
-MatrixXd TableMotion::jacobian(const VectorXd& errors) const {
+Eigen::Matrix<double, 6, TableMotion::locals> TableMotion::local_jacobian(const Part& part, const std::array<double, locals>& value) const {
   using Jet = ceres::Jet<double, locals>;
+  std::array<Jet, locals> e;
+  for (std::size_t l = 0; l < locals; ++l) e[l] = Jet(value[l], static_cast<int>(l));
+  const Eigen::Matrix<Jet, 6, 1> truth = truth_of<Jet>(part, e);
+  Eigen::Matrix<double, 6, locals> out;
+  for (Index row = 0; row < 6; ++row) out.row(row) = truth[row].v;
+  return out;
+}
+
+MatrixXd TableMotion::jacobian(const VectorXd& errors) const {
   MatrixXd out = MatrixXd::Zero(static_cast<Index>(6 * parts_.size()), errors.size());
   for (std::size_t k = 0; k < parts_.size(); ++k) {
-    const auto value = local(parts_[k], errors);
-    std::array<Jet, locals> e;
-    for (std::size_t l = 0; l < locals; ++l) e[l] = Jet(value[l], static_cast<int>(l));
-    const Eigen::Matrix<Jet, 6, 1> truth = truth_of<Jet>(parts_[k], e);
-    for (Index row = 0; row < 6; ++row)
-      for (std::size_t l = 0; l < locals; ++l)
-        for (const int source : {parts_[k].first[l], parts_[k].second[l]})
-          if (source >= 0) out(static_cast<Index>(6 * k) + row, source) += truth[row].v[static_cast<Index>(l)];
+    const auto derivatives = local_jacobian(parts_[k], local(parts_[k], errors));
+    for (std::size_t l = 0; l < locals; ++l)
+      for (const int source : {parts_[k].first[l], parts_[k].second[l]})
+        if (source != none) out.col(source).segment<6>(static_cast<Index>(6 * k)) += derivatives.col(static_cast<Index>(l));
+  }
+  return out;
+}
+
+std::vector<MatrixXd> TableMotion::curvatures(const VectorXd& errors, const MatrixXd& weights) const {
+  // Central differences of the exact derivatives. The truth's higher derivatives are as large as its second: off by step^2, and rounding / step.
+  constexpr double step = 1e-4;
+  std::vector<MatrixXd> out(static_cast<std::size_t>(weights.rows()), MatrixXd::Zero(errors.size(), errors.size()));
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    const Part& part = parts_[k];
+    const auto weight = weights.middleCols<6>(static_cast<Index>(6 * k));
+    for (std::size_t l = 0; l < locals; ++l) {
+      if (part.first[l] == none && part.second[l] == none) continue;
+      auto more = local(part, errors), less = more;
+      more[l] += step, less[l] -= step;
+      const MatrixXd second = weight * (local_jacobian(part, more) - local_jacobian(part, less)) / (2 * step);
+      for (const int source : {part.first[l], part.second[l]})
+        for (std::size_t m = 0; m < locals && source != none; ++m)
+          for (const int other : {part.first[m], part.second[m]})
+            for (std::size_t sum = 0; sum < out.size() && other != none; ++sum)
+              out[sum](source, other) += second(static_cast<Index>(sum), static_cast<Index>(m));
+    }
   }
   return out;
 }

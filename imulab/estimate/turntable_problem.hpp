@@ -12,17 +12,11 @@ namespace imulab {
 
 /// Something that the true motion depends on and that is not known exactly.
 struct ErrorSource {
-  enum class Kind { orthogonality, zero, angle, timing, gravity, earth };
+  enum class Kind { orthogonality, zero, angle, timing, gravity, latitude, earth };
   Kind kind;
-  std::string name;  ///< "orthogonality i1", "angle of the outer axis from step 3 on"
+  std::string name;  ///< of the rig's as RigErrorSource::name; "gravity", "latitude", "earth_rate.north"
   double nominal;    ///< its known value: rad, s, m/s^2, rad/s
   double sigma;      ///< how far it may be from there; 0: known exactly
-};
-
-/// The nine constant errors of a table, by RigAxis: (o1, o2), (m1, m2), (i1, i2), and the zero errors.
-struct ConstantTableErrors {
-  std::array<std::array<double, 2>, 3> orthogonality{};
-  std::array<double, 3> zero{};
 };
 
 class TableMotion {
@@ -30,17 +24,16 @@ class TableMotion {
   /// Uses the steps and the intervals of `plan`, not its readings.
   TableMotion(const TableObservations& plan, const RigDeclaration& rig, const Site& site);
 
-  /// Six orthogonalities, three zero errors, then for each axis its angle error at the start, then one for each commanded move, the duration of each
-  /// turn, gravity, and Earth's rate north and up.
+  /// The rig's error sources, then gravity, then latitude, or where there is none Earth's rate north and up.
   const std::vector<ErrorSource>& sources() const { return sources_; }
   Eigen::VectorXd nominal() const;
   Eigen::VectorXd sigma() const;
-  /// The nominal errors with these constant ones.
-  Eigen::VectorXd with(const ConstantTableErrors& errors) const;
 
   /// Six rows a step, holds first: of a hold specific force and rate, of a turn the integrals of rate and specific force.
   Eigen::VectorXd truth(const Eigen::VectorXd& errors) const;
   Eigen::MatrixXd jacobian(const Eigen::VectorXd& errors) const;  ///< d truth / d errors
+  /// d^2 / d errors^2 of weighted sums of the truth, one for each row of `weights`.
+  std::vector<Eigen::MatrixXd> curvatures(const Eigen::VectorXd& errors, const Eigen::MatrixXd& weights) const;
 
   std::size_t holds() const { return holds_; }
   std::size_t turns() const { return parts_.size() - holds_; }
@@ -50,19 +43,21 @@ class TableMotion {
   std::size_t step(std::size_t part) const { return parts_[part].step; }
 
  private:
-  /// A part's own errors: six orthogonalities, the three axes' angle errors, that of the turning axis at the end, duration, gravity, Earth north, up.
-  static constexpr int locals = 14;
+  /// What a part's truth depends on: each is the sum of up to two sources.
+  enum Local { orthogonality = 0, tilt = 6, angle_error = 8, end_error = 11, timing = 12, gravity = 13, latitude = 14, earth = 15, locals = 17 };
   struct Part {
     std::size_t step;
     double begin, end;
     bool rest_after;
-    std::array<int, locals> first, second;  ///< the sources whose sum it is; -1 for none
+    std::array<int, locals> first, second;  ///< the sources whose sum it is; RigErrorIndex::none
   };
   template <class T>
   Eigen::Matrix<T, 6, 1> truth_of(const Part& part, const std::array<T, locals>& e) const;
   std::array<double, locals> local(const Part& part, const Eigen::VectorXd& errors) const;
+  Eigen::Matrix<double, 6, locals> local_jacobian(const Part& part, const std::array<double, locals>& e) const;
 
   std::vector<Step> steps_;
+  bool latitude_known_;
   std::vector<ErrorSource> sources_;
   std::vector<Part> parts_;  ///< holds, then turns
   std::size_t holds_ = 0;

@@ -102,6 +102,25 @@ TEST(Turntable, TheTurnsAlsoTellTheBias) {
 
 // --- Zhang's closed form (methods section 4), in his north-up-east axes ---
 
+/// The nine constant errors of a table, by RigAxis: (o1, o2), (m1, m2), (i1, i2), and the zero errors.
+struct ConstantTableErrors {
+  std::array<std::array<double, 2>, 3> orthogonality{};
+  std::array<double, 3> zero{};
+};
+
+VectorXd error_values(const TableMotion& motion, const ConstantTableErrors& errors) {
+  VectorXd values = motion.nominal();
+  for (std::size_t k = 0; k < motion.sources().size(); ++k)
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::string& name = motion.sources()[k].name;
+      const std::string axis(to_string(static_cast<RigAxis>(a)));
+      if (name == "zero." + axis) values[static_cast<Index>(k)] = errors.zero[a];
+      if (name == "orthogonality." + axis + ".1") values[static_cast<Index>(k)] = errors.orthogonality[a][0];
+      if (name == "orthogonality." + axis + ".2") values[static_cast<Index>(k)] = errors.orthogonality[a][1];
+    }
+  return values;
+}
+
 struct ClosedForm {
   Matrix3d gyro_matrix, accel_matrix;  ///< Dg, Da
   Vector3d bias;                       ///< the vector that w_ie sin L / 3 and g / 3 multiply
@@ -144,7 +163,7 @@ SensorModel predicted(const SensorModel& truth, const ConstantTableErrors& error
 std::array<double, 4> misfit(const ConstantTableErrors& errors) {
   RigDeclaration rig = table_of(0);
   const TableObservations plan = planned_observations(zhang_steps(), 0);
-  const VectorXd table = TableMotion(plan, rig, table_site()).with(errors);
+  const VectorXd table = error_values(TableMotion(plan, rig, table_site()), errors);
   const TableRun run = run_of(zhang_steps(), rig, 5, 0, table);
   const SensorModel estimate = classical_estimator(run).estimate(run.seen.values()), expected = predicted(run.truth, errors);
   return {(estimate.gyro.matrix - expected.gyro.matrix).norm(), (estimate.accel.matrix - expected.accel.matrix).norm(),

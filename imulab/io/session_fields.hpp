@@ -49,6 +49,7 @@ void describe(Fields& f, ImuDeclaration& imu) {
 template <class Fields>
 void describe(Fields& f, Site& site) {
   f.number("latitude_deg", site.latitude, within(-90, 90, unit::deg));
+  f.number("latitude_sigma_deg", site.latitude_sigma, within(0, 90, unit::deg));
   f.number("longitude_deg", site.longitude, within(-180, 360, unit::deg));
   f.number("height_m", site.height, within(-12e3, 100e3));
   f.number("gravity_mps2", site.given_gravity, within(9, 10.5));  // not 1 (g), not 980 (cm/s^2)

@@ -32,6 +32,7 @@ struct ImuDeclaration {
 
 struct Site {
   std::optional<double> latitude, longitude;  ///< rad
+  std::optional<double> latitude_sigma;       ///< rad; absent: exactly known
   std::optional<double> height;               ///< m
   std::optional<double> given_gravity;        ///< m/s^2
   std::optional<double> given_gravity_sigma;  ///< m/s^2

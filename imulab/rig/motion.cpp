@@ -2,6 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/rig/table_attitude.hpp"
 
 #include <fmt/core.h>
 
@@ -111,6 +112,33 @@ void rotate(Builder& build, const Step& step, std::size_t index, const Angles& e
   build.actual[axis] += whole;
 }
 
+/// The rig as its errors make it.
+struct ActualRig {
+  RigAxes axes;
+  Matrix3d C_nt;
+  std::vector<Angles> error_before, error_after;  ///< rad: actual less commanded angle, by step
+  std::vector<double> delay;                      ///< s: by how much each step's rotation takes longer
+};
+
+ActualRig actual_rig(const RigErrors& errors, std::size_t steps) {
+  const RigErrorIndex index = index_of(errors.sources, steps);
+  const auto value = [&](int source) { return source == RigErrorIndex::none ? 0.0 : errors.values[static_cast<std::size_t>(source)]; };
+  Orthogonality<double> orthogonality;
+  for (std::size_t a = 0; a < 3; ++a) orthogonality[a] = {value(index.orthogonality[a][0]), value(index.orthogonality[a][1])};
+  ActualRig rig{table_axes(orthogonality), table_tilt(value(index.tilt[0]), value(index.tilt[1])), {}, {}, {}};
+  for (std::size_t k = 0; k < steps; ++k) {
+    Angles before, after;
+    for (std::size_t a = 0; a < 3; ++a) {
+      before[a] = value(index.zero[a]) + value(index.angle_before[k][a]);
+      after[a] = value(index.zero[a]) + value(index.angle_after[k][a]);
+    }
+    rig.error_before.push_back(before);
+    rig.error_after.push_back(after);
+    rig.delay.push_back(value(index.timing[k]));
+  }
+  return rig;
+}
+
 }  // namespace
 
 bool MotionPiece::at_rest() const {
@@ -120,17 +148,17 @@ bool MotionPiece::at_rest() const {
 
 RigMotion rig_motion(std::span<const Step> steps, const RigErrors& errors) {
   if (steps.empty()) throw Error("there are no steps: [[step]] says what the rig does");
-  const ActualRig<double> rig = actual_rig<double>(errors.sources, errors.values, steps.size());
+  const ActualRig rig = actual_rig(errors, steps.size());
   const std::vector<Command> commands = commands_of(steps);
   Builder build;
-  build.actual = angles_before(rig, commands.front(), 0);
+  for (std::size_t a = 0; a < 3; ++a) build.actual[a] = commands.front().before[a] + rig.error_before.front()[a];
   for (std::size_t k = 0; k < steps.size(); ++k) {
     const Step& step = steps[k];
     if (step.kind == StepKind::spin) throw Error(describe(step, k) + ": a turntable's or a hand's steps are hold and rotate");
     if (step.start < build.commanded_time - same_time || step.end <= step.start)
       throw Error(fmt::format("{}: a start_s from {:g} on and a later end_s were expected", describe(step, k), build.commanded_time));
-    Angles error_change = rig.angle[k];
-    for (std::size_t a = 0; a < 3; ++a) error_change[a] -= k == 0 ? rig.start[a] : rig.angle[k - 1][a];
+    Angles error_change;
+    for (std::size_t a = 0; a < 3; ++a) error_change[a] = rig.error_after[k][a] - rig.error_before[k][a];
     if (step.kind == StepKind::hold) {
       reach(build, step, k, commands[k], error_change);
     } else {

@@ -54,7 +54,7 @@ TEST(HandHeldProcedure, RefusesWhatMakesNoSense) {
   EXPECT_THROW(hand_held_procedure({.rate_hz = 0}, 1), Error);
 }
 
-Matrix3d attitude(const std::array<double, 3>& angles) { return turntable_attitude<double>(ideal_axes(), angles); }
+Matrix3d attitude(const std::array<double, 3>& angles) { return turntable_state(ideal_axes(), {AxisState{angles[0], 0, 0}, AxisState{angles[1], 0, 0}, AxisState{angles[2], 0, 0}}).C_nb; }
 
 /// Which way body axis `axis` points: +1 up, -1 down, near 0 level.
 double up(const Step& hold, int axis) { return attitude(hold.angles)(2, axis); }

@@ -128,10 +128,7 @@ std::string RigErrorSource::name() const {
   return fmt::format("timing.{}", step + 1);
 }
 
-std::vector<RigErrorSource> rig_error_sources(const Session& session, const RecordingSource& source) {
-  const RigDeclaration* const rig = rig_of(session, source);
-  if (rig == nullptr || rig->kind != RigKind::turntable) return {};
-  const std::vector<Step> steps = steps_of(session, source);
+std::vector<RigErrorSource> rig_error_sources(const RigDeclaration& rig, std::span<const Step> steps) {
   const std::vector<Command> commands = commands_of(steps);
   std::array<bool, 3> used{};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -139,9 +136,48 @@ std::vector<RigErrorSource> rig_error_sources(const Session& session, const Reco
     for (const Command& command : commands) used[a] = used[a] || command.moves[a];
   }
   std::vector<RigErrorSource> sources;
-  add_table_errors(*rig, used, sources);
-  add_step_errors(*rig, steps, commands, used, sources);
+  add_table_errors(rig, used, sources);
+  add_step_errors(rig, steps, commands, used, sources);
   return sources;
+}
+
+std::vector<RigErrorSource> rig_error_sources(const Session& session, const RecordingSource& source) {
+  const RigDeclaration* const rig = rig_of(session, source);
+  if (rig == nullptr || rig->kind != RigKind::turntable) return {};
+  return rig_error_sources(*rig, steps_of(session, source));
+}
+
+RigErrorIndex index_of(std::span<const RigErrorSource> sources, std::size_t steps) {
+  RigErrorIndex index;
+  index.angle_before.assign(steps, index.zero);  // none
+  index.angle_after = index.angle_before;
+  index.timing.assign(steps, RigErrorIndex::none);
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const RigErrorSource& source = sources[i];
+    const int here = static_cast<int>(i);
+    switch (source.kind) {
+      case RigErrorKind::orthogonality:
+        index.orthogonality[source.axis][source.element] = here;
+        break;
+      case RigErrorKind::zero:
+        index.zero[source.axis] = here;
+        break;
+      case RigErrorKind::tilt:
+        index.tilt[source.axis] = here;
+        break;
+      case RigErrorKind::timing:
+        index.timing[source.step] = here;
+        break;
+      case RigErrorKind::angle: {  // until the axis moves again, when its next source overwrites this one
+        const bool at_start = source.step == RigErrorSource::at_start;
+        for (std::size_t k = at_start ? 0 : source.step; k < steps; ++k) {
+          index.angle_after[k][source.axis] = here;
+          if (at_start || k > source.step) index.angle_before[k][source.axis] = here;
+        }
+      }
+    }
+  }
+  return index;
 }
 
 RigErrors draw_rig_errors(const Session& session, const RecordingSource& source, std::uint64_t seed) {

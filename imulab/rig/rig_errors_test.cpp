@@ -4,9 +4,8 @@
 #include "imulab/core/units.hpp"
 #include "imulab/rig/motion.hpp"
 
-#include <ceres/jet.h>
 #include <gmock/gmock.h>
-#include <rapidcheck/gtest.h>
+#include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
@@ -15,8 +14,6 @@ namespace imulab {
 namespace {
 
 using unit::arcsec, unit::deg;
-
-double gen(double low, double high) { return low + (high - low) * (*rc::gen::inRange(0, 1000001)) * 1e-6; }
 
 Step hold(double start, double end, double outer, double middle = 0, double inner = 0) {
   Step s;
@@ -168,66 +165,6 @@ TEST(RigErrors, ARotationEndsAtItsAngleButLater) {
     EXPECT_NEAR(middle(begins + 1).angle, 99 * deg, tiny);
     EXPECT_NEAR(middle(begins + 9.2).angle, 180 * deg, tiny);
     EXPECT_EQ(m.end(), 30);
-  }
-}
-
-// The attitudes a method uses, as functions of the sources, are those the simulation goes through.
-RC_GTEST_PROP(RigErrors, AttitudesAndTurnsAreThoseOfTheMotion, ()) {
-  const Session s = table();
-  RigErrors errors{rig_error_sources(s, {}), {}};
-  for (std::size_t i = 0; i < errors.sources.size(); ++i)
-    errors.values.push_back(errors.sources[i].kind == RigErrorKind::timing ? gen(-0.05, 0.05) : gen(-0.02, 0.02));
-  const RigMotion motion = rig_motion(s.steps, errors);
-  const auto rig = actual_rig<double>(errors.sources, errors.values, s.steps.size());
-  const auto commands = commands_of(s.steps);
-  const double rounding = 1e-12;  // angles of up to 32 rad, a few hundred roundings
-  for (const std::size_t k : {0u, 2u, 3u}) {
-    const Matrix3d C_nb = body_state(motion, s.steps[k].end - 1e-9).C_nb;
-    RC_ASSERT((hold_attitude(rig, commands[k], k) - C_nb).norm() < rounding);
-  }
-  for (const std::size_t k : {1u, 4u}) {
-    const Turn<double> turn = turn_of(rig, commands[k], s.steps[k].axis, k);
-    RC_ASSERT((turn.C_nb - body_state(motion, s.steps[k].start).C_nb).norm() < rounding);
-    const Vector3d rate = body_state(motion, s.steps[k].start + 4).rate_nb_b;
-    RC_ASSERT((rate.normalized() - turn.axis_b).norm() < rounding);
-    // Ramps of 0.2 s and the rest at the commanded rate, all stretched by the delay.
-    RC_ASSERT(std::abs(rate.norm() * (s.steps[k].end - s.steps[k].start - 0.2) * (1 + turn.delay / (s.steps[k].end - s.steps[k].start)) -
-                       turn.angle) < 1e-10);
-  }
-}
-
-RC_GTEST_PROP(RigErrors, JetsGiveTheDerivativeByEverySource, ()) {
-  constexpr int n = 20;
-  using Jet = ceres::Jet<double, n>;
-  const Session s = table();
-  const auto sources = rig_error_sources(s, {});
-  ASSERT_EQ(sources.size(), static_cast<std::size_t>(n));
-  const auto commands = commands_of(s.steps);
-  std::vector<double> x(n);
-  for (double& v : x) v = *rc::gen::inRange(0, 4) == 0 ? 0.0 : gen(-0.02, 0.02);  // at zero too
-  std::vector<Jet> jets;
-  for (int i = 0; i < n; ++i) jets.emplace_back(x[static_cast<std::size_t>(i)], i);
-  const auto value = [&](const std::vector<double>& at) {
-    const auto rig = actual_rig<double>(sources, at, s.steps.size());
-    Eigen::Matrix<double, 12, 1> out;
-    const Matrix3d C = hold_attitude(rig, commands[3], 3);
-    const Turn<double> turn = turn_of(rig, commands[1], RigAxis::middle, 1);
-    out << C.reshaped(), turn.axis_b;
-    return out;
-  };
-  const auto rig = actual_rig<Jet>(sources, jets, s.steps.size());
-  const Eigen::Matrix<Jet, 3, 3> C = hold_attitude(rig, commands[3], 3);
-  const Turn<Jet> turn = turn_of(rig, commands[1], RigAxis::middle, 1);
-  const double h = 1e-5;
-  for (int i = 0; i < n; ++i) {
-    std::vector<double> more = x, less = x;
-    more[static_cast<std::size_t>(i)] += h, less[static_cast<std::size_t>(i)] -= h;
-    const auto difference = ((value(more) - value(less)) / (2 * h)).eval();
-    for (int k = 0; k < 12; ++k) {
-      const double derivative = k < 9 ? C.reshaped()(k).v(i) : turn.axis_b(k - 9).v(i);
-      // h^2 / 6 of a third derivative of order one, and rounding 1e-16 / h.
-      RC_ASSERT(std::abs(derivative - difference(k)) < 1e-9);
-    }
   }
 }
 

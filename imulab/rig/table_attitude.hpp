@@ -2,6 +2,7 @@
 // At zero angles the body frame is east-north-up; the outer axis points up, the middle axis north, the inner axis east.
 #pragma once
 
+#include "imulab/core/rotation.hpp"
 #include "imulab/recording/session.hpp"
 #include "imulab/recording/turn.hpp"
 
@@ -18,7 +19,7 @@ namespace imulab {
 template <class T>
 using Orthogonality = std::array<std::array<T, 2>, 3>;
 
-/// Unit vectors of the axes in n at zero angles, by RigAxis: (o1, o2, 1), (m1, 1, m2), (1, i1, i2), normalised.
+/// Unit vectors of the axes in the table's frame at zero angles, by RigAxis: (o1, o2, 1), (m1, 1, m2), (1, i1, i2), normalised.
 template <class T>
 using TableAxes = std::array<Eigen::Vector3<T>, 3>;
 
@@ -38,7 +39,7 @@ Eigen::Vector3<T> turned(const Eigen::Vector3<T>& axis, const T& cosine, const T
   return along + (v - along) * cosine + axis.cross(v) * sine;
 }
 
-/// C_bn v: a vector given in n as the body sees it, at the axes' actual angles (errors included) by RigAxis.
+/// C_bt v: a vector given in the table's frame as the body sees it, at the axes' actual angles (errors included) by RigAxis.
 template <class T>
 Eigen::Vector3<T> seen_in_body(const TableAxes<T>& axes, const std::array<T, 3>& angles, const Eigen::Vector3<T>& v) {
   using std::cos, std::sin;
@@ -57,12 +58,17 @@ Eigen::Vector3<T> axis_in_body(const TableAxes<T>& axes, const std::array<T, 3>&
   return out;
 }
 
-/// C_nb = R(l_outer, outer) R(l_middle, middle) R(l_inner, inner).
+/// C_nt of a table that leans by these angles [rad]: R(north, about_north) R(east, about_east).
+inline Matrix3d table_tilt(double about_east, double about_north) {
+  return rotation_about(Vector3d::UnitY(), about_north) * rotation_about(Vector3d::UnitX(), about_east);
+}
+
+/// C_tn v: a vector given in n as the leaning table sees it.
 template <class T>
-Eigen::Matrix3<T> table_attitude(const TableAxes<T>& axes, const std::array<T, 3>& angles) {
-  Eigen::Matrix3<T> C_nb;
-  for (Eigen::Index k = 0; k < 3; ++k) C_nb.row(k) = seen_in_body<T>(axes, angles, Eigen::Vector3<T>(Eigen::Vector3<T>::Unit(k))).transpose();
-  return C_nb;
+Eigen::Vector3<T> seen_by_table(const T& about_east, const T& about_north, const Eigen::Vector3<T>& v) {
+  using std::cos, std::sin;
+  const Eigen::Vector3<T> north(T(0), T(1), T(0)), east(T(1), T(0), T(0));
+  return turned<T>(east, cos(about_east), -sin(about_east), turned<T>(north, cos(about_north), -sin(about_north), v));
 }
 
 /// How a rotate step's rate runs: a trapezoid that lasts `duration` [s], each ramp a fraction of it.

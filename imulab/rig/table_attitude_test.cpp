@@ -19,11 +19,14 @@ TEST(TableAttitude, IsTheTurntables) {
   const std::array<double, 3> angles{0.3, -1.2, 2.5};
   const BodyState state =
       turntable_state({axes[0], axes[1], axes[2]}, {AxisState{angles[0], 0.1, 0}, AxisState{angles[1], 0.2, 0}, AxisState{angles[2], 0.3, 0}});
-  EXPECT_LT((table_attitude(axes, angles) - state.C_nb).norm(), 1e-14);  // rounding of a product of three rotations
+  const Matrix3d C_nt = table_tilt(0.01, -0.02);
+  for (const Vector3d& v : {Vector3d(1, 0, 0), Vector3d(0, 1, 0), Vector3d(0, 0, 1)}) {  // rounding of a product of five rotations
+    EXPECT_LT((seen_in_body(axes, angles, v) - state.C_nb.transpose() * v).norm(), 1e-14);
+    EXPECT_LT((seen_by_table(0.01, -0.02, v) - C_nt.transpose() * v).norm(), 1e-14);
+  }
   const Vector3d rate = 0.1 * axis_in_body(axes, angles, RigAxis::outer) + 0.2 * axis_in_body(axes, angles, RigAxis::middle) +
                         0.3 * axis_in_body(axes, angles, RigAxis::inner);
   EXPECT_LT((rate - state.rate_nb_b).norm(), 1e-14);
-  EXPECT_LT((table_attitude(table_axes(Orthogonality<double>{}), {0.0, 0.0, 0.0}) - Matrix3d::Identity()).norm(), 1e-15);
 }
 
 /// The integral of the sensed rate by Simpson's rule over the rig's motion.
@@ -50,9 +53,10 @@ TEST(TableAttitude, ATurnsSumIsTheIntegralOfTheRate) {
       TableSteps steps;
       steps.hold(20, {20, 40, -70}).turn(axis, degrees, 30);
       const Step& turn_step = steps.steps()[1];
-      RigErrors errors;
       const TableAxes<double> axes = table_axes(skewed);
-      errors.axes = {axes[0], axes[1], axes[2]};
+      RigErrors errors{rig_error_sources(RigDeclaration{}, steps.steps()), {}};
+      for (const RigErrorSource& source : errors.sources)
+        errors.values.push_back(source.kind == RigErrorKind::orthogonality ? skewed[source.axis][source.element] : 0);
       const RigMotion motion = rig_motion(steps.steps(), errors);
       const double begin = turn_step.start - 5;
       const TurnProfile profile = turn_profile(turn_step);
@@ -97,9 +101,7 @@ TEST(TableMotion, AnAngleErrorStaysUntilTheAxisMovesAgain) {
   std::vector<std::string> names;
   for (const ErrorSource& source : motion.sources())
     if (source.kind == ErrorSource::Kind::angle) names.push_back(source.name);
-  EXPECT_EQ(names, (std::vector<std::string>{"angle of the outer axis at the start", "angle of the middle axis at the start",
-                                             "angle of the inner axis at the start", "angle of the outer axis from step 2 on",
-                                             "angle of the middle axis from step 3 on", "angle of the outer axis from step 4 on"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"angle.outer.start", "angle.middle.start", "angle.outer.2", "angle.middle.3", "angle.outer.4"}));
 }
 
 }  // namespace

@@ -22,15 +22,6 @@ struct AxisState {
 };
 using AxisStates = std::array<AxisState, 3>;  ///< by RigAxis
 
-/// C_tb = R(l_outer, outer) R(l_middle, middle) R(l_inner, inner): the body against the table (against n, where the table stands true).
-/// T is double, or a type that carries derivatives.
-template <class T>
-Eigen::Matrix<T, 3, 3> turntable_attitude(const std::array<Eigen::Matrix<T, 3, 1>, 3>& axes, const std::array<T, 3>& angles) {
-  const Eigen::Matrix<T, 3, 3> outer = rotation_about<T>(axes[0], angles[0]), middle = rotation_about<T>(axes[1], angles[1]);
-  const Eigen::Matrix<T, 3, 3> inner = rotation_about<T>(axes[2], angles[2]);
-  return outer * (middle * inner);
-}
-
 /// Motion of the body against n, in body axes.
 struct BodyState {
   Matrix3d C_nb;
@@ -38,7 +29,7 @@ struct BodyState {
   Vector3d angular_acceleration_nb_b;  ///< rad/s^2
 };
 
-/// C_nb = C_nt turntable_attitude, and its derivatives; C_nt: how the table stands against n.
+/// C_nb = C_nt R(l_outer, outer) R(l_middle, middle) R(l_inner, inner), and its derivatives; C_nt: how the table stands against n.
 BodyState turntable_state(const RigAxes& axes, const AxisStates& states, const Matrix3d& C_nt = Matrix3d::Identity());
 
 /// What acts on an IMU at a fixed place besides the rig: Earth rate and gravity, and where its accelerometers sit.
