@@ -1,38 +1,29 @@
 // Whole turntable procedures a second at the level of rest means and turn sums (target: 30,000 on one core): Zhang's procedure with drawn table
-// errors and noise, its readings, and their calibration with an estimator built once.
-#include <benchmark/benchmark.h>
+// errors, g and noise, its readings, and their calibration to second order.
+#include "imulab/analysis/turntable_prediction.hpp"
+#include "imulab/rig/procedure.hpp"
 
-#include "tests/table_session.hpp"
+#include <benchmark/benchmark.h>
+#include <tbb/global_control.h>
 
 namespace {
 
 using namespace imulab;
 
 void turntable_procedure(benchmark::State& state) {
-  const TableObservations plan = planned_observations(zhang_steps(), 0.05);
-  const TableMotion motion(plan, table_of(2 * unit::arcsec), table_site());
-  const SensorModel truth = drawn_unit(1);
-  const RawNoise noise{raw_density(table_accel_noise, truth.accel.matrix), raw_density(table_gyro_noise, truth.gyro.matrix)};
-  TurntableSettings settings;
-  settings.terms = linear_terms();
-  const TurntableEstimator estimator(motion, truth, noise, settings);
-  const Eigen::VectorXd nominal = motion.nominal(), sigma = motion.sigma();
-  const Eigen::VectorXd noise_sigma = noise_covariance(motion, noise.accel, noise.gyro).diagonal().cwiseSqrt();
-  const RandomStream table(1, "table"), white(1, "noise");
-  std::uint64_t run = 0;
-  const auto drawn = [&](const RandomStream& draws, const Eigen::VectorXd& s) {
-    Eigen::VectorXd v(s.size());
-    draws.normals(run * static_cast<std::uint64_t>(s.size()), {v.data(), static_cast<std::size_t>(v.size())});
-    return Eigen::VectorXd(v.cwiseProduct(s));
-  };
-  for (auto _ : state) {
-    const Eigen::VectorXd seen = readings(motion, truth, motion.truth(nominal + drawn(table, sigma))) + drawn(white, noise_sigma);
-    benchmark::DoNotOptimize(estimator.estimate(state.range(0) == 0 ? seen : estimator.linearised(seen)));
-    ++run;
-  }
-  state.SetItemsProcessed(state.iterations());
+  const tbb::global_control one_core(tbb::global_control::max_allowed_parallelism, 1);
+  const TurntablePlan plan = turntable_plan(zhang_24_procedure({}));
+  const std::uint64_t runs = 10000;
+  std::uint64_t seed = 1;
+  for (auto _ : state) benchmark::DoNotOptimize(monte_carlo(plan, runs, seed++));
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(runs));
 }
+BENCHMARK(turntable_procedure)->Unit(benchmark::kMillisecond);
+
+void turntable_prediction(benchmark::State& state) {
+  const TurntablePlan plan = turntable_plan(zhang_24_procedure({}));
+  for (auto _ : state) benchmark::DoNotOptimize(predict(plan));
+}
+BENCHMARK(turntable_prediction)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-
-BENCHMARK(turntable_procedure)->ArgName("second_order")->Arg(0)->Arg(1);

@@ -141,15 +141,23 @@ TableObservations planned_observations(const std::vector<Step>& steps, double gu
   return plan;
 }
 
-TableObservations observe(const Recording& recording, const Session& session) {
-  const RigDeclaration& rig = turntable_of(session, recording.name);
+TableObservations planned_observations(const std::vector<Step>& steps, const RigDeclaration& rig) {
+  return planned_observations(steps, guard_sigmas * rig.timing.value);
+}
+
+TableObservations planned_observations(const Session& session, const std::string& recording) {
+  const RigDeclaration& rig = turntable_of(session, recording);
   RecordingSource source;
-  source.file = recording.name;
+  source.file = recording;
   source.rig = rig.name;
   const std::vector<Step> steps = steps_of(session, source);
-  if (steps.empty()) throw Error(session.file + ": [[step]]: what the table did was expected by the method turntable");
+  if (steps.empty()) throw Error(session.file + ": [[step]]: what the table does was expected");
+  return planned_observations(steps, rig);
+}
 
-  TableObservations seen = planned_observations(steps, guard_sigmas * rig.timing.value);
+TableObservations observe(const Recording& recording, const Session& session) {
+  TableObservations seen = planned_observations(session, recording.name);
+  const std::vector<Step>& steps = seen.steps;
   std::vector<Rest> rests;
   for (HoldObservation& hold : seen.holds) {
     const Range range = longest_inside(recording, hold.begin, hold.end);

@@ -50,6 +50,10 @@ const RigDeclaration& turntable_of(const Session& session, const std::string& re
 
 /// The steps' intervals alone: what a procedure will observe, before any recording. `guard`: seconds left out at both ends of a hold.
 TableObservations planned_observations(const std::vector<Step>& steps, double guard);
+/// With the guard that the table's timing asks for: five sigmas.
+TableObservations planned_observations(const std::vector<Step>& steps, const RigDeclaration& rig);
+/// Of a recording of a turntable's session. Throws Error where it has no steps.
+TableObservations planned_observations(const Session& session, const std::string& recording);
 
 /// Throws Error where the session has no steps of a turntable, Unsupported where no sample falls into them.
 TableObservations observe(const Recording& recording, const Session& session);

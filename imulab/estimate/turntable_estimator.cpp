@@ -160,23 +160,25 @@ TurntableEstimator::TurntableEstimator(const TableMotion& motion, const SensorMo
   error_base_ = nominal_errors_ - error_gain * (design_ * held - design_(Eigen::all, known_) * base_);
 }
 
-VectorXd TurntableEstimator::solve(const VectorXd& readings) const {
-  VectorXd v = start_;
-  v(known_) = gain_ * readings - base_;
+MatrixXd TurntableEstimator::solve(const MatrixXd& readings) const {
+  MatrixXd v = start_.replicate(1, readings.cols());
+  v(known_, Eigen::all) = (gain_ * readings).colwise() - base_;
   return v;
 }
 
 SensorModel TurntableEstimator::estimate(const VectorXd& readings) const { return backward(solve(readings)); }
 
-VectorXd TurntableEstimator::table_errors(const VectorXd& readings) const {
-  return error_base_ + error_gain_ * readings;
-}
+VectorXd TurntableEstimator::table_errors(const VectorXd& readings) const { return error_base_ + error_gain_ * readings; }
 
-VectorXd TurntableEstimator::linearised(const VectorXd& measured) const {
-  const VectorXd first_order = measured + table_jacobian_ * (around_ - nominal_errors_);
-  const VectorXd errors = table_errors(first_order);
-  const VectorXd whole = readings(motion_, without_offsets(estimate(first_order)), motion_.truth(errors) - truth_);
-  return measured - (whole - table_jacobian_ * (errors - nominal_errors_));
+MatrixXd TurntableEstimator::linearised(const MatrixXd& measured) const {
+  const VectorXd shift = table_jacobian_ * (around_ - nominal_errors_);
+  const MatrixXd first_order = measured.colwise() + shift;
+  const MatrixXd errors = (error_gain_ * first_order).colwise() + error_base_, columns = solve(first_order);
+  MatrixXd out = measured;
+  out.noalias() += table_jacobian_ * (errors.colwise() - nominal_errors_);
+  for (Index run = 0; run < measured.cols(); ++run)
+    out.col(run) -= readings(motion_, without_offsets(backward(columns.col(run))), motion_.truth(errors.col(run)) - truth_);
+  return out;
 }
 
 TurntableEstimator::Uncertainty TurntableEstimator::uncertainty(const SensorModel& at) const {

@@ -28,11 +28,13 @@ class TurntableEstimator {
 
   /// To first order in the table's errors.
   SensorModel estimate(const Eigen::VectorXd& readings) const;
+  /// Columns of the forward model, a run each.
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& readings) const;
   /// The most probable errors of the table and the site, as TableMotion::sources.
   Eigen::VectorXd table_errors(const Eigen::VectorXd& readings) const;
-  /// The readings less what the most probable table errors do to them beyond first order; every other function takes them as it takes readings.
-  /// At 2 arcsec nothing of it is seen; at 1 arcmin it is of the size of navigation-grade noise.
-  Eigen::VectorXd linearised(const Eigen::VectorXd& readings) const;
+  /// The readings (a run each column) less what the most probable table errors do to them beyond first order; every other function takes them as it
+  /// takes readings. At 2 arcsec nothing of it is seen; at 1 arcmin it is of the size of navigation-grade noise.
+  Eigen::MatrixXd linearised(const Eigen::MatrixXd& readings) const;
 
   /// What the readings determine, and how well.
   struct Uncertainty {
@@ -51,6 +53,11 @@ class TurntableEstimator {
   };
   SecondOrder second_order(const SensorModel& at, const std::vector<int>& coefficients) const;
 
+  /// d reading / d error of the table and the site.
+  const Eigen::MatrixXd& table_jacobian() const { return table_jacobian_; }
+  /// Covariance of the readings without the table's errors.
+  const Eigen::MatrixXd& noise() const { return noise_; }
+
   double chi2(const Eigen::VectorXd& readings) const;
   int degrees_of_freedom() const;
   double condition() const { return condition_; }
@@ -58,7 +65,6 @@ class TurntableEstimator {
   std::vector<double> log_probabilities(const Eigen::VectorXd& readings) const;
 
  private:
-  Eigen::VectorXd solve(const Eigen::VectorXd& readings) const;
   Eigen::VectorXd whitened_residual(const Eigen::VectorXd& readings) const;
 
   TableMotion motion_;

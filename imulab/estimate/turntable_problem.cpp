@@ -99,7 +99,8 @@ Eigen::Matrix<T, 6, 1> TableMotion::truth_of(const Part& part, const std::array<
   for (std::size_t a = 0; a < 3; ++a) angles[a] = step.angles[a] + e[angle_error + a];
   using std::cos, std::sin;
   const double w_ie = latitude_known_ ? earth_rate : 0;
-  const auto in_body = [&](const Eigen::Vector3<T>& v) { return seen_in_body<T>(axes, angles, seen_by_table<T>(e[tilt], e[tilt + 1], v)); };
+  const TablePose<T> pose = table_pose<T>(axes, angles);
+  const auto in_body = [&](const Eigen::Vector3<T>& v) { return seen_in_body<T>(pose, seen_by_table<T>(e[tilt], e[tilt + 1], v)); };
   const Eigen::Vector3<T> force = in_body({T(0), T(0), e[gravity]});
   const Eigen::Vector3<T> rate_ie = in_body({T(0), w_ie * cos(e[latitude]) + e[earth], w_ie * sin(e[latitude]) + e[earth + 1]});
   Eigen::Matrix<T, 6, 1> out;
@@ -109,7 +110,7 @@ Eigen::Matrix<T, 6, 1> TableMotion::truth_of(const Part& part, const std::array<
   }
   const TurnProfile profile = turn_profile(step);
   TableTurn<T> turn;
-  turn.axis_b = axis_in_body<T>(axes, angles, step.axis);
+  turn.axis_b = axis_in_body<T>(pose, step.axis);
   turn.angle = step.angle + e[end_error] - e[angle_error + static_cast<std::size_t>(step.axis)];
   turn.before = T(step.start - part.begin);
   turn.duration = profile.duration + e[timing];

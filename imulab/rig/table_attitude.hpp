@@ -39,22 +39,33 @@ Eigen::Vector3<T> turned(const Eigen::Vector3<T>& axis, const T& cosine, const T
   return along + (v - along) * cosine + axis.cross(v) * sine;
 }
 
-/// C_bt v: a vector given in the table's frame as the body sees it, at the axes' actual angles (errors included) by RigAxis.
+/// Where a table stands: its axes, and the cosines and sines of their actual angles (errors included) by RigAxis.
 template <class T>
-Eigen::Vector3<T> seen_in_body(const TableAxes<T>& axes, const std::array<T, 3>& angles, const Eigen::Vector3<T>& v) {
+struct TablePose {
+  TableAxes<T> axes;
+  std::array<T, 3> cosine, sine;
+};
+
+template <class T>
+TablePose<T> table_pose(const TableAxes<T>& axes, const std::array<T, 3>& angles) {
   using std::cos, std::sin;
+  return {axes, {cos(angles[0]), cos(angles[1]), cos(angles[2])}, {sin(angles[0]), sin(angles[1]), sin(angles[2])}};
+}
+
+/// C_bt v: a vector given in the table's frame as the body sees it.
+template <class T>
+Eigen::Vector3<T> seen_in_body(const TablePose<T>& pose, const Eigen::Vector3<T>& v) {
   Eigen::Vector3<T> out = v;
-  for (std::size_t a = 0; a < 3; ++a) out = turned<T>(axes[a], cos(angles[a]), -sin(angles[a]), out);
+  for (std::size_t a = 0; a < 3; ++a) out = turned<T>(pose.axes[a], pose.cosine[a], -pose.sine[a], out);
   return out;
 }
 
 /// The unit vector of an axis in b: an axis is fixed in the frame it carries, and turned back by the axes inside it.
 template <class T>
-Eigen::Vector3<T> axis_in_body(const TableAxes<T>& axes, const std::array<T, 3>& angles, RigAxis axis) {
-  using std::cos, std::sin;
+Eigen::Vector3<T> axis_in_body(const TablePose<T>& pose, RigAxis axis) {
   const auto own = static_cast<std::size_t>(axis);
-  Eigen::Vector3<T> out = axes[own];
-  for (std::size_t a = own + 1; a < 3; ++a) out = turned<T>(axes[a], cos(angles[a]), -sin(angles[a]), out);
+  Eigen::Vector3<T> out = pose.axes[own];
+  for (std::size_t a = own + 1; a < 3; ++a) out = turned<T>(pose.axes[a], pose.cosine[a], -pose.sine[a], out);
   return out;
 }
 

@@ -17,15 +17,16 @@ const Orthogonality<double> skewed{{{1e-2, -2e-2}, {3e-2, 1e-2}, {-1e-2, 2e-2}}}
 TEST(TableAttitude, IsTheTurntables) {
   const TableAxes<double> axes = table_axes(skewed);
   const std::array<double, 3> angles{0.3, -1.2, 2.5};
+  const TablePose<double> pose = table_pose(axes, angles);
   const BodyState state =
       turntable_state({axes[0], axes[1], axes[2]}, {AxisState{angles[0], 0.1, 0}, AxisState{angles[1], 0.2, 0}, AxisState{angles[2], 0.3, 0}});
   const Matrix3d C_nt = table_tilt(0.01, -0.02);
   for (const Vector3d& v : {Vector3d(1, 0, 0), Vector3d(0, 1, 0), Vector3d(0, 0, 1)}) {  // rounding of a product of five rotations
-    EXPECT_LT((seen_in_body(axes, angles, v) - state.C_nb.transpose() * v).norm(), 1e-14);
+    EXPECT_LT((seen_in_body(pose, v) - state.C_nb.transpose() * v).norm(), 1e-14);
     EXPECT_LT((seen_by_table(0.01, -0.02, v) - C_nt.transpose() * v).norm(), 1e-14);
   }
-  const Vector3d rate = 0.1 * axis_in_body(axes, angles, RigAxis::outer) + 0.2 * axis_in_body(axes, angles, RigAxis::middle) +
-                        0.3 * axis_in_body(axes, angles, RigAxis::inner);
+  const Vector3d rate = 0.1 * axis_in_body(pose, RigAxis::outer) + 0.2 * axis_in_body(pose, RigAxis::middle) +
+                        0.3 * axis_in_body(pose, RigAxis::inner);
   EXPECT_LT((rate - state.rate_nb_b).norm(), 1e-14);
 }
 
@@ -60,8 +61,9 @@ TEST(TableAttitude, ATurnsSumIsTheIntegralOfTheRate) {
       const RigMotion motion = rig_motion(steps.steps(), errors);
       const double begin = turn_step.start - 5;
       const TurnProfile profile = turn_profile(turn_step);
-      const TableTurn<double> turn{axis_in_body(axes, turn_step.angles, axis), turn_step.angle, 5, profile.duration, 0, profile.ramp};
-      const Vector3d rate = turn.axis_b * turn.angle + integral_in_body<double>(turn, seen_in_body<double>(axes, turn_step.angles, rate_ie_n));
+      const TablePose<double> pose = table_pose(axes, turn_step.angles);
+      const TableTurn<double> turn{axis_in_body(pose, axis), turn_step.angle, 5, profile.duration, 0, profile.ramp};
+      const Vector3d rate = turn.axis_b * turn.angle + integral_in_body<double>(turn, seen_in_body<double>(pose, rate_ie_n));
       // Simpson with steps of at most 0.25 s / 8000 ... 60 s / 8000 on harmonics of 30 deg/s: below (h w)^4 / 180 of 20 rad, 1e-11.
       EXPECT_LT((rate - integrated_rate(motion, rate_ie_n, begin, turn_step.start + profile.duration)).norm(), 1e-9) << degrees << to_string(axis);
     }

@@ -1,0 +1,60 @@
+#include "imulab/io/prediction_text.hpp"
+
+#include "imulab/model/coefficient.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace imulab {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string name_of(int index) { return std::string(coefficient_table()[static_cast<std::size_t>(index)].name); }
+
+Json to_json(const std::vector<Shortfall>& shortfalls) {
+  Json list = Json::array();
+  for (const Shortfall& s : shortfalls)
+    list.push_back({{"selector", s.requirement.selector},
+                    {"limit", s.requirement.limit},
+                    {"coefficient", name_of(s.coefficient)},
+                    {"sigma", std::isfinite(s.sigma) ? Json(s.sigma) : Json(nullptr)},
+                    {"source", s.source}});
+  return list;
+}
+
+Json to_json(const Tolerance& t) {
+  return {{"factor", t.factor ? Json(*t.factor) : Json(nullptr)}, {"unlimited", t.unlimited}, {"not_met", to_json(t.shortfalls)}};
+}
+
+}  // namespace
+
+std::string prediction_json(const TurntablePrediction& p, const std::optional<MonteCarloResult>& monte_carlo, const std::vector<Shortfall>& shortfalls,
+                            const std::vector<KnobAnswer>& answers) {
+  Json coefficients = Json::object();
+  const Eigen::VectorXd sigma = p.sigma(), first = p.first_order();
+  for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    Json budget = Json::object();
+    for (std::size_t k = 0; k < p.sources.size(); ++k) budget[p.sources[k]] = std::sqrt(p.variance(row, static_cast<Eigen::Index>(k)));
+    Json entry{{"closed_form", sigma[row]}, {"first_order", first[row]}, {"second_order", p.second_order[row]}, {"bias_taken_out", p.bias[row]}};
+    if (monte_carlo) entry["monte_carlo"] = monte_carlo->sigma[row];
+    entry["budget"] = std::move(budget);
+    coefficients[name_of(p.coefficients[i])] = std::move(entry);
+  }
+  Json undetermined = Json::array();
+  for (const int index : p.undetermined) undetermined.push_back(name_of(index));
+  Json out{{"coefficients", std::move(coefficients)}, {"undetermined", std::move(undetermined)}};
+  if (monte_carlo) out["monte_carlo_runs"] = monte_carlo->runs;
+  if (!answers.empty()) {
+    out["not_met"] = to_json(shortfalls);
+    for (const KnobAnswer& a : answers) {
+      Json& entry = out["tolerance"][std::string(to_string(a.knob))];
+      entry["others_as_declared"] = to_json(a.declared);
+      if (a.alone) entry["others_perfect"] = to_json(*a.alone);
+    }
+  }
+  return out.dump(2) + "\n";
+}
+
+}  // namespace imulab
