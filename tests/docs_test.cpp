@@ -1,8 +1,7 @@
 // The commands in the documentation work as they stand: each ```console block of README.md and docs/*.md runs in order, a page in one fresh folder.
 //
-// A line "$ command" is run by the shell with the built imulab in PATH ("> " continues it); "# exit code N" after it is what it must end with (0 where
-// nothing is said).
-// Output is illustrative, but a line that begins with "imulab: " must appear on standard error.
+// A line "$ command" is run by the shell with the built imulab in PATH ("> " continues it); "# exit code N" after it is what it must end with (0
+// where nothing is said). Output is illustrative, but a line that begins with "imulab: " must appear on standard error.
 #include <gmock/gmock.h>
 
 #include "tests/run_command.hpp"
@@ -32,7 +31,7 @@ std::vector<DocumentedCommand> commands_of(const std::string& page, const std::s
     } else if (inside && line.starts_with("$ ")) {
       commands.push_back({name + ":" + std::to_string(number), line.substr(2), 0, {}});
     } else if (inside && !commands.empty() && line.starts_with(">")) {
-      commands.back().text += "\n" + line.substr(std::min<std::size_t>(2, line.size()));
+      commands.back().text.append("\n").append(line, std::min<std::size_t>(2, line.size()));
     } else if (inside && !commands.empty() && line.starts_with("# exit code ")) {
       commands.back().exit_code = std::stoi(line.substr(12));
     } else if (inside && !commands.empty() && line.starts_with("imulab: ")) {

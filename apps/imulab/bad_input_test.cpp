@@ -118,7 +118,7 @@ TEST(BadInput, ACommandThatIsWrong) {
            {"procedure six-feet", "six-feet is not a procedure, expected one of six-position, zhang-24, cheng-path, hand-held"},
            {"simulate session", "--output is required"},
            {"simulate nowhere.toml -o out", "nowhere.toml: cannot be opened: No such file"},
-           {"compensate file session -o out.csv", "file:1: not JSON"},
+           {"compensate file session -o out.csv", "file: is empty, expected a calibration"},
        })
     expect_refused(folder, arguments, message);
   for (const char* name : {"nowhere", "out", "out.csv"}) EXPECT_FALSE(std::filesystem::exists(folder / name)) << name;

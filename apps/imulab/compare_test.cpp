@@ -7,12 +7,14 @@
 
 #include "tests/run_command.hpp"
 #include <cmath>
+#include <filesystem>
 
 namespace imulab {
 namespace {
 
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 /// The accelerometers' offsets to 10 ug and one gyro element to 2 arcsec.
 Calibration any_calibration() {
@@ -65,31 +67,119 @@ TEST_F(CompareCommand, JsonHasTheDocumentedShape) {
   EXPECT_EQ(json["coefficients"].size(), 2u);
 }
 
-TEST_F(CompareCommand, SeveralAreComparedWithTheFirst) {
-  const CommandResult table = run_imulab(folder, "compare calibration.json truth.json calibration.json");
-  EXPECT_EQ(table.exit_code, 0) << table.errors;
-  EXPECT_THAT(table.output, HasSubstr("B  truth.json"));
-  EXPECT_THAT(table.output, HasSubstr("B  calibration.json"));
-  const auto json = nlohmann::json::parse(run_imulab(folder, "compare calibration.json truth.json calibration.json --json").output);
+/// `offset_ug` from it, and as well known.
+std::string shifted(double offset_ug) {
+  Calibration c = any_calibration();
+  c.model.accel.offset.x() = offset_ug * unit::ug;
+  return calibration_text(c);
+}
+
+TEST_F(CompareCommand, SeveralStandSideBySide) {
+  folder.write("b.json", shifted(10));
+  folder.write("c.json", shifted(100));
+  const CommandResult result = run_imulab(folder, "compare calibration.json b.json c.json truth.json");
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(result.output, HasSubstr("C  c.json  (unit, static; the accelerometers' frame)\nD  truth.json  (no uncertainties"));
+  EXPECT_THAT(result.output, ContainsRegex("coefficient +A +B - A +C - A +D - A unit +B sigmas +C sigmas +D sigmas\n"));
+  // 10 and 100 ug with 14.1 ug of difference, 5 ug and 20 arcsec from the truth with A's own 10 ug and 2 arcsec
+  EXPECT_THAT(result.output, ContainsRegex("accel.offset.x +0 +10 +100 +5 ug +\\+0.7 +\\+7.1 \\* +\\+0.5\n"));
+  EXPECT_THAT(result.output, ContainsRegex("gyro.matrix.xy +0 +0 +0 +20 arcsec +\\+0.0 +\\+0.0 +\\+10.0 \\*\n"));
+  EXPECT_THAT(result.output,
+              HasSubstr("B - A: 0 of 2 coefficients differ significantly (* beyond 3.1 sigma: 1 % for all together).\n"));  // six tests
+  EXPECT_THAT(result.output, HasSubstr("C - A: 1 of 2 coefficients differ significantly"));
+  EXPECT_THAT(result.output, HasSubstr("C - A: 2 coefficients together: chi2 = 50.0"));  // 100^2 / (2 * 10^2)
+  EXPECT_THAT(result.output, HasSubstr("D - A: 1 of 2 coefficients differ significantly"));
+  // 0, 10 and 100 ug with 10 ug each: 60.67 about their mean; the truth takes no part
+  EXPECT_THAT(result.output, HasSubstr("All 3 calibrations about their weighted mean, 4 degrees of freedom: chi2 = 60.7, "));
+  EXPECT_THAT(result.output, HasSubstr("are larger than the stated uncertainties say.\nCoefficients that differ among them: accel.offset.x.\n"));
+}
+
+TEST_F(CompareCommand, OfTwoCalibrationsAndATruthThereIsNothingMoreToSay) {
+  folder.write("b.json", shifted(10));
+  const CommandResult result = run_imulab(folder, "compare truth.json calibration.json b.json");
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(result.output, Not(HasSubstr("weighted mean")));
+  const auto json = nlohmann::json::parse(run_imulab(folder, "compare truth.json calibration.json b.json --json").output);
+  EXPECT_EQ(json["comparisons"].size(), 2u);
+  EXPECT_TRUE(json["agreement"].is_null());
+}
+
+TEST_F(CompareCommand, JsonOfSeveralHasTheDocumentedShape) {
+  folder.write("b.json", shifted(10));
+  folder.write("c.json", shifted(100));
+  const CommandResult result = run_imulab(folder, "compare calibration.json b.json c.json --json");
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  const auto json = nlohmann::json::parse(result.output);
   ASSERT_EQ(json["comparisons"].size(), 2u);
-  EXPECT_EQ(json["comparisons"][1]["b"], "calibration.json");
-  EXPECT_EQ(json["comparisons"][1]["coefficients"]["gyro.matrix.xy"]["difference"], 0);
+  EXPECT_EQ(json["comparisons"][1]["a"], "calibration.json");
+  EXPECT_EQ(json["comparisons"][1]["b"], "c.json");
+  EXPECT_EQ(json["comparisons"][1]["coefficients"]["accel.offset.x"]["difference"], 100 * unit::ug);
+  const auto& joint = json["agreement"];
+  EXPECT_EQ(joint["calibrations"], 3);
+  EXPECT_EQ(joint["consistency"]["degrees_of_freedom"], 4);
+  EXPECT_EQ(joint["coefficients"]["gyro.matrix.xy"]["chi2"], 0);
+  EXPECT_NEAR(joint["coefficients"]["accel.offset.x"]["chi2"].get<double>(), 182.0 / 3, 1e-9);  // (0, 1, 10) about their mean; rounding
+  EXPECT_EQ(joint["differing"], nlohmann::json::array({"accel.offset.x"}));
+}
+
+TEST_F(CompareCommand, ReadsOneFromStandardInput) {
+  const CommandResult piped = run_shell(folder, std::string("'") + IMULAB_COMMAND + "' compare calibration.json - < truth.json");
+  EXPECT_EQ(piped.exit_code, 0) << piped.errors;
+  const CommandResult named = run_imulab(folder, "compare calibration.json truth.json");
+  std::string expected = named.output;
+  expected.replace(expected.find("truth.json"), 10, "standard input");
+  EXPECT_EQ(piped.output, expected);
 }
 
 TEST_F(CompareCommand, TwoTruthsHaveNothingToTest) {
-  const CommandResult result = run_imulab(folder, "compare truth.json truth.json");
+  folder.write("other.json", calibration_text(truth()));
+  const CommandResult result = run_imulab(folder, "compare truth.json other.json");
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_THAT(result.output, HasSubstr("nothing to test"));
 }
 
+/// The calibration with one text in its file replaced.
+std::string damaged(const std::string& from, const std::string& to) {
+  std::string text = calibration_text(any_calibration());
+  return text.replace(text.find(from), from.size(), to);
+}
+
 TEST_F(CompareCommand, WrongUseIsExplained) {
   folder.write("newer.json", "{\"format\": \"imulab.calibration/2\"}");
+  folder.write("session.json", "{\"format\": \"imulab.session/1\"}");
+  folder.write("result.json", run_imulab(folder, "compare calibration.json truth.json --json").output);
+  folder.write("empty.json", "");
+  folder.write("nan.json", damaged("1.0", "NaN"));
+  folder.write("null.json", damaged("1.0", "null"));
+  Calibration singular = any_calibration(), counts = any_calibration(), other = any_calibration();
+  singular.model.gyro.matrix.setZero();
+  counts.model.gyro.raw_unit = "count";
+  other.model.gyro.raw_unit = "rad/s";
+  folder.write("singular.json", calibration_text(singular));
+  folder.write("counts.json", calibration_text(counts));
+  folder.write("rates.json", calibration_text(other));
+  std::filesystem::create_symlink("calibration.json", folder / "link.json");
   struct Case {
     const char *arguments, *message;
   };
-  for (const Case& c : {Case{"calibration.json", "required"}, Case{"calibration.json absent.json", "imulab: absent.json: "},
-                        Case{"newer.json calibration.json",
-                             "imulab: newer.json: format: imulab.calibration/2 is a newer format; this program reads imulab.calibration/1"}}) {
+  for (const Case& c :
+       {Case{"", "imulab: CALIBRATION is required"}, Case{"calibration.json", "imulab: CALIBRATION: At least 2 required but received 1"},
+        Case{"calibration.json absent.json", "imulab: absent.json: cannot be opened: No such file"},
+        Case{"calibration.json truth.json .", "imulab: .: is not a regular file"},
+        Case{"newer.json calibration.json",
+             "imulab: newer.json: format: imulab.calibration/2 is a newer format; this program reads imulab.calibration/1"},
+        Case{"calibration.json session.json", "imulab: session.json: format: expected \"imulab.calibration/1\", found \"imulab.session/1\""},
+        Case{"calibration.json result.json", "imulab: result.json: format: missing, expected \"imulab.calibration/1\""},
+        Case{"calibration.json empty.json", "imulab: empty.json: is empty, expected a calibration"},
+        Case{"calibration.json -", "imulab: standard input: is empty, expected a calibration"},
+        Case{"calibration.json nan.json", "not JSON, expected a calibration: "}, Case{"calibration.json null.json", "expected a number, found null"},
+        Case{"calibration.json truth.json singular.json", "imulab: singular.json: model.gyro.matrix is singular"},
+        Case{"calibration.json counts.json rates.json",
+             "imulab: rates.json: gyro was calibrated from rad/s, expected count as in counts.json"},  // and the first does not say
+        Case{"calibration.json truth.json calibration.json", "imulab: calibration.json: the same file as calibration.json, expected different"},
+        Case{"calibration.json ./calibration.json", "imulab: ./calibration.json: the same file as calibration.json"},
+        Case{"calibration.json link.json", "imulab: link.json: the same file as calibration.json"},
+        Case{"- truth.json -", "imulab: -: the same file as -"}}) {
     const CommandResult result = run_imulab(folder, std::string("compare ") + c.arguments);
     EXPECT_EQ(result.exit_code, 2) << c.arguments;
     EXPECT_THAT(result.errors, HasSubstr(c.message)) << c.arguments;

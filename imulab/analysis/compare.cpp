@@ -98,6 +98,75 @@ std::vector<int> jointly_estimated(const Calibration& a, const Calibration& b, c
   return joint;
 }
 
+/// The difference from a of every coefficient of the table: in SI, and with matrices as D.
+struct Differences {
+  Eigen::VectorXd b, e, u, user_e, user_u;
+};
+
+Differences differences(const Eigen::VectorXd& a, const Eigen::MatrixXd& relative, const Calibration& b, const Eigen::MatrixXd& p) {
+  Differences out;
+  out.b = values(b.model);
+  out.e = out.b - a;
+  out.u = p.diagonal().cwiseSqrt();
+  out.user_e = relative * out.e;
+  out.user_u = (relative * p * relative.transpose()).diagonal().cwiseMax(0).cwiseSqrt();
+  return out;
+}
+
+/// The largest of each coefficient's term in any comparison: its axes share a unit.
+Eigen::VectorXd term_sizes(const std::vector<Differences>& all) {
+  Eigen::VectorXd size = Eigen::VectorXd::Zero(coefficient_count);
+  for (int i = 0; i < coefficient_count; ++i)
+    for (int k = 0; k < coefficient_count; ++k)
+      if (row_of(k).triad == row_of(i).triad && row_of(k).term == row_of(i).term)
+        for (const auto& d : all) size(i) = std::max({size(i), std::abs(d.user_e(k)), d.user_u(k)});
+  return size;
+}
+
+/// A calibration's values and covariance over the whole table.
+struct Estimate {
+  std::vector<int> estimated;
+  Eigen::VectorXd value;
+  Eigen::MatrixXd covariance;
+};
+
+/// One estimate of a coefficient less the most certain one of the same.
+struct Contrast {
+  int coefficient;
+  std::size_t estimate, base;
+};
+
+std::vector<Contrast> contrasts(const std::vector<Estimate>& estimates, int coefficient) {
+  std::vector<std::size_t> of;
+  for (std::size_t k = 0; k < estimates.size(); ++k)
+    if (holds(estimates[k].estimated, coefficient)) of.push_back(k);
+  const auto variance = [&](std::size_t k) { return estimates[k].covariance(coefficient, coefficient); };
+  std::vector<Contrast> out;
+  if (of.empty()) return out;
+  // With any other base a poor one, common to all contrasts, would hide the others' differences in rounding.
+  const std::size_t base = *std::min_element(of.begin(), of.end(), [&](std::size_t k, std::size_t l) { return variance(k) < variance(l); });
+  for (const std::size_t k : of)
+    if (k != base && variance(k) > 0) out.push_back({coefficient, k, base});
+  return out;
+}
+
+/// The contrasts are all that the estimates say beyond one truth, so this is also the estimates' chi-square about their weighted mean.
+Consistency consistency_of(const std::vector<Estimate>& estimates, const std::vector<Contrast>& all) {
+  const auto n = static_cast<Eigen::Index>(all.size());
+  Eigen::VectorXd e(n);
+  Eigen::MatrixXd p(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Contrast& c = all[static_cast<std::size_t>(i)];
+    e(i) = estimates[c.estimate].value(c.coefficient) - estimates[c.base].value(c.coefficient);
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const Contrast& d = all[static_cast<std::size_t>(j)];
+      const auto shared = [&](std::size_t k, std::size_t l) { return k == l ? estimates[k].covariance(c.coefficient, d.coefficient) : 0.0; };
+      p(i, j) = shared(c.estimate, d.estimate) - shared(c.estimate, d.base) - shared(c.base, d.estimate) + shared(c.base, d.base);
+    }
+  }
+  return consistency_of(e, p);
+}
+
 }  // namespace
 
 std::optional<double> CoefficientDifference::sigmas() const {
@@ -110,31 +179,65 @@ std::optional<double> CoefficientDifference::user_sigmas() const {
   return user_difference / *user_uncertainty;
 }
 
-Comparison compare(const Calibration& first, const Calibration& second) {
-  const Calibration a = in_accelerometer_frame(first), b = in_accelerometer_frame(second);
-  const Eigen::VectorXd value_a = values(a.model), value_b = values(b.model), e = value_b - value_a;
-  const Eigen::MatrixXd p = table_covariance(a) + table_covariance(b), relative = to_relative(a.model);
-  const Eigen::VectorXd d = relative * e, u = p.diagonal().cwiseSqrt(),
-                        user_u = (relative * p * relative.transpose()).diagonal().cwiseMax(0).cwiseSqrt();
+Comparison compare(const Calibration& a, const Calibration& b) { return compare(a, std::vector<Calibration>{b}).front(); }
 
-  Comparison out;
-  for (int i = 0; i < coefficient_count; ++i) {
-    const bool estimated = holds(a.estimated, i) || holds(b.estimated, i);
-    if (!estimated && e(i) == 0) continue;
-    const Coefficient& c = row_of(i);
-    double largest = 0;  // of the term: its axes share a unit
-    for (int k = 0; k < coefficient_count; ++k)
-      if (row_of(k).triad == c.triad && row_of(k).term == c.term) largest = std::max({largest, std::abs(d(k)), user_u(k)});
-    const UserUnit unit = user_unit(c, largest);
-    CoefficientDifference x{i, value_a(i), value_b(i), e(i), std::nullopt, d(i) / unit.size, std::nullopt, unit.name};
-    if (estimated) {
-      x.uncertainty = u(i);
-      x.user_uncertainty = user_u(i) / unit.size;
-    }
-    out.coefficients.push_back(x);
+std::vector<Comparison> compare(const Calibration& first, const std::vector<Calibration>& others) {
+  const Calibration a = in_accelerometer_frame(first);
+  const Eigen::VectorXd value_a = values(a.model);
+  const Eigen::MatrixXd p_a = table_covariance(a), relative = to_relative(a.model);
+  std::vector<Comparison> out(others.size());
+  std::vector<Calibration> b;
+  std::vector<Differences> all;
+  for (std::size_t k = 0; k < others.size(); ++k) {
+    b.push_back(in_accelerometer_frame(others[k]));
+    const Eigen::MatrixXd p = p_a + table_covariance(b[k]);
+    all.push_back(differences(value_a, relative, b[k], p));
+    const std::vector<int> joint = jointly_estimated(a, b[k], p);
+    out[k].consistency = consistency_of(all[k].e(joint), p(joint, joint));
   }
-  const std::vector<int> joint = jointly_estimated(a, b, p);
-  out.consistency = consistency_of(e(joint), p(joint, joint));
+  const Eigen::VectorXd size = term_sizes(all);
+  for (int i = 0; i < coefficient_count; ++i) {
+    bool compared = holds(a.estimated, i);
+    for (std::size_t k = 0; k < b.size(); ++k) compared = compared || holds(b[k].estimated, i) || all[k].e(i) != 0;
+    if (!compared) continue;
+    const UserUnit unit = user_unit(row_of(i), size(i));
+    for (std::size_t k = 0; k < b.size(); ++k) {
+      const Differences& d = all[k];
+      CoefficientDifference x{i, value_a(i), d.b(i), d.e(i), std::nullopt, d.user_e(i) / unit.size, std::nullopt, unit.name};
+      if (holds(a.estimated, i) || holds(b[k].estimated, i)) {
+        x.uncertainty = d.u(i);
+        x.user_uncertainty = d.user_u(i) / unit.size;
+      }
+      out[k].coefficients.push_back(x);
+    }
+  }
+  return out;
+}
+
+double significant_sigmas(std::size_t tests) {
+  return normal_quantile(1 - 0.5 * table_significance / static_cast<double>(std::max<std::size_t>(tests, 1)));
+}
+
+Agreement agreement(const std::vector<Calibration>& calibrations) {
+  Agreement out;
+  if (calibrations.empty()) return out;
+  const Eigen::MatrixXd relative = to_relative(in_accelerometer_frame(calibrations[0]).model);
+  std::vector<Estimate> si, user;
+  for (const auto& stated : calibrations) {
+    if (stated.estimated.empty()) continue;
+    const Calibration c = in_accelerometer_frame(stated);
+    si.push_back({c.estimated, values(c.model), table_covariance(c)});
+    user.push_back({c.estimated, relative * si.back().value, relative * si.back().covariance * relative.transpose()});
+  }
+  out.calibrations = static_cast<int>(si.size());
+  std::vector<Contrast> all;
+  for (int i = 0; i < coefficient_count; ++i) {
+    const std::vector<Contrast> of_i = contrasts(si, i);
+    all.insert(all.end(), of_i.begin(), of_i.end());
+    if (!of_i.empty()) out.coefficients.push_back({i, consistency_of(user, contrasts(user, i))});
+  }
+  out.consistency = consistency_of(si, all);
+  for (auto& c : out.coefficients) c.differs = c.consistency.p_value < table_significance / static_cast<double>(out.coefficients.size());
   return out;
 }
 

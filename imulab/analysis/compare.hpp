@@ -1,4 +1,6 @@
-// Two calibrations, or a calibration and the truth, coefficient by coefficient: in sigmas and in user units.
+// Calibrations of one unit, or calibrations and the truth, coefficient by coefficient: in sigmas and in user units.
+//
+// Their errors count as independent: what calibrations share (the g they were told, the table they were made on) is not taken out.
 #pragma once
 
 #include "imulab/model/calibration.hpp"
@@ -33,11 +35,32 @@ struct Consistency {
 };
 
 struct Comparison {
-  std::vector<CoefficientDifference> coefficients;  ///< in table order: those either calibration estimated, and those whose values differ
+  std::vector<CoefficientDifference> coefficients;  ///< in table order: those any calibration estimated, and those whose values differ
   Consistency consistency;
 };
 
-/// Compares b with a. Their errors count as independent; one without a covariance counts as the truth.
+/// Compares b with a. One without a covariance counts as the truth.
 Comparison compare(const Calibration& a, const Calibration& b);
+
+/// Compares each of the others with a: the same coefficients in the same user units in every comparison.
+std::vector<Comparison> compare(const Calibration& a, const std::vector<Calibration>& others);
+
+/// Of many tests of coefficients that do not differ, this is the probability that any is called significant (Bonferroni: whatever they share).
+inline constexpr double table_significance = 0.01;
+double significant_sigmas(std::size_t tests);  ///< a difference beyond this many sigmas is significant among so many tests
+
+/// Do calibrations agree with one truth? Their squared distances from its best estimate, the weighted mean under the stated covariances.
+struct Agreement {
+  struct Coefficient {
+    int index = 0;            ///< in the coefficient table
+    Consistency consistency;  ///< this one alone; of a matrix the element of M M_first^-1, as in user_difference
+    bool differs = false;     ///< significant among all coefficients' tests
+  };
+  int calibrations = 0;                   ///< those that state uncertainties; a truth has its own comparison and takes no part
+  std::vector<Coefficient> coefficients;  ///< in table order: those that two or more calibrations estimated
+  Consistency consistency;                ///< over all: (N - 1) m degrees of freedom where all N estimated the same m
+};
+
+Agreement agreement(const std::vector<Calibration>& calibrations);
 
 }  // namespace imulab

@@ -11,6 +11,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <tuple>
 
 namespace imulab {
 namespace {
@@ -229,6 +230,66 @@ TEST(Compare, ErrorsDrawnFromTheStatedCovarianceAreConsistent) {
   EXPECT_EQ(dof, 30 * runs);
   EXPECT_GT(chi2, chi_square_quantile(0.0005, dof));  // the 99.9 % band of 6000 degrees of freedom
   EXPECT_LT(chi2, chi_square_quantile(0.9995, dof));
+}
+
+TEST(Compare, SeveralHaveTheSameRowsInTheSameUnits) {
+  const Calibration a = any_calibration(3);
+  Calibration b = a, c = a;
+  b.model.accel.offset.x() += 30 * unit::ug;
+  c.model.accel.offset.y() += 50e3 * unit::ug;
+  c.model.lever_arm(0, 1) += 0.004;
+  const std::vector<Comparison> both = compare(a, std::vector{b, c});
+  ASSERT_EQ(both.size(), 2u);
+  EXPECT_EQ(both[0].coefficients.size(), 31u);
+  ASSERT_EQ(both[0].coefficients.size(), both[1].coefficients.size());
+  for (std::size_t i = 0; i < both[0].coefficients.size(); ++i) {
+    const CoefficientDifference &x = both[0].coefficients[i], &y = both[1].coefficients[i];
+    EXPECT_EQ(std::tie(x.index, x.user_unit), std::tie(y.index, y.user_unit));
+  }
+  EXPECT_NEAR(find(both[0], "accel.offset.x").user_difference, 0.03, 1e-12);  // mg, for the sake of c: 0.1 m/s^2 holds 1e-17, 1e-15 mg
+  EXPECT_NEAR(find(both[1], "accel.offset.y").user_difference, 50, 1e-9);
+  EXPECT_EQ(find(both[0], "accel.lever_arm.xy").difference, 0);
+  for (const auto& [pair, several] : {std::pair(compare(a, b), both[0]), std::pair(compare(a, c), both[1])}) {
+    EXPECT_EQ(pair.consistency.chi2, several.consistency.chi2);
+    for (const auto& d : pair.coefficients)
+      EXPECT_EQ(d.difference, find(several, coefficient_table()[static_cast<std::size_t>(d.index)].name).difference);
+  }
+}
+
+/// Zhang 2010, table 2: one ring laser unit calibrated three times, the last time on a table of arc minutes. In the table's frame.
+TEST(Compare, ZhangsCalibrationsDifferAsHisTable3Says) {
+  const auto zhang = [](const Vector3d& gyro_offset_deg_per_h, const Vector3d& accel_offset, const Matrix3d& gyro, const Matrix3d& accel) {
+    Calibration c;
+    c.frame = "rig";
+    c.model.gyro.offset = unit::deg_per_h * gyro_offset_deg_per_h;
+    c.model.accel.offset = accel_offset;
+    c.model.gyro.matrix = gyro;
+    c.model.accel.matrix = accel;
+    return c;
+  };
+  Matrix3d gyro1, gyro2, gyro3, accel1, accel2, accel3;
+  gyro1 << 1.3794e-8, 7.14e-12, -3.13e-11, -6.90e-12, 1.3787e-8, -1.54e-11, 1.33e-12, 1.97e-14, 1.3791e-8;
+  gyro2 << 1.3794e-8, 7.19e-12, -3.13e-11, -6.87e-12, 1.3787e-8, -1.54e-11, 1.33e-12, -6.00e-15, 1.3791e-8;
+  gyro3 << 1.3796e-8, 9.06e-12, -3.13e-11, -7.61e-12, 1.3788e-8, -1.94e-11, -2.04e-12, -3.11e-12, 1.3796e-8;
+  accel1 << 1.7589e-6, 4.90e-10, 1.22e-9, -3.48e-9, 1.7163e-6, 2.97e-9, -2.05e-9, 1.34e-9, 1.7516e-6;
+  accel2 << 1.7589e-6, 4.82e-10, 1.22e-9, -3.50e-9, 1.7163e-6, 2.97e-9, -2.05e-9, 1.34e-9, 1.7515e-6;
+  accel3 << 1.7586e-6, 6.34e-10, 1.20e-9, -3.52e-9, 1.7163e-6, 3.32e-9, -1.84e-9, 1.14e-9, 1.7513e-6;
+  const Calibration first = zhang({0.1114, 0.0455, -0.2141}, {-5.53e-3, 7.72e-3, -7.12e-3}, gyro1, accel1);
+  const Calibration second = zhang({0.1167, 0.0387, -0.2128}, {-5.54e-3, 7.73e-3, -7.01e-3}, gyro2, accel2);
+  const Calibration third = zhang({0.0993, 0.0402, -0.2098}, {-5.73e-3, 8.31e-3, -7.42e-3}, gyro3, accel3);
+  const std::vector<Comparison> table = compare(first, std::vector{second, third});
+  const double gyro_differences[2][3] = {{0.0053, -0.0068, 0.0013}, {-0.0120, -0.0053, 0.0043}};
+  const double accel_differences[2][3] = {{-1.74e-5, 1.18e-5, 1.04e-4}, {-2.06e-4, 5.92e-4, -2.98e-4}};
+  const double scale_differences[2][3] = {{3.53e-15, 1.31e-15, 2.93e-16}, {1.79e-12, 1.82e-12, 5.64e-12}};
+  for (const std::size_t k : {0u, 1u})
+    for (const int axis : {0, 1, 2}) {
+      const std::string letter(1, "xyz"[axis]);
+      // Half a last digit of each of the three numbers. The accelerometers' frames lie 2e-4 rad from each other, which is 2e-6 m/s^2 and
+      // 4e-5 deg/h of the offsets, and 3e-3 rad from the table's: as much again of their differences.
+      EXPECT_NEAR(find(table[k], "gyro.offset." + letter).difference / unit::deg_per_h, gyro_differences[k][axis], 1.5e-4 + 8e-5);
+      EXPECT_NEAR(find(table[k], "accel.offset." + letter).difference, accel_differences[k][axis], 1.05e-5 + 4e-6);
+      EXPECT_NEAR(find(table[k], "gyro.matrix." + letter + letter).difference, scale_differences[k][axis], 1.05e-12);
+    }
 }
 
 TEST(Compare, ASingularMatrixIsAnError) {

@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iostream>
+#include <iterator>
 #include <limits>
 
 namespace imulab {
@@ -198,6 +200,7 @@ Quality read_quality(const Field& field) {
 }
 
 void check_format(const Field& root) {
+  if (!root.has("format")) root.fail(fmt::format("format: missing, expected \"{}\"", format_name));
   const std::string format = root["format"].text();
   if (format == format_name) return;
   if (format.starts_with(format_family)) root["format"].fail(fmt::format("{} is a newer format; this program reads {}", format, format_name));
@@ -209,7 +212,8 @@ Json parse_json(std::string_view text, const std::string& file) {
     return Json::parse(text);
   } catch (const Json::parse_error& e) {
     const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(e.byte, text.size())), '\n');
-    throw Error(fmt::format("{}:{}: not JSON: {}", file, line, std::string_view(e.what()).substr(std::string_view(e.what()).find("] ") + 2)));
+    throw Error(fmt::format("{}:{}: not JSON, expected a calibration: {}", file, line,
+                            std::string_view(e.what()).substr(std::string_view(e.what()).find("] ") + 2)));
   } catch (const Json::exception& e) {
     throw Error(fmt::format("{}: not a calibration: {}", file, e.what()));
   }
@@ -218,6 +222,7 @@ Json parse_json(std::string_view text, const std::string& file) {
 }  // namespace
 
 Calibration parse_calibration(std::string_view text, const std::string& file) {
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) throw Error(file + ": is empty, expected a calibration");
   const Json json = parse_json(text, file);
   const Field root(json, file, "");
   check_format(root);
@@ -240,6 +245,9 @@ Calibration parse_calibration(std::string_view text, const std::string& file) {
   return c;
 }
 
-Calibration read_calibration(const std::filesystem::path& path) { return parse_calibration(MappedFile(path).text(), path.string()); }
+Calibration read_calibration(const std::filesystem::path& path) {
+  if (path == "-") return parse_calibration(std::string(std::istreambuf_iterator<char>(std::cin), {}), "standard input");
+  return parse_calibration(MappedFile(path).text(), path.string());
+}
 
 }  // namespace imulab

@@ -11,7 +11,7 @@
 
 namespace imulab {
 
-/// Reads calibration.json or truth.json. Throws Error naming file, field and what was expected; a newer format is refused by its name.
+/// Reads calibration.json or truth.json; "-" is standard input. Throws Error naming file, field and what was expected; a newer format is refused by its name.
 /// Top-level keys beyond the format (a truth's rig errors) are left alone.
 Calibration read_calibration(const std::filesystem::path& path);
 

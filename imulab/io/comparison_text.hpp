@@ -3,18 +3,15 @@
 
 #include "imulab/analysis/compare.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace imulab {
 
-/// A comparison and the files it is of.
-struct NamedComparison {
-  std::string a, b;
-  Comparison comparison;
-};
-
-/// One comparison as an object {"a", "b", "coefficients", "consistency"}; several as {"comparisons": [...]} of such.
-std::string comparison_json(const std::vector<NamedComparison>& comparisons);
+/// `files` are the calibrations' names: the first is a, the others one a comparison. One comparison as an object {"a", "b", "coefficients",
+/// "consistency"}; several as {"comparisons": [such objects], "agreement": {...} or null}.
+std::string comparison_json(const std::vector<std::string>& files, const std::vector<Comparison>& comparisons,
+                            const std::optional<Agreement>& agreement);
 
 }  // namespace imulab
