@@ -5,6 +5,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/frame.hpp"
+#include "imulab/model/user_unit.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -43,31 +44,6 @@ Eigen::MatrixXd to_relative(const SensorModel& a) {
     }
   }
   return t;
-}
-
-struct UserUnit {
-  std::string_view name;
-  double size;  ///< SI
-};
-
-/// The unit a person reads this coefficient's differences in; `size` is the largest of its term [SI].
-UserUnit user_unit(const Coefficient& c, double size) {
-  switch (c.term) {
-    case Term::offset:
-      if (c.triad == Triad::accel) return size < 1e4 * unit::ug ? UserUnit{"ug", unit::ug} : UserUnit{"mg", 1e3 * unit::ug};
-      return size < 1e4 * unit::deg_per_h ? UserUnit{"deg/h", unit::deg_per_h} : UserUnit{"deg/s", unit::deg};
-    case Term::matrix:
-      return c.row == c.column ? UserUnit{"ppm", unit::ppm} : UserUnit{"arcsec", unit::arcsec};
-    case Term::g_sensitivity:
-      return {"deg/h/g", unit::deg_per_h / unit::g};
-    case Term::lever_arm:
-      return {"mm", 1e-3};
-    case Term::quadratic:
-    case Term::cubic:
-    case Term::thermal:
-      break;
-  }
-  return {c.unit, 1};
 }
 
 /// Directions without variance (two coefficients that are one) cannot be tested and do not count.

@@ -92,17 +92,27 @@ VectorXd TableMotion::sigma() const {
 }
 
 template <class T>
-Eigen::Matrix<T, 6, 1> TableMotion::truth_of(const Part& part, const std::array<T, locals>& e) const {
-  const Step& step = steps_[part.step];
-  const TableAxes<T> axes = table_axes<T>({{{e[0], e[1]}, {e[2], e[3]}, {e[4], e[5]}}});
-  std::array<T, 3> angles;
-  for (std::size_t a = 0; a < 3; ++a) angles[a] = step.angles[a] + e[angle_error + a];
+struct TableMotion::Surroundings {
+  TableAxes<T> axes;
+  Eigen::Vector3<T> force, rate_ie;  ///< in the table's frame
+};
+
+template <class T>
+TableMotion::Surroundings<T> TableMotion::surroundings_of(const std::array<T, locals>& e) const {
   using std::cos, std::sin;
   const double w_ie = latitude_known_ ? earth_rate : 0;
-  const TablePose<T> pose = table_pose<T>(axes, angles);
-  const auto in_body = [&](const Eigen::Vector3<T>& v) { return seen_in_body<T>(pose, seen_by_table<T>(e[tilt], e[tilt + 1], v)); };
-  const Eigen::Vector3<T> force = in_body({T(0), T(0), e[gravity]});
-  const Eigen::Vector3<T> rate_ie = in_body({T(0), w_ie * cos(e[latitude]) + e[earth], w_ie * sin(e[latitude]) + e[earth + 1]});
+  const TableTilt<T> lean = table_tilt_of<T>(e[tilt], e[tilt + 1]);
+  return {table_axes<T>({{{e[0], e[1]}, {e[2], e[3]}, {e[4], e[5]}}}), seen_by_table<T>(lean, {T(0), T(0), e[gravity]}),
+          seen_by_table<T>(lean, {T(0), w_ie * cos(e[latitude]) + e[earth], w_ie * sin(e[latitude]) + e[earth + 1]})};
+}
+
+template <class T>
+Eigen::Matrix<T, 6, 1> TableMotion::truth_of(const Part& part, const Surroundings<T>& surroundings, const std::array<T, locals>& e) const {
+  const Step& step = steps_[part.step];
+  std::array<T, 3> angles;
+  for (std::size_t a = 0; a < 3; ++a) angles[a] = step.angles[a] + e[angle_error + a];
+  const TablePose<T> pose = table_pose<T>(surroundings.axes, angles);
+  const Eigen::Vector3<T> force = seen_in_body<T>(pose, surroundings.force), rate_ie = seen_in_body<T>(pose, surroundings.rate_ie);
   Eigen::Matrix<T, 6, 1> out;
   if (step.kind == StepKind::hold) {
     out << force, rate_ie;
@@ -134,7 +144,10 @@ std::array<double, TableMotion::locals> TableMotion::local(const Part& part, con
 
 VectorXd TableMotion::truth(const VectorXd& errors) const {
   VectorXd out(static_cast<Index>(6 * parts_.size()));
-  for (std::size_t k = 0; k < parts_.size(); ++k) out.segment<6>(static_cast<Index>(6 * k)) = truth_of<double>(parts_[k], local(parts_[k], errors));
+  if (parts_.empty()) return out;
+  const auto surroundings = surroundings_of<double>(local(parts_.front(), errors));
+  for (std::size_t k = 0; k < parts_.size(); ++k)
+    out.segment<6>(static_cast<Index>(6 * k)) = truth_of<double>(parts_[k], surroundings, local(parts_[k], errors));
   return out;
 }
 
@@ -142,7 +155,7 @@ Eigen::Matrix<double, 6, TableMotion::locals> TableMotion::local_jacobian(const 
   using Jet = ceres::Jet<double, locals>;
   std::array<Jet, locals> e;
   for (std::size_t l = 0; l < locals; ++l) e[l] = Jet(value[l], static_cast<int>(l));
-  const Eigen::Matrix<Jet, 6, 1> truth = truth_of<Jet>(part, e);
+  const Eigen::Matrix<Jet, 6, 1> truth = truth_of<Jet>(part, surroundings_of<Jet>(e), e);
   Eigen::Matrix<double, 6, locals> out;
   for (Index row = 0; row < 6; ++row) out.row(row) = truth[row].v;
   return out;

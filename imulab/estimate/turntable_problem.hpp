@@ -51,8 +51,13 @@ class TableMotion {
     bool rest_after;
     std::array<int, locals> first, second;  ///< the sources whose sum it is; RigErrorIndex::none
   };
+  /// What all parts share, from the errors of any.
   template <class T>
-  Eigen::Matrix<T, 6, 1> truth_of(const Part& part, const std::array<T, locals>& e) const;
+  struct Surroundings;
+  template <class T>
+  Surroundings<T> surroundings_of(const std::array<T, locals>& e) const;
+  template <class T>
+  Eigen::Matrix<T, 6, 1> truth_of(const Part& part, const Surroundings<T>& surroundings, const std::array<T, locals>& e) const;
   std::array<double, locals> local(const Part& part, const Eigen::VectorXd& errors) const;
   Eigen::Matrix<double, 6, locals> local_jacobian(const Part& part, const std::array<double, locals>& e) const;
 

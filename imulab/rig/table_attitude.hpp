@@ -34,9 +34,11 @@ TableAxes<T> table_axes(const Orthogonality<T>& errors) {
 
 /// v turned by the angle whose cosine and sine are given about the unit vector `axis`.
 template <class T>
-Eigen::Vector3<T> turned(const Eigen::Vector3<T>& axis, const T& cosine, const T& sine, const Eigen::Vector3<T>& v) {
-  const Eigen::Vector3<T> along = axis * axis.dot(v);
-  return along + (v - along) * cosine + axis.cross(v) * sine;
+inline Eigen::Vector3<T> turned(const Eigen::Vector3<T>& axis, const T& cosine, const T& sine, const Eigen::Vector3<T>& v) {
+  const T part = axis.dot(v) * (1.0 - cosine);
+  return {v.x() * cosine + (axis.y() * v.z() - axis.z() * v.y()) * sine + axis.x() * part,
+          v.y() * cosine + (axis.z() * v.x() - axis.x() * v.z()) * sine + axis.y() * part,
+          v.z() * cosine + (axis.x() * v.y() - axis.y() * v.x()) * sine + axis.z() * part};
 }
 
 /// Where a table stands: its axes, and the cosines and sines of their actual angles (errors included) by RigAxis.
@@ -74,12 +76,24 @@ inline Matrix3d table_tilt(double about_east, double about_north) {
   return rotation_about(Vector3d::UnitY(), about_north) * rotation_about(Vector3d::UnitX(), about_east);
 }
 
-/// C_tn v: a vector given in n as the leaning table sees it.
+/// C_tn of a leaning table, by the cosines and sines of its angles about east and north.
 template <class T>
-Eigen::Vector3<T> seen_by_table(const T& about_east, const T& about_north, const Eigen::Vector3<T>& v) {
+struct TableTilt {
+  T cosine_east, sine_east, cosine_north, sine_north;
+};
+
+template <class T>
+TableTilt<T> table_tilt_of(const T& about_east, const T& about_north) {
   using std::cos, std::sin;
-  const Eigen::Vector3<T> north(T(0), T(1), T(0)), east(T(1), T(0), T(0));
-  return turned<T>(east, cos(about_east), -sin(about_east), turned<T>(north, cos(about_north), -sin(about_north), v));
+  return {cos(about_east), sin(about_east), cos(about_north), sin(about_north)};
+}
+
+/// C_tn v = R(east, -about_east) R(north, -about_north) v: a vector given in n as the leaning table sees it.
+template <class T>
+Eigen::Vector3<T> seen_by_table(const TableTilt<T>& tilt, const Eigen::Vector3<T>& v) {
+  const T up = tilt.sine_north * v.x() + tilt.cosine_north * v.z();
+  return {tilt.cosine_north * v.x() - tilt.sine_north * v.z(), tilt.cosine_east * v.y() + tilt.sine_east * up,
+          tilt.cosine_east * up - tilt.sine_east * v.y()};
 }
 
 /// How a rotate step's rate runs: a trapezoid that lasts `duration` [s], each ramp a fraction of it.

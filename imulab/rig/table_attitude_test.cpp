@@ -23,7 +23,7 @@ TEST(TableAttitude, IsTheTurntables) {
   const Matrix3d C_nt = table_tilt(0.01, -0.02);
   for (const Vector3d& v : {Vector3d(1, 0, 0), Vector3d(0, 1, 0), Vector3d(0, 0, 1)}) {  // rounding of a product of five rotations
     EXPECT_LT((seen_in_body(pose, v) - state.C_nb.transpose() * v).norm(), 1e-14);
-    EXPECT_LT((seen_by_table(0.01, -0.02, v) - C_nt.transpose() * v).norm(), 1e-14);
+    EXPECT_LT((seen_by_table(table_tilt_of(0.01, -0.02), v) - C_nt.transpose() * v).norm(), 1e-14);
   }
   const Vector3d rate = 0.1 * axis_in_body(pose, RigAxis::outer) + 0.2 * axis_in_body(pose, RigAxis::middle) +
                         0.3 * axis_in_body(pose, RigAxis::inner);
