@@ -16,7 +16,7 @@ namespace {
 
 /// Section 3.1: the white noise is that of a position's mean of a minute. The constant of a run is taken out of the printed biases below.
 TurntablePlan setting_of_table_1() {
-  TurntableOptions options;
+  TableProcedureOptions options;
   options.latitude = 28 * unit::deg;
   Session procedure = zhang_24_procedure(options);
   RigDeclaration& rig = procedure.rigs.front();
