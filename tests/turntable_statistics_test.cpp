@@ -82,15 +82,7 @@ void expect_accepted(const std::vector<Step>& steps, double sigma) {
 TEST(TurntableStatistics, UncertaintiesHoldOnATableOfTwoArcseconds) { expect_accepted(zhang_steps(), 2 * unit::arcsec); }
 TEST(TurntableStatistics, UncertaintiesHoldOnATableOfOneArcminute) { expect_accepted(zhang_steps(), 60 * unit::arcsec); }
 
-/// An odd procedure: slanted attitudes, turns in different attitudes and through odd angles, no turn undone, one turn without a rest after it.
-TEST(TurntableStatistics, UncertaintiesHoldOnAnOddProcedure) {
-  TableSteps steps;
-  steps.hold(40, {10, 20, 30}).turn(RigAxis::inner, 1000).hold(30, {10, 20, 1030}).hold(50, {100, -70, 200}).turn(RigAxis::middle, -700, 25);
-  steps.hold(20, {100, -770, 200}).turn(RigAxis::outer, 1234, 17).turn(RigAxis::inner, -500).hold(40, {1334, -770, -300}).hold(30, {0, 90, 0});
-  steps.turn(RigAxis::inner, 720).hold(30, {0, 90, 720}).hold(30, {0, 0, 90}).hold(30, {0, 0, -90}).hold(30, {45, 180, 0}).hold(30, {45, -90, 45});
-  steps.turn(RigAxis::outer, -900).hold(30, {-855, -90, 45});
-  expect_accepted(steps.steps(), 20 * unit::arcsec);
-}
+TEST(TurntableStatistics, UncertaintiesHoldOnAnOddProcedure) { expect_accepted(odd_steps(), 20 * unit::arcsec); }
 
 }  // namespace
 }  // namespace imulab
