@@ -77,7 +77,8 @@ void Strapdown::step(std::span<const Increment> samples, double interval, std::o
 void Strapdown::advance(const BodyStep& body, double interval) {
   NavigationState& s = state_;
   const double half = interval / 2;
-  const Vector3d pushed = s.q_nb.toRotationMatrix() * body.velocity;  // in the axes of the start
+  const Eigen::Matrix3d C_nb = s.q_nb.toRotationMatrix();
+  const Vector3d pushed = C_nb * body.velocity;  // in the axes of the start
 
   // The middle.
   Vector3d middle = s.velocity + half * slow_ + pushed / 2;
@@ -86,9 +87,10 @@ void Strapdown::advance(const BodyStep& body, double interval) {
   const Vector3d transport = earth_.transport_rate(middle);
   const Vector3d turn = interval * (earth_.rate + transport);  // of east-north-up against inertial space
 
-  // Velocity: n turns while the force acts, by half of its turn on the average.
+  // Velocity: n turns while the force acts, by half of its turn on the average; a force that turns with the body weighs the later part more.
+  const Vector3d turned = turn.cross(pushed / 2 + (C_nb * body.rotation - 2 * turn).cross(pushed) / 12);
   slow_ = earth_.gravity - (2 * earth_.rate + transport).cross(middle);
-  Vector3d end = s.velocity + pushed - turn.cross(pushed) / 2 + interval * slow_;
+  Vector3d end = s.velocity + pushed - turned + interval * slow_;
   if (options_.vertical == VerticalChannel::fixed) end.z() = 0;
 
   // Position with the mean velocity; attitude C_nb <- exp(-turn) C_nb exp(rotation).

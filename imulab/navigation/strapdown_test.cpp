@@ -114,7 +114,8 @@ TEST(Strapdown, AtRestTheSwingHasSchulersPeriodAtTheEquator) {
 }
 
 TEST(Strapdown, AFreeVerticalChannelDivergesAsItsClosedForm) {
-  // h'' = k^2 h, k^2 the fall of gravity with height: h = h0 cosh(kt). 0.1 %: what the horizontal channels feed back through Coriolis.
+  // h'' = k^2 h, k^2 the fall of gravity with height: h = h0 cosh(kt). 0.5 %: what the horizontal channels feed back
+  // through Coriolis, up to (2 w_ie/k)^2 = 0.7 % of k^2.
   Kinematics k;
   k.latitude = 0.6;
   const BodyMotion motion = body_motion(k);
@@ -123,7 +124,7 @@ TEST(Strapdown, AFreeVerticalChannelDivergesAsItsClosedForm) {
   Strapdown strapdown(navigation_state(k));
   for (int i = 0; i < 1800; ++i) strapdown.step(Increment{motion.rate_ib_b, motion.force_b}, 1);
   const double expected = std::cosh(std::sqrt(fall) * 1800);
-  EXPECT_NEAR(strapdown.state().height, expected, 1e-3 * expected);
+  EXPECT_NEAR(strapdown.state().height, expected, 5e-3 * expected);
 }
 
 TEST(Strapdown, AFixedVerticalChannelKeepsItsHeight) {
