@@ -179,6 +179,10 @@ void print_answers(const TurntablePlan& plan, const std::vector<Shortfall>& miss
   fmt::print("\nWhat meets every requirement:\n");
   for (const KnobAnswer& a : answers) {
     fmt::print("  {}\n", title(a.knob));
+    if (a.knob == Knob::timing && plan.observations.turns.empty()) {
+      fmt::print("    the procedure has no turns\n");
+      continue;
+    }
     if (a.alone) fmt::print("    all else perfect      {}\n", answer(a.knob, *a.alone));
     fmt::print("    {}{}\n", a.alone ? "all else as declared  " : "", answer(a.knob, a.declared));
   }
