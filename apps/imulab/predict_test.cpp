@@ -195,17 +195,6 @@ TEST_F(PredictCommand, AnswersTheInverseQuestion) {
   EXPECT_THAT(never.errors, HasSubstr("imulab: the requirements are not met with this procedure, not even with a hundredth of "));
 }
 
-TEST_F(PredictCommand, ATableWithoutDeclaredErrorsIsScaledFromOneArcsecond) {
-  std::string text = with("timing_sigma_ms = 10\n", "");
-  for (const char* key : {"angle_sigma_arcsec = 2\n", "orthogonality_sigma_arcsec = 2\n", "zero_sigma_arcsec = 2\n"})
-    text.erase(text.find(key), std::string(key).size());
-  folder.write("exact.toml", text);
-  const CommandResult result = run_imulab(folder, "predict exact.toml --runs 0 --require 'gyro.matrix.off_diagonal <= 5 arcsec'");
-  EXPECT_EQ(result.exit_code, 0) << result.errors;
-  EXPECT_THAT(result.output, ContainsRegex("3.[0-9]+ x declared: angle, orthogonality, zero 3.[0-9]+ arcsec\n"));
-  EXPECT_THAT(result.output, HasSubstr("Where no error is declared, factors are those of 1 arcsec and 1 ms.\n"));
-}
-
 TEST_F(PredictCommand, WhatTheProcedureLeavesOpenIsNamedAndTheRestPrinted) {
   folder.write("open.toml", std::string(head) +
                                 "[[step]]\nkind = \"hold\"\nduration_s = 60\n[[step]]\nkind = \"hold\"\ninner_deg = 90\nduration_s = 60\n"
