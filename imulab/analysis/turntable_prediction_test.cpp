@@ -115,6 +115,20 @@ TEST(TurntablePrediction, SharesMakeUpTheStatedCovariance) {
   }
 }
 
+/// The default weights reach the bound; the classical ones do not, where the table's errors differ from reading to reading.
+TEST(TurntablePrediction, ClassicalWeightsAreNoBetterThanTheBound) {
+  TurntablePlan plan = plan_of(odd_steps(), 20 * unit::arcsec);
+  plan.gyro_noise.turn_on.value = 0.003 * unit::deg_per_h;
+  const TurntablePrediction best = predict(plan);
+  plan.classical = true;
+  const TurntablePrediction classical = predict(plan);
+  ASSERT_EQ(classical.coefficients, best.coefficients);
+  const Eigen::ArrayXd ratio = classical.first_order().array() / classical.cramer_rao.array();
+  EXPECT_GT(ratio.minCoeff(), 1 - 1e-6);  // rounding
+  EXPECT_GT(ratio.maxCoeff(), 2);
+  for (Index i = 0; i < ratio.size(); ++i) EXPECT_NEAR(classical.cramer_rao[i] / best.first_order()[i], 1, 1e-6);
+}
+
 /// A bias that is constant in the recording is an error of the offset and of nothing else.
 TEST(TurntablePrediction, ATurnOnBiasAddsItsSquareToTheOffsets) {
   TurntablePlan plan = zhang(2 * unit::arcsec);
