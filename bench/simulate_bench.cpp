@@ -9,9 +9,8 @@ namespace {
 
 using namespace imulab;
 
-void simulate(benchmark::State& state, const HandHeldOptions& options, NoiseTerms noise = NoiseTerms::white) {
+void simulate(benchmark::State& state, Session session, NoiseTerms noise) {
   const oneapi::tbb::global_control one_thread(oneapi::tbb::global_control::max_allowed_parallelism, 1);
-  Session session = hand_held_procedure(options, 1);
   session.imu.grade = "tactical";  // all terms: Q as well
   session.imu.noise = noise;
   const Truth truth = draw_truth(session, 1);
@@ -24,15 +23,15 @@ void simulate(benchmark::State& state, const HandHeldOptions& options, NoiseTerm
   state.SetItemsProcessed(static_cast<std::int64_t>(samples));
 }
 
-void rests(benchmark::State& state) { simulate(state, {.poses = 1, .first_rest = 1000}); }
-void moves(benchmark::State& state) { simulate(state, {.poses = 500, .first_rest = 0.01, .rest = 0.01}); }
+Session at_rest() { return hand_held_procedure({.poses = 1, .first_rest = 1000}, 1); }
+Session moving() { return hand_held_procedure({.poses = 500, .first_rest = 0.01, .rest = 0.01}, 1); }
+Session on_a_table() { return zhang_24_procedure({}); }
 
-void rests_full(benchmark::State& state) { simulate(state, {.poses = 1, .first_rest = 1000}, NoiseTerms::full); }
-void moves_full(benchmark::State& state) { simulate(state, {.poses = 500, .first_rest = 0.01, .rest = 0.01}, NoiseTerms::full); }
-
-BENCHMARK(rests);
-BENCHMARK(moves);
-BENCHMARK(rests_full);
-BENCHMARK(moves_full);
+BENCHMARK_CAPTURE(simulate, rests, at_rest(), NoiseTerms::white);
+BENCHMARK_CAPTURE(simulate, moves, moving(), NoiseTerms::white);
+BENCHMARK_CAPTURE(simulate, turntable, on_a_table(), NoiseTerms::white);
+BENCHMARK_CAPTURE(simulate, rests_full, at_rest(), NoiseTerms::full);
+BENCHMARK_CAPTURE(simulate, moves_full, moving(), NoiseTerms::full);
+BENCHMARK_CAPTURE(simulate, turntable_full, on_a_table(), NoiseTerms::full);
 
 }  // namespace

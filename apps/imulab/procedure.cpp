@@ -39,9 +39,9 @@ void add_hand_held(CLI::App& verb) {
   hand_held->callback([a] { write(a->output, hand_held_procedure(a->options, a->seed)); });
 }
 
-void add_turntable(CLI::App& verb, const char* name, const char* about, Session (*procedure)(const TurntableOptions&)) {
+void add_turntable(CLI::App& verb, const char* name, const char* about, Session (*procedure)(const TableProcedureOptions&)) {
   struct Arguments {
-    TurntableOptions options;
+    TableProcedureOptions options;
     std::string output = "-";
   };
   const auto a = std::make_shared<Arguments>();

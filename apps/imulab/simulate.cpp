@@ -2,6 +2,7 @@
 
 #include "apps/imulab/command.hpp"
 #include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
 #include "imulab/io/calibration_file.hpp"
 #include "imulab/io/file.hpp"
 #include "imulab/io/recording_file.hpp"
@@ -121,6 +122,7 @@ Calibration truth_calibration(const Session& session, const Truth& truth, std::u
   c.quality.notes = {fmt::format("seed {}", seed), fmt::format("gravity {} m/s^2", truth.gravity),
                      fmt::format("accelerometer noise {} m/s^2/sqrt(Hz)", truth.accel_noise.N),
                      fmt::format("gyro noise {} rad/s/sqrt(Hz)", truth.gyro_noise.N)};
+  if (truth.latitude) c.quality.notes.push_back(fmt::format("latitude {} deg", *truth.latitude / unit::deg));
   return c;
 }
 

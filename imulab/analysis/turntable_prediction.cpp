@@ -33,11 +33,24 @@ constexpr std::array<std::pair<ErrorSource::Kind, const char*>, 7> table_sources
                                                                                   {ErrorSource::Kind::latitude, "latitude"},
                                                                                   {ErrorSource::Kind::earth, "earth rate"}}};
 
+/// Holds that a turn's sum reaches into.
+std::vector<std::size_t> rests_of_turns(const TableMotion& motion) {
+  std::vector<std::size_t> out;
+  for (std::size_t hold = 0; hold < motion.holds(); ++hold) {
+    bool shared = false;
+    for (std::size_t turn = motion.holds(); turn < motion.holds() + motion.turns(); ++turn)
+      shared = shared || (motion.begin(turn) < motion.end(hold) && motion.begin(hold) < motion.end(turn));
+    if (shared) out.push_back(hold);
+  }
+  return out;
+}
+
 TurntableEstimator estimator_of(const TurntablePlan& plan, const TableMotion& motion) {
   TurntableSettings settings;
   settings.terms = plan.terms;
   settings.table_errors = !plan.classical;
   settings.bias_while_turning = plan.classical;
+  if (plan.classical) settings.left_out = rests_of_turns(motion);
   const Matrix3d identity = Matrix3d::Identity();
   return {motion, {}, {raw_density(plan.accel_noise.N, identity), raw_density(plan.gyro_noise.N, identity)}, settings};
 }

@@ -20,7 +20,8 @@ struct TurntablePlan {
   Site site;
   NoiseModel accel_noise, gyro_noise;  ///< N and turn_on count
   std::vector<int> terms;              ///< what the calibration estimates, table indices
-  bool classical = false;  ///< weights from the sensors' noise alone and the gyros' bias in turns apart: Zhang's formulas on his procedure
+  /// Zhang's formulas on his procedure: weights from the sensors' noise alone, the gyros' bias in turns apart, and the rests of turns only in their sums.
+  bool classical = false;
 };
 
 /// Of the procedure's only recording. Offsets and matrices, and g-sensitivity where the grade has it. Throws Error where the procedure is not one of

@@ -81,7 +81,15 @@ double largest_share(const TurntablePrediction& p, const char* source) {
 
 /// Classical weights: the default finds the latitude from the holds, and nothing of it is left.
 TEST(TurntablePrediction, AgreesWithMonteCarloWithAnUncertainLatitudeAndTurnOnBiases) {
-  TurntablePlan plan = plan_of(odd_steps(), 20 * unit::arcsec);
+  std::vector<Step> steps = odd_steps();
+  for (const auto& [middle, inner] : {std::pair{90.0, 0.0}, {-90.0, 0.0}, {0.0, 0.0}, {180.0, 0.0}, {0.0, 90.0}, {0.0, -90.0}}) {  // away from turns
+    Step hold;
+    hold.start = steps.back().end + 10;
+    hold.end = hold.start + 30;
+    hold.angles = {20 * unit::deg, middle * unit::deg, inner * unit::deg};
+    steps.push_back(hold);
+  }
+  TurntablePlan plan = plan_of(steps, 20 * unit::arcsec);
   plan.site.latitude_sigma = 0.1 * unit::deg;
   plan.gyro_noise.turn_on.value = 0.003 * unit::deg_per_h;
   plan.accel_noise.turn_on.value = 60 * unit::ug;

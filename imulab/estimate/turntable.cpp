@@ -114,7 +114,7 @@ void judge_residuals(const TurntableFit& fit, const std::string& worst, Quality&
     doubts.push_back("the residuals exceed the declared noise and table errors");
   } else if (chi_square_tail(fit.chi2, quality.degrees_of_freedom) > 1 - by_chance) {
     quality.warnings.push_back(
-        fmt::format("the residuals are only {:.3g} times what the noise and the declared table errors explain: the table may be better than declared",
+        fmt::format("the residuals are only {:.3g} times what the noise and the declared table errors explain: the table is better than declared, or the samples' noise is not white (quantisation averages out faster; declare the densities)",
                     std::sqrt(quality.chi2_per_dof)));
   }
 }

@@ -72,7 +72,7 @@ constexpr double acceleration = default_acceleration_dps2 * unit::deg;
 /// Writes steps one after the other, in whole degrees.
 class Table {
  public:
-  Table(std::string name, const TurntableOptions& o) : options_(o) {
+  Table(std::string name, const TableProcedureOptions& o) : options_(o) {
     if (!(o.rest > 0 && o.turn_rate > 0 && o.rate_hz > 0)) throw Error(name + ": rest, turn_rate and rate_hz above 0 were expected");
     if (o.turns < 1) throw Error(name + ": at least one turn was expected");
     session_.imu.name = std::move(name);
@@ -118,7 +118,7 @@ class Table {
     return step;
   }
 
-  TurntableOptions options_;
+  TableProcedureOptions options_;
   Session session_;
   double time_ = 0;
   std::array<double, 3> degrees_{};
@@ -126,14 +126,14 @@ class Table {
 
 }  // namespace
 
-Session six_position_procedure(const TurntableOptions& options) {
+Session six_position_procedure(const TableProcedureOptions& options) {
   Table table("six-position", options);
   for (const auto& [middle, inner] : {std::pair{0.0, 0.0}, {0.0, 90.0}, {90.0, 0.0}, {0.0, 180.0}, {0.0, -90.0}, {-90.0, 0.0}})
     table.rest_at(0, middle, inner);
   return table.session();
 }
 
-Session zhang_24_procedure(const TurntableOptions& options) {
+Session zhang_24_procedure(const TableProcedureOptions& options) {
   Table table("zhang-24", options);
   const double turns = 360.0 * options.turns;
   table.rest();
@@ -150,7 +150,7 @@ Session zhang_24_procedure(const TurntableOptions& options) {
   return table.session();
 }
 
-Session cheng_path_procedure(const TurntableOptions& options) {
+Session cheng_path_procedure(const TableProcedureOptions& options) {
   Table table("cheng-path", options);
   struct Turn {
     RigAxis axis;

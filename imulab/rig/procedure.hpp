@@ -23,7 +23,7 @@ struct HandHeldOptions {
 /// A unit turned by hand: rests at random attitudes (every direction of gravity and every heading alike) with moves between them.
 Session hand_held_procedure(const HandHeldOptions& options, std::uint64_t seed);
 
-struct TurntableOptions {
+struct TableProcedureOptions {
   double rest = 60;                   ///< s, each
   double turn_rate = 10 * unit::deg;  ///< rad/s
   int turns = 5;                      ///< zhang-24: each way about each axis
@@ -34,13 +34,13 @@ struct TurntableOptions {
 };
 
 /// Each body axis up and down once, by the middle and inner axes of a turntable.
-Session six_position_procedure(const TurntableOptions& options);
+Session six_position_procedure(const TableProcedureOptions& options);
 
 /// Zhang 2010: turns forward and back about each axis, then 24 positions: each body axis up and down by the inner and middle axes, at each
 /// four headings by the outer. In his frame (x north, y up, z east) the faces are x, y, z up, then x, y, z down.
-Session zhang_24_procedure(const TurntableOptions& options);
+Session zhang_24_procedure(const TableProcedureOptions& options);
 
 /// The path of methods section 6 (after Cheng 2014): 20 turns of 90 and 180 deg with rests between them, so that every coefficient shows.
-Session cheng_path_procedure(const TurntableOptions& options);
+Session cheng_path_procedure(const TableProcedureOptions& options);
 
 }  // namespace imulab

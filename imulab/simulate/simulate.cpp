@@ -131,7 +131,7 @@ Recording simulate_recording(const Session& procedure, const RecordingSource& so
   const double rate = source.rate_hz.value_or(default_rate), interval_s = 1 / rate;
   const std::vector<Step> steps = steps_of(procedure, source);
   const RigMotion motion = rig_motion(steps, rig);
-  const MeanMotion mean(motion, {earth_rate_enu(*procedure.site.latitude), truth.gravity, truth.model.lever_arm});
+  const MeanMotion mean(motion, {earth_rate_enu(truth.latitude.value_or(*procedure.site.latitude)), truth.gravity, truth.model.lever_arm});
   const auto count = static_cast<std::size_t>(std::floor(steps.back().end * rate * (1 + 1e-12)));  // the last sample ends with the last step
   if (count == 0) throw Error("[[recording]]: steps that last at least one sample were expected");
   const Limits gyro_limits = limits_of(truth.gyro_noise, source.gyro, interval_s),

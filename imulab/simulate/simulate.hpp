@@ -16,10 +16,11 @@ namespace imulab {
 struct Truth {
   SensorModel model;
   double gravity = 0;                      ///< m/s^2
+  std::optional<double> latitude{};        ///< rad; absent: the site's
   NoiseModel accel_noise{}, gyro_noise{};  ///< what is no coefficient of the model: neither a calibration of one recording nor the model has it
 };
 
-/// Draws the unit from imu.grade (or takes `given`) and gravity from the site's value and sigma. Declared noise goes before the
+/// Draws the unit from imu.grade (or takes `given`), and gravity and latitude from the site's values and sigmas. Declared noise goes before the
 /// grade's, of which only white noise is taken unless imu.noise asks for all terms. In the accelerometers' frame: the accelerometer matrix is lower
 /// triangular. Throws Error where a spread is not declared.
 Truth draw_truth(const Session& procedure, std::uint64_t seed, const std::optional<SensorModel>& given = {});

@@ -62,6 +62,8 @@ Truth draw_truth(const Session& procedure, std::uint64_t seed, const std::option
   Truth truth;
   truth.model = given ? *given : drawn_model(*spread, seed);
   truth.gravity = procedure.site.gravity() + procedure.site.gravity_sigma() * RandomStream(seed, "truth gravity").normal(0);
+  if (const double sigma = procedure.site.latitude_sigma.value_or(0); procedure.site.latitude && sigma > 0)
+    truth.latitude = *procedure.site.latitude + sigma * RandomStream(seed, "truth latitude").normal(0);
   truth.accel_noise = noise(imu.accel_noise, spread ? &spread->accel_noise : nullptr, imu.accel_noise_density, imu.noise, given.has_value());
   truth.gyro_noise = noise(imu.gyro_noise, spread ? &spread->gyro_noise : nullptr, imu.gyro_noise_density, imu.noise, given.has_value());
   return truth;

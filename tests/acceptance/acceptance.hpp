@@ -2,6 +2,7 @@
 // large as the stated covariance says?
 #pragma once
 
+#include "imulab/estimate/turntable_estimator.hpp"
 #include "imulab/model/calibration.hpp"
 #include "imulab/simulate/simulate.hpp"
 
@@ -35,6 +36,12 @@ std::vector<Check> judge(const std::vector<Run>& runs);
 /// What is simulated and calibrated, from a seed alone: poses, unit, gravity and noise are all drawn.
 Run handheld_run(std::uint64_t seed);
 Run static_run(std::uint64_t seed);
+/// Zhang's procedure on tables of 2 arcsec and of 1 arcmin, whose errors are drawn, too.
+Run arcsecond_table_run(std::uint64_t seed);
+Run arcminute_table_run(std::uint64_t seed);
+
+/// Of a turntable session whose readings have this white noise.
+Eigen::MatrixXd turntable_information(const TableMotion& motion, const SensorModel& truth, const RawNoise& noise, const std::vector<int>& indices);
 
 /// Runs of seeds 1 .. count on all cores.
 std::vector<Run> run_all(Run (*run)(std::uint64_t), int count);

@@ -12,7 +12,8 @@ int main(int argc, char** argv) {
   const int count = argc > 1 ? std::atoi(argv[1]) : 500;
   const std::string only = argc > 2 ? argv[2] : "";
   bool passed = true;
-  for (const auto& [name, run] : {std::pair{"handheld", &handheld_run}, std::pair{"static", &static_run}}) {
+  for (const auto& [name, run] : {std::pair{"handheld", &handheld_run}, std::pair{"static", &static_run}, std::pair{"turntable-2-arcsec", &arcsecond_table_run},
+                                 std::pair{"turntable-1-arcmin", &arcminute_table_run}}) {
     if (!only.empty() && only != name) continue;
     const auto checks = judge(run_all(run, count));
     fmt::print("{}: {} sessions, seeds 1..{}\n{}", name, count, count, describe(checks));

@@ -1,0 +1,85 @@
+// Simulated recordings on a turntable whose errors are drawn, and their Fisher information, derived apart from the estimator: readings with white noise
+// alone as a function of the coefficients and of every error of the table, which are unknowns with a prior; derivatives by differences; the table's
+// errors eliminated; and the second order of what remains of them.
+#include "tests/acceptance/acceptance.hpp"
+
+#include "imulab/core/units.hpp"
+#include "imulab/estimate/turntable.hpp"
+#include "imulab/model/coefficient.hpp"
+#include "imulab/rig/procedure.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <fmt/core.h>
+
+#include <stdexcept>
+
+namespace imulab::acceptance {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+SensorModel with_coefficients(SensorModel model, const std::vector<int>& indices, const VectorXd& values) {
+  for (std::size_t i = 0; i < indices.size(); ++i) set_coefficient(model, indices[i], values[static_cast<Index>(i)]);
+  return model;
+}
+
+}  // namespace
+
+MatrixXd turntable_information(const TableMotion& motion, const SensorModel& truth, const RawNoise& noise, const std::vector<int>& indices) {
+  const auto m = static_cast<Index>(indices.size()), k = static_cast<Index>(motion.sources().size());
+  const double step = 1e-5;
+  VectorXd at(m + k);
+  for (Index i = 0; i < m; ++i) at[i] = coefficient_value(truth, indices[static_cast<std::size_t>(i)]);
+  at.tail(k) = motion.nominal();
+  const auto predicted = [&](const VectorXd& x) { return readings(motion, with_coefficients(truth, indices, x.head(m)), motion.truth(x.tail(k))); };
+  MatrixXd jacobian(motion.rows(), m + k);
+  for (Index c = 0; c < m + k; ++c) {
+    VectorXd plus = at, minus = at;
+    plus[c] += step;
+    minus[c] -= step;
+    jacobian.col(c) = (predicted(plus) - predicted(minus)) / (2 * step);
+  }
+  jacobian.rightCols(k) *= motion.sigma().asDiagonal();  // in units of each one's sigma; those that are known exactly drop out
+  const MatrixXd white = noise_covariance(motion, noise.accel, noise.gyro).llt().matrixL().solve(jacobian);
+  const MatrixXd information = white.transpose() * white;
+  const MatrixXd cross = information.topRightCorner(m, k);
+  const MatrixXd first_order =
+      information.topLeftCorner(m, m) - cross * (information.bottomRightCorner(k, k) + MatrixXd::Identity(k, k)).ldlt().solve(cross.transpose());
+  // What no reading shows of the table is drawn, and its second order is no one's to avoid.
+  TurntableSettings settings;
+  settings.terms = indices;
+  const MatrixXd second_order = TurntableEstimator(motion, truth, noise, settings).second_order(truth, indices).covariance;
+  return (first_order.inverse() + second_order).inverse();
+}
+
+Run turntable_run(std::uint64_t seed, double table_sigma) {
+  TableProcedureOptions options;
+  options.rate_hz = 20;  // the noise of a mean and of a sum does not depend on it
+  Session session = zhang_24_procedure(options);
+  RigDeclaration& rig = session.rigs.front();
+  rig.angle.value = rig.orthogonality.value = rig.zero.value = table_sigma;
+  const Truth truth = draw_truth(session, seed);
+  const RecordingSource& source = session.recordings.front();
+  const Recording recording = simulate_recording(session, source, truth, seed, draw_rig_errors(session, source, seed));
+  TurntableOptions chosen;
+  for (const char* selector : {"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"})
+    for (const int index : select_coefficients(selector)) chosen.terms.push_back(index);
+  const Calibration c = calibrate_turntable(recording, session, chosen);
+  if (c.estimated.size() != chosen.terms.size())
+    throw std::runtime_error(fmt::format("seed {}: {} coefficients were found undetermined", seed, c.quality.unobservable.size()));
+  const TableMotion motion(observe(recording, session), rig, session.site);
+  const RawNoise noise{raw_density(truth.accel_noise.N, truth.model.accel.matrix), raw_density(truth.gyro_noise.N, truth.model.gyro.matrix)};
+  Run result{c.estimated, VectorXd(c.estimated.size()), c.covariance, turntable_information(motion, truth.model, noise, c.estimated)};
+  for (std::size_t i = 0; i < c.estimated.size(); ++i)
+    result.error[static_cast<Index>(i)] = coefficient_value(c.model, c.estimated[i]) - coefficient_value(truth.model, c.estimated[i]);
+  return result;
+}
+
+Run arcsecond_table_run(std::uint64_t seed) { return turntable_run(seed, 2 * unit::arcsec); }
+Run arcminute_table_run(std::uint64_t seed) { return turntable_run(seed, 60 * unit::arcsec); }
+
+}  // namespace imulab::acceptance
