@@ -117,7 +117,7 @@ TEST(TurntablePrediction, SharesMakeUpTheStatedCovariance) {
 
 /// The default weights reach the bound; the classical ones do not, where the table's errors differ from reading to reading.
 TEST(TurntablePrediction, ClassicalWeightsAreNoBetterThanTheBound) {
-  TurntablePlan plan = plan_of(odd_steps(), 20 * unit::arcsec);
+  TurntablePlan plan = zhang(20 * unit::arcsec);
   plan.gyro_noise.turn_on.value = 0.003 * unit::deg_per_h;
   const TurntablePrediction best = predict(plan);
   plan.classical = true;
