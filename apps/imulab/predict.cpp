@@ -227,7 +227,7 @@ void run(const Options& options) {
     print_prediction(prediction, sampled);
     if (!requirements.empty()) print_answers(plan, missed, answers);
   }
-  for (const std::string& note : plan.observations.notes) warn(note);
+  for (const std::string& text : plan.observations.warnings) warn(text);
   std::string names;
   for (const int index : prediction.undetermined) names += fmt::format(" {}", row_of(index).name);
   if (!names.empty()) throw Unsupported(fmt::format("the procedure does not determine:{}", names));

@@ -198,7 +198,7 @@ double perfect(Knob knob) { return knob == Knob::table || knob == Knob::timing ?
 double largest_factor(const TurntablePlan& plan, Knob knob) {
   const TableSetting s = setting_of(with_something_to_scale(plan));
   // What is declared is taken as it is, even beyond.
-  const double table = std::max(1.0, unit::deg / std::max({s.angle, s.orthogonality, s.zero}));
+  const double table = std::max(1.0, 600 * unit::arcsec / std::max({s.angle, s.orthogonality, s.zero}));
   const double timing = std::max(1.0, std::min(10.0, 0.05 * shortest_hold(plan)) / s.timing);
   switch (knob) {
     case Knob::table:

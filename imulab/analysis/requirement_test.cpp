@@ -190,7 +190,7 @@ TEST(Requirement, WhatIsKnownOrNotDeclaredIsNotScaled) {
 TEST(Requirement, TurnsAreNotTriedLaterThanTheHoldsAllow) {
   const TurntablePlan plan = plan_of(short_steps());
   EXPECT_DOUBLE_EQ(largest_factor(plan, Knob::timing) * plan.rig.timing.value, 1.0);
-  EXPECT_DOUBLE_EQ(largest_factor(plan, Knob::table) * 20 * unit::arcsec, unit::deg);
+  EXPECT_DOUBLE_EQ(largest_factor(plan, Knob::table) * 20 * unit::arcsec, 600 * unit::arcsec);
   EXPECT_EQ(largest_factor(scaled(plan, Knob::timing, 1e4), Knob::timing), 1);
 }
 
