@@ -74,8 +74,31 @@ VectorXd of_accelerometers(const TableMotion& motion) {
   return out;
 }
 
-void expect_noise(double density, const char* triad) {
-  if (!(density > 0)) throw Error(fmt::format("[imu] {}_noise_density: a density above 0 was expected: without noise nothing limits a calibration", triad));
+void expect_noise(double density, const std::string& file, const char* triad) {
+  if (density > 0) return;
+  throw Error(fmt::format("{}: [imu] {}_noise_density: a density above 0 was expected: the readings are weighted by their noise", file, triad));
+}
+
+/// Variance of the coefficients from what a constant bias does to them, one column an axis.
+VectorXd of_turn_on(const Spread& turn_on, const Eigen::MatrixX3d& by_axis) {
+  const VectorXd effect = turn_on.fixed ? VectorXd(by_axis.rowwise().sum().cwiseAbs2()) : VectorXd(by_axis.rowwise().squaredNorm());
+  return effect * (turn_on.value * turn_on.value);
+}
+
+/// Variances of the best weights: with the table's errors in them, and one bias of a gyro throughout. NaN: not determined by them.
+VectorXd with_best_weights(TurntablePlan plan, const TableMotion& motion, const std::vector<int>& coefficients) {
+  plan.classical = false;
+  const auto best = estimator_of(plan, motion).uncertainty({});
+  VectorXd out = VectorXd::Constant(static_cast<Index>(coefficients.size()), std::nan(""));
+  for (std::size_t i = 0; i < coefficients.size(); ++i) {
+    const auto found = std::find(best.determined.begin(), best.determined.end(), coefficients[i]);
+    if (found == best.determined.end()) continue;
+    const auto row = found - best.determined.begin();
+    const Coefficient& c = coefficient_table()[static_cast<std::size_t>(coefficients[i])];
+    const double bias = c.term != Term::offset ? 0 : (c.triad == Triad::accel ? plan.accel_noise : plan.gyro_noise).turn_on.value;
+    out[static_cast<Index>(i)] = best.covariance(row, row) + bias * bias;
+  }
+  return out;
 }
 
 }  // namespace
@@ -87,11 +110,17 @@ TurntablePlan turntable_plan(const Session& procedure) {
   plan.rig = turntable_of(procedure, recording);
   plan.observations = planned_observations(procedure, recording);
   plan.site = procedure.site;
-  const Truth unit = draw_truth(procedure, 1, SensorModel{});
+  const Truth unit = [&] {  // an ideal one; its noise is as a simulation has it
+    try {
+      return draw_truth(procedure, 1, SensorModel{});
+    } catch (const Error& e) {
+      throw Error(fmt::format("{}: {}", procedure.file, e.what()));
+    }
+  }();
   plan.accel_noise = unit.accel_noise;
   plan.gyro_noise = unit.gyro_noise;
-  expect_noise(plan.accel_noise.N, "accel");
-  expect_noise(plan.gyro_noise.N, "gyro");
+  expect_noise(plan.accel_noise.N, procedure.file, "accel");
+  expect_noise(plan.gyro_noise.N, procedure.file, "gyro");
   for (const char* selector : {"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"})
     for (const int index : select_coefficients(selector)) plan.terms.push_back(index);
   if (procedure.imu.grade && grade(*procedure.imu.grade).g_sensitivity > 0)
@@ -103,7 +132,13 @@ TurntablePrediction predict(const TurntablePlan& plan) {
   const TableMotion motion(plan.observations, plan.rig, plan.site);
   const TurntableEstimator estimator = estimator_of(plan, motion);
   const auto uncertainty = estimator.uncertainty({});
-  TurntablePrediction out{.coefficients = uncertainty.determined, .undetermined = uncertainty.undetermined, .sources = {}, .variance = {}, .second_order = {}, .bias = {}};
+  TurntablePrediction out{.coefficients = uncertainty.determined,
+                          .undetermined = uncertainty.undetermined,
+                          .sources = {},
+                          .variance = {},
+                          .second_order = {},
+                          .bias = {},
+                          .cramer_rao = {}};
   const auto n = static_cast<Index>(out.coefficients.size());
   const MatrixXd sensitivity = estimator.sensitivity({}, out.coefficients);  // exact, of the estimator
   const auto add = [&](std::string name, const VectorXd& variance) {
@@ -127,18 +162,20 @@ TurntablePrediction predict(const TurntablePlan& plan) {
   add("gyro noise", noise_of(gyro_rows));
   add("accelerometer noise", noise_of(accel_rows));
   const MatrixXd by_bias = sensitivity * turn_on_readings(motion);
-  add("gyro turn-on", by_bias.rightCols<3>().rowwise().squaredNorm() * std::pow(plan.gyro_noise.turn_on.value, 2));
-  add("accelerometer turn-on", by_bias.leftCols<3>().rowwise().squaredNorm() * std::pow(plan.accel_noise.turn_on.value, 2));
+  add("gyro turn-on", of_turn_on(plan.gyro_noise.turn_on, by_bias.rightCols<3>()));
+  add("accelerometer turn-on", of_turn_on(plan.accel_noise.turn_on, by_bias.leftCols<3>()));
   // What is asked for but not determined stays at its start, and may be off by its prior.
   const VectorXd stated = uncertainty.covariance.diagonal();
   if (!out.undetermined.empty()) {
     VectorXd rest = stated - by_source.rowwise().squaredNorm() - noise_of(VectorXd::Ones(motion.rows()));
     if (plan.classical) rest.setZero();  // whose stated covariance knows nothing of the table
-    add("undetermined coefficients", rest.cwiseMax(0.0));
+    add(undetermined_source, rest.cwiseMax(0.0));
   }
   const auto second = estimator.second_order({}, out.coefficients);
   out.bias = second.bias;
   out.second_order = second.covariance.diagonal().cwiseSqrt();
+  // The estimate is generalized least squares: by default it reaches the bound.
+  out.cramer_rao = plan.classical ? VectorXd(with_best_weights(plan, motion, out.coefficients).cwiseSqrt()) : out.first_order();
   return out;
 }
 

@@ -24,9 +24,12 @@ struct TurntablePlan {
   bool classical = false;
 };
 
-/// Of the procedure's only recording. Offsets and matrices, and g-sensitivity where the grade has it. Throws Error where the procedure is not one of a
-/// turntable, its steps are wrong, or the unit's noise is not declared.
+/// Of the procedure's only recording. Offsets and matrices, and g-sensitivity where the grade has it. Throws Error where the procedure is not one of
+/// a turntable, its steps are wrong, or the unit's noise is not declared.
 TurntablePlan turntable_plan(const Session& procedure);
+
+/// The source that stands for what the procedure does not determine: left at its start, it may be off by its prior.
+inline constexpr const char* undetermined_source = "undetermined coefficients";
 
 /// Standard uncertainties to come, one row for each of `coefficients`.
 struct TurntablePrediction {
@@ -35,6 +38,7 @@ struct TurntablePrediction {
   Eigen::MatrixXd variance;                     ///< to first order, by source
   Eigen::VectorXd second_order;                 ///< sigma of the second-order part
   Eigen::VectorXd bias;                         ///< mean of the second-order part, which `calibrate` takes out
+  Eigen::VectorXd cramer_rao;                   ///< the least sigma that an unbiased estimate from these readings can have, to first order
   Eigen::VectorXd first_order() const { return variance.rowwise().sum().cwiseSqrt(); }
   Eigen::VectorXd sigma() const { return (variance.rowwise().sum() + second_order.cwiseAbs2()).cwiseSqrt(); }
 };
@@ -49,8 +53,9 @@ struct MonteCarloResult {
   Eigen::VectorXd sampling_sigma;  ///< standard deviation of `sigma`, relative
 };
 
-/// Whole procedures with drawn table errors, g and noise, each calibrated, at the level of rest means and turn sums. Bit-equal on any number of threads.
-/// `progress` is called with the number of finished runs, from any thread.
-MonteCarloResult monte_carlo(const TurntablePlan& plan, std::uint64_t runs, std::uint64_t seed, const std::function<void(std::uint64_t)>& progress = {});
+/// Whole procedures with drawn table errors, g and noise, each calibrated, at the level of rest means and turn sums. Bit-equal on any number of
+/// threads. `progress` is called with the number of finished runs, from any thread.
+MonteCarloResult monte_carlo(const TurntablePlan& plan, std::uint64_t runs, std::uint64_t seed,
+                             const std::function<void(std::uint64_t)>& progress = {});
 
 }  // namespace imulab

@@ -81,7 +81,15 @@ double largest_share(const TurntablePrediction& p, const char* source) {
 
 /// Classical weights: the default finds the latitude from the holds, and nothing of it is left.
 TEST(TurntablePrediction, AgreesWithMonteCarloWithAnUncertainLatitudeAndTurnOnBiases) {
-  TurntablePlan plan = plan_of(odd_steps(), 20 * unit::arcsec);
+  std::vector<Step> steps = odd_steps();
+  for (const auto& [middle, inner] : {std::pair{90.0, 0.0}, {-90.0, 0.0}, {0.0, 0.0}, {180.0, 0.0}, {0.0, 90.0}, {0.0, -90.0}}) {  // away from turns
+    Step hold;
+    hold.start = steps.back().end + 10;
+    hold.end = hold.start + 30;
+    hold.angles = {20 * unit::deg, middle * unit::deg, inner * unit::deg};
+    steps.push_back(hold);
+  }
+  TurntablePlan plan = plan_of(steps, 20 * unit::arcsec);
   plan.site.latitude_sigma = 0.1 * unit::deg;
   plan.gyro_noise.turn_on.value = 0.003 * unit::deg_per_h;
   plan.accel_noise.turn_on.value = 60 * unit::ug;
@@ -105,6 +113,20 @@ TEST(TurntablePrediction, SharesMakeUpTheStatedCovariance) {
     for (Index i = 0; i < p.variance.rows(); ++i)  // rounding: weights over eight orders
       EXPECT_NEAR(p.variance.row(i).sum() / stated.covariance(i, i), 1, 1e-6) << name_of(p.coefficients[static_cast<std::size_t>(i)]);
   }
+}
+
+/// The default weights reach the bound; the classical ones do not, where the table's errors differ from reading to reading.
+TEST(TurntablePrediction, ClassicalWeightsAreNoBetterThanTheBound) {
+  TurntablePlan plan = zhang(20 * unit::arcsec);
+  plan.gyro_noise.turn_on.value = 0.003 * unit::deg_per_h;
+  const TurntablePrediction best = predict(plan);
+  plan.classical = true;
+  const TurntablePrediction classical = predict(plan);
+  ASSERT_EQ(classical.coefficients, best.coefficients);
+  const Eigen::ArrayXd ratio = classical.first_order().array() / classical.cramer_rao.array();
+  EXPECT_GT(ratio.minCoeff(), 1 - 1e-6);  // rounding
+  EXPECT_GT(ratio.maxCoeff(), 2);
+  for (Index i = 0; i < ratio.size(); ++i) EXPECT_NEAR(classical.cramer_rao[i] / best.first_order()[i], 1, 1e-6);
 }
 
 /// A bias that is constant in the recording is an error of the offset and of nothing else.

@@ -1,8 +1,10 @@
 #include "imulab/estimate/table_observations.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
 #include "imulab/estimate/rest.hpp"
 #include "imulab/recording/rest_detection.hpp"
+#include "imulab/recording/turn.hpp"
 #include "imulab/rig/rig_errors.hpp"
 
 #include <fmt/core.h>
@@ -14,7 +16,8 @@ namespace imulab {
 
 namespace {
 
-constexpr double guard_sigmas = 5;   // of the declared timing: a hold's ends that a late or early turn may reach
+constexpr double guard_sigmas = 5;  // of the declared timing: a hold's ends that a late or early turn may reach
+constexpr double settling = 1;      // s: so much of the rests around a turn goes into its sum; more would add their noise
 
 double start_of(const Recording& r, std::size_t i, bool increment) { return r.time_s(i) - r.interval(i, increment); }
 
@@ -64,6 +67,16 @@ RestAround rest_around(const std::vector<Step>& steps, const std::vector<Command
       rest.after = steps[k + 1].end;
   }
   return rest;
+}
+
+/// Throws Error where a turn cannot have this angle and rate in its time. Recorded times are taken with the timing's tolerance, and one per cent.
+void expect_possible(const Step& step, std::size_t k, const std::vector<Step>& steps, double guard) {
+  const double available = step.end - step.start, cruise = std::abs(step.angle) / step.rate, tolerance = std::max({guard, 0.01 * available, 1e-3});
+  const double shortest = step.acceleration ? turn_duration(step.angle, step.rate, *step.acceleration) : cruise;
+  const bool too_short = shortest > available + tolerance, too_long = !step.acceleration && 2 * cruise < available - tolerance;
+  if (too_short || too_long)
+    throw Error(fmt::format("{}: {:g} deg at {:g} deg/s take {:.5g} s{}, but the step lasts {:.5g} s", describe_step(steps, k), step.angle / unit::deg,
+                            step.rate / unit::deg, too_short ? shortest : 2 * cruise, too_long ? " at most" : "", available));
 }
 
 }  // namespace
@@ -128,14 +141,17 @@ TableObservations planned_observations(const std::vector<Step>& steps, double gu
     }
     if (!(std::abs(step.angle) > 0) || !(step.rate > 0))
       throw Error(describe_step(steps, k) + ": angle_deg other than 0 and rate_dps above 0 were expected");
+    expect_possible(step, k, steps, guard);
     const auto [before, after] = rest_around(steps, commands, k);
-    TurnObservation turn{k, 0.5 * (before + step.start), 0.5 * (step.end + after)};
-    turn.rest_after = after > step.end && turn.end >= step.end + guard;
-    if (before == step.start || !turn.rest_after)
-      plan.notes.push_back(fmt::format("{}: no rest {} it, so it was summed over its own time there", describe_step(steps, k),
-                                       before < step.start ? "after"
-                                       : turn.rest_after   ? "before"
-                                                           : "before and after"));
+    const double reach = std::max(guard, settling);
+    const TurnObservation turn{k, std::max(0.5 * (before + step.start), step.start - reach), std::min(0.5 * (step.end + after), step.end + reach)};
+    // A late turn ends outside its step, and makes one that follows without a rest begin late: by an amount that no sum tells apart.
+    const bool follows_a_turn = k > 0 && steps[k - 1].kind == StepKind::rotate && before == step.start;
+    if (guard > 0 && (turn.end < step.end + guard || follows_a_turn)) {
+      plan.warnings.push_back(fmt::format("{}: no rest of {:.3g} s {} it, so where a turn ends, given its timing, is not known: left out",
+                                          describe_step(steps, k), 2 * guard, follows_a_turn ? "before" : "after"));
+      continue;
+    }
     plan.turns.push_back(turn);
   }
   return plan;
@@ -190,9 +206,14 @@ TableObservations observe(const Recording& recording, const Session& session) {
   if (seen.holds.empty() && seen.turns.empty())
     throw Unsupported(recording.name + ": no samples in the session's steps: do their times belong to this recording's clock (time.zero)?");
 
-  const SampleNoise noise = measure_noise(recording, rests);
-  seen.accel_density = noise.accel * std::sqrt(recording.interval_s);
-  seen.gyro_density = noise.gyro * std::sqrt(recording.interval_s);
+  std::size_t samples = 0;
+  for (const Rest& rest : rests) samples += rest.range.size();
+  if (samples >= rests.size() + 30) {  // 30 degrees of freedom: the noise to 13 %
+    const SampleNoise noise = measure_noise(recording, rests);
+    seen.accel_density = noise.accel * std::sqrt(recording.interval_s);
+    seen.gyro_density = noise.gyro * std::sqrt(recording.interval_s);
+    seen.noise_measured = true;
+  }
   seen.accel_unit = recording.accel_unit;
   seen.gyro_unit = recording.gyro_unit;
   seen.notes.push_back(fmt::format("{} holds and {} turns of {} steps were used", seen.holds.size(), seen.turns.size(), steps.size()));

@@ -21,11 +21,10 @@ struct HoldObservation {
   Vector3d accel = Vector3d::Zero(), gyro = Vector3d::Zero();
 };
 
-/// Integral of the raw gyro readings over [begin, end], from the middle of the rest before a turn to the middle of the rest after it.
+/// Integral of the raw gyro readings over [begin, end], from the rest before a turn into the rest after it.
 struct TurnObservation {
   std::size_t step = 0;
   double begin = 0, end = 0;
-  bool rest_after = true;  ///< false: the sum ends where the turn should end, and a late turn's last part is missing
   Vector3d sum = Vector3d::Zero();
 };
 
@@ -34,6 +33,7 @@ struct TableObservations {
   std::vector<HoldObservation> holds;
   std::vector<TurnObservation> turns;
   Vector3d accel_density = Vector3d::Zero(), gyro_density = Vector3d::Zero();  ///< raw / sqrt(Hz), from the samples of the holds
+  bool noise_measured = true;                                                  ///< false: the holds are too short for that
   std::string accel_unit = "m/s^2", gyro_unit = "rad/s";                       ///< of the raw readings; "count" for raw counts
   std::vector<std::string> notes, warnings;
 

@@ -56,7 +56,7 @@ TEST(TableObservations, ARecordingGivesTheMeansAndSumsOfItsSteps) {
   ASSERT_EQ(seen.holds.size(), 15u);
   ASSERT_EQ(seen.turns.size(), 6u);
   EXPECT_THAT(seen.warnings, IsEmpty());
-  EXPECT_NEAR(seen.turns[0].begin, 5, 1e-9);
+  EXPECT_NEAR(seen.turns[0].begin, 9, 1e-9);   // a second of the rest around a turn is in its sum
   EXPECT_NEAR(seen.holds[0].end, 9.95, 0.0101);  // five sigmas of timing are left out
   const TableMotion motion(seen, session.rigs.front(), session.site);
   VectorXd errors = motion.nominal();
@@ -83,15 +83,21 @@ TEST(TableObservations, ARecordingIsCalibrated) {
   EXPECT_EQ(c.method, "turntable");
 }
 
-TEST(TableObservations, AnInterruptedTurnIsLeftOutAndATurnWithoutRestSaid) {
+TEST(TableObservations, ATurnThatIsInterruptedOrHasNoRestAroundItIsLeftOut) {
   TableSteps steps;
-  steps.hold(10, {}).turn(RigAxis::outer, 90).turn(RigAxis::middle, 90).hold(10, {90, 90, 0});
+  steps.hold(10, {}).turn(RigAxis::outer, 90).turn(RigAxis::middle, 90).hold(10, {90, 90, 0}).turn(RigAxis::inner, 90).hold(10, {90, 90, 90});
   const Session session = table_session(steps.steps(), 2 * unit::arcsec);
   const Truth truth = draw_truth(session, 17);
   Recording recording = simulate_recording(session, session.recordings.front(), truth, 17);
-  EXPECT_THAT(observe(recording, session).notes, Contains(HasSubstr("step 2 (rotate at 10 s): no rest after it")));
-  recording.gaps = {1500};
-  EXPECT_THAT(observe(recording, session).warnings, Contains(HasSubstr("step 2 (rotate at 10 s): the recording is interrupted")));
+  const TableObservations seen = observe(recording, session);
+  EXPECT_EQ(seen.turns.size(), 1u);
+  EXPECT_THAT(seen.warnings, ElementsAre(HasSubstr("step 2 (rotate at 10 s): no rest of 0.1 s after it"),
+                                         HasSubstr("step 3 (rotate at 19.2 s): no rest of 0.1 s before it")));
+  recording.gaps = {4500};  // in the last turn
+  EXPECT_THAT(observe(recording, session).warnings, Contains(HasSubstr("step 5 (rotate at 38.4 s): the recording is interrupted")));
+  Session exact = session;
+  exact.rigs.front().timing.value = 0;  // then nothing is lost without rests
+  EXPECT_EQ(planned_observations(exact, recording.name).turns.size(), 3u);
 }
 
 TEST(TableObservations, WhatIsMissingOrWrongIsSaid) {

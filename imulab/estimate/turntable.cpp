@@ -3,6 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/earth/earth.hpp"
 #include "imulab/estimate/common.hpp"
 #include "imulab/estimate/turntable_fit.hpp"
 
@@ -71,6 +72,32 @@ void check_units(const TableObservations& seen, const SensorModel& model) {
   if (seen.accel_unit != "count" && near(accel, 1 / unit::g)) throw mistaken("accel", accel, "m/s^2");
   if (seen.gyro_unit != "count" && near(gyro, unit::deg)) throw mistaken("gyro", gyro, "deg/s");
   if (seen.gyro_unit != "count" && near(gyro, 1 / unit::deg)) throw mistaken("gyro", gyro, "rad/s");
+  if (seen.gyro_unit != "count" && near(gyro, 1 / unit::deg_per_h)) throw mistaken("gyro", gyro, "rad/s");
+}
+
+/// A scale that no sensor read in SI has: another unit, increments declared as rates or rates as increments.
+void doubt_scales(const TableObservations& seen, const SensorModel& model, Quality& quality, std::vector<std::string>& doubts) {
+  const auto check = [&](const char* triad, const std::string& unit, const Matrix3d& matrix) {
+    const double scale = std::cbrt(std::abs(matrix.determinant()));
+    if (unit == "count" || std::abs(scale - 1) < 0.2) return;
+    quality.warnings.push_back(
+        fmt::format("{}: the table's motion is {:.4g} times what the readings say with the declared unit: is unit or output right?", triad, scale));
+    doubts.push_back(fmt::format("the {}'s scale is far from its declared unit's", triad));
+  };
+  check("accel", seen.accel_unit, model.accel.matrix);
+  check("gyro", seen.gyro_unit, model.gyro.matrix);
+}
+
+/// Up is along the force in every position, so an error of the vertical Earth rate looks exactly like the same g-sensitivity of all axes.
+void doubt_latitude(const SensorModel& model, const Site& site, Quality& quality, std::vector<std::string>& doubts) {
+  const double common = model.g_sensitivity.trace() / 3;
+  if (!site.latitude || common == 0 || (model.g_sensitivity - common * Matrix3d::Identity()).norm() > 0.1 * std::abs(common)) return;
+  const double up = earth_rate * std::sin(*site.latitude) + common * site.gravity();  // the Earth rate that would need no g-sensitivity
+  quality.warnings.push_back(fmt::format(
+      "the g-sensitivity is the same on all axes, as an error of the latitude is: Earth's vertical rate would be {:.4g} instead of {:.4g} deg/h{}",
+      up / unit::deg_per_h, earth_rate * std::sin(*site.latitude) / unit::deg_per_h,
+      std::abs(up) < earth_rate ? fmt::format(", that of latitude {:.3g} deg", std::asin(up / earth_rate) / unit::deg) : ""));
+  doubts.push_back("the latitude seems to be wrong");
 }
 
 TermTest test_g_sensitivity(const TurntableFit& fit, double significance) {
@@ -114,7 +141,7 @@ void judge_residuals(const TurntableFit& fit, const std::string& worst, Quality&
     doubts.push_back("the residuals exceed the declared noise and table errors");
   } else if (chi_square_tail(fit.chi2, quality.degrees_of_freedom) > 1 - by_chance) {
     quality.warnings.push_back(
-        fmt::format("the residuals are only {:.3g} times what the noise and the declared table errors explain: the table may be better than declared",
+        fmt::format("the residuals are only {:.3g} times what the noise and the declared table errors explain: the table is better than declared, or the samples' noise is not white (quantisation averages out faster; declare the densities)",
                     std::sqrt(quality.chi2_per_dof)));
   }
 }
@@ -123,6 +150,8 @@ void judge_residuals(const TurntableFit& fit, const std::string& worst, Quality&
 
 Calibration calibrate_turntable(const TableObservations& seen, const RigDeclaration& rig, const ImuDeclaration& imu, const Site& site,
                                 const TurntableOptions& options) {
+  if (!seen.noise_measured && !(imu.accel_noise_density && imu.gyro_noise_density))
+    throw Unsupported("the holds are too short to measure the noise from: [imu] accel_noise_density and gyro_noise_density were expected");
   const TableMotion motion(seen, rig, site);
   const TurntableProblem problem{seen, motion, imu, seen.values()};
   TurntableSettings settings;
@@ -174,6 +203,8 @@ Calibration calibrate_turntable(const TableObservations& seen, const RigDeclarat
     doubts.push_back("the sign of an axis seems to be wrong");
   }
   for (const std::string& name : cleaned.dropped) quality.warnings.push_back("dropped as an outlier: " + name);
+  doubt_scales(seen, calibration.model, quality, doubts);
+  doubt_latitude(calibration.model, site, quality, doubts);
   judge_residuals(cleaned.fit, cleaned.worst, quality, doubts);
   for (const std::string& doubt : common_doubts(calibration, site, cleaned.dropped.size(), seen.holds.size() + seen.turns.size()))
     doubts.push_back(doubt);

@@ -117,7 +117,10 @@ CleanedFit drop_outliers(const TurntableProblem& problem, const TurntableFit& fi
     const auto part = static_cast<std::size_t>(least - log_p.begin());
     const std::string name = describe_step(problem.seen.steps, problem.motion.step(part));
     if (cleaned.worst.empty()) cleaned.worst = name;
-    if (settings.left_out.size() >= parts / 5) break;
+    // A fifth of the steps and a third of the turns: more are not outliers but another motion.
+    const auto of_turns = static_cast<std::size_t>(std::count_if(settings.left_out.begin(), settings.left_out.end(),
+                                                                 [&](std::size_t p) { return p >= problem.motion.holds(); }));
+    if (settings.left_out.size() >= parts / 5 || (part >= problem.motion.holds() && 3 * (of_turns + 1) > problem.motion.turns())) break;
     settings.left_out.push_back(part);
     cleaned.dropped.push_back(name);
     cleaned.fit = fit_turntable(problem, settings);

@@ -49,8 +49,8 @@ TableMotion::TableMotion(const TableObservations& plan, const RigDeclaration& ri
       sources_.push_back({ErrorSource::Kind::earth, fmt::format("earth_rate.{}", direction), 0, earth_rate});
   }
 
-  const auto add = [&](std::size_t step, double begin, double end, bool rest_after) {
-    Part part{step, begin, end, rest_after, {}, {}};
+  const auto add = [&](std::size_t step, double begin, double end) {
+    Part part{step, begin, end, {}, {}};
     part.first.fill(none);
     part.second.fill(none);
     const bool turns = steps_[step].kind == StepKind::rotate;
@@ -75,8 +75,8 @@ TableMotion::TableMotion(const TableObservations& plan, const RigDeclaration& ri
     }
     parts_.push_back(part);
   };
-  for (const HoldObservation& hold : plan.holds) add(hold.step, hold.begin, hold.end, true);
-  for (const TurnObservation& turn : plan.turns) add(turn.step, turn.begin, turn.end, turn.rest_after);
+  for (const HoldObservation& hold : plan.holds) add(hold.step, hold.begin, hold.end);
+  for (const TurnObservation& turn : plan.turns) add(turn.step, turn.begin, turn.end);
 }
 
 VectorXd TableMotion::nominal() const {
@@ -126,9 +126,7 @@ Eigen::Matrix<T, 6, 1> TableMotion::truth_of(const Part& part, const Surrounding
   turn.duration = profile.duration + e[timing];
   turn.after = T(part.end - part.begin) - turn.before - turn.duration;
   turn.ramp = profile.ramp;
-  Eigen::Vector3<T> rate = turn.axis_b * turn.angle + integral_in_body<T>(turn, rate_ie);
-  // Where no rest follows, the sum ends at the commanded time: a late turn's last part is missing (as if it stopped without a ramp).
-  if (!part.rest_after) rate -= turn.axis_b * (e[timing] * (step.angle < 0 ? -step.rate : step.rate));
+  const Eigen::Vector3<T> rate = turn.axis_b * turn.angle + integral_in_body<T>(turn, rate_ie);
   out << rate, integral_in_body<T>(turn, force);
   return out;
 }

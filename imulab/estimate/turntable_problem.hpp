@@ -48,7 +48,6 @@ class TableMotion {
   struct Part {
     std::size_t step;
     double begin, end;
-    bool rest_after;
     std::array<int, locals> first, second;  ///< the sources whose sum it is; RigErrorIndex::none
   };
   /// What all parts share, from the errors of any.

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <cmath>
+
 namespace imulab {
 
 namespace {
@@ -24,13 +26,24 @@ Json to_json(const std::vector<Shortfall>& shortfalls) {
 }
 
 Json to_json(const Tolerance& t) {
-  return {{"factor", t.factor ? Json(*t.factor) : Json(nullptr)}, {"unlimited", t.unlimited}, {"not_met", to_json(t.shortfalls)}};
+  if (!t.factor) return {{"factor", nullptr}, {"not_met", to_json(t.shortfalls)}};
+  const TableSetting& s = t.setting;
+  return {{"factor", *t.factor},
+          {"unlimited", t.unlimited},
+          {"angle", s.angle},
+          {"orthogonality", s.orthogonality},
+          {"zero", s.zero},
+          {"timing", s.timing},
+          {"gyro_noise_density", s.gyro_noise},
+          {"accel_noise_density", s.accel_noise},
+          {"gyro_turn_on", s.gyro_turn_on},
+          {"accel_turn_on", s.accel_turn_on}};
 }
 
 }  // namespace
 
-std::string prediction_json(const TurntablePrediction& p, const std::optional<MonteCarloResult>& monte_carlo, const std::vector<Shortfall>& shortfalls,
-                            const std::vector<KnobAnswer>& answers) {
+std::string prediction_json(const TurntablePrediction& p, const std::optional<MonteCarloResult>& monte_carlo,
+                            const std::vector<Shortfall>& shortfalls, const std::vector<KnobAnswer>& answers) {
   Json coefficients = Json::object();
   const Eigen::VectorXd sigma = p.sigma(), first = p.first_order();
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
@@ -39,6 +52,7 @@ std::string prediction_json(const TurntablePrediction& p, const std::optional<Mo
     for (std::size_t k = 0; k < p.sources.size(); ++k) budget[p.sources[k]] = std::sqrt(p.variance(row, static_cast<Eigen::Index>(k)));
     Json entry{{"closed_form", sigma[row]}, {"first_order", first[row]}, {"second_order", p.second_order[row]}, {"bias_taken_out", p.bias[row]}};
     if (monte_carlo) entry["monte_carlo"] = monte_carlo->sigma[row];
+    entry["cramer_rao"] = std::isfinite(p.cramer_rao[row]) ? Json(p.cramer_rao[row]) : Json(nullptr);
     entry["budget"] = std::move(budget);
     coefficients[name_of(p.coefficients[i])] = std::move(entry);
   }

@@ -18,7 +18,7 @@ struct KnobAnswer {
 };
 
 /// Standard uncertainties in SI, the shares of their sources, and the answers to requirements where there are any.
-std::string prediction_json(const TurntablePrediction& prediction, const std::optional<MonteCarloResult>& monte_carlo, const std::vector<Shortfall>& shortfalls,
-                            const std::vector<KnobAnswer>& answers);
+std::string prediction_json(const TurntablePrediction& prediction, const std::optional<MonteCarloResult>& monte_carlo,
+                            const std::vector<Shortfall>& shortfalls, const std::vector<KnobAnswer>& answers);
 
 }  // namespace imulab
