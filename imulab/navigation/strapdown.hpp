@@ -1,0 +1,62 @@
+// Strapdown integration on the WGS-84 ellipsoid in east-north-up axes: from increments to attitude, velocity and position.
+#pragma once
+
+#include "imulab/earth/earth.hpp"
+#include "imulab/navigation/attitude.hpp"
+#include "imulab/navigation/increment.hpp"
+
+#include <Eigen/Geometry>
+
+#include <optional>
+
+namespace imulab {
+
+struct NavigationState {
+  Eigen::Quaterniond q_nb = Eigen::Quaterniond::Identity();  // body to east-north-up
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();        // against the Earth, east-north-up [m/s]
+  double latitude = 0, longitude = 0;                        // geodetic [rad]
+  double height = 0;                                         // above the ellipsoid [m]
+};
+
+/// A pure inertial height error grows by e every 570 s: the way it is held belongs to every result.
+enum class VerticalChannel {
+  free,   ///< integrated like the others
+  fixed,  ///< height as at the start, no vertical velocity
+  aided,  ///< led to a barometer's height by a loop of third order
+};
+
+struct StrapdownOptions {
+  VerticalChannel vertical = VerticalChannel::free;
+  std::optional<double> gravity = {};    // constant, straight down [m/s^2]; absent: WGS-84 normal gravity at each place
+  double barometer_time_constant = 100;  // of the loop's three poles [s]
+  double latitude_limit = 1.5690509975;  // 89.9 deg: nearer to a pole the axes turn too fast; an Error
+  bool previous_sample = true;           // coning and sculling of single samples with the one before
+};
+
+/// The integration: state and what one step hands to the next.
+class Strapdown {
+ public:
+  /// Throws Error for a start or options outside what can be integrated.
+  explicit Strapdown(const NavigationState& start, const StrapdownOptions& options = {});
+
+  /// One sample over `interval` [s]. `barometer` [m]: the height at the end of the step, for the aided channel.
+  void step(const Increment& sample, double interval, std::optional<double> barometer = {});
+  /// One to five samples over `interval` [s] altogether.
+  void step(std::span<const Increment> samples, double interval, std::optional<double> barometer = {});
+
+  const NavigationState& state() const { return state_; }
+
+ private:
+  void advance(const BodyStep& body, double interval);
+  void aid(double barometer, double interval);
+  LocalEarth earth_at(double latitude, double height) const;
+
+  NavigationState state_;
+  StrapdownOptions options_;
+  LocalEarth earth_;                   // at the last step's middle
+  Eigen::Vector3d slow_;               // gravity and Coriolis acceleration there [m/s^2]
+  std::optional<Increment> previous_;  // the last single sample
+  double barometer_integral_ = 0;      // of height minus barometer, times its gain [m/s^2]
+};
+
+}  // namespace imulab
