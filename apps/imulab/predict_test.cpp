@@ -101,6 +101,17 @@ struct PredictCommand : ::testing::Test {
   }
 };
 
+TEST_F(PredictCommand, HoldsNeedSamples) {
+  folder.write("slow.toml", std::string(head) + R"([[recording]]
+file = "r.csv"
+rate_hz = 0.02
+time = { column = "t", unit = "s" }
+gyro = { columns = ["gx", "gy", "gz"], output = "rate", unit = "rad/s" }
+accel = { columns = ["ax", "ay", "az"], output = "rate", unit = "m/s^2" }
+)" + steps);
+  expect_refused("slow.toml", "slow.toml: step 1 (hold at 0 s): at rate_hz = 0.02 it has 1.2 samples; two at least were expected");
+}
+
 TEST_F(PredictCommand, PrintsATableInUserUnitsWithTheShares) {
   const CommandResult result = run_imulab(folder, "predict p.toml --runs 1000");
   EXPECT_EQ(result.exit_code, 0) << result.errors;

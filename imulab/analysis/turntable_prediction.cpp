@@ -109,6 +109,11 @@ TurntablePlan turntable_plan(const Session& procedure) {
   TurntablePlan plan;
   plan.rig = turntable_of(procedure, recording);
   plan.observations = planned_observations(procedure, recording);
+  if (!procedure.recordings.empty() && procedure.recordings.front().rate_hz)
+    for (const HoldObservation& hold : plan.observations.holds)
+      if (const double samples = (hold.end - hold.begin) * *procedure.recordings.front().rate_hz; samples < 2)
+        throw Error(fmt::format("{}: {}: at rate_hz = {:g} it has {:.2g} samples; two at least were expected", procedure.file,
+                                describe_step(plan.observations.steps, hold.step), *procedure.recordings.front().rate_hz, samples));
   plan.site = procedure.site;
   const Truth unit = [&] {  // an ideal one; its noise is as a simulation has it
     try {

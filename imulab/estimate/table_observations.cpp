@@ -21,19 +21,30 @@ constexpr double settling = 1;      // s: so much of the rests around a turn goe
 
 double start_of(const Recording& r, std::size_t i, bool increment) { return r.time_s(i) - r.interval(i, increment); }
 
-/// The longest stretch without gaps and saturated samples whose samples' intervals lie inside [begin, end].
-Range longest_inside(const Recording& r, double begin, double end) {
+/// The samples whose intervals lie inside [begin, end].
+Range inside(const Recording& r, double begin, double end) {
   const double rounding = 1e-3 * r.interval_s;
-  std::size_t first = 0;
-  const auto stamp = [&](double s) { return static_cast<std::int64_t>(std::llround(1e9 * s)); };
-  first = static_cast<std::size_t>(std::upper_bound(r.time_ns.begin(), r.time_ns.end(), stamp(begin)) - r.time_ns.begin());
+  const auto after = [&](double s) {
+    return static_cast<std::size_t>(std::upper_bound(r.time_ns.begin(), r.time_ns.end(), static_cast<std::int64_t>(std::llround(1e9 * s))) -
+                                    r.time_ns.begin());
+  };
+  std::size_t first = after(begin);
   while (first < r.size() && start_of(r, first, r.gyro_increment) < begin - rounding) ++first;
-  const auto last = static_cast<std::size_t>(std::upper_bound(r.time_ns.begin(), r.time_ns.end(), stamp(end + rounding)) - r.time_ns.begin());
+  return {first, std::max(first, after(end + rounding))};
+}
+
+/// The longest stretch of these samples without gaps and saturated ones.
+Range longest_piece(const Recording& r, const Range& range) {
   Range longest;
-  if (first >= last) return longest;
-  for (const Range& piece : without_interruptions(r, {first, last}))
+  if (range.size() == 0) return longest;
+  for (const Range& piece : without_interruptions(r, range))
     if (piece.size() > longest.size()) longest = piece;
   return longest;
+}
+
+std::size_t saturated_in(const Recording& r, const Range& range) {
+  const auto first = std::lower_bound(r.saturated.begin(), r.saturated.end(), range.begin);
+  return static_cast<std::size_t>(std::lower_bound(first, r.saturated.end(), range.end) - first);
 }
 
 /// The samples that cover [begin, end]; empty where the recording does not, or is interrupted.
@@ -176,9 +187,11 @@ TableObservations observe(const Recording& recording, const Session& session) {
   const std::vector<Step>& steps = seen.steps;
   std::vector<Rest> rests;
   for (HoldObservation& hold : seen.holds) {
-    const Range range = longest_inside(recording, hold.begin, hold.end);
-    if (range.size() < 2) {
-      seen.warnings.push_back(describe_step(steps, hold.step) + ": no samples, left out");
+    const Range all = inside(recording, hold.begin, hold.end), range = longest_piece(recording, all);
+    const std::size_t at_limit = saturated_in(recording, all);
+    if (range.size() < 2 || 100 * at_limit > all.size()) {  // of a hold near a limit the samples that remain are chosen by their value
+      seen.warnings.push_back(describe_step(steps, hold.step) +
+                              (at_limit > 0 ? fmt::format(": {} of {} samples are saturated, left out", at_limit, all.size()) : ": no samples, left out"));
       hold.begin = hold.end;
       continue;
     }

@@ -100,6 +100,15 @@ TEST(TableObservations, ATurnThatIsInterruptedOrHasNoRestAroundItIsLeftOut) {
   EXPECT_EQ(planned_observations(exact, recording.name).turns.size(), 3u);
 }
 
+TEST(TableObservations, AHoldAtALimitIsLeftOut) {
+  const Session session = table_session(short_steps(), 2 * unit::arcsec);
+  Recording recording = simulate_recording(session, session.recordings.front(), draw_truth(session, 19), 19);
+  for (std::size_t i = 100; i < 900; i += 7) recording.saturated.push_back(i);  // in the first hold, which ends at 10 s
+  const TableObservations seen = observe(recording, session);
+  EXPECT_EQ(seen.holds.size(), 14u);
+  EXPECT_THAT(seen.warnings, Contains(HasSubstr("step 1 (hold at 0 s): 115 of 990 samples are saturated, left out")));
+}
+
 TEST(TableObservations, WhatIsMissingOrWrongIsSaid) {
   Session session = table_session(short_steps(), 2 * unit::arcsec);
   const Truth truth = draw_truth(session, 18);
