@@ -62,14 +62,14 @@ void Strapdown::step(const Increment& sample, double interval, std::optional<dou
   const bool pair = options_.previous_sample && previous_;
   advance(pair ? body_step(sample, *previous_) : body_step({&sample, 1}), interval);
   previous_ = sample;
-  if (options_.vertical == VerticalChannel::aided && barometer) aid(*barometer, interval);
+  if (barometer) aid(*barometer, interval);
 }
 
 void Strapdown::step(std::span<const Increment> samples, double interval, std::optional<double> barometer) {
   if (samples.size() == 1) return step(samples.front(), interval, barometer);
   advance(body_step(samples), interval);
   previous_.reset();
-  if (options_.vertical == VerticalChannel::aided && barometer) aid(*barometer, interval);
+  if (barometer) aid(*barometer, interval);
 }
 
 /// Everything that varies slowly (Earth, gravity, transport rate, Coriolis) is taken at the middle of the step. The middle is found from the
@@ -104,8 +104,10 @@ void Strapdown::advance(const BodyStep& body, double interval) {
   if (!(std::abs(s.latitude) <= options_.latitude_limit)) refuse_latitude(s.latitude, options_.latitude_limit);
 }
 
-/// Three equal poles at -1/T; the third state carries the accelerometer's bias.
+/// Aided: three equal poles at -1/T; the third state carries the accelerometer's bias.
 void Strapdown::aid(double barometer, double interval) {
+  if (options_.vertical == VerticalChannel::held) state_.height = barometer;
+  if (options_.vertical != VerticalChannel::aided) return;
   const double pole = 1 / options_.barometer_time_constant;
   const double curvature = 2 * earth_.gravity.norm() / earth_.transverse_radius;  // what a free channel feeds back: h'' = 2 g/R h
   const double error = state_.height - barometer;

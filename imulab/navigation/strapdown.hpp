@@ -23,6 +23,7 @@ enum class VerticalChannel {
   free,   ///< integrated like the others
   fixed,  ///< height as at the start, no vertical velocity
   aided,  ///< led to a barometer's height by a loop of third order
+  held,   ///< height is the barometer's, the vertical velocity is integrated freely
 };
 
 struct StrapdownOptions {
@@ -39,7 +40,7 @@ class Strapdown {
   /// Throws Error for a start or options outside what can be integrated.
   explicit Strapdown(const NavigationState& start, const StrapdownOptions& options = {});
 
-  /// One sample over `interval` [s]. `barometer` [m]: the height at the end of the step, for the aided channel.
+  /// One sample over `interval` [s]. `barometer` [m]: the height at the end of the step, for the aided and the held channel.
   void step(const Increment& sample, double interval, std::optional<double> barometer = {});
   /// One to five samples over `interval` [s] altogether.
   void step(std::span<const Increment> samples, double interval, std::optional<double> barometer = {});

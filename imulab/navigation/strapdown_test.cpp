@@ -154,6 +154,16 @@ TEST(Strapdown, AnAidedVerticalChannelFollowsTheBarometerAndFindsTheBias) {
   EXPECT_NEAR(strapdown.state().velocity.z(), 0, 1e-4 + interval * 1e-3);  // the bias' velocity of a step, removed at its end
 }
 
+TEST(Strapdown, AHeldVerticalChannelHasTheBarometersHeightAndAFreeVelocity) {
+  Kinematics k;
+  const BodyMotion motion = body_motion(k);
+  Strapdown strapdown(navigation_state(k), {.vertical = VerticalChannel::held});
+  for (int i = 0; i < 100; ++i) strapdown.step(Increment{motion.rate_ib_b, motion.force_b + Vector3d(0, 0, 1e-3)}, 1, 5. + i);
+  EXPECT_EQ(strapdown.state().height, 104);
+  // A bias of 1e-3 for 100 s, and the fall of gravity with height, 3.1e-6 s^-2 times the mean of 54.5 m; 1 %: that fall is rounded.
+  EXPECT_NEAR(strapdown.state().velocity.z(), 0.1 + 100 * 3.1e-6 * 54.5, 0.001);
+}
+
 TEST(Strapdown, AConstantGravityIsTakenStraightDown) {
   Strapdown strapdown({}, {.gravity = 9.8});
   strapdown.step(Increment{{0, 0, 0}, {0, 0, 0}}, 1);

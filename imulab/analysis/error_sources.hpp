@@ -1,0 +1,39 @@
+// What makes an inertial solution err: the sensors, the start, the barometer. Every size is one sigma of a draw, or fixed.
+#pragma once
+
+#include "imulab/core/spread.hpp"
+#include "imulab/model/noise.hpp"
+#include "imulab/model/sensor_model.hpp"
+
+#include <array>
+#include <optional>
+#include <vector>
+
+namespace imulab {
+
+/// Of the start, in east-north-up axes: attitude [rad] (the computed attitude is (I - [error x]) C_nb), velocity [m/s], position [m].
+struct StartErrors {
+  std::array<Spread, 3> attitude{}, velocity{}, position{};
+  /// In place of `attitude`: that of an alignment at rest over this time [s], which the sensors' own errors cause (levels: accelerometers;
+  /// heading: gyros).
+  std::optional<double> aligned_over;
+};
+
+/// Height reads true height + bias + a first-order Markov process.
+struct BarometerErrors {
+  Spread bias{};              // m
+  double noise = 0;           // m, one sigma of the process
+  double time_constant = 10;  // s, of the process
+};
+
+struct ErrorSources {
+  SensorModel model;              // what the navigator compensates with: the ideal unit, or a calibration
+  std::vector<int> coefficients;  // table indices of those that err
+  Eigen::VectorXd fixed;          // the error of each [SI of the table]: exactly this,
+  Eigen::MatrixXd covariance;     // and a draw with this covariance
+  NoiseModel gyro_noise, accel_noise;
+  StartErrors start;
+  BarometerErrors barometer;
+};
+
+}  // namespace imulab

@@ -1,0 +1,18 @@
+// Attitude, velocity and position over time: what navigation finds, and what it is compared with.
+#pragma once
+
+#include "imulab/navigation/strapdown.hpp"
+
+#include <cstddef>
+#include <vector>
+
+namespace imulab {
+
+struct Solution {
+  std::vector<double> time;  // s, ascending
+  std::vector<NavigationState> states;
+
+  std::size_t size() const { return time.size(); }
+};
+
+}  // namespace imulab
