@@ -27,11 +27,12 @@ struct BarometerErrors {
 };
 
 struct ErrorSources {
-  SensorModel model;              // what the navigator compensates with: the ideal unit, or a calibration
-  std::vector<int> coefficients;  // table indices of those that err
-  Eigen::VectorXd fixed;          // the error of each [SI of the table]: exactly this,
-  Eigen::MatrixXd covariance;     // and a draw with this covariance
-  NoiseModel gyro_noise, accel_noise;
+  SensorModel model;                                                   // what the navigator compensates with: the ideal unit, or a calibration
+  std::vector<int> coefficients;                                       // table indices of those that err
+  Eigen::VectorXd fixed;                                               // the error of each [SI of the table]: exactly this,
+  Eigen::MatrixXd covariance;                                          // and a draw with this covariance
+  Vector3d accel_tau = Vector3d::Zero(), gyro_tau = Vector3d::Zero();  // thermal readings less their reference, throughout
+  NoiseModel gyro_noise, accel_noise;                                  // of the compensated output
   StartErrors start;
   BarometerErrors barometer;
 };
