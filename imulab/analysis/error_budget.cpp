@@ -16,6 +16,10 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using At = ErrorIndex;
 
+void check(const BudgetOptions& options) {
+  if (!(options.output_interval > 0 && options.block > 0)) throw Error("error budget: positive times between outputs and of a block were expected");
+}
+
 /// Calls `see` after each block that ends at an output time, with the sample's number.
 template <class See>
 void run(ErrorGrowth& growth, const NominalMotion& motion, const BudgetOptions& options, See see) {
@@ -190,6 +194,7 @@ std::vector<double> ErrorBudget::shares(int quantity, std::size_t at) const {
 }
 
 ErrorColumns error_sensitivities(const NominalMotion& motion, const ErrorSources& sources, const BudgetOptions& options) {
+  check(options);
   ErrorGrowth growth(motion, sources, options.strapdown);
   ErrorColumns out;
   run(growth, motion, options, [&](std::size_t) { out = growth.sensitivities(); });
@@ -197,6 +202,7 @@ ErrorColumns error_sensitivities(const NominalMotion& motion, const ErrorSources
 }
 
 ErrorBudget error_budget(const NominalMotion& motion, const ErrorSources& sources, const BudgetOptions& options) {
+  check(options);
   ErrorGrowth growth(motion, sources, options.strapdown);
   const Parameters p = parameters_of(sources, growth.columns());
   ErrorBudget out;

@@ -35,7 +35,7 @@ struct ErrorBudget {
 };
 
 struct BudgetOptions {
-  StrapdownOptions strapdown;
+  StrapdownOptions strapdown = {};
   double output_interval = 10;  // s; the end is always among the outputs
   double block = 0.5;           // s: the sensors' errors are summed over it, and act in its middle; the result errs by its square
 };

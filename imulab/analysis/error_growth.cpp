@@ -27,7 +27,7 @@ void check(const NominalMotion& motion, const ErrorSources& sources, const Strap
 std::vector<NoiseSource> noise_sources(const ErrorSources& sources, double interval) {
   std::vector<NoiseSource> out;
   const auto add = [&](NoiseSource::Acts acts, std::string name, double size, const NoiseProcesses& processes) {
-    if (size != 0) out.push_back({acts, std::move(name), NoiseGrowth(processes, acts == NoiseSource::Acts::barometer ? 1 : 3)});
+    if (size != 0) out.push_back({acts, std::move(name), NoiseGrowth(processes, acts == NoiseSource::Acts::barometer ? 1 : 3), false});
   };
   using Acts = NoiseSource::Acts;
   for (const bool gyro : {true, false}) {
@@ -36,6 +36,10 @@ std::vector<NoiseSource> noise_sources(const ErrorSources& sources, double inter
     add(gyro ? Acts::gyro_white : Acts::accel_white, triad + "white noise", m.N, white_noise(m.N));
     add(gyro ? Acts::gyro : Acts::accel, triad + "flicker", m.B, flicker_noise(m.B, interval));
     add(gyro ? Acts::gyro : Acts::accel, triad + "random walk", m.K, random_walk(m.K));
+    if (const auto duration = sources.start.aligned_over; duration && m.Q != 0) {
+      add(gyro ? Acts::gyro_white : Acts::accel_white, triad + "quantisation", m.Q, white_noise(m.Q * std::sqrt(2 / *duration)));
+      out.back().alignment_only = true;
+    }
   }
   const BarometerErrors& b = sources.barometer;
   add(Acts::barometer, "barometer", b.noise, markov_noise(b.noise, b.time_constant));
@@ -95,7 +99,9 @@ void ErrorGrowth::block(std::size_t begin, std::size_t end) {
   sensitivity_.leftCols(columns_.coefficients) += by_rate * effects_.rate() + by_force * effects_.force();
   add_unit(by_rate * turned, by_force * turned, aligned_ + middle);
   sensitivity_.col(columns_.barometer) += length * (half * d.b);
-  for (NoiseSource& n : noises_) n.growth.step(whole, effect(n.acts, by_rate, by_force, turned, length, half * d.b), length);
+  const ErrorColumns nothing = ErrorColumns::Zero(At::count, 3);
+  for (NoiseSource& n : noises_)
+    n.growth.step(whole, n.alignment_only ? nothing : effect(n.acts, by_rate, by_force, turned, length, half * d.b), length);
 }
 
 void ErrorGrowth::start() {

@@ -24,6 +24,7 @@ struct NoiseSource {
   enum class Acts { gyro_white, accel_white, gyro, accel, barometer } acts;
   std::string name;
   NoiseGrowth growth;
+  bool alignment_only = false;
 };
 
 /// Advances by blocks of samples, over each of which the sensors' errors are summed and act in its middle. `motion` must outlive it.
@@ -38,7 +39,7 @@ class ErrorGrowth {
   const SourceColumns& columns() const { return columns_; }
   /// Error state by source, now. With an alignment, that which its sources cause through it is in their columns.
   ErrorColumns sensitivities() const;
-  /// Quantisation and resolution are left out: see docs/navigation.md.
+  /// Quantisation acts in the alignment alone, where the first and last reading of the integral count; later it is jitter, which does not grow.
   std::size_t noises() const { return noises_.size(); }
   const std::string& noise_name(std::size_t i) const { return noises_[i].name; }
   ErrorMatrix noise_covariance(std::size_t i) const;

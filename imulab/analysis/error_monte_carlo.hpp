@@ -10,7 +10,7 @@
 namespace imulab {
 
 struct MonteCarloOptions {
-  StrapdownOptions strapdown;
+  StrapdownOptions strapdown = {};
   double output_interval = 10;  // s; the end is always among the outputs
   std::uint64_t runs = 1000;
   std::uint64_t seed = 1;
