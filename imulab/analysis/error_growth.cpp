@@ -46,7 +46,10 @@ std::vector<NoiseSource> noise_sources(const ErrorSources& sources, double inter
   return out;
 }
 
-Matrix3d middle_attitude(const NavigationState& from, const NavigationState& to) { return from.q_nb.slerp(0.5, to.q_nb).toRotationMatrix(); }
+Matrix3d middle_attitude(const NavigationState& from, const NavigationState& to) {
+  const double same_way = from.q_nb.dot(to.q_nb) < 0 ? -1 : 1;
+  return Eigen::Quaterniond(Eigen::Vector4d(from.q_nb.coeffs() + same_way * to.q_nb.coeffs())).normalized().toRotationMatrix();
+}
 
 /// White noise is the same in any axes: its interval's turning does not matter.
 ErrorColumns effect(NoiseSource::Acts acts, const ErrorColumns& by_rate, const ErrorColumns& by_force, const Matrix3d& turned, double length,

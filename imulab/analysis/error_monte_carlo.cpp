@@ -167,7 +167,7 @@ NavigationState start_of(const Plan& plan, const Columns& seen, const std::strin
 }
 
 /// Errors at the outputs; the last is the end.
-Eigen::Matrix<double, budget_quantities, Eigen::Dynamic> flown(const Plan& plan, const Columns& truth, std::uint64_t number) {
+BudgetRows flown(const Plan& plan, const Columns& truth, std::uint64_t number) {
   const std::string run = fmt::format("run {}", number);
   const Columns seen = compensated(plan, truth, run);
   const BarometerErrors& b = plan.sources.barometer;
@@ -175,7 +175,7 @@ Eigen::Matrix<double, budget_quantities, Eigen::Dynamic> flown(const Plan& plan,
   const double bias = drawn(b.bias, RandomStream(plan.options.seed, "barometer bias of " + run), 0);
   const double decay = std::exp(-plan.interval / b.time_constant), fresh = b.noise * std::sqrt(-std::expm1(-2 * plan.interval / b.time_constant));
   double slow = b.noise * stream.normal(0);
-  Eigen::Matrix<double, budget_quantities, Eigen::Dynamic> out(budget_quantities, static_cast<Eigen::Index>(plan.outputs.size()));
+  BudgetRows out(budget_quantities, static_cast<Eigen::Index>(plan.outputs.size()));
   Strapdown strapdown(start_of(plan, seen, run), plan.options.strapdown);
   std::size_t next = 0;
   for (std::size_t i = 0; i < plan.motion.increments.size(); ++i) {
@@ -234,7 +234,7 @@ ErrorDistribution error_monte_carlo(const NominalMotion& motion, const ErrorSour
                     options.runs, plan.outputs.size(), bytes / 1e9, most / 1e9));
   ErrorDistribution out;
   for (const std::size_t i : plan.outputs) out.time.push_back(motion.time[i]);
-  out.end.resize(budget_quantities, static_cast<Eigen::Index>(options.runs));
+  for (BudgetRows* rows : {&out.end, &out.peak}) rows->resize(budget_quantities, static_cast<Eigen::Index>(options.runs));
   const Columns truth = true_motion(plan);
   std::vector<Errors> runs(options.runs);
   std::atomic<std::uint64_t> done = 0;
@@ -242,6 +242,7 @@ ErrorDistribution error_monte_carlo(const NominalMotion& motion, const ErrorSour
     const auto errors = flown(plan, truth, k);
     runs[k] = errors.cast<float>();
     out.end.col(static_cast<Eigen::Index>(k)) = errors.rightCols<1>();
+    out.peak.col(static_cast<Eigen::Index>(k)) = errors.cwiseAbs().rowwise().maxCoeff();
     if (progress) progress(++done);
   });
   summarise(out, runs, motion.time.back() - motion.time.front());

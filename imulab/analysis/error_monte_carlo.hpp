@@ -20,9 +20,10 @@ struct MonteCarloOptions {
 struct ErrorDistribution {
   std::vector<double> time;                                                                     // s
   Eigen::Matrix<double, budget_quantities + 1, Eigen::Dynamic> mean, sigma, low, median, high;  // low, high: 5 and 95 %
-  std::vector<double> drift;                                     // of each run: horizontal error at the end over the motion's time [m/s]
-  double drift_rms = 0, drift_cep = 0, drift_95 = 0;             // of those; CEP: half of the runs stay below
-  Eigen::Matrix<double, budget_quantities, Eigen::Dynamic> end;  // errors at the end, a column each run
+  std::vector<double> drift;                          // of each run: horizontal error at the end over the motion's time [m/s]
+  double drift_rms = 0, drift_cep = 0, drift_95 = 0;  // of those; CEP: half of the runs stay below
+  BudgetRows end;                                     // errors at the end, a column each run
+  BudgetRows peak;                                    // largest absolute errors at any output, a column each run
 };
 
 /// Bit-equal on any number of threads. `progress` is told how many runs are done, from any thread. The barometer is read at each sample where the

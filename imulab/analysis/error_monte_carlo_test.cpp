@@ -113,6 +113,7 @@ TEST(ErrorMonteCarlo, AtRestItsSpreadIsTheClosedForm) {
   EXPECT_NEAR(d.mean(0, 1), 0, 4 * mean_sigma);
   EXPECT_NEAR(d.drift_cep * 60, d.median(9, 1), 1e-6);  // the same errors, kept as floats there
   EXPECT_EQ(d.drift.size(), runs);
+  EXPECT_TRUE((d.peak.array() >= d.end.array().abs()).all());
   EXPECT_GT(d.drift_95, d.drift_rms);
   EXPECT_GT(d.drift_rms, d.drift_cep);
 }
