@@ -6,8 +6,8 @@
 namespace imulab {
 namespace {
 
-/// Directions of an effect, by columns: none, an output axis, and what an accelerometer's or a raw reading's axis does through the model.
-enum Direction { none = 0, axis = 1, leak = 4, accel_reading = 7, accel_reading_leak = 10, gyro_reading = 13, direction_count = 16 };
+/// Directions of an effect, by columns: an output axis, and what an accelerometer's or a raw reading's axis does through the model.
+enum Direction { axis = 0, leak = 3, accel_reading = 6, accel_reading_leak = 9, gyro_reading = 12, direction_count = 15 };
 /// Scalars of a sample: one, powers 1 to 3 of the raw readings V, the force, powers 1 and 2 of the thermal readings.
 enum Scalar { one = 0, accel_power = 1, gyro_power = 10, force_component = 19, accel_thermal = 22, gyro_thermal = 28, scalar_count = 34 };
 
@@ -49,19 +49,16 @@ int scalar_of(const Coefficient& c) {
 CoefficientEffects::CoefficientEffects(const SensorModel& model, const std::vector<int>& coefficients, const Vector3d& accel_tau,
                                        const Vector3d& gyro_tau)
     : model_(model), plain_(ideal(model.accel) && ideal(model.gyro) && model.g_sensitivity.isZero(0)), accel_tau_(accel_tau), gyro_tau_(gyro_tau) {
-  for (const int index : coefficients) {
-    const Coefficient& c = coefficient_table()[static_cast<std::size_t>(index)];
+  const bool leaks = !model.g_sensitivity.isZero(0);
+  const auto n = static_cast<Eigen::Index>(coefficients.size());
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Coefficient& c = coefficient_table()[static_cast<std::size_t>(coefficients[static_cast<std::size_t>(k)])];
     const bool thermal = c.term == Term::thermal;
-    Effect effect{scalar_of(c), 0, 0};
-    if (c.triad == Triad::accel) {
-      effect.force_direction = (thermal ? accel_reading : axis) + c.row;
-      effect.rate_direction = model.g_sensitivity.isZero(0) ? none : (thermal ? accel_reading_leak : leak) + c.row;
-    } else {
-      effect.rate_direction = (thermal ? gyro_reading : axis) + c.row;
-    }
-    effects_.push_back(effect);
+    const int scalar = scalar_of(c);
+    if (c.triad == Triad::gyro) rate_effects_.push_back({k, scalar, (thermal ? gyro_reading : axis) + c.row});
+    if (c.triad == Triad::accel) force_effects_.push_back({k, scalar, (thermal ? accel_reading : axis) + c.row});
+    if (c.triad == Triad::accel && leaks) rate_effects_.push_back({k, scalar, (thermal ? accel_reading_leak : leak) + c.row});
   }
-  const auto n = static_cast<Eigen::Index>(effects_.size());
   rate_.setZero(3, n);
   force_.setZero(3, n);
 }
@@ -74,7 +71,6 @@ void CoefficientEffects::clear() {
 void CoefficientEffects::add(const Matrix3d& C_nb, const Motion& motion, double interval) {
   Eigen::Matrix<double, 3, direction_count> direction;
   Eigen::Matrix<double, scalar_count, 1> scalar;
-  direction.col(none).setZero();
   direction.middleCols<3>(axis) = C_nb;
   const RawSample raw = plain_ ? RawSample{motion.force, motion.rate} : decompensate(model_, motion, accel_tau_, gyro_tau_);
   const Vector3d a = without_drift(raw.accel, model_.accel, accel_tau_), w = without_drift(raw.gyro, model_.gyro, gyro_tau_);
@@ -84,8 +80,6 @@ void CoefficientEffects::add(const Matrix3d& C_nb, const Motion& motion, double 
     direction.middleCols<3>(accel_reading_leak) = -direction.middleCols<3>(leak) * slope(model_.accel, a);
     direction.middleCols<3>(gyro_reading) = -C_nb * slope(model_.gyro, w);
   } else {
-    direction.middleCols<3>(leak).setZero();
-    direction.middleCols<3>(accel_reading_leak).setZero();
     direction.middleCols<3>(accel_reading) = direction.middleCols<3>(gyro_reading) = -C_nb;
   }
   scalar[one] = 1;
@@ -95,12 +89,8 @@ void CoefficientEffects::add(const Matrix3d& C_nb, const Motion& motion, double 
   scalar.segment<6>(accel_thermal) << accel_tau_, accel_tau_.cwiseAbs2();
   scalar.segment<6>(gyro_thermal) << gyro_tau_, gyro_tau_.cwiseAbs2();
   scalar *= interval;
-  for (std::size_t i = 0; i < effects_.size(); ++i) {
-    const auto [s, by_rate, by_force] = effects_[i];
-    const auto column = static_cast<Eigen::Index>(i);
-    rate_.col(column) += scalar[s] * direction.col(by_rate);
-    force_.col(column) += scalar[s] * direction.col(by_force);
-  }
+  for (const Effect& e : rate_effects_) rate_.col(e.coefficient) += scalar[e.scalar] * direction.col(e.direction);
+  for (const Effect& e : force_effects_) force_.col(e.coefficient) += scalar[e.scalar] * direction.col(e.direction);
 }
 
 }  // namespace imulab

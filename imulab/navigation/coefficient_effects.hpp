@@ -27,13 +27,13 @@ class CoefficientEffects {
  private:
   /// A derivative is a scalar of the sample times a direction fixed in the body.
   struct Effect {
-    int scalar, rate_direction, force_direction;
+    Eigen::Index coefficient, scalar, direction;
   };
 
   SensorModel model_;
   bool plain_;  // the ideal unit: raw readings are the motion
   Vector3d accel_tau_, gyro_tau_;
-  std::vector<Effect> effects_;
+  std::vector<Effect> rate_effects_, force_effects_;
   Eigen::Matrix3Xd rate_, force_;
 };
 
