@@ -85,18 +85,12 @@ void check(const ErrorSpecification& s) {
 ErrorSources error_sources(const ErrorSpecification& specification, const Calibration* calibration) {
   check(specification);
   const ErrorSpecification s = completed(specification);
-  ErrorSources out;
+  ErrorSources out = calibration ? error_sources(*calibration) : ErrorSources{};
   out.gyro_noise = noise_of(s.gyro);
   out.accel_noise = noise_of(s.accel);
   out.start = s.start;
   out.barometer = s.barometer;
-  if (calibration) {
-    out.model = calibration->model;
-    out.coefficients = calibration->estimated;
-    out.covariance = calibration->covariance;
-    out.fixed = Eigen::VectorXd::Zero(out.covariance.rows());
-    return out;
-  }
+  if (calibration) return out;
   std::vector<double> fixed, variance;
   for (int index = 0; index < coefficient_count; ++index) {
     const Coefficient& c = coefficient_table()[static_cast<std::size_t>(index)];
