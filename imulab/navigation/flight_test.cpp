@@ -90,7 +90,7 @@ TEST(Flight, EveryKindOfSegmentComesBack) {
                                  rotate({0, 0, 1}, 180 * unit::deg, 10 * unit::deg),
                                  accelerate(40, 20),
                                  straight(10),
-                                 turn_of_radius(90 * unit::deg, 400, 40, 3),
+                                 turn(90 * unit::deg, turning_rate(400, 40), 3),
                                  s_turn(30 * unit::deg, 4 * unit::deg, 3),
                                  climb(0.1, 10, 4),
                                  rotate({1, 0, 0}, -90 * unit::deg, 20 * unit::deg),
@@ -158,7 +158,8 @@ TEST(Flight, RefusesATurnTighterThanTheSpeedAllows) {
   EXPECT_EQ(refusal(start, {turn(1.5, 12 * unit::deg, 2)}), "nothing");
   EXPECT_THAT(refusal(start, {turn(1.5, 4 * unit::deg, 2)}, {.banks = false}),
               HasSubstr("needs 5.59 m/s^2 across the way, expected at most 4 m/s^2"));
-  EXPECT_THROW(turn_of_radius(1, 100, 0, 3), Error);
+  EXPECT_THROW(turning_rate(100, 0), Error);
+  EXPECT_THROW(turning_rate(0, 10), Error);
 }
 
 TEST(Flight, RefusesWhatIsNoMotion) {

@@ -74,10 +74,10 @@ Segment accelerate(double speed_change, double duration) { return {duration, {{P
 
 Segment turn(double heading_change, double rate, double roll_time) { return turned(heading_change, rate, roll_time); }
 
-Segment turn_of_radius(double heading_change, double radius, double speed, double roll_time) {
+double turning_rate(double radius, double speed) {
   if (!(radius > 0)) throw Error(fmt::format("turn of radius {} m: expected a positive radius", radius));
   if (!(speed > standstill)) throw Error(fmt::format("turn of radius {} m at no speed: expected one in motion, or a rotation of the unit", radius));
-  return turned(heading_change, speed / radius, roll_time);
+  return speed / radius;
 }
 
 Segment s_turn(double heading_change, double rate, double roll_time) {

@@ -46,8 +46,8 @@ Segment accelerate(double speed_change, double duration);
 /// To the right (negative: left) at `rate`. An aircraft rolls in and out over `roll_time` each, a vehicle steers. `Error` where the turn is too
 /// short for that.
 Segment turn(double heading_change, double rate, double roll_time);
-/// On a circle: the rate is speed over radius. `Error` at no speed.
-Segment turn_of_radius(double heading_change, double radius, double speed, double roll_time);
+/// Speed over radius. `Error` at no speed.
+double turning_rate(double radius, double speed);
 /// Right by `heading_change` and back.
 Segment s_turn(double heading_change, double rate, double roll_time);
 /// To an angle of climb (negative: a dive), held for `duration`, and back to level, each change over `pitch_time`.
