@@ -4,6 +4,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/io/file.hpp"
 #include "imulab/io/solution_file.hpp"
+#include "imulab/io/text.hpp"
 #include "imulab/io/toml_fields.hpp"
 
 #include <fmt/format.h>
@@ -165,6 +166,7 @@ void read_segment(TomlFields& f, Mission& mission, double& speed) {
   for (const auto& kind : segment_kinds()) names.push_back(kind.first);
   names.push_back("repeat");
   std::string name;
+  f.check(f.has("kind"), "kind", "is missing, expected one of " + listed(names));
   f.choice("kind", name, names, Presence::required);
   if (name == "repeat") return read_repeat(f, mission.segments);
   for (const auto& [kind, read] : segment_kinds()) {
