@@ -76,7 +76,7 @@ void print_summary(const Recording& recording, const Solution& truth) {
   const auto largest_of = [&](const Columns3& c, double unit) {
     return fmt::format("{:.4g}, {:.4g}, {:.4g}", largest(c[0]) / unit, largest(c[1]) / unit, largest(c[2]) / unit);
   };
-  fmt::print("  way            {:.6g} km, at most {:.5g} m/s\n", way / 1000, fastest);
+  fmt::print("  distance       {:.6g} km, at most {:.5g} m/s\n", way / 1000, fastest);
   fmt::print("  largest bank   {:.4g} deg\n", bank / unit::deg);
   fmt::print("  largest rate   {} deg/s about x, y, z\n", largest_of(recording.gyro, unit::deg));
   fmt::print("  largest force  {} m/s^2 along x, y, z\n", largest_of(recording.accel, 1));

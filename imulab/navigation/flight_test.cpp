@@ -98,7 +98,7 @@ TEST(Flight, EveryKindOfSegmentComesBack) {
                                  accelerate(-40, 20),
                                  rest(10)};
   // The sway is a coning motion: what the integration of one sample and the one before leaves of it is a drift of 4th order in the interval
-  // and 2nd in the amplitude, 0.5 mm after 70 s here.
+  // and 2nd in the amplitude, 0.0012 deg/h / 25 here. Gravity turns 20 s of it into 9.8 m/s^2 4.5e-9 rad (160 s)^2 / 2 = 0.6 mm.
   const Trajectory motion = flight(place, all);
   EXPECT_LT(strapdown_error(motion, 0.01).norm(), 1e-3);
   EXPECT_NEAR(std::log2(strapdown_error(motion, 0.02).norm() / strapdown_error(motion, 0.01).norm()), 4, 0.5);
