@@ -141,12 +141,15 @@ std::vector<double> breaks_of(const Segment& s) {
   return out;
 }
 
-/// A radian of the fastest vibration: four points of quadrature then leave 1e-9 of it.
+/// The time of a radian of the fastest vibration or rotation: four points of quadrature then leave 1e-9 of it.
 double smooth_time(const Segment& s, double longest) {
-  double fastest = 0;
-  if (s.sway.angle != 0) fastest = s.sway.angle_frequency;
-  if (s.sway.displacement != 0) fastest = std::max(fastest, s.sway.displacement_frequency);
-  return fastest > 0 ? std::min(longest, 1 / (2 * std::numbers::pi * fastest)) : longest;
+  const double turn = 2 * std::numbers::pi;
+  double fastest = 1 / longest;  // rad/s
+  if (s.sway.angle != 0) fastest = std::max(fastest, turn * s.sway.angle_frequency);
+  if (s.sway.displacement != 0) fastest = std::max(fastest, turn * s.sway.displacement_frequency);
+  for (const Pulse& p : s.pulses)
+    if (p.of == Pulse::Of::table || p.of == Pulse::Of::heading) fastest = std::max(fastest, std::abs(p.rate()));
+  return 1 / fastest;
 }
 
 }  // namespace

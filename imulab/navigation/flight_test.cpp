@@ -114,6 +114,17 @@ TEST(Flight, ARotatedUnitStaysTurned) {
   EXPECT_EQ(end.velocity.norm(), 0);
 }
 
+TEST(Flight, AFastRotationWithinASampleIsIntegrated) {
+  // Twenty turns a sample about a level axis, east: gravity goes round, and nothing is left of it over whole turns.
+  FlightStart place = start;
+  place.speed = 0;
+  place.latitude = 0;
+  const double rate = 20 * 2 * std::numbers::pi * 100;
+  const auto increments = ideal_increments(flight(place, {rotate(Vector3d(1, 0, 0), 4 * rate, rate)}), 0.01);
+  EXPECT_NEAR(increments[200].angle.x(), 0.01 * rate, 1e-9);
+  EXPECT_LT(increments[200].velocity.norm(), 1e-6);  // 0.1 m/s of gravity, to a hundred thousandth
+}
+
 TEST(Flight, AVehicleTurnsWithoutBanking) {
   FlightStart road = start;
   road.speed = 15;

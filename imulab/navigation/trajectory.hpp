@@ -21,8 +21,8 @@ struct Kinematics {
 struct Trajectory {
   double duration = 0;                        // s, from 0
   std::vector<double> breaks;                 // instants inside where a derivative jumps: no quadrature runs across them
-  double smooth = 0.1;                        // s, short against all that moves: no quadrature runs over more
   std::function<Kinematics(double time)> at;  // for any time in [0, duration]
+  double smooth = 0.1;                        // s, short against all that moves: no quadrature runs over more
 };
 
 /// What a perfect IMU feels: rate against inertial space and specific force, in body axes.
