@@ -150,6 +150,7 @@ TEST(TrajectoryBadInput, SegmentsAreRefusedWithTheirLine) {
            {mission(segment("kind = \"rest\"\nduration = 5")), "m.toml:8: segment.duration: is not a known key, expected duration_s"},
            {mission(segment("duration_s = 5")), "m.toml:6: segment.kind: is missing"},
            {mission(segment("kind = \"rest\"\nduration_s = -5")), "m.toml:8: segment.duration_s: -5 is out of range, expected more than 0"},
+           {mission(segment("kind = \"rest\"\nduration_s = 1e-300")), "m.toml:7: segment.kind: lasts 1e-300 s, expected a microsecond at least"},
            {mission(segment("kind = \"rest\"\nduration_s = nan")), "m.toml:8: segment.duration_s: is not a finite number"},
            {mission(segment("kind = \"rest\"\nduration_s = \"5\"")), "m.toml:8: segment.duration_s: is text, expected a number"},
            {mission(segment("kind = \"rest\"\nduration_s = 5\nsway_m = 1")), "m.toml:6: segment.sway_hz: is missing, expected sway_m and sway_hz"},

@@ -11,6 +11,7 @@
 namespace imulab {
 namespace {
 
+constexpr double shortest = 1e-6;    // s
 constexpr double standstill = 1e-9;  // m/s: what sums of speed changes leave
 
 /// Smooth step from 0 to 1 over x = 0 to 1 with two derivatives zero at both ends; its integral and its derivatives.
@@ -105,13 +106,14 @@ Segment rotate(const Eigen::Vector3d& body_axis, double angle, double rate) {
 }
 
 void check_segment(const Segment& segment, double speed, const Carrier& carrier) {
-  if (!(segment.duration > 0 && std::isfinite(segment.duration))) throw Error("expected a positive duration");
+  if (!(segment.duration >= shortest && std::isfinite(segment.duration)))
+    throw Error(fmt::format("lasts {:g} s, expected a microsecond at least", segment.duration));
   const double end = speed + segment.change(Pulse::Of::speed);
   if (!(end > -standstill)) throw Error(fmt::format("the speed would end at {:.3f} m/s, expected 0 or more", end));
   if (segment.rest && speed > standstill) throw Error(fmt::format("rest at {:.3f} m/s: expected standstill; brake before it", speed));
   for (const Pulse& p : segment.pulses) {
-    if (!(p.begin >= 0 && p.ramp > 0 && p.hold >= 0 && p.end() <= segment.duration * (1 + 1e-9)))
-      throw Error("a change of motion: expected inside its segment, with a positive ramp");
+    if (!(p.begin >= 0 && p.ramp >= shortest && p.hold >= 0 && p.end() <= segment.duration * (1 + 1e-9)))
+      throw Error("a change of motion: expected inside its segment, with ramps of a microsecond at least");
     if (p.of == Pulse::Of::climb && !(std::max(speed, end) > standstill)) throw Error("climb at no speed: expected one in motion");
     if (p.of != Pulse::Of::heading) continue;
     for (const double t : {p.begin + p.ramp, p.begin + p.ramp + p.hold})
