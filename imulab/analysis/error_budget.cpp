@@ -16,27 +16,21 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using At = ErrorIndex;
 
-void check(const BudgetOptions& options) {
-  if (!(options.output_interval > 0 && options.block > 0)) throw Error("error budget: positive times between outputs and of a block were expected");
-}
-
-/// Calls `see` after each block that ends at an output time, with the sample's number.
+/// Calls `see` after each block that ends at an output, with the sample's number.
 template <class See>
 void run(ErrorGrowth& growth, const NominalMotion& motion, const BudgetOptions& options, See see) {
-  const std::size_t count = motion.increments.size();
-  const double start = motion.time.front();
-  double output = options.output_interval;
-  for (std::size_t begin = 0; begin < count;) {
-    const double limit = std::min(motion.time[begin] + options.block, start + output) * (1 + 1e-12);
-    const auto after = std::upper_bound(motion.time.begin() + static_cast<std::ptrdiff_t>(begin) + 1, motion.time.end(), limit);
-    const std::size_t end = std::clamp(static_cast<std::size_t>(after - motion.time.begin()) - 1, begin + 1, count);
-    growth.block(begin, end);
-    begin = end;
-    // An output between two samples waits for the later one.
-    if (const bool due = motion.time[end] * (1 + 1e-12) >= start + output; due || end == count) {
-      see(end);
-      while (motion.time[end] * (1 + 1e-12) >= start + output) output += options.output_interval;
+  if (!(options.block > 0)) throw Error("error budget: a block of a positive time was expected");
+  std::size_t begin = 0;
+  for (const std::size_t output : output_samples(motion, options.output_interval)) {
+    while (begin < output) {
+      const auto first = motion.time.begin() + static_cast<std::ptrdiff_t>(begin) + 1,
+                 last = motion.time.begin() + static_cast<std::ptrdiff_t>(output);
+      const auto after = std::upper_bound(first + 1, last + 1, (motion.time[begin] + options.block) * (1 + 1e-12));  // at least one sample
+      const auto end = static_cast<std::size_t>(after - motion.time.begin()) - 1;
+      growth.block(begin, end);
+      begin = end;
     }
+    see(output);
   }
 }
 
@@ -194,7 +188,6 @@ std::vector<double> ErrorBudget::shares(int quantity, std::size_t at) const {
 }
 
 ErrorColumns error_sensitivities(const NominalMotion& motion, const ErrorSources& sources, const BudgetOptions& options) {
-  check(options);
   ErrorGrowth growth(motion, sources, options.strapdown);
   ErrorColumns out;
   run(growth, motion, options, [&](std::size_t) { out = growth.sensitivities(); });
@@ -202,7 +195,6 @@ ErrorColumns error_sensitivities(const NominalMotion& motion, const ErrorSources
 }
 
 ErrorBudget error_budget(const NominalMotion& motion, const ErrorSources& sources, const BudgetOptions& options) {
-  check(options);
   ErrorGrowth growth(motion, sources, options.strapdown);
   const Parameters p = parameters_of(sources, growth.columns());
   ErrorBudget out;

@@ -252,6 +252,14 @@ TEST(ErrorBudget, GroupsAndTheirCorrelationMakeUpTheWhole) {
   EXPECT_NEAR(b.mean(0, 2), b.groups[0].fixed(0, 2) + b.coefficients[2].fixed(0, 2) + 0.5e-5 * 300 * 300, 0.02 * 0.5e-5 * 300 * 300);
 }
 
+TEST(ErrorBudget, OutputsAreTheFirstSamplesAtOrAfterTheirTimesAndTheEnd) {
+  const NominalMotion motion = at_rest(0.7, 1, 0.1);  // whose stamps are sums of 0.1, rounded
+  EXPECT_EQ(output_samples(motion, 0.3), (std::vector<std::size_t>{3, 6, 9, 10}));
+  EXPECT_EQ(output_samples(motion, 0.25), (std::vector<std::size_t>{3, 5, 8, 10}));
+  EXPECT_EQ(output_samples(motion, 100), (std::vector<std::size_t>{10}));
+  EXPECT_EQ(output_samples(motion, 0.01).size(), 10u);
+}
+
 TEST(ErrorBudget, RefusesWhatItCannotFollow) {
   const NominalMotion motion = at_rest(0.7, 10, 1);
   EXPECT_THROW(error_budget({}, of_coefficients({})), Error);
@@ -261,6 +269,9 @@ TEST(ErrorBudget, RefusesWhatItCannotFollow) {
   EXPECT_THROW(error_budget(motion, s), Error);
   s = of_coefficients({0});
   s.covariance(0, 0) = -1;
+  EXPECT_THROW(error_budget(motion, s), Error);
+  s = of_coefficients({0, 1});
+  s.covariance << 1, 2, 2, 1;
   EXPECT_THROW(error_budget(motion, s), Error);
   s = of_coefficients({0});
   s.covariance.resize(0, 0);

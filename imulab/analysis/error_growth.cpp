@@ -3,6 +3,8 @@
 #include "imulab/core/error.hpp"
 #include "imulab/model/coefficient.hpp"
 
+#include <Eigen/Eigenvalues>
+
 #include <cmath>
 #include <utility>
 
@@ -10,6 +12,15 @@ namespace imulab {
 namespace {
 
 using At = ErrorIndex;
+
+/// Up to rounding, in units of each coefficient's sigma.
+bool positive(const Eigen::MatrixXd& covariance) {
+  if (covariance.rows() == 0) return true;
+  const Eigen::VectorXd scale = covariance.diagonal().unaryExpr([](double v) { return v > 0 ? 1 / std::sqrt(v) : 1; });
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * covariance * scale.asDiagonal();
+  return (scaled - scaled.transpose()).cwiseAbs().maxCoeff() < 1e-9 &&
+         Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues().minCoeff() > -1e-9;
+}
 
 void check(const NominalMotion& motion, const ErrorSources& sources, const StrapdownOptions& options) {
   const auto n = static_cast<Eigen::Index>(sources.coefficients.size());
@@ -19,6 +30,7 @@ void check(const NominalMotion& motion, const ErrorSources& sources, const Strap
     throw Error("errors along a motion: a fixed error of each coefficient and their covariance were expected");
   if (!sources.fixed.allFinite() || !sources.covariance.allFinite() || (n > 0 && sources.covariance.diagonal().minCoeff() < 0))
     throw Error("errors along a motion: finite errors of the coefficients and variances not below zero were expected");
+  if (!positive(sources.covariance)) throw Error("errors along a motion: a covariance that is symmetric and nowhere negative was expected");
   if (!(sources.barometer.time_constant > 0)) throw Error("barometer: a positive time constant of its noise was expected");
   if (sources.start.aligned_over && !(*sources.start.aligned_over > 0)) throw Error("alignment: a positive time was expected");
   Strapdown(motion.states.front(), options);  // whether this start can be integrated
@@ -156,6 +168,19 @@ ErrorMatrix ErrorGrowth::noise_covariance(std::size_t i) const {
     out.row(At::up) = n.growth.with_noise(0).transpose();
     out.col(At::up) = n.growth.with_noise(0);
     out(At::up, At::up) = n.growth.noise_variance();
+  }
+  return out;
+}
+
+std::vector<std::size_t> output_samples(const NominalMotion& motion, double interval) {
+  if (!(interval > 0)) throw Error("errors along a motion: a positive time between outputs was expected");
+  std::vector<std::size_t> out;
+  double next = interval;
+  for (std::size_t i = 1; i < motion.time.size(); ++i) {
+    const double t = (motion.time[i] - motion.time.front()) * (1 + 1e-12);  // rounding is no reason to wait for the next sample
+    if (t < next && i + 1 < motion.time.size()) continue;
+    out.push_back(i);
+    next = interval * (std::floor(t / interval) + 1);
   }
   return out;
 }

@@ -58,6 +58,9 @@ class ErrorGrowth {
   double aligned_ = 0;  // s before the motion
 };
 
+/// Numbers of the samples at which a result is given: the first at or after each multiple of `interval` [s] from the start, and the last.
+std::vector<std::size_t> output_samples(const NominalMotion& motion, double interval);
+
 /// Of an alignment at rest: start attitude error by errors of rate and force in east-north-up axes, [d phi / d rate, d phi / d force].
 Eigen::Matrix<double, 3, 6> alignment_effect(const NavigationState& start, const StrapdownOptions& options);
 

@@ -53,13 +53,7 @@ struct Plan {
       : motion(m), sources(s), options(o), coefficient_factor(factor(s.covariance)), interval(m.time[1] - m.time[0]) {
     if (s.start.aligned_over) rest = std::max<std::size_t>(1, static_cast<std::size_t>(std::llround(*s.start.aligned_over / interval)));
     barometer = o.strapdown.vertical == VerticalChannel::aided || o.strapdown.vertical == VerticalChannel::held;
-    double next = o.output_interval;
-    for (std::size_t i = 1; i < m.time.size(); ++i) {
-      const double t = (m.time[i] - m.time.front()) * (1 + 1e-12);
-      if (t < next && i + 1 < m.time.size()) continue;
-      outputs.push_back(i);
-      while (t >= next) next += o.output_interval;
-    }
+    outputs = output_samples(m, o.output_interval);
   }
 };
 
@@ -223,7 +217,6 @@ ErrorDistribution error_monte_carlo(const NominalMotion& motion, const ErrorSour
                                     const std::function<void(std::uint64_t)>& progress) {
   ErrorGrowth(motion, sources, options.strapdown);  // checks both
   if (options.runs == 0) throw Error("Monte Carlo: at least one run was expected");
-  if (!(options.output_interval > 0)) throw Error("Monte Carlo: a positive time between outputs was expected");
   const Plan plan(motion, sources, options);
   const double bytes = static_cast<double>(options.runs) * static_cast<double>(plan.outputs.size()) * budget_quantities * sizeof(float);
   constexpr double most = 1 << 30;

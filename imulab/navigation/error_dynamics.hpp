@@ -32,7 +32,8 @@ ErrorDynamics error_dynamics(const NavigationState& state, const Eigen::Vector3d
 /// exp(F T).
 ErrorMatrix error_transition(const ErrorMatrix& F, double interval);
 
-/// States at `time` and what a perfect IMU reads from each to the next: one increment fewer. True, or as navigated.
+/// States at `time` and what a perfect IMU reads from each to the next: one increment fewer. True, or as navigated; at equal
+/// intervals but for jitter.
 struct NominalMotion {
   std::vector<double> time;
   std::vector<NavigationState> states;
