@@ -1,6 +1,8 @@
 #include "imulab/navigation/trajectory.hpp"
 
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/error_sources.hpp"
+#include "imulab/analysis/error_monte_carlo.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/io/file.hpp"
@@ -22,9 +24,11 @@ namespace {
 
 struct Arguments {
   std::string mission, folder;
+  bool errors = false;
+  std::uint64_t seed = 1;
 };
 
-Recording ideal_recording(const std::vector<Increment>& increments, double rate) {
+Recording recording_of(const std::vector<Increment>& increments, double rate) {
   Recording r;
   r.name = "recording.csv";
   r.interval_s = 1 / rate;
@@ -41,8 +45,8 @@ Recording ideal_recording(const std::vector<Increment>& increments, double rate)
   return r;
 }
 
-/// The session of an ideal unit: increments in SI, the exact start, the truth.
-Session ideal_session(const Mission& mission, const NavigationState& start) {
+/// The session: increments in SI, the exact start, the truth.
+Session session_of(const Mission& mission, const NavigationState& start) {
   const EulerAngles angles = euler_angles(start.q_nb.toRotationMatrix());
   Session s;
   s.imu.name = mission.imu;
@@ -82,8 +86,20 @@ void print_summary(const Recording& recording, const Solution& truth) {
   fmt::print("  largest force  {} m/s^2 along x, y, z\n", largest_of(recording.accel, 1));
 }
 
+/// The increments of an ideal unit, or of one with the mission's errors.
+std::vector<Increment> increments_of(const Arguments& a, const MissionFile& file, const Trajectory& motion) {
+  const double interval = 1 / file.mission.rate;
+  if (a.errors) {
+    if (!file.errors) throw Error(a.mission + ": --errors: an [errors] table was expected");
+    return erring_increments(nominal_motion(motion, interval), read_error_sources(*file.errors, a.mission), a.seed);
+  }
+  Progress progress("samples", static_cast<std::uint64_t>(motion.duration * file.mission.rate));
+  return ideal_increments(motion, interval, [&](std::uint64_t done) { progress.report(done); });
+}
+
 void make(const Arguments& a) {
-  const Mission mission = read_mission(a.mission);
+  const MissionFile file = read_mission(a.mission);
+  const Mission& mission = file.mission;
   const Trajectory motion = [&] {
     try {
       return trajectory_of(mission);
@@ -92,14 +108,11 @@ void make(const Arguments& a) {
     }
   }();
   NewFolder folder(a.folder);
-  const Recording recording = [&] {
-    Progress progress("samples", static_cast<std::uint64_t>(motion.duration * mission.rate));
-    return ideal_recording(ideal_increments(motion, 1 / mission.rate, [&](std::uint64_t done) { progress.report(done); }), mission.rate);
-  }();
+  const Recording recording = recording_of(increments_of(a, file, motion), mission.rate);
   write_recording(folder.path() / "recording.csv", recording);
   const Solution solution = truth(motion, 1 / mission.rate, mission.truth_every);
   write_solution(folder.path() / "truth.csv", solution);
-  write_whole(folder.path() / "session.toml", session_text(ideal_session(mission, solution.states.front())));
+  write_whole(folder.path() / "session.toml", session_text(session_of(mission, solution.states.front())));
   folder.finish();
   fmt::print("{}\n", a.folder);
   fmt::print("  recording.csv  {} samples, {:.10g} s at {:g} Hz\n", recording.size(), solution.time.back(), mission.rate);
@@ -114,6 +127,8 @@ void add_trajectory(CLI::App& app) {
   CLI::App* const verb = app.add_subcommand("trajectory", "A motion and the ideal IMU on it: a mission becomes a session folder with truth.csv");
   verb->add_option("mission", a->mission, "the mission file: segments, or a recorded track")->required();
   verb->add_option("-o,--output", a->folder, "the folder to make")->required();
+  verb->add_flag("--errors", a->errors, "the unit has the errors that the mission's [errors] table specifies, instead of none");
+  verb->add_option("--seed", a->seed, "of those errors: the same seed, the same bits")->capture_default_str();
   verb->callback([a] { make(*a); });
 }
 

@@ -160,6 +160,13 @@ NavigationState start_of(const Plan& plan, const Columns& seen, const std::strin
   return start;
 }
 
+/// The sample that brings the motion to state i + 1, as it is seen.
+Increment sample_of(const Plan& plan, const Columns& seen, std::size_t i) {
+  const std::size_t k = plan.rest + i;
+  const double T = plan.motion.time[i + 1] - plan.motion.time[i];
+  return {T * Vector3d(seen[0][k], seen[1][k], seen[2][k]), T * Vector3d(seen[3][k], seen[4][k], seen[5][k])};
+}
+
 /// Errors at the outputs; the last is the end.
 BudgetRows flown(const Plan& plan, const Columns& truth, std::uint64_t number) {
   const std::string run = fmt::format("run {}", number);
@@ -173,9 +180,8 @@ BudgetRows flown(const Plan& plan, const Columns& truth, std::uint64_t number) {
   Strapdown strapdown(start_of(plan, seen, run), plan.options.strapdown);
   std::size_t next = 0;
   for (std::size_t i = 0; i < plan.motion.increments.size(); ++i) {
-    const std::size_t k = plan.rest + i;
     const double T = plan.motion.time[i + 1] - plan.motion.time[i];
-    const Increment sample{T * Vector3d(seen[0][k], seen[1][k], seen[2][k]), T * Vector3d(seen[3][k], seen[4][k], seen[5][k])};
+    const Increment sample = sample_of(plan, seen, i);
     if (plan.barometer) {
       if (b.noise != 0) slow = decay * slow + fresh * stream.normal(i + 1);
       strapdown.step(sample, T, plan.motion.states[i + 1].height + bias + slow);
@@ -239,6 +245,17 @@ ErrorDistribution error_monte_carlo(const NominalMotion& motion, const ErrorSour
     if (progress) progress(++done);
   });
   summarise(out, runs, motion.time.back() - motion.time.front());
+  return out;
+}
+
+std::vector<Increment> erring_increments(const NominalMotion& motion, const ErrorSources& sources, std::uint64_t seed) {
+  ErrorSources moving = sources;
+  moving.start.aligned_over.reset();  // the rest of an alignment is no part of the motion
+  const MonteCarloOptions options{.seed = seed};
+  const Plan plan(motion, moving, options);
+  const Columns seen = compensated(plan, true_motion(plan), "run 0");
+  std::vector<Increment> out;
+  for (std::size_t i = 0; i < motion.increments.size(); ++i) out.push_back(sample_of(plan, seen, i));
   return out;
 }
 

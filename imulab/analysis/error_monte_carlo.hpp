@@ -32,4 +32,7 @@ struct ErrorDistribution {
 ErrorDistribution error_monte_carlo(const NominalMotion& motion, const ErrorSources& sources, const MonteCarloOptions& options,
                                     const std::function<void(std::uint64_t)>& progress = {});
 
+/// What one such unit puts out on the motion after its compensation.
+std::vector<Increment> erring_increments(const NominalMotion& motion, const ErrorSources& sources, std::uint64_t seed);
+
 }  // namespace imulab

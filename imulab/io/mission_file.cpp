@@ -1,5 +1,6 @@
 #include "imulab/io/mission_file.hpp"
 
+#include "imulab/io/error_fields.hpp"
 #include "imulab/io/file.hpp"
 #include "imulab/io/mission_fields.hpp"
 
@@ -20,14 +21,15 @@ void read_format(TomlFields& f) {
 
 }  // namespace
 
-Mission read_mission(const std::filesystem::path& path) {
+MissionFile read_mission(const std::filesystem::path& path) {
   const MappedFile mapped(path);
   TomlFields f(path.string(), mapped.text());
-  Mission mission;
+  MissionFile file;
   read_format(f);
-  describe(f, mission, path);
+  describe(f, file.mission, path);
+  f.table_of<ErrorSpecification>("errors", file.errors, [](TomlFields& t, ErrorSpecification& errors) { describe(t, errors); });
   f.done();
-  return mission;
+  return file;
 }
 
 }  // namespace imulab

@@ -1,0 +1,22 @@
+// An error budget as text: CSV over time, JSON at the end.
+#pragma once
+
+#include "imulab/analysis/error_budget.hpp"
+#include "imulab/analysis/error_monte_carlo.hpp"
+
+#include <optional>
+#include <string>
+
+namespace imulab {
+
+/// t, then for each of the nine quantities the fixed error and one sigma: pe_fixed,pe_sigma,... (p, v, a: position m, velocity m/s, attitude arcsec;
+/// e, n, u).
+std::string total_csv(const ErrorBudget& budget);
+/// The same by source, a row a source and time: source,t,pe_fixed,...
+std::string sources_csv(const ErrorBudget& budget);
+/// t, then for each quantity and for the horizontal position error (ph) its 5 %, median and 95 %: pe_low,pe_median,pe_high,...
+std::string distribution_csv(const ErrorDistribution& distribution);
+/// The end.
+std::string budget_json(const ErrorBudget& budget, const std::optional<ErrorDistribution>& monte_carlo);
+
+}  // namespace imulab
