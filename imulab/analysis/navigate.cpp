@@ -192,7 +192,7 @@ void warn_of_samples(const Recording& r, Navigated& out) {
   }
   if (first)
     out.warnings.push_back(
-        fmt::format("{}: {} saturated sample{} integrated as they read, the first at {:.6f} s: the true motion was larger, from "
+        fmt::format("{}: {} saturated sample{} integrated as read, the first at {:.6f} s: the true motion was larger, from "
                     "there on the solution is doubtful",
                     r.name, out.saturated, out.saturated == 1 ? "" : "s", *first));
   if (const double jitter = stamp_jitter(r); jitter > 0.1)
