@@ -14,11 +14,11 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <numbers>
 
 namespace imulab::command {
 
@@ -104,15 +104,20 @@ NavigatedSession navigated(const Options& options, const Calibration& calibratio
 
 // ---- what comes out
 
+/// As a compass counts, 0 to 360; what would print as 360 is 0.
+double compass_deg(const EulerAngles& angles) {
+  const double deg = angles.heading / unit::deg;
+  return deg > -5e-6 ? std::max(deg, 0.) : deg + 360;
+}
+
 void print_alignment(const AlignedOn& aligned) {
   const FineAlignment& a = aligned.alignment;
   const EulerAngles angles = euler_angles(a.attitude.C_nb);
-  const double heading = angles.heading < 0 ? angles.heading + 2 * std::numbers::pi : angles.heading;
   const Eigen::Vector3d sigma = angle_sigmas(a.attitude) / unit::deg;
   fmt::print("aligned on the rest from {:.3f} s to {:.3f} s\n", aligned.begin, aligned.end);
   fmt::print("  roll     {:>12.5f} deg  +/- {:.2g}\n", angles.roll / unit::deg, sigma.x());
   fmt::print("  pitch    {:>12.5f} deg  +/- {:.2g}\n", angles.pitch / unit::deg, sigma.y());
-  fmt::print("  heading  {:>12.5f} deg  +/- {:.2g}\n", heading / unit::deg, sigma.z());
+  fmt::print("  heading  {:>12.5f} deg  +/- {:.2g}\n", compass_deg(angles), sigma.z());
   fmt::print("  gyro noise {:.2g} deg/sqrt(h), accelerometer noise {:.2g} ug/sqrt(Hz); normalised innovations {:.2f} (1: as stated)\n",
              a.gyro_noise / unit::deg_per_sqrt_h, a.accel_noise / unit::ug_per_sqrt_hz, std::sqrt(a.innovation_square));
 }
@@ -120,10 +125,9 @@ void print_alignment(const AlignedOn& aligned) {
 void print_end(const Solution& solution) {
   const NavigationState& s = solution.states.back();
   const EulerAngles angles = euler_angles(s.q_nb.toRotationMatrix());
-  const double heading = angles.heading < 0 ? angles.heading + 2 * std::numbers::pi : angles.heading;
   fmt::print("end      latitude {:.7f} deg, longitude {:.7f} deg, height {:.3f} m\n", s.latitude / unit::deg, s.longitude / unit::deg, s.height);
   fmt::print("         velocity east {:.4f}, north {:.4f}, up {:.4f} m/s\n", s.velocity.x(), s.velocity.y(), s.velocity.z());
-  fmt::print("         roll {:.4f}, pitch {:.4f}, heading {:.4f} deg\n", angles.roll / unit::deg, angles.pitch / unit::deg, heading / unit::deg);
+  fmt::print("         roll {:.4f}, pitch {:.4f}, heading {:.4f} deg\n", angles.roll / unit::deg, angles.pitch / unit::deg, compass_deg(angles));
 }
 
 void print_errors(const NavigationErrors& errors) {

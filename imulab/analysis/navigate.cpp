@@ -4,12 +4,12 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/model/compensate.hpp"
 #include "imulab/recording/rests.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -18,17 +18,37 @@ namespace {
 
 // ---- the start
 
-/// Covariance of a triad's offset; zero where it was not estimated.
-Matrix3d offset_covariance(const Calibration& calibration, Triad triad) {
-  std::array<Eigen::Index, 3> place{-1, -1, -1};
-  for (std::size_t k = 0; k < calibration.estimated.size(); ++k)
-    for (int i = 0; i < 3; ++i)
-      if (calibration.estimated[k] == coefficient_index(triad, Term::offset, i, i)) place[static_cast<std::size_t>(i)] = static_cast<Eigen::Index>(k);
-  Matrix3d out = Matrix3d::Zero();
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j)
-      if (place[i] >= 0 && place[j] >= 0) out(static_cast<int>(i), static_cast<int>(j)) = calibration.covariance(place[i], place[j]);
+/// Mean raw readings of a range, thermal ones less their reference.
+RawSample mean_reading(const SensorModel& model, const Recording& r, const Range& range) {
+  const auto mean = [&](const Columns3& columns, double origin) {
+    Vector3d out = Vector3d::Zero();
+    if (columns[0].empty()) return out;
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t i = range.begin; i < range.end; ++i)
+        out[static_cast<Eigen::Index>(k)] += (columns[k][i] - origin) / static_cast<double>(range.size());
+    return out;
+  };
+  RawSample out{mean(r.accel, 0), mean(r.gyro, 0)};
+  if (model.accel.temperature) out.accel_tau = mean(r.accel_temperature, model.accel.temperature->reference);
+  if (model.gyro.temperature) out.gyro_tau = mean(r.gyro_temperature, model.gyro.temperature->reference);
   return out;
+}
+
+/// What the calibration's covariance says of the error at a reading: J P J^T, J by differences (the model is linear in its coefficients but for the
+/// thermal ones). At a rest this error is constant: offsets, and whatever scale and misalignment do there.
+Eigen::Matrix<double, 6, 6> error_covariance(const Calibration& calibration, const RawSample& raw) {
+  Eigen::Matrix<double, 6, Eigen::Dynamic> J(6, static_cast<Eigen::Index>(calibration.estimated.size()));
+  for (Eigen::Index k = 0; k < J.cols(); ++k) {
+    const int index = calibration.estimated[static_cast<std::size_t>(k)];
+    const double step = std::sqrt(calibration.covariance(k, k));
+    SensorModel more = calibration.model, less = calibration.model;
+    set_coefficient(more, index, coefficient_value(calibration.model, index) + step);
+    set_coefficient(less, index, coefficient_value(calibration.model, index) - step);
+    const Motion a = compensate(more, raw), b = compensate(less, raw);
+    J.col(k).setZero();
+    if (step > 0) J.col(k) << (a.rate - b.rate) / (2 * step), (a.force - b.force) / (2 * step);
+  }
+  return J * calibration.covariance * J.transpose();
 }
 
 /// Where the unit rests: [initial], or else [site].
@@ -82,15 +102,16 @@ struct Start {
   double time = 0;
 };
 
-Start aligned_start(const Calibration& calibration, const Session& session, const Recording& recording, const NavigateOptions& options,
-                    Navigated& out) {
+Start aligned_start(const Calibration& calibration, const Session& session, const Recording& raw, const Recording& recording,
+                    const NavigateOptions& options, Navigated& out) {
   Start start{place_of(session, out.warnings)};
   const std::vector<Range> rests = rests_of(recording, session).ranges;
   if (rests.empty())
     throw Unsupported(recording.name + ": no rest was found to align on; give [initial] with an attitude, or a recording that begins at rest");
   const InertialSamples rest = inertial_samples(recording, rests.front());
-  const AlignmentSensors sensors{offset_covariance(calibration, Triad::gyro), offset_covariance(calibration, Triad::accel),
-                                 session.imu.gyro_noise_density, session.imu.accel_noise_density};
+  const Eigen::Matrix<double, 6, 6> P = error_covariance(calibration, mean_reading(calibration.model, raw, rests.front()));
+  const AlignmentSensors sensors{P.topLeftCorner<3, 3>(), P.bottomRightCorner<3, 3>(), session.imu.gyro_noise_density,
+                                 session.imu.accel_noise_density};
   const double gravity = session.site.given_gravity.value_or(local_earth(start.state.latitude, start.state.height).gravity.norm());
   out.aligned = {fine_alignment(rest.steps, {start.state.latitude, gravity}, sensors, options.heading), rest.begin, rest.time.back()};
   check_heading(out.aligned->alignment);
@@ -214,7 +235,7 @@ Navigated navigate(const Calibration& calibration, const Session& session, const
     out.warnings.push_back(fmt::format("{}: {} of {} samples are outside the temperatures the calibration saw", raw.name, count, raw.size()));
   if (!calibration.model.lever_arm.isZero(0)) remove_lever_arms(recording, calibration.model.lever_arm);
   const bool align = options.align || options.heading || !session.initial;
-  const Start start = align ? aligned_start(calibration, session, recording, options, out) : given_start(*session.initial);
+  const Start start = align ? aligned_start(calibration, session, raw, recording, options, out) : given_start(*session.initial);
   const InertialSamples samples = samples_from(recording, start.time, options);
   out.gaps = samples.gaps;
   integrate(start, samples, session, options, out);

@@ -147,6 +147,32 @@ TEST(Navigate, PlaceAndHeadingAreAskedForWhereTheyAreMissing) {
   EXPECT_LT(std::abs(navigation_errors(n.solution, f.truth).history.front().attitude.x()), 1e-4);
 }
 
+TEST(Navigate, AlignmentTakesTheCalibrationsErrorAtTheReadingOfTheRest) {
+  // A unit in counts about 30000: the offset's error at zero counts and the scale's cancel at the counts that the rest has.
+  FlightSession f = flight_session(1);
+  const double scale = 1e-5, zero = 30000, scale_sigma = 1e-4 * scale;
+  for (auto& column : f.recording.gyro)
+    for (double& value : column) value = value / scale + zero;
+  Calibration c;
+  c.model.gyro.matrix *= scale;
+  c.model.gyro.offset.setConstant(-scale * zero);
+  const double exact = std::sqrt(navigate(c, f.session, f.recording).aligned->alignment.attitude.covariance(2, 2));
+  for (int i = 0; i < 3; ++i) {
+    c.estimated.push_back(coefficient_index(Triad::gyro, Term::offset, i, i));
+    c.estimated.push_back(coefficient_index(Triad::gyro, Term::matrix, i, i));
+  }
+  c.covariance = Eigen::MatrixXd::Zero(6, 6);
+  for (int i = 0; i < 6; i += 2) {
+    c.covariance(i, i) = std::pow(zero * scale_sigma, 2);
+    c.covariance(i + 1, i + 1) = std::pow(scale_sigma, 2);
+    c.covariance(i, i + 1) = c.covariance(i + 1, i) = -zero * scale_sigma * scale_sigma;
+  }
+  const double with = std::sqrt(navigate(c, f.session, f.recording).aligned->alignment.attitude.covariance(2, 2));
+  EXPECT_NEAR(with / exact, 1, 0.01);  // a relative 1e-4 of the Earth's rate, against noise of some 10 %
+  for (int i = 0; i < 6; i += 2) c.covariance(i, i + 1) = c.covariance(i + 1, i) = 0;
+  EXPECT_THROW(navigate(c, f.session, f.recording), Unsupported);  // 3e-5 rad/s: half of the Earth's rate
+}
+
 TEST(Navigate, AnglesHaveTheSigmasOfTheirOwnErrors) {
   Alignment a;
   a.C_nb = attitude_matrix({0.3, 0.5, 1});

@@ -94,10 +94,12 @@ Matrix3d coarse_covariance(const RestMotion& rest, const Matrix3d& C_nb, const A
   const Matrix3d gyro_bias = C_nb * sensors.gyro_bias * C_nb.transpose(), accel_bias = C_nb * sensors.accel_bias * C_nb.transpose();
   Matrix3d P =
       turn * (from_gyro * gyro_bias * from_gyro.transpose() + from_accel * accel_bias * from_accel.transpose() + of_noise) * turn.transpose();
-  if (heading) {
-    P.row(2).setZero();
-    P.col(2).setZero();
-    P(2, 2) = heading->sigma * heading->sigma;
+  if (heading) {  // phi_U follows from the levels' phi and the heading's error
+    Matrix3d J = Matrix3d::Identity();
+    J.row(2) = heading_gradient(C_nb);
+    J(2, 2) = 0;
+    P = (J * P * J.transpose()).eval();
+    P(2, 2) += heading->sigma * heading->sigma;
   }
   return P;
 }

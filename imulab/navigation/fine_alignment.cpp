@@ -164,11 +164,10 @@ FineAlignment fine_alignment(std::span<const TimedIncrement> samples, const Alig
     if (pass == 0) out.base_displacement = base_displacement(blocks, transitions, sensors);
     f = filter(blocks, transitions, sensors, out.base_displacement);
     if (heading) {
-      Eigen::Matrix<double, 1, states> up = Eigen::Matrix<double, 1, states>::Zero();
-      up(phi + 2) = 1;
-      // C_nb has the heading h: the truth has h - phi_U.
-      const double off = std::remainder(euler_angles(C_nb).heading - heading->value, 2 * std::numbers::pi);
-      update<1>(f, up, Eigen::Matrix<double, 1, 1>(off), std::max(heading->sigma * heading->sigma, 1e-16));
+      Eigen::Matrix<double, 1, states> H = Eigen::Matrix<double, 1, states>::Zero();
+      H.segment<3>(phi) = heading_gradient(C_nb);
+      const double off = std::remainder(heading->value - euler_angles(C_nb).heading, 2 * std::numbers::pi);
+      update<1>(f, H, Eigen::Matrix<double, 1, 1>(off), std::max(heading->sigma * heading->sigma, 1e-16));
     }
     C_nb = rotation_exp(f.x.segment<3>(phi)) * C_nb;
   }

@@ -35,4 +35,7 @@ struct Densities {
 };
 Densities densities(const RestMotion& rest, const AlignmentSensors& sensors);
 
+/// What phi (C_nb of the truth = (I + [phi x]) C_nb) adds to the heading, as a row. Error where the forward axis is upright: it has no heading.
+Eigen::RowVector3d heading_gradient(const Matrix3d& C_nb);
+
 }  // namespace imulab
