@@ -62,7 +62,7 @@ TEST(NavigateCommand, AlignsOnTheRest) {
   write(folder, "session", f);
   const CommandResult text = run_imulab(folder, "navigate none session --align");
   ASSERT_EQ(text.exit_code, 0) << text.errors;
-  EXPECT_THAT(text.output, HasSubstr("aligned on the rest from 0.000 s to "));
+  EXPECT_THAT(text.output, HasSubstr("aligned on the rest from 0.500 s to "));
   EXPECT_THAT(text.output, HasSubstr("heading"));
   const Json j = Json::parse(run_imulab(folder, "navigate none session --heading 30 --heading-sigma 0.5 --json").output);
   EXPECT_NEAR(j["alignment"]["roll_pitch_heading_deg"][2].get<double>(), 30, 0.5);

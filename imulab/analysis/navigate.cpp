@@ -87,7 +87,7 @@ void warn_of_innovations(const FineAlignment& a, std::vector<std::string>& warni
   if (a.base_displacement > 1e-3)
     warnings.push_back(
         fmt::format("alignment: the base moved by {:.2g} m (one sigma), or noise and biases are larger than declared; the stated "
-                    "uncertainty takes it for motion",
+                    "uncertainty takes it for motion, and the solution starts with velocity zero",
                     a.base_displacement));
   if (a.innovation_square > 1 + 5 * scatter)
     warnings.push_back(fmt::format("alignment: the innovations are {:.2g} times as large as the noise says; its uncertainty is understated",
@@ -95,6 +95,17 @@ void warn_of_innovations(const FineAlignment& a, std::vector<std::string>& warni
   if (a.innovation_square < 1 - 5 * scatter)
     warnings.push_back(fmt::format("alignment: the innovations are only {:.2g} times as large as the noise says; its uncertainty is overstated",
                                    std::sqrt(a.innovation_square)));
+}
+
+/// As declared; or as found, less a window on either side, in which the motion may have begun.
+Range first_rest(const Recording& recording, const Session& session) {
+  const std::vector<Range> rests = rests_of(recording, session).ranges;
+  if (rests.empty())
+    throw Unsupported(recording.name + ": no rest was found to align on; give [initial] with an attitude, or a recording that begins at rest");
+  Range rest = rests.front();
+  if (!session.steps.empty()) return rest;
+  const auto margin = std::min(static_cast<std::size_t>(RestOptions{}.window_s / recording.interval_s), rest.size() / 4);
+  return {rest.begin + margin, rest.end - margin};
 }
 
 struct Start {
@@ -105,11 +116,9 @@ struct Start {
 Start aligned_start(const Calibration& calibration, const Session& session, const Recording& raw, const Recording& recording,
                     const NavigateOptions& options, Navigated& out) {
   Start start{place_of(session, out.warnings)};
-  const std::vector<Range> rests = rests_of(recording, session).ranges;
-  if (rests.empty())
-    throw Unsupported(recording.name + ": no rest was found to align on; give [initial] with an attitude, or a recording that begins at rest");
-  const InertialSamples rest = inertial_samples(recording, rests.front());
-  const Eigen::Matrix<double, 6, 6> P = error_covariance(calibration, mean_reading(calibration.model, raw, rests.front()));
+  const Range range = first_rest(recording, session);
+  const InertialSamples rest = inertial_samples(recording, range);
+  const Eigen::Matrix<double, 6, 6> P = error_covariance(calibration, mean_reading(calibration.model, raw, range));
   const AlignmentSensors sensors{P.topLeftCorner<3, 3>(), P.bottomRightCorner<3, 3>(), session.imu.gyro_noise_density,
                                  session.imu.accel_noise_density};
   const double gravity = session.site.given_gravity.value_or(local_earth(start.state.latitude, start.state.height).gravity.norm());

@@ -32,11 +32,11 @@ Solution sampled(double begin, double end, double interval, double phase = 0) {
 
 TEST(NavigationErrors, OfTheTruthItselfAreZeroBetweenItsStampsToo) {
   // Stamps at 10 Hz that fall in the middle between those at 100 Hz and at 10 Hz.
-  for (const auto& [interval, position, velocity, attitude] : {std::tuple(0.01, 1e-6, 1e-6, 1e-5), std::tuple(0.1, 1e-4, 1e-3, 2e-4)}) {
+  for (const auto& [interval, position, velocity, attitude] : {std::tuple(0.01, 1e-6, 1e-6, 1e-5), std::tuple(0.1, 1e-4, 1e-3, 5e-4)}) {
     const NavigationErrors errors = navigation_errors(sampled(0, 20, interval), sampled(0, 20, 0.1, interval / 2));
     ASSERT_GT(errors.history.size(), 190u);
     for (const NavigationError& e : errors.history) {
-      // h^4/384 of 1 m/s^4; as its derivative; h^2/8 of 0.1 rad/s^2: generous by some ten
+      // h^4/384 of 1 m/s^4 and its derivative, both times some tens; h^2/8 of 0.2 rad/s^2 (the roll), twice
       EXPECT_LT(e.position.norm(), position) << e.time;
       EXPECT_LT(e.velocity.norm(), velocity) << e.time;
       EXPECT_LT(e.attitude.norm(), attitude) << e.time;
