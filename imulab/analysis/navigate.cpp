@@ -252,20 +252,6 @@ Navigated navigate(const Calibration& calibration, const Session& session, const
   return out;
 }
 
-std::string_view to_string(VerticalChannel channel) {
-  switch (channel) {
-    case VerticalChannel::free:
-      return "free";
-    case VerticalChannel::fixed:
-      return "fixed";
-    case VerticalChannel::aided:
-      return "aided";
-    case VerticalChannel::held:
-      break;
-  }
-  return "held";
-}
-
 Eigen::Vector3d angle_sigmas(const Alignment& a) {
   const double step = 1e-6;
   const auto angles = [&](int axis, double phi) {

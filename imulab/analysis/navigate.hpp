@@ -2,6 +2,7 @@
 #pragma once
 
 #include "imulab/analysis/inertial_samples.hpp"
+#include "imulab/core/units.hpp"
 #include "imulab/model/calibration.hpp"
 #include "imulab/navigation/alignment.hpp"
 #include "imulab/navigation/solution.hpp"
@@ -29,7 +30,7 @@ struct NavigateOptions {
 };
 
 /// A heading less sure than this is not navigated with (Unsupported): the Earth's rate was not resolved.
-inline constexpr double largest_heading_sigma = 10 * 0.017453292519943295;  // rad
+inline constexpr double largest_heading_sigma = 10 * unit::deg;  // rad
 
 struct AlignedOn {
   FineAlignment alignment;
@@ -48,8 +49,6 @@ struct Navigated {
 /// `recording` is raw. Starts at the session's [initial], or at the end of the first rest, aligned on it, at the place of [initial] or [site].
 /// Error for what the session lacks; Unsupported without a rest to align on, or where the rest does not show the heading.
 Navigated navigate(const Calibration& calibration, const Session& session, const Recording& recording, const NavigateOptions& options = {});
-
-std::string_view to_string(VerticalChannel channel);
 
 /// One sigma [rad] of roll, pitch and heading, from an attitude's covariance in east-north-up.
 Eigen::Vector3d angle_sigmas(const Alignment& alignment);
