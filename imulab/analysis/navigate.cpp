@@ -82,12 +82,14 @@ void check_heading(const FineAlignment& a) {
                   std::sqrt(a.gyro_bias_covariance.trace() / 3) / unit::deg_per_h));
 }
 
+constexpr double standing = 1e-3;  // m: a base that moves by less is taken to stand
+
 void warn_of_innovations(const FineAlignment& a, std::vector<std::string>& warnings) {
   const double scatter = 1 / std::sqrt(static_cast<double>(a.updates));
-  if (a.base_displacement > 1e-3)
+  if (a.base_displacement > standing)
     warnings.push_back(
         fmt::format("alignment: the base moved by {:.2g} m (one sigma), or noise and biases are larger than declared; the stated "
-                    "uncertainty takes it for motion, and the solution starts with velocity zero",
+                    "uncertainty takes it for motion, and the solution starts with its velocity",
                     a.base_displacement));
   if (a.innovation_square > 1 + 5 * scatter)
     warnings.push_back(fmt::format("alignment: the innovations are {:.2g} times as large as the noise says; its uncertainty is understated",
@@ -125,7 +127,9 @@ Start aligned_start(const Calibration& calibration, const Session& session, cons
   out.aligned = {fine_alignment(rest.steps, {start.state.latitude, gravity}, sensors, options.heading), rest.begin, rest.time.back()};
   check_heading(out.aligned->alignment);
   warn_of_innovations(out.aligned->alignment, out.warnings);
-  start.state.q_nb = Eigen::Quaterniond(out.aligned->alignment.attitude.C_nb);
+  const FineAlignment& a = out.aligned->alignment;
+  start.state.q_nb = Eigen::Quaterniond(a.attitude.C_nb);
+  if (a.base_displacement > standing) start.state.velocity.head<2>() = a.base_velocity;
   start.time = rest.time.back();
   return start;
 }

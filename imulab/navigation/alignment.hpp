@@ -45,6 +45,7 @@ struct FineAlignment {
   double innovation_square = 0;            // mean square of the normalised innovations; 1 where noise and biases are as stated
   double innovation_correlation = 0;       // of each with the one before; 0 where they are white
   std::size_t updates = 0;                 // how many there were: both scatter by about 1/sqrt(updates)
+  Eigen::Vector2d base_velocity;           // its motion at the end of the rest, east and north [m/s]; nothing but noise where it stands
   Eigen::Vector3d gyro_bias, accel_bias;   // what the rest shows of the constant errors, given their covariance
   Eigen::Matrix3d gyro_bias_covariance, accel_bias_covariance;
 };

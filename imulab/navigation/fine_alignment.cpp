@@ -25,6 +25,7 @@ struct Block {
   double duration = 0;
   Matrix3d C_nb = Matrix3d::Zero();          // mean
   Vector2d displacement = Vector2d::Zero();  // east and north at its end, since the rest's start
+  Vector2d velocity = Vector2d::Zero();      // there
 };
 
 /// Integrates at a place that is known: neither the velocity nor the displacement found turns back on the axes, so that their errors are exactly
@@ -47,6 +48,7 @@ std::vector<Block> integrate(const RestMotion& rest, const Matrix3d& C_start) {
     block.duration += T;
     block.C_nb += T * C_nb;
     block.displacement = s.head<2>();
+    block.velocity = v.head<2>();
     if (block.duration >= length - T / 2 && i + 1 < rest.steps.size()) blocks.emplace_back();
   }
   for (Block& block : blocks) block.C_nb /= block.duration;
@@ -169,6 +171,7 @@ FineAlignment fine_alignment(std::span<const TimedIncrement> samples, const Alig
       const double off = std::remainder(heading->value - euler_angles(C_nb).heading, 2 * std::numbers::pi);
       update<1>(f, H, Eigen::Matrix<double, 1, 1>(off), std::max(heading->sigma * heading->sigma, 1e-16));
     }
+    out.base_velocity = blocks.back().velocity - f.x.segment<2>(velocity);
     C_nb = rotation_exp(f.x.segment<3>(phi)) * C_nb;
   }
   out.attitude = {orthonormalized(C_nb), f.P.block<3, 3>(phi, phi)};
