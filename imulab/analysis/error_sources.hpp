@@ -2,6 +2,8 @@
 #pragma once
 
 #include "imulab/core/spread.hpp"
+#include "imulab/model/calibration.hpp"
+#include "imulab/model/grade.hpp"
 #include "imulab/model/noise.hpp"
 #include "imulab/model/sensor_model.hpp"
 
@@ -27,13 +29,21 @@ struct BarometerErrors {
 };
 
 struct ErrorSources {
-  SensorModel model;              // what the navigator compensates with: the ideal unit, or a calibration
-  std::vector<int> coefficients;  // table indices of those that err
-  Eigen::VectorXd fixed;          // the error of each [SI of the table]: exactly this,
-  Eigen::MatrixXd covariance;     // and a draw with this covariance
-  NoiseModel gyro_noise, accel_noise;
+  SensorModel model;                                                   // what the navigator compensates with: the ideal unit, or a calibration
+  std::vector<int> coefficients;                                       // table indices of those that err
+  Eigen::VectorXd fixed;                                               // the error of each [SI of the table]: exactly this,
+  Eigen::MatrixXd covariance;                                          // and a draw with this covariance
+  Vector3d accel_tau = Vector3d::Zero(), gyro_tau = Vector3d::Zero();  // thermal readings less their reference, throughout
+  NoiseModel gyro_noise, accel_noise;                                  // of the compensated output
   StartErrors start;
   BarometerErrors barometer;
 };
+
+/// A unit as it comes: every coefficient of the ideal model is drawn on its own, as in a simulation of the grade.
+ErrorSources sources_of(const Grade& grade);
+
+/// What a calibration leaves: its model, and its whole covariance. Lever arms, which `compensate` does not know, stay out; the noise is not known
+/// to it.
+ErrorSources sources_of(const Calibration& calibration);
 
 }  // namespace imulab

@@ -5,14 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 namespace imulab {
 
 namespace {
 
 constexpr std::size_t chunk = 512;  // draws at once
-constexpr double times_ratio = 4;   // of neighbouring correlation times
 using Draws = std::array<double, chunk>;
 
 double constant(const Spread& spread, std::uint64_t seed, const std::string& purpose) {
@@ -31,31 +29,28 @@ AxisNoise::AxisNoise(const NoiseModel& model, double interval_s, std::uint64_t s
       flicker_(seed, "flicker of " + purpose),
       walk_(seed, "walk of " + purpose),
       start_(seed, "flicker's start of " + purpose) {
-  // (j w)^-1/2 = 1/pi integral of p^1/2 / (j w + p) d(ln p): the poles p at equal steps of ln p, the white noise of unit density constant in a
-  // sample.
-  const double weight = model.B * std::log(times_ratio) / std::numbers::pi, fastest = 1 / interval_s;
-  for (int m = 0; m < processes; ++m) {
-    const double pole = fastest * std::pow(times_ratio, -m);
+  const Flicker flicker(model.B, interval_s);  // its white noise constant in a sample
+  for (int m = 0; m < Flicker::processes; ++m) {
+    const double pole = flicker.pole(m);
     decay_(m) = std::exp(-pole * interval_s);
-    driven_(m) = weight * std::sqrt(pole) * (-std::expm1(-pole * interval_s) / pole) / std::sqrt(interval_s);
+    driven_(m) = flicker.gain(m) * (-std::expm1(-pole * interval_s) / pole) / std::sqrt(interval_s);
   }
-  // The poles faster than the fastest follow the driver: a geometric series of p^-1/2.
-  direct_ = weight / std::sqrt(fastest) / (std::sqrt(times_ratio) - 1) / std::sqrt(interval_s);
+  direct_ = flicker.direct / std::sqrt(interval_s);
 }
 
 bool AxisNoise::slow() const { return bias_ != 0 || ramp_ != 0 || model_.B != 0 || model_.K != 0; }
 
-AxisNoise::Processes AxisNoise::stationary_draw() const {
-  Eigen::Matrix<double, processes, processes> covariance;  // of processes with one driver
-  for (int i = 0; i < processes; ++i)
-    for (int j = 0; j < processes; ++j) covariance(i, j) = driven_(i) * driven_(j) / (1 - decay_(i) * decay_(j));
-  Eigen::Matrix<double, processes, 1> z;
-  start_.normals(0, {z.data(), static_cast<std::size_t>(processes)});
+Flicker::Array AxisNoise::stationary_draw() const {
+  Eigen::Matrix<double, Flicker::processes, Flicker::processes> covariance;  // of processes with one driver
+  for (int i = 0; i < Flicker::processes; ++i)
+    for (int j = 0; j < Flicker::processes; ++j) covariance(i, j) = driven_(i) * driven_(j) / (1 - decay_(i) * decay_(j));
+  Eigen::Matrix<double, Flicker::processes, 1> z;
+  start_.normals(0, {z.data(), static_cast<std::size_t>(Flicker::processes)});
   return (covariance.llt().matrixL() * z).array();
 }
 
 void AxisNoise::add_slow(std::span<double> recording) const {
-  Processes state = model_.B != 0 ? stationary_draw() : Processes::Zero();
+  Flicker::Array state = model_.B != 0 ? stationary_draw() : Flicker::Array::Zero();
   double sum = state.sum(), walk = 0;
   const double walk_step = model_.K * std::sqrt(interval_s_);
   Draws draws;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "imulab/core/random.hpp"
+#include "imulab/model/flicker.hpp"
 #include "imulab/model/noise.hpp"
 
 #include <Eigen/Core>
@@ -12,8 +13,7 @@
 
 namespace imulab {
 
-/// Flicker is the sum of first-order processes with correlation times of 1, 4, 16, ... 4^13 sample intervals, driven by one white noise and weighted
-/// so that the sum is a half-order integral of it, power B^2 / (2 pi f); what faster ones would add is that white noise itself. The Allan variance is
+/// Flicker is the sum of processes of model/flicker.hpp. The Allan variance is
 /// within 1 % of its plateau from 16 to 10^4 sample intervals, within 2 % from 8 to 10^5; below, it falls to four fifths. It begins in its stationary
 /// state; the rate random walk begins at zero.
 class AxisNoise {
@@ -29,15 +29,13 @@ class AxisNoise {
   void add_fast(std::size_t begin, std::span<double> out) const;
 
  private:
-  static constexpr int processes = 14;
-  using Processes = Eigen::Array<double, processes, 1>;
-  Processes stationary_draw() const;
+  Flicker::Array stationary_draw() const;
 
   NoiseModel model_;
   double interval_s_;
   double bias_, ramp_;  // of this recording
   double direct_;
-  Processes decay_, driven_;  // of the flicker, a sample on
+  Flicker::Array decay_, driven_;  // of the flicker, a sample on
   RandomStream white_, quantization_, flicker_, walk_, start_;
 };
 

@@ -1,0 +1,29 @@
+// Flicker noise as first-order processes: the sum that is drawn (simulate) and whose covariance is followed (analysis).
+#pragma once
+
+#include <Eigen/Core>
+
+#include <cmath>
+#include <numbers>
+
+namespace imulab {
+
+/// Power B^2 / (2 pi f): processes z' = -pole z + gain u, all driven by one white noise u of unit density, and `direct` u besides; their sum is a
+/// half-order integral of u. Correlation times of 1, 4, 16, ... 4^13 sample intervals.
+struct Flicker {
+  static constexpr int processes = 14;
+  static constexpr double times_ratio = 4;  // of neighbouring correlation times
+  using Array = Eigen::Array<double, processes, 1>;
+  Array pole, gain;  // 1/s, SI of the output
+  double direct;     // of the faster ones, which follow the white noise: a geometric series of pole^-1/2
+
+  // (j w)^-1/2 = 1/pi integral of p^1/2 / (j w + p) d(ln p): the poles p at equal steps of ln p.
+  Flicker(double B, double interval) {
+    const double weight = B * std::log(times_ratio) / std::numbers::pi, fastest = 1 / interval;
+    for (int m = 0; m < processes; ++m) pole(m) = fastest * std::pow(times_ratio, -m);
+    gain = weight * pole.sqrt();
+    direct = weight / std::sqrt(fastest) / (std::sqrt(times_ratio) - 1);
+  }
+};
+
+}  // namespace imulab
