@@ -91,6 +91,11 @@ void warn_of_innovations(const FineAlignment& a, std::vector<std::string>& warni
         fmt::format("alignment: the base moved by {:.2g} m (one sigma), or noise and biases are larger than declared; the stated "
                     "uncertainty takes it for motion, and the solution starts with its velocity",
                     a.base_displacement));
+  if (a.base_displacement <= standing && std::abs(a.innovation_correlation) > 5 * scatter)
+    warnings.push_back(
+        fmt::format("alignment: each innovation follows the one before (correlation {:.2f}): errors that are neither white noise nor "
+                    "constant, such as a drift, which the stated uncertainty does not know",
+                    a.innovation_correlation));
   if (a.innovation_square > 1 + 5 * scatter)
     warnings.push_back(fmt::format("alignment: the innovations are {:.2g} times as large as the noise says; its uncertainty is understated",
                                    std::sqrt(a.innovation_square)));
