@@ -12,7 +12,9 @@ using namespace imulab;
 
 /// A tactical unit whose model uses every term, all of whose coefficients err.
 ErrorSources every_source() {
-  ErrorSources s = sources_of(grade("tactical"));
+  ErrorSpecification specification;
+  specification.grade = "tactical";
+  ErrorSources s = error_sources(specification);
   s.model.accel.quadratic.setConstant(1e-6);
   s.model.gyro.matrix(0, 1) = 1e-3;
   s.model.g_sensitivity.setConstant(1e-6);

@@ -1,5 +1,7 @@
 // Conformance on a real sensor: the Xsens MTi record of imu_tk (BSD), moved by hand, raw counts, and the factory's calibration of that unit.
+#include "imulab/core/units.hpp"
 #include "imulab/io/calibration_file.hpp"
+#include "imulab/io/solution_file.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "tests/run_command.hpp"
 
@@ -81,6 +83,25 @@ TEST(Xsens, HalvesOfTheRecordAgreeWithinTheirUncertainties) {
   EXPECT_GE(count, 27);
   // Each variance rests on spreads estimated from some 15 rests: a mean square of 2 would need a chance below 1e-3 even with correlated coefficients.
   EXPECT_LT(squares / count, 2.0);
+}
+
+TEST(Xsens, NavigatesAsAMemsUnitDoes) {
+  if (!std::filesystem::exists(data / "xsens_acc.mat")) GTEST_SKIP() << "the record is not here: " << data;
+  const TemporaryFolder folder;
+  std::string session = session_of(std::filesystem::canonical(data));
+  session.replace(session.find("[site]\n"), 7, "[site]\nlatitude_deg = 45\nlongitude_deg = 0\nheight_m = 0\n");
+  folder.write("session.toml", session);
+  ASSERT_EQ(run_imulab(folder, "calibrate session.toml --method handheld -o calibration.json").exit_code, 0);
+  const CommandResult blind = run_imulab(folder, "navigate calibration.json session.toml");
+  EXPECT_EQ(blind.exit_code, 1);
+  EXPECT_NE(blind.errors.find("the heading cannot be found"), std::string::npos) << blind.errors;
+  const CommandResult led = run_imulab(folder, "navigate calibration.json session.toml --heading 0 -o nav.csv");
+  ASSERT_EQ(led.exit_code, 0) << led.errors;
+  const NavigationState end = read_solution(folder / "nav.csv").states.back();
+  const double way = 6.37e6 * std::hypot(end.latitude - 45 * unit::deg, end.longitude * std::cos(45 * unit::deg));
+  // It went nowhere. Gyros known to some 15 deg/h tilt by g w t^3 / 6 = 12 km in 460 s: within a factor of ten either way.
+  EXPECT_GT(way, 1.2e3);
+  EXPECT_LT(way, 1.2e5);
 }
 
 }  // namespace

@@ -4,12 +4,12 @@
 #include "imulab/io/calibration_file.hpp"
 #include "imulab/io/compensated_file.hpp"
 #include "imulab/io/file.hpp"
-#include "imulab/io/recording_file.hpp"
 #include "imulab/io/session_file.hpp"
 
 #include <fmt/core.h>
 
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/session_recording.hpp"
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -25,19 +25,8 @@ struct Options {
   std::string calibration, session, output;
 };
 
-/// Temperatures are compared with the calibration's as they are read: in the same unit.
-void check_thermal_unit(const TriadModel& model, const std::optional<ThermalSource>& source, const RecordingSource& recording, const char* triad) {
-  if (model.temperature && source && model.temperature->unit != source->unit)
-    throw Error(fmt::format("{}: the {} temperature is in {}, expected {} as in the calibration", recording.file, triad, source->unit,
-                            model.temperature->unit));
-}
-
 CompensatedRecording compensated(const Calibration& calibration, const Session& session, const RecordingSource& source) {
-  check_thermal_unit(calibration.model.accel, source.accel_temperature, source, "accelerometer");
-  check_thermal_unit(calibration.model.gyro, source.gyro_temperature, source, "gyro");
-  RecordingReading reading = read_recording(session, source);
-  for (const auto& text : reading.warnings) warn(text);
-  CompensatedRecording out = compensate(calibration.model, std::move(reading.recording));
+  CompensatedRecording out = compensate(calibration.model, read_for(calibration, session, source));
   if (!out.out_of_range.empty())
     warn(fmt::format("{}: {} of {} samples are outside the temperatures the calibration saw", source.file, out.out_of_range.size(),
                      out.recording.size()));

@@ -44,6 +44,7 @@ int run(std::vector<std::string> arguments) {
   add_compare(app);
   add_predict(app);
   add_trajectory(app);
+  add_navigate(app);
   add_budget(app);
   add_demo(app);
   app.failure_message(

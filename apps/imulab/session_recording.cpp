@@ -1,0 +1,32 @@
+#include "apps/imulab/session_recording.hpp"
+
+#include "apps/imulab/command.hpp"
+#include "imulab/core/error.hpp"
+#include "imulab/io/recording_file.hpp"
+
+#include <fmt/core.h>
+
+#include <utility>
+
+namespace imulab::command {
+
+namespace {
+
+/// Temperatures are compared with the calibration's as they are read: in the same unit.
+void check_thermal_unit(const TriadModel& model, const std::optional<ThermalSource>& source, const RecordingSource& recording, const char* triad) {
+  if (model.temperature && source && model.temperature->unit != source->unit)
+    throw Error(fmt::format("{}: the {} temperature is in {}, expected {} as in the calibration", recording.file, triad, source->unit,
+                            model.temperature->unit));
+}
+
+}  // namespace
+
+Recording read_for(const Calibration& calibration, const Session& session, const RecordingSource& source) {
+  check_thermal_unit(calibration.model.accel, source.accel_temperature, source, "accelerometer");
+  check_thermal_unit(calibration.model.gyro, source.gyro_temperature, source, "gyro");
+  RecordingReading reading = read_recording(session, source);
+  for (const auto& text : reading.warnings) warn(text);
+  return std::move(reading.recording);
+}
+
+}  // namespace imulab::command

@@ -1,0 +1,81 @@
+#include "imulab/analysis/inertial_samples.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
+namespace imulab {
+namespace {
+
+Vector3d row(const Columns3& columns, std::size_t i) { return {columns[0][i], columns[1][i], columns[2][i]}; }
+
+bool follows_gap(const Recording& r, std::size_t i) { return std::binary_search(r.gaps.begin(), r.gaps.end(), i); }
+
+/// Length of what is missing between sample i - 1 and sample i.
+double missing_before(const Recording& r, std::size_t i) { return r.time_s(i) - r.time_s(i - 1) - r.interval_s; }
+
+/// Samples in place of those that are missing before sample i.
+void bridge(InertialSamples& out, const Recording& r, std::size_t i) {
+  const double length = missing_before(r, i);
+  const auto count = static_cast<std::size_t>(std::max(1., std::round(length / r.interval_s)));
+  const double interval = length / static_cast<double>(count), begin = r.time_s(i - 1);
+  for (std::size_t k = 0; k < count; ++k) {
+    const double part = (static_cast<double>(k) + 1) / (static_cast<double>(count) + 1);
+    const Vector3d rate = (1 - part) * row(r.gyro, i - 1) + part * row(r.gyro, i);
+    const Vector3d force = (1 - part) * row(r.accel, i - 1) + part * row(r.accel, i);
+    out.steps.push_back({{interval * rate, interval * force}, interval});
+    out.time.push_back(begin + interval * (static_cast<double>(k) + 1));
+  }
+}
+
+}  // namespace
+
+std::vector<MissingTime> missing_time(const Recording& r, const Range& range) {
+  std::vector<MissingTime> out;
+  for (const std::size_t i : r.gaps)
+    if (i > range.begin && i < range.end) out.push_back({r.time_s(i - 1), missing_before(r, i)});
+  return out;
+}
+
+InertialSamples inertial_samples(const Recording& r, const Range& range) {
+  InertialSamples out;
+  out.gaps = missing_time(r, range);
+  out.steps.reserve(range.size());
+  out.time.reserve(range.size());
+  out.begin = r.time_s(range.begin) - r.interval(range.begin, false);
+  for (std::size_t i = range.begin; i < range.end; ++i) {
+    if (i > range.begin && follows_gap(r, i)) bridge(out, r, i);
+    const Increment increment{r.interval(i, r.gyro_increment) * row(r.gyro, i), r.interval(i, r.accel_increment) * row(r.accel, i)};
+    out.steps.push_back({increment, r.interval(i, false)});
+    out.time.push_back(r.time_s(i));
+  }
+  return out;
+}
+
+double stamp_jitter(const Recording& r) {
+  double square = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 1; i < r.size(); ++i) {
+    if (follows_gap(r, i)) continue;
+    const double off = r.interval(i, false) / r.interval_s - 1;
+    square += off * off;
+    ++count;
+  }
+  return count > 0 ? std::sqrt(square / static_cast<double>(count)) : 0;
+}
+
+void remove_lever_arms(Recording& r, const Matrix3d& lever_arm) {
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    const std::size_t before = i > 0 && !follows_gap(r, i) ? i - 1 : i, after = i + 1 < r.size() && !follows_gap(r, i + 1) ? i + 1 : i;
+    const Vector3d rate = row(r.gyro, i);
+    Vector3d turning = Vector3d::Zero();
+    if (after > before) turning = (row(r.gyro, after) - row(r.gyro, before)) / (r.time_s(after) - r.time_s(before));
+    for (int k = 0; k < 3; ++k) {
+      const Vector3d arm = lever_arm.row(k).transpose();
+      r.accel[static_cast<std::size_t>(k)][i] -= (turning.cross(arm) + rate.cross(rate.cross(arm)))[k];
+    }
+  }
+}
+
+}  // namespace imulab
