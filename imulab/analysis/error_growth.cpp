@@ -39,7 +39,7 @@ void check(const NominalMotion& motion, const ErrorSources& sources, const Strap
 std::vector<NoiseSource> noise_sources(const ErrorSources& sources, double interval) {
   std::vector<NoiseSource> out;
   const auto add = [&](NoiseSource::Acts acts, std::string name, double size, const NoiseProcesses& processes) {
-    if (size != 0) out.push_back({acts, std::move(name), NoiseGrowth(processes, acts == NoiseSource::Acts::barometer ? 1 : 3), false});
+    if (size != 0) out.push_back({acts, std::move(name), NoiseGrowth(processes, acts == NoiseSource::Acts::barometer ? 1 : 3)});
   };
   using Acts = NoiseSource::Acts;
   for (const bool gyro : {true, false}) {
@@ -48,10 +48,8 @@ std::vector<NoiseSource> noise_sources(const ErrorSources& sources, double inter
     add(gyro ? Acts::gyro_white : Acts::accel_white, triad + "white noise", m.N, white_noise(m.N));
     add(gyro ? Acts::gyro : Acts::accel, triad + "flicker", m.B, flicker_noise(m.B, interval));
     add(gyro ? Acts::gyro : Acts::accel, triad + "random walk", m.K, random_walk(m.K));
-    if (const auto duration = sources.start.aligned_over; duration && m.Q != 0) {
-      add(gyro ? Acts::gyro_white : Acts::accel_white, triad + "quantisation", m.Q, white_noise(m.Q * std::sqrt(2 / *duration)));
-      out.back().alignment_only = true;
-    }
+    add(gyro ? Acts::gyro_white : Acts::accel_white, triad + "quantisation", m.Q, white_noise(0));
+    if (m.Q != 0) out.back().quantisation = m.Q;
   }
   const BarometerErrors& b = sources.barometer;
   add(Acts::barometer, "barometer", b.noise, markov_noise(b.noise, b.time_constant));
@@ -89,6 +87,8 @@ ErrorGrowth::ErrorGrowth(const NominalMotion& motion, const ErrorSources& source
   noises_ = noise_sources(sources, motion.time[1] - motion.time[0]);
   start();
   if (sources.start.aligned_over) align(*sources.start.aligned_over);
+  for (NoiseSource& n : noises_)
+    if (n.quantisation != 0) quantise(n, sources.start.aligned_over);
 }
 
 void ErrorGrowth::block(std::size_t begin, std::size_t end) {
@@ -114,9 +114,7 @@ void ErrorGrowth::block(std::size_t begin, std::size_t end) {
   sensitivity_.leftCols(columns_.coefficients) += by_rate * effects_.rate() + by_force * effects_.force();
   add_unit(by_rate * turned, by_force * turned, aligned_ + middle);
   sensitivity_.col(columns_.barometer) += length * (half * d.b);
-  const ErrorColumns nothing = ErrorColumns::Zero(At::count, 3);
-  for (NoiseSource& n : noises_)
-    n.growth.step(whole, n.alignment_only ? nothing : effect(n.acts, by_rate, by_force, turned, length, half * d.b), length);
+  for (NoiseSource& n : noises_) n.growth.step(whole, effect(n.acts, by_rate, by_force, turned, length, half * d.b), length);
 }
 
 void ErrorGrowth::start() {
@@ -148,6 +146,17 @@ void ErrorGrowth::align(double duration) {
   aligned_ = duration;
 }
 
+/// The integral of a triad's output errs by an independent n_k of size Q at each reading k: over the motion by n_k - n_0, in the mean of an alignment
+/// before it by (n_0 - n_-m) / duration. What it does through the n_k between does not add up and is left out.
+void ErrorGrowth::quantise(NoiseSource& noise, std::optional<double> aligned) {
+  const bool gyro = noise.acts == NoiseSource::Acts::gyro_white;
+  ErrorColumns by_first = ErrorColumns::Zero(At::count, 3), by_alignment = by_first;
+  by_first.middleRows<3>(gyro ? At::attitude : At::velocity) = (gyro ? 1 : -1) * Matrix3d::Identity();
+  if (aligned) by_alignment.middleRows<3>(At::attitude) = alignment_effect(motion_.states.front(), options_).middleCols<3>(gyro ? 0 : 3) / *aligned;
+  by_first += by_alignment;
+  noise.growth.add(noise.quantisation * noise.quantisation * (by_first * by_first.transpose() + by_alignment * by_alignment.transpose()));
+}
+
 void ErrorGrowth::add_unit(const ErrorColumns& gyro, const ErrorColumns& accel, double time) {
   sensitivity_.middleCols<3>(columns_.gyro_unit) += gyro;
   sensitivity_.middleCols<3>(columns_.accel_unit) += accel;
@@ -169,6 +178,8 @@ ErrorMatrix ErrorGrowth::noise_covariance(std::size_t i) const {
     out.col(At::up) = n.growth.with_noise(0);
     out(At::up, At::up) = n.growth.noise_variance();
   }
+  const int integral = n.acts == NoiseSource::Acts::gyro_white ? At::attitude : At::velocity;
+  out.diagonal().segment<3>(integral).array() += n.quantisation * n.quantisation;  // of the last reading
   return out;
 }
 
