@@ -39,8 +39,9 @@ inline Trajectory closed_form_flight(double duration, double pace = 1) {
     k.acceleration = {((rn_rate + height.first) * c - (rn + k.height) * s * latitude.first) * longitude_rate,
                       (rm_rate + height.first) * latitude.first + (rm + k.height) * latitude.second, height.second};
     const Swing roll(25 * unit::deg, 45 / pace, 2, t), pitch(5 * unit::deg, 90 / pace, 1, t), heading(40 * unit::deg, 240 / pace, 0, t);
-    k.angles = {roll.value, pitch.value, std::numbers::pi / 2 + heading.value};
-    k.angle_rates = {roll.first, pitch.first, heading.first};
+    const EulerAngles angles{roll.value, pitch.value, std::numbers::pi / 2 + heading.value};
+    k.C_nb = attitude_matrix(angles);
+    k.rate_nb_b = attitude_rate(angles, {roll.first, pitch.first, heading.first});
     return k;
   };
   return flight;

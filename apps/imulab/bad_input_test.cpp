@@ -99,7 +99,8 @@ TEST(BadInput, ACommandThatIsWrong) {
   folder.write("file", "");
   for (const auto& [arguments, message] : std::vector<std::pair<std::string, std::string>>{
            {"", "A subcommand is required"},
-           {"calibarte session", "calibarte is not a command, expected one of procedure, simulate, calibrate, compensate, compare, predict, demo"},
+           {"calibarte session",
+            "calibarte is not a command, expected one of procedure, simulate, calibrate, compensate, compare, predict, trajectory"},
            {"calibrate", "session is required"},
            {"calibrate session", "--method is required"},
            {"calibrate session --method magic", "--method: magic not in {handheld,static,turntable}"},

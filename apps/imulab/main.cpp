@@ -43,6 +43,7 @@ int run(std::vector<std::string> arguments) {
   add_compensate(app);
   add_compare(app);
   add_predict(app);
+  add_trajectory(app);
   add_demo(app);
   app.failure_message(
       [](const CLI::App*, const CLI::Error& e) { return fmt::format("imulab: {}\nRun with --help for more information.\n", e.what()); });

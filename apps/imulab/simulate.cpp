@@ -26,39 +26,6 @@ struct Arguments {
   std::uint64_t seed = 1;
 };
 
-/// A folder that appears whole or not at all: filled beside its place, then renamed; removed where something went wrong.
-class NewFolder {
- public:
-  explicit NewFolder(const fs::path& place) : place_(fs::absolute(place).lexically_normal()) {
-    if (!place_.has_filename()) place_ = place_.parent_path();  // "out/"
-    if (fs::exists(place_) && !(fs::is_directory(place_) && fs::is_empty(place_)))
-      throw Error(fmt::format("{}: exists; a new or an empty folder was expected", place.string()));
-    filling_ = place_;
-    filling_ += ".part";
-    std::error_code failure;
-    fs::create_directories(place_.parent_path(), failure);
-    if (!failure && !fs::create_directory(filling_, failure) && !failure) failure = std::make_error_code(std::errc::file_exists);
-    if (failure) throw Error(fmt::format("{}: cannot be made: {}", filling_.string(), failure.message()));
-  }
-  NewFolder(const NewFolder&) = delete;
-  NewFolder& operator=(const NewFolder&) = delete;
-  ~NewFolder() {
-    std::error_code ignored;
-    if (!finished_) fs::remove_all(filling_, ignored);
-  }
-  const fs::path& path() const { return filling_; }
-  void finish() {
-    std::error_code failure;
-    fs::rename(filling_, place_, failure);
-    if (failure) throw Error(fmt::format("{}: cannot be made: {}", place_.string(), failure.message()));
-    finished_ = true;
-  }
-
- private:
-  fs::path place_, filling_;
-  bool finished_ = false;
-};
-
 /// The source of a recording as write_recording lays it out: one file, SI units unless counts.
 RecordingSource written_source(const RecordingSource& source) {
   RecordingSource written = source;

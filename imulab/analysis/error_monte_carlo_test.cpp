@@ -1,5 +1,6 @@
 #include "imulab/analysis/error_monte_carlo.hpp"
 
+#include "imulab/analysis/error_specification.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
@@ -44,7 +45,9 @@ void expect_as_linear(const NominalMotion& motion, const ErrorSources& sources, 
 constexpr FlightStart start{.latitude = 0.54, .longitude = 1.8, .height = 500, .speed = 80};
 
 ErrorSources navigation_grade() {
-  ErrorSources s = sources_of(grade("navigation"));
+  ErrorSpecification specification;
+  specification.grade = "navigation";
+  ErrorSources s = error_sources(specification);
   s.start.velocity.fill({0.01});
   s.start.position.fill({5});
   s.barometer = {{3}, 1, 10};

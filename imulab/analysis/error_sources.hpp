@@ -3,7 +3,6 @@
 
 #include "imulab/core/spread.hpp"
 #include "imulab/model/calibration.hpp"
-#include "imulab/model/grade.hpp"
 #include "imulab/model/noise.hpp"
 #include "imulab/model/sensor_model.hpp"
 
@@ -39,11 +38,8 @@ struct ErrorSources {
   BarometerErrors barometer;
 };
 
-/// A unit as it comes: every coefficient of the ideal model is drawn on its own, as in a simulation of the grade.
-ErrorSources sources_of(const Grade& grade);
-
 /// What a calibration leaves: its model, and its whole covariance. Lever arms, which `compensate` does not know, stay out; the noise is not known
 /// to it.
-ErrorSources sources_of(const Calibration& calibration);
+ErrorSources error_sources(const Calibration& calibration);
 
 }  // namespace imulab

@@ -14,6 +14,8 @@
 namespace imulab {
 namespace {
 
+namespace fs = std::filesystem;
+
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
   throw Error(path.string() + ": " + what + (errno != 0 ? std::string(": ") + std::strerror(errno) : std::string()));
 }
@@ -71,6 +73,30 @@ void WholeFile::commit() {
   ::umask(mask);
   if (::fchmod(descriptor_, 0666 & ~mask) != 0 || ::rename(temporary_.c_str(), path_.c_str()) != 0) fail(path_, "cannot be written");
   temporary_.clear();
+}
+
+NewFolder::NewFolder(const fs::path& place) : place_(fs::absolute(place).lexically_normal()) {
+  if (!place_.has_filename()) place_ = place_.parent_path();  // "out/"
+  if (fs::exists(place_) && !(fs::is_directory(place_) && fs::is_empty(place_)))
+    throw Error(place.string() + ": exists; a new or an empty folder was expected");
+  filling_ = place_;
+  filling_ += ".part";
+  std::error_code failure;
+  fs::create_directories(place_.parent_path(), failure);
+  if (!failure && !fs::create_directory(filling_, failure) && !failure) failure = std::make_error_code(std::errc::file_exists);
+  if (failure) throw Error(filling_.string() + ": cannot be made: " + failure.message());
+}
+
+NewFolder::~NewFolder() {
+  std::error_code ignored;
+  if (!finished_) fs::remove_all(filling_, ignored);
+}
+
+void NewFolder::finish() {
+  std::error_code failure;
+  fs::rename(filling_, place_, failure);
+  if (failure) throw Error(place_.string() + ": cannot be made: " + failure.message());
+  finished_ = true;
 }
 
 void write_whole(const std::filesystem::path& path, std::string_view text) {

@@ -37,6 +37,22 @@ class WholeFile {
   int descriptor_ = -1;
 };
 
+/// A folder that appears whole or not at all: filled beside its place, then renamed; removed where something went wrong. Throws Error, for a place
+/// that holds something too.
+class NewFolder {
+ public:
+  explicit NewFolder(const std::filesystem::path& place);
+  ~NewFolder();
+  NewFolder(const NewFolder&) = delete;
+  NewFolder& operator=(const NewFolder&) = delete;
+  const std::filesystem::path& path() const { return filling_; }
+  void finish();
+
+ private:
+  std::filesystem::path place_, filling_;
+  bool finished_ = false;
+};
+
 /// Writes `text` to `path` whole or not at all. Throws Error.
 void write_whole(const std::filesystem::path& path, std::string_view text);
 

@@ -86,17 +86,49 @@ constexpr std::array<Grade, 4> catalogue{{
                      .range = 4 * g}},
 }};
 
+constexpr double nmi_per_h = nmi / hour;
+
+// Xu 2024 table 1. Strategic: 30 m an hour; a non-orthogonality and a scale below a limit begin at zero.
+constexpr std::array<PublishedGrade, 3> published{{
+    {"strategic", {0, 30 / hour}, {1e-4 * deg_per_h, 0.01 * deg_per_h}, {1 * ug, 50 * ug}, {0, 1 * arcsec}, {0, 10 * ppm}},
+    {"navigation",
+     {0.5 * nmi_per_h, 2 * nmi_per_h},
+     {0.01 * deg_per_h, 1 * deg_per_h},
+     {50 * ug, 100 * ug},
+     {1 * arcsec, 30 * arcsec},
+     {10 * ppm, 50 * ppm}},
+    {"tactical",
+     {10 * nmi_per_h, 20 * nmi_per_h},
+     {1 * deg_per_h, 10 * deg_per_h},
+     {100 * ug, 1000 * ug},
+     {30 * arcsec, 100 * arcsec},
+     {50 * ppm, 500 * ppm}},
+}};
+
+// Xu 2024 table 2.
+constexpr std::array<AirlinerSystem, 3> systems{{
+    {"LTN-90", "LG-8028", "A310, A300-600", 1 * nmi_per_h, 0.01 * deg_per_h},
+    {"LTN-101", "LG-8028", "A380, A319, A320, A321", 0.8 * nmi_per_h, 0.01 * deg_per_h},
+    {"Laseref", "GG-1342", "B737, B747, B757, B767", 2 * nmi_per_h, 0.1 * deg_per_h},
+}};
+
+template <class Entry>
+const Entry& named(std::span<const Entry> entries, std::string_view what, std::string_view name) {
+  std::string known;
+  for (const Entry& e : entries) {
+    if (e.name == name) return e;
+    known += (known.empty() ? "" : ", ") + std::string(e.name);
+  }
+  throw Error(std::string(what) + " = \"" + std::string(name) + "\": one of " + known + " was expected");
+}
+
 }  // namespace
 
 std::span<const Grade> grades() { return catalogue; }
+std::span<const PublishedGrade> published_grades() { return published; }
+std::span<const AirlinerSystem> airliner_systems() { return systems; }
 
-const Grade& grade(std::string_view name) {
-  std::string known;
-  for (const Grade& g : catalogue) {
-    if (g.name == name) return g;
-    known += (known.empty() ? "" : ", ") + std::string(g.name);
-  }
-  throw Error("[imu] grade = \"" + std::string(name) + "\": one of " + known + " was expected");
-}
+const Grade& grade(std::string_view name) { return named(grades(), "grade", name); }
+const AirlinerSystem& airliner_system(std::string_view name) { return named(airliner_systems(), "system", name); }
 
 }  // namespace imulab

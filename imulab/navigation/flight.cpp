@@ -1,59 +1,47 @@
 #include "imulab/navigation/flight.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
+#include "imulab/core/rotation.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
+#include <numbers>
 
 namespace imulab {
 namespace {
-
-using Eigen::Vector3d;
-
-/// A quantity with two derivatives.
-struct Course {
-  double value = 0, first = 0, second = 0;
-};
-
-/// Smooth step from 0 to 1 over x = 0 to 1 with two derivatives zero at both ends; its integral and its derivative.
-double step_value(double x) { return x * x * x * (10 - x * (15 - 6 * x)); }
-double step_integral(double x) { return x * x * x * x * (2.5 - x * (3 - x)); }
-double step_slope(double x) { return 30 * x * x * (1 - x) * (1 - x); }
-
-/// What a pulse has added after `t` from its segment's start.
-Course pulse_at(const Pulse& p, double t) {
-  const double s = t - p.begin, rate = p.change / (p.ramp + p.hold), out = p.ramp + p.hold;
-  if (s <= 0) return {};
-  if (s >= out + p.ramp) return {p.change, 0, 0};
-  if (s < p.ramp) return {rate * p.ramp * step_integral(s / p.ramp), rate * step_value(s / p.ramp), rate / p.ramp * step_slope(s / p.ramp)};
-  if (s <= out) return {rate * (s - p.ramp / 2), rate, 0};
-  const double x = 1 - (s - out) / p.ramp;  // the fall mirrors the rise
-  return {p.change - rate * p.ramp * step_integral(x), rate * step_value(x), -rate / p.ramp * step_slope(x)};
-}
 
 struct Controls {
   Course speed, heading, climb;
 };
 
-struct Node {  // the start of a segment, or a point inside it
-  double time, segment_time;
-  std::size_t segment;
-  Controls begin;     // at the segment's start
-  Vector3d position;  // latitude, longitude, height
+/// A segment where it begins.
+struct Leg {
+  Segment segment;
+  double speed, heading, climb;
+  Matrix3d C_vb;  // the unit in what carries it
 };
 
-Controls controls_at(const Controls& begin, const Segment& segment, double t) {
-  Controls c{{begin.speed.value}, {begin.heading.value}, {begin.climb.value}};
-  for (const Pulse& p : segment.pulses) {
-    const Course add = pulse_at(p, t);
-    Course& to = p.of == Pulse::Of::speed ? c.speed : p.of == Pulse::Of::heading ? c.heading : c.climb;
-    to = {to.value + add.value, to.first + add.first, to.second + add.second};
-  }
-  return c;
+struct Node {  // the start of a segment, or a point inside it
+  double time, segment_time;
+  std::size_t leg;
+  Vector3d position;  // latitude, longitude, height, without sway
+};
+
+struct Motion {
+  std::vector<Leg> legs;
+  std::vector<Node> nodes;
+  bool banks = true;
+};
+
+Course from(double begin, const Course& added) { return {begin + added.value, added.first, added.second}; }
+
+Controls controls_at(const Leg& leg, double t) {
+  const auto course = [&](Pulse::Of of, double begin) { return from(begin, pulses_at(leg.segment, of, t)); };
+  return {course(Pulse::Of::speed, leg.speed), course(Pulse::Of::heading, leg.heading), course(Pulse::Of::climb, leg.climb)};
 }
 
 Vector3d velocity_of(const Controls& c) {
@@ -67,15 +55,37 @@ Vector3d position_rate(const Vector3d& position, const Vector3d& v) {
 }
 
 /// One step of Runge and Kutta's fourth order from a node on.
-Vector3d position_after(const Node& n, const Segment& segment, double h) {
-  const auto v = [&](double t) { return velocity_of(controls_at(n.begin, segment, n.segment_time + t)); };
+Vector3d position_after(const Node& n, const Leg& leg, double h) {
+  const auto v = [&](double t) { return velocity_of(controls_at(leg, n.segment_time + t)); };
   const Vector3d middle = v(h / 2);
   const Vector3d a = position_rate(n.position, v(0)), b = position_rate(n.position + h / 2 * a, middle);
   const Vector3d c = position_rate(n.position + h / 2 * b, middle), d = position_rate(n.position + h * c, v(h));
   return n.position + h / 6 * (a + 2 * b + 2 * c + d);
 }
 
-Kinematics kinematics(const Vector3d& position, const Controls& c) {
+/// Roll of a coordinated turn: tan(roll) = V heading' cos(climb) / g.
+Course roll_of(const Controls& c, double level_rate) {
+  const double level = c.speed.value * std::cos(c.climb.value);
+  const double tangent = level * c.heading.first / unit::g, rate = (level_rate * c.heading.first + level * c.heading.second) / unit::g;
+  return {std::atan(tangent), rate / (1 + tangent * tangent), 0};
+}
+
+/// The displacement of a resting base adds to its position and velocity. The radii are those of the resting place: 1e-8 of the velocity.
+void add_displacement(Kinematics& k, const Segment& segment, double t) {
+  std::array<Course, 3> d;
+  for (int i = 0; i < 3; ++i)
+    d[static_cast<std::size_t>(i)] = sway_at(segment.sway.displacement, segment.sway.displacement_frequency, i, segment.duration, t);
+  const LocalEarth earth = local_earth(k.latitude, k.height);
+  k.latitude += d[1].value / earth.meridian_radius;
+  k.longitude += d[0].value / (earth.transverse_radius * earth.cos_latitude);
+  k.height += d[2].value;
+  k.velocity += Vector3d(d[0].first, d[1].first, d[2].first);
+  k.acceleration += Vector3d(d[0].second, d[1].second, d[2].second);
+}
+
+Kinematics kinematics(const Vector3d& position, const Leg& leg, double t, bool banks) {
+  const Controls c = controls_at(leg, t);
+  const Segment& segment = leg.segment;
   Kinematics k;
   k.latitude = position.x();
   k.longitude = position.y();
@@ -85,78 +95,101 @@ Kinematics kinematics(const Vector3d& position, const Controls& c) {
   const double level_rate = c.speed.first * cg - V * sg * c.climb.first, sh = std::sin(c.heading.value), ch = std::cos(c.heading.value);
   k.acceleration = {level_rate * sh + k.velocity.y() * c.heading.first, level_rate * ch - k.velocity.x() * c.heading.first,
                     c.speed.first * sg + V * cg * c.climb.first};
-  // Bank of a coordinated turn: tan(roll) = V heading' cos(climb) / g.
-  const double tangent = V * c.heading.first * cg / unit::g, tangent_rate = (level_rate * c.heading.first + V * cg * c.heading.second) / unit::g;
-  k.angles = {std::atan(tangent), c.climb.value, c.heading.value};
-  k.angle_rates = {tangent_rate / (1 + tangent * tangent), c.climb.first, c.heading.first};
+  if (segment.sway.displacement != 0) add_displacement(k, segment, t);
+
+  // Attitude of the carrier (v), then of the unit in it: C_nb = C_nv C_vb.
+  const auto sway = [&](int i) { return sway_at(segment.sway.angle, segment.sway.angle_frequency, i, segment.duration, t); };
+  const Course banked = banks ? roll_of(c, level_rate) : Course{};
+  const Course roll = from(banked.value, sway(0)), pitch = from(c.climb.value, sway(1)), heading = from(c.heading.value, sway(2));
+  const EulerAngles angles{roll.value, pitch.value, heading.value};
+  const EulerAngles rates{banked.first + roll.first, c.climb.first + pitch.first, c.heading.first + heading.first};
+  const Course table = pulses_at(segment, Pulse::Of::table, t);
+  const Matrix3d C_vb = leg.C_vb * rotation_about(segment.table_axis, table.value);
+  k.C_nb = attitude_matrix(angles) * C_vb;
+  k.rate_nb_b = C_vb.transpose() * attitude_rate(angles, rates) + table.first * segment.table_axis;
   return k;
 }
 
-Segment turned(double change, double rate, double roll_time) {
-  if (!(rate > 0 && roll_time > 0)) throw Error("turn: expected a positive rate and a positive time to roll in");
-  const double hold = std::abs(change) / rate - roll_time;
-  if (hold < 0)
-    throw Error(fmt::format("turn by {:.3f} deg at {:.3f} deg/s: expected at least {:.3f} s, the time to roll in", change / unit::deg,
-                            rate / unit::deg, roll_time));
-  return {hold + 2 * roll_time, {{Pulse::Of::heading, 0, roll_time, hold, change}}};
+void check_latitude(double latitude) {
+  const double limit = StrapdownOptions{}.latitude_limit;
+  if (!(std::abs(latitude) <= limit))
+    throw Error(fmt::format("latitude {:.6f} deg: expected at most {:.6f} deg from the equator, where east-north-up axes can be followed",
+                            latitude / unit::deg, limit / unit::deg));
+}
+
+/// Lays out a segment: its nodes; returns the one at its end.
+Node lay_out(Motion& motion, Node node) {
+  const Leg& leg = motion.legs[node.leg];
+  const double begin = node.time, duration = leg.segment.duration, node_interval = 0.1;
+  const auto steps = static_cast<std::size_t>(std::ceil(duration / node_interval));
+  for (std::size_t k = 0; k < steps; ++k) {
+    motion.nodes.push_back(node);
+    const double next = duration * static_cast<double>(k + 1) / static_cast<double>(steps);
+    node.position = position_after(node, leg, next - node.segment_time);
+    node.segment_time = next;
+    node.time = begin + next;
+    check_latitude(node.position.x());
+  }
+  return {node.time, 0, node.leg + 1, node.position};
+}
+
+/// Instants of a segment where a third derivative jumps.
+std::vector<double> breaks_of(const Segment& s) {
+  std::vector<double> out{s.duration};
+  for (const Pulse& p : s.pulses) out.insert(out.end(), {p.begin, p.begin + p.ramp, p.begin + p.ramp + p.hold, p.end()});
+  if (s.sway.angle != 0 || s.sway.displacement != 0) out.insert(out.end(), {sway_ramp(s.duration), s.duration - sway_ramp(s.duration)});
+  return out;
+}
+
+/// The time of a radian of the fastest vibration or rotation: four points of quadrature then leave 1e-9 of it.
+double smooth_time(const Segment& s, double longest) {
+  const double turn = 2 * std::numbers::pi;
+  double fastest = 1 / longest;  // rad/s
+  if (s.sway.angle != 0) fastest = std::max(fastest, turn * s.sway.angle_frequency);
+  if (s.sway.displacement != 0) fastest = std::max(fastest, turn * s.sway.displacement_frequency);
+  for (const Pulse& p : s.pulses)
+    if (p.of == Pulse::Of::table || p.of == Pulse::Of::heading) fastest = std::max(fastest, std::abs(p.rate()));
+  return 1 / fastest;
 }
 
 }  // namespace
 
-Segment straight(double duration) { return {duration}; }
-
-Segment accelerate(double speed_change, double duration) { return {duration, {{Pulse::Of::speed, 0, duration / 4, duration / 2, speed_change}}}; }
-
-Segment turn(double heading_change, double rate, double roll_time) { return turned(heading_change, rate, roll_time); }
-
-Segment s_turn(double heading_change, double rate, double roll_time) {
-  Segment s = turned(heading_change, rate, roll_time);
-  Pulse back = s.pulses.front();
-  back.begin = s.duration;
-  back.change = -heading_change;
-  s.pulses.push_back(back);
-  s.duration *= 2;
-  return s;
-}
-
-Segment climb(double angle, double duration, double pitch_time) {
-  const double ramp = pitch_time / 2;
-  return {duration + 2 * pitch_time, {{Pulse::Of::climb, 0, ramp, 0, angle}, {Pulse::Of::climb, pitch_time + duration, ramp, 0, -angle}}};
-}
-
-Trajectory flight(const FlightStart& start, const std::vector<Segment>& segments) {
-  const double node_interval = 0.1;
-  const auto nodes = std::make_shared<std::vector<Node>>();
-  Node node{0, 0, 0, {{start.speed}, {start.heading}, {}}, {start.latitude, start.longitude, start.height}};
+Trajectory flight(const FlightStart& start, const std::vector<Segment>& segments, const Carrier& carrier) {
+  if (segments.empty()) throw Error("a motion: expected at least one segment");
+  if (!std::isfinite(start.latitude + start.longitude + start.height + start.speed + start.heading) || start.speed < 0)
+    throw Error("start of a motion: expected finite numbers and a speed of 0 or more");
+  check_latitude(start.latitude);
+  const auto motion = std::make_shared<Motion>();
+  motion->banks = carrier.banks;
   Trajectory out;
+  Node node{0, 0, 0, {start.latitude, start.longitude, start.height}};
+  Leg next{{}, start.speed, start.heading, 0, Matrix3d::Identity()};
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const Segment& s = segments[i];
-    if (!(s.duration > 0)) throw Error(fmt::format("segment {}: expected a positive duration", i + 1));
-    node.segment = i;
-    node.segment_time = 0;
-    const double begin = node.time;
-    const auto steps = static_cast<std::size_t>(std::ceil(s.duration / node_interval));
-    for (std::size_t k = 0; k < steps; ++k) {
-      nodes->push_back(node);
-      const double next = s.duration * static_cast<double>(k + 1) / static_cast<double>(steps);
-      node.position = position_after(node, s, next - node.segment_time);
-      node.segment_time = next;
-      node.time = begin + next;
+    try {
+      check_segment(s, next.speed, carrier);
+      next.segment = s;
+      motion->legs.push_back(next);
+      for (const double t : breaks_of(s)) out.breaks.push_back(node.time + t);
+      node = lay_out(*motion, node);
+    } catch (const Error& e) {
+      throw Error(fmt::format("segment {}: {}", i + 1, e.what()));
     }
-    const Controls end = controls_at(node.begin, s, s.duration);
-    node.begin = {{end.speed.value}, {end.heading.value}, {end.climb.value}};
-    for (const Pulse& p : s.pulses)
-      for (double t : {p.begin, p.begin + p.ramp, p.begin + p.ramp + p.hold, p.begin + 2 * p.ramp + p.hold}) out.breaks.push_back(begin + t);
-    out.breaks.push_back(node.time);
+    next.speed += s.change(Pulse::Of::speed);
+    next.heading += s.change(Pulse::Of::heading);
+    next.climb += s.change(Pulse::Of::climb);
+    next.C_vb = next.C_vb * rotation_about(s.table_axis, s.change(Pulse::Of::table));
+    out.smooth = smooth_time(s, out.smooth);
   }
   out.duration = node.time;
-  out.at = [nodes, segments](double t) {
-    const auto after = std::upper_bound(nodes->begin() + 1, nodes->end(), t, [](double a, const Node& n) { return a < n.time; });
+  out.at = [motion](double t) {
+    const auto& nodes = motion->nodes;
+    const auto after = std::upper_bound(nodes.begin() + 1, nodes.end(), t, [](double a, const Node& n) { return a < n.time; });
     const Node& n = *(after - 1);
+    const Leg& leg = motion->legs[n.leg];
     const double h = t - n.time;
-    return kinematics(position_after(n, segments[n.segment], h), controls_at(n.begin, segments[n.segment], n.segment_time + h));
+    return kinematics(position_after(n, leg, h), leg, n.segment_time + h, motion->banks);
   };
-  if (nodes->empty()) throw Error("a motion: expected at least one segment");
   return out;
 }
 

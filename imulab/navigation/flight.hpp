@@ -1,34 +1,12 @@
-// Motions put together from segments, as a pilot or a driver would name them.
+// Motions put together from segments: of an aircraft, a vehicle, or a table.
 #pragma once
 
+#include "imulab/navigation/segment.hpp"
 #include "imulab/navigation/trajectory.hpp"
 
 #include <vector>
 
 namespace imulab {
-
-/// A smooth push on a rate that is zero before and after: it rises over `ramp`, holds, and falls over `ramp`.
-struct Pulse {
-  enum class Of { speed, heading, climb } of;  // acts on the derivative of: speed [m/s], heading [rad], angle of climb [rad]
-  double begin = 0;                            // after the segment's start [s]
-  double ramp = 1, hold = 0;                   // s
-  double change = 0;                           // of the quantity, by the whole pulse
-};
-
-struct Segment {
-  double duration = 0;  // s
-  std::vector<Pulse> pulses = {};
-};
-
-/// Rest, or straight on at the speed, heading and climb reached.
-Segment straight(double duration);
-Segment accelerate(double speed_change, double duration);
-/// Coordinated: the bank follows from speed and turning rate, and rolls in and out over `roll_time`. `Error` where that is longer than half the turn.
-Segment turn(double heading_change, double rate, double roll_time);
-/// Right by `heading_change` and back.
-Segment s_turn(double heading_change, double rate, double roll_time);
-/// To an angle of climb (negative: a dive), held for `duration`, and back to level, each change over `pitch_time`.
-Segment climb(double angle, double duration, double pitch_time);
 
 struct FlightStart {
   double latitude = 0, longitude = 0, height = 0;  // rad, m
@@ -36,6 +14,7 @@ struct FlightStart {
 };
 
 /// Velocity and attitude are closed forms of time; the position is their integral on the ellipsoid (Runge-Kutta over 0.1 s, below a micrometre).
-Trajectory flight(const FlightStart& start, const std::vector<Segment>& segments);
+/// Throws Error with the segment's number for what `check_segment` refuses, and for a way that comes within 0.1 deg of a pole.
+Trajectory flight(const FlightStart& start, const std::vector<Segment>& segments, const Carrier& carrier = {});
 
 }  // namespace imulab

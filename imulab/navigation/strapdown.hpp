@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include <optional>
+#include <string_view>
 
 namespace imulab {
 
@@ -25,6 +26,7 @@ enum class VerticalChannel {
   aided,  ///< led to a barometer's height by a loop of third order
   held,   ///< height is the barometer's, the vertical velocity is integrated freely
 };
+std::string_view to_string(VerticalChannel vertical);
 
 struct StrapdownOptions {
   VerticalChannel vertical = VerticalChannel::free;

@@ -1,0 +1,120 @@
+#include "imulab/navigation/trajectory.hpp"
+
+#include "apps/imulab/command.hpp"
+#include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/io/file.hpp"
+#include "imulab/io/mission_file.hpp"
+#include "imulab/io/recording_file.hpp"
+#include "imulab/io/session_file.hpp"
+#include "imulab/io/solution_file.hpp"
+#include "imulab/io/terminal.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace imulab::command {
+
+namespace {
+
+struct Arguments {
+  std::string mission, folder;
+};
+
+Recording ideal_recording(const std::vector<Increment>& increments, double rate) {
+  Recording r;
+  r.name = "recording.csv";
+  r.interval_s = 1 / rate;
+  r.gyro_increment = r.accel_increment = true;
+  r.gyro_unit = "rad", r.accel_unit = "m/s";
+  r.time_ns.reserve(increments.size());
+  for (std::size_t i = 0; i < increments.size(); ++i) {
+    r.time_ns.push_back(std::llround(1e9 * static_cast<double>(i + 1) / rate));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      r.gyro[axis].push_back(increments[i].angle[static_cast<int>(axis)] * rate);
+      r.accel[axis].push_back(increments[i].velocity[static_cast<int>(axis)] * rate);
+    }
+  }
+  return r;
+}
+
+/// The session of an ideal unit: increments in SI, the exact start, the truth.
+Session ideal_session(const Mission& mission, const NavigationState& start) {
+  const EulerAngles angles = euler_angles(start.q_nb.toRotationMatrix());
+  Session s;
+  s.imu.name = mission.imu;
+  s.site.latitude = start.latitude, s.site.longitude = start.longitude, s.site.height = start.height;
+  RecordingSource source;
+  source.file = "recording.csv";
+  source.rate_hz = mission.rate;
+  source.time = {.column = "t", .unit = "s", .zero_ns = 0};
+  source.gyro = {.file = {}, .columns = {"gx", "gy", "gz"}, .output = Output::increment, .unit = "rad", .limits = {}};
+  source.accel = {.file = {}, .columns = {"ax", "ay", "az"}, .output = Output::increment, .unit = "m/s", .limits = {}};
+  s.recordings = {source};
+  InitialState& i = s.initial.emplace();
+  i.latitude = start.latitude, i.longitude = start.longitude, i.height = start.height;
+  i.velocity_enu = {start.velocity.x(), start.velocity.y(), start.velocity.z()};
+  i.roll = angles.roll + 0.0, i.pitch = angles.pitch + 0.0, i.heading = angles.heading + 0.0;  // not -0
+  s.truth_file = "truth.csv";
+  return s;
+}
+
+void print_summary(const Recording& recording, const Solution& truth) {
+  double way = 0, fastest = 0, bank = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const double speed = truth.states[i].velocity.norm();
+    if (i > 0) way += (truth.time[i] - truth.time[i - 1]) * (speed + truth.states[i - 1].velocity.norm()) / 2;
+    fastest = std::max(fastest, speed);
+    bank = std::max(bank, std::abs(euler_angles(truth.states[i].q_nb.toRotationMatrix()).roll));
+  }
+  const auto largest = [](const std::vector<double>& column) {
+    return std::abs(*std::max_element(column.begin(), column.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }));
+  };
+  const auto largest_of = [&](const Columns3& c, double unit) {
+    return fmt::format("{:.4g}, {:.4g}, {:.4g}", largest(c[0]) / unit, largest(c[1]) / unit, largest(c[2]) / unit);
+  };
+  fmt::print("  distance       {:.6g} km, at most {:.5g} m/s\n", way / 1000, fastest);
+  fmt::print("  largest bank   {:.4g} deg\n", bank / unit::deg);
+  fmt::print("  largest rate   {} deg/s about x, y, z\n", largest_of(recording.gyro, unit::deg));
+  fmt::print("  largest force  {} m/s^2 along x, y, z\n", largest_of(recording.accel, 1));
+}
+
+void make(const Arguments& a) {
+  const Mission mission = read_mission(a.mission);
+  const Trajectory motion = [&] {
+    try {
+      return trajectory_of(mission);
+    } catch (const Error& e) {
+      throw Error(fmt::format("{}: {}", a.mission, e.what()));
+    }
+  }();
+  NewFolder folder(a.folder);
+  const Recording recording = [&] {
+    Progress progress("samples", static_cast<std::uint64_t>(motion.duration * mission.rate));
+    return ideal_recording(ideal_increments(motion, 1 / mission.rate, [&](std::uint64_t done) { progress.report(done); }), mission.rate);
+  }();
+  write_recording(folder.path() / "recording.csv", recording);
+  const Solution solution = truth(motion, 1 / mission.rate, mission.truth_every);
+  write_solution(folder.path() / "truth.csv", solution);
+  write_whole(folder.path() / "session.toml", session_text(ideal_session(mission, solution.states.front())));
+  folder.finish();
+  fmt::print("{}\n", a.folder);
+  fmt::print("  recording.csv  {} samples, {:.10g} s at {:g} Hz\n", recording.size(), solution.time.back(), mission.rate);
+  fmt::print("  truth.csv      {} rows\n  session.toml\n", solution.size());
+  print_summary(recording, solution);
+}
+
+}  // namespace
+
+void add_trajectory(CLI::App& app) {
+  const auto a = std::make_shared<Arguments>();
+  CLI::App* const verb = app.add_subcommand("trajectory", "A motion and the ideal IMU on it: a mission becomes a session folder with truth.csv");
+  verb->add_option("mission", a->mission, "the mission file: segments, or a recorded track")->required();
+  verb->add_option("-o,--output", a->folder, "the folder to make")->required();
+  verb->callback([a] { make(*a); });
+}
+
+}  // namespace imulab::command

@@ -1,0 +1,26 @@
+// What is flown, driven or turned, and how often an IMU samples it: the motion of a mission file.
+#pragma once
+
+#include "imulab/navigation/flight.hpp"
+#include "imulab/navigation/track.hpp"
+
+#include <optional>
+#include <string>
+
+namespace imulab {
+
+struct Mission {
+  std::string imu = "ideal IMU";  // its name
+  double rate = 100;              // samples [Hz]
+  std::size_t truth_every = 1;    // samples to a row of the truth
+  Carrier carrier;
+  FlightStart start;  // with segments
+  std::vector<Segment> segments;
+  std::optional<Solution> track;  // in their place
+  TrackSmoothing smoothing;       // of the track
+};
+
+/// The motion. Throws Error for what `flight` and `track` refuse, and for one of no sample, of more than ten million, or longer than 1e6 s.
+Trajectory trajectory_of(const Mission& mission);
+
+}  // namespace imulab
