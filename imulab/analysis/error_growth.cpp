@@ -5,7 +5,9 @@
 
 #include <Eigen/Eigenvalues>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 namespace imulab {
@@ -26,6 +28,8 @@ void check(const NominalMotion& motion, const ErrorSources& sources, const Strap
   const auto n = static_cast<Eigen::Index>(sources.coefficients.size());
   if (motion.increments.empty() || motion.states.size() != motion.increments.size() + 1 || motion.time.size() != motion.states.size())
     throw Error("errors along a motion: a motion of at least one sample was expected");
+  if (std::adjacent_find(motion.time.begin(), motion.time.end(), std::greater_equal<>()) != motion.time.end())
+    throw Error("errors along a motion: times that ascend were expected");
   if (sources.fixed.size() != n || sources.covariance.rows() != n || sources.covariance.cols() != n)
     throw Error("errors along a motion: a fixed error of each coefficient and their covariance were expected");
   if (!sources.fixed.allFinite() || !sources.covariance.allFinite() || (n > 0 && sources.covariance.diagonal().minCoeff() < 0))
@@ -72,7 +76,8 @@ ErrorColumns effect(NoiseSource::Acts acts, const ErrorColumns& by_rate, const E
   return length * by_barometer;
 }
 
-/// Where the height is the barometer's.
+/// No vertical velocity; and where the height is the barometer's.
+bool fixed(const StrapdownOptions& options) { return options.vertical == VerticalChannel::fixed; }
 bool held(const StrapdownOptions& options) { return options.vertical == VerticalChannel::held; }
 
 }  // namespace
@@ -108,11 +113,11 @@ void ErrorGrowth::block(std::size_t begin, std::size_t end) {
   const ErrorMatrix half = error_transition(d.F, length / 2), whole = half * half;
   const ErrorColumns by_rate = -half.middleCols<3>(At::attitude);
   ErrorColumns by_force = half.middleCols<3>(At::velocity);
-  if (options_.vertical == VerticalChannel::fixed) by_force.col(2).setZero();
+  if (fixed(options_)) by_force.col(2).setZero();
 
   sensitivity_ = (whole * sensitivity_).eval();
   sensitivity_.leftCols(columns_.coefficients) += by_rate * effects_.rate() + by_force * effects_.force();
-  add_unit(by_rate * turned, by_force * turned, aligned_ + middle);
+  add_unit(by_rate * turned, by_force * turned, aligned_ + middle - motion_.time.front());
   sensitivity_.col(columns_.barometer) += length * (half * d.b);
   for (NoiseSource& n : noises_) n.growth.step(whole, effect(n.acts, by_rate, by_force, turned, length, half * d.b), length);
 }
@@ -121,9 +126,8 @@ void ErrorGrowth::start() {
   // In the layout position, velocity, attitude.
   for (const auto& [column, row] : {std::pair{0, At::position}, {3, At::velocity}, {6, At::attitude}})
     sensitivity_.block<3, 3>(row, columns_.start + column).setIdentity();
-  const VerticalChannel vertical = options_.vertical;
-  if (vertical == VerticalChannel::fixed) sensitivity_(At::velocity + 2, columns_.start + 5) = 0;  // it starts without vertical velocity
-  if (vertical == VerticalChannel::held) sensitivity_(At::up, columns_.start + 2) = 0;             // the first barometer height replaces it
+  if (fixed(options_)) sensitivity_(At::velocity + 2, columns_.start + 5) = 0;  // it starts without vertical velocity
+  if (held(options_)) sensitivity_(At::up, columns_.start + 2) = 0;             // the first barometer height replaces it
 }
 
 /// The mean errors of the sensors over the alignment turn the start.
@@ -153,6 +157,7 @@ void ErrorGrowth::quantise(NoiseSource& noise, std::optional<double> aligned) {
   ErrorColumns by_first = ErrorColumns::Zero(At::count, 3), by_alignment = by_first;
   by_first.middleRows<3>(gyro ? At::attitude : At::velocity) = (gyro ? 1 : -1) * Matrix3d::Identity();
   if (aligned) by_alignment.middleRows<3>(At::attitude) = alignment_effect(motion_.states.front(), options_).middleCols<3>(gyro ? 0 : 3) / *aligned;
+  if (fixed(options_)) by_first.row(At::velocity + 2).setZero();
   by_first += by_alignment;
   noise.growth.add(noise.quantisation * noise.quantisation * (by_first * by_first.transpose() + by_alignment * by_alignment.transpose()));
 }
@@ -179,7 +184,8 @@ ErrorMatrix ErrorGrowth::noise_covariance(std::size_t i) const {
     out(At::up, At::up) = n.growth.noise_variance();
   }
   const int integral = n.acts == NoiseSource::Acts::gyro_white ? At::attitude : At::velocity;
-  out.diagonal().segment<3>(integral).array() += n.quantisation * n.quantisation;  // of the last reading
+  for (int k = 0; k < 3; ++k)  // of the last reading
+    if (integral + k != At::velocity + 2 || !fixed(options_)) out(integral + k, integral + k) += n.quantisation * n.quantisation;
   return out;
 }
 
