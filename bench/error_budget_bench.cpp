@@ -1,5 +1,6 @@
 // Error budget. Target: an hour at 100 Hz with every coefficient, every noise term, start and barometer in at most 0.5 s on one core.
 #include "imulab/analysis/error_monte_carlo.hpp"
+#include "imulab/analysis/error_specification.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <benchmark/benchmark.h>
@@ -12,7 +13,9 @@ using namespace imulab;
 
 /// A tactical unit whose model uses every term, all of whose coefficients err.
 ErrorSources every_source() {
-  ErrorSources s = sources_of(grade("tactical"));
+  ErrorSpecification specification;
+  specification.grade = "tactical";
+  ErrorSources s = error_sources(specification);
   s.model.accel.quadratic.setConstant(1e-6);
   s.model.gyro.matrix(0, 1) = 1e-3;
   s.model.g_sensitivity.setConstant(1e-6);
