@@ -1,5 +1,6 @@
 // Error budget. Target: an hour at 100 Hz with every coefficient, every noise term, start and barometer in at most 0.5 s on one core.
 #include "imulab/analysis/error_monte_carlo.hpp"
+#include "imulab/analysis/error_specification.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <benchmark/benchmark.h>

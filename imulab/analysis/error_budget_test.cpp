@@ -263,6 +263,9 @@ TEST(ErrorBudget, OutputsAreTheFirstSamplesAtOrAfterTheirTimesAndTheEnd) {
 TEST(ErrorBudget, RefusesWhatItCannotFollow) {
   const NominalMotion motion = at_rest(0.7, 10, 1);
   EXPECT_THROW(error_budget({}, of_coefficients({})), Error);
+  NominalMotion standing = motion;
+  standing.time[5] = standing.time[4];
+  EXPECT_THROW(error_budget(standing, of_coefficients({})), Error);
   EXPECT_THROW(error_budget(motion, of_coefficients({coefficient_index("accel.lever_arm.xx")})), Error);
   ErrorSources s = of_coefficients({0});
   s.fixed[0] = std::nan("");

@@ -5,7 +5,9 @@
 
 #include <Eigen/Eigenvalues>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 namespace imulab {
@@ -26,6 +28,8 @@ void check(const NominalMotion& motion, const ErrorSources& sources, const Strap
   const auto n = static_cast<Eigen::Index>(sources.coefficients.size());
   if (motion.increments.empty() || motion.states.size() != motion.increments.size() + 1 || motion.time.size() != motion.states.size())
     throw Error("errors along a motion: a motion of at least one sample was expected");
+  if (std::adjacent_find(motion.time.begin(), motion.time.end(), std::greater_equal<>()) != motion.time.end())
+    throw Error("errors along a motion: times that ascend were expected");
   if (sources.fixed.size() != n || sources.covariance.rows() != n || sources.covariance.cols() != n)
     throw Error("errors along a motion: a fixed error of each coefficient and their covariance were expected");
   if (!sources.fixed.allFinite() || !sources.covariance.allFinite() || (n > 0 && sources.covariance.diagonal().minCoeff() < 0))
@@ -39,7 +43,7 @@ void check(const NominalMotion& motion, const ErrorSources& sources, const Strap
 std::vector<NoiseSource> noise_sources(const ErrorSources& sources, double interval) {
   std::vector<NoiseSource> out;
   const auto add = [&](NoiseSource::Acts acts, std::string name, double size, const NoiseProcesses& processes) {
-    if (size != 0) out.push_back({acts, std::move(name), NoiseGrowth(processes, acts == NoiseSource::Acts::barometer ? 1 : 3), false});
+    if (size != 0) out.push_back({acts, std::move(name), NoiseGrowth(processes, acts == NoiseSource::Acts::barometer ? 1 : 3)});
   };
   using Acts = NoiseSource::Acts;
   for (const bool gyro : {true, false}) {
@@ -48,10 +52,8 @@ std::vector<NoiseSource> noise_sources(const ErrorSources& sources, double inter
     add(gyro ? Acts::gyro_white : Acts::accel_white, triad + "white noise", m.N, white_noise(m.N));
     add(gyro ? Acts::gyro : Acts::accel, triad + "flicker", m.B, flicker_noise(m.B, interval));
     add(gyro ? Acts::gyro : Acts::accel, triad + "random walk", m.K, random_walk(m.K));
-    if (const auto duration = sources.start.aligned_over; duration && m.Q != 0) {
-      add(gyro ? Acts::gyro_white : Acts::accel_white, triad + "quantisation", m.Q, white_noise(m.Q * std::sqrt(2 / *duration)));
-      out.back().alignment_only = true;
-    }
+    add(gyro ? Acts::gyro_white : Acts::accel_white, triad + "quantisation", m.Q, white_noise(0));
+    if (m.Q != 0) out.back().quantisation = m.Q;
   }
   const BarometerErrors& b = sources.barometer;
   add(Acts::barometer, "barometer", b.noise, markov_noise(b.noise, b.time_constant));
@@ -74,7 +76,8 @@ ErrorColumns effect(NoiseSource::Acts acts, const ErrorColumns& by_rate, const E
   return length * by_barometer;
 }
 
-/// Where the height is the barometer's.
+/// No vertical velocity; and where the height is the barometer's.
+bool fixed(const StrapdownOptions& options) { return options.vertical == VerticalChannel::fixed; }
 bool held(const StrapdownOptions& options) { return options.vertical == VerticalChannel::held; }
 
 }  // namespace
@@ -89,6 +92,8 @@ ErrorGrowth::ErrorGrowth(const NominalMotion& motion, const ErrorSources& source
   noises_ = noise_sources(sources, motion.time[1] - motion.time[0]);
   start();
   if (sources.start.aligned_over) align(*sources.start.aligned_over);
+  for (NoiseSource& n : noises_)
+    if (n.quantisation != 0) quantise(n, sources.start.aligned_over);
 }
 
 void ErrorGrowth::block(std::size_t begin, std::size_t end) {
@@ -108,24 +113,21 @@ void ErrorGrowth::block(std::size_t begin, std::size_t end) {
   const ErrorMatrix half = error_transition(d.F, length / 2), whole = half * half;
   const ErrorColumns by_rate = -half.middleCols<3>(At::attitude);
   ErrorColumns by_force = half.middleCols<3>(At::velocity);
-  if (options_.vertical == VerticalChannel::fixed) by_force.col(2).setZero();
+  if (fixed(options_)) by_force.col(2).setZero();
 
   sensitivity_ = (whole * sensitivity_).eval();
   sensitivity_.leftCols(columns_.coefficients) += by_rate * effects_.rate() + by_force * effects_.force();
-  add_unit(by_rate * turned, by_force * turned, aligned_ + middle);
+  add_unit(by_rate * turned, by_force * turned, aligned_ + middle - motion_.time.front());
   sensitivity_.col(columns_.barometer) += length * (half * d.b);
-  const ErrorColumns nothing = ErrorColumns::Zero(At::count, 3);
-  for (NoiseSource& n : noises_)
-    n.growth.step(whole, n.alignment_only ? nothing : effect(n.acts, by_rate, by_force, turned, length, half * d.b), length);
+  for (NoiseSource& n : noises_) n.growth.step(whole, effect(n.acts, by_rate, by_force, turned, length, half * d.b), length);
 }
 
 void ErrorGrowth::start() {
   // In the layout position, velocity, attitude.
   for (const auto& [column, row] : {std::pair{0, At::position}, {3, At::velocity}, {6, At::attitude}})
     sensitivity_.block<3, 3>(row, columns_.start + column).setIdentity();
-  const VerticalChannel vertical = options_.vertical;
-  if (vertical == VerticalChannel::fixed) sensitivity_(At::velocity + 2, columns_.start + 5) = 0;  // it starts without vertical velocity
-  if (vertical == VerticalChannel::held) sensitivity_(At::up, columns_.start + 2) = 0;             // the first barometer height replaces it
+  if (fixed(options_)) sensitivity_(At::velocity + 2, columns_.start + 5) = 0;  // it starts without vertical velocity
+  if (held(options_)) sensitivity_(At::up, columns_.start + 2) = 0;             // the first barometer height replaces it
 }
 
 /// The mean errors of the sensors over the alignment turn the start.
@@ -146,6 +148,18 @@ void ErrorGrowth::align(double duration) {
     n.growth.step(ErrorMatrix::Identity(), effect(n.acts, by_rate / duration, by_force / duration, duration * C_nb, duration, ErrorState::Zero()),
                   duration);
   aligned_ = duration;
+}
+
+/// The integral of a triad's output errs by an independent n_k of size Q at each reading k: over the motion by n_k - n_0, in the mean of an alignment
+/// before it by (n_0 - n_-m) / duration. What it does through the n_k between does not add up and is left out.
+void ErrorGrowth::quantise(NoiseSource& noise, std::optional<double> aligned) {
+  const bool gyro = noise.acts == NoiseSource::Acts::gyro_white;
+  ErrorColumns by_first = ErrorColumns::Zero(At::count, 3), by_alignment = by_first;
+  by_first.middleRows<3>(gyro ? At::attitude : At::velocity) = (gyro ? 1 : -1) * Matrix3d::Identity();
+  if (aligned) by_alignment.middleRows<3>(At::attitude) = alignment_effect(motion_.states.front(), options_).middleCols<3>(gyro ? 0 : 3) / *aligned;
+  if (fixed(options_)) by_first.row(At::velocity + 2).setZero();
+  by_first += by_alignment;
+  noise.growth.add(noise.quantisation * noise.quantisation * (by_first * by_first.transpose() + by_alignment * by_alignment.transpose()));
 }
 
 void ErrorGrowth::add_unit(const ErrorColumns& gyro, const ErrorColumns& accel, double time) {
@@ -169,6 +183,9 @@ ErrorMatrix ErrorGrowth::noise_covariance(std::size_t i) const {
     out.col(At::up) = n.growth.with_noise(0);
     out(At::up, At::up) = n.growth.noise_variance();
   }
+  const int integral = n.acts == NoiseSource::Acts::gyro_white ? At::attitude : At::velocity;
+  for (int k = 0; k < 3; ++k)  // of the last reading
+    if (integral + k != At::velocity + 2 || !fixed(options_)) out(integral + k, integral + k) += n.quantisation * n.quantisation;
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include "imulab/navigation/coefficient_effects.hpp"
 #include "imulab/navigation/error_dynamics.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,7 +25,7 @@ struct NoiseSource {
   enum class Acts { gyro_white, accel_white, gyro, accel, barometer } acts;
   std::string name;
   NoiseGrowth growth;
-  bool alignment_only = false;
+  double quantisation = 0;  // Q, where it is that
 };
 
 /// Advances by blocks of samples, over each of which the sensors' errors are summed and act in its middle. `motion` must outlive it.
@@ -39,7 +40,6 @@ class ErrorGrowth {
   const SourceColumns& columns() const { return columns_; }
   /// Error state by source, now. With an alignment, that which its sources cause through it is in their columns.
   ErrorColumns sensitivities() const;
-  /// Quantisation acts in the alignment alone, where the first and last reading of the integral count; later it is jitter, which does not grow.
   std::size_t noises() const { return noises_.size(); }
   const std::string& noise_name(std::size_t i) const { return noises_[i].name; }
   ErrorMatrix noise_covariance(std::size_t i) const;
@@ -47,6 +47,7 @@ class ErrorGrowth {
  private:
   void start();
   void align(double duration);
+  void quantise(NoiseSource& noise, std::optional<double> aligned);
   void add_unit(const ErrorColumns& gyro, const ErrorColumns& accel, double time);
 
   const NominalMotion& motion_;

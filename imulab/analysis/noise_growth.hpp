@@ -29,6 +29,9 @@ class NoiseGrowth {
   /// the interval are exact; their mean acts.
   void step(const ErrorMatrix& transition, const Eigen::Matrix<double, ErrorIndex::count, Eigen::Dynamic>& effect, double interval);
 
+  /// What is there at the start.
+  void add(const ErrorMatrix& covariance) { covariance_ += covariance; }
+
   const ErrorMatrix& covariance() const { return covariance_; }
   /// Of the error state and the sum of a noise's processes, and of that sum.
   ErrorState with_noise(int noise) const { return cross_[static_cast<std::size_t>(noise)].rowwise().sum(); }
