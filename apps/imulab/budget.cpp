@@ -119,7 +119,7 @@ void print_budget(const ErrorBudget& b, const std::optional<ErrorDistribution>& 
   for (const std::size_t k : order) {
     const Contribution& c = b.groups[k];
     const bool drawn = !c.sigma.col(end).isZero(0), fixed = !c.fixed.col(end).isZero(0);
-    std::string share = fmt::format("  {:>6.1f} %", 100 * shares[k]);
+    std::string share = fmt::format("  {:>6.1f} %", std::round(1000 * shares[k]) / 10 + 0.0);
     if (fixed || !drawn) fmt::print("{:<24} fixed {}{}\n", c.name, row_text(c.fixed.col(end)), std::exchange(share, ""));
     if (drawn) fmt::print("{:<24} sigma {}{}\n", fixed ? "" : c.name, row_text(c.sigma.col(end)), share);
   }
@@ -135,6 +135,15 @@ void print_budget(const ErrorBudget& b, const std::optional<ErrorDistribution>& 
   fmt::print("\nhorizontal position: median {:.4g} m, 5..95 % {:.4g}..{:.4g} m; pure-inertial rate {:.3g} nmi/h RMS, CEP {:.3g} nmi/h, 95 % {:.3g} nmi/h\n",
              d.median(budget_quantities, end), d.low(budget_quantities, end), d.high(budget_quantities, end), d.drift_rms / nmi_per_h,
              d.drift_cep / nmi_per_h, d.drift_95 / nmi_per_h);
+}
+
+/// Above a tenth of a radian products of errors are some per cent of the errors.
+void warn_of_large_angles(const ErrorBudget& b) {
+  constexpr double largest = 0.1;
+  for (std::size_t i = 0; i < b.time.size(); ++i)
+    for (Eigen::Index q = 6; q < budget_quantities; ++q)
+      if (std::hypot(b.mean(q, static_cast<Eigen::Index>(i)), std::sqrt(b.covariance[i](q, q))) > largest)
+        return warn(fmt::format("from {:g} s on an attitude error is more than {:g} rad: the linear figures are rough, the Monte Carlo's are not", b.time[i], largest));
 }
 
 /// The mission's errors, or what the command line names in their place.
@@ -179,6 +188,7 @@ void run(const Options& o) {
     if (sampled) write_whole(folder->path() / "monte_carlo.csv", distribution_csv(*sampled));
     folder->finish();
   }
+  warn_of_large_angles(budget);
   if (o.json)
     fmt::print("{}", budget_json(budget, sampled));
   else
