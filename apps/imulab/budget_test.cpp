@@ -1,0 +1,138 @@
+// imulab budget, and trajectory --errors, as a user types them.
+#include "tests/run_command.hpp"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <filesystem>
+#include <vector>
+
+namespace imulab {
+namespace {
+
+using Json = nlohmann::json;
+using testing::HasSubstr;
+
+const std::string motion = R"(format = "imulab.mission/1"
+rate_hz = 10
+[start]
+latitude_deg = 45
+longitude_deg = 8
+height_m = 400
+speed_mps = 100
+[[segment]]
+kind = "straight"
+duration_s = 120
+)";
+
+std::string mission(const std::string& errors) { return motion + "[errors]\n" + errors; }
+
+TEST(BudgetCommand, SaysTheErrorsOfEachSourceAtTheEnd) {
+  const TemporaryFolder folder;
+  folder.write("m.toml", mission("vertical = \"fixed\"\naccel = { bias_ug = { fixed = 100 } }\ngyro = { bias_deg_per_h = 1 }\n"
+                                 "start = { position_m = 3 }\n"));
+  const CommandResult r = run_imulab(folder, "budget m.toml --runs 400 --json");
+  ASSERT_EQ(r.exit_code, 0) << r.errors;
+  const Json out = Json::parse(r.output);
+  EXPECT_EQ(out["vertical"], "fixed");
+  EXPECT_EQ(out["time_s"], 120);
+  // Heading north for 120 s: a bias b moves by b t^2/2 (1 - (W t)^2/12), W = 2 pi / 84.4 min; 1 %: Coriolis and the Earth's turning.
+  const double b = 100e-6 * 9.80665, t = 120, schuler = 1 - std::pow(2 * M_PI / 5064 * t, 2) / 12;
+  EXPECT_NEAR(out["sources"]["accelerometer bias"]["position_m"]["fixed"][0].get<double>(), b * t * t / 2 * schuler, 0.01 * b * t * t / 2);
+  EXPECT_EQ(out["sources"]["accelerometer bias"]["position_m"]["sigma"][0], 0);
+  // A drift d about north tilts gravity: g d t^3/6.
+  const double drift = M_PI / 180 / 3600, east = 9.806 * drift * t * t * t / 6;
+  EXPECT_NEAR(out["sources"]["gyro bias"]["position_m"]["sigma"][0].get<double>(), east, 0.02 * east);
+  EXPECT_NEAR(out["sources"]["start position"]["position_m"]["sigma"][1].get<double>(), 3, 0.01);
+  // Sampled sigmas of 400 runs: within four of their own sigmas, 14 %.
+  const double linear = out["total"]["position_m"]["sigma"][0].get<double>();
+  EXPECT_NEAR(out["monte_carlo"]["pe"]["sigma"].get<double>(), linear, 0.14 * linear);
+  EXPECT_GT(out["coefficients"].size(), 5u);
+}
+
+TEST(BudgetCommand, WritesGrowthOverTimeAndPrintsATable) {
+  const TemporaryFolder folder;
+  folder.write("m.toml", mission("grade = \"navigation\"\nvertical = \"held\"\nbarometer = { bias_m = 5, noise_m = 1 }\n"));
+  const CommandResult r = run_imulab(folder, "budget m.toml --runs 20 --every 30 -o out");
+  ASSERT_EQ(r.exit_code, 0) << r.errors;
+  EXPECT_THAT(r.output, HasSubstr("after 120 s, height held by a barometer"));
+  EXPECT_THAT(r.output, HasSubstr("gyro bias"));
+  EXPECT_THAT(r.output, HasSubstr("nmi/h RMS, CEP"));
+  const std::string total = read_text(folder / "out" / "total.csv");
+  EXPECT_THAT(total, testing::StartsWith("t,pe_fixed,pe_sigma,"));
+  EXPECT_EQ(std::count(total.begin(), total.end(), '\n'), 1 + 4);
+  EXPECT_THAT(read_text(folder / "out" / "sources.csv"), HasSubstr("\nbarometer,120,"));
+  EXPECT_THAT(read_text(folder / "out" / "monte_carlo.csv"), HasSubstr("ph_median"));
+  // The same seed, the same bits; another grade's sensors, other figures.
+  EXPECT_EQ(run_imulab(folder, "budget m.toml --runs 20").output, r.output);
+  EXPECT_NE(run_imulab(folder, "budget m.toml --runs 20 --grade tactical").output, r.output);
+}
+
+TEST(BudgetCommand, TakesWhatACalibrationLeaves) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run_imulab(folder, "procedure six-position --rest 20 -o p.toml").exit_code, 0);
+  ASSERT_EQ(run_imulab(folder, "simulate p.toml -o s").exit_code, 0);
+  ASSERT_EQ(run_imulab(folder, "calibrate s --method turntable --terms accel.offset,accel.matrix,gyro.offset -o c.json").exit_code, 0);
+  folder.write("m.toml", mission("calibration = \"c.json\"\nvertical = \"fixed\"\n"));
+  const CommandResult r = run_imulab(folder, "budget m.toml --runs 0 --json");
+  ASSERT_EQ(r.exit_code, 0) << r.errors;
+  const Json out = Json::parse(r.output), c = Json::parse(read_text(folder / "c.json"));
+  EXPECT_EQ(out["coefficients"].size(), c["covariance"]["coefficients"].size());
+  const double sigma = c["standard_uncertainty"]["accel"]["offset"][0].get<double>();
+  EXPECT_NEAR(out["coefficients"]["accel.offset.x"]["position_m"]["sigma"][0].get<double>(), sigma * 120 * 120 / 2, 0.01 * sigma * 7200);
+  EXPECT_EQ(run_imulab(folder, "budget m.toml --runs 0 --json --calibration c.json").output, r.output);
+}
+
+TEST(BudgetCommand, AnErringUnitsRecordingNavigatesAsTheBudgetSays) {
+  const TemporaryFolder folder;
+  folder.write("m.toml", mission("vertical = \"fixed\"\naccel = { bias_ug = { fixed = 100 } }\n"));
+  ASSERT_EQ(run_imulab(folder, "trajectory m.toml --errors -o flight").exit_code, 0);
+  const CommandResult r = run_imulab(folder, "navigate none flight --vertical fixed --json");
+  ASSERT_EQ(r.exit_code, 0) << r.errors;
+  const Json budget = Json::parse(run_imulab(folder, "budget m.toml --runs 0 --json").output);
+  const double expected = budget["total"]["position_m"]["fixed"][0].get<double>();
+  EXPECT_NEAR(Json::parse(r.output)["position_error"]["east_m"].get<double>(), expected, 1e-3 * expected);  // the linear model's blocks
+}
+
+TEST(BudgetCommand, RefusesWhatIsWrong) {
+  const TemporaryFolder folder;
+  folder.write("plain.toml", motion);
+  struct Case {
+    std::string errors, message;
+  };
+  for (const Case& c : std::vector<Case>{
+           {"grade = \"perfect\"\n", "grade = \"perfect\": one of strategic, navigation, tactical, mems was expected"},
+           {"system = \"LTN-72\"\n", "one of LTN-90, LTN-101, Laseref was expected"},
+           {"grade = \"navigation\"\nsystem = \"LTN-90\"\n", "expected one of them"},
+           {"gyro = { bias_deg = 1 }\n", "m.toml:12: errors.gyro.bias_deg: is not a known key"},
+           {"gyro = { bias_deg_per_h = -1 }\n", "errors.gyro.bias_deg_per_h: -1 is out of range"},
+           {"gyro = { misalignment_arcsec = 1, nonorthogonality_arcsec = 1 }\n", "misalignment and nonorthogonality"},
+           {"start = { aligned_over_s = 10, tilt_arcmin = 1 }\n", "errors.start.aligned_over_s"},
+           {"vertical = \"up\"\n", "errors.vertical: \"up\" is not allowed, expected one of free, fixed, aided, held"},
+           {"calibration = \"none.json\"\n", "none.json"},
+           {"barometer = { noise_m = 1, time_constant_s = 0 }\n", "time_constant_s"},
+       }) {
+    folder.write("m.toml", mission(c.errors));
+    const CommandResult r = run_imulab(folder, "budget m.toml -o out");
+    EXPECT_EQ(r.exit_code, 2) << c.errors << r.output;
+    EXPECT_THAT(r.errors, HasSubstr(c.message)) << c.errors;
+    EXPECT_FALSE(std::filesystem::exists(folder / "out")) << c.errors;
+  }
+  for (const auto& [arguments, message] : std::vector<std::pair<std::string, std::string>>{
+           {"budget plain.toml", "[errors] is missing"},
+           {"budget", "--catalogue"},
+           {"budget m.toml --every 0", "--every"},
+           {"budget m.toml --grade navigation --system LTN-90", "excludes"},
+           {"trajectory plain.toml --errors -o out", "[errors] table was expected"},
+       }) {
+    const CommandResult r = run_imulab(folder, arguments);
+    EXPECT_EQ(r.exit_code, 2) << arguments;
+    EXPECT_THAT(r.errors, HasSubstr(message)) << arguments;
+  }
+  EXPECT_THAT(run_imulab(folder, "budget --catalogue").output, HasSubstr("LTN-101"));
+  EXPECT_EQ(run_imulab(folder, "budget plain.toml --grade navigation --runs 0").exit_code, 0);
+}
+
+}  // namespace
+}  // namespace imulab
