@@ -46,6 +46,9 @@ Eigen::MatrixXd turntable_information(const TableMotion& motion, const SensorMod
 /// Runs of seeds 1 .. count on all cores.
 std::vector<Run> run_all(Run (*run)(std::uint64_t), int count);
 
+/// Navigation errors: sigma of the position over the linear one, of this many Monte Carlo runs through a traffic pattern and an hour's drive.
+std::vector<Check> error_growth(int runs);
+
 /// The checks as lines of text.
 std::string describe(const std::vector<Check>& checks);
 

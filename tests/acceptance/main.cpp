@@ -25,5 +25,11 @@ int main(int argc, char** argv) {
     fmt::print("{}: {} sessions, seeds 1..{}\n{}", name, count, count, describe(checks));
     passed = passed && std::all_of(checks.begin(), checks.end(), [](const Check& c) { return c.passed(); });
   }
+  if (only.empty() || only == "error-growth") {
+    const int runs = argc > 1 ? std::atoi(argv[1]) : 2000;
+    const auto checks = error_growth(runs);
+    fmt::print("error-growth: {} runs, seed 1\n{}", runs, describe(checks));
+    passed = passed && std::all_of(checks.begin(), checks.end(), [](const Check& c) { return c.passed(); });
+  }
   return passed ? 0 : 1;
 }
