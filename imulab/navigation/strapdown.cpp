@@ -73,8 +73,19 @@ LocalEarth Strapdown::earth_at(double latitude, double height) const {
 }
 
 void Strapdown::step(const Increment& sample, double interval, std::optional<double> barometer) {
-  const bool pair = options_.previous_sample && previous_;
-  advance(pair ? body_step(sample, *previous_) : body_step({&sample, 1}), interval);
+  const BodyStep alone = body_step({&sample, 1});
+  if (!options_.previous_sample || !previous_) {
+    advance(alone, interval);
+    lacking_ = options_.previous_sample;
+  } else {
+    BodyStep body = body_step(sample, *previous_);
+    if (lacking_) {  // what the first step lacked, had its rate changed as it does now; the vertical channel would make millimetres of it
+      body.rotation += body.rotation - alone.rotation;
+      body.velocity += body.velocity - alone.velocity;
+      lacking_ = false;
+    }
+    advance(body, interval);
+  }
   previous_ = sample;
   if (barometer) aid(*barometer, interval);
 }

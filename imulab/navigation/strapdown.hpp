@@ -59,6 +59,7 @@ class Strapdown {
   LocalEarth earth_;                   // at the last step's middle
   Eigen::Vector3d slow_;               // gravity and Coriolis acceleration there [m/s^2]
   std::optional<Increment> previous_;  // the last single sample
+  bool lacking_ = false;               // it was the first, integrated without one before it
   double barometer_integral_ = 0;      // of height minus barometer, times its gain [m/s^2]
 };
 
