@@ -95,6 +95,21 @@ TEST(BudgetCommand, AnErringUnitsRecordingNavigatesAsTheBudgetSays) {
   EXPECT_NEAR(Json::parse(r.output)["position_error"]["east_m"].get<double>(), expected, 1e-3 * expected);  // the linear model's blocks
 }
 
+TEST(BudgetCommand, AGivenUnitsRecordingNavigatesWithItsOwnCalibration) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run_imulab(folder, "procedure six-position --rest 2 -o p.toml").exit_code, 0);
+  ASSERT_EQ(run_imulab(folder, "simulate p.toml -o s").exit_code, 0);  // for its truth
+  folder.write("m.toml", motion);
+  ASSERT_EQ(run_imulab(folder, "trajectory m.toml --unit s/truth.json -o flight").exit_code, 0);
+  const auto horizontal = [&](const std::string& calibration) {
+    const CommandResult r = run_imulab(folder, "navigate " + calibration + " flight --vertical fixed --json");
+    return r.exit_code == 0 ? Json::parse(r.output)["position_error"]["horizontal_m"].get<double>() : NAN;
+  };
+  EXPECT_LT(horizontal("s/truth.json"), 1e-2);  // 10 Hz; rounding of raw readings to the file's digits
+  EXPECT_GT(horizontal("none"), 1);             // 70 ug of bias: 5 m
+  EXPECT_EQ(run_imulab(folder, "trajectory m.toml --unit s/truth.json --errors -o both").exit_code, 2);
+}
+
 TEST(BudgetCommand, RefusesWhatIsWrong) {
   const TemporaryFolder folder;
   folder.write("plain.toml", motion);

@@ -6,11 +6,13 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/io/file.hpp"
+#include "imulab/io/calibration_file.hpp"
 #include "imulab/io/mission_file.hpp"
 #include "imulab/io/recording_file.hpp"
 #include "imulab/io/session_file.hpp"
 #include "imulab/io/solution_file.hpp"
 #include "imulab/io/terminal.hpp"
+#include "imulab/simulate/simulate_motion.hpp"
 
 #include <fmt/core.h>
 
@@ -24,6 +26,7 @@ namespace {
 
 struct Arguments {
   std::string mission, folder;
+  std::optional<std::string> unit;
   bool errors = false;
   std::uint64_t seed = 1;
 };
@@ -33,7 +36,7 @@ Recording recording_of(const std::vector<Increment>& increments, double rate) {
   r.name = "recording.csv";
   r.interval_s = 1 / rate;
   r.gyro_increment = r.accel_increment = true;
-  r.gyro_unit = "rad", r.accel_unit = "m/s";
+  r.gyro_unit = "rad/s", r.accel_unit = "m/s^2";
   r.time_ns.reserve(increments.size());
   for (std::size_t i = 0; i < increments.size(); ++i) {
     r.time_ns.push_back(std::llround(1e9 * static_cast<double>(i + 1) / rate));
@@ -45,8 +48,8 @@ Recording recording_of(const std::vector<Increment>& increments, double rate) {
   return r;
 }
 
-/// The session: increments in SI, the exact start, the truth.
-Session session_of(const Mission& mission, const NavigationState& start) {
+/// The session: the recording, the exact start, the truth.
+Session session_of(const Mission& mission, const Recording& recording, const NavigationState& start) {
   const EulerAngles angles = euler_angles(start.q_nb.toRotationMatrix());
   Session s;
   s.imu.name = mission.imu;
@@ -55,8 +58,15 @@ Session session_of(const Mission& mission, const NavigationState& start) {
   source.file = "recording.csv";
   source.rate_hz = mission.rate;
   source.time = {.column = "t", .unit = "s", .zero_ns = 0};
-  source.gyro = {.file = {}, .columns = {"gx", "gy", "gz"}, .output = Output::increment, .unit = "rad", .limits = {}};
-  source.accel = {.file = {}, .columns = {"ax", "ay", "az"}, .output = Output::increment, .unit = "m/s", .limits = {}};
+  const auto triad = [](std::vector<Column> columns, bool increment, const std::string& unit, const char* increment_unit) {
+    return TriadSource{.file = {},
+                       .columns = std::move(columns),
+                       .output = increment ? Output::increment : Output::rate,
+                       .unit = increment ? increment_unit : unit,
+                       .limits = {}};
+  };
+  source.gyro = triad({"gx", "gy", "gz"}, recording.gyro_increment, recording.gyro_unit, "rad");
+  source.accel = triad({"ax", "ay", "az"}, recording.accel_increment, recording.accel_unit, "m/s");
   s.recordings = {source};
   InitialState& i = s.initial.emplace();
   i.latitude = start.latitude, i.longitude = start.longitude, i.height = start.height;
@@ -82,19 +92,33 @@ void print_summary(const Recording& recording, const Solution& truth) {
   };
   fmt::print("  distance       {:.6g} km, at most {:.5g} m/s\n", way / 1000, fastest);
   fmt::print("  largest bank   {:.4g} deg\n", bank / unit::deg);
+  if (recording.gyro_unit != "rad/s" || recording.accel_unit != "m/s^2") return;  // counts
   fmt::print("  largest rate   {} deg/s about x, y, z\n", largest_of(recording.gyro, unit::deg));
   fmt::print("  largest force  {} m/s^2 along x, y, z\n", largest_of(recording.accel, 1));
 }
 
-/// The increments of an ideal unit, or of one with the mission's errors.
-std::vector<Increment> increments_of(const Arguments& a, const MissionFile& file, const Trajectory& motion) {
+/// The noise of [errors] alone: the coefficients are the unit's own.
+Truth unit_of(const Arguments& a, const MissionFile& file) {
+  Truth unit;
+  unit.model = read_calibration(*a.unit).model;
+  if (!file.errors) return unit;
+  const ErrorSources sources = read_error_sources(*file.errors, a.mission);
+  unit.gyro_noise = sources.gyro_noise;
+  unit.accel_noise = sources.accel_noise;
+  return unit;
+}
+
+/// Of an ideal unit, of one with the mission's errors, or raw readings of a given one.
+Recording recording_on(const Arguments& a, const MissionFile& file, const Trajectory& motion) {
   const double interval = 1 / file.mission.rate;
   if (a.errors) {
     if (!file.errors) throw Error(a.mission + ": --errors: an [errors] table was expected");
-    return erring_increments(nominal_motion(motion, interval), read_error_sources(*file.errors, a.mission), a.seed);
+    return recording_of(erring_increments(nominal_motion(motion, interval), read_error_sources(*file.errors, a.mission), a.seed), file.mission.rate);
   }
+  const std::optional<Truth> unit = a.unit ? std::optional(unit_of(a, file)) : std::nullopt;
   Progress progress("samples", static_cast<std::uint64_t>(motion.duration * file.mission.rate));
-  return ideal_increments(motion, interval, [&](std::uint64_t done) { progress.report(done); });
+  const std::vector<Increment> ideal = ideal_increments(motion, interval, [&](std::uint64_t done) { progress.report(done); });
+  return unit ? simulate_motion(ideal, interval, *unit, a.seed) : recording_of(ideal, file.mission.rate);
 }
 
 void make(const Arguments& a) {
@@ -108,11 +132,11 @@ void make(const Arguments& a) {
     }
   }();
   NewFolder folder(a.folder);
-  const Recording recording = recording_of(increments_of(a, file, motion), mission.rate);
+  const Recording recording = recording_on(a, file, motion);
   write_recording(folder.path() / "recording.csv", recording);
   const Solution solution = truth(motion, 1 / mission.rate, mission.truth_every);
   write_solution(folder.path() / "truth.csv", solution);
-  write_whole(folder.path() / "session.toml", session_text(session_of(mission, solution.states.front())));
+  write_whole(folder.path() / "session.toml", session_text(session_of(mission, recording, solution.states.front())));
   folder.finish();
   fmt::print("{}\n", a.folder);
   fmt::print("  recording.csv  {} samples, {:.10g} s at {:g} Hz\n", recording.size(), solution.time.back(), mission.rate);
@@ -127,8 +151,9 @@ void add_trajectory(CLI::App& app) {
   CLI::App* const verb = app.add_subcommand("trajectory", "A motion and the ideal IMU on it: a mission becomes a session folder with truth.csv");
   verb->add_option("mission", a->mission, "the mission file: segments, or a recorded track")->required();
   verb->add_option("-o,--output", a->folder, "the folder to make")->required();
-  verb->add_flag("--errors", a->errors, "the unit has the errors that the mission's [errors] table specifies, instead of none");
-  verb->add_option("--seed", a->seed, "of those errors: the same seed, the same bits")->capture_default_str();
+  CLI::Option* const errors = verb->add_flag("--errors", a->errors, "the unit has the errors that the mission's [errors] table specifies, instead of none");
+  verb->add_option("--unit", a->unit, "a truth.json or calibration.json: its raw readings, with the noise of [errors]")->excludes(errors);
+  verb->add_option("--seed", a->seed, "of errors and noise: the same seed, the same bits")->capture_default_str();
   verb->callback([a] { make(*a); });
 }
 
