@@ -3,7 +3,6 @@
 #pragma once
 
 #include "imulab/estimate/handheld.hpp"
-#include "imulab/estimate/hybrid_filter.hpp"
 
 #include <string>
 #include <vector>
@@ -14,13 +13,7 @@ struct HybridOptions : EstimateOptions {
   double curve_interval = 0;  ///< s between points of the convergence curves; 0: none
 };
 
-/// A coefficient as Cheng's table 1 has it: value of the coarse solution, correction, final value and its standard uncertainty.
-struct HybridRow {
-  int coefficient;  ///< table index
-  double coarse, correction, value, sigma;
-};
-
-/// Estimated residual of the coarse solution over time, in calibrated units (ba, Ma, bg, Mg of the filter), and its standard uncertainty.
+/// Residual of the coarse solution as the last pass sees it over time, in calibrated units (ba, Ma, bg, Mg of the filter), and its standard uncertainty.
 struct ConvergenceCurve {
   std::string name;  ///< of the coefficient it corrects
   std::vector<double> residual, sigma;
@@ -28,8 +21,8 @@ struct ConvergenceCurve {
 
 struct HybridResult {
   Calibration calibration;
-  std::vector<HybridRow> table;
-  std::vector<double> curve_time;  ///< s
+  SensorModel coarse;              ///< with the calibration: Cheng's table 1
+  std::vector<double> curve_time;  ///< s of the recording's clock
   std::vector<ConvergenceCurve> curves;
   int repetitions = 0;
 };

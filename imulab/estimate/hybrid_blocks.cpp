@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace imulab {
@@ -15,6 +16,29 @@ bool any_inside(const std::vector<std::size_t>& samples, const Range& range) {
   return found != samples.end() && *found < range.end;
 }
 
+/// How far the rate at the end of sample i - 1 may be from the mean of its neighbours, from the change of slope about it.
+double kink(const Recording& recording, std::size_t i) {
+  double sum = 0;
+  for (const std::vector<double>& rate : recording.gyro) {
+    const double bend = rate[i + 1] - rate[i] - rate[i - 1] + rate[i - 2];
+    sum += bend * bend;
+  }
+  return sum;
+}
+
+/// An accelerometer apart from the point that stays in its place moves with the rate: what a velocity says of its lever arm is as good as the rate at
+/// that instant is known. So a motion's block ends where the rate is smoothest between half and three halves of its length.
+std::size_t smooth_end(const Recording& recording, std::size_t begin, std::size_t length, std::size_t end) {
+  std::size_t best = std::min(begin + length, end);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = begin + std::max<std::size_t>(2, (length + 1) / 2); i <= begin + 3 * length / 2 && i + 1 < end; ++i)
+    if (const double bend = kink(recording, i); bend < least) {
+      least = bend;
+      best = i;
+    }
+  return best;
+}
+
 }  // namespace
 
 HybridBlocks hybrid_blocks(const Recording& recording, const std::vector<Range>& rests, bool observe_motion) {
@@ -23,7 +47,7 @@ HybridBlocks hybrid_blocks(const Recording& recording, const std::vector<Range>&
   bool lost = false;
   const auto cut = [&](const Range& range, std::size_t length, bool at_rest) {
     for (std::size_t begin = range.begin; begin < range.end;) {
-      std::size_t end = std::min(begin + length, range.end);
+      std::size_t end = at_rest ? std::min(begin + length, range.end) : smooth_end(recording, begin, length, range.end);
       if (range.end - end < length / 2) end = range.end;  // no crumbs
       out.blocks.push_back({{begin, end}, at_rest, at_rest || observe_motion, std::exchange(lost, false)});
       begin = end;

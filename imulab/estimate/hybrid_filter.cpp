@@ -117,17 +117,17 @@ class Navigator {
     C_nb.row(2) = up.transpose();
   }
 
-  BlockSums over(const Range& range, std::size_t first, bool at_rest) {
+  BlockSums over(const HybridBlock& block, std::size_t first) {
     BlockSums sum;
     for (Matrix3d& m : sum.gyro) m.setZero();
     for (Matrix3d& m : sum.gyro_velocity) m.setZero();
     for (Matrix3d& m : sum.accel) m.setZero();
-    for (std::size_t i = range.begin; i < range.end; ++i) add(sum, i, first, at_rest);
+    for (std::size_t i = block.samples.begin; i < block.samples.end; ++i) add(sum, i, first, block);
     return sum;
   }
 
  private:
-  void add(BlockSums& sum, std::size_t i, std::size_t first, bool at_rest) {
+  void add(BlockSums& sum, std::size_t i, std::size_t first, const HybridBlock& block) {
     const double dt = recording_.interval(i, recording_.gyro_increment);
     const Vector3d rate = samples_.rate_at(i), force = samples_.force_at(i);
     const Increment sample{rate * dt, force * dt};
@@ -142,21 +142,31 @@ class Navigator {
     sum.velocity += pushed - 0.5 * turn.cross(pushed) + dt * gravity_;
     sum.duration += dt;
 
-    const Matrix3d middle = (0.5 * dt) * (before + C_nb);
-    const Matrix3d across = skew<double>(pushed);  // [f_n x] dt
-    const std::array<double, 7> basis{1, rate.x(), rate.y(), rate.z(), force.x(), force.y(), force.z()};
+    // Within the sample, by Simpson's rule: unobservable directions stay so only as far as the derivatives are true.
+    const Matrix3d K = skew<double>(step.rotation);
+    const Matrix3d half = 0.5 * (before + C_nb) - 0.125 * before * K * K;
+    const Matrix3d middle = (dt / 6) * (before + 4 * half + C_nb), inner = (dt * dt / 6) * (before + 2 * half);
+    const Matrix3d across = skew<double>(pushed) / dt;  // [f_n x]
+    // What an error multiplies, free of noise where it is known: an axis that sees nothing of rate or gravity would else explain its noise by its scale.
+    const Vector3d w = block.at_rest ? Vector3d(half.transpose() * earth_rate_) : rate;
+    const Vector3d f = block.observed ? Vector3d(half.transpose() * -gravity_) : force;
+    const std::array<double, 7> basis{1, w.x(), w.y(), w.z(), f.x(), f.y(), f.z()};
     const std::size_t used = layout_.g_sensitivity >= 0 ? 7 : 4;
     for (std::size_t b = 0; b < used; ++b) {
-      const Matrix3d added = basis[b] * middle;
-      sum.gyro_velocity[b].noalias() += across * (sum.gyro[b] + 0.5 * added);
-      sum.gyro[b] += added;
+      sum.gyro_velocity[b].noalias() += across * (dt * sum.gyro[b] + basis[b] * inner);
+      sum.gyro[b] += basis[b] * middle;
     }
-    sum.force += across;
+    sum.force += dt * across;
     sum.accel[0] += middle;
-    for (std::size_t b = 1; b < 4; ++b) sum.accel[b] += basis[b + 3] * middle;
-    if (layout_.quadratic >= 0) sum.quadratic += middle * force.cwiseAbs2().asDiagonal();
-    if (layout_.delay >= 0 && !at_rest) sum.delay += middle * rate.cross(force);
-    if (layout_.lever_arm >= 0 && !at_rest) {
+    for (Index b = 0; b < 3; ++b) {
+      if (block.observed)  // C_nb f_b, f_b = C_bn (0, 0, g) itself turning
+        sum.accel[static_cast<std::size_t>(b) + 1] += (-gravity_.z() * dt / 6) * (before(2, b) * before + 4 * half(2, b) * half + C_nb(2, b) * C_nb);
+      else
+        sum.accel[static_cast<std::size_t>(b) + 1] += force[b] * middle;
+    }
+    if (layout_.quadratic >= 0) sum.quadratic += middle * f.cwiseAbs2().asDiagonal();
+    if (layout_.delay >= 0 && !block.at_rest) sum.delay += middle * rate.cross(force);
+    if (layout_.lever_arm >= 0 && !block.at_rest) {
       const Matrix3d effect = size_effect(rate, samples_.angular_acceleration(i, recording_.interval_s));
       for (Index a = 0; a < 3; ++a) sum.lever_arm.middleCols<3>(3 * a) += middle.col(a) * effect.row(a);
     }
@@ -324,7 +334,7 @@ HybridPass hybrid_pass(const Recording& recording, const std::vector<HybridBlock
       begin(e, layout, settings.start_sigma, k == 0);
     }
     const Matrix3d before = navigator.C_nb;
-    const BlockSums sums = navigator.over(block.samples, first, block.at_rest);
+    const BlockSums sums = navigator.over(block, first);
     velocity += sums.velocity;
     predict(e, transition_of(sums, layout, site), process_noise(sums, noise, 0.5 * (before + navigator.C_nb)));
     for (Index i = 0; i < 3; ++i) {
@@ -347,7 +357,6 @@ HybridPass hybrid_pass(const Recording& recording, const std::vector<HybridBlock
   }
   out.x = e.x;
   out.covariance = e.factor * e.factor.transpose();
-  out.start = rotation_exp(e.x.segment<3>(L::start)) * out.start;
   return out;
 }
 

@@ -66,7 +66,7 @@ struct HybridPoint {
 };
 
 struct HybridPass {
-  Matrix3d start;                     ///< attitude at the start, corrected
+  Matrix3d start;                     ///< attitude at the start, as the pass took it
   Eigen::VectorXd x;                  ///< constants, and attitude and velocity at the end
   Eigen::MatrixXd covariance;
   std::vector<double> chi2;           ///< of the innovations, three degrees of freedom each; NaN where nothing was observed or it was rejected
