@@ -176,11 +176,14 @@ HybridResult calibrate_hybrid(const Recording& recording, const std::vector<Rang
   HybridCourse course = converged(data, begin_course(data, chosen));
   std::size_t left_out = 0;
   std::vector<TermTest> tests;
-  for (int round = 0; round < 4; ++round) {
+  for (int round = 0; round < 6; ++round) {
     HybridReview seen = review(data, course, wanted.empty() ? possible : chosen, options.significance);
     if (seen.latitude) return at_latitude(*seen.latitude, recording, rests, session, options);
     if (wanted.empty()) tests = std::move(seen.tests);
-    if (wanted.empty() && !(seen.significant == course.terms)) course = converged(data, with_terms(data, course, seen.significant));
+    if (wanted.empty() && !(seen.significant == course.terms)) {  // and again, about them
+      course = converged(data, with_terms(data, course, seen.significant));
+      continue;
+    }
     if (!course.converged) break;
     const std::vector<std::size_t> outlying = outlying_blocks(data, course);
     if (outlying.empty()) break;

@@ -3,15 +3,12 @@
 #include "imulab/core/rotation.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
-#include "imulab/model/compensate.hpp"
-#include "imulab/navigation/increment.hpp"
+#include "imulab/estimate/hybrid_navigator.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -39,150 +36,10 @@ HybridLayout hybrid_layout(const HybridTerms& terms, bool latitude) {
 namespace {
 
 using L = HybridLayout;
-using Columns9 = Eigen::Matrix<double, 3, 9>;
-
-/// The compensated recording.
-struct Samples {
-  Columns3 rate, force;
-  Vector3d rate_at(std::size_t i) const { return {rate[0][i], rate[1][i], rate[2][i]}; }
-  Vector3d force_at(std::size_t i) const { return {force[0][i], force[1][i], force[2][i]}; }
-  /// By differences of the neighbours: over a block these add up to the rate's change from its beginning to its end.
-  Vector3d angular_acceleration(std::size_t i, double interval) const {
-    const std::size_t before = i > 0 ? i - 1 : 0, after = std::min(i + 1, rate[0].size() - 1);
-    return (rate_at(after) - rate_at(before)) / (static_cast<double>(after - before) * interval);
-  }
-};
-
-/// a_i = row i of this, times accelerometer i's place: w' x r + w x (w x r).
-Matrix3d size_effect(const Vector3d& rate, const Vector3d& angular_acceleration) {
-  return skew<double>(angular_acceleration) + rate * rate.transpose() - rate.squaredNorm() * Matrix3d::Identity();
-}
-
-/// At rest there is no size effect; what the gyros' noise would make of one is correlated with what it does to the attitude.
-Samples compensated(const Recording& recording, const std::vector<HybridBlock>& blocks, const SensorModel& model) {
-  Samples s{recording.gyro, recording.accel};
-  RawColumns raw;
-  MotionColumns out;
-  for (std::size_t j = 0; j < 3; ++j) {
-    raw.gyro[j] = recording.gyro[j];
-    raw.accel[j] = recording.accel[j];
-    raw.gyro_temperature[j] = recording.gyro_temperature[j];
-    raw.accel_temperature[j] = recording.accel_temperature[j];
-    out.rate[j] = s.rate[j];
-    out.force[j] = s.force[j];
-  }
-  compensate(model, raw, out);
-  if (model.lever_arm.isZero()) return s;
-  for (const HybridBlock& block : blocks)
-    for (std::size_t i = block.samples.begin; i < block.samples.end && !block.at_rest; ++i) {
-      const Matrix3d effect = size_effect(s.rate_at(i), s.angular_acceleration(i, recording.interval_s));
-      for (std::size_t j = 0; j < 3; ++j) {
-        const auto row = static_cast<Index>(j);
-        s.force[j][i] -= effect.row(row).dot(model.lever_arm.row(row));
-      }
-    }
-  return s;
-}
-
-/// What a block adds to velocity and attitude, with its derivatives by the states.
-struct BlockSums {
-  double duration = 0;
-  Vector3d velocity = Vector3d::Zero();       // computed, gravity included
-  Matrix3d force = Matrix3d::Zero();          // integral of [f_n x]
-  std::array<Matrix3d, 7> gyro{};             // integrals of C b for b = 1, w, f: what an error of the rate turns
-  std::array<Matrix3d, 7> gyro_velocity{};    // and moves: integrals of [f_n x] times the former
-  std::array<Matrix3d, 4> accel{};            // integrals of C b for b = 1, f
-  Matrix3d quadratic = Matrix3d::Zero();
-  Columns9 lever_arm = Columns9::Zero();
-  Vector3d delay = Vector3d::Zero();
-};
-
-class Navigator {
- public:
-  Navigator(const Samples& samples, const Recording& recording, const HybridSite& site, const HybridLayout& layout)
-      : samples_(samples), recording_(recording), layout_(layout), earth_rate_(earth_rate_enu(site.latitude)), gravity_(0, 0, -site.gravity) {}
-
-  Matrix3d C_nb = Matrix3d::Identity();
-
-  /// Levels from the mean force, heading from the mean rate where its horizontal part shows the Earth's.
-  void align(const Range& range) {
-    Vector3d force = Vector3d::Zero(), rate = Vector3d::Zero();
-    for (std::size_t i = range.begin; i < range.end; ++i) force += samples_.force_at(i), rate += samples_.rate_at(i);
-    const Vector3d up = force.normalized();
-    Vector3d east = rate.cross(up);
-    if (!(east.norm() > 0)) east = up.unitOrthogonal();
-    east.normalize();
-    C_nb.row(0) = east.transpose();
-    C_nb.row(1) = up.cross(east).transpose();
-    C_nb.row(2) = up.transpose();
-  }
-
-  BlockSums over(const HybridBlock& block, std::size_t first) {
-    BlockSums sum;
-    for (Matrix3d& m : sum.gyro) m.setZero();
-    for (Matrix3d& m : sum.gyro_velocity) m.setZero();
-    for (Matrix3d& m : sum.accel) m.setZero();
-    for (std::size_t i = block.samples.begin; i < block.samples.end; ++i) add(sum, i, first, block);
-    return sum;
-  }
-
- private:
-  void add(BlockSums& sum, std::size_t i, std::size_t first, const HybridBlock& block) {
-    const double dt = recording_.interval(i, recording_.gyro_increment);
-    const Vector3d rate = samples_.rate_at(i), force = samples_.force_at(i);
-    const Increment sample{rate * dt, force * dt};
-    const BodyStep step = i > first ? body_step(sample, previous_) : body_step({&sample, 1});
-    previous_ = sample;
-
-    const Vector3d turn = dt * earth_rate_;  // of east-north-up
-    const Vector3d turn_b = C_nb.transpose() * turn;
-    const Vector3d pushed = C_nb * step.velocity;
-    const Matrix3d before = C_nb;
-    C_nb = before * rotation_exp(step.rotation - turn_b - 0.5 * turn_b.cross(step.rotation));  // exp(-turn) C exp(rotation)
-    sum.velocity += pushed - 0.5 * turn.cross(pushed) + dt * gravity_;
-    sum.duration += dt;
-
-    // Within the sample, by Simpson's rule: unobservable directions stay so only as far as the derivatives are true.
-    const Matrix3d K = skew<double>(step.rotation);
-    const Matrix3d half = 0.5 * (before + C_nb) - 0.125 * before * K * K;
-    const Matrix3d middle = (dt / 6) * (before + 4 * half + C_nb), inner = (dt * dt / 6) * (before + 2 * half);
-    const Matrix3d across = skew<double>(pushed) / dt;  // [f_n x]
-    // What an error multiplies, free of noise where it is known: an axis that sees nothing of rate or gravity would else explain its noise by its scale.
-    const Vector3d w = block.at_rest ? Vector3d(half.transpose() * earth_rate_) : rate;
-    const Vector3d f = block.observed ? Vector3d(half.transpose() * -gravity_) : force;
-    const std::array<double, 7> basis{1, w.x(), w.y(), w.z(), f.x(), f.y(), f.z()};
-    const std::size_t used = layout_.g_sensitivity >= 0 ? 7 : 4;
-    for (std::size_t b = 0; b < used; ++b) {
-      sum.gyro_velocity[b].noalias() += across * (dt * sum.gyro[b] + basis[b] * inner);
-      sum.gyro[b] += basis[b] * middle;
-    }
-    sum.force += dt * across;
-    sum.accel[0] += middle;
-    for (Index b = 0; b < 3; ++b) {
-      if (block.observed)  // C_nb f_b, f_b = C_bn (0, 0, g) itself turning
-        sum.accel[static_cast<std::size_t>(b) + 1] += (-gravity_.z() * dt / 6) * (before(2, b) * before + 4 * half(2, b) * half + C_nb(2, b) * C_nb);
-      else
-        sum.accel[static_cast<std::size_t>(b) + 1] += force[b] * middle;
-    }
-    if (layout_.quadratic >= 0) sum.quadratic += middle * f.cwiseAbs2().asDiagonal();
-    if (layout_.delay >= 0 && !block.at_rest) sum.delay += middle * rate.cross(force);
-    if (layout_.lever_arm >= 0 && !block.at_rest) {
-      const Matrix3d effect = size_effect(rate, samples_.angular_acceleration(i, recording_.interval_s));
-      for (Index a = 0; a < 3; ++a) sum.lever_arm.middleCols<3>(3 * a) += middle.col(a) * effect.row(a);
-    }
-  }
-
-  const Samples& samples_;
-  const Recording& recording_;
-  const HybridLayout& layout_;
-  Vector3d earth_rate_, gravity_;
-  Increment previous_;
-};
-
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 /// Attitude and velocity after the block from all states before it.
-MatrixXd transition_of(const BlockSums& s, const HybridLayout& layout, const HybridSite& site) {
+MatrixXd transition_of(const HybridSums& s, const HybridLayout& layout, const HybridSite& site) {
   MatrixXd t = MatrixXd::Zero(6, layout.size());  // rows: attitude, velocity
   t.block<3, 3>(0, layout.attitude()) = Matrix3d::Identity() - s.duration * skew<double>(earth_rate_enu(site.latitude));
   t.block<3, 3>(3, layout.attitude()) = s.force;
@@ -214,7 +71,7 @@ MatrixXd transition_of(const BlockSums& s, const HybridLayout& layout, const Hyb
 }
 
 /// Of attitude and velocity over a block, C the attitude in its middle.
-Matrix6 process_noise(const BlockSums& s, const HybridNoise& noise, const Matrix3d& C) {
+Matrix6 process_noise(const HybridSums& s, const HybridNoise& noise, const Matrix3d& C) {
   const Matrix3d gyro = C * noise.gyro.cwiseAbs2().asDiagonal() * C.transpose(), accel = C * noise.accel.cwiseAbs2().asDiagonal() * C.transpose();
   const double T = s.duration;
   const Matrix3d force = s.force / T;  // [f_n x], constant within the block
@@ -311,8 +168,8 @@ void begin(Estimate& e, const HybridLayout& layout, const std::optional<Vector3d
 HybridPass hybrid_pass(const Recording& recording, const std::vector<HybridBlock>& blocks, const SensorModel& model, const HybridSite& site,
                        const HybridNoise& noise, const HybridSettings& settings, const VectorXd& prior, const VectorXd& prior_sigma) {
   const HybridLayout& layout = settings.layout;
-  const Samples samples = compensated(recording, blocks, model);
-  Navigator navigator(samples, recording, site, layout);
+  const HybridSamples samples = compensated(recording, blocks, model);
+  HybridNavigator navigator(samples, recording, site, layout);
   Estimate e{VectorXd::Zero(layout.size()), MatrixXd::Zero(layout.size(), layout.size())};
   e.x.head(layout.constants) = prior;
   e.factor.diagonal().head(layout.constants) = prior_sigma;
@@ -334,7 +191,7 @@ HybridPass hybrid_pass(const Recording& recording, const std::vector<HybridBlock
       begin(e, layout, settings.start_sigma, k == 0);
     }
     const Matrix3d before = navigator.C_nb;
-    const BlockSums sums = navigator.over(block, first);
+    const HybridSums sums = navigator.over(block, first);
     velocity += sums.velocity;
     predict(e, transition_of(sums, layout, site), process_noise(sums, noise, 0.5 * (before + navigator.C_nb)));
     for (Index i = 0; i < 3; ++i) {

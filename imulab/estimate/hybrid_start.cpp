@@ -1,14 +1,18 @@
 #include "imulab/estimate/hybrid_start.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/statistics.hpp"
 #include "imulab/earth/earth.hpp"
 #include "imulab/estimate/coarse.hpp"
 
 #include <Eigen/LU>
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace imulab {
 
@@ -81,10 +85,37 @@ void check_axes(const Recording& recording, const Start& start) {
     throw Error(recording.name + ": " + wrong + " (seen from how gravity turns in the unit), expected right-handed axes, the same for both triads");
 }
 
+/// Standard deviation of a sample in the median second of the rests: whatever shook some of them. Of the readings of one axis.
+double quiet_noise(const std::vector<double>& readings, const std::vector<Rest>& rests, std::size_t second) {
+  std::vector<double> variances;
+  for (const Rest& rest : rests)
+    for (std::size_t begin = rest.range.begin; begin + second <= rest.range.end; begin += second) {
+      double mean = 0, squares = 0;
+      for (std::size_t i = begin; i < begin + second; ++i) mean += readings[i] / static_cast<double>(second);
+      for (std::size_t i = begin; i < begin + second; ++i) squares += (readings[i] - mean) * (readings[i] - mean);
+      variances.push_back(squares / static_cast<double>(second - 1));
+    }
+  if (variances.empty()) return std::numeric_limits<double>::infinity();
+  const double of_median = std::pow(1 - 2 / (9 * static_cast<double>(second - 1)), 3);  // a chi-square's over its mean (Wilson and Hilferty)
+  return std::sqrt(median(std::move(variances)) / of_median);
+}
+
+void use_quiet_noise(Start& start, const Recording& recording, const ImuDeclaration& imu) {
+  const std::size_t second = std::max<std::size_t>(5, static_cast<std::size_t>(std::lround(1 / recording.interval_s)));
+  for (std::size_t j = 0; j < 3; ++j) {
+    const auto axis = static_cast<Index>(j);
+    if (!imu.accel_noise_density) start.noise.accel[axis] = std::min(start.noise.accel[axis], quiet_noise(recording.accel[j], start.rests, second));
+    start.noise.gyro[axis] = std::min(start.noise.gyro[axis], quiet_noise(recording.gyro[j], start.rests, second));
+  }
+  start.noise.accel = start.noise.accel.cwiseMax(1e-8 * start.scaling.accel_scale);  // a coarsely quantised axis shows none
+  start.noise.gyro = start.noise.gyro.cwiseMax(1e-8 * start.scaling.gyro_scale);
+}
+
 }  // namespace
 
 Start hybrid_start(const Recording& recording, const std::vector<Range>& rests, const ImuDeclaration& imu, double latitude, double gravity) {
   Start start = start_from_rests(recording, rests, imu, gravity);
+  use_quiet_noise(start, recording, imu);
   start_gyro(start, recording, latitude);
   use_declared_gyro_noise(start, recording, imu);
   check_axes(recording, start);
