@@ -25,14 +25,16 @@ namespace imulab::command {
 namespace {
 
 /// `rests` are those that the session declares or the data show; the turntable looks at the steps themselves.
-using Method = Calibration (*)(const Recording&, const std::vector<Range>& rests, const Session&, const EstimateOptions&);
+using Method = HybridResult (*)(const Recording&, const std::vector<Range>& rests, const Session&, const HybridOptions&);
+HybridResult alone(Calibration calibration) { return {std::move(calibration), {}, {}, {}, 0}; }
 const std::map<std::string, Method> methods{
     {"handheld", [](const Recording& recording, const std::vector<Range>& rests, const Session& session,
-                    const EstimateOptions& options) { return calibrate_handheld(recording, rests, session.imu, session.site, options); }},
+                    const HybridOptions& options) { return alone(calibrate_handheld(recording, rests, session.imu, session.site, options)); }},
+    {"hybrid", calibrate_hybrid},
     {"static", [](const Recording& recording, const std::vector<Range>& rests, const Session& session,
-                  const EstimateOptions& options) { return calibrate_static(recording, rests, session.imu, session.site, options); }},
-    {"turntable", [](const Recording& recording, const std::vector<Range>&, const Session& session, const EstimateOptions& options) {
-       return calibrate_turntable(recording, session, TurntableOptions{options});
+                  const HybridOptions& options) { return alone(calibrate_static(recording, rests, session.imu, session.site, options)); }},
+    {"turntable", [](const Recording& recording, const std::vector<Range>&, const Session& session, const HybridOptions& options) {
+       return alone(calibrate_turntable(recording, session, TurntableOptions{options}));
      }}};
 
 std::string utc_now() {
@@ -72,8 +74,9 @@ std::vector<int> parse_terms(const std::string& terms) {
 
 }  // namespace
 
-Calibration calibrate(const CalibrateArguments& arguments) {
-  EstimateOptions options;
+HybridResult calibrate(const CalibrateArguments& arguments) {
+  if (!arguments.curves.empty() && arguments.method != "hybrid") throw Error("--curves: only the method hybrid has convergence curves");
+  HybridOptions options;
   options.terms = parse_terms(arguments.terms);
   const Session session = read_session(arguments.session);
   const RecordingSource& source = choose_recording(session, arguments.recording);
@@ -86,7 +89,10 @@ Calibration calibrate(const CalibrateArguments& arguments) {
   for (const std::string& text : reading.warnings) warn(text);
   const Rests rests = rests_of(reading.recording, session);
 
-  Calibration calibration = methods.at(arguments.method)(reading.recording, rests.ranges, session, options);
+  constexpr double points = 500;  // of a curve: as fine as a screen shows
+  if (!arguments.curves.empty()) options.curve_interval = static_cast<double>(reading.recording.size()) * reading.recording.interval_s / points;
+  HybridResult result = methods.at(arguments.method)(reading.recording, rests.ranges, session, options);
+  Calibration& calibration = result.calibration;
   calibration.created = utc_now();
   calibration.software = "imulab " IMULAB_VERSION;
   calibration.session_file = session.file;
@@ -102,7 +108,8 @@ Calibration calibrate(const CalibrateArguments& arguments) {
     else
       write_whole(arguments.output, text);
   }
-  return calibration;
+  if (!arguments.curves.empty()) write_whole(arguments.curves, curves_text(result));
+  return result;
 }
 
 void add_calibrate(CLI::App& app) {
@@ -112,18 +119,21 @@ void add_calibrate(CLI::App& app) {
   std::vector<std::string> names;
   for (const auto& [name, method] : methods) names.push_back(name);
   verb->add_option("--method", a->method,
-                   "static: from rests alone; handheld: from rests and the rotations between them; turntable: from the table's angles")
+                   "static: from rests alone; handheld: from rests and the rotations between them; turntable: from the table's angles; hybrid: from rests and "
+                   "turns in one place, without a table's angles")
       ->required()
       ->check(CLI::IsMember(names));
   verb->add_option("-o,--output", a->output, "the calibration file to write; - for standard output");
   verb->add_option("--terms", a->terms, "coefficients to estimate, for example accel.offset,gyro.matrix.diagonal; auto: what the data support")
       ->capture_default_str();
   verb->add_option("--recording", a->recording, "which recording, where the session has several");
+  verb->add_option("--curves", a->curves, "hybrid: a CSV file of how each coefficient's residual and its sigma converge");
   verb->add_flag("--json", a->json, "print the calibration file's text instead of the table");
   verb->callback([a] {
-    const Calibration calibration = calibrate(*a);
+    const HybridResult result = calibrate(*a);
+    const Calibration& calibration = result.calibration;
     if (a->json && a->output != "-") fmt::print("{}", calibration_text(calibration));
-    if (!a->json && a->output != "-") print_calibration(calibration);
+    if (!a->json && a->output != "-") print_calibration(calibration, a->method == "hybrid" ? &result.coarse : nullptr);
     if (!a->output.empty() && a->output != "-" && !a->json) fmt::print("\nwritten: {}\n", a->output);
     if (calibration.quality.unobservable.empty()) return;
     std::string list;

@@ -37,6 +37,7 @@ UserValue user_value(const Calibration& calibration, const Coefficient& c, doubl
       if (counts) return {1 / scale, sigma / (scale * scale), accel ? "count/(m/s^2)" : "count/(rad/s)"};
       return {(scale - 1) / unit::ppm, sigma / unit::ppm, "ppm"};
     case Term::g_sensitivity: return {value / (unit::deg_per_h / unit::g), sigma / (unit::deg_per_h / unit::g), "deg/h/g"};
+    case Term::lever_arm: return {1e3 * value, 1e3 * sigma, "mm"};
     default: return {value, sigma, ""};
   }
 }
@@ -48,13 +49,42 @@ void print_row(const Calibration& calibration, int index) {
   fmt::print("  {:<24} {:>14.7g} {:>10.2g} {:>14.6g} {:>10.2g} {}\n", c.name, value, sigma, user.value, user.uncertainty, user.unit);
 }
 
+/// One row of Cheng's table 1, in user units.
+void print_correction(const Calibration& calibration, const Calibration& coarse, int index) {
+  const Coefficient& c = coefficient_table()[static_cast<std::size_t>(index)];
+  const double sigma = *standard_uncertainty(calibration, index);
+  const UserValue before = user_value(coarse, c, coefficient_value(coarse.model, index), sigma);
+  const UserValue after = user_value(calibration, c, coefficient_value(calibration.model, index), sigma);
+  fmt::print("  {:<24} {:>14.7g} {:>14.6g} {:>14.7g} {:>10.2g} {}\n", c.name, before.value, after.value - before.value, after.value, after.uncertainty,
+             after.unit);
+}
+
 }  // namespace
 
-void print_calibration(const Calibration& calibration) {
+std::string curves_text(const HybridResult& result) {
+  std::string text = "t";
+  for (const ConvergenceCurve& curve : result.curves) text += fmt::format(",{0},{0}.sigma", curve.name);
+  text += "\n";
+  for (std::size_t i = 0; i < result.curve_time.size(); ++i) {
+    text += fmt::format("{:.3f}", result.curve_time[i]);
+    for (const ConvergenceCurve& curve : result.curves) text += fmt::format(",{:.9g},{:.4g}", curve.residual[i], curve.sigma[i]);
+    text += "\n";
+  }
+  return text;
+}
+
+void print_calibration(const Calibration& calibration, const SensorModel* coarse) {
   const Quality& quality = calibration.quality;
   fmt::print("{}{}method {}, frame: {}\n\n", calibration.imu, calibration.imu.empty() ? "" : ", ", calibration.method, calibration.frame);
-  fmt::print("  {:<24} {:>14} {:>10} {:>14} {:>10}\n", "coefficient", "value (SI)", "+/-", "in user units", "+/-");
-  for (const int index : calibration.estimated) print_row(calibration, index);
+  if (coarse) {
+    Calibration before = calibration;
+    before.model = *coarse;
+    fmt::print("  {:<24} {:>14} {:>14} {:>14} {:>10}\n", "coefficient", "coarse", "correction", "value", "+/-");
+    for (const int index : calibration.estimated) print_correction(calibration, before, index);
+  } else {
+    fmt::print("  {:<24} {:>14} {:>10} {:>14} {:>10}\n", "coefficient", "value (SI)", "+/-", "in user units", "+/-");
+    for (const int index : calibration.estimated) print_row(calibration, index);
+  }
 
   fmt::print("\n");
   for (const std::string& note : quality.notes) fmt::print("  {}\n", note);

@@ -39,6 +39,11 @@ Run static_run(std::uint64_t seed);
 /// Zhang's procedure on tables of 2 arcsec and of 1 arcmin, whose errors are drawn, too.
 Run arcsecond_table_run(std::uint64_t seed);
 Run arcminute_table_run(std::uint64_t seed);
+/// Cheng's path for 27 min on tables of 2 arcsec, 1 arcmin and 1 deg; and in short at 20 Hz.
+Run hybrid_arcsecond_run(std::uint64_t seed);
+Run hybrid_arcminute_run(std::uint64_t seed);
+Run hybrid_degree_run(std::uint64_t seed);
+Run short_hybrid_run(std::uint64_t seed);
 
 /// Of a turntable session whose readings have this white noise.
 Eigen::MatrixXd turntable_information(const TableMotion& motion, const SensorModel& truth, const RawNoise& noise, const std::vector<int>& indices);

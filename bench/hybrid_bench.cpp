@@ -1,0 +1,68 @@
+// The hybrid method on 27 min at 100 Hz (161,400 samples). Targets on one core: one pass of the filter at least 1 million samples/s; the session read from
+// its CSV file and calibrated with all repetitions and tests of terms within 1 s.
+#include "imulab/estimate/hybrid.hpp"
+#include "imulab/estimate/hybrid_blocks.hpp"
+#include "imulab/io/recording_file.hpp"
+#include "imulab/io/session_file.hpp"
+#include "imulab/recording/rests.hpp"
+#include "imulab/rig/procedure.hpp"
+#include "imulab/simulate/simulate.hpp"
+
+#include <benchmark/benchmark.h>
+#include <tbb/global_control.h>
+
+#include <filesystem>
+#include <random>
+
+namespace {
+
+using namespace imulab;
+
+struct Example {
+  Session session;
+  Recording recording;
+  std::vector<Range> rests;
+};
+
+const Example& example() {
+  static const Example e = [] {
+    Example made;
+    made.session = cheng_path_procedure({});
+    const RecordingSource& source = made.session.recordings.front();
+    made.recording = simulate_recording(made.session, source, draw_truth(made.session, 1), 1, draw_rig_errors(made.session, source, 1));
+    made.rests = rests_of(made.recording, made.session).ranges;
+    return made;
+  }();
+  return e;
+}
+
+void hybrid_one_pass(benchmark::State& state) {
+  const Example& e = example();
+  const Site& site = e.session.site;
+  const std::vector<HybridBlock> blocks = hybrid_blocks(e.recording, e.rests, true).blocks;
+  HybridSettings settings;
+  settings.layout = hybrid_layout({}, false);
+  const HybridNoise noise{Vector3d::Constant(2.9e-7), Vector3d::Constant(5e-5)};
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(settings.layout.constants), sigma = Eigen::VectorXd::Constant(settings.layout.constants, 1e-2);
+  for (auto _ : state)
+    benchmark::DoNotOptimize(hybrid_pass(e.recording, blocks, SensorModel{}, {*site.latitude, site.gravity()}, noise, settings, zero, sigma));
+  state.counters["samples"] = benchmark::Counter(static_cast<double>(e.recording.size()), benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK(hybrid_one_pass)->Unit(benchmark::kMillisecond);
+
+void hybrid_from_file(benchmark::State& state) {
+  const tbb::global_control one_core(tbb::global_control::max_allowed_parallelism, 1);
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("imulab-bench-" + std::to_string(std::random_device{}()));
+  std::filesystem::create_directories(folder);
+  write_recording(folder / "recording.csv", example().recording);
+  Session session = example().session;
+  session.file = (folder / "session.toml").string();
+  for (auto _ : state) {
+    const Recording recording = read_recording(session, session.recordings.front()).recording;
+    benchmark::DoNotOptimize(calibrate_hybrid(recording, rests_of(recording, session).ranges, session));
+  }
+  std::filesystem::remove_all(folder);
+}
+BENCHMARK(hybrid_from_file)->Unit(benchmark::kMillisecond);
+
+}  // namespace

@@ -1,0 +1,83 @@
+// For tests of the hybrid method: a unit on the path of Cheng's turns.
+#pragma once
+
+#include "imulab/core/random.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/estimate/hybrid.hpp"
+#include "imulab/model/coefficient.hpp"
+#include "imulab/recording/rests.hpp"
+#include "imulab/rig/procedure.hpp"
+#include "imulab/simulate/simulate.hpp"
+
+namespace imulab {
+
+struct HybridSession {
+  Session session;
+  Truth truth;
+  Recording recording;
+  std::vector<Range> rests;
+};
+
+/// Scales of 300 ppm, misalignments of 5e-4, offsets of 300 ug and 0.1 deg/h, drawn; lever arms of `lever_arm` m.
+inline SensorModel hybrid_unit(std::uint64_t seed, double lever_arm = 0) {
+  const RandomStream draws(seed, "hybrid unit");
+  std::uint64_t next = 0;
+  const auto normal = [&] { return draws.normal(next++); };
+  SensorModel model;
+  for (int r = 0; r < 3; ++r) {
+    model.accel.offset[r] = 300 * unit::ug * normal();
+    model.gyro.offset[r] = 0.1 * unit::deg_per_h * normal();
+    for (int c = 0; c < 3; ++c) {
+      const double size = r == c ? 300 * unit::ppm : 5e-4, accel = size * normal();
+      if (c <= r) model.accel.matrix(r, c) += accel;
+      model.gyro.matrix(r, c) += size * normal();
+      model.lever_arm(r, c) = lever_arm * normal();
+    }
+  }
+  return model;
+}
+
+/// The path with `rest` s between its turns, on a table of 1 arcmin, by a unit of 0.001 deg/sqrt(h) and 5 ug/sqrt(Hz).
+inline Session hybrid_procedure(double rest, double rate_hz) {
+  TableProcedureOptions options;
+  options.rest = rest;
+  options.rate_hz = rate_hz;
+  Session session = cheng_path_procedure(options);
+  RigDeclaration& rig = session.rigs.front();
+  rig.angle.value = rig.orthogonality.value = rig.zero.value = 60 * unit::arcsec;
+  session.imu.gyro_noise_density = 0.001 * unit::deg_per_sqrt_h;
+  session.imu.accel_noise_density = 5 * unit::ug_per_sqrt_hz;
+  return session;
+}
+
+/// At 20 Hz with rests of 15 s; `change` may edit the session before it is simulated.
+template <class Change>
+HybridSession hybrid_session(std::uint64_t seed, Change change, const SensorModel& unit) {
+  HybridSession s;
+  s.session = hybrid_procedure(15, 20);
+  change(s.session);
+  s.truth = draw_truth(s.session, seed, unit);
+  const RecordingSource& source = s.session.recordings.front();
+  s.recording = simulate_recording(s.session, source, s.truth, seed, draw_rig_errors(s.session, source, seed));
+  s.rests = rests_of(s.recording, s.session).ranges;
+  return s;
+}
+template <class Change>
+HybridSession hybrid_session(std::uint64_t seed, Change change) {
+  return hybrid_session(seed, change, hybrid_unit(seed));
+}
+inline HybridSession hybrid_session(std::uint64_t seed) {
+  return hybrid_session(seed, [](Session&) {});
+}
+
+/// Cheng's 21 coefficients, with the g-sensitivity if that is asked for.
+inline HybridOptions base_terms(bool g_sensitivity = false) {
+  HybridOptions options;
+  for (const char* selector : {"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"})
+    for (const int index : select_coefficients(selector)) options.terms.push_back(index);
+  if (g_sensitivity)
+    for (const int index : select_coefficients("gyro.g_sensitivity")) options.terms.push_back(index);
+  return options;
+}
+
+}  // namespace imulab
