@@ -54,6 +54,15 @@ std::vector<Run> run_all(Run (*run)(std::uint64_t), int count);
 /// Navigation errors: sigma of the position over the linear one, of this many Monte Carlo runs through a traffic pattern and an hour's drive.
 std::vector<Check> error_growth(int runs);
 
+/// Pure-inertial rates of one drive [nmi/h] with calibrations of the same unit; exact: its own coefficients.
+struct DriveRun {
+  double classical_good, classical_poor, hybrid, exact;
+};
+/// Units, tables, noise and drives of seeds 1 .. runs.
+std::vector<DriveRun> drives(int runs);
+/// The first seven, and the RMS of all.
+std::string describe(const std::vector<DriveRun>& runs);
+
 /// The checks as lines of text.
 std::string describe(const std::vector<Check>& checks);
 

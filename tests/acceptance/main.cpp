@@ -33,5 +33,9 @@ int main(int argc, char** argv) {
     fmt::print("error-growth: {} runs, seed 1\n{}", runs, describe(checks));
     passed = passed && std::all_of(checks.begin(), checks.end(), [](const Check& c) { return c.passed(); });
   }
+  if (only.empty() || only == "drives") {
+    const int runs = argc > 1 ? std::atoi(argv[1]) : 200;
+    fmt::print("drives: {} drives, seeds 1..{}\n{}", runs, runs, describe(drives(runs)));
+  }
   return passed ? 0 : 1;
 }

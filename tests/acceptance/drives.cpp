@@ -1,0 +1,130 @@
+// The proof by a drive (Cheng 2014, sec 3.3): one unit, calibrated by the classical method on a good table and on a poor one and by the hybrid method on
+// the poor one, in the same table time; then an hour at 60 km/h after an alignment of 300 s, navigated with each, the same recording for all.
+#include "tests/acceptance/acceptance.hpp"
+
+#include "imulab/analysis/navigate.hpp"
+#include "imulab/analysis/navigation_error.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/estimate/turntable.hpp"
+#include "imulab/navigation/flight.hpp"
+#include "imulab/simulate/simulate_motion.hpp"
+#include "tests/hybrid_session.hpp"
+
+#include <fmt/core.h>
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+namespace imulab::acceptance {
+
+namespace {
+
+constexpr double interval = 0.01, nmi_per_h = unit::nmi / unit::hour;
+constexpr double good_table = 0.001 * unit::deg, poor_table = 60 * unit::arcsec;
+
+/// Zhang's procedure in the 27 min of the path: 17 s in each position.
+Session classical_procedure() {
+  TableProcedureOptions options;
+  options.rest = 17;
+  return zhang_24_procedure(options);
+}
+
+struct TableTime {
+  Session session;
+  Recording recording;
+};
+
+/// The unit on a table whose errors are drawn.
+TableTime on_table(Session session, double sigma, const SensorModel& unit, std::uint64_t seed) {
+  session.imu.gyro_noise_density = 0.001 * unit::deg_per_sqrt_h;
+  session.imu.accel_noise_density = 5 * unit::ug_per_sqrt_hz;
+  RigDeclaration& rig = session.rigs.front();
+  rig.angle.value = rig.orthogonality.value = rig.zero.value = sigma;
+  const RecordingSource& source = session.recordings.front();
+  const Truth truth = draw_truth(session, seed, unit);
+  return {session, simulate_recording(session, source, truth, seed, draw_rig_errors(session, source, seed))};
+}
+
+/// A rest, then an hour around a city: straight roads and bends of 45 deg.
+struct Drive {
+  std::vector<Increment> increments;
+  Session session;
+  Solution truth;
+};
+
+Drive drive() {
+  const FlightStart parked{.latitude = 40 * unit::deg, .longitude = 116.3 * unit::deg, .height = 50};
+  std::vector<Segment> segments{rest(301), accelerate(60 / 3.6, 20)};
+  for (int leg = 0; leg < 9; ++leg) segments.insert(segments.end(), {straight(375), turn(45 * unit::deg, 3 * unit::deg, 3)});
+  segments.push_back(accelerate(-60 / 3.6, 20));
+  Carrier vehicle;
+  vehicle.banks = false;
+  const Trajectory motion = flight(parked, segments, vehicle);
+  Drive out{ideal_increments(motion, interval), {}, truth(motion, interval, 100)};
+  InitialState& start = out.session.initial.emplace();
+  start.latitude = parked.latitude, start.longitude = parked.longitude, start.height = parked.height;
+  Site& site = out.session.site;
+  site.latitude = parked.latitude, site.longitude = parked.longitude, site.height = parked.height;
+  Step hold;
+  hold.recording = "recording.csv";
+  hold.end = 300;
+  out.session.steps = {hold};
+  out.session.imu.gyro_noise_density = 0.001 * unit::deg_per_sqrt_h;
+  out.session.imu.accel_noise_density = 5 * unit::ug_per_sqrt_hz;
+  return out;
+}
+
+/// Pure-inertial rate [nmi/h].
+double rate(const Drive& d, const Recording& recording, const Calibration& calibration) {
+  NavigateOptions options;
+  options.vertical = VerticalChannel::fixed;
+  options.align = true;
+  return navigation_errors(navigate(calibration, d.session, recording, options).solution, d.truth).rate / nmi_per_h;
+}
+
+}  // namespace
+
+std::vector<DriveRun> drives(int runs) {
+  const Drive d = drive();
+  std::vector<DriveRun> out(static_cast<std::size_t>(runs));
+  tbb::parallel_for(0, runs, [&](int k) {
+    const auto seed = static_cast<std::uint64_t>(k + 1);
+    const SensorModel unit = hybrid_unit(seed);
+    const TableTime good = on_table(classical_procedure(), good_table, unit, seed), poor = on_table(classical_procedure(), poor_table, unit, seed + 1000000),
+                    path = on_table(hybrid_procedure(60, 100), poor_table, unit, seed + 2000000);
+    Truth on_the_road;
+    on_the_road.model = unit;
+    on_the_road.gyro_noise.N = 0.001 * unit::deg_per_sqrt_h;
+    on_the_road.accel_noise.N = 5 * unit::ug_per_sqrt_hz;
+    const Recording recording = simulate_motion(d.increments, interval, on_the_road, seed);
+    Calibration exact;
+    exact.model = unit;
+    exact.covariance.resize(0, 0);
+    out[static_cast<std::size_t>(k)] = {rate(d, recording, calibrate_turntable(good.recording, good.session)),
+                                        rate(d, recording, calibrate_turntable(poor.recording, poor.session)),
+                                        rate(d, recording, calibrate_hybrid(path.recording, rests_of(path.recording, path.session).ranges, path.session).calibration),
+                                        rate(d, recording, exact)};
+  });
+  return out;
+}
+
+std::string describe(const std::vector<DriveRun>& runs) {
+  std::string text = fmt::format("  {:<8} {:>22} {:>22} {:>18} {:>14}\n", "nmi/h", "classical, 0.001 deg", "classical, 1 arcmin", "hybrid, 1 arcmin", "exact");
+  DriveRun square{};
+  const auto row = [&](const std::string& name, const DriveRun& r) {
+    text += fmt::format("  {:<8} {:>22.3f} {:>22.3f} {:>18.3f} {:>14.3f}\n", name, r.classical_good, r.classical_poor, r.hybrid, r.exact);
+  };
+  for (std::size_t k = 0; k < runs.size(); ++k) {
+    const DriveRun& r = runs[k];
+    if (k < 7) row(fmt::format("drive {}", k + 1), r);
+    square.classical_good += r.classical_good * r.classical_good;
+    square.classical_poor += r.classical_poor * r.classical_poor;
+    square.hybrid += r.hybrid * r.hybrid;
+    square.exact += r.exact * r.exact;
+  }
+  const auto rms = [&](double sum) { return std::sqrt(sum / static_cast<double>(runs.size())); };
+  row("RMS", {rms(square.classical_good), rms(square.classical_poor), rms(square.hybrid), rms(square.exact)});
+  return text;
+}
+
+}  // namespace imulab::acceptance
