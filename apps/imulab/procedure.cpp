@@ -1,6 +1,7 @@
 #include "imulab/rig/procedure.hpp"
 
 #include "apps/imulab/command.hpp"
+#include "imulab/core/units.hpp"
 #include "imulab/io/file.hpp"
 #include "imulab/io/session_file.hpp"
 
@@ -42,13 +43,18 @@ void add_hand_held(CLI::App& verb) {
 void add_turntable(CLI::App& verb, const char* name, const char* about, Session (*procedure)(const TableProcedureOptions&)) {
   struct Arguments {
     TableProcedureOptions options;
+    double table_arcsec = TableProcedureOptions{}.table / unit::arcsec;
     std::string output = "-";
   };
   const auto a = std::make_shared<Arguments>();
   CLI::App* const own = verb.add_subcommand(name, about);
   own->add_option("--rest", a->options.rest, "seconds of each rest")->capture_default_str();
+  own->add_option("--table", a->table_arcsec, "the table's declared angles, orthogonality and zero, one sigma in arcsec")->capture_default_str();
   add_output(*own, a->output);
-  own->callback([a, procedure] { write(a->output, procedure(a->options)); });
+  own->callback([a, procedure] {
+    a->options.table = a->table_arcsec * unit::arcsec;
+    write(a->output, procedure(a->options));
+  });
 }
 
 }  // namespace

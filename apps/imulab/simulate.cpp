@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 
 struct Arguments {
   std::string procedure, folder;
+  std::optional<std::string> unit;
   std::uint64_t seed = 1;
 };
 
@@ -101,7 +102,10 @@ void simulate(const Arguments& a) {
     source = written_source(source);
   }
   std::optional<Calibration> given;
-  if (procedure.imu.truth) given = read_calibration(session_path(procedure, *procedure.imu.truth));
+  if (a.unit)
+    given = read_calibration(*a.unit);
+  else if (procedure.imu.truth)
+    given = read_calibration(session_path(procedure, *procedure.imu.truth));
   const Truth truth = draw_truth(procedure, a.seed, given ? std::optional(given->model) : std::nullopt);
 
   NewFolder folder(a.folder);
@@ -129,6 +133,7 @@ void add_simulate(CLI::App& app) {
   CLI::App* const verb = app.add_subcommand("simulate", "A virtual rig and a virtual IMU: a procedure becomes a session folder with truth.json");
   verb->add_option("procedure", a->procedure, "the procedure or session to carry out")->required();
   verb->add_option("-o,--output", a->folder, "the folder to make")->required();
+  verb->add_option("--unit", a->unit, "a truth.json or calibration.json: exactly this unit, in place of the procedure's");
   verb->add_option("--seed", a->seed, "the same seed, the same bits")->capture_default_str();
   verb->callback([a] { simulate(*a); });
 }

@@ -74,6 +74,7 @@ class Table {
  public:
   Table(std::string name, const TableProcedureOptions& o) : options_(o) {
     if (!(o.rest > 0 && o.turn_rate > 0 && o.rate_hz > 0)) throw Error(name + ": rest, turn_rate and rate_hz above 0 were expected");
+    if (!(o.table >= 0)) throw Error(name + ": a table sigma of at least 0 was expected");
     if (o.turns < 1) throw Error(name + ": at least one turn was expected");
     session_.imu.name = std::move(name);
     session_.imu.grade = o.grade;
@@ -81,7 +82,7 @@ class Table {
     session_.site.height = o.height;
     RigDeclaration& rig = session_.rigs.emplace_back();
     rig.kind = RigKind::turntable;
-    rig.angle.value = rig.orthogonality.value = rig.zero.value = 2 * unit::arcsec;
+    rig.angle.value = rig.orthogonality.value = rig.zero.value = o.table;
     rig.timing.value = 10e-3;
     session_.recordings.push_back(si_recording(o.rate_hz));
   }

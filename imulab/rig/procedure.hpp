@@ -27,6 +27,7 @@ struct TableProcedureOptions {
   double rest = 60;                   ///< s, each
   double turn_rate = 10 * unit::deg;  ///< rad/s
   int turns = 5;                      ///< zhang-24: each way about each axis
+  double table = 2 * unit::arcsec;    ///< rad: declared sigma of angles, orthogonality and zero
   double rate_hz = 100;
   double latitude = 45 * unit::deg;
   double height = 0;  ///< m
@@ -40,7 +41,7 @@ Session six_position_procedure(const TableProcedureOptions& options);
 /// four headings by the outer. In his frame (x north, y up, z east) the faces are x, y, z up, then x, y, z down.
 Session zhang_24_procedure(const TableProcedureOptions& options);
 
-/// The path of methods section 6 (after Cheng 2014): 20 turns of 90 and 180 deg with rests between them, so that every coefficient shows.
+/// A path after Cheng 2014: 20 turns of 90 and 180 deg with rests between them, so that every coefficient shows.
 Session cheng_path_procedure(const TableProcedureOptions& options);
 
 }  // namespace imulab
