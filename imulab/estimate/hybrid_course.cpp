@@ -230,7 +230,8 @@ HybridReview review(const HybridData& data, const HybridCourse& course, const Hy
     const Index at = trial.settings.layout.*g.at;
     if (at < 0) continue;
     const VectorXd value = errors.mean.segment(at, g.count);
-    TermTest test{g.name, value.dot(MatrixXd(errors.covariance.block(at, at, g.count, g.count)).ldlt().solve(value)), static_cast<int>(g.count), 1, false};
+    TermTest test{g.name, value.dot(MatrixXd(errors.covariance.block(at, at, g.count, g.count)).ldlt().solve(value)), static_cast<int>(g.count), 1,
+                  false};
     test.p_value = chi_square_tail(test.statistic, static_cast<double>(g.count));
     out.significant.*g.wanted = test.kept = test.p_value <= significance;
     out.tests.push_back(test);
