@@ -105,19 +105,18 @@ TEST(HybridBadInput, IsSaidAndTheUncertaintiesStayTrue) {
       {"a few samples lost in a rest", [](HybridSession& s) { erase_samples(s, s.rests[8].begin + 200, 8); }, ""},
       {"saturated gyro", saturate, "has saturated samples: it is left out, and the attitude is found anew"},
   };
-  for (const Case& c : cases)
-    for (std::uint64_t seed = 1; seed <= 2; ++seed) {
-      HybridSession s = session_of(seed);
-      c.damage(s);
-      const Calibration calibration = calibrate_hybrid(s.recording, s.rests, s.session, base_terms()).calibration;
-      EXPECT_THAT(calibration.quality.unobservable, IsEmpty()) << c.what;
-      EXPECT_LT(largest_sigmas(calibration, s.truth.model), 4.5) << c.what << ": 21 coefficients, once in 7000 sessions";
-      if (*c.warning) {
-        EXPECT_THAT(calibration.quality.warnings, Contains(HasSubstr(c.warning))) << c.what;
-      } else {
-        EXPECT_THAT(calibration.quality.warnings, IsEmpty()) << c.what;
-      }
+  for (const Case& c : cases) {
+    HybridSession s = session_of(1);
+    c.damage(s);
+    const Calibration calibration = calibrate_hybrid(s.recording, s.rests, s.session, base_terms()).calibration;
+    EXPECT_THAT(calibration.quality.unobservable, IsEmpty()) << c.what;
+    EXPECT_LT(largest_sigmas(calibration, s.truth.model), 4.5) << c.what << ": 21 coefficients, once in 7000 sessions";
+    if (*c.warning) {
+      EXPECT_THAT(calibration.quality.warnings, Contains(HasSubstr(c.warning))) << c.what;
+    } else {
+      EXPECT_THAT(calibration.quality.warnings, IsEmpty()) << c.what;
     }
+  }
 }
 
 TEST(HybridBadInput, ShortRestsAreSaid) {
