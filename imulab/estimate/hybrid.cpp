@@ -7,6 +7,7 @@
 #include "imulab/estimate/hybrid_course.hpp"
 #include "imulab/estimate/hybrid_start.hpp"
 #include "imulab/model/coefficient.hpp"
+#include "imulab/model/grade.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <fmt/core.h>
@@ -35,9 +36,10 @@ std::vector<Range> within(const Recording& recording, std::vector<Range> rests, 
       ++short_ones;
   }
   if (2 * short_ones > rests.size())
-    warnings.push_back(fmt::format("{} of {} rests are no longer than {:g} s: too short to leave out what settles at their ends, and the Earth's rate is "
-                                   "hardly seen in them; 30 s and more are good",
-                                   short_ones, rests.size(), 5 * settling_s));
+    warnings.push_back(
+        fmt::format("{} of {} rests are no longer than {:g} s: too short to leave out what settles at their ends, and the Earth's rate is "
+                    "hardly seen in them; 30 s and more are good",
+                    short_ones, rests.size(), 5 * settling_s));
   return rests;
 }
 
@@ -59,14 +61,19 @@ HybridTerms terms_of(const std::vector<int>& indices) {
   return terms;
 }
 
-/// White noise of the calibrated output from the samples' or the declared noise; the offsets' random walks as declared.
+/// White noise of the calibrated output from the samples' or the declared noise; random walks of the offsets, and quantisation of the velocity, as
+/// declared.
 HybridNoise noise_of(const Start& start, const SensorModel& coarse, const Recording& recording, const ImuDeclaration& imu) {
   const double root = std::sqrt(recording.interval_s);
   HybridNoise noise{coarse.gyro.matrix.cwiseAbs2() * start.noise.gyro.cwiseAbs2(), coarse.accel.matrix.cwiseAbs2() * start.noise.accel.cwiseAbs2()};
   noise.gyro = root * noise.gyro.cwiseSqrt();
   noise.accel = root * noise.accel.cwiseSqrt();
-  if (imu.gyro_noise) noise.gyro_walk.setConstant(imu.gyro_noise->K);
-  if (imu.accel_noise) noise.accel_walk.setConstant(imu.accel_noise->K);
+  const bool of_grade = imu.noise == NoiseTerms::full && imu.grade;
+  if (imu.gyro_noise || of_grade) noise.gyro_walk.setConstant(imu.gyro_noise ? imu.gyro_noise->K : grade(*imu.grade).gyro_noise.K);
+  if (!imu.accel_noise && !of_grade) return noise;
+  const NoiseModel accel = imu.accel_noise ? *imu.accel_noise : grade(*imu.grade).accel_noise;
+  noise.accel_walk.setConstant(accel.K);
+  noise.velocity = accel.Q;
   return noise;
 }
 
@@ -142,15 +149,17 @@ bool on_turntable(const Session& session) {
 }
 
 /// With the latitude that the gyros see in place of the site's, open to be estimated along.
-HybridResult at_latitude(const SeenLatitude& seen, const Recording& recording, const std::vector<Range>& rests, Session session, const HybridOptions& options) {
+HybridResult at_latitude(const SeenLatitude& seen, const Recording& recording, const std::vector<Range>& rests, Session session,
+                         const HybridOptions& options) {
   const double declared = *session.site.latitude;
   session.site.latitude = seen.value;
   session.site.latitude_sigma = 30 * unit::deg;
   HybridResult out = calibrate_hybrid(recording, rests, session, options);
   Quality& quality = out.calibration.quality;
-  quality.warnings.push_back(fmt::format("the gyros see the Earth's rate of latitude {:.3f} +/- {:.2g} deg, not {:.3f}: theirs is used, with its g where none "
-                                         "is given; is the site right?",
-                                         seen.value / unit::deg, seen.sigma / unit::deg, declared / unit::deg));
+  quality.warnings.push_back(
+      fmt::format("the gyros see the Earth's rate of latitude {:.3f} +/- {:.2g} deg, not {:.3f}: theirs is used, with its g where none "
+                  "is given; is the site right?",
+                  seen.value / unit::deg, seen.sigma / unit::deg, declared / unit::deg));
   const std::string doubt = "the latitude seems to be wrong";
   quality.verdict = quality.verdict == "good" ? "doubtful, because " + doubt : quality.verdict + "; " + doubt;
   return out;
@@ -169,8 +178,12 @@ HybridResult calibrate_hybrid(const Recording& recording, const std::vector<Rang
   const Start start = hybrid_start(recording, still, session.imu, *site.latitude, site.gravity());
   HybridBlocks cut = hybrid_blocks(recording, still, turntable);
   const SensorModel coarse = to_raw(start.scaled_model, start.scaling);
-  HybridData data{recording, std::move(cut.blocks), {*site.latitude, site.gravity(), site.latitude_sigma.value_or(0), site.gravity_sigma()},
-                  noise_of(start, coarse, recording, session.imu), coarse, wanted};
+  HybridData data{recording,
+                  std::move(cut.blocks),
+                  {*site.latitude, site.gravity(), site.latitude_sigma.value_or(0), site.gravity_sigma()},
+                  noise_of(start, coarse, recording, session.imu),
+                  coarse,
+                  wanted};
 
   const HybridTerms chosen = terms_of(wanted), possible{turntable, true, true, turntable};
   HybridCourse course = converged(data, begin_course(data, chosen));
@@ -199,7 +212,8 @@ HybridResult calibrate_hybrid(const Recording& recording, const std::vector<Rang
   quality.term_tests = std::move(tests);
   for (const auto& part : {start.warnings, cut.warnings, warnings}) quality.warnings.insert(quality.warnings.end(), part.begin(), part.end());
   if (left_out > 0)
-    quality.warnings.push_back(fmt::format("{} of {} velocities were left out: the unit was bumped, shaken, or not in its place", left_out, data.blocks.size()));
+    quality.warnings.push_back(
+        fmt::format("{} of {} velocities were left out: the unit was bumped, shaken, or not in its place", left_out, data.blocks.size()));
   add_residuals(data, course, quality);
   add_notes(data, course, quality);
   std::vector<std::string> doubts = common_doubts(out.calibration, site, 0, 1);

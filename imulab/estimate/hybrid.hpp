@@ -13,7 +13,8 @@ struct HybridOptions : EstimateOptions {
   double curve_interval = 0;  ///< s between points of the convergence curves; 0: none
 };
 
-/// Residual of the coarse solution as the last pass sees it over time, in calibrated units (ba, Ma, bg, Mg of the filter), and its standard uncertainty.
+/// Residual of the coarse solution as the last pass sees it over time, in calibrated units (ba, Ma, bg, Mg of the filter), and its standard
+/// uncertainty.
 struct ConvergenceCurve {
   std::string name;  ///< of the coefficient it corrects
   std::vector<double> residual, sigma;

@@ -43,7 +43,9 @@ std::size_t smooth_end(const Recording& recording, std::size_t begin, std::size_
 
 HybridBlocks hybrid_blocks(const Recording& recording, const std::vector<Range>& rests, bool observe_motion) {
   HybridBlocks out;
-  const auto samples_in = [&](double seconds) { return std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(seconds / recording.interval_s))); };
+  const auto samples_in = [&](double seconds) {
+    return std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(seconds / recording.interval_s)));
+  };
   bool lost = false;
   const auto cut = [&](const Range& range, std::size_t length, bool at_rest) {
     for (std::size_t begin = range.begin; begin < range.end;) {
@@ -59,8 +61,9 @@ HybridBlocks hybrid_blocks(const Recording& recording, const std::vector<Range>&
       const bool gap = any_inside(recording.gaps, {motion.begin, motion.end + 1}), saturated = any_inside(recording.saturated, motion);
       if (gap || saturated) {
         lost = true;
-        out.warnings.push_back(fmt::format("the motion from {:.2f} to {:.2f} s has {}: it is left out, and the attitude is found anew at the rest after it",
-                                           recording.time_s(motion.begin), recording.time_s(motion.end), gap ? "a gap" : "saturated samples"));
+        out.warnings.push_back(
+            fmt::format("the motion from {:.2f} to {:.2f} s has {}: it is left out, and the attitude is found anew at the rest after it",
+                        recording.time_s(motion.begin), recording.time_s(motion.end), gap ? "a gap" : "saturated samples"));
       } else {
         cut(motion, samples_in(0.2), false);
       }

@@ -225,12 +225,15 @@ HybridReview review(const HybridData& data, const HybridCourse& course, const Hy
   open.site.latitude_sigma = 30 * unit::deg;
   const HybridCourse trial = repeated(open, with_terms(open, course, terms));
   HybridReview out{contradicting_latitude(open, trial, data.site.latitude_sigma), {}, {}};
-  const HybridErrors errors = at_site_latitude(trial, data.site.latitude_sigma);
+  HybridErrors errors = at_site_latitude(trial, data.site.latitude_sigma);
+  // Integration from samples is good to less than a thousandth of their interval: in a turn's ramp of four samples it looks like a fifth of that.
+  if (const Index at = trial.settings.layout.delay; at >= 0) errors.covariance(at, at) += std::pow(5e-4 * data.recording.interval_s, 2);
   for (const Group& g : optional_groups) {
     const Index at = trial.settings.layout.*g.at;
     if (at < 0) continue;
     const VectorXd value = errors.mean.segment(at, g.count);
-    TermTest test{g.name, value.dot(MatrixXd(errors.covariance.block(at, at, g.count, g.count)).ldlt().solve(value)), static_cast<int>(g.count), 1, false};
+    TermTest test{g.name, value.dot(MatrixXd(errors.covariance.block(at, at, g.count, g.count)).ldlt().solve(value)), static_cast<int>(g.count), 1,
+                  false};
     test.p_value = chi_square_tail(test.statistic, static_cast<double>(g.count));
     out.significant.*g.wanted = test.kept = test.p_value <= significance;
     out.tests.push_back(test);

@@ -22,20 +22,20 @@ struct HybridData {
 
 /// Where the repetitions stand.
 struct HybridCourse {
-  SensorModel model;       ///< the point of linearisation, with `site`
+  SensorModel model;  ///< the point of linearisation, with `site`
   HybridSite site;
   HybridTerms terms;
   HybridSettings settings;
-  Eigen::VectorXd total;   ///< what was corrected since the coarse solution
-  Eigen::VectorXd prior;   ///< standard deviations about the coarse solution
-  HybridPass pass;         ///< the last one; once converged it is about the final model
+  Eigen::VectorXd total;  ///< what was corrected since the coarse solution
+  Eigen::VectorXd prior;  ///< standard deviations about the coarse solution
+  HybridPass pass;        ///< the last one; once converged it is about the final model
   bool converged = false;
   bool heading_known = false;  ///< the start's, well enough for a linearisation
   int repetitions = 0;
 };
 
-/// From the coarse solution, or on from where `before` stands, with these terms. What of the model belonged to a term that is left out goes back to the
-/// coarse solution.
+/// From the coarse solution, or on from where `before` stands, with these terms. What of the model belonged to a term that is left out goes back to
+/// the coarse solution.
 HybridCourse begin_course(const HybridData& data, const HybridTerms& terms);
 HybridCourse with_terms(const HybridData& data, const HybridCourse& before, const HybridTerms& terms);
 
@@ -54,7 +54,8 @@ HybridCourse repeated(const HybridData& data, HybridCourse course);
 /// Passes until the correction is below a hundredth of its sigma.
 HybridCourse converged(const HybridData& data, HybridCourse course);
 
-/// Blocks whose velocity the converged solution cannot explain: the unit was bumped or shaken. Empty also where so many are that the model is in doubt.
+/// Blocks whose velocity the converged solution cannot explain: the unit was bumped or shaken. Empty also where so many are that the model is in
+/// doubt.
 std::vector<std::size_t> outlying_blocks(const HybridData& data, const HybridCourse& course);
 
 /// What the site and the fixed model leave unexplained.

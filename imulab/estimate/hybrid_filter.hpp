@@ -19,10 +19,10 @@ namespace imulab {
 
 /// Terms beyond the paper's 27 states.
 struct HybridTerms {
-  bool lever_arm = false;        ///< nine lengths: the accelerometers' size effect
-  bool quadratic = false;        ///< accelerometers, one an axis
-  bool g_sensitivity = false;    ///< nine
-  bool delay = false;            ///< of the accelerometers behind the gyros [s]
+  bool lever_arm = false;      ///< nine lengths: the accelerometers' size effect
+  bool quadratic = false;      ///< accelerometers, one an axis
+  bool g_sensitivity = false;  ///< nine
+  bool delay = false;          ///< of the accelerometers behind the gyros [s]
   bool operator==(const HybridTerms&) const = default;
 };
 
@@ -48,42 +48,42 @@ struct HybridBlock {
 };
 
 struct HybridSite {
-  double latitude, gravity;                        // rad, m/s^2
+  double latitude, gravity;  // rad, m/s^2
   double latitude_sigma = 0, gravity_sigma = 0;
 };
 
 /// Densities of the calibrated output, per axis; velocity: how far from zero it is after a block [m/s].
 struct HybridNoise {
-  Vector3d gyro, accel;                                              // rad/s/sqrt(Hz), m/s^2/sqrt(Hz)
+  Vector3d gyro, accel;                                                  // rad/s/sqrt(Hz), m/s^2/sqrt(Hz)
   Vector3d gyro_walk = Vector3d::Zero(), accel_walk = Vector3d::Zero();  // of the offsets, u/sqrt(s)
   double velocity = 0;
 };
 
 /// The estimate after a block.
 struct HybridPoint {
-  double time;          // s
+  double time;  // s
   Eigen::VectorXd x, sigma;
 };
 
 struct HybridPass {
-  Matrix3d start;                     ///< attitude at the start, as the pass took it
-  Eigen::VectorXd x;                  ///< constants, and attitude and velocity at the end
+  Matrix3d start;     ///< attitude at the start, as the pass took it
+  Eigen::VectorXd x;  ///< constants, and attitude and velocity at the end
   Eigen::MatrixXd covariance;
-  std::vector<double> chi2;           ///< of the innovations, three degrees of freedom each; NaN where nothing was observed or it was rejected
-  std::vector<Vector3d> innovation;   ///< whitened, by block
-  std::vector<HybridPoint> curve;     ///< thinned
+  std::vector<double> chi2;          ///< of the innovations, three degrees of freedom each; NaN where nothing was observed or it was rejected
+  std::vector<Vector3d> innovation;  ///< whitened, by block
+  std::vector<HybridPoint> curve;    ///< thinned
 };
 
 struct HybridSettings {
   HybridLayout layout;
-  std::optional<Matrix3d> start;  ///< attitude at the start where the pass is linearised; absent: by alignment on the first rest
+  std::optional<Matrix3d> start;        ///< attitude at the start where the pass is linearised; absent: by alignment on the first rest
   std::optional<Vector3d> start_sigma;  ///< of `start`; absent: that of an alignment
   double outlier = std::numeric_limits<double>::infinity();  ///< an innovation beyond this chi-square is left out
-  double curve_interval = 0;      ///< s between the points of `curve`; 0: none
+  double curve_interval = 0;                                 ///< s between the points of `curve`; 0: none
 };
 
-/// One pass over the blocks with the sensor model as the point of linearisation; the errors stay small states beside it. `prior`, `prior_sigma`: of the
-/// constants, the start's attitude left to the alignment. Lever arms of the model are removed from the readings. The covariance is carried as its
+/// One pass over the blocks with the sensor model as the point of linearisation; the errors stay small states beside it. `prior`, `prior_sigma`: of
+/// the constants, the start's attitude left to the alignment. Lever arms of the model are removed from the readings. The covariance is carried as its
 /// Cholesky factor: exactly known velocities after wide priors would leave nothing of a covariance's digits.
 HybridPass hybrid_pass(const Recording& recording, const std::vector<HybridBlock>& blocks, const SensorModel& model, const HybridSite& site,
                        const HybridNoise& noise, const HybridSettings& settings, const Eigen::VectorXd& prior, const Eigen::VectorXd& prior_sigma);

@@ -73,7 +73,8 @@ HybridSums HybridNavigator::over(const HybridBlock& block, std::size_t first) {
 
 /// A unit that rests on both sides of a gap rested inside it, too.
 double HybridNavigator::interval(std::size_t i, const HybridBlock& block) const {
-  if (block.at_rest && i > 0 && std::binary_search(recording_.gaps.begin(), recording_.gaps.end(), i)) return recording_.time_s(i) - recording_.time_s(i - 1);
+  if (block.at_rest && i > 0 && std::binary_search(recording_.gaps.begin(), recording_.gaps.end(), i))
+    return recording_.time_s(i) - recording_.time_s(i - 1);
   return recording_.interval(i, recording_.gyro_increment);
 }
 
@@ -97,7 +98,8 @@ void HybridNavigator::add(HybridSums& sum, std::size_t i, std::size_t first, con
   const Matrix3d half = 0.5 * (before + C_nb) - 0.125 * before * K * K;
   const Matrix3d middle = (dt / 6) * (before + 4 * half + C_nb), inner = (dt * dt / 6) * (before + 2 * half);
   const Matrix3d across = skew<double>(pushed) / dt;  // [f_n x]
-  // What an error multiplies, free of noise where it is known: an axis that sees nothing of rate or gravity would else explain its noise by its scale.
+  // What an error multiplies, free of noise where it is known: an axis that sees nothing of rate or gravity would else explain its noise by its
+  // scale.
   const Vector3d w = block.at_rest ? Vector3d(half.transpose() * earth_rate_) : rate;
   const Vector3d f = block.observed ? Vector3d(half.transpose() * -gravity_) : force;
   const std::array<double, 7> basis{1, w.x(), w.y(), w.z(), f.x(), f.y(), f.z()};

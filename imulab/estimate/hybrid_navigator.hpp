@@ -27,11 +27,11 @@ HybridSamples compensated(const Recording& recording, const std::vector<HybridBl
 /// What a block adds to velocity and attitude, with its derivatives by the states.
 struct HybridSums {
   double duration = 0;
-  Vector3d velocity = Vector3d::Zero();       // computed, gravity included
-  Matrix3d force = Matrix3d::Zero();          // integral of [f_n x]
-  std::array<Matrix3d, 7> gyro{};             // integrals of C b for b = 1, w, f: what an error of the rate turns
-  std::array<Matrix3d, 7> gyro_velocity{};    // and moves: integrals of [f_n x] times the former
-  std::array<Matrix3d, 4> accel{};            // integrals of C b for b = 1, f
+  Vector3d velocity = Vector3d::Zero();     // computed, gravity included
+  Matrix3d force = Matrix3d::Zero();        // integral of [f_n x]
+  std::array<Matrix3d, 7> gyro{};           // integrals of C b for b = 1, w, f: what an error of the rate turns
+  std::array<Matrix3d, 7> gyro_velocity{};  // and moves: integrals of [f_n x] times the former
+  std::array<Matrix3d, 4> accel{};          // integrals of C b for b = 1, f
   Matrix3d quadratic = Matrix3d::Zero();
   Eigen::Matrix<double, 3, 9> lever_arm = Eigen::Matrix<double, 3, 9>::Zero();
   Vector3d delay = Vector3d::Zero();

@@ -20,7 +20,8 @@ using Eigen::Index;
 
 namespace {
 
-/// Coarse gyros: from the Earth's rate at rest where the rests allow it, else the declared unit or, for counts, the motion of gravity; offset from the rests.
+/// Coarse gyros: from the Earth's rate at rest where the rests allow it, else the declared unit or, for counts, the motion of gravity; offset from
+/// the rests.
 void start_gyro(Start& start, const Recording& recording, double latitude) {
   TriadModel& gyro = start.scaled_model.gyro;
   std::vector<Vector3d> readings, up;

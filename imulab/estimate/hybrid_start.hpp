@@ -5,7 +5,8 @@
 
 namespace imulab {
 
-/// Rests, their noise, and a coarse solution of both triads. Throws as start_from_rests does, and Error for axes that are swapped, reversed or left-handed.
+/// Rests, their noise, and a coarse solution of both triads. Throws as start_from_rests does, and Error for axes that are swapped, reversed or
+/// left-handed.
 Start hybrid_start(const Recording& recording, const std::vector<Range>& rests, const ImuDeclaration& imu, double latitude, double gravity);
 
 }  // namespace imulab

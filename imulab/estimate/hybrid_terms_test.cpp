@@ -2,11 +2,12 @@
 #include "imulab/core/statistics.hpp"
 #include "imulab/estimate/hybrid.hpp"
 #include "imulab/simulate/sensor_noise.hpp"
-#include "tests/hybrid_session.hpp"
 
 #include <Eigen/Cholesky>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "tests/hybrid_session.hpp"
 
 namespace imulab {
 namespace {
@@ -30,7 +31,8 @@ double largest_sigmas(const Calibration& c, const SensorModel& truth) {
 
 /// At 100 Hz, where a ramp of a turn has twenty samples.
 HybridSession session_of(std::uint64_t seed, const SensorModel& unit) {
-  return hybrid_session(seed, [](Session& session) { session = hybrid_procedure(6, 100); }, unit);
+  return hybrid_session(
+      seed, [](Session& session) { session = hybrid_procedure(6, 100); }, unit);
 }
 
 TEST(HybridTerms, LeverArmsAreFoundToAMillimetreAndHarmNothing) {
@@ -76,14 +78,15 @@ TEST(HybridTerms, ADelayIsFoundAndHarmsNothing) {
 
 TEST(HybridTerms, WhatIsNotThereIsSeldomKept) {
   int kept = 0;
-  constexpr int sessions = 8;
+  constexpr int sessions = 6;
   for (std::uint64_t seed = 1; seed <= sessions; ++seed) {
-    const HybridSession s = hybrid_session(seed, [](Session& session) { session = hybrid_procedure(6, 50); }, hybrid_unit(seed));
+    const HybridSession s = hybrid_session(
+        seed, [](Session& session) { session = hybrid_procedure(6, 50); }, hybrid_unit(seed));
     const Calibration c = calibrate_hybrid(s.recording, s.rests, s.session).calibration;
     ASSERT_EQ(c.quality.term_tests.size(), 4u);
     for (const TermTest& test : c.quality.term_tests) kept += test.kept;
   }
-  // 32 tests at 1 %: more than 3 by chance once in a thousand such runs.
+  // 24 tests at 1 %: more than 2 by chance once in a thousand such runs.
   EXPECT_LE(kept, binomial_quantile(0.999, 4 * sessions, 0.01));
 }
 
@@ -94,13 +97,15 @@ TEST(HybridTerms, OffsetsThatWanderAreThoseOfTheEnd) {
     const HybridSession s = hybrid_session(seed, [](Session& session) {
       session.imu.gyro_noise.emplace().K = 0.1 * unit::deg_per_h / 60;  // of an hour: 0.1 deg/h
       session.imu.accel_noise.emplace().K = 50 * unit::ug / 60;
+      session.imu.accel_noise->Q = 1e-5;  // and velocities that are read in steps
     });
     SensorModel at_end = s.truth.model;
     for (int axis = 0; axis < 3; ++axis)
       for (const Triad triad : {Triad::accel, Triad::gyro}) {
         std::vector<double> walk(s.recording.size(), 0.0);
         const std::string name = std::string(to_string(triad)) + "." + "xyz"[axis];
-        AxisNoise(triad == Triad::accel ? s.truth.accel_noise : s.truth.gyro_noise, s.recording.interval_s, seed, name + " noise of recording.csv").add_slow(walk);
+        AxisNoise(triad == Triad::accel ? s.truth.accel_noise : s.truth.gyro_noise, s.recording.interval_s, seed, name + " noise of recording.csv")
+            .add_slow(walk);
         (triad == Triad::accel ? at_end.accel : at_end.gyro).offset[axis] -= walk.back();
       }
     const Calibration c = calibrate_hybrid(s.recording, s.rests, s.session, base_terms()).calibration;

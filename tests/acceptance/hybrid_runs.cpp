@@ -1,17 +1,17 @@
-// Simulated sessions of the hybrid method, and their Fisher information, derived apart from the filter: the attitude at the end of every fifth of a second
-// is an unknown of its own, tied to its neighbours by the gyros' increments; the accelerometers' increments are gravity's in that attitude, since the
-// velocity is zero at every end. Derivatives by the coefficients are those of the raw readings; attitudes are eliminated one after the other.
-#include "tests/acceptance/acceptance.hpp"
-
+// Simulated sessions of the hybrid method, and their Fisher information, derived apart from the filter: the attitude at the end of every fifth of a
+// second is an unknown of its own, tied to its neighbours by the gyros' increments; the accelerometers' increments are gravity's in that attitude,
+// since the velocity is zero at every end. Derivatives by the coefficients are those of the raw readings; attitudes are eliminated one after the
+// other.
 #include "imulab/core/rotation.hpp"
 #include "imulab/earth/earth.hpp"
 #include "imulab/model/compensate.hpp"
-#include "tests/hybrid_session.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 
+#include "tests/acceptance/acceptance.hpp"
+#include "tests/hybrid_session.hpp"
 #include <stdexcept>
 
 namespace imulab::acceptance {
@@ -43,7 +43,8 @@ Matrix3d attitude_at_rest(const Motion& motion) {
   return C_nb;
 }
 
-/// Derivatives of the increments over a block: of velocity in n by the accelerometers' coefficients, of rotation in the block's first axes by the gyros'.
+/// Derivatives of the increments over a block: of velocity in n by the accelerometers' coefficients, of rotation in the block's first axes by the
+/// gyros'.
 MatrixXd increment_derivatives(const std::vector<int>& indices, const Felt& felt, std::size_t begin, std::size_t end, Matrix3d& C_nb,
                                const Vector3d& earth_rate_n) {
   const double dt = felt.recording.interval_s;
@@ -106,7 +107,8 @@ Run run(std::uint64_t seed, double table_sigma, double rest, double rate_hz) {
   const RigErrors errors = draw_rig_errors(session, source, seed);
   const Recording recording = simulate_recording(session, source, truth, seed, errors);
   const Calibration c = calibrate_hybrid(recording, rests_of(recording, session).ranges, session, base_terms()).calibration;
-  if (c.estimated.size() != 21) throw std::runtime_error(fmt::format("seed {}: {} coefficients were found undetermined", seed, c.quality.unobservable.size()));
+  if (c.estimated.size() != 21)
+    throw std::runtime_error(fmt::format("seed {}: {} coefficients were found undetermined", seed, c.quality.unobservable.size()));
   Truth quiet = truth;
   quiet.accel_noise.N = quiet.gyro_noise.N = 0;
   const Recording exact = simulate_recording(session, source, quiet, seed, errors);
