@@ -185,7 +185,10 @@ void run(const Options& o) {
   if (folder) {
     write_whole(folder->path() / "total.csv", total_csv(budget));
     write_whole(folder->path() / "sources.csv", sources_csv(budget));
-    if (sampled) write_whole(folder->path() / "monte_carlo.csv", distribution_csv(*sampled));
+    if (sampled) {
+      write_whole(folder->path() / "monte_carlo.csv", distribution_csv(*sampled));
+      write_whole(folder->path() / "runs.csv", runs_csv(*sampled));
+    }
     folder->finish();
   }
   warn_of_large_angles(budget);
@@ -206,10 +209,10 @@ void add_budget(CLI::App& app) {
   auto* const calibration = verb->add_option("--calibration", o->calibration, "what a calibration leaves, in their place; noise stays the mission's");
   grade->excludes(system)->excludes(calibration);
   system->excludes(calibration);
-  verb->add_option("--runs", o->runs, "Monte Carlo runs; 0: none")->capture_default_str();
+  verb->add_option("--runs", o->runs, "Monte Carlo runs; 0: none")->capture_default_str()->check(CLI::Range(0., 1e7));
   verb->add_option("--seed", o->seed, "the same seed, the same bits")->capture_default_str();
   verb->add_option("--every", o->every, "seconds between rows of the files")->capture_default_str();
-  verb->add_option("-o,--output", o->folder, "the folder to make: total.csv, sources.csv, monte_carlo.csv over time");
+  verb->add_option("-o,--output", o->folder, "the folder to make: total.csv, sources.csv, monte_carlo.csv over time, runs.csv");
   verb->add_flag("--catalogue", o->catalogue, "list the grades and systems there are");
   verb->add_flag("--json", o->json, "the end, for machines");
   verb->callback([o] { run(*o); });

@@ -49,6 +49,11 @@ TEST(BudgetCommand, SaysTheErrorsOfEachSourceAtTheEnd) {
   const double linear = out["total"]["position_m"]["sigma"][0].get<double>();
   EXPECT_NEAR(out["monte_carlo"]["pe"]["sigma"].get<double>(), linear, 0.14 * linear);
   EXPECT_GT(out["coefficients"].size(), 5u);
+  for (const char* quantity : {"pe", "vn", "au"}) {
+    double sum = 0;
+    for (const auto& [source, shares] : out["shares"].items()) sum += shares[quantity].get<double>();
+    EXPECT_NEAR(sum, 1, 1e-9) << quantity;
+  }
 }
 
 TEST(BudgetCommand, WritesGrowthOverTimeAndPrintsATable) {
@@ -64,6 +69,8 @@ TEST(BudgetCommand, WritesGrowthOverTimeAndPrintsATable) {
   EXPECT_EQ(std::count(total.begin(), total.end(), '\n'), 1 + 4);
   EXPECT_THAT(read_text(folder / "out" / "sources.csv"), HasSubstr("\nbarometer,120,"));
   EXPECT_THAT(read_text(folder / "out" / "monte_carlo.csv"), HasSubstr("ph_median"));
+  const std::string runs = read_text(folder / "out" / "runs.csv");
+  EXPECT_EQ(std::count(runs.begin(), runs.end(), '\n'), 1 + 20);
   // The same seed, the same bits; another grade's sensors, other figures.
   EXPECT_EQ(run_imulab(folder, "budget m.toml --runs 20").output, r.output);
   EXPECT_NE(run_imulab(folder, "budget m.toml --runs 20 --grade tactical").output, r.output);
@@ -124,6 +131,7 @@ TEST(BudgetCommand, RefusesWhatIsWrong) {
            {"gyro = { bias_deg_per_h = -1 }\n", "errors.gyro.bias_deg_per_h: -1 is out of range"},
            {"gyro = { misalignment_arcsec = 1, nonorthogonality_arcsec = 1 }\n", "misalignment and nonorthogonality"},
            {"start = { aligned_over_s = 10, tilt_arcmin = 1 }\n", "errors.start.aligned_over_s"},
+           {"start = { aligned_over_s = 1e12 }\n", "errors.start.aligned_over_s: 1000000000000"},
            {"vertical = \"up\"\n", "errors.vertical: \"up\" is not allowed, expected one of free, fixed, aided, held"},
            {"calibration = \"none.json\"\n", "none.json"},
            {"barometer = { noise_m = 1, time_constant_s = 0 }\n", "time_constant_s"},
@@ -138,6 +146,7 @@ TEST(BudgetCommand, RefusesWhatIsWrong) {
            {"budget plain.toml", "[errors] is missing"},
            {"budget", "--catalogue"},
            {"budget m.toml --every 0", "--every"},
+           {"budget m.toml --runs -1", "--runs"},
            {"budget m.toml --grade navigation --system LTN-90", "excludes"},
            {"trajectory plain.toml --errors -o out", "[errors] table was expected"},
        }) {

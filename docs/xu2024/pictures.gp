@@ -73,7 +73,7 @@ set yrange [0.1:5000]
 set key outside right top
 kinds = "bias 'white noise' misalignment scale"
 starts = "'attitude: level' 'attitude: heading' velocity position"
-size(name) = strcol(1) eq name ? sqrt($3 * $3 + $4 * $4 + $5 * $5 + $6 * $6) : NaN
+size(name) = strcol(1) eq name ? sqrt($3 * $3 + $4 * $4 + $6 * $6 + $7 * $7) : NaN
 plot for [i = 1:4] "draws/sources.csv" using 2:(size("gyro " . word(kinds, i))) skip 1 with lines lw 2 lc i title "gyro " . word(kinds, i), \
      for [i = 1:4] "" using 2:(size("accelerometer " . word(kinds, i))) skip 1 with lines lw 2 lc i dt 2 title "accelerometer " . word(kinds, i), \
      for [i = 1:4] "" using 2:(size("start " . word(starts, i))) skip 1 with lines lw 2 lc i dt 3 title "start " . word(starts, i)

@@ -59,12 +59,30 @@ std::string total_csv(const ErrorBudget& b) {
 }
 
 std::string sources_csv(const ErrorBudget& b) {
-  std::string text = header("source,t", budget_quantities, {"fixed", "sigma"});
-  for (const Contribution& c : b.groups)
-    for (std::size_t i = 0; i < b.time.size(); ++i) {
-      text += fmt::format("{},{:.10g}", c.name, b.time[i]);
-      add_row(text, c.fixed, c.sigma, static_cast<Eigen::Index>(i));
+  std::string text = header("source,t", budget_quantities, {"fixed", "sigma", "share"});
+  for (std::size_t i = 0; i < b.time.size(); ++i) {
+    std::array<std::vector<double>, budget_quantities> shares;
+    for (int q = 0; q < budget_quantities; ++q) shares[static_cast<std::size_t>(q)] = b.shares(q, i);
+    for (std::size_t k = 0; k <= b.groups.size(); ++k) {  // the last: the correlation
+      const bool group = k < b.groups.size();
+      text += fmt::format("{},{:.10g}", group ? b.groups[k].name : "correlation between groups", b.time[i]);
+      for (Eigen::Index q = 0; q < budget_quantities; ++q) {
+        const auto at = static_cast<Eigen::Index>(i);
+        const double unit = unit_of(q), fixed = group ? b.groups[k].fixed(q, at) / unit : 0, sigma = group ? b.groups[k].sigma(q, at) / unit : 0;
+        text += fmt::format(",{:.8g},{:.8g},{:.6g}", fixed, sigma, shares[static_cast<std::size_t>(q)][k]);
+      }
+      text += '\n';
     }
+  }
+  return text;
+}
+
+std::string runs_csv(const ErrorDistribution& d) {
+  std::string text = header("run", budget_quantities, {"end", "peak"});
+  for (Eigen::Index k = 0; k < d.end.cols(); ++k) {
+    text += fmt::format("{}", k);
+    add_row(text, d.end, d.peak, k);
+  }
   return text;
 }
 
@@ -85,6 +103,11 @@ std::string budget_json(const ErrorBudget& b, const std::optional<ErrorDistribut
   Json out{{"time_s", b.time.back()}, {"vertical", to_string(b.vertical)}, {"total", contribution(b.mean, total_sigma(b), end)}};
   for (const auto* list : {&b.groups, &b.coefficients})
     for (const Contribution& c : *list) out[list == &b.groups ? "sources" : "coefficients"][c.name] = contribution(c.fixed, c.sigma, end);
+  for (int q = 0; q < budget_quantities; ++q) {
+    const std::vector<double> shares = b.shares(q, b.time.size() - 1);
+    for (std::size_t k = 0; k < shares.size(); ++k)
+      out["shares"][k < b.groups.size() ? b.groups[k].name : "correlation between groups"][std::string(names[static_cast<std::size_t>(q)])] = shares[k];
+  }
   if (monte_carlo) {
     const ErrorDistribution& d = *monte_carlo;
     const double nmi_per_h = unit::nmi / unit::hour;

@@ -52,7 +52,7 @@ void describe_start(TomlFields& f, StartErrors& s) {
   f.spread("position_m", position, 1);
   s.velocity.fill(velocity);
   s.position.fill(position);
-  f.number("aligned_over_s", s.aligned_over, positive());
+  f.number("aligned_over_s", s.aligned_over, Number{1, 0, 1e5, true});  // a day
   f.check(!s.aligned_over || (s.attitude[0].value == 0 && s.attitude[2].value == 0), "aligned_over_s",
           "stands beside tilt_arcmin or heading_arcmin, expected an alignment or a given error");
 }
