@@ -149,6 +149,12 @@ void add_notes(const HybridData& data, const HybridCourse& course, Quality& qual
   const double relative_g = data.site.gravity_sigma / data.site.gravity;
   quality.sources.push_back(
       {"gravity", relative_g, fmt::format("g is known to {:.3g} ppm: this much is common to all three accelerometer scales", 1e6 * relative_g)});
+  constexpr Index heading = HybridLayout::start + 2;
+  if (const double sigma = std::sqrt(course.pass.covariance(heading, heading)); course.terms.g_sensitivity && sigma > 3 * unit::deg)
+    quality.warnings.push_back(
+        fmt::format("the gyros hardly see the Earth's rate (the heading at the start is known to {:.0f} deg): a g-sensitivity alike on "
+                    "all axes is uncertain by some times what is stated; all else is not touched by it",
+                    sigma / unit::deg));
   if (const Index at = course.settings.layout.delay; at >= 0)
     quality.notes.push_back(fmt::format("the accelerometers' output is {:.3g} +/- {:.2g} ms behind the gyros'", 1e3 * course.pass.x[at],
                                         1e3 * std::sqrt(course.pass.covariance(at, at))));
