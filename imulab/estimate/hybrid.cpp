@@ -1,7 +1,9 @@
 #include "imulab/estimate/hybrid.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/earth/earth.hpp"
 #include "imulab/estimate/hybrid_blocks.hpp"
 #include "imulab/estimate/hybrid_correction.hpp"
 #include "imulab/estimate/hybrid_course.hpp"
@@ -9,11 +11,13 @@
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/grade.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace imulab {
 
@@ -104,6 +108,28 @@ Calibration calibration_of(const HybridData& data, const HybridCourse& course) {
   return c;
 }
 
+/// The latitude that a g-sensitivity alike on all axes would be: up is along the force at every rest, so the two look the same.
+std::optional<SeenLatitude> latitude_instead(const Calibration& c, const HybridSite& site) {
+  std::vector<Index> at;
+  VectorXd value(9), alike = VectorXd::Zero(9);
+  for (std::size_t i = 0; i < c.estimated.size(); ++i) {
+    const Coefficient& row = coefficient_table()[static_cast<std::size_t>(c.estimated[i])];
+    if (row.term != Term::g_sensitivity || at.size() == 9) continue;
+    const auto k = static_cast<Index>(at.size());
+    value[k] = coefficient_value(c.model, c.estimated[i]);
+    alike[k] = row.row == row.column ? 1 : 0;
+    at.push_back(static_cast<Index>(i));
+  }
+  if (at.size() != 9) return {};
+  const Eigen::LDLT<MatrixXd> weight(MatrixXd(c.covariance(at, at)));
+  const double variance = 1 / alike.dot(weight.solve(alike)), common = variance * alike.dot(weight.solve(value));
+  const VectorXd rest = value - common * alike;
+  const double sine = std::sin(site.latitude) - common * site.gravity / earth_rate;
+  if (common * common < 25 * variance || chi_square_tail(rest.dot(weight.solve(rest)), 8) < 1e-3 || std::abs(sine) > 1) return {};
+  const double latitude = std::asin(sine);
+  return SeenLatitude{latitude, std::sqrt(variance) * site.gravity / earth_rate / std::cos(latitude)};
+}
+
 /// Chi-square of the velocities as the last pass met them.
 void add_residuals(const HybridData& data, const HybridCourse& course, Quality& quality) {
   double chi2 = 0;
@@ -123,6 +149,12 @@ void add_notes(const HybridData& data, const HybridCourse& course, Quality& qual
   const double relative_g = data.site.gravity_sigma / data.site.gravity;
   quality.sources.push_back(
       {"gravity", relative_g, fmt::format("g is known to {:.3g} ppm: this much is common to all three accelerometer scales", 1e6 * relative_g)});
+  constexpr Index heading = HybridLayout::start + 2;
+  if (const double sigma = std::sqrt(course.pass.covariance(heading, heading)); course.terms.g_sensitivity && sigma > 3 * unit::deg)
+    quality.warnings.push_back(
+        fmt::format("the gyros hardly see the Earth's rate (the heading at the start is known to {:.0f} deg): a g-sensitivity alike on "
+                    "all axes is uncertain by some times what is stated; all else is not touched by it",
+                    sigma / unit::deg));
   if (const Index at = course.settings.layout.delay; at >= 0)
     quality.notes.push_back(fmt::format("the accelerometers' output is {:.3g} +/- {:.2g} ms behind the gyros'", 1e3 * course.pass.x[at],
                                         1e3 * std::sqrt(course.pass.covariance(at, at))));
@@ -217,6 +249,12 @@ HybridResult calibrate_hybrid(const Recording& recording, const std::vector<Rang
   add_residuals(data, course, quality);
   add_notes(data, course, quality);
   std::vector<std::string> doubts = common_doubts(out.calibration, site, 0, 1);
+  if (const auto instead = latitude_instead(out.calibration, course.site)) {
+    quality.warnings.push_back(fmt::format(
+        "the g-sensitivity is the same on all axes, as a latitude of {:.1f} +/- {:.1f} deg instead of {:.1f} would make it: is the site right?",
+        instead->value / unit::deg, instead->sigma / unit::deg, course.site.latitude / unit::deg));
+    doubts.push_back("the latitude seems to be wrong");
+  }
   if (!course.converged) doubts.insert(doubts.begin(), "the repetitions did not converge");
   conclude(out.calibration, doubts);
   if (options.curve_interval > 0) {

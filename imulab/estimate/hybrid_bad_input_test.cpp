@@ -136,6 +136,15 @@ TEST(HybridBadInput, AWrongLatitudeIsCorrectedFromTheEarthsRate) {
   EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5);
 }
 
+TEST(HybridBadInput, ALatitudeOfTheWrongSignIsNamed) {
+  HybridSession s = session_of(6);
+  s.session.site.latitude = -*s.session.site.latitude;  // the horizontal Earth rate is the same
+  const Calibration c = calibrate_hybrid(s.recording, s.rests, s.session).calibration;
+  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("the g-sensitivity is the same on all axes, as a latitude of ")));
+  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("deg instead of -45.0")));
+  EXPECT_THAT(c.quality.verdict, HasSubstr("the latitude seems to be wrong"));
+}
+
 TEST(HybridBadInput, WrongAxesAreNamed) {
   const HybridSession good = session_of(5);
   const auto message = [&](const std::function<void(Recording&)>& damage) {
