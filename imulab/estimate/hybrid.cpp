@@ -197,6 +197,38 @@ HybridResult at_latitude(const SeenLatitude& seen, const Recording& recording, c
   return out;
 }
 
+struct Settled {
+  HybridCourse course;
+  std::vector<TermTest> tests;
+  std::size_t left_out = 0;              ///< velocities
+  std::optional<SeenLatitude> latitude;  ///< instead of the site's: then the rest is void
+};
+
+/// Repeats until neither the terms nor the velocities that are used change. Terms are `chosen`, or those significant of more `possible` ones.
+/// Outlying blocks are no longer observed in `data`.
+Settled settle(HybridData& data, const HybridTerms& chosen, const HybridTerms& possible, double significance) {
+  Settled s{converged(data, begin_course(data, chosen)), {}, 0, {}};
+  for (int round = 0; round < 6; ++round) {
+    HybridReview seen = review(data, s.course, possible, significance);
+    s.latitude = seen.latitude;
+    if (s.latitude) break;
+    if (!(chosen == possible)) {
+      s.tests = std::move(seen.tests);
+      if (!(seen.significant == s.course.terms)) {  // and again, about them
+        s.course = converged(data, with_terms(data, s.course, seen.significant));
+        continue;
+      }
+    }
+    if (!s.course.converged) break;
+    const std::vector<std::size_t> outlying = outlying_blocks(data, s.course);
+    if (outlying.empty()) break;
+    for (const std::size_t k : outlying) data.blocks[k].observed = false;
+    s.left_out += outlying.size();
+    s.course = converged(data, std::move(s.course));
+  }
+  return s;
+}
+
 }  // namespace
 
 HybridResult calibrate_hybrid(const Recording& recording, const std::vector<Range>& rests, const Session& session, const HybridOptions& options) {
@@ -218,34 +250,18 @@ HybridResult calibrate_hybrid(const Recording& recording, const std::vector<Rang
                   wanted};
 
   const HybridTerms chosen = terms_of(wanted), possible{turntable, true, true, turntable};
-  HybridCourse course = converged(data, begin_course(data, chosen));
-  std::size_t left_out = 0;
-  std::vector<TermTest> tests;
-  for (int round = 0; round < 6; ++round) {
-    HybridReview seen = review(data, course, wanted.empty() ? possible : chosen, options.significance);
-    if (seen.latitude) return at_latitude(*seen.latitude, recording, rests, session, options);
-    if (wanted.empty()) tests = std::move(seen.tests);
-    if (wanted.empty() && !(seen.significant == course.terms)) {  // and again, about them
-      course = converged(data, with_terms(data, course, seen.significant));
-      continue;
-    }
-    if (!course.converged) break;
-    const std::vector<std::size_t> outlying = outlying_blocks(data, course);
-    if (outlying.empty()) break;
-    for (const std::size_t k : outlying) data.blocks[k].observed = false;
-    left_out += outlying.size();
-    course = converged(data, std::move(course));
-  }
-
+  const Settled settled = settle(data, chosen, wanted.empty() ? possible : chosen, options.significance);
+  if (settled.latitude) return at_latitude(*settled.latitude, recording, rests, session, options);
+  HybridCourse course = settled.course;
   HybridResult out{calibration_of(data, course), coarse, {}, {}, 0};
   out.calibration.imu = session.imu.name;
   Quality& quality = out.calibration.quality;
   quality.notes = start.notes;
-  quality.term_tests = std::move(tests);
+  quality.term_tests = settled.tests;
   for (const auto& part : {start.warnings, cut.warnings, warnings}) quality.warnings.insert(quality.warnings.end(), part.begin(), part.end());
-  if (left_out > 0)
+  if (settled.left_out > 0)
     quality.warnings.push_back(
-        fmt::format("{} of {} velocities were left out: the unit was bumped, shaken, or not in its place", left_out, data.blocks.size()));
+        fmt::format("{} of {} velocities were left out: the unit was bumped, shaken, or not in its place", settled.left_out, data.blocks.size()));
   add_residuals(data, course, quality);
   add_notes(data, course, quality);
   std::vector<std::string> doubts = common_doubts(out.calibration, site, 0, 1);
