@@ -24,6 +24,7 @@ void add_predict(CLI::App& app);
 void add_trajectory(CLI::App& app);
 void add_navigate(CLI::App& app);
 void add_budget(CLI::App& app);
+void add_export(CLI::App& app);
 void add_demo(CLI::App& app);
 
 }  // namespace imulab::command

@@ -46,6 +46,7 @@ int run(std::vector<std::string> arguments) {
   add_trajectory(app);
   add_navigate(app);
   add_budget(app);
+  add_export(app);
   add_demo(app);
   app.failure_message(
       [](const CLI::App*, const CLI::Error& e) { return fmt::format("imulab: {}\nRun with --help for more information.\n", e.what()); });
