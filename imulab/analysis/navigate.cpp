@@ -234,12 +234,13 @@ void warn_of_samples(const Recording& r, Navigated& out) {
         fmt::format("{}: {} saturated sample{} integrated as read, the first at {:.6f} s: the true motion was larger, from "
                     "there on the solution is doubtful",
                     r.name, out.saturated, out.saturated == 1 ? "" : "s", *first));
+  const bool rates = !r.gyro_increment || !r.accel_increment;
   if (const double jitter = stamp_jitter(r); jitter > 0.1)
     out.warnings.push_back(
-        fmt::format("{}: the stamps' differences scatter by {:.0f} % of the interval; rates are taken to last as long as they say. "
-                    "Where the stamps are late and the sampling is even, every turn and every force is integrated wrongly by as "
-                    "much: declare output = \"increment\", or even stamps",
-                    r.name, 100 * jitter));
+        fmt::format("{}: the stamps' differences scatter by {:.0f} % of the interval; {}", r.name, 100 * jitter,
+                    rates ? "rates are taken to last as long as they say. Where the stamps are late and the sampling is even, every turn and "
+                            "every force is integrated wrongly by as much: declare output = \"increment\", or even stamps"
+                          : "increments are taken as they are, gravity by the stamps: each state is as late as its stamp"));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/flight_session.hpp"
+#include <algorithm>
 
 namespace imulab {
 namespace {
@@ -92,6 +93,32 @@ TEST(Navigate, BridgesGapsOrRefusesThem) {
   const Navigated inside = navigate({}, f.session, holed);
   EXPECT_DOUBLE_EQ(inside.solution.time.front(), 50.3);
   EXPECT_NEAR(inside.solution.time[1], 50.32, 1e-9);
+}
+
+TEST(Navigate, LateStampsOnEvenIncrementsMakeNoMotion) {
+  // Stamps that scatter by a fifth of the interval, and 4 rows lost while it speeds up: the increments tell the same way.
+  const TemporaryFolder folder;
+  FlightSession f = flight_session(0);
+  f.session.initial = flight_start();
+  RecordingSource& source = f.session.recordings[0];
+  source.gyro = {{}, {"gx", "gy", "gz"}, Output::increment, "rad", {}};
+  source.accel = {{}, {"ax", "ay", "az"}, Output::increment, "m/s", {}};
+  f.recording.gyro_increment = f.recording.accel_increment = true;
+  const RandomStream draws(3, "late stamps");
+  for (std::size_t i = 0; i + 1 < f.recording.size(); ++i)  // clipped, so that they ascend
+    f.recording.time_ns[i] += static_cast<std::int64_t>(4e6 * std::clamp(draws.normal(i), -2.4, 2.4));
+  FlightSession whole = f;
+  f.recording = without(without(f.recording, 2510, 2512), 2500, 2502);
+  write(folder, "whole", whole);
+  write(folder, "holed", f);
+  for (const std::string name : {"whole", "holed"}) {
+    const Session session = read_session(folder / name);
+    const Navigated n = navigate({}, session, read_recording(session, session.recordings[0]).recording);
+    EXPECT_EQ(n.gaps.size(), name == "whole" ? 0u : 2u);
+    EXPECT_THAT(n.warnings, testing::Contains(HasSubstr("increments are taken as they are")));
+    // Gravity up to a late stamp is seen in the height alone. Rows lost while it speeds up cost millimetres. Half an interval of false motion at 40 m/s is 0.4 m.
+    EXPECT_LT(end_error(n, f.truth).horizontal(), 0.1) << name;
+  }
 }
 
 TEST(Navigate, LeverArmsOfTheAccelerometersAreRemoved) {
