@@ -92,7 +92,7 @@ std::vector<std::size_t> find_gaps(const TimedTable& table, double interval_s, s
   if (!gaps.empty())
     warnings.push_back(
         fmt::format("{}: {} gap{} in time (more than 1.5 of the nominal {:.6g} s), the largest of {} s before {} s (line {}); what "
-                    "moved inside a gap is not seen, and no rotation is integrated across it",
+                    "moved inside a gap is not seen",
                     table.file, gaps.size(), gaps.size() == 1 ? "" : "s", interval_s, seconds_text(largest), seconds_text(table.time_ns[where]),
                     table.lines[where]));
   return gaps;
