@@ -55,6 +55,13 @@ TEST(Navigate, StartsInsideASampleToo) {
   EXPECT_LT(end_error(n, f.truth).position.norm(), 2e-3);
   f.session.initial->time = 0;  // the start of the first sample's interval
   EXPECT_LT(end_error(navigate({}, f.session, f.recording), f.truth).position.norm(), 3e-3);
+  for (const std::int64_t late : {100000, -100000}) {  // 0.1 ms of 20: the first sample is whole all the same
+    FlightSession stamped = f;
+    stamped.recording.time_ns[0] += late;
+    const Navigated begun = navigate({}, stamped.session, stamped.recording);
+    EXPECT_DOUBLE_EQ(begun.solution.time.front(), 0);
+    EXPECT_LT(end_error(begun, f.truth).horizontal(), 3e-3);
+  }
   for (const double outside : {-1., 100., 500.}) {
     f.session.initial->time = outside;
     EXPECT_THROW(navigate({}, f.session, f.recording), Error) << outside;
@@ -74,6 +81,14 @@ TEST(Navigate, AlignsOnTheFirstRestWithinTheStatedUncertainty) {
   }
   EXPECT_LT(square, chi_square_quantile(1 - 1e-6, 3 * runs));  // chance alone: once in a million
   EXPECT_GT(square, chi_square_quantile(1e-6, 3 * runs));
+}
+
+TEST(Navigate, ARestTooShortToAlignOnIsPassedOver) {
+  FlightSession f = flight_session(1);
+  for (std::size_t i = 250; i < 300; ++i) f.recording.gyro[0][i] += i % 2 == 0 ? 0.01 : -0.01;  // shaken after 5 s, for 1 s
+  const Navigated n = navigate({}, f.session, f.recording);
+  EXPECT_NEAR(n.aligned->begin, 6.5, 0.5);
+  EXPECT_NEAR(n.aligned->end, flight_rest, 1.5);
 }
 
 TEST(Navigate, BridgesGapsOrRefusesThem) {
