@@ -60,6 +60,8 @@ HeightRecord read_barometer(const std::string& file) {
 void check(const Options& o) {
   const bool needs_heights = o.navigate.vertical == VerticalChannel::aided || o.navigate.vertical == VerticalChannel::held;
   if (!o.barometer.empty() && !needs_heights) throw Error("--barometer: is used by --vertical aided or held, expected one of them");
+  for (const auto& [name, value] : {std::pair("--heading", o.heading_deg), std::pair("--heading-sigma", o.heading_sigma_deg)})
+    if (value && !std::isfinite(*value)) throw Error(fmt::format("{}: {} is no angle, expected a finite number of degrees", name, *value));
   if (o.heading_sigma_deg && !o.heading_deg) throw Error("--heading-sigma: expected --heading too");
   if (o.sessions.size() == 1) return;
   for (const auto& [name, value] : {std::pair("--output", o.output), std::pair("--truth", o.truth), std::pair("--barometer", o.barometer)})
@@ -89,8 +91,9 @@ NavigatedSession navigated(const Options& options, const Calibration& calibratio
   NavigatedSession out{name, navigate(calibration, session, recording, options.navigate), {}};
   if (!options.truth.empty() || session.truth_file) {
     const fs::path truth = options.truth.empty() ? session_path(session, *session.truth_file) : fs::path(options.truth);
+    const Solution reference = read_solution(truth);
     try {
-      out.errors = navigation_errors(out.navigated.solution, read_solution(truth));
+      out.errors = navigation_errors(out.navigated.solution, reference);
     } catch (const Error& e) {
       throw Error(fmt::format("{}: {}", truth.string(), e.what()));
     }
@@ -104,10 +107,10 @@ NavigatedSession navigated(const Options& options, const Calibration& calibratio
 
 // ---- what comes out
 
-/// As a compass counts, 0 to 360; what would print as 360 is 0.
-double compass_deg(const EulerAngles& angles) {
-  const double deg = angles.heading / unit::deg;
-  return deg > -5e-6 ? std::max(deg, 0.) : deg + 360;
+/// As a compass counts, 0 to 360, rounded to `decimals`: what would print as 360 is 0.
+double compass_deg(const EulerAngles& angles, int decimals) {
+  const double steps = std::pow(10, decimals), deg = std::round(angles.heading / unit::deg * steps) / steps;
+  return deg < 0 ? deg + 360 : std::abs(deg);
 }
 
 void print_alignment(const AlignedOn& aligned) {
@@ -117,7 +120,7 @@ void print_alignment(const AlignedOn& aligned) {
   fmt::print("aligned on the rest from {:.3f} s to {:.3f} s\n", aligned.begin, aligned.end);
   fmt::print("  roll     {:>12.5f} deg  +/- {:.2g}\n", angles.roll / unit::deg, sigma.x());
   fmt::print("  pitch    {:>12.5f} deg  +/- {:.2g}\n", angles.pitch / unit::deg, sigma.y());
-  fmt::print("  heading  {:>12.5f} deg  +/- {:.2g}\n", compass_deg(angles), sigma.z());
+  fmt::print("  heading  {:>12.5f} deg  +/- {:.2g}\n", compass_deg(angles, 5), sigma.z());
   fmt::print("  gyro noise {:.2g} deg/sqrt(h), accelerometer noise {:.2g} ug/sqrt(Hz); normalised innovations {:.2f} (1: as stated)\n",
              a.gyro_noise / unit::deg_per_sqrt_h, a.accel_noise / unit::ug_per_sqrt_hz, std::sqrt(a.innovation_square));
 }
@@ -127,7 +130,8 @@ void print_end(const Solution& solution) {
   const EulerAngles angles = euler_angles(s.q_nb.toRotationMatrix());
   fmt::print("end      latitude {:.7f} deg, longitude {:.7f} deg, height {:.3f} m\n", s.latitude / unit::deg, s.longitude / unit::deg, s.height);
   fmt::print("         velocity east {:.4f}, north {:.4f}, up {:.4f} m/s\n", s.velocity.x(), s.velocity.y(), s.velocity.z());
-  fmt::print("         roll {:.4f}, pitch {:.4f}, heading {:.4f} deg\n", angles.roll / unit::deg, angles.pitch / unit::deg, compass_deg(angles));
+  fmt::print("         roll {:.4f}, pitch {:.4f}, heading {:.4f} deg\n", angles.roll / unit::deg, angles.pitch / unit::deg,
+             compass_deg(angles, 4));
 }
 
 void print_errors(const NavigationErrors& errors) {

@@ -113,6 +113,7 @@ TEST(NavigateCommand, GapsAreIntegratedAndSaidOrRefused) {
   const CommandResult result = run_imulab(folder, "navigate none session --json");
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_THAT(result.errors, HasSubstr("1 gap of 0.2 s altogether, the first after 60.000000 s: integrated with rate and force straight"));
+  EXPECT_THAT(result.errors, Not(HasSubstr("no rotation is integrated")));
   const Json gaps = Json::parse(result.output)["gaps"];
   ASSERT_EQ(gaps.size(), 1u);
   EXPECT_NEAR(gaps[0]["begin_s"].get<double>(), 60, 1e-9);
@@ -203,13 +204,17 @@ TEST(NavigateCommand, WhatIsWrongIsNamed) {
              "elsewhen.csv: the truth runs from 500.000 s to 510.000 s, the solution from 40.000 s to 100.000 s: expected times that overlap"},
         Case{"none session/lost.toml", "lost.csv: cannot be opened"}, Case{"none session/nan.toml", "nan.csv:71: az: nan is not a reading"},
         Case{"none session -o session/recording.csv", "would overwrite"}, Case{"none session -o -", "expected a file to write"},
-        Case{"none session --heading-sigma 1", "--heading-sigma: expected --heading too"}, Case{"none session --heading 400", "--heading"},
+        Case{"none session --heading nan", "--heading: nan is no angle"},
+        Case{"none session --heading 3 --heading-sigma nan", "--heading-sigma: nan is no angle"}, Case{"none session --heading-sigma 1", "--heading-sigma: expected --heading too"}, Case{"none session --heading 400", "--heading"},
         Case{"none session --vertical up", "--vertical"}, Case{"nothing.json session", "nothing.json"}, Case{"none", "SESSION"}}) {
     const CommandResult result = run_imulab(folder, std::string("navigate ") + c.arguments);
     EXPECT_EQ(result.exit_code, 2) << c.arguments << "\n" << result.errors;
     EXPECT_THAT(result.errors, HasSubstr(c.message)) << c.arguments;
     EXPECT_EQ(result.output, "") << c.arguments;
   }
+  folder.write("empty.csv", "t,latitude_deg\n");
+  const std::string errors = run_imulab(folder, "navigate none session --truth empty.csv").errors;
+  EXPECT_EQ(errors.find("empty.csv"), errors.rfind("empty.csv")) << errors;  // named once
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "imulab/io/solution_file.hpp"
 
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/run_command.hpp"
 #include <cmath>
@@ -118,6 +119,22 @@ TEST(TrajectoryCommand, AVehiclesDriveIsShortToWrite) {
   EXPECT_NEAR(truth.time.back(), 60 + 10 + 10 * (50 + 1.5707963 * 80 / 16.7 + 3) + 8, 0.05);
   EXPECT_NEAR(euler_angles(truth.states.back().q_nb.toRotationMatrix()).heading, std::remainder(10 * 1.5707963267948966, 6.283185307179586), 1e-6);
   EXPECT_LT(truth.states.back().velocity.norm(), 0.3);  // within the last sample of standstill
+}
+
+TEST(TrajectoryCommand, AnIdealDriveCanBeAlignedOnItsRest) {
+  const TemporaryFolder folder;
+  folder.write("m.toml", mission(segment("kind = \"rest\"\nduration_s = 180") + segment("kind = \"accelerate\"\nto_mps = 16.6667\nduration_s = 10") +
+                                     segment("kind = \"straight\"\nduration_s = 300") + segment("kind = \"turn\"\nangle_deg = 90\nrate_dps = 10") +
+                                     segment("kind = \"repeat\"\nlast = 2\ntimes = 3") + segment("kind = \"brake\"\nduration_s = 10"),
+                                 "carrier = \"vehicle\"\nrate_hz = 20\n"));
+  ASSERT_EQ(run_imulab(folder, "trajectory m.toml -o out").exit_code, 0);
+  const CommandResult result = run_imulab(folder, "navigate none out --align --json");
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  const auto j = nlohmann::json::parse(result.output);
+  EXPECT_NEAR(j["alignment"]["begin_s"].get<double>(), 0.5, 0.1);  // half a second inside its ends
+  EXPECT_NEAR(j["alignment"]["end_s"].get<double>(), 179.5, 0.3);
+  // Alignment takes the vertical for the ellipsoid's normal at the rest: 3.6e-6 m/s^2 of gravity at 450 m, 0.08 arcsec.
+  for (const auto& angle : j["alignment"]["roll_pitch_heading_deg"]) EXPECT_NEAR(angle.get<double>(), 0, 5e-5);
 }
 
 TEST(TrajectoryCommand, IsListed) {

@@ -22,6 +22,7 @@ struct InertialSamples {
 };
 
 /// The samples of `range`. A rate lasts for the difference of the stamps, an increment is what it is; both move time on by the stamps' difference.
+/// In a gap increments are bridged by whole samples, as many as the clock says, rates by the time that is missing.
 InertialSamples inertial_samples(const Recording& recording, const Range& range);
 
 /// The gaps inside the range that inertial_samples would bridge.

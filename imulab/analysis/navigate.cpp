@@ -104,15 +104,19 @@ void warn_of_innovations(const FineAlignment& a, std::vector<std::string>& warni
                                    std::sqrt(a.innovation_square)));
 }
 
-/// As declared; or as found, less a window on either side, in which the motion may have begun.
+/// The first as declared; or the first found that is long enough to align on, less a window on either side, in which the motion may have begun.
 Range first_rest(const Recording& recording, const Session& session) {
   const std::vector<Range> rests = rests_of(recording, session).ranges;
   if (rests.empty())
     throw Unsupported(recording.name + ": no rest was found to align on; give [initial] with an attitude, or a recording that begins at rest");
-  Range rest = rests.front();
-  if (!session.steps.empty()) return rest;
-  const auto margin = std::min(static_cast<std::size_t>(RestOptions{}.window_s / recording.interval_s), rest.size() / 4);
-  return {rest.begin + margin, rest.end - margin};
+  if (!session.steps.empty()) return rests.front();
+  const auto inside = [&](const Range& rest) -> Range {
+    const auto margin = std::min(static_cast<std::size_t>(RestOptions{}.window_s / recording.interval_s), rest.size() / 4);
+    return {rest.begin + margin, rest.end - margin};
+  };
+  for (const Range& rest : rests)
+    if (static_cast<double>(inside(rest).size()) * recording.interval_s >= shortest_alignment + recording.interval_s) return inside(rest);
+  return inside(rests.front());
 }
 
 struct Start {
@@ -154,7 +158,8 @@ Start given_start(const InitialState& initial) {
 /// The samples after `time`, the first one from there on.
 InertialSamples samples_from(const Recording& r, double time, const NavigateOptions& options) {
   const double begin = r.time_s(0) - r.interval(0, false), end = r.time_s(r.size() - 1), tolerance = 1e-3 * r.interval_s;
-  if (time < begin - tolerance || time >= end - tolerance)
+  const bool at_begin = std::abs(time - begin) < r.interval_s / 2;  // the first stamp may be late or early: its sample is whole
+  if ((time < begin && !at_begin) || time >= end - tolerance)
     throw Error(fmt::format("{}: navigation starts at {:.6f} s, expected inside the recording, {:.6f} s to {:.6f} s, and before its end", r.name,
                             time, begin, end));
   Range range{0, r.size()};
@@ -169,7 +174,8 @@ InertialSamples samples_from(const Recording& r, double time, const NavigateOpti
   samples.time.erase(samples.time.begin(), samples.time.begin() + first);
   TimedIncrement& step = samples.steps.front();
   const double left = samples.time.front() - time, part = left / step.interval;
-  if (std::abs(left - step.interval) > tolerance) step = {{part * step.increment.angle, part * step.increment.velocity}, left};
+  if (at_begin) step.interval = left;
+  else if (std::abs(left - step.interval) > tolerance) step = {{part * step.increment.angle, part * step.increment.velocity}, left};
   samples.begin = time;
   return samples;
 }
@@ -234,12 +240,13 @@ void warn_of_samples(const Recording& r, Navigated& out) {
         fmt::format("{}: {} saturated sample{} integrated as read, the first at {:.6f} s: the true motion was larger, from "
                     "there on the solution is doubtful",
                     r.name, out.saturated, out.saturated == 1 ? "" : "s", *first));
+  const bool rates = !r.gyro_increment || !r.accel_increment;
   if (const double jitter = stamp_jitter(r); jitter > 0.1)
     out.warnings.push_back(
-        fmt::format("{}: the stamps' differences scatter by {:.0f} % of the interval; rates are taken to last as long as they say. "
-                    "Where the stamps are late and the sampling is even, every turn and every force is integrated wrongly by as "
-                    "much: declare output = \"increment\", or even stamps",
-                    r.name, 100 * jitter));
+        fmt::format("{}: the stamps' differences scatter by {:.0f} % of the interval; {}", r.name, 100 * jitter,
+                    rates ? "rates are taken to last as long as they say. Where the stamps are late and the sampling is even, every turn and "
+                            "every force is integrated wrongly by as much: declare output = \"increment\", or even stamps"
+                          : "increments are taken as they are, gravity by the stamps: each state is as late as its stamp"));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/flight_session.hpp"
+#include <algorithm>
 
 namespace imulab {
 namespace {
@@ -54,6 +55,13 @@ TEST(Navigate, StartsInsideASampleToo) {
   EXPECT_LT(end_error(n, f.truth).position.norm(), 2e-3);
   f.session.initial->time = 0;  // the start of the first sample's interval
   EXPECT_LT(end_error(navigate({}, f.session, f.recording), f.truth).position.norm(), 3e-3);
+  for (const std::int64_t late : {100000, -100000}) {  // 0.1 ms of 20: the first sample is whole all the same
+    FlightSession stamped = f;
+    stamped.recording.time_ns[0] += late;
+    const Navigated begun = navigate({}, stamped.session, stamped.recording);
+    EXPECT_DOUBLE_EQ(begun.solution.time.front(), 0);
+    EXPECT_LT(end_error(begun, f.truth).horizontal(), 3e-3);
+  }
   for (const double outside : {-1., 100., 500.}) {
     f.session.initial->time = outside;
     EXPECT_THROW(navigate({}, f.session, f.recording), Error) << outside;
@@ -75,6 +83,14 @@ TEST(Navigate, AlignsOnTheFirstRestWithinTheStatedUncertainty) {
   EXPECT_GT(square, chi_square_quantile(1e-6, 3 * runs));
 }
 
+TEST(Navigate, ARestTooShortToAlignOnIsPassedOver) {
+  FlightSession f = flight_session(1);
+  for (std::size_t i = 250; i < 300; ++i) f.recording.gyro[0][i] += i % 2 == 0 ? 0.01 : -0.01;  // shaken after 5 s, for 1 s
+  const Navigated n = navigate({}, f.session, f.recording);
+  EXPECT_NEAR(n.aligned->begin, 6.5, 0.5);
+  EXPECT_NEAR(n.aligned->end, flight_rest, 1.5);
+}
+
 TEST(Navigate, BridgesGapsOrRefusesThem) {
   FlightSession f = flight_session(0);
   f.session.initial = flight_start();
@@ -92,6 +108,32 @@ TEST(Navigate, BridgesGapsOrRefusesThem) {
   const Navigated inside = navigate({}, f.session, holed);
   EXPECT_DOUBLE_EQ(inside.solution.time.front(), 50.3);
   EXPECT_NEAR(inside.solution.time[1], 50.32, 1e-9);
+}
+
+TEST(Navigate, LateStampsOnEvenIncrementsMakeNoMotion) {
+  // Stamps that scatter by a fifth of the interval, and 4 rows lost while it speeds up: the increments tell the same way.
+  const TemporaryFolder folder;
+  FlightSession f = flight_session(0);
+  f.session.initial = flight_start();
+  RecordingSource& source = f.session.recordings[0];
+  source.gyro = {{}, {"gx", "gy", "gz"}, Output::increment, "rad", {}};
+  source.accel = {{}, {"ax", "ay", "az"}, Output::increment, "m/s", {}};
+  f.recording.gyro_increment = f.recording.accel_increment = true;
+  const RandomStream draws(3, "late stamps");
+  for (std::size_t i = 0; i + 1 < f.recording.size(); ++i)  // clipped, so that they ascend
+    f.recording.time_ns[i] += static_cast<std::int64_t>(4e6 * std::clamp(draws.normal(i), -2.4, 2.4));
+  FlightSession whole = f;
+  f.recording = without(without(f.recording, 2510, 2512), 2500, 2502);
+  write(folder, "whole", whole);
+  write(folder, "holed", f);
+  for (const std::string name : {"whole", "holed"}) {
+    const Session session = read_session(folder / name);
+    const Navigated n = navigate({}, session, read_recording(session, session.recordings[0]).recording);
+    EXPECT_EQ(n.gaps.size(), name == "whole" ? 0u : 2u);
+    EXPECT_THAT(n.warnings, testing::Contains(HasSubstr("increments are taken as they are")));
+    // Gravity up to a late stamp is seen in the height alone. Rows lost while it speeds up cost millimetres. Half an interval of false motion at 40 m/s is 0.4 m.
+    EXPECT_LT(end_error(n, f.truth).horizontal(), 0.1) << name;
+  }
 }
 
 TEST(Navigate, LeverArmsOfTheAccelerometersAreRemoved) {

@@ -1,5 +1,6 @@
 #include "imulab/io/recording_file.hpp"
 
+#include "imulab/core/random.hpp"
 #include "imulab/core/units.hpp"
 
 #include <fmt/core.h>
@@ -171,6 +172,17 @@ TEST(RecordingFile, ListsGaps) {
   EXPECT_THAT(parse(rows_at({"0", "0.01", "0.0249", "0.0349"})).recording.gaps, IsEmpty());  // 1.49 intervals
   EXPECT_THAT(parse(rows_at({"0", "0.01", "0.02", "0.037", "0.04", "0.05", "0.06"})).recording.gaps, IsEmpty());  // a late stamp
   EXPECT_THAT(parse(rows_at({"0", "0.01", "0.02", "0.04", "0.05", "0.06"})).recording.gaps, ElementsAre(3));      // a lost row
+}
+
+TEST(RecordingFile, StampsThatAllScatterAreNoGaps) {
+  // Late by 0 .. 6 ms of 10: dozens of differences are beyond 1.5 intervals. The clock is off by 7 % of an interval in sixteen rows. One row is lost.
+  RecordingSource source = plain_source();
+  source.rate_hz = 100;
+  std::vector<std::string> times;
+  const RandomStream draws(5, "late stamps");
+  for (int i = 0; i < 2000; ++i)
+    if (i != 1200) times.push_back(fmt::format("{:.6f}", 0.010045 * i + 0.006 * draws.uniform(static_cast<std::uint64_t>(i))));
+  EXPECT_THAT(parse(rows_at(times), source).recording.gaps, ElementsAre(1200));
 }
 
 TEST(RecordingFile, ListsSaturatedSamples) {

@@ -22,7 +22,9 @@ Matrix3d triad(const Vector3d& a, const Vector3d& b) {
   return axes;
 }
 
+/// `C_nb` has its levels.
 Matrix3d with_heading(const Matrix3d& C_nb, double heading) {
+  check_has_heading(C_nb);  // before Euler angles spoil it
   EulerAngles angles = euler_angles(C_nb);
   angles.heading = heading;
   return attitude_matrix(angles);

@@ -233,6 +233,18 @@ TEST(Alignment, RefusesWhatCannotBeAligned) {
   EXPECT_THAT(message([&] { coarse_alignment(brief, site(), {}); }), HasSubstr("50 samples over 5.000 s, at least 20 over 10 s"));
   EXPECT_THROW(coarse_alignment(brief, site(), {}), Unsupported);
   EXPECT_THAT(message([&] { fine_alignment(rest, {90 * unit::deg, 9.83}, {}); }), HasSubstr("latitude 90.000000 deg"));
+  for (const double pitch : {89.2, 89.9, 90., -89.9}) {  // nose up: gravity along y
+    const double p = pitch * unit::deg;
+    std::vector<TimedIncrement> upright(200, {{{0, 0, 0}, {0, 0.98 * std::sin(p), 0.98 * std::cos(p)}}, 0.1});
+    EXPECT_THAT(message([&] { coarse_alignment(upright, site(), {}, GivenHeading{0.5, 0}); }), HasSubstr("a heading is not defined")) << pitch;
+    EXPECT_THAT(message([&] { fine_alignment(upright, site(), {}, GivenHeading{0.5, 0.1}); }), HasSubstr("a heading is not defined")) << pitch;
+  }
+  std::vector<TimedIncrement> driven(200, rest[0]);  // 3 m/s^2 east and back with a period of 20 s, 30 m
+  for (std::size_t i = 0; i < 200; ++i) driven[i].increment.velocity.x() = 0.3 * std::sin(0.031416 * static_cast<double>(i));
+  AlignmentSensors declared_noise;
+  declared_noise.gyro_noise = 1e-7;
+  declared_noise.accel_noise = 1e-5;
+  EXPECT_THAT(message([&] { fine_alignment(driven, site(), declared_noise, GivenHeading{0, 0}); }), HasSubstr("not even a base that moves by 10 m"));
   EXPECT_THAT(message([&] { fine_alignment(rest, {latitude, 1}, {}); }), HasSubstr("mean specific force at rest is 9.8 m/s^2, expected 1"));
 }
 

@@ -1,9 +1,11 @@
 #include "imulab/navigation/alignment.hpp"
+#include "imulab/core/error.hpp"
 #include "imulab/navigation/attitude.hpp"
 #include "imulab/navigation/rest_motion.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -130,6 +132,10 @@ constexpr double least_displacement = 1e-6, most_displacement = 10;  // of the b
 double base_displacement(const std::vector<Block>& blocks, const std::vector<Transition>& transitions, const AlignmentSensors& sensors) {
   const auto square = [&](double base) { return filter(blocks, transitions, sensors, base).mean_square(); };
   if (square(least_displacement) < 1 + 2 / std::sqrt(static_cast<double>(blocks.size()))) return least_displacement;
+  if (square(most_displacement) > 1)
+    throw Unsupported(fmt::format("alignment: not even a base that moves by {:.0f} m explains what the sensors give: the unit does not rest, or the "
+                                  "calibration is not this unit's",
+                                  most_displacement));
   double low = std::log(least_displacement), high = std::log(most_displacement);
   for (int i = 0; i < 12; ++i) {
     const double middle = (low + high) / 2;

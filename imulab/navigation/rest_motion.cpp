@@ -73,10 +73,14 @@ Densities densities(const RestMotion& rest, const AlignmentSensors& sensors) {
           sensors.accel_noise ? *sensors.accel_noise : noise_density(velocities, rest.duration)};
 }
 
+void check_has_heading(const Matrix3d& C_nb) {
+  if (C_nb.col(1).head<2>().norm() < std::sin(1 * unit::deg))
+    throw Error("alignment: the unit's forward axis (y) is within 1 deg of the vertical, where a heading is not defined; expected none to be given");
+}
+
 Eigen::RowVector3d heading_gradient(const Matrix3d& C_nb) {
   const Vector3d forward = C_nb.col(1);
   const double level = forward.head<2>().squaredNorm();
-  if (level < 1e-6) throw Error("alignment: the unit's forward axis (y) points straight up or down, where it has no heading to be given");
   return {forward.x() * forward.z() / level, forward.y() * forward.z() / level, -1};
 }
 

@@ -35,7 +35,10 @@ struct Densities {
 };
 Densities densities(const RestMotion& rest, const AlignmentSensors& sensors);
 
-/// What phi (C_nb of the truth = (I + [phi x]) C_nb) adds to the heading, as a row. Error where the forward axis is upright: it has no heading.
+/// Error where the forward axis is within a degree of the vertical: a heading is not defined there.
+void check_has_heading(const Matrix3d& C_nb);
+
+/// What phi (C_nb of the truth = (I + [phi x]) C_nb) adds to the heading, as a row; for an attitude that has one.
 Eigen::RowVector3d heading_gradient(const Matrix3d& C_nb);
 
 }  // namespace imulab

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace imulab {
 
@@ -13,12 +14,19 @@ namespace {
 
 constexpr std::size_t strides_per_window = 10;
 
-/// Mean and variance of one column in every window, windows beginning every `stride` samples.
+/// Below this no reading is told from a rest, however little noise it has (an ideal unit's): a hundredth of the Earth's rate, 1 ug, and what rounding
+/// to whole counts makes.
+double least_noise(const std::string& unit) {
+  if (unit == "rad/s") return 7.3e-7;
+  return unit == "m/s^2" ? 1e-5 : 0.3;
+}
+
+/// Mean and variance of one column in every window, windows beginning every `stride` samples. The least noise is added to the variance.
 struct Windows {
   std::vector<double> mean, variance;
 };
 
-Windows windows_of(const std::vector<double>& column, std::size_t length, std::size_t stride) {
+Windows windows_of(const std::vector<double>& column, std::size_t length, std::size_t stride, double least) {
   // Sums of strides, combined about a local origin: one pass, and no cancellation for raw counts far from zero.
   const std::size_t strides = column.size() / stride, per_window = length / stride;
   std::vector<double> sum(strides), square(strides);
@@ -42,7 +50,7 @@ Windows windows_of(const std::vector<double>& column, std::size_t length, std::s
       q += square[i];
     }
     windows.mean.push_back(origin + s / n);
-    windows.variance.push_back(std::max(0.0, (q - s * s / n) / (n - 1)));
+    windows.variance.push_back(std::max(0.0, (q - s * s / n) / (n - 1)) + least * least);
   }
   return windows;
 }
@@ -77,13 +85,10 @@ Cluster cluster_of(std::vector<double> logs) {
   return cluster;
 }
 
-/// Typical standard deviation of a sample of variances; 0 where most are 0 (a stuck or coarsely quantised axis). Windows that do not overlap are
-/// enough for it.
+/// Typical standard deviation of a sample of variances. Windows that do not overlap are enough for it.
 double typical_noise(const std::vector<double>& variance) {
   std::vector<double> logs;
-  for (std::size_t k = 0; k < variance.size(); k += strides_per_window)
-    if (variance[k] > 0) logs.push_back(0.5 * std::log(variance[k]));
-  if (2 * logs.size() < variance.size() / strides_per_window) return 0;
+  for (std::size_t k = 0; k < variance.size(); k += strides_per_window) logs.push_back(0.5 * std::log(variance[k]));
   return std::exp(cluster_of(std::move(logs)).center);
 }
 
@@ -94,7 +99,7 @@ struct Quietness {
   std::vector<char> quiet;
 };
 
-Quietness quietness_of(const std::array<Windows, 3>& axes, double threshold_sigmas) {
+Quietness quietness_of(const std::array<Windows, 3>& axes, double threshold_sigmas, std::size_t length) {
   Quietness result;
   const std::size_t count = axes[0].variance.size();
   for (int j = 0; j < 3; ++j) result.noise[j] = typical_noise(axes[j].variance);
@@ -102,13 +107,14 @@ Quietness quietness_of(const std::array<Windows, 3>& axes, double threshold_sigm
   std::vector<double> level(count);
   for (std::size_t k = 0; k < count; ++k) {
     double sum = 0;
-    for (int j = 0; j < 3; ++j) sum += result.noise[j] > 0 ? axes[j].variance[k] / (result.noise[j] * result.noise[j]) : axes[j].variance[k] > 0 ? 3 : 1;
-    level[k] = 0.5 * std::log(std::max(sum / 3, 1e-300));
+    for (int j = 0; j < 3; ++j) sum += axes[j].variance[k] / (result.noise[j] * result.noise[j]);
+    level[k] = 0.5 * std::log(sum / 3);
   }
   std::vector<double> apart;  // windows that do not overlap
   for (std::size_t k = 0; k < count; k += strides_per_window) apart.push_back(level[k]);
   const Cluster cluster = cluster_of(std::move(apart));
-  const double threshold = cluster.center + threshold_sigmas * cluster.width;
+  const double white = 1 / std::sqrt(6 * static_cast<double>(length - 1));  // width of the cluster for white noise on three axes
+  const double threshold = cluster.center + threshold_sigmas * std::max(cluster.width, white);
   result.factor = std::exp(threshold);
   result.quiet.resize(count);
   for (std::size_t k = 0; k < count; ++k) result.quiet[k] = level[k] <= threshold;
@@ -163,14 +169,16 @@ std::vector<char> turning_runs(const Recording& recording, const std::vector<Ran
 }
 
 /// Do the readings of quiet windows follow one another like motion? Of the means of strides, half the mean square of the differences of neighbours
-/// over the variance about the window's mean (von Neumann's ratio) is 1 for noise, and near 0 for motion that is smooth over a window.
+/// over the variance about the window's mean (von Neumann's ratio) is 1 for noise, and near 0 for motion that is smooth over a window. What is less
+/// than the least noise is no motion.
 bool quiet_is_motion(const Recording& recording, const std::vector<char>& quiet, std::size_t stride) {
   std::vector<double> ratios;
+  const double least_gyro = least_noise(recording.gyro_unit), least_accel = least_noise(recording.accel_unit);
   const std::size_t step = 1 + quiet.size() / 2000;  // windows enough for a median
   for (std::size_t k = 0; k < quiet.size(); k += step) {
     if (!quiet[k]) continue;
-    double sum = 0, axes = 0;
-    for (const Columns3* triad : {&recording.gyro, &recording.accel})
+    double sum = 0;
+    for (const auto& [triad, least] : {std::pair(&recording.gyro, least_gyro), std::pair(&recording.accel, least_accel)})
       for (const auto& column : *triad) {
         std::array<double, 10> mean{};
         for (std::size_t s = 0; s < mean.size(); ++s) mean[s] = mean_of(column, {(k + s) * stride, (k + s + 1) * stride});
@@ -180,9 +188,9 @@ bool quiet_is_motion(const Recording& recording, const std::vector<char>& quiet,
           squares += (mean[s] - center) * (mean[s] - center) / 9;
           if (s > 0) differences += (mean[s] - mean[s - 1]) * (mean[s] - mean[s - 1]) / 18;
         }
-        if (squares > 0) sum += differences / squares, axes += 1;
+        sum += squares > least * least ? differences / squares : 1;
       }
-    if (axes > 0) ratios.push_back(sum / axes);
+    ratios.push_back(sum / 6);
   }
   // Noise through a filter of a few hertz keeps 0.5; a turn at 500 deg/s has 0.1.
   return !ratios.empty() && median(ratios) < 0.25;
@@ -220,10 +228,11 @@ RestDetection detect_rests(const Recording& recording, const RestOptions& option
 
   std::array<Windows, 3> gyro, accel;
   for (int j = 0; j < 3; ++j) {
-    gyro[j] = windows_of(recording.gyro[j], length, stride);
-    accel[j] = windows_of(recording.accel[j], length, stride);
+    gyro[j] = windows_of(recording.gyro[j], length, stride, least_noise(recording.gyro_unit));
+    accel[j] = windows_of(recording.accel[j], length, stride, least_noise(recording.accel_unit));
   }
-  const Quietness g = quietness_of(gyro, options.threshold_sigmas), a = quietness_of(accel, options.threshold_sigmas);
+  const Quietness g = quietness_of(gyro, options.threshold_sigmas, length),
+                  a = quietness_of(accel, options.threshold_sigmas, length);
   std::vector<char> quiet(g.quiet.size());
   for (std::size_t k = 0; k < quiet.size(); ++k) quiet[k] = g.quiet[k] && a.quiet[k];
 

@@ -1,4 +1,5 @@
-// Finds the rests of a recording by itself. Every threshold is estimated from the recording.
+// Finds the rests of a recording by itself. Every threshold is estimated from the recording; a unit without noise is taken to have a hundredth of
+// the Earth's rate, 1 ug, and the rounding of counts.
 //
 // The standard deviation within short windows has a dense, narrow cluster, the sensors' noise at rest, and a wide tail, the motion. The
 // cluster's centre and width set the threshold of each triad; a run of quiet windows is a rest if the gyros' mean agrees with that of the

@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
+
 namespace imulab {
 namespace {
 
@@ -65,6 +68,39 @@ TEST(RestDetection, SteadyTurningIsNoRest) {
   EXPECT_EQ(found.rests.size(), s.rests.size() - 1);
   EXPECT_EQ(found.turning, 1u);
   EXPECT_EQ(found.notes.size(), 2u);
+}
+
+/// Without noise: rests of 20 s, turns of 4 s between them. Times `scale`, about `zero`.
+Recording ideal(double gyro_scale, double accel_scale, double zero) {
+  Recording r;
+  r.interval_s = 0.01;
+  for (int i = 0; i < 12000; ++i) {
+    r.time_ns.push_back(std::int64_t{10'000'000} * (i + 1));
+    const double t = 0.01 * (i % 2400), rate = t < 20 ? 0 : 0.5 * std::pow(std::sin(3.14159265358979 * (t - 20) / 4), 2);
+    for (std::size_t k = 0; k < 3; ++k) {
+      r.gyro[k].push_back(zero + gyro_scale * (4e-5 + rate));
+      r.accel[k].push_back(zero + accel_scale * (5 + rate));
+    }
+  }
+  return r;
+}
+
+TEST(RestDetection, FindsTheRestsOfAnIdealUnitWhole) {
+  Recording si = ideal(1, 1, 0), exact = ideal(1e6, 1e4, 100), rounded = exact, coarse = ideal(100, 100, 0);
+  si.gyro_unit = "rad/s";
+  si.accel_unit = "m/s^2";
+  for (Recording* r : {&rounded, &coarse})
+    for (auto* columns : {&r->gyro, &r->accel})
+      for (auto& column : *columns)
+        for (double& v : column) v = std::round(v);
+  for (const Recording& r : {si, exact, rounded, coarse}) {
+    const std::vector<Range> rests = detect_rests(r).rests;
+    ASSERT_EQ(rests.size(), 5u) << r.gyro_unit;
+    for (std::size_t k = 0; k < 5; ++k) {  // a stride (5 samples) is trimmed, one may reach into motion that has hardly begun; coarse counts show it late
+      EXPECT_NEAR(static_cast<double>(rests[k].begin), 2400. * static_cast<double>(k), 20);
+      EXPECT_NEAR(static_cast<double>(rests[k].end), 2400. * static_cast<double>(k) + 2000, 20);
+    }
+  }
 }
 
 TEST(RestDetection, NoRestInARecordingShorterThanTwoWindows) {
