@@ -82,7 +82,8 @@ HybridPlan hybrid_plan(const Session& procedure) {
   plan.noise.accel_walk.setConstant(unit.accel_noise.K);
   plan.noise.velocity = unit.accel_noise.Q;
   plan.terms.g_sensitivity = procedure.imu.grade && grade(*procedure.imu.grade).g_sensitivity > 0;
-  plan.observe_motion = std::any_of(procedure.rigs.begin(), procedure.rigs.end(), [](const RigDeclaration& r) { return r.kind == RigKind::turntable; });
+  plan.observe_motion =
+      std::any_of(procedure.rigs.begin(), procedure.rigs.end(), [](const RigDeclaration& r) { return r.kind == RigKind::turntable; });
   return plan;
 }
 
@@ -98,7 +99,15 @@ HybridPrediction predict(const HybridPlan& plan) {
   out.layout = course.settings.layout;
   out.prior = course.prior;
   out.covariance = course.pass.covariance;
-  out.C_nb = body_state(rig_motion(plan.procedure.steps), recording.time_s(rests.back().end - 1)).C_nb;
+  const RigMotion motion = rig_motion(plan.procedure.steps);
+  for (std::size_t a = 0; a < 3; ++a) {
+    AxisStates states = axis_states(motion.pieces.back(), motion.end());
+    for (AxisState& state : states) state.rate = 0;
+    states[a].rate = 1;
+    const BodyState turning = turntable_state(motion.axes, states);
+    out.C_nb = turning.C_nb;
+    out.axes[a] = turning.C_nb * turning.rate_nb_b;
+  }
   const std::vector<int> of_state = corrected_coefficients(out.layout);
   std::vector<double> remaining;
   for (Index s = 0; s < out.layout.constants; ++s) {
@@ -110,6 +119,8 @@ HybridPrediction predict(const HybridPlan& plan) {
   }
   const MatrixXd jacobian = correction_jacobian(SensorModel{}, out.coefficients, out.layout);
   out.sigma = (jacobian * errors.covariance * jacobian.transpose()).diagonal().cwiseSqrt();
+  const Index n = out.layout.constants;
+  out.cramer_rao = (jacobian * out.covariance.topLeftCorner(n, n) * jacobian.transpose()).diagonal().cwiseSqrt();
   out.remaining = Eigen::Map<const VectorXd>(remaining.data(), static_cast<Index>(remaining.size()));
   return out;
 }

@@ -4,6 +4,7 @@
 
 #include "imulab/estimate/hybrid_filter.hpp"
 #include "imulab/recording/session.hpp"
+#include "imulab/rig/turntable.hpp"
 
 #include <Eigen/Core>
 
@@ -29,11 +30,13 @@ inline constexpr double hybrid_settling = 1;
 struct HybridPrediction {
   std::vector<int> coefficients, undetermined;  ///< table indices, told apart as `calibrate` does
   Eigen::VectorXd sigma;                        ///< standard uncertainty of each of `coefficients`, SI
+  Eigen::VectorXd cramer_rao;                   ///< the same where nothing is left undetermined: without what that does to the others
   Eigen::VectorXd remaining;                    ///< what the data leave of the prior of each of `undetermined`, SI
   HybridLayout layout;
   Eigen::VectorXd prior;       ///< standard deviations of the filter's constants before the data
   Eigen::MatrixXd covariance;  ///< of the filter's states at the end
-  Matrix3d C_nb;               ///< attitude there
+  Matrix3d C_nb;               ///< attitude there, and
+  RigAxes axes;                ///< the directions of the table's axes in n
 };
 
 /// Throws Error where the procedure's steps are wrong or hold no rest.

@@ -3,11 +3,11 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/model/coefficient.hpp"
-#include "tests/hybrid_session.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/hybrid_session.hpp"
 #include <algorithm>
 #include <cmath>
 
@@ -24,7 +24,8 @@ TEST(HybridPrediction, IsWhatCalibrateStates) {
   const Calibration c = calibrate_hybrid(s.recording, s.rests, s.session, base_terms()).calibration;
   const HybridPrediction p = predict(hybrid_plan(s.session));
   ASSERT_EQ(p.coefficients, c.estimated);
-  for (std::size_t i = 0; i < p.coefficients.size(); ++i)  // the unit's errors of 5e-4 and the table's of 1 arcmin change them by little more than that
+  for (std::size_t i = 0; i < p.coefficients.size();
+       ++i)  // the unit's errors of 5e-4 and the table's of 1 arcmin change them by little more than that
     EXPECT_NEAR(*standard_uncertainty(c, p.coefficients[i]), p.sigma[static_cast<Eigen::Index>(i)], 0.01 * p.sigma[static_cast<Eigen::Index>(i)])
         << coefficient_table()[static_cast<std::size_t>(p.coefficients[i])].name;
 }

@@ -91,7 +91,8 @@ MotionInformation block_information(const InformationModel& m, const Course& cou
   const Matrix3d gyro = C * m.noise.gyro.cwiseAbs2().asDiagonal() * C.transpose(), accel = C * m.noise.accel.cwiseAbs2().asDiagonal() * C.transpose();
   const double T = end - begin;
   Eigen::Matrix<double, 6, 6> q;
-  q << T * gyro, (T * T / 2) * gyro * across.transpose(), (T * T / 2) * across * gyro, T * accel + (T * T * T / 3) * across * gyro * across.transpose();
+  q << T * gyro, (T * T / 2) * gyro * across.transpose(), (T * T / 2) * across * gyro,
+      T * accel + (T * T * T / 3) * across * gyro * across.transpose();
   const MatrixXd white = q.llt().matrixL().solve(residual);
   return white.transpose() * white;
 }
@@ -118,7 +119,13 @@ InformationModel information_model(const HybridPlan& plan, const HybridLayout& l
 }
 
 MotionInformation rest_information(const InformationModel& model, const Matrix3d& C_nb, int seconds) {
-  MotionInformation doubled = block_information(model, [&](double) { return Attitude{C_nb, Vector3d::Zero()}; }, 0, 1), out;
+  MotionInformation doubled = block_information(
+                        model,
+                        [&](double) {
+                          return Attitude{C_nb, Vector3d::Zero()};
+                        },
+                        0, 1),
+                    out;
   for (int left = seconds; left > 0; left /= 2) {
     if (left % 2 == 1) out = out.size() == 0 ? doubled : joined(out, doubled);
     if (left > 1) doubled = joined(doubled, doubled);
@@ -132,10 +139,14 @@ MotionInformation turn_information(const InformationModel& model, const Matrix3d
   const auto course = [&](double t) {
     const double from_end = duration - t;
     double angle = way, rate = 0;
-    if (t <= 0) angle = 0;
-    else if (t < ramp) angle = 0.5 * turn.acceleration * t * t, rate = turn.acceleration * t;
-    else if (from_end >= ramp) angle = top * (t - 0.5 * ramp), rate = top;
-    else if (from_end > 0) angle = way - 0.5 * turn.acceleration * from_end * from_end, rate = turn.acceleration * from_end;
+    if (t <= 0)
+      angle = 0;
+    else if (t < ramp)
+      angle = 0.5 * turn.acceleration * t * t, rate = turn.acceleration * t;
+    else if (from_end >= ramp)
+      angle = top * (t - 0.5 * ramp), rate = top;
+    else if (from_end > 0)
+      angle = way - 0.5 * turn.acceleration * from_end * from_end, rate = turn.acceleration * from_end;
     const double sign = turn.angle < 0 ? -1 : 1;
     return Attitude{rotation_about(turn.axis, sign * angle) * C_nb, sign * rate * turn.axis};
   };

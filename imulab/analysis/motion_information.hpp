@@ -1,5 +1,5 @@
-// The hybrid filter's equations as information: what a rest or a turn tells of the constants and of the attitude errors at its ends. Stretches of motion
-// add up in any order of joining, so that paths can be put together from parts.
+// The hybrid filter's equations as information: what a rest or a turn tells of the constants and of the attitude errors at its ends. Stretches of
+// motion add up in any order of joining, so that paths can be put together from parts.
 //
 //   phi1 = phi0 - T w_in x phi0 - int C dw
 //   0    = int f_n x phi + int C df            the velocity is zero at both ends
@@ -35,7 +35,7 @@ static_assert(unseen_before == hybrid_settling && unseen_after == hybrid_settlin
 
 /// A turn from rest to rest about an axis that is fixed in n, in a trapezoid of rate.
 struct Turn {
-  Vector3d axis;                    ///< of n, unit vector
+  Vector3d axis;                     ///< of n, unit vector
   double angle, rate, acceleration;  ///< rad, rad/s, rad/s^2; the sign is the angle's
 };
 MotionInformation rest_information(const InformationModel& model, const Matrix3d& C_nb, int seconds);

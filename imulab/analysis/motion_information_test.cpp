@@ -5,10 +5,10 @@
 #include "imulab/model/coefficient.hpp"
 #include "imulab/recording/turn.hpp"
 #include "imulab/rig/turntable.hpp"
-#include "tests/hybrid_session.hpp"
 
 #include <gtest/gtest.h>
 
+#include "tests/hybrid_session.hpp"
 #include <array>
 #include <cmath>
 
@@ -26,7 +26,7 @@ Eigen::VectorXd by_parts(const HybridPlan& plan, const InformationModel& model, 
     const BodyState body = turntable_state(ideal_axes(), states);
     if (step.kind == StepKind::hold) {
       const bool outermost = &step == &steps.front() || &step == &steps.back();  // the session's first and last second are not used
-      const int of_turns = &step == &steps.front() ? 2 : 3;  // a turn by hand takes a second before it, and two after it
+      const int of_turns = &step == &steps.front() ? 2 : 3;                      // a turn by hand takes a second before it, and two after it
       const int shorter = plan.observe_motion ? outermost : of_turns;
       knowledge = after(knowledge, rest_information(model, body.C_nb, static_cast<int>(std::lround(step.end - step.start)) - shorter));
     } else {

@@ -163,9 +163,10 @@ Session turns_procedure(const std::string& name, double first_rest, std::span<co
 Session cheng_path_procedure(const TableProcedureOptions& options) {
   using enum RigAxis;
   std::vector<TableTurn> turns;
-  for (const auto& [axis, angle] : {std::pair{middle, 90.0}, {middle, 180.0}, {middle, 180.0}, {middle, -90.0}, {inner, 90.0},   {inner, 180.0}, {inner, 180.0},
-                                    {middle, 90.0},          {middle, 180.0}, {middle, 180.0}, {outer, 90.0},   {middle, -90.0}, {inner, -90.0}, {outer, 90.0},
-                                    {inner, -90.0},          {middle, 90.0},  {inner, 90.0},   {outer, -90.0},  {middle, 90.0},  {inner, -90.0}})
+  for (const auto& [axis, angle] :
+       {std::pair{middle, 90.0}, {middle, 180.0}, {middle, 180.0}, {middle, -90.0}, {inner, 90.0},   {inner, 180.0}, {inner, 180.0},
+        {middle, 90.0},          {middle, 180.0}, {middle, 180.0}, {outer, 90.0},   {middle, -90.0}, {inner, -90.0}, {outer, 90.0},
+        {inner, -90.0},          {middle, 90.0},  {inner, 90.0},   {outer, -90.0},  {middle, 90.0},  {inner, -90.0}})
     turns.push_back({axis, angle, options.rest});
   return turns_procedure("cheng-path", options.rest, turns, options);
 }
