@@ -55,6 +55,7 @@ Session procedure_of(const Options& options, double first_rest, const std::vecto
   table.grade = options.grade;
   if (options.axes == "hand") table.turn_rate = hand_rate;
   Session session = turns_procedure("plan", first_rest, turns, table);
+  session.file = "--grade";  // where an unknown one was written
   session.site.given_gravity = options.gravity;
   if (options.axes == "hand") session.rigs.front() = {};  // kind none
   return session;
