@@ -21,6 +21,7 @@ void add_calibrate(CLI::App& app);
 void add_compensate(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_predict(CLI::App& app);
+void add_plan(CLI::App& app);
 void add_trajectory(CLI::App& app);
 void add_navigate(CLI::App& app);
 void add_budget(CLI::App& app);

@@ -43,6 +43,7 @@ int run(std::vector<std::string> arguments) {
   add_compensate(app);
   add_compare(app);
   add_predict(app);
+  add_plan(app);
   add_trajectory(app);
   add_navigate(app);
   add_budget(app);

@@ -192,12 +192,17 @@ TEST(NavigateCommand, WhatIsWrongIsNamed) {
                  return std::optional(line == 70 ? text.substr(0, text.rfind(',')) + ",nan" : text);
                }));
   folder.write("session/nan.toml", changed("file = \"recording.csv\"", "file = \"nan.csv\""));
+  folder.write("session/huge.csv", edited(read_text(folder / "session/recording.csv"), [](std::size_t line, const std::string& text) {
+                 return std::optional(line == 4500 ? text.substr(0, text.rfind(',')) + ",1e300" : text);
+               }));
+  folder.write("session/huge.toml", changed("file = \"recording.csv\"", "file = \"huge.csv\""));
   struct Case {
     const char *arguments, *message;
   };
   for (const Case& c :
        {Case{"counts.json session", "accel is in m/s^2, expected count, which the calibration was made from"},
-        Case{"none session/count.toml", "gyro is in count, expected rad/s"}, Case{"none session/pole.toml", "latitude 90.000000 deg"},
+        Case{"none session/count.toml", "gyro is in count, expected rad/s"},
+        Case{"none session/huge.toml", "which no motion does"}, Case{"none session/pole.toml", "latitude 90.000000 deg"},
         Case{"none session/pole.toml --align", "latitude 90.000000 deg"},
         Case{"none session/late.toml", "navigation starts at 4000.000000 s, expected inside the recording, 0.000000 s to 100.000000 s"},
         Case{"none session --truth elsewhen.csv",
@@ -214,6 +219,7 @@ TEST(NavigateCommand, WhatIsWrongIsNamed) {
   }
   folder.write("empty.csv", "t,latitude_deg\n");
   const std::string errors = run_imulab(folder, "navigate none session --truth empty.csv").errors;
+  EXPECT_THAT(errors, testing::HasSubstr("empty.csv"));
   EXPECT_EQ(errors.find("empty.csv"), errors.rfind("empty.csv")) << errors;  // named once
 }
 

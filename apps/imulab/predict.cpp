@@ -1,5 +1,6 @@
 // imulab predict PROCEDURE
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/hybrid_table.hpp"
 #include "imulab/analysis/requirement.hpp"
 #include "imulab/analysis/turntable_prediction.hpp"
 #include "imulab/core/error.hpp"
@@ -18,13 +19,14 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <string_view>
 
 namespace imulab::command {
 
 namespace {
 
 struct Options {
-  std::string procedure;
+  std::string procedure, method = "turntable";
   std::optional<std::string> require;
   std::uint64_t runs = 20000, seed = 1;
   bool classical = false, json = false;
@@ -205,6 +207,7 @@ std::vector<KnobAnswer> answers_to(const std::vector<Requirement>& requirements,
 }
 
 void run(const Options& options) {
+  if (options.method == "hybrid") return predict_hybrid(options.procedure, options.require, options.json);
   const std::vector<Requirement> requirements = options.require ? parse_requirements(*options.require) : std::vector<Requirement>{};
   TurntablePlan plan = turntable_plan(read_session(options.procedure));
   plan.classical = options.classical;
@@ -246,9 +249,11 @@ std::string bad_runs(const std::string& text) {
 
 void add_predict(CLI::App& app) {
   const auto options = std::make_shared<Options>();
-  CLI::App* const verb =
-      app.add_subcommand("predict", "How good a turntable calibration will be, and what limits it, before any table time is spent");
+  CLI::App* const verb = app.add_subcommand("predict", "How good a calibration will be, and what limits it, before any table time is spent");
   verb->add_option("procedure", options->procedure, "the procedure or session to predict")->required();
+  verb->add_option("--method", options->method, "turntable, or hybrid: no table angles are used, and no Monte Carlo is made")
+      ->check(CLI::IsMember({"turntable", "hybrid"}))
+      ->capture_default_str();
   verb->add_option("--require", options->require,
                    "requirements, as in \"gyro.matrix.off_diagonal <= 5 arcsec, accel.offset <= 20 ug\": which table, "
                    "timing and noise meet them");
@@ -256,7 +261,12 @@ void add_predict(CLI::App& app) {
   verb->add_option("--seed", options->seed, "the same seed, the same bits")->capture_default_str();
   verb->add_flag("--classical", options->classical, "weights from the sensors' noise alone, and the gyros' bias in turns apart (Zhang 2010)");
   verb->add_flag("--json", options->json, "print the result for machines");
-  verb->callback([options] { run(*options); });
+  verb->callback([options, verb] {
+    for (const char* name : {"--runs", "--seed", "--classical"})
+      if (options->method == "hybrid" && verb->count(name) > 0 && !(std::string_view(name) == "--runs" && options->runs == 0))
+        throw Error(fmt::format("{}: it belongs to --method turntable", name));
+    run(*options);
+  });
 }
 
 }  // namespace imulab::command

@@ -204,8 +204,24 @@ void check_barometer(const NavigateOptions& options, double begin, double end) {
                             time.empty() ? 0 : time.back(), begin, end));
 }
 
-void integrate(const Start& start, const InertialSamples& samples, const Session& session, const NavigateOptions& options, Navigated& out) {
+/// On the ground and in the air the specific force is g on the average; half of it or twice is another unit, or a calibration of another one.
+void warn_of_force(const InertialSamples& samples, const std::string& name, std::vector<std::string>& warnings) {
+  double sum = 0, time = 0;
+  for (const TimedIncrement& step : samples.steps) {
+    sum += step.increment.velocity.norm();
+    time += step.interval;
+  }
+  const double mean = sum / time;
+  if (mean > 0.5 * unit::g && mean < 2 * unit::g) return;
+  warnings.push_back(fmt::format("{}: the compensated specific force is {:.3g} m/s^2 on the average, expected about g: is the calibration that of this unit, "
+                                 "and are the session's units right? The solution is worth nothing otherwise",
+                                 name, mean));
+}
+
+void integrate(const Start& start, const InertialSamples& samples, const Session& session, const Recording& recording, const NavigateOptions& options,
+               Navigated& out) {
   check_barometer(options, samples.begin, samples.time.back());
+  warn_of_force(samples, recording.name, out.warnings);
   Strapdown strapdown(start.state, {.vertical = options.vertical, .gravity = session.site.given_gravity});
   out.solution.time.push_back(start.time);
   out.solution.states.push_back(strapdown.state());
@@ -213,6 +229,9 @@ void integrate(const Start& start, const InertialSamples& samples, const Session
     const TimedIncrement& step = samples.steps[i];
     std::optional<double> height;
     if (options.barometer) height = height_at(*options.barometer, samples.time[i]);
+    if (!(step.increment.angle.norm() < 1e3 && step.increment.velocity.norm() < 1e6))  // far beyond any motion, and still to be integrated
+      throw Error(fmt::format("{}: the sample at {:.6f} s turns by {:.3g} rad and pushes by {:.3g} m/s, which no motion does: expected readings of a unit",
+                              recording.name, samples.time[i], step.increment.angle.norm(), step.increment.velocity.norm()));
     strapdown.step(step.increment, step.interval, height);
     out.solution.time.push_back(samples.time[i]);
     out.solution.states.push_back(strapdown.state());
@@ -263,7 +282,7 @@ Navigated navigate(const Calibration& calibration, const Session& session, const
   const Start start = align ? aligned_start(calibration, session, raw, recording, options, out) : given_start(*session.initial);
   const InertialSamples samples = samples_from(recording, start.time, options);
   out.gaps = samples.gaps;
-  integrate(start, samples, session, options, out);
+  integrate(start, samples, session, recording, options, out);
   warn_of_samples(recording, out);
   return out;
 }

@@ -71,4 +71,21 @@ std::string prediction_json(const TurntablePrediction& p, const std::optional<Mo
   return out.dump(2) + "\n";
 }
 
+std::string prediction_json(const HybridPrediction& p, const std::vector<Shortfall>& shortfalls, const std::optional<HybridAdvice>& advice) {
+  Json coefficients = Json::object(), undetermined = Json::array();
+  for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    coefficients[name_of(p.coefficients[i])] = {{"closed_form", p.sigma[row]}, {"cramer_rao", p.cramer_rao[row]}};
+  }
+  for (const int index : p.undetermined) undetermined.push_back(name_of(index));
+  Json out{{"coefficients", std::move(coefficients)}, {"undetermined", std::move(undetermined)}};
+  if (!shortfalls.empty()) out["not_met"] = to_json(shortfalls);
+  if (advice) {
+    Json direction = Json::array();
+    for (const int index : advice->coefficients) direction.push_back(name_of(index));
+    out["worst_determined"] = {{"coefficients", std::move(direction)}, {"advice", advice->turns}};
+  }
+  return out.dump(2) + "\n";
+}
+
 }  // namespace imulab

@@ -1,6 +1,7 @@
 // A prediction as JSON.
 #pragma once
 
+#include "imulab/analysis/hybrid_advice.hpp"
 #include "imulab/analysis/requirement.hpp"
 #include "imulab/analysis/turntable_prediction.hpp"
 
@@ -20,5 +21,8 @@ struct KnobAnswer {
 /// Standard uncertainties in SI, the shares of their sources, and the answers to requirements where there are any.
 std::string prediction_json(const TurntablePrediction& prediction, const std::optional<MonteCarloResult>& monte_carlo,
                             const std::vector<Shortfall>& shortfalls, const std::vector<KnobAnswer>& answers);
+
+/// Of the hybrid method; the advice where something is undetermined or not within its requirement.
+std::string prediction_json(const HybridPrediction& prediction, const std::vector<Shortfall>& shortfalls, const std::optional<HybridAdvice>& advice);
 
 }  // namespace imulab

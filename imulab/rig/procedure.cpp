@@ -7,6 +7,8 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 namespace imulab {
 
@@ -87,10 +89,8 @@ class Table {
     session_.recordings.push_back(si_recording(o.rate_hz));
   }
 
-  void rest() {
-    Step step = next(StepKind::hold, options_.rest);
-    session_.steps.push_back(step);
-  }
+  void rest() { rest_for(options_.rest); }
+  void rest_for(double seconds) { session_.steps.push_back(next(StepKind::hold, seconds)); }
   /// A rest at other angles.
   void rest_at(double outer, double middle, double inner) {
     const std::array<double, 3> angles{outer, middle, inner};
@@ -151,21 +151,25 @@ Session zhang_24_procedure(const TableProcedureOptions& options) {
   return table.session();
 }
 
-Session cheng_path_procedure(const TableProcedureOptions& options) {
-  Table table("cheng-path", options);
-  struct Turn {
-    RigAxis axis;
-    double angle;
-  };
-  using enum RigAxis;
-  table.rest();
-  for (const Turn& turn : {Turn{middle, 90}, {middle, 180}, {middle, 180}, {middle, -90}, {inner, 90},   {inner, 180}, {inner, 180},
-                           {middle, 90},     {middle, 180}, {middle, 180}, {outer, 90},   {middle, -90}, {inner, -90}, {outer, 90},
-                           {inner, -90},     {middle, 90},  {inner, 90},   {outer, -90},  {middle, 90},  {inner, -90}}) {
-    table.turn(turn.axis, turn.angle);
-    table.rest();
+Session turns_procedure(const std::string& name, double first_rest, std::span<const TableTurn> turns, const TableProcedureOptions& options) {
+  Table table(name, options);
+  table.rest_for(first_rest);
+  for (const TableTurn& turn : turns) {
+    table.turn(turn.axis, turn.angle_deg);
+    table.rest_for(turn.rest);
   }
   return table.session();
+}
+
+Session cheng_path_procedure(const TableProcedureOptions& options) {
+  using enum RigAxis;
+  std::vector<TableTurn> turns;
+  for (const auto& [axis, angle] :
+       {std::pair{middle, 90.0}, {middle, 180.0}, {middle, 180.0}, {middle, -90.0}, {inner, 90.0},   {inner, 180.0}, {inner, 180.0},
+        {middle, 90.0},          {middle, 180.0}, {middle, 180.0}, {outer, 90.0},   {middle, -90.0}, {inner, -90.0}, {outer, 90.0},
+        {inner, -90.0},          {middle, 90.0},  {inner, 90.0},   {outer, -90.0},  {middle, 90.0},  {inner, -90.0}})
+    turns.push_back({axis, angle, options.rest});
+  return turns_procedure("cheng-path", options.rest, turns, options);
 }
 
 }  // namespace imulab

@@ -5,6 +5,7 @@
 #include "imulab/recording/session.hpp"
 
 #include <cstdint>
+#include <span>
 #include <string>
 
 namespace imulab {
@@ -40,6 +41,15 @@ Session six_position_procedure(const TableProcedureOptions& options);
 /// Zhang 2010: turns forward and back about each axis, then 24 positions: each body axis up and down by the inner and middle axes, at each
 /// four headings by the outer. In his frame (x north, y up, z east) the faces are x, y, z up, then x, y, z down.
 Session zhang_24_procedure(const TableProcedureOptions& options);
+
+/// A turn about one axis of a table, and the rest after it.
+struct TableTurn {
+  RigAxis axis;
+  double angle_deg;
+  double rest;  ///< s
+};
+/// Turns between rests, the first of which lasts `first_rest` s; `options.rest` and `options.turns` do not count.
+Session turns_procedure(const std::string& name, double first_rest, std::span<const TableTurn> turns, const TableProcedureOptions& options);
 
 /// A path after Cheng 2014: 20 turns of 90 and 180 deg with rests between them, so that every coefficient shows.
 Session cheng_path_procedure(const TableProcedureOptions& options);

@@ -1,0 +1,78 @@
+#include "imulab/io/session_file.hpp"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/run_command.hpp"
+
+namespace imulab {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+struct PlanCommand : ::testing::Test {
+  TemporaryFolder folder;
+
+  void expect_ends(const std::string& arguments, int exit_code, const std::string& message) {
+    const CommandResult result = run_imulab(folder, arguments);
+    EXPECT_EQ(result.exit_code, exit_code) << arguments << result.errors;
+    EXPECT_THAT(result.errors, HasSubstr(message)) << arguments;
+  }
+};
+
+TEST_F(PlanCommand, WritesAProcedureThatPredictConfirms) {
+  const CommandResult result = run_imulab(folder, "plan --require 'gyro.matrix.off_diagonal <= 2 arcsec' --axes 2 -o p.toml");
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_EQ(result.errors, "");  // no terminal, no progress
+  EXPECT_THAT(result.output, HasSubstr(" turns in "));
+  EXPECT_THAT(result.output, HasSubstr("about the unit's"));
+  const Session session = read_session(folder / "p.toml");
+  for (const Step& step : session.steps)
+    if (step.kind == StepKind::rotate) {
+      EXPECT_NE(step.axis, RigAxis::outer);
+    }
+  const CommandResult predicted = run_imulab(folder, "predict p.toml --method hybrid --json");
+  const Json json = Json::parse(predicted.output);
+  for (const char* name : {"gyro.matrix.xy", "gyro.matrix.zx"})
+    EXPECT_LE(json.at("coefficients").at(name).at("cramer_rao").get<double>(), 2 * 4.8481368e-6) << predicted.errors;
+}
+
+TEST_F(PlanCommand, TheSameBitsTwice) {
+  const char* arguments = "plan --require 'accel.offset <= 5 ug' -o -";
+  const CommandResult once = run_imulab(folder, arguments), again = run_imulab(folder, arguments);
+  EXPECT_EQ(once.exit_code, 0) << once.errors;
+  EXPECT_EQ(once.output, again.output);
+  EXPECT_THAT(once.output, HasSubstr("format = \"imulab.session/1\""));
+}
+
+TEST_F(PlanCommand, SaysWhatCannotBeReached) {
+  expect_ends("plan --require 'accel.matrix.diagonal <= 10 ppm'", 1, "is as uncertain as gravity, 30.6 ppm; --gravity gives a measured value");
+  expect_ends("plan --require 'gyro.matrix.xx <= 10 ppm' --axes 1", 1, "gyro.matrix.xx has ");
+}
+
+TEST_F(PlanCommand, RefusesBadInput) {
+  expect_ends("plan", 2, "--require");
+  expect_ends("plan --require 'gyro.matrix.xx <= 10 ug'", 2, "\"ug\" is no unit of gyro.matrix.xx");
+  expect_ends("plan --require 'accel.matrix.xy <= 1 arcsec'", 2, "lower triangular");
+  expect_ends("plan --require 'gyro.g_sensitivity <= 1 deg/h/g'", 2, "g-sensitivity is that of a grade that has it");
+  expect_ends("plan --require 'accel.offset <= 5 ug' --axes 4", 2, "--axes: 4: 1, 2, 3, hand, or names such as outer,inner were expected");
+  expect_ends("plan --require 'accel.offset <= 5 ug' --grade best", 2, "best");
+  expect_ends("plan --require 'accel.offset <= 5 ug' --latitude 91", 2, "degrees from -90 to 90 was expected");
+  expect_ends("plan --require 'accel.offset <= 5 ug' --time 0.1", 2, "minutes from 1 to 240 was expected");
+  expect_ends("plan --require 'accel.offset <= 5 ug' --rest 7.5", 2, "whole seconds from 6 to 600 was expected");
+  expect_ends("plan --require 'accel.offset <= 5 ug' --time 1 --rest 60", 2, "--time: no turn and rest fit into it");
+}
+
+TEST_F(PlanCommand, PredictNamesWhatIsOpenAndWhatHelps) {
+  EXPECT_EQ(run_imulab(folder, "procedure six-position -o six.toml").exit_code, 0);
+  expect_ends("predict six.toml --method hybrid --runs 100", 2, "--runs: it belongs to --method turntable");
+  EXPECT_EQ(run_imulab(folder, "procedure cheng-path -o p.toml").exit_code, 0);
+  const CommandResult result = run_imulab(folder, "predict p.toml --method hybrid");
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(result.output, HasSubstr("gyro.matrix.zz"));
+  expect_ends("predict p.toml --method hybrid --require 'gyro.matrix.diagonal <= 0.1 ppm'", 1, "the requirements are not met: gyro.matrix.xx has ");
+}
+
+}  // namespace
+}  // namespace imulab

@@ -1,0 +1,55 @@
+// The hybrid filter's equations as information: what a rest or a turn tells of the constants and of the attitude errors at its ends. Stretches of
+// motion add up in any order of joining, so that paths can be put together from parts.
+//
+//   phi1 = phi0 - T w_in x phi0 - int C dw
+//   0    = int f_n x phi + int C df            the velocity is zero at both ends
+#pragma once
+
+#include "imulab/analysis/hybrid_prediction.hpp"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace imulab {
+
+/// White noise alone: offsets that wander are not in it.
+struct InformationModel {
+  HybridSite site;
+  HybridNoise noise;
+  HybridLayout layout;
+  std::vector<Eigen::Index> constants;  ///< those of the layout's states that are in the information: unknown ones, but for the attitude at the start
+  bool observe_motion = true;
+  Eigen::Index size() const { return static_cast<Eigen::Index>(constants.size()); }
+};
+InformationModel information_model(const HybridPlan& plan, const HybridLayout& layout, const Eigen::VectorXd& prior);
+
+/// Of (constants, attitude error at the beginning, attitude error at the end).
+using MotionInformation = Eigen::MatrixXd;
+/// Of (constants, attitude error now).
+using Knowledge = Eigen::MatrixXd;
+
+/// Of the rests before and after a turn by hand, what belongs to it [s]: their settling, and the first second after which the velocity is seen again.
+inline constexpr int unseen_before = 1, unseen_after = 2;
+static_assert(unseen_before == hybrid_settling && unseen_after == hybrid_settling + 1);
+
+/// A turn from rest to rest about an axis that is fixed in n, in a trapezoid of rate.
+struct Turn {
+  Vector3d axis;                     ///< of n, unit vector
+  double angle, rate, acceleration;  ///< rad, rad/s, rad/s^2; the sign is the angle's
+};
+MotionInformation rest_information(const InformationModel& model, const Matrix3d& C_nb, int seconds);
+MotionInformation turn_information(const InformationModel& model, const Matrix3d& C_nb, const Turn& turn);
+
+MotionInformation joined(const MotionInformation& first, const MotionInformation& second);
+
+/// Before anything is seen, the constants having these standard deviations (of the layout).
+Knowledge unknown(const InformationModel& model, const Eigen::VectorXd& prior);
+/// What a prediction leaves.
+Knowledge known(const InformationModel& model, const HybridPrediction& prediction);
+Knowledge after(const Knowledge& before, const MotionInformation& motion);
+
+/// Standard uncertainties of the constants.
+Eigen::VectorXd sigma_of(const Knowledge& knowledge);
+
+}  // namespace imulab
