@@ -69,6 +69,21 @@ TEST(NavigateCommand, AlignsOnTheRest) {
   EXPECT_LT(j["alignment"]["standard_uncertainty_deg"][2].get<double>(), 0.5);  // the Earth's rate says more
 }
 
+TEST(NavigateCommand, WarnsOfAForceThatIsNotG) {
+  const TemporaryFolder folder;
+  FlightSession f = flight_session(1, 1);
+  f.session.initial = flight_start();
+  write(folder, "session", f);
+  Calibration other;
+  other.model.gyro.raw_unit = "rad/s";
+  other.model.accel.raw_unit = "m/s^2";
+  other.model.accel.matrix *= 100;
+  other.covariance.resize(0, 0);
+  folder.write("other.json", calibration_text(other));
+  EXPECT_THAT(run_imulab(folder, "navigate other.json session").errors, HasSubstr("m/s^2 on the average, expected about g"));
+  EXPECT_THAT(run_imulab(folder, "navigate none session").errors, testing::Not(HasSubstr("expected about g")));
+}
+
 TEST(NavigateCommand, SeveralSessionsGiveARateOfTheSet) {
   const TemporaryFolder folder;
   std::vector<double> rates;

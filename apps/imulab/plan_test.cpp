@@ -74,5 +74,14 @@ TEST_F(PlanCommand, PredictNamesWhatIsOpenAndWhatHelps) {
   expect_ends("predict p.toml --method hybrid --require 'gyro.matrix.diagonal <= 0.1 ppm'", 1, "the requirements are not met: gyro.matrix.xx has ");
 }
 
+TEST_F(PlanCommand, APlanForAHandCalibratesAsItPromises) {  // few rests, whose gyros differ by the Earth's rate
+  const char* require = "'gyro.matrix.diagonal <= 30 ppm, gyro.matrix.off_diagonal <= 20 arcsec, accel.offset <= 20 ug'";
+  ASSERT_EQ(run_imulab(folder, std::string("plan --axes hand --require ") + require + " -o hand.toml").exit_code, 0);
+  ASSERT_EQ(run_imulab(folder, "simulate hand.toml -o hand").exit_code, 0);
+  const CommandResult calibrated = run_imulab(folder, "calibrate hand --method hybrid -o hand.json");
+  EXPECT_EQ(calibrated.exit_code, 0) << calibrated.output << calibrated.errors;
+  EXPECT_THAT(run_imulab(folder, "compare hand.json hand/truth.json").output, testing::HasSubstr("0 of 21 coefficients differ significantly"));
+}
+
 }  // namespace
 }  // namespace imulab

@@ -1,6 +1,7 @@
 #include "imulab/recording/rest_detection.hpp"
 
 #include "imulab/core/statistics.hpp"
+#include "imulab/earth/earth.hpp"
 
 #include <fmt/core.h>
 
@@ -161,7 +162,9 @@ std::vector<char> turning_runs(const Recording& recording, const std::vector<Ran
     }
     const double center = median(weighted);
     // Rests differ by bias drift and g-sensitivity, which the robust width of the means measures; 5 noise sigmas of a single sample allow for few rests.
-    const double allowed = std::max(10 * robust_sigma(weighted), 5 * noise[j]);
+    // Read in SI, rests of good gyros differ by the Earth's rate, seen from one attitude or another.
+    const double earth = recording.gyro_unit == "rad/s" ? 2.5 * earth_rate : 0;
+    const double allowed = std::max({10 * robust_sigma(weighted), 5 * noise[j], earth});
     for (std::size_t k = 0; k < runs.size(); ++k)
       if (std::abs(means[k] - center) > allowed) turning[k] = 1;
   }
