@@ -1,4 +1,4 @@
-// The hybrid method on 27 min at 100 Hz (161,400 samples). Targets on one core: one pass of the filter at least 1 million samples/s; the session read
+// The hybrid method on 25 min at 100 Hz (149,800 samples). Targets on one core: one pass of the filter at least 1 million samples/s; the session read
 // from its CSV file and calibrated with all repetitions and tests of terms within 1 s.
 #include "imulab/estimate/hybrid.hpp"
 #include "imulab/estimate/hybrid_blocks.hpp"

@@ -94,7 +94,7 @@ TEST(ChengPathProcedure, EndsAsThePathSays) {
   // Sums of the path's turns: middle 90+180+180-90+90+180+180-90+90+90, inner 90+180+180-90-90+90-90, outer 90+90-90.
   const double sums[] = {90, 900, 270};
   for (std::size_t a = 0; a < 3; ++a) EXPECT_NEAR(commands.back().after[a], sums[a] * unit::deg, 1e-12);
-  // 21 rests of a minute, and 20 turns at 10 deg/s: 2430 deg, each with 0.2 s of ramps: 27 min, as in methods section 6.
+  // 21 rests of a minute, and 20 turns at 10 deg/s: 2430 deg, each with 0.2 s of ramps: 25 min.
   double way = 0;
   for (const Step& step : s.steps) way += std::abs(step.angle);
   EXPECT_NEAR(s.steps.back().end, 21 * 60 + way / (10 * unit::deg) + 20 * 0.2, 1e-9);

@@ -39,7 +39,7 @@ Run static_run(std::uint64_t seed);
 /// Zhang's procedure on tables of 2 arcsec and of 1 arcmin, whose errors are drawn, too.
 Run arcsecond_table_run(std::uint64_t seed);
 Run arcminute_table_run(std::uint64_t seed);
-/// Cheng's path for 27 min on tables of 2 arcsec, 1 arcmin and 1 deg; and in short at 20 Hz.
+/// Cheng's path for 25 min on tables of 2 arcsec, 1 arcmin and 1 deg; and in short at 20 Hz.
 Run hybrid_arcsecond_run(std::uint64_t seed);
 Run hybrid_arcminute_run(std::uint64_t seed);
 Run hybrid_degree_run(std::uint64_t seed);
