@@ -19,6 +19,8 @@ double Site::gravity_sigma() const {
 
 std::string_view to_string(NoiseTerms terms) { return terms == NoiseTerms::white ? "white" : "full"; }
 
+std::string_view to_string(Extent extent) { return extent == Extent::all ? "all" : "steps"; }
+
 std::string_view to_string(RigKind kind) {
   switch (kind) {
     case RigKind::turntable: return "turntable";

@@ -57,6 +57,11 @@ struct RigDeclaration {
   RigKind kind = RigKind::none;
   Spread angle, orthogonality, zero;                                        ///< rad
   Spread timing;                                                            ///< s
+  Spread mount;    ///< rad: each of the three small rotations of a mounting (rate table, centrifuge, chamber), drawn for each mount
+  Spread rate;     ///< relative: the scale of the rate (rate table, centrifuge)
+  Spread radius;   ///< m: of a mount's radii, common to the three sensors (rate table, centrifuge)
+  double ramp = 0, time_constant = 0;  ///< chamber: K/s towards a set point, and s with which the unit follows; 0: at once
+  double hysteresis = 0;               ///< chamber: K by which the unit's zeros lag behind its thermal readings, against the direction of change
   std::array<std::optional<std::array<double, 2>>, 3> given_orthogonality;  ///< rad, by RigAxis: exactly known instead of drawn
   std::array<std::optional<double>, 3> given_zero;                          ///< rad, by RigAxis
   bool operator==(const RigDeclaration&) const = default;
@@ -86,13 +91,21 @@ struct TriadSource {
 struct ThermalSource {
   std::vector<Column> columns;  ///< one or three
   std::string unit = "degC";
+  // Of a simulation: a reading is at_25_degC + per_K (T - 25 degC) and noise; three columns, three sensors.
+  double noise = 0;  ///< one sigma of a reading, in its unit
+  std::optional<double> at_25_degC, per_K;  ///< absent: the temperature itself
   bool operator==(const ThermalSource&) const = default;
 };
+
+/// What a simulation writes down: everything from the first to the last step, or each step's time alone (the operator records point by point).
+enum class Extent { all, steps };
+std::string_view to_string(Extent extent);
 
 struct RecordingSource {
   std::string file;
   std::string rig;  ///< empty with one rig
   std::optional<double> rate_hz;
+  Extent extent = Extent::all;
   TimeSource time;
   TriadSource gyro, accel;
   std::optional<ThermalSource> gyro_temperature, accel_temperature;

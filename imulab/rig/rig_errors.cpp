@@ -2,6 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
+#include "imulab/rig/machine.hpp"
 
 #include <fmt/core.h>
 
@@ -122,6 +123,12 @@ std::string RigErrorSource::name() const {
       return axis == 0 ? "tilt.east" : "tilt.north";
     case RigErrorKind::angle:
       return fmt::format("angle.{}.{}", axis_name, step == at_start ? "start" : fmt::format("{}", step + 1));
+    case RigErrorKind::mount:
+      return fmt::format("mount.{}.{}", mount_name(place), "xyz"[axis]);
+    case RigErrorKind::rate:
+      return "rate";
+    case RigErrorKind::radius:
+      return "radius." + mount_name(place);
     case RigErrorKind::timing:
       break;
   }
@@ -168,6 +175,10 @@ RigErrorIndex index_of(std::span<const RigErrorSource> sources, std::size_t step
       case RigErrorKind::timing:
         index.timing[source.step] = here;
         break;
+      case RigErrorKind::mount:
+      case RigErrorKind::rate:
+      case RigErrorKind::radius:
+        break;  // of machines, which have no steps of their own
       case RigErrorKind::angle: {  // until the axis moves again, when its next source overwrites this one
         const bool at_start = source.step == RigErrorSource::at_start;
         for (std::size_t k = at_start ? 0 : source.step; k < steps; ++k) {

@@ -34,16 +34,17 @@ struct Command {
 /// The commands of these steps (of one recording). The rig begins at zero angles, or at those of a hold that begins at time 0.
 std::vector<Command> commands_of(std::span<const Step> steps);
 
-enum class RigErrorKind { orthogonality, zero, tilt, angle, timing };
+enum class RigErrorKind { orthogonality, zero, tilt, angle, timing, mount, rate, radius };
 
 struct RigErrorSource {
   static constexpr std::size_t at_start = static_cast<std::size_t>(-1);
 
   RigErrorKind kind = RigErrorKind::zero;
-  std::size_t axis = 0;         ///< by RigAxis; of a tilt: 0 about east, 1 about north
+  std::size_t axis = 0;         ///< by RigAxis; of a tilt: 0 about east, 1 about north; of a mount: the body axis it turns about
   std::size_t element = 0;      ///< of an orthogonality: 0 or 1, as in i1, i2
   std::size_t step = at_start;  ///< of an angle or timing error: the step (of its recording) that draws it, from 0
-  double known = 0;             ///< rad or s: what is exactly declared; the middle of the draws
+  Mount place{};                ///< of a mount or radius: which
+  double known = 0;             ///< rad, s, m or relative: what is exactly declared; the middle of the draws
   double sigma = 0;             ///< rad or s: of its draw; 0 where it is exactly known
 
   /// "orthogonality.inner.1", "zero.outer", "tilt.east", "angle.middle.start", "angle.middle.12", "timing.3": steps count from 1.

@@ -1,0 +1,70 @@
+#include "imulab/rig/machine.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace imulab {
+
+namespace {
+
+Vector3d axis_vector(const BodyAxis& axis) { return axis.sign * Vector3d::Unit(axis.index); }
+
+RigErrorSource declared(RigErrorKind kind, const Spread& spread) {
+  RigErrorSource source;
+  source.kind = kind;
+  (spread.fixed ? source.known : source.sigma) = spread.value;
+  return source;
+}
+
+}  // namespace
+
+bool is_machine(RigKind kind) { return kind == RigKind::rate_table || kind == RigKind::centrifuge || kind == RigKind::chamber; }
+
+std::string mount_name(const Mount& mount) {
+  const auto name = [](const BodyAxis& axis) { return fmt::format("{}{}", axis.sign > 0 ? '+' : '-', "xyz"[axis.index]); };
+  return name(mount.up) + name(mount.outward);
+}
+
+Matrix3d mount_attitude(const Mount& mount) {
+  const Vector3d up = axis_vector(mount.up), north = axis_vector(mount.outward);
+  Matrix3d C_nb;  // rows: east, north, up in body axes
+  C_nb << north.cross(up).transpose(), north.transpose(), up.transpose();
+  return C_nb;
+}
+
+Mount mount_of(const Step& step) { return step.mount.value_or(Mount{}); }
+
+std::vector<RigErrorSource> machine_error_sources(const RigDeclaration& rig, std::span<const Step> steps) {
+  std::vector<RigErrorSource> sources;
+  for (std::size_t direction = 0; direction < 2; ++direction) {
+    sources.push_back(declared(RigErrorKind::tilt, rig.zero));
+    sources.back().axis = direction;
+  }
+  const bool turns = rig.kind != RigKind::chamber;
+  if (turns) sources.push_back(declared(RigErrorKind::rate, rig.rate));
+  std::vector<Mount> mounts;
+  for (const Step& step : steps) {
+    const Mount mount = mount_of(step);
+    if (std::find(mounts.begin(), mounts.end(), mount) != mounts.end()) continue;
+    mounts.push_back(mount);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      sources.push_back(declared(RigErrorKind::mount, rig.mount));
+      sources.back().axis = axis, sources.back().place = mount;
+    }
+    if (!turns) continue;
+    sources.push_back(declared(RigErrorKind::radius, rig.radius));
+    sources.back().place = mount;
+  }
+  return sources;
+}
+
+double horizontal_remainder(const Step& step) {
+  if (step.kind != StepKind::spin) return 0;
+  const double half = 0.5 * step.rate * (step.end - step.start);
+  return (half == 0 ? 1 : std::abs(std::sin(half) / half)) / std::numbers::sqrt2;
+}
+
+}  // namespace imulab

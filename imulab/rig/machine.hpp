@@ -1,0 +1,87 @@
+// Machines that hold the unit by its faces: a rate table or centrifuge, which turn it about one vertical axis, and a thermal chamber, which stands still
+// (Dai 2011 section 3). What an ideal unit reads there on average, in closed form, as a function of the machine's errors.
+//
+//   k       the axis: up, but for the tilt of the machine
+//   C_nb  = R_tilt R(up, angle) C_mount R(mount)      C_mount: `up` points up and, at zero angle, `outward` north
+//   w     = k_b (W + w_ie . k)                        W = rate (1 + rate error); Earth's horizontal rate averages out as the axis turns
+//   f     = k_b g_k - outward_b (W + w_ie . k)^2 r_i  for accelerometer i at its own radius r_i; Coriolis' part is in the square
+#pragma once
+
+#include "imulab/core/rotation.hpp"
+#include "imulab/rig/rig_errors.hpp"
+
+#include <Eigen/Core>
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+/// Rate table, centrifuge or chamber.
+bool is_machine(RigKind kind);
+
+/// "+z+x": up, then outward.
+std::string mount_name(const Mount& mount);
+/// C_nb at zero angle, without errors.
+Matrix3d mount_attitude(const Mount& mount);
+/// The mount of a step; one without is +z up, +x outward.
+Mount mount_of(const Step& step);
+
+/// Every error source of a machine that does these steps: its tilt, the scale of its rate, and for each mount three rotations and a radius.
+std::vector<RigErrorSource> machine_error_sources(const RigDeclaration& rig, std::span<const Step> steps);
+
+/// The errors that act on one step.
+template <class T>
+struct MachineErrors {
+  Eigen::Vector2<T> tilt = Eigen::Vector2<T>::Zero();    ///< about east, about north, rad
+  Eigen::Vector3<T> mount = Eigen::Vector3<T>::Zero();   ///< rotation vector in body axes, rad
+  T rate = T(0);                                         ///< relative
+  T radius = T(0);                                       ///< m
+};
+
+/// Surroundings of a machine.
+template <class T>
+struct Place {
+  T gravity;                  ///< m/s^2
+  Vector3d rate_ie_n;         ///< rad/s
+};
+
+template <class T>
+struct SteadyMotion {
+  Eigen::Vector3<T> force, rate;  ///< m/s^2, rad/s
+};
+
+/// exp of a small rotation vector, to the third order: 4e-9 at one degree.
+template <class T>
+Eigen::Matrix3<T> small_rotation(const Eigen::Vector3<T>& r) {
+  const Eigen::Matrix3<T> k = skew<T>(r), k2 = k * k;
+  return Eigen::Matrix3<T>::Identity() + k + k2 * T(0.5) + k * k2 * T(1.0 / 6);
+}
+
+/// The mean motion of a hold or spin.
+template <class T>
+SteadyMotion<T> steady_motion(const Step& step, const MachineErrors<T>& errors, const Place<T>& place) {
+  using Vector = Eigen::Vector3<T>;
+  const Mount mount = mount_of(step);
+  Matrix3d C_mount = mount_attitude(mount);
+  if (step.kind == StepKind::hold) C_mount = rotation_about(Vector3d::UnitZ(), step.angles[static_cast<std::size_t>(RigAxis::outer)]) * C_mount;
+  const Eigen::Matrix3<T> C_tilt = small_rotation<T>(Vector(errors.tilt[0], errors.tilt[1], T(0)));
+  const Eigen::Matrix3<T> C_nb = C_tilt * C_mount.cast<T>() * small_rotation<T>(errors.mount);
+  const Vector axis_n = C_tilt.col(2), axis_b = C_nb.transpose() * axis_n;
+  const Vector rate_ie_n = place.rate_ie_n.template cast<T>();
+  if (step.kind == StepKind::hold) return {C_nb.row(2).transpose() * place.gravity, C_nb.transpose() * rate_ie_n};
+  Vector outward = Vector::Zero();
+  outward[mount.outward.index] = T(mount.outward.sign);
+  const Vector outward_b = small_rotation<T>(errors.mount).transpose() * outward;
+  const T rate = step.rate * (T(1) + errors.rate) + rate_ie_n.dot(axis_n);
+  Vector force = axis_b * (place.gravity * axis_n[2]);
+  for (int i = 0; i < 3; ++i) force[i] -= outward_b[i] * rate * rate * (step.radius[static_cast<std::size_t>(i)] + errors.radius);
+  return {force, axis_b * rate};
+}
+
+/// How much of a horizontal vector the mean over a spin keeps, one sigma along each horizontal axis, where the angle it began at is not known:
+/// |sin(W T / 2) / (W T / 2)| / sqrt(2). Zero for a hold.
+double horizontal_remainder(const Step& step);
+
+}  // namespace imulab
