@@ -18,7 +18,6 @@ namespace imulab {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 namespace {
 
@@ -65,7 +64,7 @@ void check_units(const WholeUnitProblem& problem, const std::vector<Part>& parts
 }
 
 /// Coefficients and covariance of readings, not of readings less their centre.
-void set_estimate(Calibration& calibration, const WholeUnitProblem& problem, const SensorModel& start, const std::vector<Part>& parts, MatrixXd covariance) {
+void set_estimate(Calibration& calibration, const WholeUnitProblem& problem, SensorModel model, const SensorModel& start, const std::vector<Part>& parts, MatrixXd covariance) {
   const auto& indices = problem.coefficients();
   const auto n = static_cast<Index>(indices.size());
   MatrixXd transfer = MatrixXd::Zero(n, n);  // linear: what each coefficient alone becomes
@@ -76,7 +75,6 @@ void set_estimate(Calibration& calibration, const WholeUnitProblem& problem, con
     const SensorModel moved = uncentred(one, problem.center());
     for (Index i = 0; i < n; ++i) transfer(i, k) = coefficient_value(moved, indices[static_cast<std::size_t>(i)]);
   }
-  SensorModel model = problem.model();
   std::vector<char> kept(indices.size());
   for (std::size_t k = 0; k < indices.size(); ++k) {
     kept[k] = parts[k] == Part::estimated;
@@ -139,8 +137,8 @@ double excess(const Solution& s) {
   return std::sqrt(s.chi2 / s.degrees_of_freedom);
 }
 
-std::vector<EstimatedError> estimated_errors(const WholeUnitProblem& problem, const Solution& s) {
-  std::vector<EstimatedError> out;
+std::vector<RigErrorEstimate> estimated_errors(const WholeUnitProblem& problem, const Solution& s) {
+  std::vector<RigErrorEstimate> out;
   const auto first = static_cast<Index>(problem.coefficients().size());
   for (std::size_t k = 0; k < problem.common().size(); ++k) {
     const CommonError& error = problem.common()[k];
@@ -150,8 +148,26 @@ std::vector<EstimatedError> estimated_errors(const WholeUnitProblem& problem, co
   return out;
 }
 
-void note_quality(Calibration& calibration, const WholeUnitProblem& problem, const WholeUnitPoints& all, const std::vector<EstimatedError>& errors) {
-  Quality& quality = calibration.quality;
+/// Radii one by one, where the data know them twice as well as their declaration; the many small angles in one line.
+void note_rig_errors(Quality& quality) {
+  std::size_t angles = 0;
+  double square = 0;
+  for (const RigErrorEstimate& e : quality.rig_errors) {
+    if (e.name == "gravity" || e.uncertainty > 0.5 * e.declared_sigma) continue;
+    const bool radius = e.name.find("radius") != std::string::npos, rate = e.name.ends_with("rate");
+    if (!radius && !rate) {
+      ++angles, square += e.value * e.value;
+      continue;
+    }
+    const double unit = radius ? 1e-3 : unit::ppm;
+    quality.notes.push_back(fmt::format("{}: {:+.3g} +/- {:.2g} {} from its declaration (sigma {:.3g})", e.name, e.value / unit, e.uncertainty / unit,
+                                        radius ? "mm" : "ppm", e.declared_sigma / unit));
+  }
+  if (angles > 0)
+    quality.notes.push_back(fmt::format("{} errors of mounting and levelling were found along, {:.3g} arcsec RMS", angles, std::sqrt(square / static_cast<double>(angles)) / unit::arcsec));
+}
+
+void note_quality(Quality& quality, const WholeUnitProblem& problem, const WholeUnitPoints& all) {
   std::size_t of[3] = {0, 0, 0};
   for (const WholeUnitPoint& p : problem.points().points) ++of[problem.kind(p) == RigKind::chamber ? 0 : problem.kind(p) == RigKind::rate_table ? 1 : 2];
   quality.notes.push_back(fmt::format("{} points were used: {} in the chamber, {} on the rate table, {} on the centrifuge", problem.points().points.size(), of[0], of[1], of[2]));
@@ -164,18 +180,12 @@ void note_quality(Calibration& calibration, const WholeUnitProblem& problem, con
                                         percent(first + 2), r[first].full_scale / unit, name, 100 * largest));
   };
   if (quality.fit_residuals.size() == 6) text(0, unit::g, "g"), text(3, unit::deg, "deg/s");
-  for (const EstimatedError& e : errors) {
-    if (e.name == "gravity" || e.uncertainty > 0.5 * e.declared_sigma) continue;
-    const bool radius = e.name.find("radius") != std::string::npos, rate = e.name.ends_with(": rate");
-    const double unit = radius ? 1e-3 : rate ? unit::ppm : unit::arcsec;
-    quality.notes.push_back(fmt::format("{} found: {:.3g} +/- {:.2g} {} beyond what is declared (sigma {:.3g})", e.name, e.value / unit, e.uncertainty / unit,
-                                        radius ? "mm" : rate ? "ppm" : "arcsec", e.declared_sigma / unit));
-  }
+  note_rig_errors(quality);
 }
 
 }  // namespace
 
-WholeUnitResult calibrate_whole_unit(const std::vector<Recording>& recordings, const Session& session, const WholeUnitOptions& options) {
+Calibration calibrate_whole_unit(const std::vector<Recording>& recordings, const Session& session, const WholeUnitOptions& options) {
   WholeUnitPoints all = whole_unit_points(recordings, session);
   const Vector6d centre = reading_centre(all);
   const SensorModel start = start_model(all, session, centre);
@@ -185,46 +195,42 @@ WholeUnitResult calibrate_whole_unit(const std::vector<Recording>& recordings, c
   WholeUnitProblem problem(all, session, start, centre);
   const WholeUnitPrior prior(problem, start);
   std::vector<Part> parts = asked_parts(problem, options.terms);
-  const bool chosen = !options.terms.empty();
+  const bool chosen = !options.terms.empty(), three_steps = !chosen && has_three_steps(problem);
+  if (options.stepwise && chosen) throw Error("stepwise: Dai's steps estimate all coefficients; terms cannot be chosen");
   Solution solution;
   std::vector<std::string> dropped;
   std::vector<TermTest> tests;
-  std::vector<EstimatedError> errors;
   MatrixXd covariance;
   const auto n = static_cast<Index>(problem.coefficients().size());
   double scatter = 1;
-  if (options.stepwise) {
-    const StepwiseEstimate estimate = stepwise_estimate(problem, true);
-    problem.set_model(estimate.model);
-    covariance = estimate.covariance;
-    const SquareSum sum = problem.square_sum();
-    solution = {VectorXd::Zero(problem.size()), covariance, sum.c, sum.rows - static_cast<double>(n), 0};
-  } else {
-    if (!chosen && has_three_steps(problem)) problem.set_model(stepwise_estimate(problem, false).model);
-    std::vector<Part> weak = parts;
-    std::replace(weak.begin(), weak.end(), Part::estimated, Part::weak);
-    converge(problem, prior, weak);
-    parts = determined(problem, prior, parts);
-    dropped = drop_outliers(problem, prior, parts, options.outlier_level);
-    parts = determined(problem, prior, parts);
-    WholeUnitFit fit = converge(problem, prior, parts);
-    scatter = excess(fit.solution);
-    problem.enlarge_noise(scatter);
-    if (!chosen && !options.full) tests = choose_orders(problem, prior, parts);
-    fit = converge(problem, prior, parts);
-    solution = fit.solution;
-    solution.chi2 *= scatter * scatter;
-    covariance = solution.covariance.topLeftCorner(n, n);
-    errors = estimated_errors(problem, solution);
-    if (!fit.converged) all.warnings.push_back("the fit did not settle");
-  }
+  if (three_steps) problem.set_model(stepwise_estimate(problem, false).model);
+  std::vector<Part> weak = parts;
+  std::replace(weak.begin(), weak.end(), Part::estimated, Part::weak);
+  converge(problem, prior, weak);
+  parts = determined(problem, prior, parts);
+  dropped = drop_outliers(problem, prior, parts, options.outlier_level);
+  parts = determined(problem, prior, parts);
+  WholeUnitFit fit = converge(problem, prior, parts);
+  scatter = excess(fit.solution);
+  problem.enlarge_noise(scatter);
+  if (!chosen && !options.full && !options.stepwise) tests = choose_orders(problem, prior, parts);
+  fit = converge(problem, prior, parts);
+  if (!fit.converged) all.warnings.push_back("the fit did not settle");
+  solution = fit.solution;
+  solution.chi2 *= scatter * scatter;
+  covariance = solution.covariance.topLeftCorner(n, n);
   check_units(problem, parts);
 
   Calibration calibration;
   calibration.imu = session.imu.name;
   calibration.method = options.stepwise ? "whole-unit stepwise" : "whole-unit";
   calibration.frame = "rig";
-  set_estimate(calibration, problem, start, parts, covariance);
+  if (options.stepwise) {  // residuals and rig errors stay those of the joint fit: they are the data's, not the estimate's
+    const StepwiseEstimate estimate = stepwise_estimate(problem, true);
+    set_estimate(calibration, problem, estimate.model, start, parts, estimate.covariance * (scatter * scatter));
+  } else {
+    set_estimate(calibration, problem, problem.model(), start, parts, covariance);
+  }
   Quality& quality = calibration.quality;
   quality.warnings = all.warnings;
   quality.term_tests = tests;
@@ -240,14 +246,15 @@ WholeUnitResult calibrate_whole_unit(const std::vector<Recording>& recordings, c
   quality.fit_residuals = fit_residuals(problem);
   const double relative = session.site.gravity_sigma() / session.site.gravity();
   quality.sources.push_back({"gravity", relative, fmt::format("g is known to {:.3g} ppm", relative / unit::ppm)});
-  note_quality(calibration, problem, all, errors);
+  quality.rig_errors = estimated_errors(problem, solution);
+  note_quality(quality, problem, all);
   for (const std::string& name : dropped) quality.warnings.push_back("dropped as an outlier: " + name);
   for (const std::string& text : diagnose(problem, prior, parts)) quality.warnings.push_back(text);
   if (scatter > 1)
     quality.warnings.push_back(fmt::format("the points scatter {:.2f} times as much as noise and declared errors explain; the uncertainties are enlarged by that", scatter));
   std::vector<std::string> doubts = common_doubts(calibration, session.site, dropped.size(), all.points.size());
   conclude(calibration, doubts);
-  return {std::move(calibration), std::move(errors)};
+  return calibration;
 }
 
 }  // namespace imulab

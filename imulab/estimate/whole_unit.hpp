@@ -18,20 +18,8 @@ struct WholeUnitOptions {
   double outlier_level = 1e-3;   ///< probability that a good point is dropped in a good session
 };
 
-/// Common errors that were estimated along: what the data say of g and of the machines.
-struct EstimatedError {
-  std::string name;                     ///< "centrifuge: radius.+z+x"
-  double declared_sigma = 0;            ///< SI
-  double value = 0, uncertainty = 0;    ///< beyond what is declared, SI
-};
-
-struct WholeUnitResult {
-  Calibration calibration;
-  std::vector<EstimatedError> errors;
-};
-
 /// One recording for each of the session's, in its order. Machines may be missing: what they would have determined keeps its starting value and is
 /// listed. Throws Unsupported where nothing can be determined, Error where a mount, a unit or a direction contradicts the data.
-WholeUnitResult calibrate_whole_unit(const std::vector<Recording>& recordings, const Session& session, const WholeUnitOptions& options = {});
+Calibration calibrate_whole_unit(const std::vector<Recording>& recordings, const Session& session, const WholeUnitOptions& options = {});
 
 }  // namespace imulab

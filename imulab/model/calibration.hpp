@@ -33,6 +33,13 @@ struct FitResidual {
   double rms = 0, largest = 0, full_scale = 0;  ///< m/s^2 or rad/s
 };
 
+/// An error of the rig that was estimated along with the coefficients: what the data say beyond its declaration. SI.
+struct RigErrorEstimate {
+  std::string name;           ///< "centrifuge: radius.+z+x"
+  double declared_sigma = 0;
+  double value = 0, uncertainty = 0;
+};
+
 struct Quality {
   double chi2_per_dof = 0;  ///< residuals against the declared or measured sample noise alone; on a turntable also its declared errors
   int degrees_of_freedom = 0;
@@ -42,7 +49,8 @@ struct Quality {
   std::string verdict;                          ///< "good" or "doubtful: because ..."
   std::optional<double> rotation_residual_deg;  ///< cross-validated, RMS over held-out rotations (hand-held)
   std::vector<TermTest> term_tests;
-  std::vector<FitResidual> fit_residuals;  ///< whole-unit
+  std::vector<FitResidual> fit_residuals;      ///< whole-unit
+  std::vector<RigErrorEstimate> rig_errors;    ///< whole-unit
   std::vector<UncertaintySource> sources;
   std::vector<std::string> notes;  ///< what was used: rests, thresholds, spreads
 };
