@@ -251,9 +251,6 @@ TEST(Simulate, WhatIsMissingIsNamed) {
   s.imu.grade.reset();
   EXPECT_THAT(message([&] { draw_truth(s, 1); }), testing::HasSubstr("grade (drawn) or truth"));
   EXPECT_THAT(message([&] { draw_truth(s, 1, SensorModel{}); }), testing::HasSubstr("accel_noise_density"));
-  RecordingSource kelvin;
-  kelvin.gyro_temperature = ThermalSource{.columns = {}, .unit = "K"};
-  EXPECT_THAT(message([&] { simulate_recording(s, kelvin, {}, 1); }), testing::HasSubstr("\"degC\""));
   EXPECT_THAT(message([&] { simulate_recording(resting(1e-3), {}, {}, 1); }), testing::HasSubstr("at least one sample"));
   s.site.latitude.reset();
   s.site.given_gravity = 9.8;
