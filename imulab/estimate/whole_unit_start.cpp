@@ -34,9 +34,7 @@ SteadyMotion<double> motion_of(const Step& step, const Session& session) { retur
 double reference_temperature(const WholeUnitPoints& points, const Session& session, std::size_t triad) {
   double sum = 0, n = 0;
   for (const WholeUnitPoint& p : points.points) {
-    const std::string& name = session.recordings[p.recording].rig;
-    const auto rig = std::find_if(session.rigs.begin(), session.rigs.end(), [&](const RigDeclaration& r) { return name.empty() || r.name == name; });
-    if (rig != session.rigs.end() && rig->kind == RigKind::chamber) continue;
+    if (rig_of(session, session.recordings[p.recording])->kind == RigKind::chamber) continue;
     sum += p.temperature.segment<3>(static_cast<Index>(3 * triad)).mean(), n += 1;
   }
   return std::round(n > 0 ? sum / n : 0.5 * (points.thermal_range_low[triad] + points.thermal_range_high[triad]));
