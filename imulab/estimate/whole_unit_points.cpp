@@ -129,6 +129,8 @@ void settle_thermal(WholeUnitPoints& all, const Session& session) {
         high = std::max(high, p.temperature[3 * static_cast<Eigen::Index>(triad) + k]);
       }
     all.thermal_range_low[triad] = low, all.thermal_range_high[triad] = high;
+    const double noise = std::sqrt(all.thermal_variance.segment<3>(static_cast<Eigen::Index>(3 * triad)).maxCoeff() / static_cast<double>(all.points.front().samples));
+    all.thermal_excited[triad] = high - low > std::max(all.thermal_unit[triad] == "raw" ? 0.0 : 1.0, 30 * noise);
   }
 }
 
@@ -158,7 +160,6 @@ WholeUnitPoints whole_unit_points(const std::vector<Recording>& recordings, cons
   WholeUnitPoints all;
   all.interval_s = recordings.front().interval_s;
   NoiseSums raw, temperature;
-  std::size_t empty = 0;
   for (std::size_t r = 0; r < recordings.size(); ++r) {
     const RecordingSource& source = session.recordings[r];
     const RigDeclaration* const rig = rig_of(session, source);
@@ -175,7 +176,10 @@ WholeUnitPoints whole_unit_points(const std::vector<Recording>& recordings, cons
       point.samples = range.size();
       if (range.size() < 2) {
         all.warnings.push_back(fmt::format("{}: {} samples in it, left out", point.name(session), range.size()));
-        ++empty;
+        continue;
+      }
+      if (std::any_of(all.points.begin(), all.points.end(), [&](const WholeUnitPoint& p) { return p.recording == r && p.step.start < step.end && step.start < p.step.end; })) {
+        all.warnings.push_back(point.name(session) + ": its time is part of a step before it too, used once and not twice");
         continue;
       }
       if (saturated(recordings[r], range)) {

@@ -37,6 +37,7 @@ struct WholeUnitPoints {
   std::array<bool, 2> thermal{};         ///< is there a thermal reading: accelerometers, gyros
   std::array<std::string, 2> thermal_unit;
   std::array<double, 2> thermal_range_low{}, thermal_range_high{};
+  std::array<bool, 2> thermal_excited{};  ///< do the readings change by more than their noise and a kelvin?
   std::vector<std::string> warnings, notes;
 };
 

@@ -174,7 +174,9 @@ PointEquations WholeUnitProblem::equations(const WholeUnitPoint& point) const {
     const Vector3d up = mount_attitude(mount_of(point.step)).row(2);
     const Matrix3d horizontal = Matrix3d::Identity() - up * up.transpose();
     noise.topLeftCorner<3, 3>() += std::pow(kept * gravity_ * tilt * std::sqrt(2.0), 2) * horizontal;
-    noise.bottomRightCorner<3, 3>() += std::pow(kept * rate_ie_n_.head<2>().norm(), 2) * horizontal;
+    const double earth = rate_ie_n_.head<2>().norm(), radius = *std::max_element(point.step.radius.begin(), point.step.radius.end());
+    noise.bottomRightCorner<3, 3>() += std::pow(kept * earth, 2) * horizontal;
+    noise.topLeftCorner<3, 3>() += std::pow(kept * 2 * point.step.rate * radius * earth, 2) * (up * up.transpose());  // Coriolis
   }
   noise *= noise_factor_ * noise_factor_;
   const Eigen::LLT<Matrix6> factor(noise);
@@ -198,6 +200,10 @@ SquareSum WholeUnitProblem::square_sum(std::size_t part, std::size_t parts) cons
   }
   sum.N = sum.N.selfadjointView<Eigen::Lower>();
   return sum;
+}
+
+void WholeUnitProblem::forget_common() {
+  for (CommonError& error : common_) error.value = 0;
 }
 
 void WholeUnitProblem::correct(const VectorXd& x) {

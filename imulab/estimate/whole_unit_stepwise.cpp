@@ -228,7 +228,9 @@ bool has_three_steps(const WholeUnitProblem& problem) {
 StepwiseEstimate stepwise_estimate(const WholeUnitProblem& problem, bool with_covariance) {
   if (!has_three_steps(problem))
     throw Unsupported("stepwise: a chamber, a rate table with each axis up and down, and a centrifuge with each axis outward both ways were expected");
-  Steps steps(problem, with_covariance);
+  WholeUnitProblem declared = problem;
+  declared.forget_common();
+  Steps steps(declared, with_covariance);
   steps.chamber();
   steps.rate_table();
   steps.centrifuge_accelerometers();
