@@ -191,10 +191,11 @@ TEST(RecordingFile, AWayFromOneStepToTheNextIsNoGapToWarnOf) {
   };
   EXPECT_THAT(warnings({}), ElementsAre(HasSubstr("3 gaps in time")));
   EXPECT_THAT(warnings({{1.003, 1.036}, {4.995, 5.03}, {5.43, 5.46}, {9, 9.03}}), IsEmpty());  // steps need not begin with a sample
-  EXPECT_THAT(warnings({{1, 1.03}, {5, 5.46}, {9, 9.03}}), ElementsAre(HasSubstr("1 gap in time (more than 1.5 of the nominal 0.01 s), the largest of "
-                                                                                 "0.41 s before 5.44 s (line 8)")));  // inside a step
-  EXPECT_THAT(warnings({{1, 1.03}, {4, 5.03}, {5.43, 5.46}, {9, 9.03}}), ElementsAre(HasSubstr("1 gap in time")));     // a step's begin is missing
-  EXPECT_THAT(warnings({{5, 5.03}, {5.43, 5.46}}), ElementsAre(HasSubstr("2 gaps in time")));                          // before and after all steps
+  EXPECT_THAT(warnings({{1, 1.03}, {5, 5.46}, {9, 9.03}}),
+              ElementsAre(HasSubstr("1 gap in time (more than 1.5 of the nominal 0.01 s), the largest of "
+                                    "0.41 s before 5.44 s (line 8)")));                                             // inside a step
+  EXPECT_THAT(warnings({{1, 1.03}, {4, 5.03}, {5.43, 5.46}, {9, 9.03}}), ElementsAre(HasSubstr("1 gap in time")));  // a step's begin is missing
+  EXPECT_THAT(warnings({{5, 5.03}, {5.43, 5.46}}), ElementsAre(HasSubstr("2 gaps in time")));                       // before and after all steps
 }
 
 TEST(RecordingFile, StampsThatAllScatterAreNoGaps) {
