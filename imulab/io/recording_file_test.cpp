@@ -125,8 +125,10 @@ TEST(RecordingFile, ConvertsToSi) {
 
 TEST(RecordingFile, KeepsThermalReadings) {
   RecordingSource source = plain_source();
-  source.gyro_temperature = ThermalSource{{"tg"}, "K"};
-  source.accel_temperature = ThermalSource{{"tg", "t2", "t3"}, "raw"};
+  source.gyro_temperature.emplace().columns = {"tg"};
+  source.gyro_temperature->unit = "K";
+  source.accel_temperature.emplace().columns = {"tg", "t2", "t3"};
+  source.accel_temperature->unit = "raw";
   const Recording r = parse("t,gx,gy,gz,ax,ay,az,tg,t2,t3\n0,1,2,3,4,5,6,300.5,5001,5002\n1,1,2,3,4,5,6,301.5,5003,5004\n", source).recording;
   EXPECT_THAT(r.gyro_temperature, ElementsAre(ElementsAre(300.5, 301.5), ElementsAre(300.5, 301.5), ElementsAre(300.5, 301.5)));
   EXPECT_THAT(r.accel_temperature, ElementsAre(ElementsAre(300.5, 301.5), ElementsAre(5001, 5003), ElementsAre(5002, 5004)));

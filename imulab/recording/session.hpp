@@ -93,7 +93,7 @@ struct ThermalSource {
   std::string unit = "degC";
   // Of a simulation: a reading is at_25_degC + per_K (T - 25 degC) and noise; three columns, three sensors.
   double noise = 0;  ///< one sigma of a reading, in its unit
-  std::optional<double> at_25_degC{}, per_K{};  ///< absent: the temperature itself
+  std::optional<double> at_25_degC, per_K;  ///< absent: the temperature itself
   bool operator==(const ThermalSource&) const = default;
 };
 
