@@ -38,8 +38,16 @@ UserValue user_value(const Calibration& calibration, const Coefficient& c, doubl
       return {(scale - 1) / unit::ppm, sigma / unit::ppm, "ppm"};
     case Term::g_sensitivity: return {value / (unit::deg_per_h / unit::g), sigma / (unit::deg_per_h / unit::g), "deg/h/g"};
     case Term::lever_arm: return {1e3 * value, 1e3 * sigma, "mm"};
-    default: return {value, sigma, ""};
+    default: break;
   }
+  if (counts) return {value, sigma, ""};
+  // Readings in SI: what a coefficient adds at one g, at one deg/s or in one kelvin.
+  const std::string per = triad.temperature && triad.temperature->unit == "raw" ? "raw" : "K";
+  const auto in = [&](double unit, const std::string& name) { return UserValue{value / unit, sigma / unit, name}; };
+  if (c.term == Term::thermal) return in(accel ? unit::ug : unit::deg_per_h, fmt::format("{}/{}{}", accel ? "ug" : "deg/h", per, c.column == 2 ? "^2" : ""));
+  const int order = c.term == Term::quadratic ? 2 : 3;
+  return accel ? in(unit::ug / std::pow(unit::g, order), fmt::format("ug/g^{}", order))
+               : in(unit::ppm / std::pow(unit::deg, order - 1), order == 2 ? "ppm/(deg/s)" : "ppm/(deg/s)^2");
 }
 
 void print_row(const Calibration& calibration, int index) {
@@ -89,11 +97,15 @@ void print_calibration(const Calibration& calibration, const SensorModel* coarse
   fmt::print("\n");
   for (const std::string& note : quality.notes) fmt::print("  {}\n", note);
   for (const UncertaintySource& source : quality.sources) fmt::print("  {}\n", source.consequence);
-  for (const TermTest& test : quality.term_tests)
-    fmt::print("  {}: {} (chi2 {:.4g} with {} degrees of freedom, probability by chance {:.2g})\n", test.term,
-               test.kept ? "significant, estimated" : "not significant, left at zero", test.statistic, test.degrees_of_freedom, test.p_value);
+  for (const TermTest& test : quality.term_tests) {
+    std::string validation;
+    if (test.cross_validation_with > 0)
+      validation = fmt::format("; left-out points are missed by {:.3g} sigma with it, {:.3g} without", test.cross_validation_with, test.cross_validation_without);
+    fmt::print("  {}: {} (chi2 {:.4g} with {} degrees of freedom, probability by chance {:.2g}{})\n", test.term,
+               test.kept ? "significant, estimated" : "not significant, left at zero", test.statistic, test.degrees_of_freedom, test.p_value, validation);
+  }
   fmt::print("  residuals: chi2 per degree of freedom {:.3g} against {} ({} degrees of freedom); condition {:.3g}\n", quality.chi2_per_dof,
-             calibration.method == "turntable" ? "the noise and the declared table errors" : "the sample noise alone", quality.degrees_of_freedom, quality.condition);
+             calibration.method == "turntable" || calibration.frame == "rig" ? "the noise and the declared rig errors" : "the sample noise alone", quality.degrees_of_freedom, quality.condition);
   fmt::print("\n{}\n", quality.verdict);
 }
 
