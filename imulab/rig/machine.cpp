@@ -1,5 +1,6 @@
 #include "imulab/rig/machine.hpp"
 
+#include <Eigen/Geometry>
 #include <fmt/core.h>
 
 #include <algorithm>
