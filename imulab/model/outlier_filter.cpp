@@ -9,7 +9,6 @@ namespace imulab {
 
 namespace {
 
-constexpr double resolutions = 3, memory = 100;
 constexpr std::size_t channels = 6;
 
 }  // namespace

@@ -24,6 +24,8 @@ namespace imulab {
 class OutlierFilter {
  public:
   static constexpr double usual_factor = 10;   ///< K
+  static constexpr double resolutions = 3;     ///< of q
+  static constexpr int memory = 100;           ///< windows
   static constexpr std::size_t delay = 2;      ///< samples
   static constexpr std::size_t learning = 64;  ///< windows a channel's s is first learned from: until then none of its samples is replaced
 
