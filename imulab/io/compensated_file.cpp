@@ -6,13 +6,14 @@
 #include <array>
 #include <charconv>
 #include <cstdint>
+#include <string_view>
 
 namespace imulab {
 
 namespace {
 
-constexpr std::array<const char*, 8> flag_names{"",         "saturated",          "out_of_range",          "saturated|out_of_range",
-                                                "replaced", "saturated|replaced", "out_of_range|replaced", "saturated|out_of_range|replaced"};
+constexpr std::array<std::string_view, 8> flag_names{"",         "saturated",          "out_of_range",          "saturated|out_of_range",
+                                                     "replaced", "saturated|replaced", "out_of_range|replaced", "saturated|out_of_range|replaced"};
 
 /// One mark a sample: the place of its name above.
 std::vector<std::uint8_t> marks_of(const CompensatedRecording& c) {
@@ -33,7 +34,8 @@ std::string compensated_rows(const CompensatedRecording& c, bool flags) {
   const std::vector<std::uint8_t> marks = flags ? marks_of(c) : std::vector<std::uint8_t>{};
   const double gyro_factor = r.gyro_increment ? r.interval_s : 1, accel_factor = r.accel_increment ? r.interval_s : 1;
   std::string out;
-  std::array<char, 8 * longest_number> line;
+  out.reserve(r.size() * 160);  // six numbers of 20 characters, a time, flags
+  std::array<char, 9 * longest_number> line;
   for (std::size_t i = 0; i < r.size(); ++i) {
     char* end = write_seconds(line.data(), r.time_ns[i]);
     const auto append = [&](double value) {
@@ -42,9 +44,12 @@ std::string compensated_rows(const CompensatedRecording& c, bool flags) {
     };
     for (const auto& column : r.gyro) append(column[i] * gyro_factor);
     for (const auto& column : r.accel) append(column[i] * accel_factor);
+    if (flags) {
+      *end++ = ',';
+      end = std::copy(flag_names[marks[i]].begin(), flag_names[marks[i]].end(), end);
+    }
+    *end++ = '\n';
     out.append(line.data(), end);
-    if (flags) out.append(",").append(flag_names[marks[i]]);
-    out += '\n';
   }
   return out;
 }
