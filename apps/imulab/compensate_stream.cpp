@@ -72,12 +72,20 @@ void compensate_stream(const CompensateOptions& options) {
   const Session session = read_session(options.stream_session);
   const RecordingSource& source = chosen_recording(session, options.recording);
   check_inputs_stay(options, session, options.output);
+  std::error_code no_such_file;
+  if (std::filesystem::equivalent("/dev/stdin", options.output, no_such_file))
+    throw Error(fmt::format("-o {}: would overwrite standard input's file, expected another place", options.output));
   check_thermal_units(calibration, source);
 
   RecordingStream stream(STDIN_FILENO, "standard input", source);
   Compensator compensator(calibration.model, options.outliers);
   Rows rows(options.output);
-  while (auto piece = stream.next()) rows.write(compensator.next(*std::move(piece)));
+  try {
+    while (auto piece = stream.next()) rows.write(compensator.next(*std::move(piece)));
+  } catch (const Error&) {
+    rows.write(compensator.rest());  // the rows before the wrong one
+    throw;
+  }
   rows.write(compensator.rest());
 
   for (const std::string& text : stream.warnings()) warn(text);

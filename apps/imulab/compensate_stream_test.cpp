@@ -47,7 +47,11 @@ std::string rows(std::size_t n, bool spikes = true) {
     const double spike = spikes && i % 173 == 100 ? 50 : 0, hot = i % 500 == 250 ? 75 : 20 + 0.01 * static_cast<double>(i % 1000);
     const std::string row =
         fmt::format("{:.2f},{:.3f},{:.3f},{:.3f},{:.4f},{:.4f},{},{:.2f}\n", 0.01 * static_cast<double>(i), 10 + random.normal(6 * i) + spike,
-                    random.normal(6 * i + 1), random.normal(6 * i + 2), 0.01 * random.normal(6 * i + 3), 0.02, i % 311 == 5 ? "4.5" : i % 7 == 0 ? "1.0000" : "0.9999", hot);
+                    random.normal(6 * i + 1), random.normal(6 * i + 2), 0.01 * random.normal(6 * i + 3), 0.02,
+                    i % 311 == 5 ? "4.5"
+                    : i % 7 == 0 ? "1.0000"
+                                 : "0.9999",
+                    hot);
     text += row;
     if (i % 700 == 3) text += "# note\n\n" + row;
   }
@@ -132,6 +136,8 @@ TEST(CompensateStream, SaysWhereTheInputIsWrongAndLeavesTheRowsBefore) {
   const std::string good = "t,gx,gy,gz,ax,ay,az,T\n0.01,1,2,3,0,0,1,20\n0.02,1,2,3,0,0,1,20\n";
   folder.write("text", good + "0.03,1,x,3,0,0,1,20\n");
   folder.write("backwards", good + "0.01,1,2,3,0,0,1,20\n");
+  folder.write("last", good + "0.03,1,x,3,0,0,1,20");  // without an end of the line
+  folder.write("rows.csv", good);
   folder.write("ragged", good + "0.03,1,2\n");
   folder.write("columns", "t,gx,gy,gz,ax,ay\n0.01,1,2,3,4,5\n");
   folder.write("header", "t,gx,gy,gz,ax,ay,az,T\n");
@@ -144,6 +150,9 @@ TEST(CompensateStream, SaysWhereTheInputIsWrongAndLeavesTheRowsBefore) {
   };
   for (const Case& c :
        {Case{"- --session . -o - < text", "standard input:4: gy: \"x\" is not a number", 3},
+        Case{"- --session . -o - < last", "standard input:4: gy: \"x\" is not a number", 3},
+        Case{"- --session . -o - --reject-outliers < text", "standard input:4: gy: \"x\" is not a number", 3},
+        Case{"- --session . -o rows.csv < rows.csv", "-o rows.csv: would overwrite standard input's file", 0},
         Case{"- --session . -o - < backwards", "standard input:4: t: time runs backwards, 0.01 s after 0.02 s", 3},
         Case{"- --session . -o - < ragged", "standard input:4: 3 fields, expected 8 as in the header", 3},
         Case{"- --session . -o - < columns", "standard input: column az is not there, expected one of t, gx, gy, gz, ax, ay", 0},

@@ -108,6 +108,7 @@ std::optional<Recording> RecordingStream::next() {
         return recording;
       }
     }
+    if (failure_) continue;
     if (ended_) return std::nullopt;
     ended_ = !fill();
   }
@@ -126,7 +127,8 @@ void RecordingStream::count(const Recording& block) {
 std::vector<std::string> RecordingStream::warnings() const {
   std::vector<std::string> warnings;
   const auto samples = [](std::size_t n) { return fmt::format("{} {}", n, n == 1 ? "sample" : "samples"); };
-  if (reader_ && reader_->repeated() > 0) warnings.push_back(fmt::format("{}: {} rows equal to the row before dropped", name_, reader_->repeated()));
+  if (reader_ && reader_->repeated() > 0)
+    warnings.push_back(fmt::format("{}: {} row{} equal to the row before dropped", name_, reader_->repeated(), reader_->repeated() == 1 ? "" : "s"));
   if (saturated_ > 0) warnings.push_back(fmt::format("{}: {} at a limit: the true reading lies beyond", name_, samples(saturated_)));
   if (!source_.rate_hz || rows_ < 2) return warnings;
   const double declared = 1 / *source_.rate_hz, mean = steps_ > 0 ? step_sum_s_ / static_cast<double>(steps_) : 0;
