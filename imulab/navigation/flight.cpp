@@ -156,14 +156,14 @@ double smooth_time(const Segment& s, double longest) {
 
 Trajectory flight(const FlightStart& start, const std::vector<Segment>& segments, const Carrier& carrier) {
   if (segments.empty()) throw Error("a motion: expected at least one segment");
-  if (!std::isfinite(start.latitude + start.longitude + start.height + start.speed + start.heading) || start.speed < 0)
+  if (!std::isfinite(start.latitude + start.longitude + start.height + start.speed + start.heading + start.climb) || start.speed < 0)
     throw Error("start of a motion: expected finite numbers and a speed of 0 or more");
   check_latitude(start.latitude);
   const auto motion = std::make_shared<Motion>();
   motion->banks = carrier.banks;
   Trajectory out;
   Node node{0, 0, 0, {start.latitude, start.longitude, start.height}};
-  Leg next{{}, start.speed, start.heading, 0, Matrix3d::Identity()};
+  Leg next{{}, start.speed, start.heading, start.climb, Matrix3d::Identity()};
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const Segment& s = segments[i];
     try {

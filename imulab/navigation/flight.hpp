@@ -10,7 +10,8 @@ namespace imulab {
 
 struct FlightStart {
   double latitude = 0, longitude = 0, height = 0;  // rad, m
-  double speed = 0, heading = 0;                   // m/s, rad; level
+  double speed = 0, heading = 0;                   // m/s, rad
+  double climb = 0;                                // rad: a launcher's elevation; 0: level
 };
 
 /// Velocity and attitude are closed forms of time; the position is their integral on the ellipsoid (Runge-Kutta over 0.1 s, below a micrometre).

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,15 @@ struct DriveRun {
 std::vector<DriveRun> drives(int runs);
 /// The first seven, and the RMS of all.
 std::string describe(const std::vector<DriveRun>& runs);
+
+/// Position errors at the end of a flight, east-north-up [m], by `flight_rows`: one unit with several compensations, and a gyro unit of another kind.
+using FlightRun = std::vector<Eigen::Vector3d>;
+std::span<const char* const> flight_rows();
+/// Units, calibrations and noise of seeds 1 .. runs on docs/dai2011/flight.toml, or on the same without its roll.
+std::vector<FlightRun> dai_flights(int runs, bool roll);
+/// Traditional over whole-unit compensation, in median: at least ten.
+std::vector<Check> judge_flights(const std::vector<FlightRun>& runs);
+std::string describe_flights(const std::vector<FlightRun>& runs);
 
 /// The checks as lines of text.
 std::string describe(const std::vector<Check>& checks);
