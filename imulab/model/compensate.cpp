@@ -27,7 +27,7 @@ Matrix3d polynomial_derivative(const TriadModel& m, const Vector3d& v) {
   return m.matrix + Matrix3d(bend.asDiagonal());
 }
 
-/// The V with polynomial(V) = out that the linear solution leads to: Newton until a step no longer shrinks, which is at rounding.
+/// The V with polynomial(V) = out that the linear solution leads to: Newton until a step is not even half of the one before, which is at rounding.
 Vector3d invert(const TriadModel& m, const Vector3d& out, const char* triad) {
   constexpr int most_steps = 50;  // where the polynomial is invertible about six are enough
   const double orientation = m.matrix.determinant();
@@ -40,7 +40,7 @@ Vector3d invert(const TriadModel& m, const Vector3d& out, const char* triad) {
     const Vector3d residual = out - polynomial(m, v);
     const Vector3d step = slope.inverse() * residual;
     const double scale = out.norm() + m.offset.norm() + (m.matrix * v).norm();
-    if (step.norm() >= last && residual.norm() <= 1e-12 * scale) return v;
+    if (2 * step.norm() >= last && residual.norm() <= 1e-12 * scale) return v;
     v += step;
     last = step.norm();
   }
