@@ -9,7 +9,7 @@ namespace imulab::command {
 
 struct CalibrateArguments {
   std::string session, method, output, terms = "auto", recording, curves;
-  bool json = false;
+  bool json = false, stepwise = false;
 };
 
 /// Calibrates a session and writes the files that are named. Throws as the estimators do. Of a method other than hybrid the result is the calibration

@@ -89,11 +89,15 @@ void print_calibration(const Calibration& calibration, const SensorModel* coarse
   fmt::print("\n");
   for (const std::string& note : quality.notes) fmt::print("  {}\n", note);
   for (const UncertaintySource& source : quality.sources) fmt::print("  {}\n", source.consequence);
-  for (const TermTest& test : quality.term_tests)
-    fmt::print("  {}: {} (chi2 {:.4g} with {} degrees of freedom, probability by chance {:.2g})\n", test.term,
-               test.kept ? "significant, estimated" : "not significant, left at zero", test.statistic, test.degrees_of_freedom, test.p_value);
+  for (const TermTest& test : quality.term_tests) {
+    std::string validation;
+    if (test.cross_validation_with > 0)
+      validation = fmt::format("; left-out points are missed by {:.3g} sigma with it, {:.3g} without", test.cross_validation_with, test.cross_validation_without);
+    fmt::print("  {}: {} (chi2 {:.4g} with {} degrees of freedom, probability by chance {:.2g}{})\n", test.term,
+               test.kept ? "significant, estimated" : "not significant, left at zero", test.statistic, test.degrees_of_freedom, test.p_value, validation);
+  }
   fmt::print("  residuals: chi2 per degree of freedom {:.3g} against {} ({} degrees of freedom); condition {:.3g}\n", quality.chi2_per_dof,
-             calibration.method == "turntable" ? "the noise and the declared table errors" : "the sample noise alone", quality.degrees_of_freedom, quality.condition);
+             calibration.method == "turntable" || calibration.frame == "rig" ? "the noise and the declared rig errors" : "the sample noise alone", quality.degrees_of_freedom, quality.condition);
   fmt::print("\n{}\n", quality.verdict);
 }
 

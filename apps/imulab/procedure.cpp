@@ -57,6 +57,28 @@ void add_turntable(CLI::App& verb, const char* name, const char* about, Session 
   });
 }
 
+void add_dai_unit(CLI::App& verb) {
+  struct Arguments {
+    DaiUnitOptions options;
+    std::string thermal = "three", output = "-";
+  };
+  const auto a = std::make_shared<Arguments>();
+  CLI::App* const own = verb.add_subcommand("dai-unit", "Chamber, rate table and centrifuge: all coefficients of a whole unit");
+  own->add_option("--record", a->options.record, "seconds recorded at each point")->capture_default_str();
+  own->add_option("--rate-hz", a->options.rate_hz, "samples a second")->capture_default_str();
+  own->add_option("--thermal", a->thermal,
+                  "thermal readings: three sensors at each triad; one; resonance: the gyros' frequencies, and three sensors at the accelerometers")
+      ->check(CLI::IsMember({"three", "one", "resonance"}))
+      ->capture_default_str();
+  own->add_flag("--both-ways", a->options.both_ways, "the chamber goes up and down");
+  add_output(*own, a->output);
+  own->callback([a] {
+    for (const ThermalSensors sensors : {ThermalSensors::three, ThermalSensors::one, ThermalSensors::resonance})
+      if (to_string(sensors) == a->thermal) a->options.thermal = sensors;
+    write(a->output, dai_unit_procedure(a->options));
+  });
+}
+
 }  // namespace
 
 void add_procedure(CLI::App& app) {
@@ -65,6 +87,7 @@ void add_procedure(CLI::App& app) {
   add_turntable(*verb, "six-position", "Turntable: each body axis up and down", six_position_procedure);
   add_turntable(*verb, "zhang-24", "Turntable: five turns each way about each axis, then 24 positions", zhang_24_procedure);
   add_turntable(*verb, "cheng-path", "Turntable: 20 turns of 90 and 180 deg between rests", cheng_path_procedure);
+  add_dai_unit(*verb);
   add_hand_held(*verb);
 }
 

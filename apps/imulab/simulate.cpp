@@ -41,8 +41,13 @@ RecordingSource written_source(const RecordingSource& source) {
   };
   written.gyro = triad(source.gyro, {"gx", "gy", "gz"}, "rad/s", "rad");
   written.accel = triad(source.accel, {"ax", "ay", "az"}, "m/s^2", "m/s");
-  if (written.gyro_temperature) written.gyro_temperature->columns = {"tg"};
-  if (written.accel_temperature) written.accel_temperature->columns = {"ta"};
+  const auto sensors = [](std::optional<ThermalSource>& thermal, const std::string& name) {
+    if (!thermal) return;
+    std::vector<Column> three{name + "x", name + "y", name + "z"};
+    thermal->columns = thermal->columns.size() == 3 ? std::move(three) : std::vector<Column>{name};
+  };
+  sensors(written.gyro_temperature, "tg");
+  sensors(written.accel_temperature, "ta");
   return written;
 }
 
@@ -119,7 +124,7 @@ void simulate(const Arguments& a) {
   }
   const std::string text = session_text(given_session(procedure, truth));
   write_whole(folder.path() / "session.toml", text);
-  Calibration calibration = truth_calibration(procedure, truth, a.seed, given ? given->frame : "accelerometers");
+  Calibration calibration = truth_calibration(procedure, truth, a.seed, given ? given->frame : truth.frame);
   calibration.session_sha256 = sha256(text);
   write_whole(folder.path() / "truth.json", truth_text(calibration, rig));
   folder.finish();

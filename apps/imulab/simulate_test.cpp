@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/run_command.hpp"
+#include <chrono>
 #include <filesystem>
 #include <string>
 
@@ -126,6 +127,40 @@ TEST_F(SimulateCommand, WhatStandsIsNotOverwrittenAndNothingHalfDoneStays) {
   EXPECT_THAT(failed.errors, testing::HasSubstr("no steps"));
   for (const auto& entry : fs::directory_iterator(folder.path()))
     EXPECT_THAT(entry.path().filename().string(), testing::Not(testing::StartsWith("none")));
+}
+
+TEST_F(SimulateCommand, AWholeUnitOnThreeMachines) {
+  const CommandResult procedure = imulab("procedure dai-unit --record 2 --thermal resonance -o dai.toml");
+  ASSERT_EQ(procedure.exit_code, 0) << procedure.errors;
+  const auto begin = std::chrono::steady_clock::now();
+  const CommandResult run = imulab("simulate dai.toml -o dai");
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20));  // 0.2 s; under sanitizers and load twenty times that
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  EXPECT_THAT(run.output, testing::HasSubstr("rate_table.csv 24600 samples"));
+  const Session given = read_session(folder / "dai");
+  EXPECT_EQ(given.steps.size(), 15u + 246 + 42);
+  EXPECT_EQ(given.rigs, read_session(folder / "dai.toml").rigs);
+  const Calibration truth = read_calibration(folder / "dai/truth.json");
+  EXPECT_EQ(truth.frame, "rig");
+  EXPECT_EQ(truth.model.gyro.temperature, (ThermalReading{"raw", 5000, {4993.25, 5003.75}}));
+  EXPECT_EQ(truth.model.accel.temperature->range, (std::array{0.0, 70.0}));
+  EXPECT_THAT(read_text(folder / "dai/truth.json"), testing::HasSubstr("\"radius.+y+x\": "));
+  for (const RecordingSource& source : given.recordings) {
+    const RecordingReading read = read_recording(given, source);
+    EXPECT_THAT(read.warnings, testing::IsEmpty());  // no gap that the steps do not explain
+    const Session asked = read_session(folder / "dai.toml");
+    const Recording expected = simulate_recording(asked, source, draw_truth(asked, 1), 1, draw_rig_errors(asked, source, 1));
+    EXPECT_EQ(read.recording.gaps, expected.gaps);
+    EXPECT_EQ(read.recording.time_ns, expected.time_ns);
+    EXPECT_EQ(read.recording.gyro, expected.gyro);
+    EXPECT_EQ(read.recording.gyro_temperature, expected.gyro_temperature);
+  }
+  for (const char* method : {"static", "handheld", "turntable", "hybrid"})
+    for (const char* recording : {"chamber.csv", "rate_table.csv", "centrifuge.csv"}) {
+      const CommandResult refused = imulab(std::string("calibrate dai --method ") + method + " --recording " + recording);
+      EXPECT_EQ(refused.exit_code, 2) << method << recording;
+      EXPECT_THAT(refused.errors, testing::HasSubstr("\"turntable\" or \"none\" (a hand) was expected"));
+    }
 }
 
 }  // namespace

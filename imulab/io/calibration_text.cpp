@@ -66,11 +66,16 @@ Json covariance_json(const Calibration& calibration) {
   return {{"coefficients", std::move(names)}, {"matrix", std::move(matrix)}};
 }
 
+Json number_or_null(double value) { return value == 0 ? Json(nullptr) : Json(value); }
+
 Json quality_json(const Quality& q) {
   Json tests = Json::array(), sources = Json::array();
   for (const auto& t : q.term_tests)
-    tests.push_back(
-        {{"term", t.term}, {"statistic", t.statistic}, {"degrees_of_freedom", t.degrees_of_freedom}, {"p_value", t.p_value}, {"kept", t.kept}});
+    tests.push_back({{"term", t.term}, {"statistic", t.statistic}, {"degrees_of_freedom", t.degrees_of_freedom}, {"p_value", t.p_value}, {"kept", t.kept},
+                     {"cross_validation_with", number_or_null(t.cross_validation_with)}, {"cross_validation_without", number_or_null(t.cross_validation_without)}});
+  Json residuals = Json::object(), rig = Json::object();
+  for (const auto& r : q.fit_residuals) residuals[r.axis] = {{"rms", r.rms}, {"largest", r.largest}, {"full_scale", r.full_scale}, {"rms_percent", 100 * r.rms / r.full_scale}};
+  for (const auto& e : q.rig_errors) rig[e.name] = {{"declared_sigma", e.declared_sigma}, {"value", e.value}, {"standard_uncertainty", e.uncertainty}};
   for (const auto& s : q.sources) sources.push_back({{"name", s.name}, {"relative", s.relative}, {"consequence", s.consequence}});
   return {{"chi2_per_dof", q.chi2_per_dof},
           {"degrees_of_freedom", q.degrees_of_freedom},
@@ -81,6 +86,8 @@ Json quality_json(const Quality& q) {
           {"rotation_residual_deg", q.rotation_residual_deg ? Json(*q.rotation_residual_deg) : Json(nullptr)},
           {"term_tests", std::move(tests)},
           {"sources", std::move(sources)},
+          {"fit_residuals", std::move(residuals)},
+          {"rig_errors", std::move(rig)},
           {"notes", q.notes}};
 }
 

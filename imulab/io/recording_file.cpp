@@ -78,22 +78,33 @@ bool rows_are_missing(const TimedTable& table, std::size_t i, double interval_s)
   return later_ns > 0.5e9 * interval_s && clock_step(table.time_ns, i, interval_s, 0, table.time_ns.size()) > 0.5;
 }
 
-std::vector<std::size_t> find_gaps(const TimedTable& table, double interval_s, std::vector<std::string>& warnings) {
+/// Nothing is missed where a recording stops between two of its steps: whoever records point by point leaves out the way from one to the next.
+bool between_steps(const std::vector<const Step*>& steps, double begin_s, double end_s, double interval_s) {
+  const auto next = std::partition_point(steps.begin(), steps.end(), [&](const Step* step) { return step->end <= begin_s + interval_s; });
+  return next != steps.begin() && next != steps.end() && (*next)->start >= end_s - interval_s;
+}
+
+/// Warns of those that the steps do not explain.
+std::vector<std::size_t> find_gaps(const TimedTable& table, double interval_s, const std::vector<const Step*>& steps,
+                                   std::vector<std::string>& warnings) {
   const double limit_ns = 1.5e9 * interval_s, clock_s = clock_interval(table.time_ns, interval_s);
   std::vector<std::size_t> gaps;
+  std::size_t unexplained = 0, where = 0;
   std::int64_t largest = 0;
-  std::size_t where = 0;
   for (std::size_t i = 1; i < table.time_ns.size(); ++i) {
     const std::int64_t step = table.time_ns[i] - table.time_ns[i - 1];
     if (static_cast<double>(step) <= limit_ns || !rows_are_missing(table, i, clock_s)) continue;
     gaps.push_back(i);
+    if (between_steps(steps, 1e-9 * static_cast<double>(table.time_ns[i - 1]), 1e-9 * static_cast<double>(table.time_ns[i]) - interval_s, interval_s))
+      continue;
+    ++unexplained;
     if (step > largest) largest = step, where = i;
   }
-  if (!gaps.empty())
+  if (unexplained > 0)
     warnings.push_back(
         fmt::format("{}: {} gap{} in time (more than 1.5 of the nominal {:.6g} s), the largest of {} s before {} s (line {}); what "
                     "moved inside a gap is not seen",
-                    table.file, gaps.size(), gaps.size() == 1 ? "" : "s", interval_s, seconds_text(largest), seconds_text(table.time_ns[where]),
+                    table.file, unexplained, unexplained == 1 ? "" : "s", interval_s, seconds_text(largest), seconds_text(table.time_ns[where]),
                     table.lines[where]));
   return gaps;
 }
@@ -154,7 +165,10 @@ RecordingReading read_recording(const Session& session, const RecordingSource& s
                               reference.file));
   }
   match_rows(parts, recording.interval_s, reading.warnings);
-  recording.gaps = find_gaps(reference, recording.interval_s, reading.warnings);
+  std::vector<const Step*> steps;  // in time order, without overlap
+  for (const Step& step : session.steps)
+    if (session.recordings.size() < 2 || step.recording == source.file) steps.push_back(&step);
+  recording.gaps = find_gaps(reference, recording.interval_s, steps, reading.warnings);
 
   recording.gyro = three_columns(take_columns(parts, parts.gyro));
   recording.accel = three_columns(take_columns(parts, parts.accel));

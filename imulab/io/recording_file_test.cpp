@@ -174,6 +174,29 @@ TEST(RecordingFile, ListsGaps) {
   EXPECT_THAT(parse(rows_at({"0", "0.01", "0.02", "0.04", "0.05", "0.06"})).recording.gaps, ElementsAre(3));      // a lost row
 }
 
+TEST(RecordingFile, AWayFromOneStepToTheNextIsNoGapToWarnOf) {
+  const TemporaryFolder folder;
+  Session session;
+  session.file = (folder / "session.toml").string();
+  folder.write("r.csv", rows_at({"1.01", "1.02", "1.03", "5.01", "5.02", "5.03", "5.44", "5.45", "5.46", "9.01", "9.02", "9.03"}));
+  const auto warnings = [&](const std::vector<std::array<double, 2>>& steps) {
+    session.steps.clear();
+    for (const auto& [start, end] : steps) {
+      Step& step = session.steps.emplace_back();
+      step.start = start, step.end = end;
+    }
+    const RecordingReading read = read_recording(session, plain_source());
+    EXPECT_THAT(read.recording.gaps, ElementsAre(3, 6, 9));
+    return read.warnings;
+  };
+  EXPECT_THAT(warnings({}), ElementsAre(HasSubstr("3 gaps in time")));
+  EXPECT_THAT(warnings({{1.003, 1.036}, {4.995, 5.03}, {5.43, 5.46}, {9, 9.03}}), IsEmpty());  // steps need not begin with a sample
+  EXPECT_THAT(warnings({{1, 1.03}, {5, 5.46}, {9, 9.03}}), ElementsAre(HasSubstr("1 gap in time (more than 1.5 of the nominal 0.01 s), the largest of "
+                                                                                 "0.41 s before 5.44 s (line 8)")));  // inside a step
+  EXPECT_THAT(warnings({{1, 1.03}, {4, 5.03}, {5.43, 5.46}, {9, 9.03}}), ElementsAre(HasSubstr("1 gap in time")));     // a step's begin is missing
+  EXPECT_THAT(warnings({{5, 5.03}, {5.43, 5.46}}), ElementsAre(HasSubstr("2 gaps in time")));                          // before and after all steps
+}
+
 TEST(RecordingFile, StampsThatAllScatterAreNoGaps) {
   // Late by 0 .. 6 ms of 10: dozens of differences are beyond 1.5 intervals. The clock is off by 7 % of an interval in sixteen rows. One row is lost.
   RecordingSource source = plain_source();

@@ -17,21 +17,24 @@ inline constexpr std::string_view session_format = "imulab.session/1";
 
 inline std::string_view to_string(Output output) { return output == Output::rate ? "rate" : "increment"; }
 
+/// A number of at least 0, which is 0 where it is left out.
+template <class Fields>
+void describe_size(Fields& f, std::string_view key, double& value, double factor = 1) {
+  std::optional<double> given = value == 0 ? std::nullopt : std::optional(value);
+  f.number(key, given, not_negative(factor));
+  value = given.value_or(0);
+}
+
 /// Noise terms of a triad but N, which has a key of its own.
 template <class Fields>
 void describe(Fields& f, NoiseModel& noise) {
-  const auto size = [&](std::string_view key, double& value) {
-    std::optional<double> given = value == 0 ? std::nullopt : std::optional(value);
-    f.number(key, given, not_negative());
-    value = given.value_or(0);
-  };
   f.spread("turn_on", noise.turn_on, 1);
-  size("quantization", noise.Q);
-  size("bias_instability", noise.B);
-  size("rate_random_walk", noise.K);
+  describe_size(f, "quantization", noise.Q);
+  describe_size(f, "bias_instability", noise.B);
+  describe_size(f, "rate_random_walk", noise.K);
   f.spread("rate_ramp", noise.R, 1);
-  size("resolution", noise.resolution);
-  size("range", noise.range);
+  describe_size(f, "resolution", noise.resolution);
+  describe_size(f, "range", noise.range);
 }
 
 template <class Fields>
@@ -56,16 +59,11 @@ void describe(Fields& f, Site& site) {
   f.number("gravity_sigma_mps2", site.given_gravity_sigma, not_negative());
 }
 
+/// Of a rig that moves by axis angles.
 template <class Fields>
-void describe(Fields& f, RigDeclaration& rig, bool several) {
-  std::optional<std::string> name = rig.name.empty() ? std::nullopt : std::optional(rig.name);
-  f.text("name", name);
-  rig.name = name.value_or("");
-  f.choice("kind", rig.kind, std::vector{RigKind::turntable, RigKind::rate_table, RigKind::centrifuge, RigKind::chamber, RigKind::none});
-  f.check(!several || name, "name", "is missing, expected since there are several rigs");
+void describe_axes(Fields& f, RigDeclaration& rig) {
   f.spread("angle_sigma_arcsec", rig.angle, unit::arcsec);
   f.spread("orthogonality_sigma_arcsec", rig.orthogonality, unit::arcsec);
-  f.spread("zero_sigma_arcsec", rig.zero, unit::arcsec);
   f.spread("timing_sigma_ms", rig.timing, 1e-3);
   const std::vector axes{RigAxis::inner, RigAxis::middle, RigAxis::outer};
   f.table("orthogonality_arcsec", Presence::optional, [&](Fields& t) {
@@ -74,6 +72,35 @@ void describe(Fields& f, RigDeclaration& rig, bool several) {
   f.table("zero_arcsec", Presence::optional, [&](Fields& t) {
     for (const RigAxis a : axes) t.number(to_string(a), rig.given_zero[static_cast<std::size_t>(a)], any_number(unit::arcsec));
   });
+}
+
+/// Of a rate table, centrifuge or chamber.
+template <class Fields>
+void describe_machine(Fields& f, RigDeclaration& rig) {
+  f.spread("mount_sigma_arcsec", rig.mount, unit::arcsec);
+  if (rig.kind != RigKind::chamber) {
+    f.spread("rate_sigma_ppm", rig.rate, unit::ppm);
+    f.spread("radius_sigma_mm", rig.radius, 1e-3);
+  } else {
+    describe_size(f, "ramp_K_per_min", rig.ramp, 1.0 / 60);
+    describe_size(f, "time_constant_s", rig.time_constant);
+    describe_size(f, "hysteresis_K", rig.hysteresis);
+  }
+}
+
+template <class Fields>
+void describe(Fields& f, RigDeclaration& rig, bool several) {
+  std::optional<std::string> name = rig.name.empty() ? std::nullopt : std::optional(rig.name);
+  f.text("name", name);
+  rig.name = name.value_or("");
+  f.choice("kind", rig.kind, std::vector{RigKind::turntable, RigKind::rate_table, RigKind::centrifuge, RigKind::chamber, RigKind::none});
+  f.check(!several || name, "name", "is missing, expected since there are several rigs");
+  f.spread("zero_sigma_arcsec", rig.zero, unit::arcsec);
+  if (rig.kind == RigKind::turntable || rig.kind == RigKind::none) {
+    describe_axes(f, rig);
+  } else {
+    describe_machine(f, rig);
+  }
 }
 
 template <class Fields>
@@ -97,6 +124,12 @@ template <class Fields>
 void describe(Fields& f, ThermalSource& thermal) {
   f.columns("columns", thermal.columns, {1, 3});
   f.choice("unit", thermal.unit, unit_names(Quantity::temperature, false), Presence::required);
+  describe_size(f, "noise", thermal.noise);
+  f.number("at_25_degC", thermal.at_25_degC, any_number());
+  f.number("per_K", thermal.per_K, any_number());
+  f.check(thermal.at_25_degC.has_value() == thermal.per_K.has_value(), thermal.per_K ? "per_K" : "at_25_degC",
+          "stands alone, expected both at_25_degC and per_K, or neither");
+  f.check(thermal.per_K != 0.0, "per_K", "is 0, expected a reading that changes with temperature");
 }
 
 template <class Fields>
@@ -106,6 +139,7 @@ void describe(Fields& f, RecordingSource& recording) {
   f.text("rig", rig);
   recording.rig = rig.value_or("");
   f.number("rate_hz", recording.rate_hz, positive());
+  f.choice("extent", recording.extent, std::vector{Extent::all, Extent::steps}, Presence::optional);
   f.table("time", Presence::required, [&](Fields& t) { describe(t, recording.time); });
   f.table("gyro", Presence::required, [&](Fields& t) { describe(t, recording.gyro, Quantity::gyro); });
   f.table("accel", Presence::required, [&](Fields& t) { describe(t, recording.accel, Quantity::accel); });

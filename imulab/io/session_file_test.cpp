@@ -59,6 +59,17 @@ zero_arcsec = { outer = 1, middle = 2.3 }
 [[rig]]
 name = "arm"
 kind = "centrifuge"
+zero_sigma_arcsec = 5.3
+mount_sigma_arcsec = { fixed = 10.1 }
+rate_sigma_ppm = 11.3
+radius_sigma_mm = 0.17
+[[rig]]
+name = "box"
+kind = "chamber"
+mount_sigma_arcsec = 61
+ramp_K_per_min = 2.1
+time_constant_s = 301
+hysteresis_K = 0.3
 [[recording]]
 file = "recording.csv"
 rig = "table"
@@ -66,7 +77,8 @@ rate_hz = 99.9
 time = { column = "t", unit = "us", zero = 1700000000123456.789 }
 gyro = { columns = ["gx", "gy", "gz"], output = "rate", unit = "deg/h" }
 accel = { file = "accel.txt", columns = [2, 3, 4], output = "increment", unit = "count", limits = [-32768, 32767.5] }
-gyro_temperature = { columns = ["tg"], unit = "raw" }
+extent = "steps"
+gyro_temperature = { columns = ["tg"], unit = "raw", noise = 0.0015, at_25_degC = 5000.1, per_K = -0.15 }
 accel_temperature = { columns = ["t1", "t2", 9], unit = "K" }
 [[recording]]
 file = "arm.csv"
@@ -122,7 +134,7 @@ TEST(SessionFile, ReadsWhatItSaysInSi) {
             (NoiseModel{.Q = 1e-6, .N = 0, .B = 2e-8, .K = 3e-10, .R = {4e-13, false}, .turn_on = {1.5e-8, true}, .resolution = 5e-6, .range = 7.1}));
   EXPECT_EQ(s.imu.accel_noise, NoiseModel{});
   EXPECT_EQ(s.site.latitude, 40.1 * unit::deg);
-  ASSERT_EQ(s.rigs.size(), 2U);
+  ASSERT_EQ(s.rigs.size(), 3U);
   EXPECT_EQ(s.rigs[0].kind, RigKind::turntable);
   EXPECT_EQ(s.rigs[0].angle, (Spread{60 * unit::arcsec, false}));
   EXPECT_EQ(s.rigs[0].orthogonality, (Spread{-61.7 * unit::arcsec, true}));
@@ -130,7 +142,16 @@ TEST(SessionFile, ReadsWhatItSaysInSi) {
   EXPECT_EQ((*s.rigs[0].given_orthogonality[static_cast<std::size_t>(RigAxis::outer)])[1], 6.1 * unit::arcsec);
   EXPECT_FALSE(s.rigs[0].given_orthogonality[static_cast<std::size_t>(RigAxis::middle)]);
   EXPECT_EQ(s.rigs[0].given_zero[static_cast<std::size_t>(RigAxis::middle)], 2.3 * unit::arcsec);
+  EXPECT_EQ(s.rigs[1].mount, (Spread{10.1 * unit::arcsec, true}));
+  EXPECT_EQ(s.rigs[1].rate, (Spread{11.3e-6, false}));
+  EXPECT_EQ(s.rigs[1].radius, (Spread{0.17e-3, false}));
+  EXPECT_EQ(s.rigs[2].ramp, 2.1 / 60);
+  EXPECT_EQ(s.rigs[2].time_constant, 301);
+  EXPECT_EQ(s.rigs[2].hysteresis, 0.3);
   ASSERT_EQ(s.recordings.size(), 2U);
+  EXPECT_EQ(s.recordings[0].extent, Extent::steps);
+  EXPECT_EQ(s.recordings[0].gyro_temperature->noise, 0.0015);
+  EXPECT_EQ(s.recordings[0].gyro_temperature->per_K, -0.15);
   EXPECT_EQ(s.recordings[0].time.zero_ns, 1'700'000'000'123'456'789) << "a double would lose the last digits";
   EXPECT_EQ(s.recordings[1].time.zero_ns, 1'700'000'000'123'456'789);
   EXPECT_EQ(s.recordings[0].accel.file, "accel.txt");
@@ -155,7 +176,7 @@ TEST(SessionFile, WritesWhatItReadsBackIdentically) {
                                 "[[step]]\nkind = \"hold\"\nduration_s = 60.7\ninner_deg = 33.3\n"
                                 "[[step]]\nkind = \"rotate\"\naxis = \"inner\"\nangle_deg = 0.1\nrate_dps = 7\n"
                                 "[[step]]\nkind = \"hold\"\nduration_s = 1\n";
-  for (const std::string& text : {rich, procedure, head}) {
+  for (const std::string& text : {rich, procedure, head, session_text(dai_unit_procedure({.thermal = ThermalSensors::resonance}))}) {
     Session first = parse(text);
     Session second = parse(session_text(first));
     EXPECT_EQ(session_text(first), session_text(second));
@@ -237,6 +258,29 @@ TEST(SessionFile, GivesEachSpinTimeToReachItsRate) {
   EXPECT_EQ(s.steps[1].start, 40);
   EXPECT_EQ(s.steps[2].start, 90);
   EXPECT_EQ(s.steps[0].radius, (std::array{6.0, 6.0, 6.0}));
+}
+
+TEST(SessionFile, MountsAndSetPointsStayUntilTheyChange) {
+  const std::string spin = "[[step]]\nkind = \"spin\"\nduration_s = 30\nrate_dps = 100\n", hold = "[[step]]\nkind = \"hold\"\nduration_s = 5\n";
+  const Session s = parse(head + hold + spin + "up = \"-x\"\noutward = \"+y\"\n" + hold + "temperature_degC = 40\n" + spin);
+  EXPECT_FALSE(s.steps[0].mount);
+  for (const std::size_t k : {1u, 2u, 3u}) EXPECT_EQ(s.steps[k].mount, (Mount{{0, -1}, {1, 1}}));
+  EXPECT_FALSE(s.steps[1].temperature);
+  EXPECT_EQ(s.steps[3].temperature, 40);
+  const Session dai = dai_unit_procedure({.both_ways = true});
+  const std::string text = procedure_text(dai);
+  EXPECT_THAT(text, testing::Not(testing::HasSubstr("start_s")));
+  const Session read = parse(text);
+  ASSERT_EQ(read.steps.size(), 29u + 246 + 42);
+  for (std::size_t k = 0; k < dai.steps.size(); ++k) {
+    EXPECT_NEAR(read.steps[k].start, dai.steps[k].start, 1e-9);  // sums of decimal durations
+    EXPECT_EQ(read.steps[k].mount, dai.steps[k].mount);
+    EXPECT_EQ(read.steps[k].temperature, dai.steps[k].temperature);
+    EXPECT_EQ(read.steps[k].radius, dai.steps[k].radius);
+    EXPECT_NEAR(read.steps[k].rate, dai.steps[k].rate, 1e-15);
+  }
+  EXPECT_EQ(read.recordings, dai.recordings);
+  EXPECT_EQ(read.rigs, dai.rigs);
 }
 
 TEST(SessionFile, TurnsInTheTimeOfTheirTrapezoid) {

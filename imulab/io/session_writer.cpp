@@ -126,7 +126,8 @@ std::string section(std::string_view title, Table table, Context... context) {
   return text.section(title);
 }
 
-StepText step_text(const Step& step, bool several_recordings) {
+/// What a step has as the one before it in its recording did is left out.
+StepText step_text(const Step& step, const Step& before, bool several_recordings) {
   StepText text;
   const auto degrees = [](double rad) { return std::stod(in_unit(rad, unit::deg)); };
   text.kind = step.kind;
@@ -139,9 +140,9 @@ StepText step_text(const Step& step, bool several_recordings) {
   text.angle_deg = degrees(step.angle);
   text.rate_dps = degrees(step.rate);
   if (step.acceleration) text.acceleration_dps2 = degrees(*step.acceleration);
-  if (step.mount) text.up = step.mount->up, text.outward = step.mount->outward;
+  if (step.mount && step.mount != before.mount) text.up = step.mount->up, text.outward = step.mount->outward;
   text.radius_m = step.radius;
-  text.temperature_degC = step.temperature;
+  if (step.temperature != before.temperature) text.temperature_degC = step.temperature;
   return text;
 }
 
@@ -175,18 +176,22 @@ std::string text_of(const Session& session, bool durations) {
   for (const RigDeclaration& rig : session.rigs) text += section(several ? "[[rig]]" : "[rig]", rig, several);
   for (const RecordingSource& recording : session.recordings) text += section("[[recording]]", recording);
   StepLayout layout;
-  std::map<std::string, double> ends;
+  std::map<std::string, Step> last;
   for (const Step& step : session.steps) {
-    StepText written = step_text(step, session.recordings.size() != 1);
+    Step& before = last[step.recording];
+    StepText written = step_text(step, before, session.recordings.size() != 1);
     if (durations) {
-      if (const auto short_form = in_durations(written, step, ends[step.recording], layout)) {
+      if (const auto short_form = in_durations(written, step, before.end, layout)) {
         written = *short_form;
       } else {
         Step placed;
         layout.place(written, step.recording, placed);
       }
-      ends[step.recording] = step.end;
     }
+    const auto [mount, temperature] = std::pair(before.mount, before.temperature);
+    before = step;
+    if (!step.mount) before.mount = mount;
+    if (!step.temperature) before.temperature = temperature;
     text += section("[[step]]", written);
   }
   if (session.initial) text += section("[initial]", *session.initial);

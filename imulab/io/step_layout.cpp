@@ -26,7 +26,7 @@ std::optional<StepLayout::Problem> StepLayout::place(const StepText& text, const
   if (text.kind == StepKind::hold)
     for (std::size_t a = 0; a < 3; ++a) next.angles_deg[a] = text.angles_deg[a].value_or(rig.angles_deg[a]);
   next.spin_dps = text.kind == StepKind::spin ? text.rate_dps : 0;
-  if (text.up && text.outward) next.mount = {*text.up, *text.outward};
+  if (text.up && text.outward) next.mount = Mount{*text.up, *text.outward};
   if (text.temperature_degC) next.temperature = text.temperature_degC;
   step.acceleration = text.acceleration_dps2 ? std::optional(*text.acceleration_dps2 * unit::deg) : std::nullopt;
 
@@ -49,7 +49,7 @@ std::optional<StepLayout::Problem> StepLayout::place(const StepText& text, const
   } else {
     if (!text.duration_s) return Problem{"duration_s", "is missing, expected duration_s (a procedure) or start_s and end_s"};
     const bool moves = differ(next.angles_deg, rig.angles_deg) || next.spin_dps != rig.spin_dps ||
-                       (rig.begun && (next.mount != rig.mount || next.temperature != rig.temperature));
+                       (rig.begun && (next.mount.value_or(Mount{}) != rig.mount.value_or(Mount{}) || next.temperature != rig.temperature));
     step.start = rig.time + (moves ? text.move_s.value_or(default_move_s) : 0);
     step.end = step.start + *text.duration_s;
   }
@@ -63,9 +63,9 @@ std::optional<StepLayout::Problem> StepLayout::place(const StepText& text, const
     next.angles_deg[static_cast<std::size_t>(text.axis)] += text.angle_deg;
   }
   step.rate = text.rate_dps * unit::deg;
-  if (text.up && text.outward) step.mount = Mount{*text.up, *text.outward};
+  if (text.kind != StepKind::rotate) step.mount = next.mount;
   step.radius = text.radius_m;
-  step.temperature = text.temperature_degC;
+  step.temperature = next.temperature;
   next.time = step.end;
   rig = next;
   return std::nullopt;

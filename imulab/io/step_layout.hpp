@@ -32,7 +32,7 @@ class StepLayout {
     double time = 0;
     std::array<double, 3> angles_deg{0, 0, 0};
     double spin_dps = 0;
-    Mount mount;
+    std::optional<Mount> mount;
     std::optional<double> temperature;
   };
   std::map<std::string, Rig> rigs_;

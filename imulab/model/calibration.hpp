@@ -24,6 +24,20 @@ struct TermTest {
   int degrees_of_freedom = 0;
   double p_value = 1;
   bool kept = false;
+  double cross_validation_with = 0, cross_validation_without = 0;  ///< RMS of left-out points in sigmas of their noise; 0: not done
+};
+
+/// What a fit leaves of one axis: residuals against the full scale that the data reached.
+struct FitResidual {
+  std::string axis;  ///< "gyro.x"
+  double rms = 0, largest = 0, full_scale = 0;  ///< m/s^2 or rad/s
+};
+
+/// An error of the rig that was estimated along with the coefficients: what the data say beyond its declaration. SI.
+struct RigErrorEstimate {
+  std::string name;           ///< "centrifuge: radius.+z+x"
+  double declared_sigma = 0;
+  double value = 0, uncertainty = 0;
 };
 
 struct Quality {
@@ -35,6 +49,8 @@ struct Quality {
   std::string verdict;                          ///< "good" or "doubtful: because ..."
   std::optional<double> rotation_residual_deg;  ///< cross-validated, RMS over held-out rotations (hand-held)
   std::vector<TermTest> term_tests;
+  std::vector<FitResidual> fit_residuals;      ///< whole-unit
+  std::vector<RigErrorEstimate> rig_errors;    ///< whole-unit
   std::vector<UncertaintySource> sources;
   std::vector<std::string> notes;  ///< what was used: rests, thresholds, spreads
 };

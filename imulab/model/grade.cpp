@@ -14,7 +14,7 @@ using namespace unit;
 constexpr double sqrt_hour = 60;  // sqrt(s)
 
 // Biases, scales and misalignments lie inside the ranges of Xu 2024 table 1; docs/simulate.md gives those ranges and the source of every number.
-constexpr std::array<Grade, 4> catalogue{{
+constexpr std::array<Grade, 5> catalogue{{
     {.name = "strategic",
      .gyro_bias = 1e-3 * deg_per_h,
      .accel_bias = 10 * ug,
@@ -84,6 +84,28 @@ constexpr std::array<Grade, 4> catalogue{{
                      .turn_on = {5e-3 * g},
                      .resolution = 4.0 / 32768 * g,
                      .range = 4 * g}},
+    // Dai 2011: ranges of coefficients table 2; stability, full scale table 1 (here with room for what a non-linear sensor reads at 30 g, 400 deg/s).
+    {.name = "mems-30g",
+     .gyro_bias = 0.5 * deg,
+     .accel_bias = 30e-3 * g,
+     .gyro_scale = 0.01,
+     .accel_scale = 0.01,
+     .gyro_misalignment = 3.2e-3,
+     .accel_misalignment = 12e-3,
+     .g_sensitivity = 0.026 * deg / g,
+     .gyro_noise = {.Q = 0, .N = 0.02 * deg, .B = 30 * deg_per_h, .K = 0, .R = {}, .turn_on = {}, .resolution = 0, .range = 550 * deg},
+     .accel_noise = {.Q = 0, .N = 100 * ug_per_sqrt_hz, .B = 0, .K = 0, .R = {1e-3 * g / hour}, .turn_on = {}, .resolution = 0, .range = 36 * g},
+     .ranges = NonlinearRanges{.gyro_misalignment = {0.1e-2, 0.5e-2},
+                               .accel_misalignment = {0.1e-2, 2e-2},
+                               .gyro_quadratic = {1.5e-4 / deg, 2.5e-4 / deg},
+                               .accel_quadratic = {2e-5 / g, 1e-4 / g},
+                               .gyro_cubic = {4e-10 / (deg * deg), 1e-9 / (deg * deg)},
+                               .accel_cubic = {5e-6 / (g * g), 2e-5 / (g * g)},
+                               .g_sensitivity = {0.01 * deg / g, 0.04 * deg / g},
+                               .gyro_drift = 0.6 * deg,
+                               .accel_drift = 20e-3 * g,
+                               .gyro_curvature = 0.2 * deg,
+                               .accel_curvature = 7e-3 * g}},
 }};
 
 constexpr double nmi_per_h = nmi / hour;

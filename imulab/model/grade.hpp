@@ -4,10 +4,28 @@
 #include "imulab/model/noise.hpp"
 
 #include <array>
+#include <optional>
 #include <span>
 #include <string_view>
 
 namespace imulab {
+
+/// A size drawn evenly between two bounds; its sign is as likely either way.
+using SizeRange = std::array<double, 2>;
+
+/// What a unit has besides biases and scales that a linear model at one temperature does not know, SI.
+struct NonlinearRanges {
+  SizeRange gyro_misalignment, accel_misalignment;  ///< rad: all six of a triad, in the frame of the case
+  SizeRange gyro_quadratic, accel_quadratic;        ///< of the scale, per raw unit
+  SizeRange gyro_cubic, accel_cubic;                ///< likewise, squared
+  SizeRange g_sensitivity;                          ///< (rad/s)/(m/s^2)
+  double gyro_drift, accel_drift;                   ///< rad/s, m/s^2, one sigma: of the linear term at the end of the temperatures, 45 K from 25 degC
+  double gyro_curvature, accel_curvature;           ///< likewise of the quadratic term
+};
+
+/// Where a drawn unit's thermal terms are zero, and the temperatures it is for, degC.
+inline constexpr double drawn_reference = 25;
+inline constexpr std::array<double, 2> drawn_temperatures{0, 70};
 
 /// One-sigma spreads, SI; each coefficient of a unit is drawn on its own.
 struct Grade {
@@ -17,9 +35,10 @@ struct Grade {
   double gyro_misalignment, accel_misalignment;    ///< rad; gyros: all six; accelerometers: the three non-orthogonalities
   double g_sensitivity;                            ///< (rad/s)/(m/s^2)
   NoiseModel gyro_noise, accel_noise;              ///< resolution and range in SI: the raw unit of a drawn unit
+  std::optional<NonlinearRanges> ranges{};         ///< drawn from these in place of the misalignments and g-sensitivity above, which are their RMS
 };
 
-/// strategic, navigation, tactical, mems.
+/// strategic, navigation, tactical, mems, mems-30g.
 std::span<const Grade> grades();
 
 /// A grade by its name; throws Error that lists the known ones.

@@ -1,5 +1,7 @@
 #include "imulab/recording/rests.hpp"
 
+#include "imulab/core/error.hpp"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -17,6 +19,21 @@ Range samples_between(const Recording& recording, double start_s, double end_s) 
   return {static_cast<std::size_t>(first - recording.time_ns.begin()), static_cast<std::size_t>(last - recording.time_ns.begin())};
 }
 
+/// A rate table's, centrifuge's or chamber's holds are told apart by mounts, which methods that work on rests do not know.
+void expect_axis_angles(const Recording& recording, const Session& session) {
+  std::string_view rig_name;
+  for (const RecordingSource& source : session.recordings)
+    if (source.file == recording.name) rig_name = source.rig;
+  for (const RigDeclaration& rig : session.rigs)
+    if ((rig_name.empty() || rig.name == rig_name) && rig.kind != RigKind::turntable && rig.kind != RigKind::none)
+      throw Error(fmt::format("{}: {}: recorded on a rig of kind \"{}\": \"turntable\" or \"none\" (a hand) was expected", session.file, recording.name,
+                              to_string(rig.kind)));
+  for (const Step& step : session.steps)
+    if (step.kind == StepKind::spin && (session.recordings.size() < 2 || step.recording == recording.name))
+      throw Error(fmt::format("{}: {}: a step of kind \"spin\" at {:g} s: rests (hold) and turns (rotate) were expected", session.file, recording.name,
+                              step.start));
+}
+
 }  // namespace
 
 Rests rests_of(const Recording& recording, const Session& session) {
@@ -25,6 +42,7 @@ Rests rests_of(const Recording& recording, const Session& session) {
     RestDetection detection = detect_rests(recording);
     return {std::move(detection.rests), std::move(detection.notes)};
   }
+  expect_axis_angles(recording, session);
   for (const Step& step : session.steps) {
     if (step.kind != StepKind::hold || step.recording != recording.name) continue;
     const Range whole = samples_between(recording, step.start, step.end);

@@ -14,7 +14,8 @@ struct Rests {
   std::vector<std::string> notes;  ///< where they come from, and with which thresholds
 };
 
-/// The holds of the steps that belong to the recording; where the session has no steps, the rests that detect_rests finds.
+/// The holds of the steps that belong to the recording; where the session has no steps, the rests that detect_rests finds. Throws Error for steps of
+/// machines: a rate table, centrifuge or chamber.
 Rests rests_of(const Recording& recording, const Session& session);
 
 }  // namespace imulab

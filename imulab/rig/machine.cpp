@@ -1,5 +1,8 @@
 #include "imulab/rig/machine.hpp"
 
+#include "imulab/core/error.hpp"
+
+#include <Eigen/Geometry>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -59,6 +62,39 @@ std::vector<RigErrorSource> machine_error_sources(const RigDeclaration& rig, std
     sources.back().place = mount;
   }
   return sources;
+}
+
+MachineErrors<double> errors_at(const RigErrors& errors, const Mount& mount) {
+  MachineErrors<double> at;
+  for (std::size_t i = 0; i < errors.sources.size(); ++i) {
+    const RigErrorSource& source = errors.sources[i];
+    const auto axis = static_cast<Eigen::Index>(source.axis);
+    const bool here = source.place == mount;
+    if (source.kind == RigErrorKind::tilt) at.tilt[axis] = errors.values[i];
+    if (source.kind == RigErrorKind::rate) at.rate = errors.values[i];
+    if (source.kind == RigErrorKind::mount && here) at.mount[axis] = errors.values[i];
+    if (source.kind == RigErrorKind::radius && here) at.radius = errors.values[i];
+  }
+  return at;
+}
+
+void expect_possible(const RigDeclaration& rig, std::span<const Step> steps) {
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    const Step& step = steps[k];
+    const auto refuse = [&](const std::string& why) {
+      throw Error(fmt::format("step {} ({} at {:g} s) on the {}: {}", k + 1, to_string(step.kind), step.start, to_string(rig.kind), why));
+    };
+    if (step.kind == StepKind::rotate) refuse("kind hold, or spin on a rate table or centrifuge, was expected");
+    if (step.kind == StepKind::hold) {
+      if (step.angles[1] != 0 || step.angles[2] != 0) refuse("middle_deg and inner_deg of 0 were expected: its one axis is the outer");
+      continue;
+    }
+    if (rig.kind == RigKind::chamber) refuse("kind hold was expected: a chamber does not turn");
+    if (!step.mount) refuse("up and outward were expected: how the unit is mounted");
+    if (step.rate == 0) refuse("rate_dps other than 0 was expected: kind hold stands still");
+    for (const double radius : step.radius)
+      if (rig.kind == RigKind::centrifuge && !(radius > 0)) refuse("radius_m above 0 was expected");
+  }
 }
 
 double horizontal_remainder(const Step& step) {

@@ -40,6 +40,12 @@ struct MachineErrors {
   T radius = T(0);                                       ///< m
 };
 
+/// Those of one mount.
+MachineErrors<double> errors_at(const RigErrors& errors, const Mount& mount);
+
+/// Throws Error where a machine cannot do these steps: a kind it does not have, a spin without a mount, a centrifuge's without radii.
+void expect_possible(const RigDeclaration& rig, std::span<const Step> steps);
+
 /// Surroundings of a machine.
 template <class T>
 struct Place {

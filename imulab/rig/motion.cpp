@@ -26,7 +26,8 @@ struct Builder {
   std::vector<MotionPiece> pieces{};
 
   MotionPiece resting_for(double duration, std::optional<double> temperature) const {
-    MotionPiece piece{.begin = time, .end = time + duration, .angle = {}, .temperature = temperature};
+    MotionPiece piece;
+    piece.begin = time, piece.end = time + duration, piece.temperature = temperature;
     for (std::size_t a = 0; a < 3; ++a) piece.angle[a][0] = actual[a];
     return piece;
   }
@@ -167,7 +168,7 @@ RigMotion rig_motion(std::span<const Step> steps, const RigErrors& errors) {
     build.rest_until(step.end, step.temperature);
     build.commanded_time = step.end;
   }
-  return {rig.axes, rig.C_nt, std::move(build.pieces)};
+  return {.axes = rig.axes, .C_nt = rig.C_nt, .pieces = std::move(build.pieces)};
 }
 
 AxisStates axis_states(const MotionPiece& piece, double t) {
@@ -186,9 +187,15 @@ AxisStates axis_states(const MotionPiece& piece, double t) {
   return states;
 }
 
+BodyState body_state(const RigMotion& motion, const MotionPiece& piece, double t) {
+  const BodyState table = turntable_state(motion.axes, axis_states(piece, t), motion.C_nt);
+  const Matrix3d C_bt = piece.C_tb.transpose();
+  return {table.C_nb * piece.C_tb, C_bt * table.rate_nb_b, C_bt * table.angular_acceleration_nb_b};
+}
+
 BodyState body_state(const RigMotion& motion, double t) {
   const auto after = std::upper_bound(motion.pieces.begin(), motion.pieces.end(), t, [](double x, const MotionPiece& p) { return x < p.end; });
-  return turntable_state(motion.axes, axis_states(after == motion.pieces.end() ? motion.pieces.back() : *after, t), motion.C_nt);
+  return body_state(motion, after == motion.pieces.end() ? motion.pieces.back() : *after, t);
 }
 
 }  // namespace imulab

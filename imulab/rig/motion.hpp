@@ -18,6 +18,8 @@ struct MotionPiece {
   double begin = 0, end = 0;               ///< s of the recording's clock
   std::array<AnglePolynomial, 3> angle{};  ///< by RigAxis
   std::optional<double> temperature;       ///< set point of the step, degC
+  Matrix3d C_tb = Matrix3d::Identity();    ///< how the unit is mounted: body axes in the table's at zero angles
+  Matrix3d arm = Matrix3d::Zero();         ///< row i: accelerometer i from the axes' intersection, m, in body axes; the unit's own lever arms besides
   bool at_rest() const;
 };
 
@@ -26,6 +28,7 @@ struct RigMotion {
   RigAxes axes = ideal_axes();
   Matrix3d C_nt = Matrix3d::Identity();  ///< how the table stands against n
   std::vector<MotionPiece> pieces;
+  double rate_before = 0;                ///< of the outer axis before the first piece, rad/s
   double end() const { return pieces.back().end; }
 };
 
@@ -40,6 +43,9 @@ RigMotion rig_motion(std::span<const Step> steps, const RigErrors& errors = {});
 
 /// The axes at time t [s] of a piece.
 AxisStates axis_states(const MotionPiece& piece, double t);
+
+/// The body at time t [s] of a piece.
+BodyState body_state(const RigMotion& motion, const MotionPiece& piece, double t);
 
 /// The body at time t [s]; at a joint of two pieces, the later one.
 BodyState body_state(const RigMotion& motion, double t);

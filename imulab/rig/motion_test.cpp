@@ -144,9 +144,11 @@ TEST(Motion, StepsBelongToTheirRecordingAndRig) {
   session.steps[0].recording = "a.csv", session.steps[1].recording = "b.csv";
   ASSERT_EQ(steps_of(session, session.recordings[1]).size(), 1u);
   EXPECT_EQ(steps_of(session, session.recordings[1])[0].end, 2);
-  session.rigs.resize(1);
-  session.rigs[0].kind = RigKind::centrifuge;
-  EXPECT_THROW(steps_of(session, session.recordings[0]), Error);
+  EXPECT_EQ(rig_of(session, session.recordings[1]), nullptr);
+  session.rigs.resize(2);
+  session.rigs[0].name = "arm", session.rigs[1].name = "table";
+  session.recordings[1].rig = "table";
+  EXPECT_EQ(rig_of(session, session.recordings[1]), &session.rigs[1]);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace imulab {
 
@@ -53,5 +54,24 @@ Session turns_procedure(const std::string& name, double first_rest, std::span<co
 
 /// A path after Cheng 2014: 20 turns of 90 and 180 deg with rests between them, so that every coefficient shows.
 Session cheng_path_procedure(const TableProcedureOptions& options);
+
+/// What the thermal readings come from: a sensor at each axis of a triad, one at each triad, or the gyros' resonance frequencies and three sensors at
+/// the accelerometers.
+enum class ThermalSensors { three, one, resonance };
+std::string_view to_string(ThermalSensors sensors);
+
+struct DaiUnitOptions {
+  double record = 10;  ///< s, each point
+  double rate_hz = 50;
+  ThermalSensors thermal = ThermalSensors::three;
+  bool both_ways = false;             ///< the chamber goes down again
+  double latitude = 45 * unit::deg;
+  double height = 0;  ///< m
+  std::string grade = "mems-30g";
+};
+
+/// Dai 2011 section 3: a whole unit in a thermal chamber (15 points), on a rate table (each face up, 41 rates) and on a centrifuge (each face outward,
+/// seven accelerations), each a recording of its steps alone.
+Session dai_unit_procedure(const DaiUnitOptions& options);
 
 }  // namespace imulab

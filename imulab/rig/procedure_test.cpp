@@ -3,6 +3,8 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/rig/machine.hpp"
+#include "imulab/rig/machine_motion.hpp"
 #include "imulab/rig/motion.hpp"
 
 #include <gtest/gtest.h>
@@ -108,6 +110,38 @@ TEST(TurntableProcedures, RefuseWhatMakesNoSense) {
     EXPECT_THROW(procedure({.turns = 0}), Error);
     EXPECT_THROW(procedure({.rate_hz = -1}), Error);
   }
+}
+
+TEST(DaiUnitProcedure, HasThePapersPoints) {
+  const Session s = dai_unit_procedure({});
+  ASSERT_EQ(s.recordings.size(), 3u);
+  const std::vector<Step> chamber = steps_of(s, s.recordings[0]), table = steps_of(s, s.recordings[1]), arm = steps_of(s, s.recordings[2]);
+  ASSERT_EQ(chamber.size(), 15u);
+  ASSERT_EQ(table.size(), 246u);
+  ASSERT_EQ(arm.size(), 42u);
+  for (std::size_t k = 1; k < 15; ++k) EXPECT_GE(chamber[k].start - chamber[k - 1].end, 1800) << k;
+  EXPECT_EQ(chamber.back().temperature, 70);
+  for (std::size_t k = 0; k < 246; ++k) EXPECT_NEAR(table[k].rate / unit::deg, -400.0 + 20.0 * static_cast<double>(k % 41), 1e-9);
+  std::vector<std::string> up, outward;
+  for (std::size_t k = 0; k < 246; k += 41) up.push_back(mount_name(*table[k].mount).substr(0, 2));
+  for (std::size_t k = 0; k < 42; k += 7) outward.push_back(mount_name(*arm[k].mount).substr(2));
+  EXPECT_EQ(up, (std::vector<std::string>{"+x", "+y", "+z", "-x", "-y", "-z"}));
+  EXPECT_EQ(outward, up);
+  for (std::size_t k = 0; k < 42; ++k) {
+    if (k % 7 == 0) {
+      EXPECT_EQ(arm[k].kind, StepKind::hold);
+      continue;
+    }
+    EXPECT_LT(arm[k].rate, 400 * unit::deg);
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_NEAR(arm[k].rate * arm[k].rate * 6.1, 5 * unit::g * static_cast<double>(k % 7), 0.013);  // rates in hundredths: 2 r w 0.005 deg/s and less
+      const std::size_t opposite = (k + 21) % 42;
+      EXPECT_NE(arm[k].radius[i], arm[opposite].radius[i]);
+      EXPECT_NEAR(arm[k].radius[i] + arm[opposite].radius[i], 2 * 6.1, 1e-12);
+    }
+  }
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NO_THROW(recorded_motion(s, s.recordings[k]));
+  EXPECT_THROW(dai_unit_procedure({.record = 0}), Error);
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "imulab/rig/rig_errors.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/rig/machine.hpp"
 
@@ -15,12 +14,6 @@ namespace {
 
 constexpr double same_angle = 1e-9;  // rad: below what a decimal number of degrees in a file can mean
 constexpr double same_time = 1e-9;   // s: rounding of a time in a file
-
-const RigDeclaration* rig_of(const Session& session, const RecordingSource& source) {
-  for (const RigDeclaration& rig : session.rigs)
-    if (source.rig.empty() || rig.name == source.rig) return &rig;
-  return nullptr;
-}
 
 RigErrorSource declared(RigErrorKind kind, const Spread& spread) {
   RigErrorSource source;
@@ -82,10 +75,13 @@ void add_step_errors(const RigDeclaration& rig, std::span<const Step> steps, con
 
 }  // namespace
 
-std::vector<Step> steps_of(const Session& session, const RecordingSource& source) {
+const RigDeclaration* rig_of(const Session& session, const RecordingSource& source) {
   for (const RigDeclaration& rig : session.rigs)
-    if ((source.rig.empty() || rig.name == source.rig) && rig.kind != RigKind::turntable && rig.kind != RigKind::none)
-      throw Error(fmt::format("[rig] kind = \"{}\": motion by axis angles, \"turntable\" or \"none\" (a hand), was expected", to_string(rig.kind)));
+    if (source.rig.empty() || rig.name == source.rig) return &rig;
+  return nullptr;
+}
+
+std::vector<Step> steps_of(const Session& session, const RecordingSource& source) {
   std::vector<Step> steps;
   for (const Step& step : session.steps)
     if (session.recordings.size() < 2 || step.recording == source.file) steps.push_back(step);
@@ -150,8 +146,9 @@ std::vector<RigErrorSource> rig_error_sources(const RigDeclaration& rig, std::sp
 
 std::vector<RigErrorSource> rig_error_sources(const Session& session, const RecordingSource& source) {
   const RigDeclaration* const rig = rig_of(session, source);
-  if (rig == nullptr || rig->kind != RigKind::turntable) return {};
-  return rig_error_sources(*rig, steps_of(session, source));
+  if (rig == nullptr || rig->kind == RigKind::none) return {};
+  const std::vector<Step> steps = steps_of(session, source);
+  return is_machine(rig->kind) ? machine_error_sources(*rig, steps) : rig_error_sources(*rig, steps);
 }
 
 RigErrorIndex index_of(std::span<const RigErrorSource> sources, std::size_t steps) {

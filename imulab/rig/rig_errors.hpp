@@ -21,8 +21,10 @@
 
 namespace imulab {
 
-/// The steps of one recording of a session: those that name it, or all where it is the only one. Throws Error for a rig that does not move
-/// by axis angles (turntable and none do).
+/// The rig of one recording of a session: the one it names, or the only one; null where there is none.
+const RigDeclaration* rig_of(const Session& session, const RecordingSource& source);
+
+/// The steps of one recording of a session: those that name it, or all where it is the only one.
 std::vector<Step> steps_of(const Session& session, const RecordingSource& source);
 
 /// What a step tells the axes, by RigAxis [rad].
@@ -52,7 +54,8 @@ struct RigErrorSource {
   bool operator==(const RigErrorSource&) const = default;
 };
 
-/// Every error source of a recording's rig, as its [rig] declares them: of the table first, then by step. A hand (kind none) has none.
+/// Every error source of a recording's rig, as its [rig] declares them: of the table or machine first, then by step or mount. A hand (kind none)
+/// has none.
 std::vector<RigErrorSource> rig_error_sources(const Session& session, const RecordingSource& source);
 /// Of a turntable that does these steps.
 std::vector<RigErrorSource> rig_error_sources(const RigDeclaration& rig, std::span<const Step> steps);

@@ -22,18 +22,17 @@ constexpr double panels_of_a_piece = 8;  // at least, so that the polynomial in 
 double rate_bound(const MotionPiece& piece) {
   double sum = 0;
   for (const AnglePolynomial& p : piece.angle) {
-    if (p[3] == 0) {
+    if (p[3] == 0 && p[4] == 0 && p[5] == 0) {
       sum += std::abs(p[1]) + 2 * std::abs(p[2]);
-    } else {
-      sum += 1.875 * std::abs(p[1] + p[2] + p[3] + p[4] + p[5]);  // 10 u^3 - 15 u^4 + 6 u^5 is steepest at its middle: 15/8
+    } else {  // rates r and s at its ends, and besides their mean a way w by 10 u^3 - 15 u^4 + 6 u^5, steepest at its middle: 15/8
+      const double r = p[1], s = p[1] + 2 * p[2] + 3 * p[3] + 4 * p[4] + 5 * p[5], w = p[1] + p[2] + p[3] + p[4] + p[5] - (r + s) / 2;
+      sum += std::max(std::abs(r), std::abs(s)) + 1.875 * std::abs(w);
     }
   }
   return sum / (piece.end - piece.begin);
 }
 
-BodyState state_of(const RigMotion& motion, std::size_t piece, double t) {
-  return turntable_state(motion.axes, axis_states(motion.pieces[piece], t), motion.C_nt);
-}
+BodyState state_of(const RigMotion& motion, std::size_t piece, double t) { return body_state(motion, motion.pieces[piece], t); }
 
 Vector3d size_effect_of_jump(const Vector3d& rate_jump, const Matrix3d& lever_arm) {
   Vector3d force;
@@ -45,24 +44,25 @@ Vector3d size_effect_of_jump(const Vector3d& rate_jump, const Matrix3d& lever_ar
 
 MeanMotion::MeanMotion(RigMotion motion, const Surroundings& surroundings)
     : motion_(std::move(motion)),
-      surroundings_(surroundings),
-      size_effect_(!surroundings.lever_arm.isZero(0)),
       force_t_(surroundings.gravity * motion_.C_nt.row(2).transpose()),
       rate_ie_t_(motion_.C_nt.transpose() * surroundings.rate_ie_n) {
   for (std::size_t a = 0; a < 3; ++a) cross_[a] = skew<double>(motion_.axes[a]), cross_square_[a] = cross_[a] * cross_[a];
-  Vector3d rate_before = Vector3d::Zero();
+  Vector3d rate_before = motion_.rate_before * motion_.axes[0];  // in the table's frame, where a new mount is no jump
   for (std::size_t k = 0; k < motion_.pieces.size(); ++k) {
     const MotionPiece& p = motion_.pieces[k];
     const BodyState first = state_of(motion_, k, p.begin);
+    Surroundings around = surroundings;
+    around.lever_arm += p.arm;
+    const Vector3d jump = p.C_tb.transpose() * (p.C_tb * first.rate_nb_b - rate_before);
     const double bound = rate_bound(p), panel = std::min((p.end - p.begin) / panels_of_a_piece, bound > 0 ? panel_angle / bound : p.end - p.begin);
-    pieces_.push_back({p.begin, p.end, p.at_rest(), panel, sensed_motion(first, surroundings_),
-                       size_effect_of_jump(first.rate_nb_b - rate_before, surroundings_.lever_arm)});
-    rate_before = state_of(motion_, k, p.end).rate_nb_b;
+    pieces_.push_back({p.begin, p.end, p.at_rest(), panel, !around.lever_arm.isZero(0), around, sensed_motion(first, around),
+                       size_effect_of_jump(jump, around.lever_arm)});
+    rate_before = p.C_tb * state_of(motion_, k, p.end).rate_nb_b;
   }
 }
 
 Motion MeanMotion::at(std::size_t piece, double t) const {
-  if (size_effect_) return sensed_motion(state_of(motion_, piece, t), surroundings_);
+  if (pieces_[piece].size_effect) return sensed_motion(state_of(motion_, piece, t), pieces_[piece].around);
   // Without lever arms: vectors are turned back through the axes, from the outer to the inner, as sensed_motion(turntable_state) does by matrices.
   const AxisStates states = axis_states(motion_.pieces[piece], t);
   Vector3d force = force_t_, earth = rate_ie_t_, turning = Vector3d::Zero();
@@ -73,7 +73,8 @@ Motion MeanMotion::at(std::size_t piece, double t) const {
     if (a > 0) turning = (back * turning).eval();
     turning += states[a].rate * motion_.axes[a];
   }
-  return {force, turning + earth};
+  const Matrix3d C_bt = motion_.pieces[piece].C_tb.transpose();
+  return {C_bt * force, C_bt * (turning + earth)};
 }
 
 /// Samples first .. last of out, all inside one moving piece and each less than a panel long. The mean of a smooth function over a sample by its

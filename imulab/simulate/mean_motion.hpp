@@ -21,6 +21,8 @@ class MeanMotion {
     double begin, end;
     bool at_rest;
     double panel;         // s: longest interval of one quadrature
+    bool size_effect;
+    Surroundings around;  // with the accelerometers' places in this piece
     Motion rest;          // the constant motion where at rest
     Vector3d force_jump;  // integral [m/s] of the size effect of the rate's jump at `begin`
   };
@@ -30,8 +32,6 @@ class MeanMotion {
   void means_inside(std::size_t piece, std::size_t begin, double interval_s, std::size_t first, std::size_t last, const MotionColumns& out) const;
 
   RigMotion motion_;
-  Surroundings surroundings_;
-  bool size_effect_;
   Vector3d force_t_, rate_ie_t_;                  // gravity's reaction and Earth rate in the table's frame
   std::array<Matrix3d, 3> cross_, cross_square_;  // of the axes
   std::vector<Piece> pieces_;

@@ -2,8 +2,11 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/earth/earth.hpp"
+#include "imulab/rig/machine.hpp"
+#include "imulab/rig/machine_motion.hpp"
 #include "imulab/simulate/mean_motion.hpp"
 #include "imulab/simulate/sensor_noise.hpp"
+#include "imulab/simulate/temperature.hpp"
 
 #include <fmt/core.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -32,33 +35,45 @@ MotionColumns columns(Recording& recording, std::size_t begin, std::size_t count
   return out;
 }
 
-/// The thermal reading of each sample where the model or the recording has one: its step's set point; before the first set point the model's
-/// reference.
-std::vector<double> temperatures(const RigMotion& motion, const TriadModel& model, std::size_t count, double interval_s) {
-  std::vector<double> out(count);
-  double now = model.temperature.value_or(ThermalReading{}).reference;
-  std::size_t sample = 0;
-  for (const MotionPiece& piece : motion.pieces) {
-    now = piece.temperature.value_or(now);
-    for (; sample < count && (static_cast<double>(sample) + 0.5) * interval_s < piece.end; ++sample) out[sample] = now;
+/// The samples that are written down, by number: all up to the end of the last step, or those whose interval lies inside a step.
+std::vector<Range> written_samples(const RecordingSource& source, std::span<const Step> steps, double rate) {
+  constexpr double rounding = 1e-12;  // of a time as a number of samples, relative
+  const auto last = [&](const Step& step) { return static_cast<std::size_t>(std::floor(std::max(0.0, step.end) * rate * (1 + rounding))); };
+  if (source.extent == Extent::all) return {{0, last(steps.back())}};
+  std::vector<Range> written;
+  for (const Step& step : steps) {
+    const Range inside{static_cast<std::size_t>(std::ceil(std::max(0.0, step.start) * rate * (1 - rounding))), last(step)};
+    if (inside.begin >= inside.end) continue;
+    if (!written.empty() && written.back().end == inside.begin) {
+      written.back().end = inside.end;
+    } else {
+      written.push_back(inside);
+    }
   }
-  return out;
+  return written;
 }
 
-void validate(const Session& procedure, const RecordingSource& source, const SensorModel& model) {
+/// A part of the written samples that one task computes.
+struct Block {
+  std::size_t sample, place, size;  // number of its first sample, where that is written, how many
+};
+
+std::vector<Block> blocks_of(std::span<const Range> written) {
+  std::vector<Block> blocks;
+  std::size_t place = 0;
+  for (const Range& range : written)
+    for (std::size_t sample = range.begin; sample < range.end; place += blocks.back().size, sample += blocks.back().size)
+      blocks.push_back({sample, place, std::min(block_size, range.end - sample)});
+  return blocks;
+}
+
+void validate(const Session& procedure, const RecordingSource& source) {
   if (!procedure.site.latitude) throw Error("[site]: latitude_deg was expected: Earth's rate depends on it");
   if (source.rate_hz && !(*source.rate_hz > 0)) throw Error("[[recording]]: rate_hz above 0 was expected");
-  for (const auto& reading : {source.gyro_temperature, source.accel_temperature})
-    if (reading && reading->unit != "degC")
-      throw Error(
-          fmt::format("[[recording]]: a thermal reading in \"{}\": \"degC\", the unit of the steps' set points, was expected", reading->unit));
-  for (const auto& reading : {model.gyro.temperature, model.accel.temperature})
-    if (reading && reading->unit != "degC")
-      throw Error(fmt::format("the unit to simulate has its reference temperature in \"{}\": \"degC\" was expected", reading->unit));
 }
 
 /// Nothing but what is known beforehand: names, units, sizes, stamps.
-Recording empty_recording(const RecordingSource& source, double rate, std::size_t count) {
+Recording empty_recording(const RecordingSource& source, double rate, std::span<const Range> written) {
   Recording r;
   r.name = source.file;
   r.interval_s = 1 / rate;
@@ -66,10 +81,12 @@ Recording empty_recording(const RecordingSource& source, double rate, std::size_
   r.accel_increment = source.accel.output == Output::increment;
   r.gyro_unit = source.gyro.unit == "count" ? "count" : "rad/s";
   r.accel_unit = source.accel.unit == "count" ? "count" : "m/s^2";
+  for (const Range& range : written) {
+    if (!r.time_ns.empty()) r.gaps.push_back(r.size());
+    for (std::size_t i = range.begin; i < range.end; ++i) r.time_ns.push_back(std::llround(1e9 * static_cast<double>(i + 1) / rate));
+  }
   for (auto* triad : {&r.gyro, &r.accel})
-    for (auto& column : *triad) column.resize(count);
-  r.time_ns.resize(count);
-  for (std::size_t i = 0; i < count; ++i) r.time_ns[i] = std::llround(1e9 * static_cast<double>(i + 1) / rate);
+    for (auto& column : *triad) column.resize(r.size());
   return r;
 }
 
@@ -127,48 +144,54 @@ std::vector<std::size_t> saturated(Recording& recording, const Limits& gyro, con
 }  // namespace
 
 Recording simulate_recording(const Session& procedure, const RecordingSource& source, const Truth& truth, std::uint64_t seed, const RigErrors& rig) {
-  validate(procedure, source, truth.model);
+  validate(procedure, source);
   const double rate = source.rate_hz.value_or(default_rate), interval_s = 1 / rate;
-  const std::vector<Step> steps = steps_of(procedure, source);
-  const RigMotion motion = rig_motion(steps, rig);
-  const MeanMotion mean(motion, {earth_rate_enu(truth.latitude.value_or(*procedure.site.latitude)), truth.gravity, truth.model.lever_arm});
-  const auto count = static_cast<std::size_t>(std::floor(steps.back().end * rate * (1 + 1e-12)));  // the last sample ends with the last step
-  if (count == 0) throw Error("[[recording]]: steps that last at least one sample were expected");
+  const RigDeclaration* const machine = rig_of(procedure, source);
+  const bool own_radii = machine != nullptr && is_machine(machine->kind);  // which say where the accelerometers are
+  const RigMotion motion = recorded_motion(procedure, source, rig);
+  const MeanMotion mean(motion, {earth_rate_enu(truth.latitude.value_or(*procedure.site.latitude)), truth.gravity,
+                                 own_radii ? Matrix3d(Matrix3d::Zero()) : truth.model.lever_arm});
+  const std::vector<Range> written = written_samples(source, steps_of(procedure, source), rate);
+  if (written.empty() || written.back().end == 0) throw Error("[[recording]]: steps that last at least one sample were expected");
   const Limits gyro_limits = limits_of(truth.gyro_noise, source.gyro, interval_s),
                accel_limits = limits_of(truth.accel_noise, source.accel, interval_s);
-  Recording recording = empty_recording(source, rate, count);
-  const bool gyro_thermal = truth.model.gyro.temperature || source.gyro_temperature,
-             accel_thermal = truth.model.accel.temperature || source.accel_temperature;
-  const std::vector<double> gyro_temperature = gyro_thermal ? temperatures(motion, truth.model.gyro, count, interval_s) : std::vector<double>{};
-  const std::vector<double> accel_temperature = accel_thermal ? temperatures(motion, truth.model.accel, count, interval_s) : std::vector<double>{};
-  if (source.gyro_temperature) recording.gyro_temperature.fill(gyro_temperature);
-  if (source.accel_temperature) recording.accel_temperature.fill(accel_temperature);
+  Recording recording = empty_recording(source, rate, written);
+  const std::vector<TemperatureCourse::State> temperatures = temperatures_at(written, TemperatureCourse(motion, machine), interval_s);
+  recording.gyro_temperature = thermal_readings(source.gyro_temperature, temperatures, written, seed, "gyro temperature of " + source.file);
+  recording.accel_temperature = thermal_readings(source.accel_temperature, temperatures, written, seed, "accel temperature of " + source.file);
+  const std::vector<double> gyro_followed = followed_readings(truth.model.gyro, source.gyro_temperature, temperatures),
+                            accel_followed = followed_readings(truth.model.accel, source.accel_temperature, temperatures);
 
+  const std::vector<Block> blocks = blocks_of(written);
   const std::vector<AxisNoise> noise = noise_of(truth, source, interval_s, seed);
   // Isolated: a thread that waits here must not take up an outer loop's next session on the same stack.
   tbb::this_task_arena::isolate([&] {
     tbb::parallel_for(std::size_t{0}, noise.size(), [&](std::size_t axis) {  // terms with a memory: an axis is one task
-      if (noise[axis].slow()) noise[axis].add_slow(column(recording, axis));
+      if (!noise[axis].slow()) return;
+      std::vector<double> all(written.back().end);
+      noise[axis].add_slow(all);
+      auto place = column(recording, axis).begin();
+      for (const Range& range : written) place = std::copy_n(all.begin() + static_cast<std::ptrdiff_t>(range.begin), range.size(), place);
     });
-    tbb::parallel_for(std::size_t{0}, (count + block_size - 1) / block_size, [&](std::size_t block) {
-      const std::size_t begin = block * block_size, size = std::min(block_size, count - begin);
+    tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t block) {
+      const auto [sample, begin, size] = blocks[block];
       std::array<std::array<double, block_size>, 6> ideal;
       MotionColumns ideal_columns;
       for (std::size_t axis = 0; axis < 3; ++axis)
         ideal_columns.rate[axis] = std::span(ideal[axis]).first(size), ideal_columns.force[axis] = std::span(ideal[axis + 3]).first(size);
-      mean.over(begin, interval_s, ideal_columns);
+      mean.over(sample, interval_s, ideal_columns);
       for (std::size_t axis = 0; axis < 6; ++axis) {
         const std::span<double> out = column(recording, axis).subspan(begin, size);
         for (std::size_t k = 0; k < size; ++k) out[k] += ideal[axis][k];
-        noise[axis].add_fast(begin, out);
+        noise[axis].add_fast(sample, out);
       }
-      const auto thermal = [&](const std::vector<double>& readings) {
+      const auto thermal = [&, first = begin, count = size](const std::vector<double>& readings) {
         std::array<std::span<const double>, 3> columns;
-        if (!readings.empty()) columns.fill(std::span(readings).subspan(begin, size));
+        if (!readings.empty()) columns.fill(std::span(readings).subspan(first, count));
         return columns;
       };
       const MotionColumns out = columns(recording, begin, size);
-      decompensate(truth.model, thermal(accel_temperature), thermal(gyro_temperature), out);
+      decompensate(truth.model, thermal(accel_followed), thermal(gyro_followed), out);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         read_out(truth.gyro_noise.resolution, gyro_limits, out.rate[axis]);
         read_out(truth.accel_noise.resolution, accel_limits, out.force[axis]);

@@ -1,0 +1,14 @@
+// What is wrong with a whole-unit session although it could be calibrated: machines that are not as declared, a chamber that had not settled, hysteresis.
+#pragma once
+
+#include "imulab/estimate/whole_unit_course.hpp"
+
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+/// Each finding with its consequence, as a sentence.
+std::vector<std::string> diagnose(const WholeUnitProblem& problem, const WholeUnitPrior& prior, const std::vector<Part>& parts);
+
+}  // namespace imulab

@@ -1,0 +1,112 @@
+#include "imulab/rig/machine_motion.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/rig/machine.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace imulab {
+
+namespace {
+
+constexpr double same_time = 1e-9;   // s: rounding of a time in a file
+constexpr double same_angle = 1e-9;  // rad: below what a decimal number of degrees in a file can mean
+constexpr auto axis = static_cast<std::size_t>(RigAxis::outer);
+
+/// The polynomial in u in (0, 1) with a value and rate at either end, and no acceleration there.
+AnglePolynomial between(double angle_0, double rate_0, double angle_1, double rate_1) {
+  const double way = angle_1 - angle_0;
+  return {angle_0, rate_0, 0, 10 * way - 6 * rate_0 - 4 * rate_1, -15 * way + 8 * rate_0 + 7 * rate_1, 6 * way - 3 * rate_0 - 3 * rate_1};
+}
+
+/// How the machine stands at a time.
+struct State {
+  double time = 0, angle = 0, rate = 0;
+};
+
+/// How the unit is mounted in a step: C_tb, and where its accelerometers are.
+MotionPiece mounted(const Step& step, const RigErrors& errors) {
+  MotionPiece piece;
+  const Mount mount = mount_of(step);
+  const MachineErrors<double> error = errors_at(errors, mount);
+  const Matrix3d C_mount = mount_attitude(mount);
+  piece.C_tb = C_mount * rotation_exp(error.mount);
+  const Vector3d outward_b = piece.C_tb.transpose() * Vector3d::UnitY();  // north at zero angle
+  if (step.kind == StepKind::spin)
+    for (int i = 0; i < 3; ++i) piece.arm.row(i) = (step.radius[static_cast<std::size_t>(i)] + error.radius) * outward_b;
+  return piece;
+}
+
+double spin_rate(const Step& step, const RigErrors& errors) {
+  return step.kind == StepKind::spin ? step.rate * (1 + errors_at(errors, mount_of(step)).rate) : 0;
+}
+
+/// The state at the end of the gap before a step: a spin's angle is the one that half the change of the rate leads to, a hold's the nearest to that.
+State reached(const State& from, const Step& step, double rate) {
+  const double natural = from.angle + 0.5 * (from.rate + rate) * (step.start - from.time);
+  const bool spins = step.kind == StepKind::spin;
+  return {step.start, spins ? natural : step.angles[axis] + 2 * std::numbers::pi * std::round((natural - step.angles[axis]) / (2 * std::numbers::pi)),
+          rate};
+}
+
+void expect_gap(const State& from, const State& to, bool mounted_anew, std::size_t index, const Step& step) {
+  if (to.time < from.time - same_time || step.end <= step.start)
+    throw Error(fmt::format("step {} ({} at {:g} s): a start_s from {:g} on and a later end_s were expected", index + 1, to_string(step.kind),
+                            step.start, from.time));
+  if (to.time - from.time >= same_time) return;
+  const char* const what = mounted_anew                                 ? "mount"
+                           : to.rate != from.rate                       ? "rate"
+                           : std::abs(to.angle - from.angle) >= same_angle ? "angle"
+                                                                        : nullptr;
+  if (what != nullptr)
+    throw Error(fmt::format("step {} ({} at {:g} s): its {} differs from the one before it, but no time is left to reach it: start_s later than {:g} was "
+                            "expected",
+                            index + 1, to_string(step.kind), step.start, what, from.time));
+}
+
+}  // namespace
+
+RigMotion machine_motion(const RigDeclaration& rig, std::span<const Step> steps, const RigErrors& errors) {
+  if (steps.empty()) throw Error("there are no steps: [[step]] says what the rig does");
+  expect_possible(rig, steps);
+  const Vector3d tilt{errors_at(errors, {}).tilt[0], errors_at(errors, {}).tilt[1], 0};
+  RigMotion motion;
+  motion.C_nt = rotation_exp(tilt);
+  State now;
+  const Step& first = steps.front();
+  if (first.start < same_time) now = {0, first.kind == StepKind::hold ? first.angles[axis] : 0, spin_rate(first, errors)};
+  motion.rate_before = now.rate;
+  MotionPiece piece = mounted(first, errors);
+  const auto append = [&](const State& to) {
+    const double lasting = to.time - now.time;
+    piece.begin = now.time, piece.end = to.time;
+    piece.angle[axis] = between(now.angle, now.rate * lasting, to.angle, to.rate * lasting);
+    if (now.rate == to.rate && to.angle == now.angle + to.rate * lasting) piece.angle[axis] = {now.angle, to.rate * lasting};
+    if (lasting > 0) motion.pieces.push_back(piece);
+    now = {to.time, std::remainder(to.angle, 2 * std::numbers::pi), to.rate};
+  };
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    const Step& step = steps[k];
+    const State begin = reached(now, step, spin_rate(step, errors));
+    expect_gap(now, begin, k > 0 && mount_of(step) != mount_of(steps[k - 1]), k, step);
+    const MotionPiece own = mounted(step, errors);
+    if (k > 0 && step.kind == StepKind::spin && mount_of(step) == mount_of(steps[k - 1])) piece.arm = own.arm;  // a hold has none
+    piece.temperature = step.temperature;
+    append(begin);
+    piece = own;
+    piece.temperature = step.temperature;
+    append({step.end, now.angle + now.rate * (step.end - now.time), now.rate});
+  }
+  return motion;
+}
+
+RigMotion recorded_motion(const Session& session, const RecordingSource& source, const RigErrors& errors) {
+  const RigDeclaration* const rig = rig_of(session, source);
+  const std::vector<Step> steps = steps_of(session, source);
+  return rig != nullptr && is_machine(rig->kind) ? machine_motion(*rig, steps, errors) : rig_motion(steps, errors);
+}
+
+}  // namespace imulab
