@@ -242,7 +242,7 @@ void read_carrier(TomlFields& f, Carrier& carrier) {
   carrier.lateral_limit = number_or(f, "lateral_limit_mps2", carrier.lateral_limit, positive());
 }
 
-void read_point(TomlFields& f, TemperatureCourse& course) {
+void read_point(TomlFields& f, UnitTemperature& course) {
   double time = 0, celsius = 0;
   f.number("time_s", time, not_negative());
   f.number("degC", celsius, within(-273.15, 1000));
@@ -263,7 +263,7 @@ void read_reading(TomlFields& f, ThermalSource& source) {
 
 void read_temperature(TomlFields& f, std::optional<UnitTemperature>& temperature) {
   const bool course = f.has("temperature");
-  if (course) f.tables("temperature", [&, &out = temperature.emplace()](TomlFields& t) { read_point(t, out.course); });
+  if (course) f.tables("temperature", [&, &out = temperature.emplace()](TomlFields& t) { read_point(t, out); });
   for (const char* key : {"gyro_temperature", "accel_temperature"}) {
     f.check(course || !f.has(key), key, "stands without [[temperature]], expected the course of the temperature");
     f.table(key, Presence::optional, [&](TomlFields& t) { read_reading(t, key[0] == 'g' ? temperature->gyro : temperature->accel); });

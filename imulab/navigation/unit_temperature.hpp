@@ -1,4 +1,4 @@
-// The temperature of a unit on its way, and what its sensors of temperature read.
+// The temperature of a unit on its way, and what its thermal sensors read.
 #pragma once
 
 #include "imulab/recording/session.hpp"
@@ -7,20 +7,13 @@
 
 namespace imulab {
 
-/// Straight between the points; before the first and after the last as there.
-struct TemperatureCourse {
-  std::vector<double> time, celsius;  // s ascending, degC
-
-  double at(double t) const;
-};
-
-/// The same temperature throughout the unit; each axis has a sensor of its own (of a ThermalSource: unit, noise, at_25_degC, per_K).
+/// Straight between the points; before the first and after the last as there. The same throughout the unit; each axis has a sensor of its own (of a
+/// ThermalSource: unit, noise, at_25_degC, per_K).
 struct UnitTemperature {
-  TemperatureCourse course;
+  std::vector<double> time, celsius;  // s ascending, degC
   ThermalSource gyro, accel;
-};
 
-/// Without noise, in the source's unit. `Error` for a raw one that does not say what it reads.
-double thermal_reading(const ThermalSource& source, double celsius);
+  double at(double t) const;  // degC
+};
 
 }  // namespace imulab

@@ -1,12 +1,13 @@
 #include "imulab/simulate/simulate_motion.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/core/random.hpp"
 #include "imulab/model/compensate.hpp"
 #include "imulab/simulate/sensor_noise.hpp"
+#include "imulab/simulate/temperature.hpp"
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 
 namespace imulab {
@@ -26,22 +27,10 @@ void check(const SensorModel& model, const std::optional<UnitTemperature>& tempe
   check_thermal(model.accel, "accelerometers", temperature ? &temperature->accel : nullptr);
 }
 
-/// Thermal readings without noise: the mean of a sample, the course being straight.
-std::vector<double> readings(const TemperatureCourse& course, const ThermalSource& source, std::size_t count, double interval) {
-  std::vector<double> out(count);
-  for (std::size_t i = 0; i < count; ++i) out[i] = thermal_reading(source, course.at(interval * (static_cast<double>(i) + 0.5)));
-  return out;
-}
-
-Columns3 with_noise(const std::vector<double>& exact, double sigma, std::uint64_t seed, const char* triad) {
-  Columns3 out;
-  out.fill(exact);
-  if (sigma == 0) return out;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const RandomStream draws(seed, fmt::format("{} {} temperature on a motion", triad, axis));
-    for (std::size_t i = 0; i < exact.size(); ++i) out[axis][i] += sigma * draws.normal(i);
-  }
-  return out;
+/// A triad's source with a sensor for each axis.
+ThermalSource three_sensors(ThermalSource source) {
+  source.columns = {1, 2, 3};
+  return source;
 }
 
 }  // namespace
@@ -75,11 +64,17 @@ Recording simulate_motion(const std::vector<Increment>& ideal, double interval, 
     decompensate(unit.model, {}, {}, columns);
     return r;
   }
-  const std::vector<double> gyro = readings(temperature->course, temperature->gyro, ideal.size(), interval);
-  const std::vector<double> accel = readings(temperature->course, temperature->accel, ideal.size(), interval);
+  std::vector<TemperatureCourse::State> states;  // in the samples' middles: the mean, the course being straight
+  for (std::size_t i = 0; i < ideal.size(); ++i) {
+    const double celsius = temperature->at(interval * (static_cast<double>(i) + 0.5));
+    states.push_back({celsius, celsius});
+  }
+  const std::vector<double> gyro = followed_readings(unit.model.gyro, temperature->gyro, states);
+  const std::vector<double> accel = followed_readings(unit.model.accel, temperature->accel, states);
   decompensate(unit.model, {accel, accel, accel}, {gyro, gyro, gyro}, columns);
-  r.gyro_temperature = with_noise(gyro, temperature->gyro.noise, seed, "gyro");
-  r.accel_temperature = with_noise(accel, temperature->accel.noise, seed, "accel");
+  const std::array<Range, 1> all{Range{0, ideal.size()}};
+  r.gyro_temperature = thermal_readings(three_sensors(temperature->gyro), states, all, seed, "gyro temperature on a motion");
+  r.accel_temperature = thermal_readings(three_sensors(temperature->accel), states, all, seed, "accel temperature on a motion");
   return r;
 }
 

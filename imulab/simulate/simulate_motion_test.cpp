@@ -50,7 +50,7 @@ Truth thermal_unit() {
 }
 
 UnitTemperature warming() {
-  UnitTemperature t{{{0, 10}, {20, 60}}, {}, {}};
+  UnitTemperature t{{0, 10}, {20, 60}, {}, {}};
   t.gyro.unit = "raw", t.gyro.at_25_degC = 5000, t.gyro.per_K = -1.5;
   return t;
 }

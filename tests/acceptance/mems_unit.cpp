@@ -1,86 +1,78 @@
 #include "tests/acceptance/mems_unit.hpp"
 
-#include "imulab/core/random.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/model/compensate.hpp"
+#include "imulab/estimate/whole_unit.hpp"
+#include "imulab/rig/procedure.hpp"
 
 #include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
 
 namespace imulab::acceptance {
 
 namespace {
 
-using namespace unit;
+/// Mean readings of a step.
+struct Point {
+  Vector3d up;       // body axis
+  double rate = 0;   // about it
+  Vector3d accel = Vector3d::Zero(), gyro = Vector3d::Zero();
+};
 
-/// Table 2: sizes uniform in its ranges, signs random. It gives no bias, scale, and thermal terms: 0.5 deg/s and 30 mg, 1 %, 1 deg/s and 30 mg over 45 K.
-SensorModel drawn_unit(std::uint64_t seed) {
-  const RandomStream sizes(seed, "dai unit"), signs(seed, "dai unit signs"), normals(seed, "dai unit normals");
-  std::uint64_t next = 0;
-  const auto within = [&](double low, double high) {
-    const std::uint64_t k = next++;
-    return (low + (high - low) * sizes.uniform(k)) * (signs.uniform(k) < 0.5 ? -1 : 1);
-  };
-  const auto sigma = [&](double size) { return size * normals.normal(next++); };
-  SensorModel m;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      m.gyro.matrix(i, j) = i == j ? 1 + sigma(0.01) : within(0.001, 0.005);
-      m.accel.matrix(i, j) = i == j ? 1 + sigma(0.01) : within(0.001, 0.02);
-      m.g_sensitivity(i, j) = within(0.01, 0.04) * deg / g;
+std::vector<Point> points_of(const Recording& r, const Session& session) {
+  std::vector<Point> points;
+  for (const Step& step : session.steps) {
+    if (step.recording != r.name || !step.mount) continue;
+    Point p{step.mount->up.sign * Vector3d::Unit(step.mount->up.index), step.kind == StepKind::spin ? step.rate : 0};
+    double samples = 0;
+    for (std::size_t i = 0; i < r.size(); ++i) {
+      if (r.time_s(i) - r.interval_s < step.start - 1e-6 || r.time_s(i) > step.end + 1e-6) continue;
+      p.accel += Vector3d(r.accel[0][i], r.accel[1][i], r.accel[2][i]);
+      p.gyro += Vector3d(r.gyro[0][i], r.gyro[1][i], r.gyro[2][i]);
+      samples += 1;
     }
-    m.gyro.quadratic(i) = within(1.5e-4, 2.5e-4) / deg, m.accel.quadratic(i) = within(2e-5, 1e-4) / g;
-    m.gyro.cubic(i) = within(4e-10, 1e-9) / (deg * deg), m.accel.cubic(i) = within(5e-6, 2e-5) / (g * g);
-    m.gyro.offset(i) = sigma(0.5 * deg), m.accel.offset(i) = sigma(0.03 * g);
-    m.gyro.thermal.row(i) << 0, sigma(1 * deg / 45), sigma(0.33 * deg / (45 * 45));
-    m.accel.thermal.row(i) << 0, sigma(0.03 * g / 45), sigma(0.01 * g / (45 * 45));
+    p.accel /= samples, p.gyro /= samples;
+    points.push_back(p);
   }
-  m.gyro.temperature = m.accel.temperature = ThermalReading{"degC", 25, {0, 70}};
-  return m;
-}
-
-/// Six positions at rest give the accelerometers and the gyros' offset, opposed rates the gyros' matrix: at 25 degC, without noise.
-SensorModel traditional_calibration(const SensorModel& unit) {
-  SensorModel out;
-  Matrix3d up, raw_up, raw_turned;
-  Vector3d rest_accel = Vector3d::Zero(), rest_gyro = Vector3d::Zero();
-  for (int axis = 0; axis < 3; ++axis) {
-    const Vector3d e = Vector3d::Unit(axis);
-    const auto reading = [&](double force, double rate) { return decompensate(unit, {force * g * e, rate * 200 * deg * e}); };
-    const RawSample above = reading(1, 0), below = reading(-1, 0);
-    raw_up.col(axis) = (above.accel - below.accel) / (2 * g);
-    raw_turned.col(axis) = (reading(1, 1).gyro - reading(1, -1).gyro) / (2 * 200 * deg);
-    rest_accel += (above.accel + below.accel) / 6;
-    rest_gyro += (above.gyro + below.gyro) / 6;
-  }
-  out.accel.matrix = raw_up.inverse();
-  out.gyro.matrix = raw_turned.inverse();
-  out.accel.offset = -out.accel.matrix * rest_accel;
-  out.gyro.offset = -out.gyro.matrix * rest_gyro;
-  return out;
+  return points;
 }
 
 }  // namespace
 
-CalibratedUnit calibrated_unit(std::uint64_t seed) {
-  CalibratedUnit out;
-  out.truth.model = drawn_unit(seed);
-  out.truth.gyro_noise.N = 0.02 * deg;
-  out.truth.accel_noise.N = 100 * ug_per_sqrt_hz;
-  out.truth.gyro_noise.turn_on = {30 * deg_per_h};  // table 1, one sigma
-  out.truth.accel_noise.turn_on = {1000 * ug};
-  out.traditional = traditional_calibration(out.truth.model);
-  out.whole = out.truth.model;  // stands in for its estimate: errors of plausible size
-  const RandomStream errors(seed, "dai unit estimate");
-  std::uint64_t next = 0;
-  for (int i = 0; i < 3; ++i) {
-    out.whole.accel.offset(i) += 200 * ug * errors.normal(next++);
-    out.whole.gyro.offset(i) += 5 * deg_per_h * errors.normal(next++);
-    for (int j = 0; j < 3; ++j) {
-      out.whole.accel.matrix(i, j) += 3e-5 * errors.normal(next++);
-      out.whole.gyro.matrix(i, j) += 3e-5 * errors.normal(next++);
-      out.whole.g_sensitivity(i, j) += 1e-4 * deg / g * errors.normal(next++);
-    }
+SensorModel traditional_calibration(const Recording& recording, const Session& session) {
+  SensorModel out;
+  // Readings are S f + D. With e the axis up: S = sum of readings e^T / sum of e e^T over the rests, since these cancel in D; gyros alike over the spins.
+  Matrix3d accel = Matrix3d::Zero(), gyro = Matrix3d::Zero(), up = Matrix3d::Zero(), turned = Matrix3d::Zero();
+  Vector3d rest_accel = Vector3d::Zero(), rest_gyro = Vector3d::Zero();
+  double rests = 0;
+  for (const Point& p : points_of(recording, session)) {
+    gyro += p.rate * p.gyro * p.up.transpose();
+    turned += p.rate * p.rate * p.up * p.up.transpose();
+    if (p.rate != 0) continue;
+    accel += p.accel * p.up.transpose();
+    up += session.site.gravity() * p.up * p.up.transpose();
+    rest_accel += p.accel, rest_gyro += p.gyro, rests += 1;
   }
+  out.accel.matrix = (accel * up.inverse()).inverse();
+  out.gyro.matrix = (gyro * turned.inverse()).inverse();
+  out.accel.offset = -out.accel.matrix * rest_accel / rests;
+  out.gyro.offset = -out.gyro.matrix * rest_gyro / rests;  // the Earth's rate cancels over opposed faces
+  return out;
+}
+
+CalibratedUnit calibrated_unit(std::uint64_t seed) {
+  Session session = dai_unit_procedure({});
+  CalibratedUnit out{draw_truth(session, seed), {}, {}};
+  std::vector<Recording> recordings;
+  for (const RecordingSource& source : session.recordings)
+    recordings.push_back(simulate_recording(session, source, out.truth, seed, draw_rig_errors(session, source, seed)));
+  out.whole = calibrate_whole_unit(recordings, session, {.full = true}).model;
+  const auto table = std::find_if(session.rigs.begin(), session.rigs.end(), [](const RigDeclaration& rig) { return rig.kind == RigKind::rate_table; });
+  for (std::size_t i = 0; i < recordings.size(); ++i)
+    if (session.recordings[i].rig == table->name) out.traditional = traditional_calibration(recordings[i], session);
+  session.imu.noise = NoiseTerms::full;
+  const Truth flown = draw_truth(session, seed);
+  out.truth.gyro_noise = flown.gyro_noise, out.truth.accel_noise = flown.accel_noise;
   return out;
 }
 

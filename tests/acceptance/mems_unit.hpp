@@ -1,6 +1,8 @@
-// A MEMS unit of Dai 2011, table 2, and what calibrations of it say.
+// A MEMS unit of Dai 2011, table 2, drawn and calibrated.
 #pragma once
 
+#include "imulab/recording/recording.hpp"
+#include "imulab/recording/session.hpp"
 #include "imulab/simulate/simulate.hpp"
 
 #include <cstdint>
@@ -8,12 +10,16 @@
 namespace imulab::acceptance {
 
 struct CalibratedUnit {
-  Truth truth;
+  Truth truth;              // with all noise terms of the grade
   SensorModel traditional;  // offsets and matrices alone
   SensorModel whole;
 };
 
-/// Drawn from the seed, as are the errors of its calibrations.
+/// The unit, the machines' errors and all noise are drawn from the seed.
 CalibratedUnit calibrated_unit(std::uint64_t seed);
+
+/// Offsets and matrices from a rate table's six mounts, as in multi-position methods: the accelerometers and the gyros' offset from the rests, the gyros'
+/// matrix from opposed rates.
+SensorModel traditional_calibration(const Recording& recording, const Session& session);
 
 }  // namespace imulab::acceptance
