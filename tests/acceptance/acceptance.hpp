@@ -8,7 +8,6 @@
 
 #include <Eigen/Core>
 
-#include <span>
 #include <string>
 #include <vector>
 
@@ -64,12 +63,14 @@ std::vector<DriveRun> drives(int runs);
 /// The first seven, and the RMS of all.
 std::string describe(const std::vector<DriveRun>& runs);
 
-/// Position errors at the end of a flight, east-north-up [m], by `flight_rows`: one unit with several compensations, and a gyro unit of another kind.
+/// Position errors at the end of a flight, east-north-up [m], one a row of the table that describe_flights makes.
 using FlightRun = std::vector<Eigen::Vector3d>;
-std::span<const char* const> flight_rows();
-/// Units, calibrations and noise of seeds 1 .. runs on docs/dai2011/flight.toml, or on the same without its roll.
-std::vector<FlightRun> dai_flights(int runs, bool roll);
-/// Traditional over whole-unit compensation, in median: at least ten.
+/// Units, calibrations and noise of seeds 1 .. runs on docs/dai2011/flight.toml, and on the same without its roll.
+struct DaiFlights {
+  std::vector<FlightRun> with_roll, without_roll;
+};
+DaiFlights dai_flights(int runs);
+/// In median: traditional compensation at least ten times as far off as whole-unit compensation, and that as far as the exact coefficients.
 std::vector<Check> judge_flights(const std::vector<FlightRun>& runs);
 std::string describe_flights(const std::vector<FlightRun>& runs);
 
