@@ -38,8 +38,16 @@ UserValue user_value(const Calibration& calibration, const Coefficient& c, doubl
       return {(scale - 1) / unit::ppm, sigma / unit::ppm, "ppm"};
     case Term::g_sensitivity: return {value / (unit::deg_per_h / unit::g), sigma / (unit::deg_per_h / unit::g), "deg/h/g"};
     case Term::lever_arm: return {1e3 * value, 1e3 * sigma, "mm"};
-    default: return {value, sigma, ""};
+    default: break;
   }
+  if (counts) return {value, sigma, ""};
+  // Readings in SI: what a coefficient adds at one g, at one deg/s or in one kelvin.
+  const std::string per = triad.temperature && triad.temperature->unit == "raw" ? "raw" : "K";
+  const auto in = [&](double unit, const std::string& name) { return UserValue{value / unit, sigma / unit, name}; };
+  if (c.term == Term::thermal) return in(accel ? unit::ug : unit::deg_per_h, fmt::format("{}/{}{}", accel ? "ug" : "deg/h", per, c.column == 2 ? "^2" : ""));
+  const int order = c.term == Term::quadratic ? 2 : 3;
+  return accel ? in(unit::ug / std::pow(unit::g, order), fmt::format("ug/g^{}", order))
+               : in(unit::ppm / std::pow(unit::deg, order - 1), order == 2 ? "ppm/(deg/s)" : "ppm/(deg/s)^2");
 }
 
 void print_row(const Calibration& calibration, int index) {

@@ -8,6 +8,7 @@
 #include "imulab/estimate/whole_unit_diagnosis.hpp"
 #include "imulab/estimate/whole_unit_start.hpp"
 #include "imulab/estimate/whole_unit_stepwise.hpp"
+#include "imulab/model/compensation_derivatives.hpp"
 
 #include <fmt/core.h>
 
@@ -23,20 +24,20 @@ namespace {
 
 const Coefficient& coefficient(int index) { return coefficient_table()[static_cast<std::size_t>(index)]; }
 
-/// The declared densities in place of the measured noise, brought to raw readings by the start's scales.
-void use_declared_noise(WholeUnitPoints& points, const Session& session, const std::vector<Recording>& recordings, const SensorModel& start) {
-  const double rate = 1 / recordings.front().interval_s;
+/// Declared densities that the points' own scatter contradicts.
+void compare_noise(const WholeUnitProblem& problem, std::vector<std::string>& warnings) {
   for (std::size_t triad = 0; triad < 2; ++triad) {
-    const auto& density = triad == 0 ? session.imu.accel_noise_density : session.imu.gyro_noise_density;
+    const auto& density = triad == 0 ? problem.session().imu.accel_noise_density : problem.session().imu.gyro_noise_density;
     if (!density || !(*density > 0)) continue;
-    const Matrix3d& matrix = triad == 0 ? start.accel.matrix : start.gyro.matrix;
-    auto raw = points.noise.raw.segment<3>(static_cast<Index>(3 * triad));
-    const Vector3d declared = (*density * *density * rate) * matrix.diagonal().cwiseAbs2().cwiseInverse();
-    const double ratio = std::sqrt(raw.sum() / declared.sum());
+    double measured = 0;
+    for (const WholeUnitPoint& p : problem.points().points) {
+      const auto slope = compensation_derivatives(problem.model(), problem.sample(p)).raw;
+      measured += (slope.cwiseAbs2() * p.variance).segment<3>(static_cast<Index>(3 * triad)).mean() / static_cast<double>(problem.points().points.size());
+    }
+    const double ratio = std::sqrt(measured * problem.points().interval_s) / *density;
     if (ratio > 1.5 || ratio < 1 / 1.5)
-      points.warnings.push_back(fmt::format("the {} noise within points is {:.2g} times the declared density; the declared one sets the weights",
-                                            triad == 0 ? "accelerometers'" : "gyros'", ratio));
-    raw = declared;
+      warnings.push_back(fmt::format("the {} noise within points is {:.2g} times the declared density; the declared one sets the weights",
+                                     triad == 0 ? "accelerometers'" : "gyros'", ratio));
   }
 }
 
@@ -190,7 +191,6 @@ Calibration calibrate_whole_unit(const std::vector<Recording>& recordings, const
   const Vector6d centre = reading_centre(all);
   const SensorModel start = start_model(all, session, centre);
   check_mounts(all, session, start, centre);
-  use_declared_noise(all, session, recordings, start);
 
   WholeUnitProblem problem(all, session, start, centre);
   const WholeUnitPrior prior(problem, start);
@@ -207,6 +207,8 @@ Calibration calibrate_whole_unit(const std::vector<Recording>& recordings, const
   std::vector<Part> weak = parts;
   std::replace(weak.begin(), weak.end(), Part::estimated, Part::weak);
   converge(problem, prior, weak);
+  problem.measure_noise();
+  compare_noise(problem, all.warnings);
   parts = determined(problem, prior, parts);
   dropped = drop_outliers(problem, prior, parts, options.outlier_level);
   parts = determined(problem, prior, parts);

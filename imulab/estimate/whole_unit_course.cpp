@@ -29,8 +29,11 @@ WholeUnitPrior::WholeUnitPrior(const WholeUnitProblem& problem, const SensorMode
     full_scale_[1] = std::max(full_scale_[1], m.rate.cwiseAbs().maxCoeff());
   }
   scale_[0] = start.accel.matrix.diagonal().cwiseAbs(), scale_[1] = start.gyro.matrix.diagonal().cwiseAbs();
-  for (std::size_t triad = 0; triad < 2; ++triad)  // a range of nothing leaves the thermal terms open
-    thermal_range_[triad] = std::max(points.thermal_range_high[triad] - points.thermal_range_low[triad], 1e-6);
+  for (std::size_t triad = 0; triad < 2; ++triad) {
+    const double least = points.thermal_unit[triad] == "raw" ? 1e-6 : 10;
+    thermal_range_[triad] = std::max(points.thermal_range_high[triad] - points.thermal_range_low[triad], least);
+    thermal_excited_[triad] = points.thermal_excited[triad];
+  }
 }
 
 double WholeUnitPrior::sigma(int index) const {
@@ -51,6 +54,7 @@ double WholeUnitPrior::sigma(int index) const {
 
 double WholeUnitPrior::needed(int index) const {
   const Coefficient& c = coefficient(index);
+  if (c.term == Term::thermal && !thermal_excited_[c.triad == Triad::accel ? 0 : 1]) return 0;
   const bool basic = c.term == Term::offset || (c.term == Term::matrix && c.row == c.column);
   return (basic ? 0.05 : 0.5) * sigma(index);
 }
@@ -191,8 +195,9 @@ std::vector<TermTest> choose_orders(const WholeUnitProblem& problem, const Whole
 }
 
 std::vector<std::string> drop_outliers(WholeUnitProblem& problem, const WholeUnitPrior& prior, const std::vector<Part>& parts, double level) {
-  std::vector<std::string> dropped;
-  for (const std::size_t most = problem.points().points.size() / 10; dropped.size() < most;) {
+  const WholeUnitProblem whole = problem;
+  const std::size_t most = std::max<std::size_t>(2, problem.points().points.size() / 50);
+  for (std::vector<std::string> dropped;;) {
     const WholeUnitFit fit = converge(problem, prior, parts);
     const std::vector<WholeUnitPoint>& points = problem.points().points;
     std::vector<double> statistic;
@@ -204,12 +209,15 @@ std::vector<std::string> drop_outliers(WholeUnitProblem& problem, const WholeUni
     }
     const double spread = std::max(1.0, median(statistic) / chi_square_quantile(0.5, 6));  // of good points, where their size is not the noise's
     const auto worst = std::max_element(statistic.begin(), statistic.end());
-    if (log_chi_square_tail(*worst / spread, 6) > std::log(level / static_cast<double>(points.size()))) break;
+    if (log_chi_square_tail(*worst / spread, 6) > std::log(level / static_cast<double>(points.size()))) return dropped;
+    if (dropped.size() == most) {
+      problem = whole;
+      return {};
+    }
     const auto at = static_cast<std::size_t>(worst - statistic.begin());
     dropped.push_back(points[at].name(problem.session()));
     problem.drop(at);
   }
-  return dropped;
 }
 
 }  // namespace imulab

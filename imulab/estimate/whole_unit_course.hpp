@@ -24,7 +24,7 @@ struct WholeUnitFit {
 
 /// Prior sigma of a coefficient: offsets and scales 20 % of the full range, misalignments 5 %, second and third orders three to a hundred times what Dai's
 /// table 2 has (3e-4 /g and 6e-5 /g^2; 7.5e-4 /(deg/s) and 1e-7 /(deg/s)^2), g-sensitivity 1e-3 (rad/s)/(m/s^2), thermal drift over the readings'
-/// range 0.15 g and 15 deg/s.
+/// range (of at least 10 K) 0.15 g and 15 deg/s.
 class WholeUnitPrior {
  public:
   WholeUnitPrior(const WholeUnitProblem& problem, const SensorModel& start);
@@ -37,6 +37,7 @@ class WholeUnitPrior {
   SensorModel mean_;
   Vector3d scale_[2];
   double full_scale_[2], thermal_range_[2];
+  bool thermal_excited_[2];
 };
 
 Knowledge knowledge(const WholeUnitProblem& problem, const WholeUnitPrior& prior, const std::vector<Part>& parts);
@@ -51,7 +52,8 @@ std::vector<Part> determined(const WholeUnitProblem& problem, const WholeUnitPri
 /// The least significant goes first. Groups of what is estimated: cubic, quadratic, second-order thermal, g-sensitivity, by triad.
 std::vector<TermTest> choose_orders(const WholeUnitProblem& problem, const WholeUnitPrior& prior, std::vector<Part>& parts);
 
-/// Drops points one by one while chance explains them with less than `level` shared among all; returns their names.
+/// Drops points one by one while chance explains them with less than `level` shared among all; returns their names. Where that is more than one in fifty, it
+/// is not the points that are wrong, and all stay.
 std::vector<std::string> drop_outliers(WholeUnitProblem& problem, const WholeUnitPrior& prior, const std::vector<Part>& parts, double level);
 
 }  // namespace imulab

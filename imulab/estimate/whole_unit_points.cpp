@@ -17,12 +17,6 @@ namespace {
 
 constexpr std::size_t blocks = 10;  // of a point: nine degrees of freedom for the noise of its mean
 
-const RigDeclaration& rig_of(const Session& session, const RecordingSource& source) {
-  for (const RigDeclaration& rig : session.rigs)
-    if ((source.rig.empty() && session.rigs.size() == 1) || rig.name == source.rig) return rig;
-  throw Error(fmt::format("{}: the recording {} names no rig: rate_table, centrifuge or chamber was expected", session.file, source.file));
-}
-
 /// Samples whose whole interval lies inside the step.
 Range samples_of(const Recording& recording, const Step& step) {
   const auto ns = [](double s) { return static_cast<std::int64_t>(std::llround(1e9 * s)); };
@@ -43,6 +37,7 @@ Means means(std::span<const double> x) {
   for (const double v : x) m.sample_variance += (v - m.mean) * (v - m.mean);
   if (x.size() > 1) m.sample_variance /= static_cast<double>(x.size() - 1);
   const std::size_t length = x.size() / blocks;
+  m.block_variance = m.sample_variance;
   if (length == 0) return m;
   std::array<double, blocks> block{};
   double middle = 0;
@@ -50,6 +45,7 @@ Means means(std::span<const double> x) {
     for (std::size_t k = 0; k < length; ++k) block[b] += x[b * length + k] / static_cast<double>(length);
     middle += block[b] / blocks;
   }
+  m.block_variance = 0;
   for (const double b : block) m.block_variance += (b - middle) * (b - middle) / (blocks - 1) * static_cast<double>(length);
   return m;
 }
@@ -78,6 +74,8 @@ std::optional<double> drift_of(std::span<const double> x, double interval_s) {
 void check_units(const std::vector<Recording>& recordings, const Session& session) {
   for (std::size_t r = 1; r < recordings.size(); ++r) {
     const Recording &a = recordings.front(), &b = recordings[r];
+    if (std::abs(b.interval_s / a.interval_s - 1) > 0.02)
+      throw Error(fmt::format("{}: {} and {} have different sampling rates: one rate in all recordings was expected", session.file, a.name, b.name));
     if (a.accel_unit != b.accel_unit || a.gyro_unit != b.gyro_unit)
       throw Error(fmt::format("{}: {} is in {} and {}, {} in {} and {}: one unit in all recordings was expected", session.file, a.name, a.accel_unit,
                               a.gyro_unit, b.name, b.accel_unit, b.gyro_unit));
@@ -131,21 +129,21 @@ void settle_thermal(WholeUnitPoints& all, const Session& session) {
         high = std::max(high, p.temperature[3 * static_cast<Eigen::Index>(triad) + k]);
       }
     all.thermal_range_low[triad] = low, all.thermal_range_high[triad] = high;
+    const double noise = std::sqrt(all.thermal_variance.segment<3>(static_cast<Eigen::Index>(3 * triad)).maxCoeff() / static_cast<double>(all.points.front().samples));
+    all.thermal_excited[triad] = high - low > std::max(all.thermal_unit[triad] == "raw" ? 0.0 : 1.0, 30 * noise);
   }
 }
 
 void finish_noise(WholeUnitPoints& all, const NoiseSums& raw, const NoiseSums& temperature) {
   const double n = std::max(raw.points, 1.0);
-  const auto larger = [n](const Vector6d& sample, const Vector6d& block) { return Vector6d((block.array() > 0).select(block, sample) / n); };
-  all.noise.raw = larger(raw.sample, raw.block);
-  all.noise.temperature = larger(temperature.sample, temperature.block);
-  all.noise.excess = (raw.sample.array() > 0).select((all.noise.raw.array() * n / raw.sample.array().max(1e-300)).sqrt(), 1.0);
+  all.thermal_variance = temperature.block / n;
+  const Vector6d excess = (raw.sample.array() > 0).select((raw.block.array() / raw.sample.array().max(1e-300)).sqrt(), 1.0);
   // Nine degrees of freedom a point; three sigma of the ratio, and 10 % that would not matter.
   const double limit = 1 + 3 / std::sqrt(2 * (blocks - 1) * n) + 0.1;
   for (Eigen::Index k = 0; k < 6; ++k)
-    if (all.noise.excess[k] > limit)
+    if (excess[k] > limit)
       all.warnings.push_back(fmt::format("{} {}: means of {} samples scatter {:.2f} times as much as independent samples would; counted in the uncertainties",
-                                         k < 3 ? "accel" : "gyro", "xyz"[k % 3], all.points.empty() ? 0 : all.points.front().samples / blocks, all.noise.excess[k]));
+                                         k < 3 ? "accel" : "gyro", "xyz"[k % 3], all.points.empty() ? 0 : all.points.front().samples / blocks, excess[k]));
 }
 
 }  // namespace
@@ -160,24 +158,28 @@ std::string WholeUnitPoint::name(const Session& session) const {
 WholeUnitPoints whole_unit_points(const std::vector<Recording>& recordings, const Session& session) {
   check_units(recordings, session);
   WholeUnitPoints all;
+  all.interval_s = recordings.front().interval_s;
   NoiseSums raw, temperature;
-  std::size_t empty = 0;
   for (std::size_t r = 0; r < recordings.size(); ++r) {
     const RecordingSource& source = session.recordings[r];
-    const RigDeclaration& rig = rig_of(session, source);
-    if (!is_machine(rig.kind))
-      throw Error(fmt::format("{}: {} is from a rig of kind \"{}\": whole-unit calibration uses rate_table, centrifuge and chamber", session.file, source.file, to_string(rig.kind)));
+    const RigDeclaration* const rig = rig_of(session, source);
+    if (!rig) throw Error(fmt::format("{}: the recording {} has no rig: rate_table, centrifuge or chamber was expected", session.file, source.file));
+    if (!is_machine(rig->kind))
+      throw Error(fmt::format("{}: {} is from a rig of kind \"{}\": whole-unit calibration uses rate_table, centrifuge and chamber", session.file, source.file, to_string(rig->kind)));
     std::size_t number = 0;
     for (const Step& step : session.steps) {
       if (session.recordings.size() > 1 && step.recording != source.file) continue;
       ++number;
       if (step.kind == StepKind::rotate) continue;
-      WholeUnitPoint point{r, number, step, 0, {}, {}, {}};
+      WholeUnitPoint point{r, number, step, 0, {}, {}, {}, {}};
       const Range range = samples_of(recordings[r], step);
       point.samples = range.size();
       if (range.size() < 2) {
         all.warnings.push_back(fmt::format("{}: {} samples in it, left out", point.name(session), range.size()));
-        ++empty;
+        continue;
+      }
+      if (std::any_of(all.points.begin(), all.points.end(), [&](const WholeUnitPoint& p) { return p.recording == r && p.step.start < step.end && step.start < p.step.end; })) {
+        all.warnings.push_back(point.name(session) + ": its time is part of a step before it too, used once and not twice");
         continue;
       }
       if (saturated(recordings[r], range)) {
@@ -188,6 +190,7 @@ WholeUnitPoints whole_unit_points(const std::vector<Recording>& recordings, cons
         const auto& column = channel < 3 ? recordings[r].accel[channel] : recordings[r].gyro[channel - 3];
         const Means m = means(std::span(column).subspan(range.begin, range.size()));
         point.raw[static_cast<Eigen::Index>(channel)] = m.mean;
+        point.variance[static_cast<Eigen::Index>(channel)] = m.block_variance;
         raw.add(channel, m);
       }
       set_temperatures(point, recordings[r], range, temperature);

@@ -22,6 +22,7 @@ struct WholeUnitPoint {
   Step step;
   std::size_t samples = 0;
   Vector6d raw;          ///< means: accel x y z, gyro x y z
+  Vector6d variance;     ///< of one sample in such a mean: white noise's own, or what blocks of samples show where noise is correlated
   Vector6d temperature;  ///< mean thermal readings, likewise; those of set points where nothing was measured
   std::optional<double> drift;  ///< K/s (or raw/s) of the first thermal reading, where it is significant
 
@@ -29,18 +30,14 @@ struct WholeUnitPoint {
   std::string name(const Session& session) const;
 };
 
-/// Variance of one sample in a mean of many, raw and thermal: white noise's own, or what blocks of samples show where noise is correlated.
-struct PointNoise {
-  Vector6d raw, temperature;
-  Vector6d excess;  ///< sigma of block means over what independent samples have
-};
-
 struct WholeUnitPoints {
   std::vector<WholeUnitPoint> points;
-  PointNoise noise;
+  double interval_s = 0;                 ///< of a sample
+  Vector6d thermal_variance;             ///< of one thermal reading, likewise
   std::array<bool, 2> thermal{};         ///< is there a thermal reading: accelerometers, gyros
   std::array<std::string, 2> thermal_unit;
   std::array<double, 2> thermal_range_low{}, thermal_range_high{};
+  std::array<bool, 2> thermal_excited{};  ///< do the readings change by more than their noise and a kelvin?
   std::vector<std::string> warnings, notes;
 };
 

@@ -34,12 +34,6 @@ std::vector<int> candidates(const WholeUnitPoints& points) {
   return indices;
 }
 
-const RigDeclaration& rig_of(const Session& session, const RecordingSource& source) {
-  for (const RigDeclaration& rig : session.rigs)
-    if (source.rig.empty() || rig.name == source.rig) return rig;
-  return session.rigs.front();
-}
-
 bool same_source(const RigErrorSource& a, const RigErrorSource& b) { return a.kind == b.kind && a.axis == b.axis && a.place == b.place; }
 
 }  // namespace
@@ -90,7 +84,7 @@ WholeUnitProblem::WholeUnitProblem(WholeUnitPoints points, const Session& sessio
   rate_ie_n_ = session.site.latitude ? earth_rate_enu(*session.site.latitude) : Vector3d::Zero();
   common_.push_back({"", {}, session.site.gravity_sigma(), 0});  // "gravity"
   for (const RecordingSource& source : session.recordings) {
-    const RigDeclaration& rig = rig_of(session, source);
+    const RigDeclaration& rig = *rig_of(session, source);
     std::vector<Step> steps;
     for (const Step& step : session.steps)
       if (session.recordings.size() < 2 || step.recording == source.file) steps.push_back(step);
@@ -101,9 +95,23 @@ WholeUnitProblem::WholeUnitProblem(WholeUnitPoints points, const Session& sessio
       if (known == common_.end()) common_.push_back({rig.name, error, error.sigma, 0});
     }
   }
+  measure_noise();
 }
 
-RigKind WholeUnitProblem::kind(const WholeUnitPoint& point) const { return rig_of(*session_, session_->recordings[point.recording]).kind; }
+void WholeUnitProblem::measure_noise() {
+  noise_.setZero();
+  for (const WholeUnitPoint& point : points_.points) {
+    const Matrix6 slope = compensation_derivatives(model_, sample(point)).raw;
+    noise_ += slope.cwiseAbs2() * point.variance / static_cast<double>(points_.points.size());
+  }
+  for (const std::size_t triad : {0, 1}) {
+    const auto& density = triad == 0 ? session_->imu.accel_noise_density : session_->imu.gyro_noise_density;
+    if (!density || !(*density > 0) || points_.points.empty()) continue;
+    noise_.segment<3>(static_cast<Index>(3 * triad)).setConstant(*density * *density / points_.interval_s);
+  }
+}
+
+RigKind WholeUnitProblem::kind(const WholeUnitPoint& point) const { return rig_of(*session_, session_->recordings[point.recording])->kind; }
 
 RawSample WholeUnitProblem::sample(const WholeUnitPoint& point) const {
   RawSample raw{point.raw.head<3>() - center_.head<3>(), point.raw.tail<3>() - center_.tail<3>()};
@@ -157,15 +165,18 @@ PointEquations WholeUnitProblem::equations(const WholeUnitPoint& point) const {
   out.residual << d.motion.force - truth.force, d.motion.rate - truth.rate;
 
   const double n = static_cast<double>(point.samples);
-  Matrix6 noise = (d.raw * points_.noise.raw.asDiagonal() * d.raw.transpose() + d.temperature * points_.noise.temperature.asDiagonal() * d.temperature.transpose()) / n;
+  Matrix6 noise = d.temperature * points_.thermal_variance.asDiagonal() * d.temperature.transpose() / n;
+  noise.diagonal() += noise_ / n;
   // A coarsely quantised or dead channel shows none; a part in 1e8 of the full range keeps the weights finite.
   noise.diagonal() += Vector6d::Constant(1e-16).cwiseProduct((Vector6d() << Vector3d::Constant(gravity_ * gravity_), Vector3d::Ones()).finished());
   if (const double kept = horizontal_remainder(point.step); kept > 0) {
-    const double tilt = rig_of(*session_, session_->recordings[point.recording]).zero.value;
+    const double tilt = rig_of(*session_, session_->recordings[point.recording])->zero.value;
     const Vector3d up = mount_attitude(mount_of(point.step)).row(2);
     const Matrix3d horizontal = Matrix3d::Identity() - up * up.transpose();
     noise.topLeftCorner<3, 3>() += std::pow(kept * gravity_ * tilt * std::sqrt(2.0), 2) * horizontal;
-    noise.bottomRightCorner<3, 3>() += std::pow(kept * rate_ie_n_.head<2>().norm(), 2) * horizontal;
+    const double earth = rate_ie_n_.head<2>().norm(), radius = *std::max_element(point.step.radius.begin(), point.step.radius.end());
+    noise.bottomRightCorner<3, 3>() += std::pow(kept * earth, 2) * horizontal;
+    noise.topLeftCorner<3, 3>() += std::pow(kept * 2 * point.step.rate * radius * earth, 2) * (up * up.transpose());  // Coriolis
   }
   noise *= noise_factor_ * noise_factor_;
   const Eigen::LLT<Matrix6> factor(noise);
@@ -189,6 +200,10 @@ SquareSum WholeUnitProblem::square_sum(std::size_t part, std::size_t parts) cons
   }
   sum.N = sum.N.selfadjointView<Eigen::Lower>();
   return sum;
+}
+
+void WholeUnitProblem::forget_common() {
+  for (CommonError& error : common_) error.value = 0;
 }
 
 void WholeUnitProblem::correct(const VectorXd& x) {

@@ -82,7 +82,12 @@ class WholeUnitProblem {
   SquareSum square_sum(std::size_t part = 0, std::size_t parts = 1) const;
   void correct(const Eigen::VectorXd& x);
   void drop(std::size_t point) { points_.points.erase(points_.points.begin() + static_cast<std::ptrdiff_t>(point)); }
+  /// Variances of one sample of force and rate: the session's declared densities, or the points' own scatter with the slopes of the present model.
+  void measure_noise();
+  const Vector6d& noise() const { return noise_; }
   void enlarge_noise(double factor) { noise_factor_ *= factor; }
+  /// The machines are again as declared.
+  void forget_common();
   void set_model(const SensorModel& model) { model_ = model; }
 
  private:
@@ -95,6 +100,7 @@ class WholeUnitProblem {
   std::vector<std::vector<std::size_t>> acting_;  ///< by recording: indices of eta that may act
   double gravity_;
   Vector3d rate_ie_n_;
+  Vector6d noise_;           ///< (m/s^2)^2, (rad/s)^2
   double noise_factor_ = 1;  ///< of the standard deviations
 };
 

@@ -34,9 +34,7 @@ SteadyMotion<double> motion_of(const Step& step, const Session& session) { retur
 double reference_temperature(const WholeUnitPoints& points, const Session& session, std::size_t triad) {
   double sum = 0, n = 0;
   for (const WholeUnitPoint& p : points.points) {
-    const std::string& name = session.recordings[p.recording].rig;
-    const auto rig = std::find_if(session.rigs.begin(), session.rigs.end(), [&](const RigDeclaration& r) { return name.empty() || r.name == name; });
-    if (rig != session.rigs.end() && rig->kind == RigKind::chamber) continue;
+    if (rig_of(session, session.recordings[p.recording])->kind == RigKind::chamber) continue;
     sum += p.temperature.segment<3>(static_cast<Index>(3 * triad)).mean(), n += 1;
   }
   return std::round(n > 0 ? sum / n : 0.5 * (points.thermal_range_low[triad] + points.thermal_range_high[triad]));
@@ -133,12 +131,12 @@ std::vector<Mount> all_mounts() {
 }  // namespace
 
 void check_mounts(const WholeUnitPoints& points, const Session& session, const SensorModel& start, const Vector6d& centre) {
-  std::vector<std::pair<std::size_t, Mount>> seen;
-  for (const WholeUnitPoint& first : points.points) {
+  // A mounting: points one after the other.
+  for (std::size_t begin = 0, end = 0; begin < points.points.size(); begin = end) {
+    const WholeUnitPoint& first = points.points[begin];
     const std::pair key{first.recording, mount_of(first.step)};
-    if (std::find(seen.begin(), seen.end(), key) != seen.end()) continue;
-    seen.push_back(key);
-    const auto here = [&](const WholeUnitPoint& p) { return p.recording == key.first && mount_of(p.step) == key.second; };
+    while (end < points.points.size() && points.points[end].recording == key.first && mount_of(points.points[end].step) == key.second) ++end;
+    const auto here = [&, b = begin, e = end](const WholeUnitPoint& p) { return &p >= &points.points[b] && &p < points.points.data() + e; };
     const auto elsewhere = [&](const WholeUnitPoint& p) { return !here(p); };
     // Counts mean nothing without a fit; one of all other mounts is not bent by this one.
     Linear accel{Vector3d::Zero(), Matrix3d::Identity()}, gyro = accel;

@@ -5,6 +5,7 @@
 #include "imulab/rig/machine.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <Eigen/QR>
 
 #include <algorithm>
@@ -50,6 +51,8 @@ class Steps {
   std::vector<Index> of(Triad triad, std::initializer_list<Term> terms) const;
   std::vector<std::size_t> points_of(RigKind kind) const;
   Equation equation(std::size_t point, int row) const;
+  Eigen::Matrix<double, 6, 6> raw_by_noise(std::size_t point) const;
+  Vector6d thermal_sigma(std::size_t point) const;
   void solve(const std::vector<Equation>& equations, const std::vector<Index>& own);
 
   const WholeUnitProblem& problem_;
@@ -99,13 +102,21 @@ void Steps::chamber() {
       const auto at = std::find(problem_.coefficients().begin(), problem_.coefficients().end(), index) - problem_.coefficients().begin();
       for (Index k = 0; k < rows && with_covariance_; ++k) {
         const std::size_t p = points[static_cast<std::size_t>(k)];
-        const double n = std::sqrt(static_cast<double>(points_[p].samples)), slope = fit[1] + 2 * fit[2] * x(k, 1);
-        sensitivity_(at, static_cast<Index>(12 * p) + channel) = pseudo_inverse(order, k) * std::sqrt(problem_.points().noise.raw[channel]) / n;
-        sensitivity_(at, static_cast<Index>(12 * p) + 6 + channel) = -pseudo_inverse(order, k) * slope * std::sqrt(problem_.points().noise.temperature[channel]) / n;
+        const double slope = fit[1] + 2 * fit[2] * x(k, 1);
+        sensitivity_.row(at).segment<6>(static_cast<Index>(12 * p)) = pseudo_inverse(order, k) * raw_by_noise(p).row(channel);
+        sensitivity_(at, static_cast<Index>(12 * p) + 6 + channel) = -pseudo_inverse(order, k) * slope * thermal_sigma(p)[channel];
       }
     }
   }
 }
+
+/// What a sigma of the mean's noise, which is one of force and rate, does to the raw means.
+Eigen::Matrix<double, 6, 6> Steps::raw_by_noise(std::size_t p) const {
+  const Vector6d sigma = (problem_.noise() / static_cast<double>(points_[p].samples)).cwiseSqrt();
+  return compensation_derivatives(problem_.model(), problem_.sample(points_[p])).raw.inverse() * sigma.asDiagonal();
+}
+
+Vector6d Steps::thermal_sigma(std::size_t p) const { return (problem_.points().thermal_variance / static_cast<double>(points_[p].samples)).cwiseSqrt(); }
 
 /// Row 0..5 (force, rate) of e = compensate - motion at a point, with the coefficients so far.
 Equation Steps::equation(std::size_t p, int row) const {
@@ -117,11 +128,8 @@ Equation Steps::equation(std::size_t p, int row) const {
              VectorXd::Zero(sources_)};
   for (Index k = 0; k < coefficients(); ++k) e.row[k] = d.coefficients(row, problem_.coefficients()[static_cast<std::size_t>(k)]);
   if (!with_covariance_) return e;
-  const double n = std::sqrt(static_cast<double>(point.samples));
-  for (Index channel = 0; channel < 6; ++channel) {
-    e.by_noise[static_cast<Index>(12 * p) + channel] = d.raw(row, channel) * std::sqrt(problem_.points().noise.raw[channel]) / n;
-    e.by_noise[static_cast<Index>(12 * p) + 6 + channel] = d.temperature(row, channel) * std::sqrt(problem_.points().noise.temperature[channel]) / n;
-  }
+  e.by_noise.segment<6>(static_cast<Index>(12 * p)) = (d.raw.row(row) * raw_by_noise(p)).transpose();
+  e.by_noise.segment<6>(static_cast<Index>(12 * p) + 6) = d.temperature.row(row).transpose().cwiseProduct(thermal_sigma(p));
   for (Index k = 0; k < by_common.cols(); ++k) e.by_noise[noises_ + k] = -by_common(row, k) * problem_.common()[static_cast<std::size_t>(k)].sigma;
   return e;
 }
@@ -220,7 +228,9 @@ bool has_three_steps(const WholeUnitProblem& problem) {
 StepwiseEstimate stepwise_estimate(const WholeUnitProblem& problem, bool with_covariance) {
   if (!has_three_steps(problem))
     throw Unsupported("stepwise: a chamber, a rate table with each axis up and down, and a centrifuge with each axis outward both ways were expected");
-  Steps steps(problem, with_covariance);
+  WholeUnitProblem declared = problem;
+  declared.forget_common();
+  Steps steps(declared, with_covariance);
   steps.chamber();
   steps.rate_table();
   steps.centrifuge_accelerometers();

@@ -4,7 +4,8 @@
 //   k       the axis: up, but for the tilt of the machine
 //   C_nb  = R_tilt R(up, angle) C_mount R(mount)      C_mount: `up` points up and, at zero angle, `outward` north
 //   w     = k_b (W + w_ie . k)                        W = rate (1 + rate error); Earth's horizontal rate averages out as the axis turns
-//   f     = k_b g_k - outward_b (W + w_ie . k)^2 r_i  for accelerometer i at its own radius r_i; Coriolis' part is in the square
+//   f     = k_b g_k - outward_b (W + w_ie . k)^2 r_i  for accelerometer i at its own radius r_i; Coriolis' outward part is in the square, the upward one
+//                                                     comes from Earth's horizontal rate
 #pragma once
 
 #include "imulab/core/rotation.hpp"
