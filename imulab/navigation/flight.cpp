@@ -117,11 +117,19 @@ void check_latitude(double latitude) {
                             latitude / unit::deg, limit / unit::deg));
 }
 
+/// Of nodes: at most 0.1 s and a 25th of the shortest ramp that the position follows, so that a step leaves a micrometre of 30 g.
+double node_interval(const Segment& s) {
+  double shortest = 2.5;
+  for (const Pulse& p : s.pulses)
+    if (p.of != Pulse::Of::table) shortest = std::min(shortest, p.ramp);
+  return std::max(shortest / 25, s.duration / 1e5);
+}
+
 /// Lays out a segment: its nodes; returns the one at its end.
 Node lay_out(Motion& motion, Node node) {
   const Leg& leg = motion.legs[node.leg];
-  const double begin = node.time, duration = leg.segment.duration, node_interval = 0.1;
-  const auto steps = static_cast<std::size_t>(std::ceil(duration / node_interval));
+  const double begin = node.time, duration = leg.segment.duration;
+  const auto steps = static_cast<std::size_t>(std::ceil(duration / std::min(0.1, node_interval(leg.segment))));
   for (std::size_t k = 0; k < steps; ++k) {
     motion.nodes.push_back(node);
     const double next = duration * static_cast<double>(k + 1) / static_cast<double>(steps);
