@@ -21,7 +21,8 @@ void check(const SensorModel& model, const std::optional<UnitTemperature>& tempe
     if (source == nullptr) throw Error(fmt::format("the unit's {} have thermal terms: the temperature on the way was expected", name));
     const std::string expected = triad.temperature.value_or(ThermalReading{}).unit;
     if (source->unit != expected)
-      throw Error(fmt::format("thermal readings of the {} in \"{}\": \"{}\" was expected, which the unit's thermal terms are in", name, source->unit, expected));
+      throw Error(fmt::format("thermal readings of the {} in \"{}\": \"{}\" was expected, which the unit's thermal terms are in", name, source->unit,
+                              expected));
   };
   check_thermal(model.gyro, "gyros", temperature ? &temperature->gyro : nullptr);
   check_thermal(model.accel, "accelerometers", temperature ? &temperature->accel : nullptr);
@@ -55,7 +56,8 @@ Recording simulate_motion(const std::vector<Increment>& ideal, double interval, 
     columns.force[axis] = r.accel[axis];
     for (const bool gyro : {true, false}) {
       const std::span<double> column = gyro ? columns.rate[axis] : columns.force[axis];
-      const AxisNoise noise(gyro ? unit.gyro_noise : unit.accel_noise, interval, seed, fmt::format("{} {} on a motion", gyro ? "gyro" : "accel", axis));
+      const AxisNoise noise(gyro ? unit.gyro_noise : unit.accel_noise, interval, seed,
+                            fmt::format("{} {} on a motion", gyro ? "gyro" : "accel", axis));
       if (noise.slow()) noise.add_slow(column);
       noise.add_fast(0, column);
     }
