@@ -24,6 +24,7 @@ TEST(Statistics, StaticUncertaintiesHold) { expect_accepted(static_run, 20); }
 TEST(Statistics, TurntableUncertaintiesHoldOnATableOfTwoArcseconds) { expect_accepted(arcsecond_table_run, 40); }
 TEST(Statistics, TurntableUncertaintiesHoldOnATableOfOneArcminute) { expect_accepted(arcminute_table_run, 40); }
 TEST(Statistics, HybridUncertaintiesHold) { expect_accepted(short_hybrid_run, 10); }
+TEST(Statistics, WholeUnitUncertaintiesHold) { expect_accepted(short_whole_unit_run, 20); }
 
 TEST(Statistics, AFlightNeedsTheWholeUnitsCompensation) {
   const DaiFlights flown = dai_flights(5);

@@ -28,13 +28,15 @@ Range samples_of(const Recording& recording, const Step& step) {
 }
 
 struct Means {
-  double mean = 0, sample_variance = 0, block_variance = 0;  // the last: of a block's mean times its length
+  double mean = 0;
+  double sample_variance = 0;  // from differences of neighbours, which slow changes do not reach
+  double block_variance = 0;   // of a block's mean times its length: larger than that of samples where their noise is correlated
 };
 
 Means means(std::span<const double> x) {
   Means m;
   for (const double v : x) m.mean += v / static_cast<double>(x.size());
-  for (const double v : x) m.sample_variance += (v - m.mean) * (v - m.mean);
+  for (std::size_t k = 1; k < x.size(); ++k) m.sample_variance += (x[k] - x[k - 1]) * (x[k] - x[k - 1]) / 2;
   if (x.size() > 1) m.sample_variance /= static_cast<double>(x.size() - 1);
   const std::size_t length = x.size() / blocks;
   m.block_variance = m.sample_variance;
@@ -134,16 +136,18 @@ void settle_thermal(WholeUnitPoints& all, const Session& session) {
   }
 }
 
+/// Where block means scatter more than independent samples explain, beyond chance and what a turning horizontal leaves, theirs is the noise.
 void finish_noise(WholeUnitPoints& all, const NoiseSums& raw, const NoiseSums& temperature) {
   const double n = std::max(raw.points, 1.0);
-  all.thermal_variance = temperature.block / n;
-  const Vector6d excess = (raw.sample.array() > 0).select((raw.block.array() / raw.sample.array().max(1e-300)).sqrt(), 1.0);
-  // Nine degrees of freedom a point; three sigma of the ratio, and 10 % that would not matter.
+  all.thermal_variance = temperature.sample / n;
   const double limit = 1 + 3 / std::sqrt(2 * (blocks - 1) * n) + 0.1;
-  for (Eigen::Index k = 0; k < 6; ++k)
-    if (excess[k] > limit)
-      all.warnings.push_back(fmt::format("{} {}: means of {} samples scatter {:.2f} times as much as independent samples would; counted in the uncertainties",
-                                         k < 3 ? "accel" : "gyro", "xyz"[k % 3], all.points.empty() ? 0 : all.points.front().samples / blocks, excess[k]));
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    const double excess = raw.sample[k] > 0 ? std::sqrt(raw.block[k] / raw.sample[k]) : 1;
+    if (excess <= limit) continue;
+    for (WholeUnitPoint& p : all.points) p.variance[k] *= excess * excess;
+    all.warnings.push_back(fmt::format("{} {}: means of {} samples scatter {:.2f} times as much as independent samples would; counted in the uncertainties",
+                                       k < 3 ? "accel" : "gyro", "xyz"[k % 3], all.points.empty() ? 0 : all.points.front().samples / blocks, excess));
+  }
 }
 
 }  // namespace
@@ -190,7 +194,7 @@ WholeUnitPoints whole_unit_points(const std::vector<Recording>& recordings, cons
         const auto& column = channel < 3 ? recordings[r].accel[channel] : recordings[r].gyro[channel - 3];
         const Means m = means(std::span(column).subspan(range.begin, range.size()));
         point.raw[static_cast<Eigen::Index>(channel)] = m.mean;
-        point.variance[static_cast<Eigen::Index>(channel)] = m.block_variance;
+        point.variance[static_cast<Eigen::Index>(channel)] = m.sample_variance;
         raw.add(channel, m);
       }
       set_temperatures(point, recordings[r], range, temperature);

@@ -22,7 +22,7 @@ struct WholeUnitPoint {
   Step step;
   std::size_t samples = 0;
   Vector6d raw;          ///< means: accel x y z, gyro x y z
-  Vector6d variance;     ///< of one sample in such a mean: white noise's own, or what blocks of samples show where noise is correlated
+  Vector6d variance;     ///< of one sample in such a mean: white noise's own, or what blocks of samples show where it is correlated
   Vector6d temperature;  ///< mean thermal readings, likewise; those of set points where nothing was measured
   std::optional<double> drift;  ///< K/s (or raw/s) of the first thermal reading, where it is significant
 

@@ -45,6 +45,12 @@ Run hybrid_arcminute_run(std::uint64_t seed);
 Run hybrid_degree_run(std::uint64_t seed);
 Run short_hybrid_run(std::uint64_t seed);
 
+/// Dai's procedure: points of 10 s, and in short of 1 s.
+Run whole_unit_run(std::uint64_t seed);
+Run short_whole_unit_run(std::uint64_t seed);
+/// Compensated samples anywhere in the range against the covariance propagated to them, and the stepwise estimate's RMS errors over the joint one's.
+std::vector<Check> whole_unit_outputs(int runs);
+
 /// Of a turntable session whose readings have this white noise.
 Eigen::MatrixXd turntable_information(const TableMotion& motion, const SensorModel& truth, const RawNoise& noise, const std::vector<int>& indices);
 

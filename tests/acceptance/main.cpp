@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
   for (const auto& [name, run, usual] : {Method{"handheld", handheld_run, 500}, Method{"static", static_run, 500},
                                          Method{"turntable-2-arcsec", arcsecond_table_run, 200}, Method{"turntable-1-arcmin", arcminute_table_run, 200},
                                          Method{"hybrid-2-arcsec", hybrid_arcsecond_run, 200}, Method{"hybrid-1-arcmin", hybrid_arcminute_run, 200},
-                                         Method{"hybrid-1-deg", hybrid_degree_run, 200}}) {
+                                         Method{"hybrid-1-deg", hybrid_degree_run, 200}, Method{"whole-unit", whole_unit_run, 200}}) {
     const int count = argc > 1 ? std::atoi(argv[1]) : usual;
     if (!only.empty() && only != name) continue;
     const auto checks = judge(run_all(run, count));
@@ -31,6 +31,12 @@ int main(int argc, char** argv) {
     const int runs = argc > 1 ? std::atoi(argv[1]) : 2000;
     const auto checks = error_growth(runs);
     fmt::print("error-growth: {} runs, seed 1\n{}", runs, describe(checks));
+    passed = passed && std::all_of(checks.begin(), checks.end(), [](const Check& c) { return c.passed(); });
+  }
+  if (only.empty() || only == "whole-unit") {
+    const int runs = argc > 1 ? std::atoi(argv[1]) : 200;
+    const auto checks = whole_unit_outputs(runs);
+    fmt::print("whole-unit outputs: {} sessions, seeds 1..{}\n{}", runs, runs, describe(checks));
     passed = passed && std::all_of(checks.begin(), checks.end(), [](const Check& c) { return c.passed(); });
   }
   if (only.empty() || only == "drives") {

@@ -1,0 +1,57 @@
+// The whole-unit method on Dai's procedure: 303 points, 151,500 samples. Target on one core: three recordings read from CSV and calibrated, with the choice
+// of orders, within 0.5 s.
+#include "imulab/estimate/whole_unit.hpp"
+#include "imulab/io/recording_file.hpp"
+#include "imulab/io/session_file.hpp"
+#include "imulab/rig/procedure.hpp"
+#include "imulab/simulate/simulate.hpp"
+
+#include <benchmark/benchmark.h>
+#include <tbb/global_control.h>
+
+#include <filesystem>
+#include <random>
+
+namespace {
+
+using namespace imulab;
+
+struct Example {
+  Session session;
+  std::vector<Recording> recordings;
+};
+
+const Example& example() {
+  static const Example e = [] {
+    Example made;
+    made.session = dai_unit_procedure({});
+    const Truth truth = draw_truth(made.session, 1);
+    for (const RecordingSource& source : made.session.recordings)
+      made.recordings.push_back(simulate_recording(made.session, source, truth, 1, draw_rig_errors(made.session, source, 1)));
+    return made;
+  }();
+  return e;
+}
+
+void whole_unit_estimate(benchmark::State& state) {
+  for (auto _ : state) benchmark::DoNotOptimize(calibrate_whole_unit(example().recordings, example().session));
+}
+BENCHMARK(whole_unit_estimate)->Unit(benchmark::kMillisecond);
+
+void whole_unit_from_files(benchmark::State& state) {
+  const tbb::global_control one_core(tbb::global_control::max_allowed_parallelism, 1);
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("imulab-bench-" + std::to_string(std::random_device{}()));
+  std::filesystem::create_directories(folder);
+  for (const Recording& recording : example().recordings) write_recording(folder / recording.name, recording);
+  Session session = example().session;
+  session.file = (folder / "session.toml").string();
+  for (auto _ : state) {
+    std::vector<Recording> recordings;
+    for (const RecordingSource& source : session.recordings) recordings.push_back(read_recording(session, source).recording);
+    benchmark::DoNotOptimize(calibrate_whole_unit(recordings, session));
+  }
+  std::filesystem::remove_all(folder);
+}
+BENCHMARK(whole_unit_from_files)->Unit(benchmark::kMillisecond);
+
+}  // namespace
