@@ -80,7 +80,7 @@ TEST(NavigateCommand, WarnsOfAForceThatIsNotG) {
   other.model.accel.matrix *= 100;
   other.covariance.resize(0, 0);
   folder.write("other.json", calibration_text(other));
-  EXPECT_THAT(run_imulab(folder, "navigate other.json session").errors, HasSubstr("m/s^2 on the average, expected about g"));
+  EXPECT_THAT(run_imulab(folder, "navigate other.json session").errors, HasSubstr("m/s^2 (median), expected about g"));
   EXPECT_THAT(run_imulab(folder, "navigate none session").errors, testing::Not(HasSubstr("expected about g")));
 }
 

@@ -17,6 +17,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 
@@ -48,6 +49,19 @@ Recording recording_of(const std::vector<Increment>& increments, double rate) {
   return r;
 }
 
+/// Three equal columns are written as one.
+std::optional<ThermalSource> thermal_source(const Columns3& columns, const std::string& unit, const std::array<const char*, 4>& names) {
+  if (columns[0].empty()) return {};
+  ThermalSource source;
+  source.unit = unit;
+  if (columns[0] == columns[1] && columns[0] == columns[2]) {
+    source.columns = {names[0]};
+  } else {
+    source.columns = {names[1], names[2], names[3]};
+  }
+  return source;
+}
+
 /// The session: the recording, the exact start, the truth.
 Session session_of(const Mission& mission, const Recording& recording, const NavigationState& start) {
   const EulerAngles angles = euler_angles(start.q_nb.toRotationMatrix());
@@ -67,6 +81,9 @@ Session session_of(const Mission& mission, const Recording& recording, const Nav
   };
   source.gyro = triad({"gx", "gy", "gz"}, recording.gyro_increment, recording.gyro_unit, "rad");
   source.accel = triad({"ax", "ay", "az"}, recording.accel_increment, recording.accel_unit, "m/s");
+  const UnitTemperature readings = mission.temperature.value_or(UnitTemperature{});
+  source.gyro_temperature = thermal_source(recording.gyro_temperature, readings.gyro.unit, {"tg", "tgx", "tgy", "tgz"});
+  source.accel_temperature = thermal_source(recording.accel_temperature, readings.accel.unit, {"ta", "tax", "tay", "taz"});
   s.recordings = {source};
   InitialState& i = s.initial.emplace();
   i.latitude = start.latitude, i.longitude = start.longitude, i.height = start.height;
@@ -118,7 +135,7 @@ Recording recording_on(const Arguments& a, const MissionFile& file, const Trajec
   const std::optional<Truth> unit = a.unit ? std::optional(unit_of(a, file)) : std::nullopt;
   Progress progress("samples", static_cast<std::uint64_t>(motion.duration * file.mission.rate));
   const std::vector<Increment> ideal = ideal_increments(motion, interval, [&](std::uint64_t done) { progress.report(done); });
-  return unit ? simulate_motion(ideal, interval, *unit, a.seed) : recording_of(ideal, file.mission.rate);
+  return unit ? simulate_motion(ideal, interval, *unit, a.seed, file.mission.temperature) : recording_of(ideal, file.mission.rate);
 }
 
 void make(const Arguments& a) {

@@ -1,5 +1,6 @@
 // `imulab trajectory` as a user types it: the folder it makes comes back to its truth when it is integrated, and what is wrong is named.
 #include "imulab/core/error.hpp"
+#include "imulab/io/calibration_file.hpp"
 #include "imulab/io/recording_file.hpp"
 #include "imulab/io/session_file.hpp"
 #include "imulab/io/solution_file.hpp"
@@ -121,6 +122,52 @@ TEST(TrajectoryCommand, AVehiclesDriveIsShortToWrite) {
   EXPECT_LT(truth.states.back().velocity.norm(), 0.3);  // within the last sample of standstill
 }
 
+const std::string launch_start = start + "heading_deg = 30\nclimb_deg = 45\n";
+const std::string launch = segment("kind = \"accelerate\"\nto_mps = 1000\nduration_s = 5") +
+                           segment("kind = \"rotate\"\nat_s = 0.5\naxis = \"y\"\nangle_deg = 1200\nrate_dps = 400") +
+                           segment("kind = \"turn\"\nat_s = 2.5\nangle_deg = 20\nrate_dps = 8\nroll_s = 1") +
+                           segment("kind = \"pitch\"\nat_s = 3\nangle_deg = -10\nrate_dps = 5\npitch_s = 0.5") +
+                           segment("kind = \"brake\"\nat_s = 5\nto_mps = 900\nduration_s = 10") + segment("kind = \"straight\"\nduration_s = 5");
+
+TEST(TrajectoryCommand, ALaunchComesBackToItsTruth) {
+  const TemporaryFolder folder;
+  folder.write("m.toml", mission(launch, "carrier = \"vehicle\"\nlateral_limit_mps2 = 200\nrate_hz = 200\ntruth_rate_hz = 10\n", launch_start));
+  const CommandResult result = run_imulab(folder, "trajectory m.toml -o out");
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(result.output, HasSubstr("4000 samples, 20 s at 200 Hz"));  // the brake ends last: 5 + 10 + 5 s
+  const Worst worst = integrated(folder / "out");
+  EXPECT_LT(worst.way, 0.01);  // the integration's own error at 400 deg/s and 270 m/s^2
+  const NavigationState end = read_solution(folder / "out/truth.csv").states.back();
+  EXPECT_NEAR(end.velocity.norm(), 900, 1e-6);  // the file's digits
+  EXPECT_NEAR(std::asin(end.velocity.z() / 900), 35 * 3.14159265358979 / 180, 1e-9);
+}
+
+TEST(TrajectoryCommand, AUnitGetsWarmOnItsWay) {
+  const TemporaryFolder folder;
+  const std::string warm = "[[temperature]]\ntime_s = 0\ndegC = 20\n[[temperature]]\ntime_s = 20\ndegC = 60\n";
+  const std::string readings = "[gyro_temperature]\nunit = \"raw\"\nat_25_degC = 5000\nper_K = -2\nnoise = 0.1\n";
+  Calibration unit;
+  unit.model.accel.thermal.col(1).setConstant(0.01);
+  unit.model.accel.temperature = ThermalReading{"degC", 25, {0, 70}};
+  unit.model.gyro.thermal.col(1).setConstant(1e-5);
+  unit.model.gyro.temperature = ThermalReading{"raw", 5000, {4900, 5100}};
+  unit.covariance.resize(0, 0);
+  folder.write("unit.json", calibration_text(unit));
+  const std::string head = "carrier = \"vehicle\"\nlateral_limit_mps2 = 200\nrate_hz = 200\n";
+  folder.write("m.toml", mission(launch, head, launch_start) + warm + readings);
+  ASSERT_EQ(run_imulab(folder, "trajectory m.toml --unit unit.json -o out").exit_code, 0);
+  const Session session = read_session(folder / "out");
+  const Recording r = read_recording(session, session.recordings.at(0)).recording;
+  EXPECT_EQ(session.recordings[0].accel_temperature.value().columns.size(), 1u);  // one column for three equal ones
+  EXPECT_EQ(session.recordings[0].gyro_temperature.value().columns.size(), 3u);
+  EXPECT_NEAR(r.accel_temperature[0].back(), 60, 0.01);
+  EXPECT_NEAR(r.gyro_temperature[0].back(), 5000 - 2 * 35, 0.6);  // six sigmas of the noise
+  EXPECT_THAT(run_imulab(folder, "navigate unit.json out").output, HasSubstr("errors at 20.000 s"));
+  folder.write("cold.toml", mission(launch, head, launch_start));
+  EXPECT_THAT(run_imulab(folder, "trajectory cold.toml --unit unit.json -o cold").errors,
+              HasSubstr("the unit's gyros have thermal terms: the temperature on the way was expected"));
+}
+
 TEST(TrajectoryCommand, AnIdealDriveCanBeAlignedOnItsRest) {
   const TemporaryFolder folder;
   folder.write("m.toml", mission(segment("kind = \"rest\"\nduration_s = 180") + segment("kind = \"accelerate\"\nto_mps = 16.6667\nduration_s = 10") +
@@ -191,6 +238,18 @@ TEST(TrajectoryBadInput, SegmentsAreRefusedWithTheirLine) {
            {at_80("kind = \"repeat\"\nlast = 1\ntimes = 2"), "m.toml:9: segment.last: 1 segments, but 0 before this one"},
            {mission(segment("kind = \"turn\"\nangle_deg = 90\nradius_m = 50")), "m.toml:7: segment.kind: turn of radius 50 m at no speed"},
            {mission(segment("kind = \"climb\"\nangle_deg = 5\nduration_s = 5")), "m.toml:7: segment.kind: climb at no speed"},
+           {at_80("kind = \"straight\"\nduration_s = 5\nat_s = 1"), "m.toml:8: segment.kind: at_s: expected a segment before this one"},
+           {at_80("kind = \"straight\"\nduration_s = 5") + segment("kind = \"rotate\"\naxis = \"y\"\nangle_deg = 5\nrate_dps = 5\nat_s = -1"),
+            "m.toml:15: segment.at_s: -1 is out of range"},
+           {at_80("kind = \"accelerate\"\nto_mps = 90\nduration_s = 5") + segment("kind = \"brake\"\nat_s = 4\nduration_s = 5"),
+            "m.toml:12: segment.kind: at_s: two changes of speed at the same time"},
+           {at_80("kind = \"rotate\"\naxis = \"x\"\nangle_deg = 5\nrate_dps = 5") +
+                segment("kind = \"rotate\"\nat_s = 0\naxis = \"y\"\nangle_deg = 5\nrate_dps = 5"),
+            "m.toml:13: segment.kind: rotations of the unit at the same time: expected one axis"},
+           {mission(segment("kind = \"rest\"\nduration_s = 5") + segment("kind = \"rotate\"\nat_s = 0\naxis = \"y\"\nangle_deg = 5\nrate_dps = 5")),
+            "m.toml:10: segment.kind: a rest goes together with nothing else"},
+           {at_80("kind = \"pitch\"\nangle_deg = 5\nrate_dps = 50"),
+            "m.toml:8: segment.kind: pitch by 5.000 deg at 50.000 deg/s: expected at least 1"},
            {mission(segment("kind = \"straight\"\nduration_s = 5")), "m.toml:7: segment.kind: straight at no speed"},
            {mission(segment("kind = \"accelerate\"\nto_mps = 9\nduration_s = 5") + segment("kind = \"repeat\"\nlast = 1\ntimes = 2")),
             "m.toml:12: segment.last: the last 1 segments change the speed by 9 m/s"},
@@ -231,6 +290,13 @@ TEST(TrajectoryBadInput, AMissionIsRefusedWithItsLine) {
            {lasting("31536000"), "m.toml: 3.1536e+07 s at 100 Hz are 3153600000 samples, files of 851.5 GB: expected at most 10000000 samples"},
            {lasting("1e300"), "m.toml: 1e+300 s at 100 Hz are "},
            {lasting("2e6", "rate_hz = 1\n"), "m.toml: 2e+06 s: expected at most 1e+06 s"},
+           {mission(rest, "", start + "climb_deg = 90\n"), "m.toml:6: start.climb_deg: 90 is out of range"},
+           {mission(rest + "[gyro_temperature]\nnoise = 1\n"), "m.toml:9: gyro_temperature: stands without [[temperature]]"},
+           {mission(rest + "[[temperature]]\ntime_s = 5\ndegC = 1\n[[temperature]]\ntime_s = 5\ndegC = 2\n"),
+            "m.toml:13: temperature.time_s: is not after the point before"},
+           {mission(rest + "[[temperature]]\ntime_s = 5\n"), "m.toml:9: temperature.degC: is missing"},
+           {mission(rest + "[[temperature]]\ntime_s = 5\ndegC = 2\n[accel_temperature]\nunit = \"raw\"\n"),
+            "m.toml:12: accel_temperature.per_K: is missing"},
            {"format = ", "m.toml:1: "},
        })
     expect_refused(folder, c);

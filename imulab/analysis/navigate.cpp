@@ -3,6 +3,7 @@
 #include "imulab/analysis/compensate_recording.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/rotation.hpp"
+#include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/model/compensate.hpp"
 #include "imulab/recording/rests.hpp"
@@ -204,18 +205,16 @@ void check_barometer(const NavigateOptions& options, double begin, double end) {
                             time.empty() ? 0 : time.back(), begin, end));
 }
 
-/// On the ground and in the air the specific force is g on the average; half of it or twice is another unit, or a calibration of another one.
+/// On the ground and in the air the specific force is about g most of the time; half of it or twice is another unit, or a calibration of another one.
 void warn_of_force(const InertialSamples& samples, const std::string& name, std::vector<std::string>& warnings) {
-  double sum = 0, time = 0;
-  for (const TimedIncrement& step : samples.steps) {
-    sum += step.increment.velocity.norm();
-    time += step.interval;
-  }
-  const double mean = sum / time;
-  if (mean > 0.5 * unit::g && mean < 2 * unit::g) return;
-  warnings.push_back(fmt::format("{}: the compensated specific force is {:.3g} m/s^2 on the average, expected about g: is the calibration that of this unit, "
+  std::vector<double> forces;
+  forces.reserve(samples.steps.size());
+  for (const TimedIncrement& step : samples.steps) forces.push_back(step.increment.velocity.norm() / step.interval);
+  const double middle = median(std::move(forces));
+  if (middle > 0.5 * unit::g && middle < 2 * unit::g) return;
+  warnings.push_back(fmt::format("{}: the compensated specific force is {:.3g} m/s^2 (median), expected about g: is the calibration that of this unit, "
                                  "and are the session's units right? The solution is worth nothing otherwise",
-                                 name, mean));
+                                 name, middle));
 }
 
 void integrate(const Start& start, const InertialSamples& samples, const Session& session, const Recording& recording, const NavigateOptions& options,

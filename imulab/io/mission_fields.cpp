@@ -4,6 +4,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/io/solution_file.hpp"
 #include "imulab/io/text.hpp"
+#include "imulab/io/unit_names.hpp"
 
 #include <fmt/format.h>
 
@@ -111,6 +112,15 @@ Make read_climb(TomlFields& f, double sign) {
   return [=](double) { return climb(sign * angle, duration, pitch_time); };
 }
 
+Make read_pitch(TomlFields& f) {
+  const double pitch_time = number_or(f, "pitch_s", 1, positive());
+  double angle = 0, rate = 0;
+  f.number("angle_deg", angle, any_number(unit::deg));
+  f.check(angle != 0, "angle_deg", "is 0, expected a change of climb");
+  f.number("rate_dps", rate, turning);
+  return [=](double) { return pitch(angle, rate, pitch_time); };
+}
+
 Make read_rotate(TomlFields& f) {
   std::string axis = "z";
   double angle = 0, rate = 0;
@@ -131,6 +141,7 @@ const std::vector<std::pair<std::string_view, std::function<Make(TomlFields&)>>>
       {"s_turn", read_s_turn},
       {"climb", [](TomlFields& f) { return read_climb(f, 1); }},
       {"dive", [](TomlFields& f) { return read_climb(f, -1); }},
+      {"pitch", read_pitch},
       {"rotate", read_rotate}};
   return kinds;
 }
@@ -159,6 +170,22 @@ void read_repeat(TomlFields& f, std::vector<Segment>& segments) {
   for (std::size_t i = 1; i < times; ++i) segments.insert(segments.end(), again.begin(), again.end());
 }
 
+bool changes_speed(const Segment& s, double t) { return pulses_at(s, Pulse::Of::speed, t).first != 0; }
+
+/// The segment that begins `at` seconds after the last one's beginning, and goes together with it.
+void join(const Make& make, double at, Mission& mission, double& speed) {
+  if (mission.segments.empty()) throw Error("at_s: expected a segment before this one, with which it goes together");
+  Segment& last = mission.segments.back();
+  const double begin = speed - speed_change(last), then = begin + pulses_at(last, Pulse::Of::speed, at).value;
+  const Segment added = make(then);
+  if (speed_change(added) != 0 && (changes_speed(last, at) || std::abs(begin + speed_change(last) - then) > 1e-9))
+    throw Error("at_s: two changes of speed at the same time, expected one after the other");
+  const Segment both = together(last, added, at);
+  check_segment(both, begin, mission.carrier);
+  last = both;
+  speed = begin + speed_change(both);
+}
+
 void read_segment(TomlFields& f, Mission& mission, double& speed) {
   std::vector<std::string_view> names;
   for (const auto& kind : segment_kinds()) names.push_back(kind.first);
@@ -170,11 +197,17 @@ void read_segment(TomlFields& f, Mission& mission, double& speed) {
   for (const auto& [kind, read] : segment_kinds()) {
     if (kind != name) continue;
     const Make make = read(f);
+    std::optional<double> at;
+    f.number("at_s", at, not_negative());
     try {
-      const Segment segment = make(speed);
-      check_segment(segment, speed, mission.carrier);
-      mission.segments.push_back(segment);
-      speed += speed_change(segment);
+      if (at) {
+        join(make, *at, mission, speed);
+      } else {
+        const Segment segment = make(speed);
+        check_segment(segment, speed, mission.carrier);
+        mission.segments.push_back(segment);
+        speed += speed_change(segment);
+      }
       if (std::abs(speed) < 1e-9) speed = 0;
     } catch (const Error& e) {
       f.check(false, "kind", e.what());
@@ -190,6 +223,7 @@ void read_start(TomlFields& f, FlightStart& start) {
   f.number("height_m", start.height, within(-1e3, 100e3));
   start.speed = number_or(f, "speed_mps", 0, not_negative());
   start.heading = number_or(f, "heading_deg", 0, within(-360, 360, unit::deg));
+  start.climb = number_or(f, "climb_deg", 0, within(-89, 89, unit::deg));
 }
 
 void read_track(TomlFields& f, const std::filesystem::path& mission_file, Mission& mission) {
@@ -206,6 +240,34 @@ void read_carrier(TomlFields& f, Carrier& carrier) {
   carrier.banks = kind == "aircraft";
   carrier.bank_limit = number_or(f, "bank_limit_deg", carrier.bank_limit, Number{unit::deg, 0, 85, true});
   carrier.lateral_limit = number_or(f, "lateral_limit_mps2", carrier.lateral_limit, positive());
+}
+
+void read_point(TomlFields& f, UnitTemperature& course) {
+  double time = 0, celsius = 0;
+  f.number("time_s", time, not_negative());
+  f.number("degC", celsius, within(-273.15, 1000));
+  f.check(course.time.empty() || time > course.time.back(), "time_s", "is not after the point before, expected ascending times");
+  course.time.push_back(time);
+  course.celsius.push_back(celsius);
+}
+
+void read_reading(TomlFields& f, ThermalSource& source) {
+  if (f.has("unit")) f.choice("unit", source.unit, unit_names(Quantity::temperature, false), Presence::optional);
+  source.noise = number_or(f, "noise", 0, not_negative());
+  f.number("at_25_degC", source.at_25_degC, any_number());
+  f.number("per_K", source.per_K, any_number());
+  f.check(source.at_25_degC.has_value() == source.per_K.has_value(), source.per_K ? "at_25_degC" : "per_K",
+          "is missing, expected at_25_degC and per_K, or neither");
+  f.check(source.unit != "raw" || source.per_K, "per_K", "is missing, expected at_25_degC and per_K of a raw reading");
+}
+
+void read_temperature(TomlFields& f, std::optional<UnitTemperature>& temperature) {
+  const bool course = f.has("temperature");
+  if (course) f.tables("temperature", [&, &out = temperature.emplace()](TomlFields& t) { read_point(t, out); });
+  for (const char* key : {"gyro_temperature", "accel_temperature"}) {
+    f.check(course || !f.has(key), key, "stands without [[temperature]], expected the course of the temperature");
+    f.table(key, Presence::optional, [&](TomlFields& t) { read_reading(t, key[0] == 'g' ? temperature->gyro : temperature->accel); });
+  }
 }
 
 }  // namespace
@@ -226,6 +288,7 @@ void describe(TomlFields& f, Mission& mission, const std::filesystem::path& path
   f.tables("segment", [&](TomlFields& t) { read_segment(t, mission, speed); });
   f.check(track || !mission.segments.empty(), "segment", "is empty, expected [[segment]] tables");
   f.table("track", Presence::optional, [&](TomlFields& t) { read_track(t, path, mission); });
+  read_temperature(f, mission.temperature);
 }
 
 }  // namespace imulab

@@ -134,16 +134,11 @@ RecordingReading read_recording(const Session& session, const RecordingSource& s
       throw Error(
           fmt::format("{}: rows every {:.6g} s, expected every {:.6g} s (within 2 %) as in {}", table.file, median, interval_s, reference.file));
   }
-<<<<<<< HEAD
-  match_rows(parts, recording.interval_s, reading.warnings);
+  match_rows(parts, interval_s, reading.warnings);
   std::vector<const Step*> steps;  // in time order, without overlap
   for (const Step& step : session.steps)
     if (session.recordings.size() < 2 || step.recording == source.file) steps.push_back(&step);
-  recording.gaps = find_gaps(reference, recording.interval_s, steps, reading.warnings);
-=======
-  match_rows(parts, interval_s, reading.warnings);
-  std::vector<std::size_t> gaps = find_gaps(reference, interval_s, reading.warnings);
->>>>>>> ab20288749d96f69f84a237a5b981de04f16c8a2
+  std::vector<std::size_t> gaps = find_gaps(reference, interval_s, steps, reading.warnings);
 
   reading.recording = recording_of(source, interval_s,
                                    {take_columns(parts, parts.gyro), take_columns(parts, parts.accel), take_columns(parts, parts.gyro_temperature),

@@ -117,11 +117,19 @@ void check_latitude(double latitude) {
                             latitude / unit::deg, limit / unit::deg));
 }
 
+/// Of nodes: at most 0.1 s and a 25th of the shortest ramp that the position follows, so that a step leaves a micrometre of 30 g.
+double node_interval(const Segment& s) {
+  double shortest = 2.5;
+  for (const Pulse& p : s.pulses)
+    if (p.of != Pulse::Of::table) shortest = std::min(shortest, p.ramp);
+  return std::max(shortest / 25, s.duration / 1e5);
+}
+
 /// Lays out a segment: its nodes; returns the one at its end.
 Node lay_out(Motion& motion, Node node) {
   const Leg& leg = motion.legs[node.leg];
-  const double begin = node.time, duration = leg.segment.duration, node_interval = 0.1;
-  const auto steps = static_cast<std::size_t>(std::ceil(duration / node_interval));
+  const double begin = node.time, duration = leg.segment.duration;
+  const auto steps = static_cast<std::size_t>(std::ceil(duration / std::min(0.1, node_interval(leg.segment))));
   for (std::size_t k = 0; k < steps; ++k) {
     motion.nodes.push_back(node);
     const double next = duration * static_cast<double>(k + 1) / static_cast<double>(steps);
@@ -156,14 +164,14 @@ double smooth_time(const Segment& s, double longest) {
 
 Trajectory flight(const FlightStart& start, const std::vector<Segment>& segments, const Carrier& carrier) {
   if (segments.empty()) throw Error("a motion: expected at least one segment");
-  if (!std::isfinite(start.latitude + start.longitude + start.height + start.speed + start.heading) || start.speed < 0)
+  if (!std::isfinite(start.latitude + start.longitude + start.height + start.speed + start.heading + start.climb) || start.speed < 0)
     throw Error("start of a motion: expected finite numbers and a speed of 0 or more");
   check_latitude(start.latitude);
   const auto motion = std::make_shared<Motion>();
   motion->banks = carrier.banks;
   Trajectory out;
   Node node{0, 0, 0, {start.latitude, start.longitude, start.height}};
-  Leg next{{}, start.speed, start.heading, 0, Matrix3d::Identity()};
+  Leg next{{}, start.speed, start.heading, start.climb, Matrix3d::Identity()};
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const Segment& s = segments[i];
     try {

@@ -16,8 +16,8 @@ const FlightStart start{0.54, 1.82, 500, 80, 0};
 const std::vector<Segment> pattern{straight(20),       turn(-90 * unit::deg, 2 * unit::deg, 4),  climb(5 * unit::deg, 20, 6),
                                    accelerate(30, 20), s_turn(30 * unit::deg, 2 * unit::deg, 4), climb(-5 * unit::deg, 10, 6)};
 
-/// Velocity, acceleration and rate against central differences of position, velocity and attitude.
-void expect_derivatives(const Trajectory& f, double first, double step) {
+/// Velocity, acceleration and rate against central differences of position, velocity and attitude. `pace`: how much larger the third derivatives are.
+void expect_derivatives(const Trajectory& f, double first, double step, double pace = 1) {
   const double h = 1e-3;
   for (double t = first; t < f.duration - h; t += step) {
     const Kinematics a = f.at(t - h), k = f.at(t), b = f.at(t + h);
@@ -25,9 +25,9 @@ void expect_derivatives(const Trajectory& f, double first, double step) {
     const Eigen::Vector3d v((b.longitude - a.longitude) * earth.transverse_radius * earth.cos_latitude,
                             (b.latitude - a.latitude) * earth.meridian_radius, b.height - a.height);
     // Central differences: h^2 of the third derivative is below 1e-6 for all; rounding of an angle of 1.8 times the radius over h: 3e-6.
-    EXPECT_LT((v / (2 * h) - k.velocity).norm(), 1e-5) << t;
-    EXPECT_LT(((b.velocity - a.velocity) / (2 * h) - k.acceleration).norm(), 1e-5) << t;
-    EXPECT_LT((rotation_log(a.C_nb.transpose() * b.C_nb) / (2 * h) - k.rate_nb_b).norm(), 1e-6) << t;
+    EXPECT_LT((v / (2 * h) - k.velocity).norm(), 1e-5 * pace) << t;
+    EXPECT_LT(((b.velocity - a.velocity) / (2 * h) - k.acceleration).norm(), 1e-5 * pace) << t;
+    EXPECT_LT((rotation_log(a.C_nb.transpose() * b.C_nb) / (2 * h) - k.rate_nb_b).norm(), 1e-6 * pace) << t;
   }
 }
 
@@ -102,6 +102,47 @@ TEST(Flight, EveryKindOfSegmentComesBack) {
   const Trajectory motion = flight(place, all);
   EXPECT_LT(strapdown_error(motion, 0.01).norm(), 1e-3);
   EXPECT_NEAR(std::log2(strapdown_error(motion, 0.02).norm() / strapdown_error(motion, 0.01).norm()), 4, 0.5);
+}
+
+/// From a rail: a motor, and rolling, turning and bending down while it still pushes.
+std::vector<Segment> launch() {
+  const Segment motor = accelerate(1000, 5);
+  const Segment rolling = together(motor, rotate({0, 1, 0}, 1200 * unit::deg, 400 * unit::deg), 0.5);
+  const Segment turning = together(rolling, turn(20 * unit::deg, 8 * unit::deg, 1), 2.5);
+  return {together(turning, pitch(-10 * unit::deg, 5 * unit::deg, 0.5), 3), straight(20)};
+}
+
+const FlightStart rail{.latitude = 0.7, .longitude = 1.7, .height = 1200, .heading = 0.5, .climb = 45 * unit::deg};
+const Carrier missile{.banks = false, .lateral_limit = 200};
+
+TEST(Flight, SegmentsAtTheSameTimeAddUp) {
+  const Trajectory f = flight(rail, launch(), missile);
+  EXPECT_NEAR(f.duration, 2.5 + 20. / 8 + 1 + 20, 1e-12);  // the turn ends last
+  const Kinematics begin = f.at(0), rolling = f.at(2.5), end = f.at(f.duration);
+  EXPECT_NEAR(euler_angles(begin.C_nb).pitch, 45 * unit::deg, 1e-12);  // rounding, as below
+  EXPECT_NEAR(euler_angles(begin.C_nb).heading, 0.5, 1e-12);
+  EXPECT_NEAR(rolling.rate_nb_b.y(), 400 * unit::deg, 1e-12);
+  EXPECT_NEAR(end.velocity.norm(), 1000, 1e-10);
+  EXPECT_NEAR(std::asin(end.velocity.z() / 1000), 35 * unit::deg, 1e-12);
+  const Matrix3d expected = attitude_matrix({0, 35 * unit::deg, 0.5 + 20 * unit::deg}) * rotation_exp(Vector3d(0, 1200 * unit::deg, 0));
+  EXPECT_LT((end.C_nb - expected).norm(), 1e-12);
+  // The motor's full push along the rail's direction: 1000 m/s over three quarters of 5 s, and what carries the weight.
+  EXPECT_NEAR(body_motion(f.at(2)).force_b.y(), 1000 / 3.75 + unit::g * std::sin(45 * unit::deg), 0.02);
+}
+
+TEST(Flight, AtThirtyGAndFourHundredDegreesASecondItComesBack) {
+  // h^2/6 of the third derivatives: 87 m/s^2 of pitching rise within 0.5 s, so the acceleration's second is 6 x 87 / 0.25 m/s^4; 3.5e-4 m/s^2. The
+  // roll's, 6 x 7 rad/s^3: 7e-6 rad/s.
+  expect_derivatives(flight(rail, launch(), missile), 0.0513, 0.0731, 40);
+  EXPECT_LT(strapdown_error(flight(rail, launch(), missile), 0.005).norm(), 0.01);  // against tens of metres that noise makes
+}
+
+TEST(Flight, RefusesWhatDoesNotGoTogether) {
+  EXPECT_THROW(together(rest(5), rotate({0, 1, 0}, 1, 1), 0), Error);
+  EXPECT_THROW(together(straight(5), rest(5), 0), Error);
+  EXPECT_THROW(together(straight(5), straight(5), -1), Error);
+  EXPECT_THROW(together(rotate({0, 1, 0}, 1, 1), rotate({1, 0, 0}, 1, 1), 0), Error);
+  EXPECT_THROW(pitch(5 * unit::deg, 10 * unit::deg, 1), Error);
 }
 
 TEST(Flight, ARotatedUnitStaysTurned) {

@@ -3,6 +3,7 @@
 
 #include "imulab/navigation/flight.hpp"
 #include "imulab/navigation/track.hpp"
+#include "imulab/navigation/unit_temperature.hpp"
 
 #include <optional>
 #include <string>
@@ -18,6 +19,7 @@ struct Mission {
   std::vector<Segment> segments;
   std::optional<Solution> track;  // in their place
   TrackSmoothing smoothing;       // of the track
+  std::optional<UnitTemperature> temperature;
 };
 
 /// The motion. Throws Error for what `flight` and `track` refuse, and for one of no sample, of more than ten million, or longer than 1e6 s.

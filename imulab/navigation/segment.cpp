@@ -31,13 +31,15 @@ Course pulse_at(const Pulse& p, double t) {
   return {p.change - rate * p.ramp * step_integral(x), rate * step_value(x), -rate / p.ramp * step_slope(x)};
 }
 
-Segment turned(double change, double rate, double roll_time) {
-  if (!(rate > 0 && roll_time > 0)) throw Error("turn: expected a positive rate and a positive time to roll in");
+Segment turned(Pulse::Of of, double change, double rate, double roll_time) {
+  const char* const what = of == Pulse::Of::climb ? "pitch" : "turn";
+  const char* const ramp = of == Pulse::Of::climb ? "pitch" : "roll";
+  if (!(rate > 0 && roll_time > 0)) throw Error(fmt::format("{}: expected a positive rate and a positive time to {} in", what, ramp));
   const double hold = std::abs(change) / rate - roll_time;
   if (hold < 0)
-    throw Error(fmt::format("turn by {:.3f} deg at {:.3f} deg/s: expected at least {:.3f} s, the time to roll in", change / unit::deg,
-                            rate / unit::deg, roll_time));
-  return {hold + 2 * roll_time, {{Pulse::Of::heading, 0, roll_time, hold, change}}};
+    throw Error(fmt::format("{} by {:.3f} deg at {:.3f} deg/s: expected at least {:.3f} s, the time to {} in", what, change / unit::deg,
+                            rate / unit::deg, roll_time, ramp));
+  return {hold + 2 * roll_time, {{of, 0, roll_time, hold, change}}};
 }
 
 /// A turn tighter than the speed allows.
@@ -73,7 +75,7 @@ Segment straight(double duration) { return {.duration = duration}; }
 
 Segment accelerate(double speed_change, double duration) { return {duration, {{Pulse::Of::speed, 0, duration / 4, duration / 2, speed_change}}}; }
 
-Segment turn(double heading_change, double rate, double roll_time) { return turned(heading_change, rate, roll_time); }
+Segment turn(double heading_change, double rate, double roll_time) { return turned(Pulse::Of::heading, heading_change, rate, roll_time); }
 
 double turning_rate(double radius, double speed) {
   if (!(radius > 0)) throw Error(fmt::format("turn of radius {} m: expected a positive radius", radius));
@@ -82,7 +84,7 @@ double turning_rate(double radius, double speed) {
 }
 
 Segment s_turn(double heading_change, double rate, double roll_time) {
-  Segment s = turned(heading_change, rate, roll_time);
+  Segment s = turned(Pulse::Of::heading, heading_change, rate, roll_time);
   Pulse back = s.pulses.front();
   back.begin = s.duration;
   back.change = -heading_change;
@@ -96,6 +98,8 @@ Segment climb(double angle, double duration, double pitch_time) {
   return {duration + 2 * pitch_time, {{Pulse::Of::climb, 0, ramp, 0, angle}, {Pulse::Of::climb, pitch_time + duration, ramp, 0, -angle}}};
 }
 
+Segment pitch(double climb_change, double rate, double pitch_time) { return turned(Pulse::Of::climb, climb_change, rate, pitch_time); }
+
 Segment rotate(const Eigen::Vector3d& body_axis, double angle, double rate) {
   if (!(rate > 0) || !(std::abs(angle) > 0) || !(std::abs(body_axis.norm() - 1) < 1e-9))
     throw Error("rotation: expected an axis of length one, an angle and a positive rate");
@@ -103,6 +107,24 @@ Segment rotate(const Eigen::Vector3d& body_axis, double angle, double rate) {
   Segment s{time + ramp, {{Pulse::Of::table, 0, ramp, time - ramp, angle}}};
   s.table_axis = body_axis;
   return s;
+}
+
+Segment together(const Segment& first, const Segment& second, double after) {
+  if (first.rest || second.rest) throw Error("a rest goes together with nothing else");
+  if (!(after >= 0)) throw Error(fmt::format("together after {:g} s: expected 0 or more", after));
+  const auto turns = [](const Segment& s) {
+    return std::any_of(s.pulses.begin(), s.pulses.end(), [](const Pulse& p) { return p.of == Pulse::Of::table; });
+  };
+  if (turns(first) && turns(second) && first.table_axis != second.table_axis)
+    throw Error("rotations of the unit at the same time: expected one axis for all");
+  Segment both = first;
+  both.duration = std::max(first.duration, after + second.duration);
+  if (turns(second)) both.table_axis = second.table_axis;
+  for (Pulse p : second.pulses) {
+    p.begin += after;
+    both.pulses.push_back(p);
+  }
+  return both;
 }
 
 void check_segment(const Segment& segment, double speed, const Carrier& carrier) {

@@ -52,8 +52,13 @@ double turning_rate(double radius, double speed);
 Segment s_turn(double heading_change, double rate, double roll_time);
 /// To an angle of climb (negative: a dive), held for `duration`, and back to level, each change over `pitch_time`.
 Segment climb(double angle, double duration, double pitch_time);
+/// Its angle of climb changes (positive: up) at `rate`, and stays so.
+Segment pitch(double climb_change, double rate, double pitch_time);
 /// The IMU turns against what carries it, about one of its own axes, and stays so. It takes up to a second to reach the rate, and to stop.
 Segment rotate(const Eigen::Vector3d& body_axis, double angle, double rate);
+
+/// Both at once: `second` begins `after` seconds after `first`. `Error` for a rest, and for rotations of the unit about two axes.
+Segment together(const Segment& first, const Segment& second, double after);
 
 /// What carries the IMU: an aircraft banks into a turn (tan(bank) = speed x rate / g), a vehicle keeps level and is held by its wheels.
 struct Carrier {

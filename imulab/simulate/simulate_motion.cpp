@@ -3,17 +3,42 @@
 #include "imulab/core/error.hpp"
 #include "imulab/model/compensate.hpp"
 #include "imulab/simulate/sensor_noise.hpp"
+#include "imulab/simulate/temperature.hpp"
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 
 namespace imulab {
 
-Recording simulate_motion(const std::vector<Increment>& ideal, double interval, const Truth& unit, std::uint64_t seed) {
-  if (!unit.model.lever_arm.isZero(0)) throw Error("the unit has lever arms: a motion gives what one point feels, expected none");
-  const bool thermal = !unit.model.accel.thermal.isZero(0) || !unit.model.gyro.thermal.isZero(0);
-  if (thermal) throw Error("the unit has thermal terms: a motion has no temperature, expected none");
+namespace {
+
+void check(const SensorModel& model, const std::optional<UnitTemperature>& temperature) {
+  if (!model.lever_arm.isZero(0)) throw Error("the unit has lever arms: a motion gives what one point feels, expected none");
+  const auto check_thermal = [&](const TriadModel& triad, const char* name, const ThermalSource* source) {
+    if (triad.thermal.isZero(0)) return;
+    if (source == nullptr) throw Error(fmt::format("the unit's {} have thermal terms: the temperature on the way was expected", name));
+    const std::string expected = triad.temperature.value_or(ThermalReading{}).unit;
+    if (source->unit != expected)
+      throw Error(fmt::format("thermal readings of the {} in \"{}\": \"{}\" was expected, which the unit's thermal terms are in", name, source->unit,
+                              expected));
+  };
+  check_thermal(model.gyro, "gyros", temperature ? &temperature->gyro : nullptr);
+  check_thermal(model.accel, "accelerometers", temperature ? &temperature->accel : nullptr);
+}
+
+/// A triad's source with a sensor for each axis.
+ThermalSource three_sensors(ThermalSource source) {
+  source.columns = {1, 2, 3};
+  return source;
+}
+
+}  // namespace
+
+Recording simulate_motion(const std::vector<Increment>& ideal, double interval, const Truth& unit, std::uint64_t seed,
+                          const std::optional<UnitTemperature>& temperature) {
+  check(unit.model, temperature);
   Recording r;
   r.name = "recording.csv";
   r.interval_s = interval;
@@ -31,12 +56,27 @@ Recording simulate_motion(const std::vector<Increment>& ideal, double interval, 
     columns.force[axis] = r.accel[axis];
     for (const bool gyro : {true, false}) {
       const std::span<double> column = gyro ? columns.rate[axis] : columns.force[axis];
-      const AxisNoise noise(gyro ? unit.gyro_noise : unit.accel_noise, interval, seed, fmt::format("{} {} on a motion", gyro ? "gyro" : "accel", axis));
+      const AxisNoise noise(gyro ? unit.gyro_noise : unit.accel_noise, interval, seed,
+                            fmt::format("{} {} on a motion", gyro ? "gyro" : "accel", axis));
       if (noise.slow()) noise.add_slow(column);
       noise.add_fast(0, column);
     }
   }
-  decompensate(unit.model, {}, {}, columns);
+  if (!temperature) {
+    decompensate(unit.model, {}, {}, columns);
+    return r;
+  }
+  std::vector<TemperatureCourse::State> states;  // in the samples' middles: the mean, the course being straight
+  for (std::size_t i = 0; i < ideal.size(); ++i) {
+    const double celsius = temperature->at(interval * (static_cast<double>(i) + 0.5));
+    states.push_back({celsius, celsius});
+  }
+  const std::vector<double> gyro = followed_readings(unit.model.gyro, temperature->gyro, states);
+  const std::vector<double> accel = followed_readings(unit.model.accel, temperature->accel, states);
+  decompensate(unit.model, {accel, accel, accel}, {gyro, gyro, gyro}, columns);
+  const std::array<Range, 1> all{Range{0, ideal.size()}};
+  r.gyro_temperature = thermal_readings(three_sensors(temperature->gyro), states, all, seed, "gyro temperature on a motion");
+  r.accel_temperature = thermal_readings(three_sensors(temperature->accel), states, all, seed, "accel temperature on a motion");
   return r;
 }
 

@@ -69,6 +69,17 @@ std::vector<DriveRun> drives(int runs);
 /// The first seven, and the RMS of all.
 std::string describe(const std::vector<DriveRun>& runs);
 
+/// Position errors at the end of a flight, east-north-up [m], one a row of the table that describe_flights makes.
+using FlightRun = std::vector<Eigen::Vector3d>;
+/// Units, calibrations and noise of seeds 1 .. runs on docs/dai2011/flight.toml, and on the same without its roll.
+struct DaiFlights {
+  std::vector<FlightRun> with_roll, without_roll;
+};
+DaiFlights dai_flights(int runs);
+/// In median: traditional compensation at least ten times as far off as whole-unit compensation, and that as far as the exact coefficients.
+std::vector<Check> judge_flights(const std::vector<FlightRun>& runs);
+std::string describe_flights(const std::vector<FlightRun>& runs);
+
 /// The checks as lines of text.
 std::string describe(const std::vector<Check>& checks);
 

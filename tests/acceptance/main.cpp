@@ -43,5 +43,15 @@ int main(int argc, char** argv) {
     const int runs = argc > 1 ? std::atoi(argv[1]) : 200;
     fmt::print("drives: {} drives, seeds 1..{}\n{}", runs, runs, describe(drives(runs)));
   }
+  if (only.empty() || only == "dai-flight") {
+    const int runs = argc > 1 ? std::atoi(argv[1]) : 200;
+    const DaiFlights flown = dai_flights(runs);
+    for (const bool roll : {true, false}) {
+      const auto& flights = roll ? flown.with_roll : flown.without_roll;
+      const auto checks = judge_flights(flights);
+      fmt::print("dai-flight{}: {} flights, seeds 1..{}\n{}{}", roll ? "" : " without its roll", runs, runs, describe_flights(flights), describe(checks));
+      passed = passed && std::all_of(checks.begin(), checks.end(), [](const Check& c) { return c.passed(); });
+    }
+  }
   return passed ? 0 : 1;
 }
