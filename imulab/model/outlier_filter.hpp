@@ -20,7 +20,7 @@
 
 namespace imulab {
 
-/// The state of six channels, in any order. Readings are finite numbers.
+/// The state of six channels, in any order. What is no number passes, and nothing is learned from it.
 class OutlierFilter {
  public:
   static constexpr double usual_factor = 10;   ///< K
@@ -50,7 +50,7 @@ class OutlierFilter {
   std::array<Readings, 5> window_{};  // the oldest first
   std::size_t taken_ = 0, given_ = 0;
   Readings resolution_{};              // q; 0: not seen yet
-  Readings usual_{};                   // s, with the two largest d so far left out while it is first learned
+  Readings usual_{};                   // s; while it is first learned, the sum of d
   Readings taught_{};                  // windows that taught
   std::array<Readings, 2> largest_{};  // while s is first learned, its two largest d: they may be outliers
 };
