@@ -47,7 +47,7 @@ UserValue user_value(const Calibration& calibration, const Coefficient& c, doubl
   if (c.term == Term::thermal) return in(accel ? unit::ug : unit::deg_per_h, fmt::format("{}/{}{}", accel ? "ug" : "deg/h", per, c.column == 2 ? "^2" : ""));
   const int order = c.term == Term::quadratic ? 2 : 3;
   return accel ? in(unit::ug / std::pow(unit::g, order), fmt::format("ug/g^{}", order))
-               : in(unit::ppm / std::pow(unit::deg, order - 1), order == 2 ? "ppm/(deg/s)" : "ppm/(deg/s)^2");
+               : in((order == 2 ? unit::ppm : 1e-9) / std::pow(unit::deg, order - 1), order == 2 ? "ppm/(deg/s)" : "ppb/(deg/s)^2");
 }
 
 void print_row(const Calibration& calibration, int index) {
