@@ -115,7 +115,7 @@ TEST(BadInput, ACommandThatIsWrong) {
            {"calibrate session --method static -o session", "session: cannot be written: Is a directory"},
            {"procedure hand-held -o nowhere/hand.toml", "nowhere/hand.toml: cannot be written: No such file"},
            {"procedure hand-held --poses 0", "hand-held: at least one pose was expected"},
-           {"procedure six-feet", "six-feet is not a procedure, expected one of six-position, zhang-24, cheng-path, hand-held"},
+           {"procedure six-feet", "six-feet is not a procedure, expected one of six-position, zhang-24, cheng-path, hand-held, dai-unit"},
            {"simulate session", "--output is required"},
            {"simulate nowhere.toml -o out", "nowhere.toml: cannot be opened: No such file"},
            {"compensate file session -o out.csv", "file: is empty, expected a calibration"},

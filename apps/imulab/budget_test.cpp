@@ -124,7 +124,7 @@ TEST(BudgetCommand, RefusesWhatIsWrong) {
     std::string errors, message;
   };
   for (const Case& c : std::vector<Case>{
-           {"grade = \"perfect\"\n", "grade = \"perfect\": one of strategic, navigation, tactical, mems was expected"},
+           {"grade = \"perfect\"\n", "grade = \"perfect\": one of strategic, navigation, tactical, mems, mems-30g was expected"},
            {"system = \"LTN-72\"\n", "one of LTN-90, LTN-101, Laseref was expected"},
            {"grade = \"navigation\"\nsystem = \"LTN-90\"\n", "expected one of them"},
            {"gyro = { bias_deg = 1 }\n", "m.toml:12: errors.gyro.bias_deg: is not a known key"},

@@ -1,4 +1,8 @@
 // imulab compensate CALIBRATION SESSION -o OUT
+#include "apps/imulab/compensate.hpp"
+
+#include "apps/imulab/command.hpp"
+#include "apps/imulab/session_recording.hpp"
 #include "imulab/analysis/compensate_recording.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/calibration_file.hpp"
@@ -8,8 +12,6 @@
 
 #include <fmt/core.h>
 
-#include "apps/imulab/command.hpp"
-#include "apps/imulab/session_recording.hpp"
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -21,12 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
-  std::string calibration, session, output;
-};
-
-CompensatedRecording compensated(const Calibration& calibration, const Session& session, const RecordingSource& source) {
-  CompensatedRecording out = compensate(calibration.model, read_for(calibration, session, source));
+CompensatedRecording compensated(const Calibration& calibration, const Session& session, const RecordingSource& source, Outliers outliers) {
+  CompensatedRecording out = compensate(calibration.model, read_for(calibration, session, source), outliers);
   if (!out.out_of_range.empty())
     warn(fmt::format("{}: {} of {} samples are outside the temperatures the calibration saw", source.file, out.out_of_range.size(),
                      out.recording.size()));
@@ -51,54 +49,63 @@ std::vector<fs::path> output_files(const Session& session, const fs::path& outpu
   return files;
 }
 
-/// The raw data are never overwritten.
-void check_inputs_stay(const Options& options, const Session& session, const std::vector<fs::path>& outputs) {
-  std::vector<fs::path> inputs{options.calibration, session.file};
-  for (const auto& recording : session.recordings)
-    for (const auto& file : {std::optional(recording.file), recording.gyro.file, recording.accel.file})
-      if (file) inputs.push_back(session_path(session, *file));
-  for (const auto& output : outputs)
-    for (const auto& input : inputs)
-      if (fs::exists(output) && fs::exists(input) && fs::equivalent(output, input))
-        throw Error(fmt::format("-o {}: would overwrite {}, expected another place", options.output, input.string()));
-}
-
-void write(const fs::path& file, const CompensatedRecording& recording) {
-  const std::string text = compensated_text(recording);
+void write(const fs::path& file, const CompensatedRecording& c, Outliers outliers) {
+  const std::string text = compensated_text(c);
   if (file == "-") {
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) throw Error("standard output cannot be written");
     return;
   }
   write_whole(file, text);
-  fmt::print("{}: {} samples, {} saturated, {} outside the calibrated temperatures\n", file.string(), recording.recording.size(),
-             recording.recording.saturated.size(), recording.out_of_range.size());
+  print_counts(file.string(), {c.recording.size(), c.recording.saturated.size(), c.out_of_range.size(), c.replaced.size()}, outliers);
 }
 
-void run(const Options& options) {
+void compensate_files(const CompensateOptions& options) {
+  if (!options.stream_session.empty() || !options.recording.empty())
+    throw Error("--session and --recording belong to standard input, expected - in place of the session");
   const Calibration calibration = read_calibration(options.calibration);
   const Session session = read_session(options.session);
   if (session.recordings.empty()) throw Error(session.file + ": has no recordings, expected a session with at least one");
   const std::vector<fs::path> files = output_files(session, options.output);
-  check_inputs_stay(options, session, files);
+  for (const fs::path& file : files) check_inputs_stay(options, session, file.string());
   std::vector<CompensatedRecording> recordings;  // all are compensated before any is written
-  for (const auto& source : session.recordings) recordings.push_back(compensated(calibration, session, source));
+  for (const auto& source : session.recordings) recordings.push_back(compensated(calibration, session, source, options.outliers));
   if (files[0].has_parent_path()) {
     std::error_code failure;
     fs::create_directories(files[0].parent_path(), failure);
     if (failure) throw Error(fmt::format("-o {}: cannot make the folder: {}", options.output, failure.message()));
   }
-  for (std::size_t i = 0; i < files.size(); ++i) write(files[i], recordings[i]);
+  for (std::size_t i = 0; i < files.size(); ++i) write(files[i], recordings[i], options.outliers);
 }
 
 }  // namespace
 
+void print_counts(const std::string& file, const CompensateCounts& counts, Outliers outliers) {
+  fmt::print("{}: {} samples, {} saturated, {} outside the calibrated temperatures{}\n", file, counts.samples, counts.saturated, counts.out_of_range,
+             outliers == Outliers::reject ? fmt::format(", {} with an outlier replaced", counts.replaced) : "");
+}
+
+void check_inputs_stay(const CompensateOptions& options, const Session& session, const std::string& output) {
+  std::vector<fs::path> inputs{options.calibration, session.file};
+  for (const auto& recording : session.recordings)
+    for (const auto& file : {std::optional(recording.file), recording.gyro.file, recording.accel.file})
+      if (file) inputs.push_back(session_path(session, *file));
+  for (const auto& input : inputs)
+    if (fs::exists(output) && fs::exists(input) && fs::equivalent(output, input))
+      throw Error(fmt::format("-o {}: would overwrite {}, expected another place", options.output, input.string()));
+}
+
 void add_compensate(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<CompensateOptions>();
   CLI::App* const verb = app.add_subcommand("compensate", "Raw recordings -> angular rates and specific forces in SI");
   verb->add_option("CALIBRATION", options->calibration, "calibration.json")->required();
-  verb->add_option("SESSION", options->session, "a session folder or its session.toml")->required();
+  verb->add_option("SESSION", options->session, "a session folder or its session.toml; - for rows from standard input, as --session declares them")
+      ->required();
   verb->add_option("-o,--output", options->output, "a folder; for one recording also a .csv file, or - for standard output")->required();
-  verb->callback([options] { run(*options); });
+  verb->add_flag_callback(
+      "--reject-outliers", [options] { options->outliers = Outliers::reject; }, "replace spikes of one or two samples first");
+  verb->add_option("--session", options->stream_session, "the session whose recording comes on standard input");
+  verb->add_option("--recording", options->recording, "which of that session's recordings, by its file");
+  verb->callback([options] { options->session == "-" ? compensate_stream(*options) : compensate_files(*options); });
 }
 
 }  // namespace imulab::command

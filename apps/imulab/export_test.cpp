@@ -1,12 +1,15 @@
 // The exported header compiles as C99 and as C++ without a warning and does what the library does.
+#include "imulab/core/random.hpp"
 #include "imulab/io/c_header.hpp"
 #include "imulab/io/calibration_file.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/compensate.hpp"
-#include "tests/run_command.hpp"
+#include "imulab/model/outlier_filter.hpp"
 
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 
+#include "tests/run_command.hpp"
 #include <cmath>
 #include <sstream>
 
@@ -24,13 +27,26 @@ Calibration every_term() {
     const double sign = index % 2 ? -1 : 1, size = 1 + 0.1 * (index % 7);
     double value = 0;
     switch (k.term) {
-      case Term::offset: value = 0.1; break;
-      case Term::matrix: value = k.row == k.column ? 2e-3 : 1e-5; break;
-      case Term::quadratic: value = 1e-9; break;
-      case Term::cubic: value = 1e-13; break;
-      case Term::thermal: value = k.column == 1 ? 2.5 : 0.03; break;
-      case Term::g_sensitivity: value = 1e-4; break;
-      case Term::lever_arm: break;
+      case Term::offset:
+        value = 0.1;
+        break;
+      case Term::matrix:
+        value = k.row == k.column ? 2e-3 : 1e-5;
+        break;
+      case Term::quadratic:
+        value = 1e-9;
+        break;
+      case Term::cubic:
+        value = 1e-13;
+        break;
+      case Term::thermal:
+        value = k.column == 1 ? 2.5 : 0.03;
+        break;
+      case Term::g_sensitivity:
+        value = 1e-4;
+        break;
+      case Term::lever_arm:
+        break;
     }
     if (value != 0) set_coefficient(c.model, index, (k.row == k.column && k.term == Term::matrix ? 1 : sign) * size * value);
   }
@@ -55,6 +71,8 @@ std::vector<Row> rows() {
   }
   return out;
 }
+
+constexpr const char* warnings = " -O2 -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Werror -o program";
 
 constexpr const char* program = R"(
 #include "calibration.h"
@@ -90,9 +108,11 @@ TEST(Export, TheHeaderCompilesAnywhereAndDoesWhatTheLibraryDoes) {
     std::string command;
     double tolerance;  // of full scale: rounding of some twenty operations
   };
-  for (const Build& build : {Build{"cc -std=c99 program.c", 1e-14}, {"c++ -std=c++98 -Wno-long-long program.cpp", 1e-14},
-                             {"cc -std=c99 -DIMULAB_REAL=float program.c", 3e-6}, {"c++ -std=c++20 -DIMULAB_REAL=float program.cpp", 3e-6}}) {
-    const CommandResult compiled = run_shell(folder, build.command + " -O2 -Wall -Wextra -Wpedantic -Werror -o program");
+  for (const Build& build : {Build{"cc -std=c99 program.c", 1e-14},
+                             {"c++ -std=c++98 -Wno-long-long program.cpp", 1e-14},
+                             {"cc -std=c99 -DIMULAB_REAL=float program.c", 3e-6},
+                             {"c++ -std=c++20 -DIMULAB_REAL=float program.cpp", 3e-6}}) {
+    const CommandResult compiled = run_shell(folder, build.command + warnings);
     ASSERT_EQ(compiled.exit_code, 0) << build.command << compiled.errors;
     std::istringstream output(run_shell(folder, "./program < input").output);
     std::istringstream given(input);
@@ -109,6 +129,105 @@ TEST(Export, TheHeaderCompilesAnywhereAndDoesWhatTheLibraryDoes) {
       EXPECT_LT((force - expected.force).norm(), build.tolerance * 20) << build.command;  // full scale: 10 m/s^2 and rad/s in each axis
       EXPECT_LT((rate - expected.rate).norm(), build.tolerance * 20) << build.command;
     }
+  }
+}
+
+constexpr const char* filter_program = R"(
+#include "calibration.h"
+#include <stdio.h>
+int main(void) {
+  imulab_filter filter;
+  double v[6];
+  imulab_filter_init(&filter);
+  for (;;) {
+    imulab_real x[6], out[6];
+    int k, replaced;
+    for (k = 0; k < 6; ++k)
+      if (scanf("%lf", &v[k]) != 1) return 0;
+    for (k = 0; k < 6; ++k) x[k] = (imulab_real)v[k];
+    replaced = imulab_filter_push(&filter, x, out);
+    if (replaced < 0) continue;
+    printf("%d", replaced);
+    for (k = 0; k < 6; ++k) printf(" %.17g", (double)out[k]);
+    printf("\n");
+  }
+}
+)";
+
+TEST(Export, TheHeadersFilterReplacesWhatTheLibraryReplaces) {
+  const TemporaryFolder folder;
+  Calibration c;
+  c.covariance.resize(0, 0);
+  folder.write("calibration.h", c_header(c));
+  folder.write("program.c", filter_program);
+  folder.write("program.cpp", filter_program);
+  // Noise, a slope and a sine, one channel rounded, spikes: exact in float, so that both types see the same readings.
+  std::vector<OutlierFilter::Readings> samples;
+  std::string input;
+  for (std::size_t i = 0; i < 2000; ++i) {
+    OutlierFilter::Readings r;
+    for (std::size_t k = 0; k < 6; ++k) {
+      const double noise = RandomStream(3, 60 + k).normal(i), spike = i % 97 == 10 + k ? 500 : i % 97 == 40 + k ? -300 : 0;
+      const double motion = k == 1 ? 100.0 * static_cast<double>(i % 200) : k == 2 ? 800 * std::sin(0.05 * static_cast<double>(i)) : 0;
+      r[k] = static_cast<float>(k == 3 ? std::round(noise + spike) : noise + spike + motion);
+      input += fmt::format("{} ", r[k]);
+    }
+    samples.push_back(r);
+    input += "\n";
+  }
+  folder.write("input", input);
+  std::vector<OutlierFilter::Output> expected;
+  OutlierFilter filter;
+  int replaced = 0;
+  for (const auto& r : samples)
+    if (const auto out = filter.push(r)) {
+      expected.push_back(*out);
+      replaced += __builtin_popcount(out->replaced);
+    }
+  EXPECT_GT(replaced, 120);  // of 247 spikes: not the first ones, and few on the slope and the sine, which hardly show their noise
+  struct Build {
+    std::string command;
+    double tolerance;
+  };
+  for (const Build& build : {Build{"cc -std=c99 program.c", 0},
+                             {"c++ -std=c++98 -Wno-long-long program.cpp", 0},
+                             {"cc -std=c99 -DIMULAB_REAL=float program.c", 2e-3}}) {  // float: a rounding of readings up to 20,000
+    const CommandResult compiled = run_shell(folder, build.command + warnings);
+    ASSERT_EQ(compiled.exit_code, 0) << build.command << compiled.errors;
+    std::istringstream output(run_shell(folder, "./program < input").output);
+    for (const auto& out : expected) {
+      int mask = 0;
+      ASSERT_TRUE(output >> mask);
+      ASSERT_EQ(mask, out.replaced) << build.command;
+      for (const double reading : out.readings) {
+        double given = 0;
+        output >> given;
+        ASSERT_NEAR(given, reading, build.tolerance) << build.command;
+      }
+    }
+  }
+}
+
+TEST(Export, TheHeaderKnowsTheCalibratedTemperatures) {
+  const TemporaryFolder folder;
+  Calibration c = every_term();
+  folder.write("both.h", c_header(c));
+  c.model.accel.temperature->range = {0, 0};  // not given
+  folder.write("gyro.h", c_header(c));
+  folder.write("program.c", R"(
+#include CALIBRATION
+#include <stdio.h>
+int main(void) {
+  const imulab_real in[3] = {0, 35, 70}, hot[3] = {0, 35, 71}, f[3] = {4900, 5000, 5100}, low[3] = {4899, 5000, 5100};
+  const imulab_real nan[3] = {0, 35, (imulab_real)(in[0] / in[0])};
+  printf("%d%d%d%d", imulab_out_of_range(in, f), imulab_out_of_range(hot, f), imulab_out_of_range(in, low), imulab_out_of_range(nan, f));
+  return 0;
+}
+)");
+  for (const auto& [file, expected] : {std::pair{"both", "0111"}, {"gyro", "0010"}}) {
+    const CommandResult result =
+        run_shell(folder, std::string("cc -std=c99 program.c -DCALIBRATION='\"") + file + ".h\"'" + warnings + " && ./program");
+    EXPECT_EQ(result.output, expected) << result.errors;
   }
 }
 

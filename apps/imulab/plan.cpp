@@ -135,7 +135,7 @@ void add_plan(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   CLI::App* const verb = app.add_subcommand("plan", "The shortest turns and rests by which the hybrid method reaches the required uncertainties");
   verb->add_option("--require", o->require, "requirements, as in \"gyro.matrix.off_diagonal <= 1 arcsec, accel.offset <= 1 ug\"")->required();
-  verb->add_option("--grade", o->grade, "the unit's noise: strategic, navigation, tactical, mems")->capture_default_str();
+  verb->add_option("--grade", o->grade, "the unit's noise: strategic, navigation, tactical, mems, mems-30g")->capture_default_str();
   verb->add_option("--latitude", o->latitude_deg, "degrees")->check(between(-90, 90, false, "degrees"))->capture_default_str();
   verb->add_option("--gravity", o->gravity, "m/s^2, measured to 1e-5; else normal gravity, to 3e-4")->check(between(9.7, 9.9, false, "m/s^2"));
   verb->add_option("--axes", o->axes, "what turns: 1 (outer, vertical), 2 (middle and inner), 3, hand, or names such as outer,inner")

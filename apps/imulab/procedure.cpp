@@ -87,8 +87,8 @@ void add_procedure(CLI::App& app) {
   add_turntable(*verb, "six-position", "Turntable: each body axis up and down", six_position_procedure);
   add_turntable(*verb, "zhang-24", "Turntable: five turns each way about each axis, then 24 positions", zhang_24_procedure);
   add_turntable(*verb, "cheng-path", "Turntable: 20 turns of 90 and 180 deg between rests", cheng_path_procedure);
-  add_dai_unit(*verb);
   add_hand_held(*verb);
+  add_dai_unit(*verb);
 }
 
 }  // namespace imulab::command

@@ -21,9 +21,13 @@ void check_thermal_unit(const TriadModel& model, const std::optional<ThermalSour
 
 }  // namespace
 
-Recording read_for(const Calibration& calibration, const Session& session, const RecordingSource& source) {
+void check_thermal_units(const Calibration& calibration, const RecordingSource& source) {
   check_thermal_unit(calibration.model.accel, source.accel_temperature, source, "accelerometer");
   check_thermal_unit(calibration.model.gyro, source.gyro_temperature, source, "gyro");
+}
+
+Recording read_for(const Calibration& calibration, const Session& session, const RecordingSource& source) {
+  check_thermal_units(calibration, source);
   RecordingReading reading = read_recording(session, source);
   for (const auto& text : reading.warnings) warn(text);
   return std::move(reading.recording);

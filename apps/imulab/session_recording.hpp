@@ -7,6 +7,9 @@
 
 namespace imulab::command {
 
+/// Throws Error where a temperature is in another unit than in the calibration.
+void check_thermal_units(const Calibration& calibration, const RecordingSource& source);
+
 /// Warns of what was met. Throws Error where a temperature is in another unit than in the calibration.
 Recording read_for(const Calibration& calibration, const Session& session, const RecordingSource& source);
 

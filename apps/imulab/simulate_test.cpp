@@ -129,6 +129,24 @@ TEST_F(SimulateCommand, WhatStandsIsNotOverwrittenAndNothingHalfDoneStays) {
     EXPECT_THAT(entry.path().filename().string(), testing::Not(testing::StartsWith("none")));
 }
 
+TEST_F(SimulateCommand, WhatAMachineCannotDoIsRefused) {
+  const auto refused = [&](const std::string& from, const std::string& to, const std::string& message) {
+    std::string text = imulab("procedure dai-unit --record 1").output;
+    text.replace(text.find(from), from.size(), to);
+    folder.write("dai.toml", text);
+    const CommandResult run = imulab("simulate dai.toml -o dai");
+    EXPECT_EQ(run.exit_code, 2) << to;
+    EXPECT_THAT(run.errors, testing::HasSubstr(message));
+    EXPECT_FALSE(fs::exists(folder / "dai")) << to;
+  };
+  refused("kind = \"hold\"\nrecording = \"chamber.csv\"\nduration_s = 1\nouter_deg = 0\nmiddle_deg = 0\ninner_deg = 0",
+          "kind = \"spin\"\nrecording = \"chamber.csv\"\nduration_s = 1\nrate_dps = 5", "chamber.csv: step 1 (spin at 10 s): kind hold was expected");
+  refused("radius_m = [6.104, 6.097, 6.101]\n", "", "centrifuge.csv: step 2 (spin at 61 s): radius_m above 0 was expected");
+  refused("up = \"+x\"\noutward = \"+y\"\n", "", "rate_table.csv: step 1 (spin at 60 s): up and outward were expected");
+  refused("duration_s = 1\nrate_dps = -380", "duration_s = 1\nmove_s = 0\nrate_dps = -380", "rate_table.csv: step 2 (spin at 61 s): its rate differs");
+  refused("rate_dps = -380", "rate_dps = 0", "rate_table.csv: step 2 (spin at 71 s): rate_dps other than 0 was expected");
+}
+
 TEST_F(SimulateCommand, AWholeUnitOnThreeMachines) {
   const CommandResult procedure = imulab("procedure dai-unit --record 2 --thermal resonance -o dai.toml");
   ASSERT_EQ(procedure.exit_code, 0) << procedure.errors;

@@ -5,6 +5,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/frame.hpp"
+#include "imulab/model/gauge.hpp"
 #include "imulab/model/user_unit.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -165,7 +166,7 @@ std::vector<Comparison> compare(const Calibration& first, const std::vector<Cali
   std::vector<Calibration> b;
   std::vector<Differences> all;
   for (std::size_t k = 0; k < others.size(); ++k) {
-    b.push_back(in_accelerometer_frame(others[k]));
+    b.push_back(in_accelerometer_frame(in_gauge_of(first, others[k])));
     const Eigen::MatrixXd p = p_a + table_covariance(b[k]);
     all.push_back(differences(value_a, relative, b[k], p));
     const std::vector<int> joint = jointly_estimated(a, b[k], p);
@@ -201,7 +202,7 @@ Agreement agreement(const std::vector<Calibration>& calibrations) {
   std::vector<Estimate> si, user;
   for (const auto& stated : calibrations) {
     if (stated.estimated.empty()) continue;
-    const Calibration c = in_accelerometer_frame(stated);
+    const Calibration c = in_accelerometer_frame(in_gauge_of(calibrations[0], stated));
     si.push_back({c.estimated, values(c.model), table_covariance(c)});
     user.push_back({c.estimated, relative * si.back().value, relative * si.back().covariance * relative.transpose()});
   }

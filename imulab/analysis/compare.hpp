@@ -11,7 +11,8 @@
 
 namespace imulab {
 
-/// One coefficient in two calibrations, both in the accelerometers' frame (quadratic and cubic terms unrotated). SI, except where said.
+/// One coefficient in two calibrations, both in the accelerometers' frame (quadratic and cubic terms unrotated) and at the reference temperatures of the first.
+/// SI, except where said.
 struct CoefficientDifference {
   int index = 0;  ///< in the coefficient table
   double a = 0, b = 0;

@@ -2,6 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/model/compensate.hpp"
+#include "imulab/model/outlier_filter.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -17,8 +18,16 @@ std::array<Out, 3> spans(auto& columns) {
 
 bool out_of_range(const TriadModel& m, const Columns3& temperature, std::size_t sample) {
   if (!m.temperature || temperature[0].empty()) return false;
-  const auto [low, high] = m.temperature->range;
-  return std::any_of(temperature.begin(), temperature.end(), [&](const auto& t) { return t[sample] < low || t[sample] > high; });
+  return std::any_of(temperature.begin(), temperature.end(), [&](const auto& t) { return !in_range(*m.temperature, t[sample]); });
+}
+
+/// Samples with a reading replaced.
+std::vector<std::size_t> replace_outliers(Recording& r) {
+  const std::vector<std::uint8_t> marks = reject_outliers({r.gyro[0], r.gyro[1], r.gyro[2], r.accel[0], r.accel[1], r.accel[2]});
+  std::vector<std::size_t> replaced;
+  for (std::size_t i = 0; i < marks.size(); ++i)
+    if (marks[i] != 0) replaced.push_back(i);
+  return replaced;
 }
 
 /// A calibration made from counts is meaningless for physical readings, and the reverse.
@@ -29,11 +38,12 @@ void check_unit(const Recording& recording, const char* triad, const std::string
 
 }  // namespace
 
-CompensatedRecording compensate(const SensorModel& model, Recording recording) {
-  CompensatedRecording out{std::move(recording), {}};
+CompensatedRecording compensate(const SensorModel& model, Recording recording, Outliers outliers) {
+  CompensatedRecording out{std::move(recording), {}, {}};
   Recording& r = out.recording;
   check_unit(r, "accel", r.accel_unit, model.accel);
   check_unit(r, "gyro", r.gyro_unit, model.gyro);
+  if (outliers == Outliers::reject) out.replaced = replace_outliers(r);
   using In = std::span<const double>;
   const RawColumns raw{spans<In>(r.gyro), spans<In>(r.accel), spans<In>(r.gyro_temperature), spans<In>(r.accel_temperature)};
   try {

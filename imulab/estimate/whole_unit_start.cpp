@@ -3,6 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
+#include "imulab/model/gauge.hpp"
 #include "imulab/rig/machine.hpp"
 
 #include <Eigen/QR>
@@ -168,13 +169,8 @@ void check_mounts(const WholeUnitPoints& points, const Session& session, const S
 
 SensorModel uncentred(const SensorModel& model, const Vector6d& centre) {
   SensorModel out = model;
-  for (TriadModel* m : {&out.accel, &out.gyro}) {
-    const Vector3d k = m == &out.accel ? centre.head<3>() : centre.tail<3>();
-    // Powers of V - k in powers of V.
-    m->offset += -m->matrix * k + m->quadratic.cwiseProduct(k.cwiseAbs2()) - m->cubic.cwiseProduct(k.cwiseAbs2().cwiseProduct(k));
-    m->matrix.diagonal() += -2 * m->quadratic.cwiseProduct(k) + 3 * m->cubic.cwiseProduct(k.cwiseAbs2());
-    m->quadratic -= 3 * m->cubic.cwiseProduct(k);
-  }
+  out.accel = of_shifted_readings(model.accel, centre.head<3>());
+  out.gyro = of_shifted_readings(model.gyro, centre.tail<3>());
   return out;
 }
 

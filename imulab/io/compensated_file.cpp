@@ -6,32 +6,36 @@
 #include <array>
 #include <charconv>
 #include <cstdint>
+#include <string_view>
 
 namespace imulab {
 
 namespace {
 
-constexpr std::uint8_t saturated = 1, out_of_range = 2;
-constexpr std::array<const char*, 4> flag_names{"", "saturated", "out_of_range", "saturated|out_of_range"};
+constexpr std::array<std::string_view, 8> flag_names{"",         "saturated",          "out_of_range",          "saturated|out_of_range",
+                                                     "replaced", "saturated|replaced", "out_of_range|replaced", "saturated|out_of_range|replaced"};
 
-/// One mark a sample; empty where no sample has one.
+/// One mark a sample: the place of its name above.
 std::vector<std::uint8_t> marks_of(const CompensatedRecording& c) {
-  if (c.recording.saturated.empty() && c.out_of_range.empty()) return {};
   std::vector<std::uint8_t> marks(c.recording.size(), 0);
-  for (const std::size_t i : c.recording.saturated) marks[i] |= saturated;
-  for (const std::size_t i : c.out_of_range) marks[i] |= out_of_range;
+  for (const std::size_t i : c.recording.saturated) marks[i] |= 1;
+  for (const std::size_t i : c.out_of_range) marks[i] |= 2;
+  for (const std::size_t i : c.replaced) marks[i] |= 4;
   return marks;
 }
 
 }  // namespace
 
-std::string compensated_text(const CompensatedRecording& c) {
+std::string compensated_header(bool flags) { return flags ? "t,gx,gy,gz,ax,ay,az,flags\n" : "t,gx,gy,gz,ax,ay,az\n"; }
+
+std::string compensated_rows(const CompensatedRecording& c, bool flags) {
   constexpr std::size_t longest_number = 32;  // a shortest round-trip double has at most 24 characters
   const Recording& r = c.recording;
-  const std::vector<std::uint8_t> marks = marks_of(c);
+  const std::vector<std::uint8_t> marks = flags ? marks_of(c) : std::vector<std::uint8_t>{};
   const double gyro_factor = r.gyro_increment ? r.interval_s : 1, accel_factor = r.accel_increment ? r.interval_s : 1;
-  std::string out = marks.empty() ? "t,gx,gy,gz,ax,ay,az\n" : "t,gx,gy,gz,ax,ay,az,flags\n";
-  std::array<char, 8 * longest_number> line;
+  std::string out;
+  out.reserve(r.size() * 160);  // six numbers of 20 characters, a time, flags
+  std::array<char, 9 * longest_number> line;
   for (std::size_t i = 0; i < r.size(); ++i) {
     char* end = write_seconds(line.data(), r.time_ns[i]);
     const auto append = [&](double value) {
@@ -40,11 +44,19 @@ std::string compensated_text(const CompensatedRecording& c) {
     };
     for (const auto& column : r.gyro) append(column[i] * gyro_factor);
     for (const auto& column : r.accel) append(column[i] * accel_factor);
+    if (flags) {
+      *end++ = ',';
+      end = std::copy(flag_names[marks[i]].begin(), flag_names[marks[i]].end(), end);
+    }
+    *end++ = '\n';
     out.append(line.data(), end);
-    if (!marks.empty()) out.append(",").append(flag_names[marks[i]]);
-    out += '\n';
   }
   return out;
+}
+
+std::string compensated_text(const CompensatedRecording& c) {
+  const bool flags = !(c.recording.saturated.empty() && c.out_of_range.empty() && c.replaced.empty());
+  return compensated_header(flags) + compensated_rows(c, flags);
 }
 
 }  // namespace imulab

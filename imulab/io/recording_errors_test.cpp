@@ -135,5 +135,30 @@ RC_GTEST_PROP(RecordingFile, ReadsOrRefusesADamagedFile, ()) {
   }
 }
 
+TEST(RecordingFile, AWayFromOneStepToTheNextIsNoGapToWarnOf) {
+  const TemporaryFolder folder;
+  Session session;
+  session.file = (folder / "session.toml").string();
+  folder.write("r.csv", rows_at({"1.01", "1.02", "1.03", "5.01", "5.02", "5.03", "5.44", "5.45", "5.46", "9.01", "9.02", "9.03"}));
+  const auto warnings = [&](const std::vector<std::array<double, 2>>& steps) {
+    session.steps.clear();
+    for (const auto& [start, end] : steps) {
+      Step& step = session.steps.emplace_back();
+      step.start = start, step.end = end;
+    }
+    const RecordingReading read = read_recording(session, plain_source());
+    EXPECT_THAT(read.recording.gaps, testing::ElementsAre(3, 6, 9));
+    return read.warnings;
+  };
+  EXPECT_THAT(warnings({}), testing::ElementsAre(HasSubstr("3 gaps in time")));
+  EXPECT_THAT(warnings({{1.003, 1.036}, {4.995, 5.03}, {5.43, 5.46}, {9, 9.03}}), testing::IsEmpty());  // steps need not begin with a sample
+  EXPECT_THAT(warnings({{1, 1.03}, {5, 5.46}, {9, 9.03}}),
+              testing::ElementsAre(HasSubstr("1 gap in time (more than 1.5 of the nominal 0.01 s), the largest of "
+                                             "0.41 s before 5.44 s (line 8)")));  // inside a step
+  EXPECT_THAT(warnings({{1, 1.03}, {4, 5.03}, {5.43, 5.46}, {9, 9.03}}),
+              testing::ElementsAre(HasSubstr("1 gap in time")));                                        // a step's begin is missing
+  EXPECT_THAT(warnings({{5, 5.03}, {5.43, 5.46}}), testing::ElementsAre(HasSubstr("2 gaps in time")));  // before and after all steps
+}
+
 }  // namespace
 }  // namespace imulab

@@ -2,9 +2,9 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/io/decimal.hpp"
+#include "imulab/io/recording_columns.hpp"
 #include "imulab/io/recording_parts.hpp"
 #include "imulab/io/session_file.hpp"
-#include "imulab/io/unit_names.hpp"
 #include "imulab/recording/stamps.hpp"
 
 #include <fmt/core.h>
@@ -109,39 +109,11 @@ std::vector<std::size_t> find_gaps(const TimedTable& table, double interval_s, c
   return gaps;
 }
 
-/// Marks the samples at or beyond the limits, in the file's unit.
-void mark_saturated(const Columns3& triad, const TriadSource& source, std::vector<bool>& saturated) {
-  if (!source.limits) return;
-  const auto [low, high] = *source.limits;
-  if (saturated.empty()) saturated.resize(triad[0].size());
-  for (const auto& column : triad)
-    for (std::size_t i = 0; i < column.size(); ++i)
-      if (column[i] <= low || column[i] >= high) saturated[i] = true;
-}
-
-std::vector<std::size_t> list_saturated(const std::vector<bool>& marks, const TimedTable& table, std::vector<std::string>& warnings) {
-  std::vector<std::size_t> saturated;
-  for (std::size_t i = 0; i < marks.size(); ++i)
-    if (marks[i]) saturated.push_back(i);
-  if (!saturated.empty())
-    warnings.push_back(
-        fmt::format("{}: {} sample{} at a limit, the first at {} s (line {}): the true reading lies beyond, such samples are set aside", table.file,
-                    saturated.size(), saturated.size() == 1 ? "" : "s", seconds_text(table.time_ns[saturated[0]]), table.lines[saturated[0]]));
-  return saturated;
-}
-
-void to_si(Columns3& triad, const TriadSource& source, double interval_s) {
-  const double factor = si_factor(source.unit);
-  const bool increment = source.output == Output::increment;
-  if (factor == 1 && !increment) return;
-  for (auto& column : triad)
-    for (double& value : column) value = increment ? value * factor / interval_s : value * factor;
-}
-
-Columns3 three_columns(std::vector<std::vector<double>> columns) {
-  if (columns.empty()) return {};
-  if (columns.size() == 1) return {columns[0], columns[0], columns[0]};
-  return {std::move(columns[0]), std::move(columns[1]), std::move(columns[2])};
+void warn_of_saturated(const std::vector<std::size_t>& saturated, const TimedTable& table, std::vector<std::string>& warnings) {
+  if (saturated.empty()) return;
+  warnings.push_back(fmt::format("{}: {} sample{} at a limit, the first at {} s (line {}): the true reading lies beyond, such samples are set aside",
+                                 table.file, saturated.size(), saturated.size() == 1 ? "" : "s", seconds_text(table.time_ns[saturated[0]]),
+                                 table.lines[saturated[0]]));
 }
 
 }  // namespace
@@ -155,37 +127,25 @@ RecordingReading read_recording(const Session& session, const RecordingSource& s
       reading.warnings.push_back(
           fmt::format("{}: {} row{} equal to the row before dropped", table.file, table.repeated, table.repeated == 1 ? "" : "s"));
 
-  Recording& recording = reading.recording;
-  recording.name = source.file;
-  recording.interval_s = nominal_interval_s(reference, source, reading.warnings);
+  const double interval_s = nominal_interval_s(reference, source, reading.warnings);
   for (const TimedTable& table : parts.tables) {
     const double median = median_interval_s(table);
-    if (&table != &reference && median > 0 && !agree(median, recording.interval_s))
-      throw Error(fmt::format("{}: rows every {:.6g} s, expected every {:.6g} s (within 2 %) as in {}", table.file, median, recording.interval_s,
-                              reference.file));
+    if (&table != &reference && median > 0 && !agree(median, interval_s))
+      throw Error(
+          fmt::format("{}: rows every {:.6g} s, expected every {:.6g} s (within 2 %) as in {}", table.file, median, interval_s, reference.file));
   }
-  match_rows(parts, recording.interval_s, reading.warnings);
+  match_rows(parts, interval_s, reading.warnings);
   std::vector<const Step*> steps;  // in time order, without overlap
   for (const Step& step : session.steps)
     if (session.recordings.size() < 2 || step.recording == source.file) steps.push_back(&step);
-  recording.gaps = find_gaps(reference, recording.interval_s, steps, reading.warnings);
+  std::vector<std::size_t> gaps = find_gaps(reference, interval_s, steps, reading.warnings);
 
-  recording.gyro = three_columns(take_columns(parts, parts.gyro));
-  recording.accel = three_columns(take_columns(parts, parts.accel));
-  recording.gyro_temperature = three_columns(take_columns(parts, parts.gyro_temperature));
-  recording.accel_temperature = three_columns(take_columns(parts, parts.accel_temperature));
-  std::vector<bool> saturated;
-  mark_saturated(recording.gyro, source.gyro, saturated);
-  mark_saturated(recording.accel, source.accel, saturated);
-  recording.saturated = list_saturated(saturated, reference, reading.warnings);
-
-  recording.gyro_increment = source.gyro.output == Output::increment;
-  recording.accel_increment = source.accel.output == Output::increment;
-  recording.gyro_unit = source.gyro.unit == "count" ? "count" : "rad/s";
-  recording.accel_unit = source.accel.unit == "count" ? "count" : "m/s^2";
-  to_si(recording.gyro, source.gyro, recording.interval_s);
-  to_si(recording.accel, source.accel, recording.interval_s);
-  recording.time_ns = std::move(reference.time_ns);
+  reading.recording = recording_of(source, interval_s,
+                                   {take_columns(parts, parts.gyro), take_columns(parts, parts.accel), take_columns(parts, parts.gyro_temperature),
+                                    take_columns(parts, parts.accel_temperature)});
+  warn_of_saturated(reading.recording.saturated, reference, reading.warnings);
+  reading.recording.gaps = std::move(gaps);
+  reading.recording.time_ns = std::move(reference.time_ns);
   return reading;
 }
 

@@ -125,8 +125,10 @@ TEST(RecordingFile, ConvertsToSi) {
 
 TEST(RecordingFile, KeepsThermalReadings) {
   RecordingSource source = plain_source();
-  source.gyro_temperature = ThermalSource{{"tg"}, "K"};
-  source.accel_temperature = ThermalSource{{"tg", "t2", "t3"}, "raw"};
+  source.gyro_temperature.emplace().columns = {"tg"};
+  source.gyro_temperature->unit = "K";
+  source.accel_temperature.emplace().columns = {"tg", "t2", "t3"};
+  source.accel_temperature->unit = "raw";
   const Recording r = parse("t,gx,gy,gz,ax,ay,az,tg,t2,t3\n0,1,2,3,4,5,6,300.5,5001,5002\n1,1,2,3,4,5,6,301.5,5003,5004\n", source).recording;
   EXPECT_THAT(r.gyro_temperature, ElementsAre(ElementsAre(300.5, 301.5), ElementsAre(300.5, 301.5), ElementsAre(300.5, 301.5)));
   EXPECT_THAT(r.accel_temperature, ElementsAre(ElementsAre(300.5, 301.5), ElementsAre(5001, 5003), ElementsAre(5002, 5004)));
@@ -172,29 +174,6 @@ TEST(RecordingFile, ListsGaps) {
   EXPECT_THAT(parse(rows_at({"0", "0.01", "0.0249", "0.0349"})).recording.gaps, IsEmpty());  // 1.49 intervals
   EXPECT_THAT(parse(rows_at({"0", "0.01", "0.02", "0.037", "0.04", "0.05", "0.06"})).recording.gaps, IsEmpty());  // a late stamp
   EXPECT_THAT(parse(rows_at({"0", "0.01", "0.02", "0.04", "0.05", "0.06"})).recording.gaps, ElementsAre(3));      // a lost row
-}
-
-TEST(RecordingFile, AWayFromOneStepToTheNextIsNoGapToWarnOf) {
-  const TemporaryFolder folder;
-  Session session;
-  session.file = (folder / "session.toml").string();
-  folder.write("r.csv", rows_at({"1.01", "1.02", "1.03", "5.01", "5.02", "5.03", "5.44", "5.45", "5.46", "9.01", "9.02", "9.03"}));
-  const auto warnings = [&](const std::vector<std::array<double, 2>>& steps) {
-    session.steps.clear();
-    for (const auto& [start, end] : steps) {
-      Step& step = session.steps.emplace_back();
-      step.start = start, step.end = end;
-    }
-    const RecordingReading read = read_recording(session, plain_source());
-    EXPECT_THAT(read.recording.gaps, ElementsAre(3, 6, 9));
-    return read.warnings;
-  };
-  EXPECT_THAT(warnings({}), ElementsAre(HasSubstr("3 gaps in time")));
-  EXPECT_THAT(warnings({{1.003, 1.036}, {4.995, 5.03}, {5.43, 5.46}, {9, 9.03}}), IsEmpty());  // steps need not begin with a sample
-  EXPECT_THAT(warnings({{1, 1.03}, {5, 5.46}, {9, 9.03}}), ElementsAre(HasSubstr("1 gap in time (more than 1.5 of the nominal 0.01 s), the largest of "
-                                                                                 "0.41 s before 5.44 s (line 8)")));  // inside a step
-  EXPECT_THAT(warnings({{1, 1.03}, {4, 5.03}, {5.43, 5.46}, {9, 9.03}}), ElementsAre(HasSubstr("1 gap in time")));     // a step's begin is missing
-  EXPECT_THAT(warnings({{5, 5.03}, {5.43, 5.46}}), ElementsAre(HasSubstr("2 gaps in time")));                          // before and after all steps
 }
 
 TEST(RecordingFile, StampsThatAllScatterAreNoGaps) {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <utility>
 
 namespace imulab {
 namespace {
@@ -67,14 +68,18 @@ std::size_t TableLayout::find(const Column& column) const {
   return static_cast<std::size_t>(found - names.begin());
 }
 
-TableLayout table_layout(const std::string& file, std::string_view text, bool named) {
+bool names_a_column(const TimeSource& time, const std::vector<Column>& columns) {
+  const auto is_named = [](const Column& column) { return std::holds_alternative<std::string>(column); };
+  return is_named(time.column) || std::any_of(columns.begin(), columns.end(), is_named);
+}
+
+std::optional<TableLayout> find_layout(const std::string& file, std::string_view text, bool named) {
   TableLayout layout;
   layout.file = file;
   if (text.substr(0, 4096).find('\0') != std::string_view::npos) throw Error(file + ": is not text, expected CSV or plain columns of numbers");
   if (text.starts_with("\xEF\xBB\xBF")) layout.offset = 3;  // UTF-8 byte order mark
   std::string_view comment;
-  bool header = false;
-  for (; layout.offset < text.size(); ++layout.line) {
+  for (bool header = false; layout.offset < text.size(); ++layout.line) {
     const std::size_t length = std::min(text.find('\n', layout.offset), text.size()) - layout.offset;
     const std::string_view line = text.substr(layout.offset, length);
     const std::string_view content = trimmed(line);
@@ -99,6 +104,12 @@ TableLayout table_layout(const std::string& file, std::string_view text, bool na
     if (layout.names.size() == layout.columns) return layout;
     throw Error(fmt::format("{}:{}: has no header, expected one since columns are named (or give columns by number)", file, layout.line));
   }
+  return std::nullopt;
+}
+
+TableLayout table_layout(const std::string& file, std::string_view text, bool named) {
+  if (auto layout = find_layout(file, text, named)) return *std::move(layout);
+  const bool header = !find_layout(file, std::string(text) + "\n0", false)->names.empty();  // of what a row would have
   throw Error(fmt::format("{}: {}, expected rows of numbers", file, text.empty() ? "is empty" : header ? "has a header but no rows" : "has no rows"));
 }
 

@@ -4,6 +4,7 @@
 #include "imulab/recording/session.hpp"
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,6 +28,10 @@ struct TableLayout {
 
 /// Finds the layout in the text. `named`: columns are asked by name, so that a header is needed.
 TableLayout table_layout(const std::string& file, std::string_view text, bool named);
+/// The same of the beginning of a text: nothing where it ends before the first row.
+std::optional<TableLayout> find_layout(const std::string& file, std::string_view text, bool named);
+/// Whether any of the columns is asked for by its name.
+bool names_a_column(const TimeSource& time, const std::vector<Column>& columns);
 
 /// The fields of one line, without the blanks around them.
 std::vector<std::string_view> fields_of(std::string_view line, const TableLayout& layout);

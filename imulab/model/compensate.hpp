@@ -19,6 +19,12 @@ struct RawSample {
   Vector3d accel_tau = Vector3d::Zero(), gyro_tau = Vector3d::Zero();
 };
 
+/// Whether the calibration saw this thermal reading, in its unit. A range of [0, 0] was not given: it holds whatever is read.
+inline bool in_range(const ThermalReading& calibrated, double reading) {
+  const auto [low, high] = calibrated.range;
+  return (low == 0 && high == 0) || (reading >= low && reading <= high);
+}
+
 /// Dai 2011 eqs 1-4.
 Motion compensate(const SensorModel& model, const RawSample& raw);
 

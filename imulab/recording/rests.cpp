@@ -21,17 +21,16 @@ Range samples_between(const Recording& recording, double start_s, double end_s) 
 
 /// A rate table's, centrifuge's or chamber's holds are told apart by mounts, which methods that work on rests do not know.
 void expect_axis_angles(const Recording& recording, const Session& session) {
+  const std::string where = session.file + (recording.name.empty() ? "" : ": " + recording.name);
   std::string_view rig_name;
   for (const RecordingSource& source : session.recordings)
     if (source.file == recording.name) rig_name = source.rig;
   for (const RigDeclaration& rig : session.rigs)
     if ((rig_name.empty() || rig.name == rig_name) && rig.kind != RigKind::turntable && rig.kind != RigKind::none)
-      throw Error(fmt::format("{}: {}: recorded on a rig of kind \"{}\": \"turntable\" or \"none\" (a hand) was expected", session.file, recording.name,
-                              to_string(rig.kind)));
+      throw Error(fmt::format("{}: recorded on a rig of kind \"{}\": \"turntable\" or \"none\" (a hand) was expected", where, to_string(rig.kind)));
   for (const Step& step : session.steps)
     if (step.kind == StepKind::spin && (session.recordings.size() < 2 || step.recording == recording.name))
-      throw Error(fmt::format("{}: {}: a step of kind \"spin\" at {:g} s: rests (hold) and turns (rotate) were expected", session.file, recording.name,
-                              step.start));
+      throw Error(fmt::format("{}: a step of kind \"spin\" at {:g} s: rests (hold) and turns (rotate) were expected", where, step.start));
 }
 
 }  // namespace

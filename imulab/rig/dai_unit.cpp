@@ -9,9 +9,9 @@ namespace imulab {
 
 namespace {
 
-constexpr double soak = 1800;               // s, before each temperature
-constexpr double change = 10, remount = 60;  // s, to another rate, and to another mount
-constexpr double arm = 6.1;                 // m: 30 g below 400 deg/s
+constexpr double soak = 1800;                                // s, before each temperature
+constexpr double change = 10, remount = 60;                  // s, to another rate of the table; to another mount or rate of the arm
+constexpr double arm = 6.1;                                  // m: 30 g below 400 deg/s
 constexpr double resonance = 5000, resonance_per_K = -0.15;  // Hz, Hz/K: a silicon resonator's -30 ppm/K
 
 /// Where the accelerometers sit in the unit, m from its centre, which is at the arm's end: row i, accelerometer i.
@@ -108,10 +108,11 @@ void add_centrifuge(Session& session, const DaiUnitOptions& options) {
   Points points(session, RigKind::centrifuge, options);
   for (const Mount& mount : six_mounts(&Mount::outward, &Mount::up))
     for (int g = 0; g <= 30; g += 5) {
-      Step& step = points.add(g == 0 ? StepKind::hold : StepKind::spin, mount, remount);
+      const bool first = g == 0 && session.steps.back().recording != session.recordings.back().file;
+      Step& step = points.add(g == 0 ? StepKind::hold : StepKind::spin, mount, first ? 0 : remount);
       if (g == 0) continue;
       step.rate = std::round(std::sqrt(g * unit::g / arm) / unit::deg * 100) / 100 * unit::deg;  // hundredths read well in a file
-      for (std::size_t i = 0; i < 3; ++i) step.radius[i] = arm + mount.outward.sign * place[i][mount.outward.index];
+      for (std::size_t i = 0; i < 3; ++i) step.radius[i] = std::round((arm + mount.outward.sign * place[i][mount.outward.index]) * 1e4) / 1e4;
     }
 }
 
@@ -122,7 +123,8 @@ std::string_view to_string(ThermalSensors sensors) {
 }
 
 Session dai_unit_procedure(const DaiUnitOptions& options) {
-  if (!(options.record > 0 && options.rate_hz > 0)) throw Error("dai-unit: record and rate_hz above 0 were expected");
+  for (const double x : {options.record, options.rate_hz})
+    if (!(x > 0 && std::isfinite(x))) throw Error("dai-unit: record and rate_hz above 0 were expected");
   Session session;
   session.imu.name = "dai-unit";
   session.imu.grade = options.grade;

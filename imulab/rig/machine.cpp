@@ -78,13 +78,17 @@ MachineErrors<double> errors_at(const RigErrors& errors, const Mount& mount) {
   return at;
 }
 
+std::string step_name(const Step& step, std::size_t index) {
+  return fmt::format("{}step {} ({} at {:g} s)", step.recording.empty() ? "" : step.recording + ": ", index + 1, to_string(step.kind), step.start);
+}
+
 void expect_possible(const RigDeclaration& rig, std::span<const Step> steps) {
   for (std::size_t k = 0; k < steps.size(); ++k) {
     const Step& step = steps[k];
     const auto refuse = [&](const std::string& why) {
-      throw Error(fmt::format("step {} ({} at {:g} s) on the {}: {}", k + 1, to_string(step.kind), step.start, to_string(rig.kind), why));
+      throw Error(fmt::format("{}: {}", step_name(step, k), why));
     };
-    if (step.kind == StepKind::rotate) refuse("kind hold, or spin on a rate table or centrifuge, was expected");
+    if (step.kind == StepKind::rotate) refuse(fmt::format("on a {} {} was expected", to_string(rig.kind), rig.kind == RigKind::chamber ? "kind hold" : "kind hold or spin"));
     if (step.kind == StepKind::hold) {
       if (step.angles[1] != 0 || step.angles[2] != 0) refuse("middle_deg and inner_deg of 0 were expected: its one axis is the outer");
       continue;
@@ -93,7 +97,7 @@ void expect_possible(const RigDeclaration& rig, std::span<const Step> steps) {
     if (!step.mount) refuse("up and outward were expected: how the unit is mounted");
     if (step.rate == 0) refuse("rate_dps other than 0 was expected: kind hold stands still");
     for (const double radius : step.radius)
-      if (rig.kind == RigKind::centrifuge && !(radius > 0)) refuse("radius_m above 0 was expected");
+      if (rig.kind == RigKind::centrifuge && !(radius > 0)) refuse("radius_m above 0 was expected: a centrifuge's arm, to each accelerometer");
   }
 }
 

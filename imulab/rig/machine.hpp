@@ -44,6 +44,9 @@ struct MachineErrors {
 /// Those of one mount.
 MachineErrors<double> errors_at(const RigErrors& errors, const Mount& mount);
 
+/// "arm.csv: step 3 (spin at 20 s)".
+std::string step_name(const Step& step, std::size_t index);
+
 /// Throws Error where a machine cannot do these steps: a kind it does not have, a spin without a mount, a centrifuge's without radii.
 void expect_possible(const RigDeclaration& rig, std::span<const Step> steps);
 

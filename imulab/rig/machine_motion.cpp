@@ -54,17 +54,12 @@ State reached(const State& from, const Step& step, double rate) {
 
 void expect_gap(const State& from, const State& to, bool mounted_anew, std::size_t index, const Step& step) {
   if (to.time < from.time - same_time || step.end <= step.start)
-    throw Error(fmt::format("step {} ({} at {:g} s): a start_s from {:g} on and a later end_s were expected", index + 1, to_string(step.kind),
-                            step.start, from.time));
+    throw Error(fmt::format("{}: a start_s from {:g} on and a later end_s were expected", step_name(step, index), from.time));
   if (to.time - from.time >= same_time) return;
-  const char* const what = mounted_anew                                 ? "mount"
-                           : to.rate != from.rate                       ? "rate"
-                           : std::abs(to.angle - from.angle) >= same_angle ? "angle"
-                                                                        : nullptr;
+  const char* const what = mounted_anew ? "mount" : to.rate != from.rate ? "rate" : std::abs(to.angle - from.angle) >= same_angle ? "angle" : nullptr;
   if (what != nullptr)
-    throw Error(fmt::format("step {} ({} at {:g} s): its {} differs from the one before it, but no time is left to reach it: start_s later than {:g} was "
-                            "expected",
-                            index + 1, to_string(step.kind), step.start, what, from.time));
+    throw Error(fmt::format("{}: its {} differs from the one before it, but no time is left to reach it: start_s later than {:g} was expected",
+                            step_name(step, index), what, from.time));
 }
 
 }  // namespace

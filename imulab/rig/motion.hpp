@@ -28,7 +28,7 @@ struct RigMotion {
   RigAxes axes = ideal_axes();
   Matrix3d C_nt = Matrix3d::Identity();  ///< how the table stands against n
   std::vector<MotionPiece> pieces;
-  double rate_before = 0;                ///< of the outer axis before the first piece, rad/s
+  double rate_before = 0;  ///< of the outer axis before the first piece, rad/s
   double end() const { return pieces.back().end; }
 };
 

@@ -64,14 +64,14 @@ struct DaiUnitOptions {
   double record = 10;  ///< s, each point
   double rate_hz = 50;
   ThermalSensors thermal = ThermalSensors::three;
-  bool both_ways = false;             ///< the chamber goes down again
+  bool both_ways = false;  ///< the chamber goes down again
   double latitude = 45 * unit::deg;
   double height = 0;  ///< m
   std::string grade = "mems-30g";
 };
 
-/// Dai 2011 section 3: a whole unit in a thermal chamber (15 points), on a rate table (each face up, 41 rates) and on a centrifuge (each face outward,
-/// seven accelerations), each a recording of its steps alone.
+/// Dai 2011 section 3: a whole unit in a thermal chamber (15 points), on a rate table (each face up, 41 rates) and on a centrifuge (each face
+/// outward, seven accelerations), each a recording of its steps alone.
 Session dai_unit_procedure(const DaiUnitOptions& options);
 
 }  // namespace imulab

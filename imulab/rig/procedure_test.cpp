@@ -134,7 +134,8 @@ TEST(DaiUnitProcedure, HasThePapersPoints) {
     }
     EXPECT_LT(arm[k].rate, 400 * unit::deg);
     for (std::size_t i = 0; i < 3; ++i) {
-      EXPECT_NEAR(arm[k].rate * arm[k].rate * 6.1, 5 * unit::g * static_cast<double>(k % 7), 0.013);  // rates in hundredths: 2 r w 0.005 deg/s and less
+      EXPECT_NEAR(arm[k].rate * arm[k].rate * 6.1, 5 * unit::g * static_cast<double>(k % 7),
+                  0.013);  // rates in hundredths: 2 r w 0.005 deg/s and less
       const std::size_t opposite = (k + 21) % 42;
       EXPECT_NE(arm[k].radius[i], arm[opposite].radius[i]);
       EXPECT_NEAR(arm[k].radius[i] + arm[opposite].radius[i], 2 * 6.1, 1e-12);

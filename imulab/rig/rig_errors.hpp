@@ -1,5 +1,5 @@
 // How a turntable departs from its commands: every error source by name in one flat list. What the errors do to the attitude is in
-// table_attitude.hpp, and over time in motion.hpp.
+// table_attitude.hpp, and over time in motion.hpp. Machines' errors are in the same list; what they do is in machine.hpp.
 //
 // - orthogonality: l_outer = (o1, o2, 1), l_middle = (m1, 1, m2), l_inner = (1, i1, i2) in n at zero angles, then normalised;
 // - zero: a constant angle error of each axis (outer: north; middle and inner: the unit's level at zero angles);
@@ -47,9 +47,10 @@ struct RigErrorSource {
   std::size_t step = at_start;  ///< of an angle or timing error: the step (of its recording) that draws it, from 0
   Mount place{};                ///< of a mount or radius: which
   double known = 0;             ///< rad, s, m or relative: what is exactly declared; the middle of the draws
-  double sigma = 0;             ///< rad or s: of its draw; 0 where it is exactly known
+  double sigma = 0;             ///< likewise: of its draw; 0 where it is exactly known
 
-  /// "orthogonality.inner.1", "zero.outer", "tilt.east", "angle.middle.start", "angle.middle.12", "timing.3": steps count from 1.
+  /// "orthogonality.inner.1", "zero.outer", "tilt.east", "angle.middle.start", "angle.middle.12", "timing.3": steps count from 1; of machines "rate",
+  /// "mount.+z+x.y", "radius.+z+x".
   std::string name() const;
   bool operator==(const RigErrorSource&) const = default;
 };
@@ -63,7 +64,7 @@ std::vector<RigErrorSource> rig_error_sources(const RigDeclaration& rig, std::sp
 /// Error sources and their values. Empty: a rig without errors.
 struct RigErrors {
   std::vector<RigErrorSource> sources;
-  std::vector<double> values;  ///< rad or s
+  std::vector<double> values;  ///< rad, s, m or relative
 };
 
 /// One draw. Recordings on one rig share its table errors; each has its own angle and timing errors.

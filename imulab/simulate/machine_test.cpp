@@ -1,8 +1,9 @@
 // A perfect unit on a rate table, a centrifuge and in a chamber.
+#include "imulab/rig/machine.hpp"
+
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
-#include "imulab/rig/machine.hpp"
 #include "imulab/rig/machine_motion.hpp"
 #include "imulab/simulate/simulate.hpp"
 
@@ -100,8 +101,8 @@ TEST(MachineMotion, ThirtyGAtSixMetres) {
   const Session session = machine(RigKind::centrifuge, {spin(0, 10, rate, {radius, radius, radius})});
   const Motion seen = mean(simulated(session), 0, 10);
   const double earth_up = 7.292115e-5 * std::sin(latitude);
-  // -x of 30 g, and Coriolis 2 W w_ie r. What is left out is the Earth's rate squared times the radius, 3e-8. The z accelerometer feels Coriolis' part
-  // of the Earth's horizontal rate, 2 W w r = 5e-3, turn by turn: the mean over 11.05 turns keeps sin(0.05 pi) / (11 pi) of it.
+  // -x of 30 g, and Coriolis 2 W w_ie r. What is left out is the Earth's rate squared times the radius, 3e-8. The z accelerometer feels Coriolis'
+  // part of the Earth's horizontal rate, 2 W w r = 5e-3, turn by turn: the mean over 11.05 turns keeps sin(0.05 pi) / (11 pi) of it.
   EXPECT_NEAR(seen.force.x(), -30 * unit::g - 2 * rate * earth_up * radius, 1e-7);
   EXPECT_NEAR(seen.force.y(), 0, 1e-7);
   EXPECT_NEAR(seen.force.z(), gravity, 5e-5);
@@ -123,7 +124,8 @@ TEST(MachineMotion, TheRateChangesSmoothlyInTheGap) {
   // In the middle of the gap the rate is the mean, and changes by 3/2 of the mean change: Euler's force on the accelerometer across the radius.
   const Motion middle = mean(simulated(session), 14.98, 15.02);
   EXPECT_NEAR(middle.rate.z(), 1 + earth_rate_enu(latitude).z(), 1e-12);
-  EXPECT_NEAR(middle.force.y(), 1.5 * (to - from) / (end - begin) * radius[1], 2e-5);  // 6 u (1 - u) over 40 ms of 10 s: (u - 1/2)^2 is 1e-6 in the mean
+  EXPECT_NEAR(middle.force.y(), 1.5 * (to - from) / (end - begin) * radius[1],
+              2e-5);  // 6 u (1 - u) over 40 ms of 10 s: (u - 1/2)^2 is 1e-6 in the mean
 }
 
 TEST(MachineMotion, AHoldAfterASpinIsReachedAtItsAngle) {
@@ -131,7 +133,9 @@ TEST(MachineMotion, AHoldAfterASpinIsReachedAtItsAngle) {
     std::vector<Step> steps{spin(5, 15, 7, {}), hold(25, 30), hold(30, 31), hold(33, 34)};
     for (std::size_t k = 1; k < 3; ++k) steps[k].angles[0] = angle;
     const RigMotion motion = recorded_motion(machine(RigKind::rate_table, steps), {});
-    const auto angle_at = [&](double t) { return std::remainder(rotation_log(body_state(motion, t).C_nb * mount_attitude(upright).transpose()).z(), 360 * deg); };
+    const auto angle_at = [&](double t) {
+      return std::remainder(rotation_log(body_state(motion, t).C_nb * mount_attitude(upright).transpose()).z(), 360 * deg);
+    };
     EXPECT_NEAR(std::remainder(angle_at(27) - angle, 360 * deg), 0, 1e-12) << angle;
     EXPECT_NEAR(std::remainder(angle_at(30.5) - angle, 360 * deg), 0, 1e-12) << angle;
     EXPECT_NEAR(angle_at(33.5), 0, 1e-12) << angle;
@@ -141,7 +145,8 @@ TEST(MachineMotion, AHoldAfterASpinIsReachedAtItsAngle) {
     double turned = 0;
     const int n = 20000;
     for (int k = 0; k < n; ++k) turned += 10.0 / n * body_state(motion, 15 + (k + 0.5) * 10 / n).rate_nb_b.z();
-    EXPECT_NEAR(std::remainder(angle_at(15) + turned - angle, 360 * deg), 0, 1e-6) << angle;  // midpoint rule: third derivative of 1 rad/s^3, h^2 / 24
+    EXPECT_NEAR(std::remainder(angle_at(15) + turned - angle, 360 * deg), 0, 1e-6)
+        << angle;  // midpoint rule: third derivative of 1 rad/s^3, h^2 / 24
   }
 }
 
@@ -177,14 +182,15 @@ TEST(MachineMotion, WhatAMachineCannotDoIsNamed) {
     return step;
   };
   using testing::HasSubstr;
-  EXPECT_THAT(message(RigKind::chamber, {hold(0, 1), spin(2, 3, 1, {})}), HasSubstr("step 2 (spin at 2 s) on the chamber: kind hold was expected"));
+  EXPECT_THAT(message(RigKind::chamber, {hold(0, 1), spin(2, 3, 1, {})}), HasSubstr("step 2 (spin at 2 s): kind hold was expected"));
   EXPECT_THAT(message(RigKind::centrifuge, {spin(0, 1, 1, {6, 0, 6})}), HasSubstr("radius_m above 0"));
   EXPECT_EQ(message(RigKind::rate_table, {spin(0, 1, 1, {})}), "");
   EXPECT_THAT(message(RigKind::rate_table, {changed(spin(0, 1, 1, {}), [](Step& s) { s.mount.reset(); })}), HasSubstr("up and outward"));
   EXPECT_THAT(message(RigKind::rate_table, {spin(0, 1, 0, {})}), HasSubstr("rate_dps other than 0"));
-  EXPECT_THAT(message(RigKind::rate_table, {changed(hold(0, 1), [](Step& s) { s.kind = StepKind::rotate; })}), HasSubstr("kind hold, or spin"));
+  EXPECT_THAT(message(RigKind::rate_table, {changed(hold(0, 1), [](Step& s) { s.kind = StepKind::rotate; })}), HasSubstr("kind hold or spin"));
   EXPECT_THAT(message(RigKind::rate_table, {changed(hold(0, 1), [](Step& s) { s.angles[2] = 1; })}), HasSubstr("middle_deg and inner_deg of 0"));
-  EXPECT_THAT(message(RigKind::rate_table, {spin(0, 1, 1, {}), spin(1, 2, 2, {})}), HasSubstr("its rate differs from the one before it, but no time"));
+  EXPECT_THAT(message(RigKind::rate_table, {spin(0, 1, 1, {}), spin(1, 2, 2, {})}),
+              HasSubstr("its rate differs from the one before it, but no time"));
   EXPECT_THAT(message(RigKind::rate_table, {hold(0, 1), hold(1, 2, {{0, 1}, {1, 1}})}), HasSubstr("its mount differs"));
   EXPECT_THAT(message(RigKind::rate_table, {hold(0, 1), changed(hold(1, 2), [](Step& s) { s.angles[0] = 1; })}), HasSubstr("its angle differs"));
   EXPECT_THAT(message(RigKind::rate_table, {hold(0, 2), hold(1, 3)}), HasSubstr("a start_s from 2 on"));

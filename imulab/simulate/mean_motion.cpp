@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace imulab {
 
@@ -15,6 +16,7 @@ namespace {
 constexpr std::array<double, 3> node{-0.77459666924148337704, 0, 0.77459666924148337704};
 constexpr std::array<double, 3> weight{5.0 / 18, 8.0 / 18, 5.0 / 18};
 constexpr double panel_angle = 0.1;      // rad, sum over the axes
+constexpr double least_angle = 1e-3;     // rad: over less, differences of sines lose digits
 constexpr double shortest_stencil = 32;  // samples in a piece, so that the stencil reaches little beyond its ends
 constexpr double panels_of_a_piece = 8;  // at least, so that the polynomial in time itself is resolved
 
@@ -30,6 +32,17 @@ double rate_bound(const MotionPiece& piece) {
     }
   }
   return sum / (piece.end - piece.begin);
+}
+
+/// The rate of the one axis that turns, if it does so evenly; else 0.
+double steady_rate(const MotionPiece& piece) {
+  double rate = 0;
+  for (const AnglePolynomial& p : piece.angle) {
+    const bool even = std::all_of(p.begin() + 2, p.end(), [](double c) { return c == 0; });
+    if (!even || (p[1] != 0 && rate != 0)) return 0;
+    if (p[1] != 0) rate = p[1] / (piece.end - piece.begin);
+  }
+  return rate;
 }
 
 BodyState state_of(const RigMotion& motion, std::size_t piece, double t) { return body_state(motion, motion.pieces[piece], t); }
@@ -56,7 +69,8 @@ MeanMotion::MeanMotion(RigMotion motion, const Surroundings& surroundings)
     const Vector3d jump = p.C_tb.transpose() * (p.C_tb * first.rate_nb_b - rate_before);
     const double bound = rate_bound(p), panel = std::min((p.end - p.begin) / panels_of_a_piece, bound > 0 ? panel_angle / bound : p.end - p.begin);
     pieces_.push_back({p.begin, p.end, p.at_rest(), panel, !around.lever_arm.isZero(0), around, sensed_motion(first, around),
-                       size_effect_of_jump(jump, around.lever_arm)});
+                       size_effect_of_jump(jump, around.lever_arm), steady_rate(p), {}});
+    if (pieces_.back().steady_rate != 0) find_harmonics(k);
     rate_before = p.C_tb * state_of(motion_, k, p.end).rate_nb_b;
   }
 }
@@ -102,9 +116,30 @@ void MeanMotion::means_inside(std::size_t piece, std::size_t begin, double inter
   }
 }
 
+/// Turning about one axis, vectors fixed outside are seen with the cosine and sine of the angle, and products of two, the size effect, with those of
+/// twice the angle as well: five values at equal angles tell all.
+void MeanMotion::find_harmonics(std::size_t piece) {
+  Piece& p = pieces_[piece];
+  p.harmonic.fill({Vector3d::Zero(), Vector3d::Zero()});
+  for (int j = 0; j < 5; ++j) {
+    const double angle = 2 * std::numbers::pi * j / 5;
+    const Motion m = at(piece, p.begin + angle / p.steady_rate);
+    const std::array<double, 5> share{0.2, 0.4 * std::cos(angle), 0.4 * std::sin(angle), 0.4 * std::cos(2 * angle), 0.4 * std::sin(2 * angle)};
+    for (std::size_t h = 0; h < 5; ++h) p.harmonic[h].force += share[h] * m.force, p.harmonic[h].rate += share[h] * m.rate;
+  }
+}
+
 Motion MeanMotion::integral(std::size_t piece, double begin, double end) const {
   const Piece& p = pieces_[piece];
   if (p.at_rest) return {p.rest.force * (end - begin), p.rest.rate * (end - begin)};
+  if (const double w = p.steady_rate; std::abs(w) * (end - begin) > least_angle) {
+    const double from = w * (begin - p.begin), to = w * (end - p.begin);
+    const double s0 = std::sin(from), c0 = std::cos(from), s1 = std::sin(to), c1 = std::cos(to);
+    const std::array<double, 5> share{end - begin, (s1 - s0) / w, (c0 - c1) / w, (s1 * c1 - s0 * c0) / w, (s1 * s1 - s0 * s0) / w};
+    Motion sum{Vector3d::Zero(), Vector3d::Zero()};
+    for (std::size_t h = 0; h < 5; ++h) sum.force += share[h] * p.harmonic[h].force, sum.rate += share[h] * p.harmonic[h].rate;
+    return sum;
+  }
   const int panels = std::max(1, static_cast<int>(std::ceil((end - begin) / p.panel - 1e-6)));
   const double width = (end - begin) / panels;
   Motion sum{Vector3d::Zero(), Vector3d::Zero()};
@@ -156,7 +191,8 @@ void MeanMotion::over(std::size_t begin, double interval_s, const MotionColumns&
     } else if (p.at_rest) {
       fill(k, inside, p.rest);
       k = inside;
-    } else if (interval_s <= std::min(p.panel, (p.end - p.begin) / shortest_stencil)) {
+    } else if (!(p.size_effect && std::abs(p.steady_rate) * interval_s > least_angle) &&  // there one integral is cheaper than one value
+               interval_s <= std::min(p.panel, (p.end - p.begin) / shortest_stencil)) {
       means_inside(piece, begin, interval_s, k, inside, out);
       k = inside;
     } else {

@@ -4,11 +4,12 @@
 #include "imulab/model/compensate.hpp"
 #include "imulab/rig/motion.hpp"
 
+#include <array>
 #include <vector>
 
 namespace imulab {
 
-/// Means over intervals, by Gauss-Legendre quadrature of the closed form; exact while the rig rests.
+/// Means over intervals, by Gauss-Legendre quadrature of the closed form; exact while the rig rests, or turns fast and evenly about one axis.
 class MeanMotion {
  public:
   MeanMotion(RigMotion motion, const Surroundings& surroundings);
@@ -25,8 +26,11 @@ class MeanMotion {
     Surroundings around;  // with the accelerometers' places in this piece
     Motion rest;          // the constant motion where at rest
     Vector3d force_jump;  // integral [m/s] of the size effect of the rate's jump at `begin`
+    double steady_rate;   // rad/s, of the one axis that turns, evenly; else 0
+    std::array<Motion, 5> harmonic;  // then: mean, cos, sin, cos and sin of twice the angle since `begin`
   };
   Motion at(std::size_t piece, double t) const;
+  void find_harmonics(std::size_t piece);
   Motion integral(std::size_t piece, double begin, double end) const;
   Motion mean_across(std::size_t piece, double begin, double end) const;
   void means_inside(std::size_t piece, std::size_t begin, double interval_s, std::size_t first, std::size_t last, const MotionColumns& out) const;

@@ -156,7 +156,9 @@ Recording simulate_recording(const Session& procedure, const RecordingSource& so
   const Limits gyro_limits = limits_of(truth.gyro_noise, source.gyro, interval_s),
                accel_limits = limits_of(truth.accel_noise, source.accel, interval_s);
   Recording recording = empty_recording(source, rate, written);
-  const std::vector<TemperatureCourse::State> temperatures = temperatures_at(written, TemperatureCourse(motion, machine), interval_s);
+  const bool thermal = truth.model.gyro.temperature || truth.model.accel.temperature || source.gyro_temperature || source.accel_temperature;
+  const std::vector<TemperatureCourse::State> temperatures =
+      temperatures_at(thermal ? written : std::vector<Range>{}, TemperatureCourse(motion, machine), interval_s);
   recording.gyro_temperature = thermal_readings(source.gyro_temperature, temperatures, written, seed, "gyro temperature of " + source.file);
   recording.accel_temperature = thermal_readings(source.accel_temperature, temperatures, written, seed, "accel temperature of " + source.file);
   const std::vector<double> gyro_followed = followed_readings(truth.model.gyro, source.gyro_temperature, temperatures),
@@ -185,13 +187,13 @@ Recording simulate_recording(const Session& procedure, const RecordingSource& so
         for (std::size_t k = 0; k < size; ++k) out[k] += ideal[axis][k];
         noise[axis].add_fast(sample, out);
       }
-      const auto thermal = [&, first = begin, count = size](const std::vector<double>& readings) {
+      const auto part = [&, first = begin, count = size](const std::vector<double>& readings) {
         std::array<std::span<const double>, 3> columns;
         if (!readings.empty()) columns.fill(std::span(readings).subspan(first, count));
         return columns;
       };
       const MotionColumns out = columns(recording, begin, size);
-      decompensate(truth.model, thermal(accel_followed), thermal(gyro_followed), out);
+      decompensate(truth.model, part(accel_followed), part(gyro_followed), out);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         read_out(truth.gyro_noise.resolution, gyro_limits, out.rate[axis]);
         read_out(truth.accel_noise.resolution, accel_limits, out.force[axis]);

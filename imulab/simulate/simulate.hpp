@@ -24,12 +24,13 @@ struct Truth {
 
 /// Draws the unit from imu.grade (or takes `given`), and gravity and latitude from the site's values and sigmas. Declared noise goes before the
 /// grade's, of which only white noise is taken unless imu.noise asks for all terms. In the accelerometers' frame (the accelerometer matrix is lower
-/// triangular), but in the rig's for a grade with ranges. Thermal terms are those of the recordings' readings. Throws Error where a spread is not declared.
+/// triangular), but in the rig's for a grade with ranges. Thermal terms are those of the recordings' readings. Throws Error where a spread is not
+/// declared.
 Truth draw_truth(const Session& procedure, std::uint64_t seed, const std::optional<SensorModel>& given = {});
 
-/// Samples from 0 to the end of the last step, or those inside the steps, at rate_hz (100 where absent). Each is the raw value of the mean motion over its interval plus
-/// the noise terms, rounded to the resolution and stopped at the range and at the source's limits (SI or counts). Without `rig` the rig is exact.
-/// Bit-equal on any number of threads.
+/// Samples from 0 to the end of the last step, or those inside the steps, at rate_hz (100 where absent). Each is the raw value of the mean motion
+/// over its interval plus the noise terms, rounded to the resolution and stopped at the range and at the source's limits (SI or counts). Without
+/// `rig` the rig is exact. Bit-equal on any number of threads.
 Recording simulate_recording(const Session& procedure, const RecordingSource& source, const Truth& truth, std::uint64_t seed,
                              const RigErrors& rig = {});
 

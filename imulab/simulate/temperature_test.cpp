@@ -131,7 +131,10 @@ TEST(Temperature, ReadingsHaveTheirOwnNoise) {
   double square = 0, product = 0;
   const auto n = static_cast<double>(three.size());
   for (std::size_t k = 0; k < three.size(); ++k) {
-    const double set_point = k < 100 ? 10 : k < 300 ? 25 : 60, x = three.gyro_temperature[0][k] - set_point, y = three.gyro_temperature[1][k] - set_point;
+    const double set_point = k < 100   ? 10
+                             : k < 300 ? 25
+                                       : 60,
+                 x = three.gyro_temperature[0][k] - set_point, y = three.gyro_temperature[1][k] - set_point;
     square += x * x / n, product += x * y / n;
   }
   EXPECT_NEAR(square, 1e-4, 5 * 1e-4 * std::sqrt(2 / n));  // five sigma of a mean square, and of a mean product

@@ -1,0 +1,31 @@
+// What compensating files and compensating a stream share.
+#pragma once
+
+#include "imulab/analysis/compensate_recording.hpp"
+#include "imulab/model/calibration.hpp"
+#include "imulab/recording/session.hpp"
+
+#include <string>
+
+namespace imulab::command {
+
+struct CompensateOptions {
+  std::string calibration, session, output;
+  Outliers outliers = Outliers::keep;
+  std::string stream_session, recording;  ///< of a stream
+};
+
+struct CompensateCounts {
+  std::size_t samples = 0, saturated = 0, out_of_range = 0, replaced = 0;
+};
+
+/// "out.csv: 100 samples, 0 saturated, 0 outside the calibrated temperatures"; of outliers where they are rejected.
+void print_counts(const std::string& file, const CompensateCounts& counts, Outliers outliers);
+
+/// The raw data are never overwritten. Throws Error.
+void check_inputs_stay(const CompensateOptions& options, const Session& session, const std::string& output);
+
+/// Standard input to standard output or a file, row by row.
+void compensate_stream(const CompensateOptions& options);
+
+}  // namespace imulab::command

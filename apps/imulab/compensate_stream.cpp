@@ -1,0 +1,97 @@
+// imulab compensate CALIBRATION - --session SESSION -o OUT: rows go out as they come in.
+#include "apps/imulab/command.hpp"
+#include "apps/imulab/compensate.hpp"
+#include "apps/imulab/session_recording.hpp"
+#include "imulab/analysis/compensator.hpp"
+#include "imulab/core/error.hpp"
+#include "imulab/io/calibration_file.hpp"
+#include "imulab/io/compensated_file.hpp"
+#include "imulab/io/recording_stream.hpp"
+#include "imulab/io/session_file.hpp"
+#include "imulab/io/text.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <unistd.h>
+
+namespace imulab::command {
+
+namespace {
+
+const RecordingSource& chosen_recording(const Session& session, const std::string& file) {
+  std::vector<std::string_view> files;
+  for (const RecordingSource& source : session.recordings) {
+    if (source.file == file || (file.empty() && session.recordings.size() == 1)) return source;
+    files.push_back(source.file);
+  }
+  if (files.empty()) throw Error(session.file + ": has no recordings, expected one that says what standard input holds");
+  throw Error(fmt::format("{}: {}, expected --recording with one of {}", session.file,
+                          file.empty() ? "has several recordings" : "has no recording " + file, listed(files)));
+}
+
+/// Rows on their way out: a file, or standard output. It is made with the first rows.
+class Rows {
+ public:
+  explicit Rows(std::string output) : output_(std::move(output)) {}
+  ~Rows() {
+    if (file_ != nullptr && file_ != stdout) std::fclose(file_);
+  }
+  Rows(const Rows&) = delete;
+  Rows& operator=(const Rows&) = delete;
+
+  void write(const CompensatedRecording& c) {
+    counts_.samples += c.recording.size(), counts_.saturated += c.recording.saturated.size();
+    counts_.out_of_range += c.out_of_range.size(), counts_.replaced += c.replaced.size();
+    if (c.recording.size() == 0) return;
+    std::string text = compensated_rows(c, true);
+    if (file_ == nullptr) {
+      file_ = output_ == "-" ? stdout : std::fopen(output_.c_str(), "wb");
+      text = compensated_header(true) + text;
+    }
+    if (file_ == nullptr || std::fwrite(text.data(), 1, text.size(), file_) != text.size() || std::fflush(file_) != 0)
+      throw Error((output_ == "-" ? "standard output" : "-o " + output_) + ": cannot be written");
+  }
+  const CompensateCounts& counts() const { return counts_; }
+
+ private:
+  std::string output_;
+  std::FILE* file_ = nullptr;
+  CompensateCounts counts_;
+};
+
+}  // namespace
+
+void compensate_stream(const CompensateOptions& options) {
+  if (options.stream_session.empty()) throw Error("standard input needs --session: the session that says what its columns are");
+  if (options.output != "-" && std::filesystem::path(options.output).extension() != ".csv")
+    throw Error(fmt::format("-o {}: expected a .csv file, or - for standard output", options.output));
+  const Calibration calibration = read_calibration(options.calibration);
+  const Session session = read_session(options.stream_session);
+  const RecordingSource& source = chosen_recording(session, options.recording);
+  check_inputs_stay(options, session, options.output);
+  std::error_code no_such_file;
+  if (std::filesystem::equivalent("/dev/stdin", options.output, no_such_file))
+    throw Error(fmt::format("-o {}: would overwrite standard input's file, expected another place", options.output));
+  check_thermal_units(calibration, source);
+
+  RecordingStream stream(STDIN_FILENO, "standard input", source);
+  Compensator compensator(calibration.model, options.outliers);
+  Rows rows(options.output);
+  try {
+    while (auto piece = stream.next()) rows.write(compensator.next(*std::move(piece)));
+  } catch (const Error&) {
+    rows.write(compensator.rest());  // the rows before the wrong one
+    throw;
+  }
+  rows.write(compensator.rest());
+
+  for (const std::string& text : stream.warnings()) warn(text);
+  if (const auto n = rows.counts().out_of_range; n > 0)
+    warn(fmt::format("standard input: {} of {} samples are outside the temperatures the calibration saw", n, rows.counts().samples));
+  if (options.output != "-") print_counts(options.output, rows.counts(), options.outliers);
+}
+
+}  // namespace imulab::command

@@ -1,0 +1,20 @@
+// One reading, several models: a shift of the raw reading drags offset, matrix and quadratic terms along, and so does a change of the reference
+// temperature, at which the thermal drift is zero by definition (c0 = d0 = 0 at T0). Before calibrations are compared they are brought to one reference.
+#pragma once
+
+#include "imulab/model/calibration.hpp"
+
+namespace imulab {
+
+/// Q with Q(V + shift) = P(V) for the polynomial P of `model`; linear in the coefficients.
+TriadModel of_shifted_readings(TriadModel model, const Vector3d& shift);
+
+/// The same compensation with other reference temperatures, in the units of the thermal readings. A triad without a reading stays as it is.
+SensorModel with_references(const SensorModel& model, double accel_reference, double gyro_reference);
+/// With its covariance.
+Calibration with_references(const Calibration& calibration, double accel_reference, double gyro_reference);
+
+/// `b` at the reference temperatures of `a`. Throws Error where thermal terms belong to readings in different units.
+Calibration in_gauge_of(const Calibration& a, const Calibration& b);
+
+}  // namespace imulab

@@ -1,0 +1,64 @@
+#include "imulab/model/gauge.hpp"
+
+#include <gtest/gtest.h>
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/random.hpp"
+#include "imulab/model/compensation_derivatives.hpp"
+
+namespace imulab {
+namespace {
+
+SensorModel unit() {
+  const RandomStream draws(1, "gauge");
+  SensorModel model;
+  for (int k = 0; k < coefficient_count; ++k) set_coefficient(model, k, coefficient_value(model, k) + 0.05 * draws.normal(static_cast<std::uint64_t>(k)));
+  model.accel.temperature = ThermalReading{"degC", 25, {0, 70}};
+  model.gyro.temperature = ThermalReading{"raw", 5000, {4990, 5010}};
+  return model;
+}
+
+RawSample sample(const SensorModel& model, double accel_temperature, double gyro_temperature) {
+  RawSample raw{{0.3, -0.7, 1.1}, {-0.4, 0.9, 0.2}};
+  raw.accel_tau.setConstant(accel_temperature - model.accel.temperature->reference);
+  raw.gyro_tau.setConstant(gyro_temperature - model.gyro.temperature->reference);
+  return raw;
+}
+
+TEST(Gauge, AnotherReferenceIsTheSameCompensation) {
+  const SensorModel a = unit(), b = with_references(a, 22, 5004);
+  for (const double t : {-1.0, 0.0, 2.5}) {
+    const Motion x = compensate(a, sample(a, 25 + t, 5000 - t)), y = compensate(b, sample(b, 25 + t, 5000 - t));
+    EXPECT_LT((x.force - y.force).norm(), 1e-12);  // rounding of numbers of order one
+    EXPECT_LT((x.rate - y.rate).norm(), 1e-12);
+  }
+  EXPECT_NEAR(coefficient_value(with_references(b, 25, 5000), coefficient_index("accel.offset.y")), coefficient_value(a, coefficient_index("accel.offset.y")), 1e-12);
+}
+
+/// The uncertainty of the output is the same in every gauge.
+TEST(Gauge, CarriesTheCovariance) {
+  Calibration a;
+  a.model = unit();
+  const RandomStream draws(2, "gauge covariance");
+  for (int k = 0; k < coefficient_count; ++k)
+    if (coefficient_table()[static_cast<std::size_t>(k)].term != Term::lever_arm) a.estimated.push_back(k);
+  const auto n = static_cast<Eigen::Index>(a.estimated.size());
+  Eigen::MatrixXd root(n, n);
+  for (Eigen::Index k = 0; k < n * n; ++k) root(k) = 1e-5 * draws.normal(static_cast<std::uint64_t>(k));
+  a.covariance = root * root.transpose();
+  const Calibration b = with_references(a, 21, 5003);
+  const auto p = output_covariance(a, sample(a.model, 30, 4999)), q = output_covariance(b, sample(b.model, 30, 4999));
+  EXPECT_LT((p - q).norm(), 1e-6 * p.norm());  // of the differences, third order of 1e-4
+}
+
+TEST(Gauge, UnitsAreNotMixed) {
+  Calibration a, b;
+  a.model = b.model = unit();
+  b.model.accel.temperature->unit = "raw";
+  EXPECT_THROW(in_gauge_of(a, b), Error);
+  b.model.accel.temperature->unit = "degC", b.model.accel.temperature->reference = 20;
+  EXPECT_EQ(in_gauge_of(a, b).model.accel.temperature->reference, 25);
+}
+
+}  // namespace
+}  // namespace imulab

@@ -1,0 +1,61 @@
+// Rejection of outliers, sample by sample, two samples late (docs/compensate.md).
+//
+// Each channel on its own. With a <= b the middle two of a sample's four neighbours, two before and two after it, and p the value that a cubic
+// through the four has where the sample x is,
+//
+//   d = distance of x from [a, b]                         zero in a monotone window
+//   x is an outlier if min(d, |x - p|) > K s + 3 q        |x - p| is small where the motion is smooth; x becomes (a + b) / 2
+//   s += w (min(d, K s + 3 q) - s)                        what d usually is: an outlier raises it by no more than what is just allowed
+//
+// where x lies between a and b nothing is learned: a slope does not tell the noise. w = 1/n for the n-th window that teaches, 1/100 at least.
+// q, the resolution of rounded readings, is the smallest difference other than zero that two readings in a row have had.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace imulab {
+
+/// The state of six channels, in any order. What is no number passes, and nothing is learned from it.
+class OutlierFilter {
+ public:
+  static constexpr double usual_factor = 10;   ///< K
+  static constexpr double resolutions = 3;     ///< of q
+  static constexpr int memory = 100;           ///< windows
+  static constexpr std::size_t delay = 2;      ///< samples
+  static constexpr std::size_t learning = 64;  ///< windows a channel's s is first learned from: until then none of its samples is replaced
+
+  using Readings = std::array<double, 6>;
+  struct Output {
+    Readings readings;
+    std::uint8_t replaced = 0;  ///< bit i: channel i
+  };
+
+  explicit OutlierFilter(double factor = usual_factor) : factor_(factor) {}
+
+  /// Takes the next sample and gives the one two earlier; nothing for the first two.
+  std::optional<Output> push(const Readings& readings);
+  /// At the end of a recording, called until it gives nothing: the last two samples, as they were.
+  std::optional<Output> rest();
+
+ private:
+  void learn_resolution();
+  Output judge();
+
+  double factor_;
+  std::array<Readings, 5> window_{};  // the oldest first
+  std::size_t taken_ = 0, given_ = 0;
+  Readings resolution_{};              // q; 0: not seen yet
+  Readings usual_{};                   // s; while it is first learned, the sum of d
+  Readings taught_{};                  // windows that taught
+  std::array<Readings, 2> largest_{};  // while s is first learned, its two largest d: they may be outliers
+};
+
+/// The filter on six columns of a whole recording, in place; returns each sample's replaced channels.
+std::vector<std::uint8_t> reject_outliers(const std::array<std::span<double>, 6>& columns, double factor = OutlierFilter::usual_factor);
+
+}  // namespace imulab
