@@ -94,6 +94,9 @@ void find_wrong_machines(const WholeUnitProblem& problem, const WholeUnitPrior& 
     if (saved > most) most = saved, by = -gradient / curvature, worst = &suspicion;
   }
   if (!worst || log_chi_square_tail(most, 1) > std::log(level / static_cast<double>(all.size()))) return;
+  // In points that scatter more than they should, the one thing to name is what explains a good part of that.
+  const double excess = s.chi2 * (1 - 1 / (problem.noise_factor() * problem.noise_factor()));
+  if (most < 0.3 * excess) return;
   found.push_back(fmt::format("{}: not as declared; the data fit best with {:+.3g} {} (chi2 falls by {:.3g}): what depends on it is off by what the uncertainties do not say",
                               worst->what, by / worst->unit, worst->unit_name, most));
 }

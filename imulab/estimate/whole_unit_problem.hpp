@@ -86,6 +86,7 @@ class WholeUnitProblem {
   void measure_noise();
   const Vector6d& noise() const { return noise_; }
   void enlarge_noise(double factor) { noise_factor_ *= factor; }
+  double noise_factor() const { return noise_factor_; }
   /// The machines are again as declared.
   void forget_common();
   void set_model(const SensorModel& model) { model_ = model; }

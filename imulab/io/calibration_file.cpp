@@ -188,8 +188,17 @@ Quality read_quality(const Field& field) {
     q.rotation_residual_deg = field["rotation_residual_deg"].number();
   if (field.has("term_tests"))
     q.term_tests = field["term_tests"].list([](const Field& f) {
+      const auto validation = [&](const char* key) { return f.has(key) && !f[key].is_null() ? f[key].number() : 0.0; };
       return TermTest{f["term"].text(), f["statistic"].number_or_nan(), f["degrees_of_freedom"].whole_number(), f["p_value"].number_or_nan(),
-                      f["kept"].truth()};
+                      f["kept"].truth(), validation("cross_validation_with"), validation("cross_validation_without")};
+    });
+  if (field.has("fit_residuals"))
+    q.fit_residuals = field["fit_residuals"].list([](const Field& f) {
+      return FitResidual{f["axis"].text(), f["rms"].number_or_nan(), f["largest"].number_or_nan(), f["full_scale"].number_or_nan()};
+    });
+  if (field.has("rig_errors"))
+    q.rig_errors = field["rig_errors"].list([](const Field& f) {
+      return RigErrorEstimate{f["name"].text(), f["declared_sigma"].number_or_nan(), f["value"].number_or_nan(), f["standard_uncertainty"].number_or_nan()};
     });
   if (field.has("sources"))
     q.sources = field["sources"].list([](const Field& f) {

@@ -46,7 +46,9 @@ Calibration any_calibration() {
                {"a warning"},
                "good",
                0.071,
-               {{"gyro.g_sensitivity", 103.5, 9, 1e-18, true}},
+               {{"gyro.g_sensitivity", 103.5, 9, 1e-18, true, 1.02, 17.7}},
+               {{"gyro.x", 1e-5, 3e-5, 6.98}},
+               {{"centrifuge: radius.+z+x", 1e-4, -2.5e-5, 3e-6}},
                {{"gravity", 3e-5, "scales accel.matrix"}},
                {"24 rests"}};
   return c;
@@ -69,9 +71,17 @@ void expect_equal(const Calibration& a, const Calibration& b) {
   ASSERT_EQ(p.term_tests.size(), q.term_tests.size());
   for (std::size_t i = 0; i < p.term_tests.size(); ++i) {
     const TermTest &s = p.term_tests[i], &t = q.term_tests[i];
-    EXPECT_EQ(std::tie(s.term, s.statistic, s.degrees_of_freedom, s.p_value, s.kept),
-              std::tie(t.term, t.statistic, t.degrees_of_freedom, t.p_value, t.kept));
+    EXPECT_EQ(std::tie(s.term, s.statistic, s.degrees_of_freedom, s.p_value, s.kept, s.cross_validation_with, s.cross_validation_without),
+              std::tie(t.term, t.statistic, t.degrees_of_freedom, t.p_value, t.kept, t.cross_validation_with, t.cross_validation_without));
   }
+  ASSERT_EQ(p.fit_residuals.size(), q.fit_residuals.size());
+  for (std::size_t i = 0; i < p.fit_residuals.size(); ++i)
+    EXPECT_EQ(std::tie(p.fit_residuals[i].axis, p.fit_residuals[i].rms, p.fit_residuals[i].largest, p.fit_residuals[i].full_scale),
+              std::tie(q.fit_residuals[i].axis, q.fit_residuals[i].rms, q.fit_residuals[i].largest, q.fit_residuals[i].full_scale));
+  ASSERT_EQ(p.rig_errors.size(), q.rig_errors.size());
+  for (std::size_t i = 0; i < p.rig_errors.size(); ++i)
+    EXPECT_EQ(std::tie(p.rig_errors[i].name, p.rig_errors[i].declared_sigma, p.rig_errors[i].value, p.rig_errors[i].uncertainty),
+              std::tie(q.rig_errors[i].name, q.rig_errors[i].declared_sigma, q.rig_errors[i].value, q.rig_errors[i].uncertainty));
   ASSERT_EQ(p.sources.size(), q.sources.size());
   for (std::size_t i = 0; i < p.sources.size(); ++i)
     EXPECT_EQ(std::tie(p.sources[i].name, p.sources[i].relative, p.sources[i].consequence),

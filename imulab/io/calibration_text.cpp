@@ -73,9 +73,10 @@ Json quality_json(const Quality& q) {
   for (const auto& t : q.term_tests)
     tests.push_back({{"term", t.term}, {"statistic", t.statistic}, {"degrees_of_freedom", t.degrees_of_freedom}, {"p_value", t.p_value}, {"kept", t.kept},
                      {"cross_validation_with", number_or_null(t.cross_validation_with)}, {"cross_validation_without", number_or_null(t.cross_validation_without)}});
-  Json residuals = Json::object(), rig = Json::object();
-  for (const auto& r : q.fit_residuals) residuals[r.axis] = {{"rms", r.rms}, {"largest", r.largest}, {"full_scale", r.full_scale}, {"rms_percent", 100 * r.rms / r.full_scale}};
-  for (const auto& e : q.rig_errors) rig[e.name] = {{"declared_sigma", e.declared_sigma}, {"value", e.value}, {"standard_uncertainty", e.uncertainty}};
+  Json residuals = Json::array(), rig = Json::array();
+  for (const auto& r : q.fit_residuals) residuals.push_back({{"axis", r.axis}, {"rms", r.rms}, {"largest", r.largest}, {"full_scale", r.full_scale}});
+  for (const auto& e : q.rig_errors)
+    rig.push_back({{"name", e.name}, {"declared_sigma", e.declared_sigma}, {"value", e.value}, {"standard_uncertainty", e.uncertainty}});
   for (const auto& s : q.sources) sources.push_back({{"name", s.name}, {"relative", s.relative}, {"consequence", s.consequence}});
   return {{"chi2_per_dof", q.chi2_per_dof},
           {"degrees_of_freedom", q.degrees_of_freedom},
