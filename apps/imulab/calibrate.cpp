@@ -151,8 +151,9 @@ void add_calibrate(CLI::App& app) {
   const auto a = std::make_shared<CalibrateArguments>();
   CLI::App* const verb = app.add_subcommand("calibrate", "A session becomes a calibration with uncertainties");
   verb->add_option("session", a->session, "a session folder or its session.toml")->required();
-  std::vector<std::string> names{"whole-unit"};
+  std::vector<std::string> names;
   for (const auto& [name, method] : methods) names.push_back(name);
+  names.emplace_back("whole-unit");
   verb->add_option("--method", a->method,
                    "static: from rests alone; handheld: from rests and the rotations between them; turntable: from the table's angles; hybrid: from rests and "
                    "turns in one place, without a table's angles; whole-unit: from chamber, rate table and centrifuge, all recordings together")

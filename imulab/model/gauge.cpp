@@ -31,8 +31,10 @@ TriadModel with_reference(TriadModel m, double reference) {
   return of_shifted_readings(m, constant);
 }
 
-/// Coefficients that change with others when the reference does.
-bool moves(Term term) { return term == Term::offset || term == Term::matrix || term == Term::quadratic || term == Term::thermal; }
+/// Coefficients that drag others along when the reference changes.
+bool moves(Term term) { return term != Term::g_sensitivity && term != Term::lever_arm; }
+
+bool stays(const TriadModel& m, double reference) { return !m.temperature || m.temperature->reference == reference; }
 
 }  // namespace
 
@@ -45,6 +47,7 @@ SensorModel with_references(const SensorModel& model, double accel_reference, do
 
 Calibration with_references(const Calibration& calibration, double accel_reference, double gyro_reference) {
   Calibration out = calibration;
+  if (stays(calibration.model.accel, accel_reference) && stays(calibration.model.gyro, gyro_reference)) return out;
   out.model = with_references(calibration.model, accel_reference, gyro_reference);
   const auto n = static_cast<Index>(calibration.estimated.size());
   MatrixXd transfer = MatrixXd::Identity(n, n);
