@@ -168,11 +168,10 @@ void note_rig_errors(Quality& quality) {
     quality.notes.push_back(fmt::format("{} errors of mounting and levelling were found along, {:.3g} arcsec RMS", angles, std::sqrt(square / static_cast<double>(angles)) / unit::arcsec));
 }
 
-void note_quality(Quality& quality, const WholeUnitProblem& problem, const WholeUnitPoints& all) {
+void add_notes(Quality& quality, const WholeUnitProblem& problem) {
   std::size_t of[3] = {0, 0, 0};
   for (const WholeUnitPoint& p : problem.points().points) ++of[problem.kind(p) == RigKind::chamber ? 0 : problem.kind(p) == RigKind::rate_table ? 1 : 2];
   quality.notes.push_back(fmt::format("{} points were used: {} in the chamber, {} on the rate table, {} on the centrifuge", problem.points().points.size(), of[0], of[1], of[2]));
-  quality.notes.insert(quality.notes.end(), all.notes.begin(), all.notes.end());
   const auto text = [&](std::size_t first, double unit, const char* name) {
     const auto& r = quality.fit_residuals;
     const auto percent = [&](std::size_t k) { return 100 * r[k].rms / r[k].full_scale; };
@@ -184,77 +183,102 @@ void note_quality(Quality& quality, const WholeUnitProblem& problem, const Whole
   note_rig_errors(quality);
 }
 
-}  // namespace
-
-Calibration calibrate_whole_unit(const std::vector<Recording>& recordings, const Session& session, const WholeUnitOptions& options) {
-  WholeUnitPoints all = whole_unit_points(recordings, session);
-  const Vector6d centre = reading_centre(all);
-  const SensorModel start = start_model(all, session, centre);
-  check_mounts(all, session, start, centre);
-
-  WholeUnitProblem problem(all, session, start, centre);
-  const WholeUnitPrior prior(problem, start);
-  std::vector<Part> parts = asked_parts(problem, options.terms);
-  const bool chosen = !options.terms.empty(), three_steps = !chosen && has_three_steps(problem);
-  if (options.stepwise && chosen) throw Error("stepwise: Dai's steps estimate all coefficients; terms cannot be chosen");
-  Solution solution;
-  std::vector<std::string> dropped;
+/// What became of a session: the problem where the fit stands, and how it came there.
+struct Outcome {
+  std::vector<Part> parts;
+  Solution solution;   ///< chi2 against the noise as measured
+  double scatter = 1;  ///< by which the uncertainties are enlarged
   std::vector<TermTest> tests;
-  MatrixXd covariance;
-  const auto n = static_cast<Index>(problem.coefficients().size());
-  double scatter = 1;
-  if (three_steps) problem.set_model(stepwise_estimate(problem, false).model);
-  std::vector<Part> weak = parts;
+  std::vector<std::string> dropped, wrong_machines, warnings;
+};
+
+/// The joint estimate: start, what is determined, outliers, scatter, orders, fit.
+Outcome estimate(WholeUnitProblem& problem, const WholeUnitPrior& prior, const WholeUnitOptions& options) {
+  Outcome out;
+  out.parts = asked_parts(problem, options.terms);
+  const bool chosen = !options.terms.empty();
+  if (!chosen && has_three_steps(problem)) problem.set_model(stepwise_estimate(problem, false).model);
+  std::vector<Part> weak = out.parts;
   std::replace(weak.begin(), weak.end(), Part::estimated, Part::weak);
   converge(problem, prior, weak);
   problem.measure_noise();
-  compare_noise(problem, all.warnings);
-  parts = determined(problem, prior, parts);
-  dropped = drop_outliers(problem, prior, parts, options.outlier_level);
-  parts = determined(problem, prior, parts);
-  WholeUnitFit fit = converge(problem, prior, parts);
-  scatter = excess(fit.solution);
-  problem.enlarge_noise(scatter);
-  if (!chosen && !options.full && !options.stepwise) tests = choose_orders(problem, prior, parts);
-  fit = converge(problem, prior, parts);
-  if (!fit.converged) all.warnings.push_back("the fit did not settle");
-  solution = fit.solution;
-  solution.chi2 *= scatter * scatter;
-  covariance = solution.covariance.topLeftCorner(n, n);
-  check_units(problem, parts);
+  compare_noise(problem, out.warnings);
+  out.parts = determined(problem, prior, out.parts);
+  converge(problem, prior, out.parts);
+  out.wrong_machines = wrong_machines(problem, prior, out.parts);  // before its points are dropped
+  out.dropped = drop_outliers(problem, prior, out.parts, options.outlier_level);
+  out.parts = determined(problem, prior, out.parts);
+  out.scatter = excess(converge(problem, prior, out.parts).solution);
+  problem.enlarge_noise(out.scatter);
+  if (!chosen && !options.full && !options.stepwise) out.tests = choose_orders(problem, prior, out.parts);
+  const WholeUnitFit fit = converge(problem, prior, out.parts);
+  if (!fit.converged) out.warnings.push_back("the fit did not settle");
+  if (out.wrong_machines.empty()) out.wrong_machines = wrong_machines(problem, prior, out.parts);
+  out.solution = fit.solution;
+  out.solution.chi2 *= out.scatter * out.scatter;
+  return out;
+}
 
+void add_all(std::vector<std::string>& to, const std::vector<std::string>& more) { to.insert(to.end(), more.begin(), more.end()); }
+
+Quality quality_of(const WholeUnitProblem& problem, const Outcome& outcome) {
+  Quality quality;
+  const WholeUnitPoints& points = problem.points();
+  const Solution& solution = outcome.solution;
+  quality.term_tests = outcome.tests;
+  quality.chi2_per_dof = solution.chi2 / std::max(1.0, solution.degrees_of_freedom);
+  quality.degrees_of_freedom = static_cast<int>(std::lround(solution.degrees_of_freedom));
+  quality.condition = solution.condition;
+  add_all(quality.warnings, points.warnings);
+  add_all(quality.warnings, outcome.warnings);
+  for (std::size_t k = 0; k < outcome.parts.size(); ++k) {
+    if (outcome.parts[k] != Part::weak) continue;
+    const Coefficient& c = coefficient(problem.coefficients()[k]);
+    quality.unobservable.emplace_back(c.name);
+    if (const std::string reason = open_reason(problem, c); !reason.empty()) quality.warnings.push_back(std::string(c.name) + " is not determined" + reason);
+  }
+  for (const std::string& name : outcome.dropped) quality.warnings.push_back("dropped as an outlier: " + name);
+  add_all(quality.warnings, outcome.wrong_machines);
+  if (outcome.scatter > 1)
+    quality.warnings.push_back(
+        fmt::format("the points scatter {:.2f} times as much as noise and declared errors explain; the uncertainties are enlarged by that", outcome.scatter));
+  quality.fit_residuals = fit_residuals(problem);
+  const double relative = problem.session().site.gravity_sigma() / problem.session().site.gravity();
+  quality.sources.push_back({"gravity", relative, fmt::format("g is known to {:.3g} ppm", relative / unit::ppm)});
+  quality.rig_errors = estimated_errors(problem, solution);
+  add_notes(quality, problem);
+  return quality;
+}
+
+}  // namespace
+
+Calibration calibrate_whole_unit(const std::vector<Recording>& recordings, const Session& session, const WholeUnitOptions& options) {
+  if (options.stepwise && !options.terms.empty()) throw Error("stepwise: Dai's steps estimate all coefficients; terms cannot be chosen");
+  const WholeUnitPoints points = whole_unit_points(recordings, session);
+  const Vector6d centre = reading_centre(points);
+  const SensorModel start = start_model(points, session, centre);
+  check_mounts(points, session, start, centre);
+
+  WholeUnitProblem problem(points, session, start, centre);
+  const Outcome outcome = estimate(problem, WholeUnitPrior(problem, start), options);
+  check_units(problem, outcome.parts);
+  const auto n = static_cast<Index>(problem.coefficients().size());
   Calibration calibration;
   calibration.imu = session.imu.name;
   calibration.method = options.stepwise ? "whole-unit stepwise" : "whole-unit";
   calibration.frame = "rig";
   if (options.stepwise) {  // residuals and rig errors stay those of the joint fit: they are the data's, not the estimate's
-    const StepwiseEstimate estimate = stepwise_estimate(problem, true);
-    set_estimate(calibration, problem, estimate.model, start, parts, estimate.covariance * (scatter * scatter));
+    const StepwiseEstimate steps = stepwise_estimate(problem, true);
+    set_estimate(calibration, problem, steps.model, start, outcome.parts, steps.covariance * (outcome.scatter * outcome.scatter));
   } else {
-    set_estimate(calibration, problem, problem.model(), start, parts, covariance);
+    set_estimate(calibration, problem, problem.model(), start, outcome.parts, outcome.solution.covariance.topLeftCorner(n, n));
   }
-  Quality& quality = calibration.quality;
-  quality.warnings = all.warnings;
-  quality.term_tests = tests;
-  quality.chi2_per_dof = solution.chi2 / std::max(1.0, solution.degrees_of_freedom);
-  quality.degrees_of_freedom = static_cast<int>(std::lround(solution.degrees_of_freedom));
-  quality.condition = solution.condition;
-  for (std::size_t k = 0; k < parts.size(); ++k) {
-    if (parts[k] != Part::weak) continue;
-    const Coefficient& c = coefficient(problem.coefficients()[k]);
-    quality.unobservable.emplace_back(c.name);
-    if (const std::string reason = open_reason(problem, c); !reason.empty()) quality.warnings.push_back(std::string(c.name) + " is not determined" + reason);
-  }
-  quality.fit_residuals = fit_residuals(problem);
-  const double relative = session.site.gravity_sigma() / session.site.gravity();
-  quality.sources.push_back({"gravity", relative, fmt::format("g is known to {:.3g} ppm", relative / unit::ppm)});
-  quality.rig_errors = estimated_errors(problem, solution);
-  note_quality(quality, problem, all);
-  for (const std::string& name : dropped) quality.warnings.push_back("dropped as an outlier: " + name);
-  for (const std::string& text : diagnose(problem, prior, parts)) quality.warnings.push_back(text);
-  if (scatter > 1)
-    quality.warnings.push_back(fmt::format("the points scatter {:.2f} times as much as noise and declared errors explain; the uncertainties are enlarged by that", scatter));
-  std::vector<std::string> doubts = common_doubts(calibration, session.site, dropped.size(), all.points.size());
+  calibration.quality = quality_of(problem, outcome);
+  const std::vector<std::string> chamber = wrong_chamber(problem);
+  add_all(calibration.quality.warnings, chamber);
+  std::vector<std::string> doubts = common_doubts(calibration, session.site, outcome.dropped.size(), points.points.size());
+  if (!outcome.wrong_machines.empty()) doubts.push_back("a machine is not as declared");
+  if (!chamber.empty()) doubts.push_back("the chamber's points do not settle or do not repeat");
   conclude(calibration, doubts);
   return calibration;
 }

@@ -41,6 +41,7 @@ struct Suspicion {
   std::vector<std::pair<Index, double>> direction;  ///< parameters and their share
   double unit;
   const char* unit_name;
+  double largest;  ///< beyond this the linear fit means nothing
 };
 
 std::vector<Suspicion> suspicions(const WholeUnitProblem& problem) {
@@ -48,20 +49,20 @@ std::vector<Suspicion> suspicions(const WholeUnitProblem& problem) {
   const auto first = static_cast<Index>(problem.coefficients().size());
   for (std::size_t k = 0; k < problem.common().size(); ++k) {
     const CommonError& error = problem.common()[k];
-    const auto add = [&](const std::string& what, double unit, const char* unit_name) {
-      Suspicion& s = by_name.try_emplace(what, Suspicion{what, {}, unit, unit_name}).first->second;
+    const auto add = [&](const std::string& what, double unit, const char* unit_name, double largest) {
+      Suspicion& s = by_name.try_emplace(what, Suspicion{what, {}, unit, unit_name, largest}).first->second;
       s.direction.emplace_back(first + static_cast<Index>(k), 1.0);
     };
     const std::string rig = error.rig.empty() ? "the rig" : error.rig;
     if (error.source.kind == RigErrorKind::radius) {
-      add(rig + ": every radius_m", 1e-3, "mm");
-      add(rig + ": radius_m of mount " + mount_name(error.source.place), 1e-3, "mm");
+      add(rig + ": every radius_m", 1e-3, "mm", 1);
+      add(rig + ": radius_m of mount " + mount_name(error.source.place), 1e-3, "mm", 1);
     } else if (error.source.kind == RigErrorKind::rate) {
-      add(rig + ": rate_dps", 1e-2, "%");
+      add(rig + ": rate_dps", 1e-2, "%", 0.1);
     } else if (error.source.kind == RigErrorKind::mount) {
-      add(fmt::format("{}: mount {}, turned about {}", rig, mount_name(error.source.place), "xyz"[error.source.axis]), unit::deg, "deg");
+      add(fmt::format("{}: mount {}, turned about {}", rig, mount_name(error.source.place), "xyz"[error.source.axis]), unit::deg, "deg", 10 * unit::deg);
     } else if (error.source.kind == RigErrorKind::tilt) {
-      add(fmt::format("{}: its axis, towards {}", rig, error.source.axis == 0 ? "south" : "east"), unit::deg, "deg");
+      add(fmt::format("{}: its axis, towards {}", rig, error.source.axis == 0 ? "south" : "east"), unit::deg, "deg", 10 * unit::deg);
     }
   }
   std::vector<Suspicion> all;
@@ -91,11 +92,12 @@ void find_wrong_machines(const WholeUnitProblem& problem, const WholeUnitPrior& 
     // Directions that the estimate follows anyway say nothing.
     if (!(curvature > 1e-9 * d.dot(nd)) || !(d.dot(nd) > 0)) continue;
     const double saved = gradient * gradient / curvature;
+    if (std::abs(gradient / curvature) > suspicion.largest) continue;
     if (saved > most) most = saved, by = -gradient / curvature, worst = &suspicion;
   }
   if (!worst || log_chi_square_tail(most, 1) > std::log(level / static_cast<double>(all.size()))) return;
   // In points that scatter more than they should, the one thing to name is what explains a good part of that.
-  const double excess = s.chi2 * (1 - 1 / (problem.noise_factor() * problem.noise_factor()));
+  const double excess = s.chi2 - s.degrees_of_freedom / (problem.noise_factor() * problem.noise_factor());
   if (most < 0.3 * excess) return;
   found.push_back(fmt::format("{}: not as declared; the data fit best with {:+.3g} {} (chi2 falls by {:.3g}): what depends on it is off by what the uncertainties do not say",
                               worst->what, by / worst->unit, worst->unit_name, most));
@@ -139,10 +141,15 @@ void find_hysteresis(const WholeUnitProblem& problem, std::vector<std::string>& 
 
 }  // namespace
 
-std::vector<std::string> diagnose(const WholeUnitProblem& problem, const WholeUnitPrior& prior, const std::vector<Part>& parts) {
+std::vector<std::string> wrong_machines(const WholeUnitProblem& problem, const WholeUnitPrior& prior, const std::vector<Part>& parts) {
+  std::vector<std::string> found;
+  find_wrong_machines(problem, prior, parts, found);
+  return found;
+}
+
+std::vector<std::string> wrong_chamber(const WholeUnitProblem& problem) {
   std::vector<std::string> found;
   find_unsettled(problem, found);
-  find_wrong_machines(problem, prior, parts, found);
   find_hysteresis(problem, found);
   return found;
 }

@@ -8,7 +8,9 @@
 
 namespace imulab {
 
-/// Each finding with its consequence, as a sentence.
-std::vector<std::string> diagnose(const WholeUnitProblem& problem, const WholeUnitPrior& prior, const std::vector<Part>& parts);
+// Each finding with its consequence, as a sentence.
+/// The one error of a machine that explains most of what the points scatter too much, if there is one.
+std::vector<std::string> wrong_machines(const WholeUnitProblem& problem, const WholeUnitPrior& prior, const std::vector<Part>& parts);
+std::vector<std::string> wrong_chamber(const WholeUnitProblem& problem);
 
 }  // namespace imulab

@@ -38,7 +38,7 @@ struct WholeUnitPoints {
   std::array<std::string, 2> thermal_unit;
   std::array<double, 2> thermal_range_low{}, thermal_range_high{};
   std::array<bool, 2> thermal_excited{};  ///< do the readings change by more than their noise and a kelvin?
-  std::vector<std::string> warnings, notes;
+  std::vector<std::string> warnings;
 };
 
 /// One of `recordings` for each of the session's. Saturated points and those without samples are left out, and said. Throws Error where a recording's
