@@ -254,6 +254,7 @@ Quality quality_of(const WholeUnitProblem& problem, const Outcome& outcome) {
 
 Calibration calibrate_whole_unit(const std::vector<Recording>& recordings, const Session& session, const WholeUnitOptions& options) {
   if (options.stepwise && !options.terms.empty()) throw Error("stepwise: Dai's steps estimate all coefficients; terms cannot be chosen");
+  if (!session.site.latitude) throw Error(session.file + ": [site]: latitude_deg was expected: the gyros read the Earth's rate on every machine");
   const WholeUnitPoints points = whole_unit_points(recordings, session);
   const Vector6d centre = reading_centre(points);
   const SensorModel start = start_model(points, session, centre);

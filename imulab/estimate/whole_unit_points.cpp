@@ -130,9 +130,9 @@ void settle_thermal(WholeUnitPoints& all, const Session& session) {
         low = std::min(low, p.temperature[3 * static_cast<Eigen::Index>(triad) + k]);
         high = std::max(high, p.temperature[3 * static_cast<Eigen::Index>(triad) + k]);
       }
-    all.thermal_range_low[triad] = low, all.thermal_range_high[triad] = high;
-    const double noise = std::sqrt(all.thermal_variance.segment<3>(static_cast<Eigen::Index>(3 * triad)).maxCoeff() / static_cast<double>(all.points.front().samples));
-    all.thermal_excited[triad] = high - low > std::max(all.thermal_unit[triad] == "raw" ? 0.0 : 1.0, 30 * noise);
+    const double noise = std::sqrt(all.thermal_variance.segment<3>(static_cast<Eigen::Index>(3 * triad)).maxCoeff());
+    all.thermal_excited[triad] = high - low > std::max(all.thermal_unit[triad] == "raw" ? 0.0 : 1.0, 30 * noise / std::sqrt(static_cast<double>(all.points.front().samples)));
+    all.thermal_range_low[triad] = low - 3 * noise, all.thermal_range_high[triad] = high + 3 * noise;  // where single readings were
   }
 }
 
