@@ -28,6 +28,9 @@ ErrorSources read_error_sources(const ErrorSpecification& specification, const s
   try {
     if (!specification.calibration) return error_sources(specification);
     const Calibration calibration = read_calibration(std::filesystem::path(mission).parent_path() / *specification.calibration);
+    if (const std::size_t open = calibration.quality.unobservable.size(); open > 0)
+      warn(fmt::format("{}: {} coefficients were not determined (the first: {}) and count as exactly known: what the unit has of them is missing here",
+                       *specification.calibration, open, calibration.quality.unobservable.front()));
     return error_sources(specification, &calibration);
   } catch (const Error& e) {
     throw Error(fmt::format("{}: [errors]: {}", mission, e.what()));

@@ -1,6 +1,7 @@
 #include "apps/imulab/calibrate.hpp"
 
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/session_recording.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/handheld.hpp"
 #include "imulab/estimate/static.hpp"
@@ -120,6 +121,7 @@ HybridResult calibrate(const CalibrateArguments& arguments) {
   if (arguments.stepwise && arguments.method != "whole-unit") throw Error("--stepwise: only the method whole-unit has steps");
   if (!arguments.curves.empty() && arguments.method != "hybrid") throw Error("--curves: only the method hybrid has convergence curves");
   const Session session = read_session(arguments.session);
+  for (const std::string& output : {arguments.output, arguments.curves}) expect_inputs_stay(output, session);
   try {
     session.site.gravity();
   } catch (const Error& e) {  // neither g nor the latitude is known

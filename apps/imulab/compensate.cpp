@@ -85,13 +85,7 @@ void print_counts(const std::string& file, const CompensateCounts& counts, Outli
 }
 
 void check_inputs_stay(const CompensateOptions& options, const Session& session, const std::string& output) {
-  std::vector<fs::path> inputs{options.calibration, session.file};
-  for (const auto& recording : session.recordings)
-    for (const auto& file : {std::optional(recording.file), recording.gyro.file, recording.accel.file})
-      if (file) inputs.push_back(session_path(session, *file));
-  for (const auto& input : inputs)
-    if (fs::exists(output) && fs::exists(input) && fs::equivalent(output, input))
-      throw Error(fmt::format("-o {}: would overwrite {}, expected another place", options.output, input.string()));
+  expect_inputs_stay(output, session, {options.calibration});
 }
 
 void add_compensate(CLI::App& app) {

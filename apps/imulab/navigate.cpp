@@ -72,14 +72,9 @@ void check(const Options& o) {
 void check_inputs_stay(const Options& options, const Session& session) {
   if (options.output.empty()) return;
   if (options.output == "-" || fs::is_directory(options.output)) throw Error(fmt::format("-o {}: expected a file to write", options.output));
-  std::vector<fs::path> inputs{options.calibration, session.file, options.truth, options.barometer};
+  std::vector<fs::path> inputs{options.calibration, options.truth, options.barometer};
   if (session.truth_file) inputs.push_back(session_path(session, *session.truth_file));
-  for (const auto& recording : session.recordings)
-    for (const auto& file : {std::optional(recording.file), recording.gyro.file, recording.accel.file})
-      if (file) inputs.push_back(session_path(session, *file));
-  for (const auto& input : inputs)
-    if (fs::exists(options.output) && fs::exists(input) && fs::equivalent(options.output, input))
-      throw Error(fmt::format("-o {}: would overwrite {}, expected another place", options.output, input.string()));
+  expect_inputs_stay(options.output, session, inputs);
 }
 
 NavigatedSession navigated(const Options& options, const Calibration& calibration, const std::string& name) {

@@ -3,6 +3,7 @@
 #include "apps/imulab/command.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording_file.hpp"
+#include "imulab/io/session_file.hpp"
 
 #include <fmt/core.h>
 
@@ -31,6 +32,17 @@ Recording read_for(const Calibration& calibration, const Session& session, const
   RecordingReading reading = read_recording(session, source);
   for (const auto& text : reading.warnings) warn(text);
   return std::move(reading.recording);
+}
+
+void expect_inputs_stay(const std::string& output, const Session& session, std::vector<std::filesystem::path> inputs) {
+  namespace fs = std::filesystem;
+  inputs.emplace_back(session.file);
+  for (const auto& recording : session.recordings)
+    for (const auto& file : {std::optional(recording.file), recording.gyro.file, recording.accel.file})
+      if (file) inputs.push_back(session_path(session, *file));
+  for (const auto& input : inputs)
+    if (fs::exists(output) && fs::exists(input) && fs::equivalent(output, input))
+      throw Error(fmt::format("-o {}: would overwrite {}, expected another place", output, input.string()));
 }
 
 }  // namespace imulab::command

@@ -5,6 +5,10 @@
 #include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"
 
+#include <filesystem>
+#include <string>
+#include <vector>
+
 namespace imulab::command {
 
 /// Throws Error where a temperature is in another unit than in the calibration.
@@ -12,5 +16,8 @@ void check_thermal_units(const Calibration& calibration, const RecordingSource& 
 
 /// Warns of what was met. Throws Error where a temperature is in another unit than in the calibration.
 Recording read_for(const Calibration& calibration, const Session& session, const RecordingSource& source);
+
+/// Raw data are never overwritten: throws Error where `output` is the session's file, one of its recordings, or one of `more`.
+void expect_inputs_stay(const std::string& output, const Session& session, std::vector<std::filesystem::path> more = {});
 
 }  // namespace imulab::command

@@ -5,6 +5,7 @@
 #include "imulab/model/outlier_filter.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace imulab {
@@ -36,6 +37,14 @@ void check_unit(const Recording& recording, const char* triad, const std::string
     throw Error(recording.name + ": " + triad + " is in " + unit + ", expected " + model.raw_unit + ", which the calibration was made from");
 }
 
+/// Readings beyond what a double holds after the third power are no sensor's.
+void expect_finite(const Recording& r) {
+  for (const auto* triad : {&r.gyro, &r.accel})
+    for (const auto& column : *triad)
+      for (std::size_t i = 0; i < column.size(); ++i)
+        if (!std::isfinite(column[i])) throw Error(r.name + ": the sample at " + std::to_string(r.time_s(i)) + " s has a reading that no compensation makes finite");
+}
+
 }  // namespace
 
 CompensatedRecording compensate(const SensorModel& model, Recording recording, Outliers outliers) {
@@ -51,6 +60,7 @@ CompensatedRecording compensate(const SensorModel& model, Recording recording, O
   } catch (const Error& e) {
     throw Error(r.name + ": " + e.what());
   }
+  expect_finite(r);
   r.gyro_unit = "rad/s";
   r.accel_unit = "m/s^2";
   for (std::size_t i = 0; i < r.size(); ++i)

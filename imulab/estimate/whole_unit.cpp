@@ -79,8 +79,9 @@ void set_estimate(Calibration& calibration, const WholeUnitProblem& problem, Sen
   std::vector<char> kept(indices.size());
   for (std::size_t k = 0; k < indices.size(); ++k) {
     kept[k] = parts[k] == Part::estimated;
-    if (parts[k] == Part::weak) set_coefficient(model, indices[k], coefficient_value(start, indices[k]));
-    if (parts[k] == Part::weak) covariance.row(static_cast<Index>(k)).setZero(), covariance.col(static_cast<Index>(k)).setZero();
+    if (kept[k]) continue;
+    set_coefficient(model, indices[k], coefficient_value(start, indices[k]));
+    covariance.row(static_cast<Index>(k)).setZero(), covariance.col(static_cast<Index>(k)).setZero();
   }
   covariance = (transfer * covariance * transfer.transpose()).eval();
   std::vector<Index> at;
@@ -192,29 +193,55 @@ struct Outcome {
   std::vector<std::string> dropped, wrong_machines, warnings;
 };
 
-/// The joint estimate: start, what is determined, outliers, scatter, orders, fit.
+/// From Dai's three steps where there are all three, else from what the priors allow.
+void start(WholeUnitProblem& problem, const WholeUnitPrior& prior, const WholeUnitOptions& options, std::vector<Part> parts) {
+  if (options.terms.empty() && has_three_steps(problem)) try {
+      problem.set_model(stepwise_estimate(problem, false).model);
+    } catch (const Unsupported&) {  // too few rates for the steps are not too few for the joint estimate
+    }
+  std::replace(parts.begin(), parts.end(), Part::estimated, Part::weak);
+  converge(problem, prior, parts, Weak::free);
+}
+
+/// What the data determine, and the fit of it, with the noise that the fitted slopes give.
+WholeUnitFit fit_determined(WholeUnitProblem& problem, const WholeUnitPrior& prior, std::vector<Part>& parts) {
+  parts = determined(problem, prior, parts);
+  converge(problem, prior, parts);
+  problem.measure_noise();
+  return converge(problem, prior, parts);
+}
+
+/// Takes the noise as so much larger that the points scatter as they should: by how much.
+double enlarge_to_scatter(WholeUnitProblem& problem, const WholeUnitPrior& prior, const std::vector<Part>& parts) {
+  double scatter = 1;
+  for (int pass = 0; pass < 10; ++pass) {
+    const double more = excess(converge(problem, prior, parts).solution);
+    problem.enlarge_noise(more);
+    scatter *= more;
+    if (more < 1.01) break;
+  }
+  return scatter;
+}
+
+/// The joint estimate.
 Outcome estimate(WholeUnitProblem& problem, const WholeUnitPrior& prior, const WholeUnitOptions& options) {
   Outcome out;
   out.parts = asked_parts(problem, options.terms);
-  const bool chosen = !options.terms.empty();
-  if (!chosen && has_three_steps(problem)) problem.set_model(stepwise_estimate(problem, false).model);
-  std::vector<Part> weak = out.parts;
-  std::replace(weak.begin(), weak.end(), Part::estimated, Part::weak);
-  converge(problem, prior, weak);
-  problem.measure_noise();
+  start(problem, prior, options, out.parts);
+  fit_determined(problem, prior, out.parts);
   compare_noise(problem, out.warnings);
-  out.parts = determined(problem, prior, out.parts);
-  converge(problem, prior, out.parts);
   out.wrong_machines = wrong_machines(problem, prior, out.parts);  // before its points are dropped
   out.dropped = drop_outliers(problem, prior, out.parts, options.outlier_level);
-  out.parts = determined(problem, prior, out.parts);
-  out.scatter = excess(converge(problem, prior, out.parts).solution);
-  problem.enlarge_noise(out.scatter);
-  if (!chosen && !options.full && !options.stepwise) out.tests = choose_orders(problem, prior, out.parts);
+  fit_determined(problem, prior, out.parts);
+  out.scatter = enlarge_to_scatter(problem, prior, out.parts);
+  // What is left out for want of significance may still be there, within its uncertainty: it counts in the others' covariance.
+  const std::vector<Part> all = out.parts;
+  if (options.terms.empty() && !options.full && !options.stepwise) out.tests = choose_orders(problem, prior, out.parts);
   const WholeUnitFit fit = converge(problem, prior, out.parts);
   if (!fit.converged) out.warnings.push_back("the fit did not settle");
   if (out.wrong_machines.empty()) out.wrong_machines = wrong_machines(problem, prior, out.parts);
   out.solution = fit.solution;
+  out.solution.covariance = covariance(fit, problem, prior, all);
   out.solution.chi2 *= out.scatter * out.scatter;
   return out;
 }
@@ -278,6 +305,7 @@ Calibration calibrate_whole_unit(const std::vector<Recording>& recordings, const
   const std::vector<std::string> chamber = wrong_chamber(problem);
   add_all(calibration.quality.warnings, chamber);
   std::vector<std::string> doubts = common_doubts(calibration, session.site, outcome.dropped.size(), points.points.size());
+  if (outcome.scatter > 1) doubts.push_back(fmt::format("the points scatter {:.2f} times as much as noise and declared errors explain", outcome.scatter));
   if (!outcome.wrong_machines.empty()) doubts.push_back("a machine is not as declared");
   if (!chamber.empty()) doubts.push_back("the chamber's points do not settle or do not repeat");
   conclude(calibration, doubts);

@@ -78,6 +78,13 @@ TEST(WholeUnitBadInput, ARadiusThatContradictsTheRateIsFound) {
   });
   const Calibration c = calibrate_whole_unit(good().recordings, session);
   EXPECT_THAT(c.quality.warnings, Contains(AllOf(HasSubstr("centrifuge: every radius_m"), HasSubstr("-20"), HasSubstr("mm"))));
+  EXPECT_THAT(c.quality.verdict, HasSubstr("doubtful, because"));
+}
+
+TEST(WholeUnitBadInput, WhatAMachineCannotDoIsNamed) {
+  EXPECT_THAT(error_of(good().recordings, changed([](Session& s) { s.steps.back().radius = {0, 0, 0}; })), AllOf(HasSubstr("centrifuge.csv"), HasSubstr("radius_m above 0")));
+  EXPECT_THAT(error_of(good().recordings, changed([](Session& s) { s.steps.front().kind = StepKind::spin; })), HasSubstr("a chamber does not turn"));
+  EXPECT_THAT(error_of(good().recordings, changed([](Session& s) { s.site.latitude.reset(), s.site.given_gravity = 9.8; })), HasSubstr("latitude_deg was expected"));
 }
 
 TEST(WholeUnitBadInput, AnUnsettledChamberIsSaidWithItsDrift) {

@@ -11,8 +11,14 @@ namespace imulab {
 /// How a coefficient takes part in a fit.
 enum class Part {
   estimated,  ///< by the data alone
-  weak,       ///< the data leave it open: its prior keeps it near its starting value, so that what it may be counts for the others
-  absent,     ///< held at its starting value
+  weak,       ///< the data leave it open: it keeps its starting value, and what it may be (its prior) counts in the others' uncertainty
+  absent,     ///< held at its starting value, which is taken as exact
+};
+
+/// What weak coefficients do in a fit. Offsets are always free within their prior: else other terms would have to explain them.
+enum class Weak {
+  held,  ///< at their starting values: the estimate. (Left to a prior, a scale that nothing excites would shrink to rid its row of noise.)
+  free,  ///< within their priors: what is determined, and how well
 };
 
 /// A fit to convergence, and the sum of squares where it stands.
@@ -40,16 +46,19 @@ class WholeUnitPrior {
   bool thermal_excited_[2];
 };
 
-Knowledge knowledge(const WholeUnitProblem& problem, const WholeUnitPrior& prior, const std::vector<Part>& parts);
+Knowledge knowledge(const WholeUnitProblem& problem, const WholeUnitPrior& prior, const std::vector<Part>& parts, Weak weak);
 
 /// Gauss-Newton until the correction is below a hundredth of its standard deviation everywhere.
-WholeUnitFit converge(WholeUnitProblem& problem, const WholeUnitPrior& prior, const std::vector<Part>& parts);
+WholeUnitFit converge(WholeUnitProblem& problem, const WholeUnitPrior& prior, const std::vector<Part>& parts, Weak weak = Weak::held);
+
+/// Covariance where the fit stands, with what weak coefficients may be.
+Eigen::MatrixXd covariance(const WholeUnitFit& fit, const WholeUnitProblem& problem, const WholeUnitPrior& prior, const std::vector<Part>& parts);
 
 /// Which of `parts` the data determine: those estimated whose standard deviation under all priors is too large become weak.
 std::vector<Part> determined(const WholeUnitProblem& problem, const WholeUnitPrior& prior, std::vector<Part> parts);
 
-/// Choice among orders: a group of coefficients stays if it is significant (1 %) and points left out are predicted better with it (ten parts).
-/// The least significant goes first. Groups of what is estimated: cubic, quadratic, second-order thermal, g-sensitivity, by triad.
+/// Choice among orders: a group of coefficients goes if it is not significant (1 %) and points left out (ten parts) are not predicted worse without it by more
+/// than chance would have it. The least significant goes first. Groups of what is estimated: cubic, quadratic, second-order thermal, g-sensitivity, by triad.
 std::vector<TermTest> choose_orders(const WholeUnitProblem& problem, const WholeUnitPrior& prior, std::vector<Part>& parts);
 
 /// Drops points one by one while chance explains them with less than `level` shared among all; returns their names. Where that is more than one in fifty, it

@@ -17,22 +17,26 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double settled = 0.05 / 60;  // K/s: 9 mK over a record of ten seconds, below what thermal readings agree to
+constexpr double settled = 0.05 / 60;  // K/s: 9 mK over a record of ten seconds, below what thermal readings agree to; of readings in raw, 70 K are their range
 constexpr double level = 1e-3;         // a warning in a good session, shared among all tests of a kind
 
 void find_unsettled(const WholeUnitProblem& problem, std::vector<std::string>& found) {
   std::size_t many = 0;
   std::string first;
   double largest = 0;
+  const WholeUnitPoints& points = problem.points();
+  const std::size_t thermometer = points.thermal[0] ? 0 : 1;
+  const bool raw = points.thermal_unit[thermometer] == "raw";
+  const double kelvin = raw ? (points.thermal_range_high[thermometer] - points.thermal_range_low[thermometer]) / 70 : 1;
   for (const WholeUnitPoint& p : problem.points().points) {
-    if (problem.kind(p) != RigKind::chamber || !p.drift || std::abs(*p.drift) <= settled) continue;
+    if (problem.kind(p) != RigKind::chamber || !p.drift || std::abs(*p.drift) <= settled * kelvin) continue;
     if (many++ == 0) first = p.name(problem.session());
     largest = std::max(largest, std::abs(*p.drift));
   }
   if (many > 0)
-    found.push_back(fmt::format("{} of the chamber's points had not settled (up to {:.2g} K/min; the first: {}): the sensors lag behind their thermal readings, and "
+    found.push_back(fmt::format("{} of the chamber's points had not settled (up to {:.2g} {}/min; the first: {}): the sensors lag behind their thermal readings, and "
                                 "the thermal coefficients are off by what the uncertainties do not say",
-                                many, largest * 60, first));
+                                many, largest * 60, raw ? "raw" : "K", first));
 }
 
 /// Errors of a machine that move together, and what freeing them would save.
@@ -54,7 +58,9 @@ std::vector<Suspicion> suspicions(const WholeUnitProblem& problem) {
       s.direction.emplace_back(first + static_cast<Index>(k), 1.0);
     };
     const std::string rig = error.rig.empty() ? "the rig" : error.rig;
-    if (error.source.kind == RigErrorKind::radius) {
+    if (k == 0) {
+      add("gravity", 1e-3, "mm/s^2", 0.05);
+    } else if (error.source.kind == RigErrorKind::radius) {
       add(rig + ": every radius_m", 1e-3, "mm", 1);
       add(rig + ": radius_m of mount " + mount_name(error.source.place), 1e-3, "mm", 1);
     } else if (error.source.kind == RigErrorKind::rate) {
@@ -73,7 +79,7 @@ std::vector<Suspicion> suspicions(const WholeUnitProblem& problem) {
 /// The chi-square that letting a suspicion's errors move together would save, and by how much they would.
 void find_wrong_machines(const WholeUnitProblem& problem, const WholeUnitPrior& prior, const std::vector<Part>& parts, std::vector<std::string>& found) {
   const SquareSum sum = problem.square_sum();
-  Knowledge known = knowledge(problem, prior, parts);
+  const Knowledge known = knowledge(problem, prior, parts, Weak::held);
   // With one direction a more loose: its curvature less what the loose parameters explain of it.
   const Solution s = solve(sum, known);
   VectorXd pull = VectorXd::Zero(problem.size());  // of what is known
@@ -107,17 +113,22 @@ void find_wrong_machines(const WholeUnitProblem& problem, const WholeUnitPrior& 
 void find_hysteresis(const WholeUnitProblem& problem, std::vector<std::string>& found) {
   struct Sides {
     Vector6d sum[2] = {Vector6d::Zero(), Vector6d::Zero()};
-    double variance = 0;
     int n[2] = {0, 0};
   };
   std::map<long, Sides> by_temperature;
   const WholeUnitPoint* before = nullptr;
-  const std::size_t thermometer = problem.points().thermal[0] ? 0 : 3;
+  const WholeUnitPoints& points = problem.points();
+  const std::size_t thermometer = points.thermal[0] ? 0 : 1;
+  const double range = points.thermal_range_high[thermometer] - points.thermal_range_low[thermometer];
+  // Visits to one set point; without set points, readings within a fortieth of the range.
+  const auto visit = [&](const WholeUnitPoint& p) {
+    return p.step.temperature ? std::lround(100 * *p.step.temperature) : std::lround(40 * p.temperature[static_cast<Index>(3 * thermometer)] / range);
+  };
   for (const WholeUnitPoint& p : problem.points().points) {
     if (problem.kind(p) != RigKind::chamber) continue;
     if (before && before->recording == p.recording) {
-      const double now = p.temperature[static_cast<Index>(thermometer)], then = before->temperature[static_cast<Index>(thermometer)];
-      Sides& sides = by_temperature[std::lround(now)];
+      const double now = p.temperature[static_cast<Index>(3 * thermometer)], then = before->temperature[static_cast<Index>(3 * thermometer)];
+      Sides& sides = by_temperature[visit(p)];
       const std::size_t side = now > then ? 1 : 0;
       sides.sum[side] += problem.equations(p).residual, ++sides.n[side];
     }

@@ -65,7 +65,7 @@ struct NoiseSums {
 /// Change with time of a thermal reading within a point, where it stands out of its noise by five sigma.
 std::optional<double> drift_of(std::span<const double> x, double interval_s) {
   const std::size_t half = x.size() / 2;
-  if (half < 5) return std::nullopt;
+  if (half < 20) return std::nullopt;  // of fewer the noise is not known well enough
   const Means first = means(x.first(half)), last = means(x.last(half));
   const double change = last.mean - first.mean;
   const double sigma = std::sqrt((first.sample_variance + last.sample_variance) / static_cast<double>(half));
@@ -136,15 +136,16 @@ void settle_thermal(WholeUnitPoints& all, const Session& session) {
   }
 }
 
-/// Where block means scatter more than independent samples explain, beyond chance and what a turning horizontal leaves, theirs is the noise.
+/// Where block means of holds scatter more than independent samples explain, theirs is the noise.
 void finish_noise(WholeUnitPoints& all, const NoiseSums& raw, const NoiseSums& temperature) {
   const double n = std::max(raw.points, 1.0);
-  all.thermal_variance = temperature.sample / n;
+  all.thermal_variance = temperature.sample / std::max(temperature.points, 1.0);
+  all.correlation.setOnes();
   const double limit = 1 + 3 / std::sqrt(2 * (blocks - 1) * n) + 0.1;
   for (Eigen::Index k = 0; k < 6; ++k) {
     const double excess = raw.sample[k] > 0 ? std::sqrt(raw.block[k] / raw.sample[k]) : 1;
     if (excess <= limit) continue;
-    for (WholeUnitPoint& p : all.points) p.variance[k] *= excess * excess;
+    all.correlation[k] = excess * excess;
     all.warnings.push_back(fmt::format("{} {}: means of {} samples scatter {:.2f} times as much as independent samples would; counted in the uncertainties",
                                        k < 3 ? "accel" : "gyro", "xyz"[k % 3], all.points.empty() ? 0 : all.points.front().samples / blocks, excess));
   }
@@ -163,13 +164,18 @@ WholeUnitPoints whole_unit_points(const std::vector<Recording>& recordings, cons
   check_units(recordings, session);
   WholeUnitPoints all;
   all.interval_s = recordings.front().interval_s;
-  NoiseSums raw, temperature;
+  NoiseSums raw, temperature;  // raw: of holds
   for (std::size_t r = 0; r < recordings.size(); ++r) {
     const RecordingSource& source = session.recordings[r];
     const RigDeclaration* const rig = rig_of(session, source);
     if (!rig) throw Error(fmt::format("{}: the recording {} has no rig: rate_table, centrifuge or chamber was expected", session.file, source.file));
     if (!is_machine(rig->kind))
       throw Error(fmt::format("{}: {} is from a rig of kind \"{}\": whole-unit calibration uses rate_table, centrifuge and chamber", session.file, source.file, to_string(rig->kind)));
+    try {
+      expect_possible(*rig, steps_of(session, source));
+    } catch (const Error& e) {
+      throw Error(fmt::format("{}: {}: {}", session.file, source.file, e.what()));
+    }
     std::size_t number = 0;
     for (const Step& step : session.steps) {
       if (session.recordings.size() > 1 && step.recording != source.file) continue;
@@ -195,10 +201,11 @@ WholeUnitPoints whole_unit_points(const std::vector<Recording>& recordings, cons
         const Means m = means(std::span(column).subspan(range.begin, range.size()));
         point.raw[static_cast<Eigen::Index>(channel)] = m.mean;
         point.variance[static_cast<Eigen::Index>(channel)] = m.sample_variance;
-        raw.add(channel, m);
+        if (step.kind == StepKind::hold) raw.add(channel, m);  // while it turns, horizontal vectors come and go
       }
       set_temperatures(point, recordings[r], range, temperature);
-      raw.points += 1;
+      temperature.points += 1;
+      if (step.kind == StepKind::hold) raw.points += 1;
       all.points.push_back(std::move(point));
     }
   }

@@ -22,7 +22,7 @@ struct WholeUnitPoint {
   Step step;
   std::size_t samples = 0;
   Vector6d raw;          ///< means: accel x y z, gyro x y z
-  Vector6d variance;     ///< of one sample in such a mean: white noise's own, or what blocks of samples show where it is correlated
+  Vector6d variance;     ///< of one sample, from neighbours' differences
   Vector6d temperature;  ///< mean thermal readings, likewise; those of set points where nothing was measured
   std::optional<double> drift;  ///< K/s (or raw/s) of the first thermal reading, where it is significant
 
@@ -34,6 +34,7 @@ struct WholeUnitPoints {
   std::vector<WholeUnitPoint> points;
   double interval_s = 0;                 ///< of a sample
   Vector6d thermal_variance;             ///< of one thermal reading, likewise
+  Vector6d correlation;                  ///< variance of block means of holds over that of independent samples, where it is larger; else 1
   std::array<bool, 2> thermal{};         ///< is there a thermal reading: accelerometers, gyros
   std::array<std::string, 2> thermal_unit;
   std::array<double, 2> thermal_range_low{}, thermal_range_high{};

@@ -109,6 +109,7 @@ void WholeUnitProblem::measure_noise() {
     if (!density || !(*density > 0) || points_.points.empty()) continue;
     noise_.segment<3>(static_cast<Index>(3 * triad)).setConstant(*density * *density / points_.interval_s);
   }
+  noise_ = noise_.cwiseProduct(points_.correlation);
 }
 
 RigKind WholeUnitProblem::kind(const WholeUnitPoint& point) const { return rig_of(*session_, session_->recordings[point.recording])->kind; }

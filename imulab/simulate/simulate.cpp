@@ -24,6 +24,7 @@ namespace {
 
 constexpr std::size_t block_size = 1024;  // samples one task computes: six columns of motion stay in the cache
 constexpr double default_rate = 100;      // Hz
+constexpr double most_samples = 1e8;      // ten columns of them are 8 GB
 const std::set<std::string, std::less<>> si_units{"rad/s", "rad", "m/s^2", "m/s"};
 
 MotionColumns columns(Recording& recording, std::size_t begin, std::size_t count) {
@@ -153,6 +154,9 @@ Recording simulate_recording(const Session& procedure, const RecordingSource& so
                                  own_radii ? Matrix3d(Matrix3d::Zero()) : truth.model.lever_arm});
   const std::vector<Range> written = written_samples(source, steps_of(procedure, source), rate);
   if (written.empty() || written.back().end == 0) throw Error("[[recording]]: steps that last at least one sample were expected");
+  double samples = 0;
+  for (const Range& range : written) samples += static_cast<double>(range.size());
+  if (samples > most_samples) throw Error(fmt::format("[[recording]]: {:.3g} samples, at most {:.0e} were expected: shorter steps or a lower rate_hz", samples, most_samples));
   const Limits gyro_limits = limits_of(truth.gyro_noise, source.gyro, interval_s),
                accel_limits = limits_of(truth.accel_noise, source.accel, interval_s);
   Recording recording = empty_recording(source, rate, written);
