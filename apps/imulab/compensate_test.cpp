@@ -112,7 +112,7 @@ TEST(CompensateCommand, WhatCannotBeDoneLeavesNothingBehind) {
                         Case{"broken.json session -o out.csv", "imulab: broken.json:1: not JSON"},
                         Case{"absent.json session -o out.csv", "imulab: absent.json: "}, Case{"calibration.json absent -o out.csv", "imulab: absent"},
                         Case{"calibration.json session -o session/recording.csv", "imulab: -o session/recording.csv: would overwrite"},
-                        Case{"calibration.json session -o session", "imulab: -o session: would overwrite"},
+                        Case{"calibration.json session -o session", "imulab: -o session/recording.csv: would overwrite session/recording.csv"},
                         Case{"calibration.json session -o calibration.json", "imulab: -o calibration.json: exists and is not a folder"},
                         Case{"calibration.json session", "--output is required"}}) {
     const std::string before = read_text(folder / "session/recording.csv");
@@ -168,4 +168,3 @@ TEST(CompensateCommand, TemperaturesInAnotherUnitAreRefused) {
 
 }  // namespace
 }  // namespace imulab
-/root/.pyenv/libexec/pyenv-hooks: line 24: enable: cannot open shared object /root/.pyenv/libexec/pyenv-realpath.dylib: /root/.pyenv/libexec/pyenv-realpath.dylib: cannot open shared object file: No such file or directory
