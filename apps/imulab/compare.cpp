@@ -33,6 +33,16 @@ struct Input {
   Calibration calibration;
 };
 
+/// The accelerometers' frame is found from their matrix.
+void warn_of_open_frame(const Input& input) {
+  const std::vector<int>& estimated = input.calibration.estimated;
+  if (input.calibration.frame != "rig" || estimated.empty()) return;
+  for (const int index : select_coefficients("accel.matrix"))
+    if (std::find(estimated.begin(), estimated.end(), index) == estimated.end())
+      return warn(fmt::format("{}: {} was not estimated, so the accelerometers' frame, in which is compared, is not known: differences have the other's misalignments in them",
+                              input.name, coefficient_table()[static_cast<std::size_t>(index)].name));
+}
+
 Input read(const std::string& file) {
   Input input{file == "-" ? "standard input" : file, read_calibration(file)};
   try {
@@ -40,6 +50,7 @@ Input read(const std::string& file) {
   } catch (const Error& e) {
     throw Error(fmt::format("{}: model.{}", input.name, e.what()));
   }
+  warn_of_open_frame(input);
   return input;
 }
 

@@ -131,11 +131,11 @@ std::vector<std::string> RecordingStream::warnings() const {
     warnings.push_back(fmt::format("{}: {} row{} equal to the row before dropped", name_, reader_->repeated(), reader_->repeated() == 1 ? "" : "s"));
   if (saturated_ > 0) warnings.push_back(fmt::format("{}: {} at a limit: the true reading lies beyond", name_, samples(saturated_)));
   if (!source_.rate_hz || rows_ < 2) return warnings;
+  const bool increments = source_.gyro.output == Output::increment || source_.accel.output == Output::increment;
   const double declared = 1 / *source_.rate_hz, mean = steps_ > 0 ? step_sum_s_ / static_cast<double>(steps_) : 0;
   if (std::abs(mean - declared) > 0.02 * declared || 2 * steps_ < rows_)
-    warnings.push_back(
-        fmt::format("{}: rate_hz = {} is declared, but the stamps do not say so: increments, where there are any, were divided by {:.6g} s", name_,
-                    *source_.rate_hz, declared));
+    warnings.push_back(fmt::format("{}: rate_hz = {} is declared, but the stamps do not say so{}", name_, *source_.rate_hz,
+                                   increments ? fmt::format(": increments were divided by {:.6g} s", declared) : ""));
   return warnings;
 }
 
