@@ -171,7 +171,7 @@ TEST_F(CompareCommand, WrongUseIsExplained) {
         Case{"calibration.json session.json", "imulab: session.json: format: expected \"imulab.calibration/1\", found \"imulab.session/1\""},
         Case{"calibration.json result.json", "imulab: result.json: format: missing, expected \"imulab.calibration/1\""},
         Case{"calibration.json empty.json", "imulab: empty.json: is empty, expected a calibration"},
-        Case{"calibration.json -", "imulab: standard input: is empty, expected a calibration"},
+        Case{"calibration.json - < /dev/null", "imulab: standard input: is empty, expected a calibration"},
         Case{"calibration.json nan.json", "not JSON, expected a calibration: "}, Case{"calibration.json null.json", "expected a number, found null"},
         Case{"calibration.json truth.json singular.json", "imulab: singular.json: model.gyro.matrix is singular"},
         Case{"calibration.json counts.json rates.json",
