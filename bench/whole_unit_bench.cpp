@@ -1,5 +1,5 @@
-// The whole-unit method on Dai's procedure: 303 points, 151,500 samples. Target on one core: three recordings read from CSV and calibrated, with the choice
-// of orders, within 0.5 s.
+// The whole-unit method on Dai's procedure: 303 points, 151,500 samples. Target on one core: three recordings read from CSV and calibrated, with the
+// choice of orders, within 0.5 s.
 #include "imulab/estimate/whole_unit.hpp"
 #include "imulab/io/recording_file.hpp"
 #include "imulab/io/session_file.hpp"

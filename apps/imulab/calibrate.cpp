@@ -156,13 +156,15 @@ void add_calibrate(CLI::App& app) {
   std::vector<std::string> names;
   for (const auto& [name, method] : methods) names.push_back(name);
   names.emplace_back("whole-unit");
-  verb->add_option("--method", a->method,
-                   "static: from rests alone; handheld: from rests and the rotations between them; turntable: from the table's angles; hybrid: from rests and "
-                   "turns in one place, without a table's angles; whole-unit: from chamber, rate table and centrifuge, all recordings together")
+  verb->add_option(
+          "--method", a->method,
+          "static: from rests alone; handheld: from rests and the rotations between them; turntable: from the table's angles; hybrid: from rests and "
+          "turns in one place, without a table's angles; whole-unit: from chamber, rate table and centrifuge, all recordings together")
       ->required()
       ->check(CLI::IsMember(names));
   verb->add_option("-o,--output", a->output, "the calibration file to write; - for standard output");
-  verb->add_option("--terms", a->terms, "coefficients to estimate, for example accel.offset,gyro.matrix.diagonal; auto: what the data support; full (whole-unit): "
+  verb->add_option("--terms", a->terms,
+                   "coefficients to estimate, for example accel.offset,gyro.matrix.diagonal; auto: what the data support; full (whole-unit): "
                    "all of it, significant or not")
       ->capture_default_str();
   verb->add_option("--recording", a->recording, "which recording, where the session has several");

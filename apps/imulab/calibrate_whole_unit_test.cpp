@@ -23,8 +23,8 @@ TEST_F(CalibrateWholeUnit, FromThreeMachines) {
   const CommandResult joint = imulab("calibrate session --method whole-unit -o c.json");
   EXPECT_EQ(joint.exit_code, 0) << joint.errors;
   EXPECT_EQ(joint.errors, "");
-  for (const char* text : {"frame: rig", "303 points were used: 15 in the chamber, 246 on the rate table, 42 on the centrifuge", "% RMS of the full scale of 30", "ug/g^3",
-                           "left-out points are missed by", "\ngood\n"})
+  for (const char* text : {"frame: rig", "303 points were used: 15 in the chamber, 246 on the rate table, 42 on the centrifuge",
+                           "% RMS of the full scale of 30", "ug/g^3", "left-out points are missed by", "\ngood\n"})
     EXPECT_THAT(joint.output, HasSubstr(text));
   EXPECT_EQ(imulab("compare c.json session/truth.json").exit_code, 0);
   EXPECT_EQ(imulab("calibrate session --method whole-unit --stepwise -o s.json").exit_code, 0);

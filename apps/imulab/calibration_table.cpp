@@ -1,6 +1,5 @@
 // A calibration for people: every coefficient with its uncertainty in user units, then how good it is and why.
 #include "apps/imulab/calibrate.hpp"
-
 #include "imulab/core/units.hpp"
 #include "imulab/model/coefficient.hpp"
 
@@ -36,15 +35,19 @@ UserValue user_value(const Calibration& calibration, const Coefficient& c, doubl
       if (c.row != c.column) return {value / std::abs(scale) / unit::arcsec, sigma / std::abs(scale) / unit::arcsec, "arcsec"};
       if (counts) return {1 / scale, sigma / (scale * scale), accel ? "count/(m/s^2)" : "count/(rad/s)"};
       return {(scale - 1) / unit::ppm, sigma / unit::ppm, "ppm"};
-    case Term::g_sensitivity: return {value / (unit::deg_per_h / unit::g), sigma / (unit::deg_per_h / unit::g), "deg/h/g"};
-    case Term::lever_arm: return {1e3 * value, 1e3 * sigma, "mm"};
-    default: break;
+    case Term::g_sensitivity:
+      return {value / (unit::deg_per_h / unit::g), sigma / (unit::deg_per_h / unit::g), "deg/h/g"};
+    case Term::lever_arm:
+      return {1e3 * value, 1e3 * sigma, "mm"};
+    default:
+      break;
   }
   if (counts) return {value, sigma, ""};
   // Readings in SI: what a coefficient adds at one g, at one deg/s or in one kelvin.
   const std::string per = triad.temperature && triad.temperature->unit == "raw" ? "raw" : "K";
   const auto in = [&](double unit, const std::string& name) { return UserValue{value / unit, sigma / unit, name}; };
-  if (c.term == Term::thermal) return in(accel ? unit::ug : unit::deg_per_h, fmt::format("{}/{}{}", accel ? "ug" : "deg/h", per, c.column == 2 ? "^2" : ""));
+  if (c.term == Term::thermal)
+    return in(accel ? unit::ug : unit::deg_per_h, fmt::format("{}/{}{}", accel ? "ug" : "deg/h", per, c.column == 2 ? "^2" : ""));
   const int order = c.term == Term::quadratic ? 2 : 3;
   return accel ? in(unit::ug / std::pow(unit::g, order), fmt::format("ug/g^{}", order))
                : in((order == 2 ? unit::ppm : 1e-9) / std::pow(unit::deg, order - 1), order == 2 ? "ppm/(deg/s)" : "ppb/(deg/s)^2");
@@ -63,8 +66,8 @@ void print_correction(const Calibration& calibration, const Calibration& coarse,
   const double sigma = *standard_uncertainty(calibration, index);
   const UserValue before = user_value(coarse, c, coefficient_value(coarse.model, index), sigma);
   const UserValue after = user_value(calibration, c, coefficient_value(calibration.model, index), sigma);
-  fmt::print("  {:<24} {:>14.7g} {:>14.6g} {:>14.7g} {:>10.2g} {}\n", c.name, before.value, after.value - before.value, after.value, after.uncertainty,
-             after.unit);
+  fmt::print("  {:<24} {:>14.7g} {:>14.6g} {:>14.7g} {:>10.2g} {}\n", c.name, before.value, after.value - before.value, after.value,
+             after.uncertainty, after.unit);
 }
 
 }  // namespace
@@ -100,12 +103,15 @@ void print_calibration(const Calibration& calibration, const SensorModel* coarse
   for (const TermTest& test : quality.term_tests) {
     std::string validation;
     if (test.cross_validation_with > 0)
-      validation = fmt::format("; left-out points are missed by {:.3g} sigma with it, {:.3g} without", test.cross_validation_with, test.cross_validation_without);
+      validation = fmt::format("; left-out points are missed by {:.3g} sigma with it, {:.3g} without", test.cross_validation_with,
+                               test.cross_validation_without);
     fmt::print("  {}: {} (chi2 {:.4g} with {} degrees of freedom, probability by chance {:.2g}{})\n", test.term,
-               test.kept ? "significant, estimated" : "not significant, left at zero", test.statistic, test.degrees_of_freedom, test.p_value, validation);
+               test.kept ? "significant, estimated" : "not significant, left at zero", test.statistic, test.degrees_of_freedom, test.p_value,
+               validation);
   }
   fmt::print("  residuals: chi2 per degree of freedom {:.3g} against {} ({} degrees of freedom); condition {:.3g}\n", quality.chi2_per_dof,
-             calibration.method == "turntable" || calibration.frame == "rig" ? "the noise and the declared rig errors" : "the sample noise alone", quality.degrees_of_freedom, quality.condition);
+             calibration.method == "turntable" || calibration.frame == "rig" ? "the noise and the declared rig errors" : "the sample noise alone",
+             quality.degrees_of_freedom, quality.condition);
   fmt::print("\n{}\n", quality.verdict);
 }
 

@@ -39,8 +39,10 @@ void warn_of_open_frame(const Input& input) {
   if (input.calibration.frame != "rig" || estimated.empty()) return;
   for (const int index : select_coefficients("accel.matrix"))
     if (std::find(estimated.begin(), estimated.end(), index) == estimated.end())
-      return warn(fmt::format("{}: {} was not estimated, so the accelerometers' frame, in which is compared, is not known: differences have the other's misalignments in them",
-                              input.name, coefficient_table()[static_cast<std::size_t>(index)].name));
+      return warn(
+          fmt::format("{}: {} was not estimated, so the accelerometers' frame, in which is compared, is not known: differences have the other's "
+                      "misalignments in them",
+                      input.name, coefficient_table()[static_cast<std::size_t>(index)].name));
 }
 
 Input read(const std::string& file) {

@@ -42,7 +42,8 @@ void expect_finite(const Recording& r) {
   for (const auto* triad : {&r.gyro, &r.accel})
     for (const auto& column : *triad)
       for (std::size_t i = 0; i < column.size(); ++i)
-        if (!std::isfinite(column[i])) throw Error(r.name + ": the sample at " + std::to_string(r.time_s(i)) + " s has a reading that no compensation makes finite");
+        if (!std::isfinite(column[i]))
+          throw Error(r.name + ": the sample at " + std::to_string(r.time_s(i)) + " s has a reading that no compensation makes finite");
 }
 
 }  // namespace

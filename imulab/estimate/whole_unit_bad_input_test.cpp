@@ -56,7 +56,9 @@ TEST(WholeUnitBadInput, AGoodSessionHasNoWarnings) {
 TEST(WholeUnitBadInput, AMountDescribedWronglyIsSeenByGravity) {
   const Session twice = changed([](Session& s) { at_mount(s, "rate_table.csv", "+x+y", [](Step& step) { step.mount->up.sign = -1; }); });
   EXPECT_THAT(error_of(good().recordings, twice), AllOf(HasSubstr("rate_table.csv"), HasSubstr("mount -x+y"), HasSubstr("those of +x")));
-  const Session swapped = changed([](Session& s) { at_mount(s, "rate_table.csv", "+x+y", [](Step& step) { step.mount->up = {1, 1}, step.mount->outward = {0, 1}; }); });
+  const Session swapped = changed([](Session& s) {
+    at_mount(s, "rate_table.csv", "+x+y", [](Step& step) { step.mount->up = {1, 1}, step.mount->outward = {0, 1}; });
+  });
   EXPECT_THAT(error_of(good().recordings, swapped), AllOf(HasSubstr("rate_table.csv"), HasSubstr("mount +y+x"), HasSubstr("those of +x")));
   const Session centrifuge = changed([](Session& s) { at_mount(s, "centrifuge.csv", "+z+y", [](Step& step) { step.mount->outward = {0, 1}; }); });
   EXPECT_THAT(error_of(good().recordings, centrifuge), AllOf(HasSubstr("centrifuge.csv"), HasSubstr("mount +z+x"), HasSubstr("those of +z+y")));
@@ -82,9 +84,13 @@ TEST(WholeUnitBadInput, ARadiusThatContradictsTheRateIsFound) {
 }
 
 TEST(WholeUnitBadInput, WhatAMachineCannotDoIsNamed) {
-  EXPECT_THAT(error_of(good().recordings, changed([](Session& s) { s.steps.back().radius = {0, 0, 0}; })), AllOf(HasSubstr("centrifuge.csv"), HasSubstr("radius_m above 0")));
+  EXPECT_THAT(error_of(good().recordings, changed([](Session& s) {
+                         s.steps.back().radius = {0, 0, 0};
+                       })),
+              AllOf(HasSubstr("centrifuge.csv"), HasSubstr("radius_m above 0")));
   EXPECT_THAT(error_of(good().recordings, changed([](Session& s) { s.steps.front().kind = StepKind::spin; })), HasSubstr("a chamber does not turn"));
-  EXPECT_THAT(error_of(good().recordings, changed([](Session& s) { s.site.latitude.reset(), s.site.given_gravity = 9.8; })), HasSubstr("latitude_deg was expected"));
+  EXPECT_THAT(error_of(good().recordings, changed([](Session& s) { s.site.latitude.reset(), s.site.given_gravity = 9.8; })),
+              HasSubstr("latitude_deg was expected"));
 }
 
 TEST(WholeUnitBadInput, AnUnsettledChamberIsSaidWithItsDrift) {

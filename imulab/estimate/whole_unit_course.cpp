@@ -41,13 +41,20 @@ double WholeUnitPrior::sigma(int index) const {
   const std::size_t triad = c.triad == Triad::accel ? 0 : 1;
   const double s = scale_[triad][c.row], per = triad == 0 ? unit::g : unit::deg;
   switch (c.term) {
-    case Term::offset: return 0.2 * full_scale_[triad];
-    case Term::matrix: return (c.row == c.column ? 0.2 : 0.05) * scale_[triad][c.column];
-    case Term::quadratic: return (triad == 0 ? 3e-4 : 7.5e-4) / per * s * s;
-    case Term::cubic: return (triad == 0 ? 6e-5 : 1e-7) / (per * per) * s * s * s;
-    case Term::thermal: return (triad == 0 ? 0.15 : 15) * per / s / std::pow(thermal_range_[triad], c.column);
-    case Term::g_sensitivity: return 1e-3;
-    case Term::lever_arm: break;
+    case Term::offset:
+      return 0.2 * full_scale_[triad];
+    case Term::matrix:
+      return (c.row == c.column ? 0.2 : 0.05) * scale_[triad][c.column];
+    case Term::quadratic:
+      return (triad == 0 ? 3e-4 : 7.5e-4) / per * s * s;
+    case Term::cubic:
+      return (triad == 0 ? 6e-5 : 1e-7) / (per * per) * s * s * s;
+    case Term::thermal:
+      return (triad == 0 ? 0.15 : 15) * per / s / std::pow(thermal_range_[triad], c.column);
+    case Term::g_sensitivity:
+      return 1e-3;
+    case Term::lever_arm:
+      break;
   }
   return 0;
 }
@@ -100,7 +107,8 @@ std::vector<Part> determined(const WholeUnitProblem& problem, const WholeUnitPri
     if (part == Part::estimated) part = Part::weak;
   const Solution s = solve(problem.square_sum(), knowledge(problem, prior, trial, Weak::free));
   for (std::size_t k = 0; k < parts.size(); ++k)
-    if (parts[k] == Part::estimated && std::sqrt(s.covariance(static_cast<Index>(k), static_cast<Index>(k))) > prior.needed(problem.coefficients()[k]))
+    if (parts[k] == Part::estimated &&
+        std::sqrt(s.covariance(static_cast<Index>(k), static_cast<Index>(k))) > prior.needed(problem.coefficients()[k]))
       parts[k] = Part::weak;
   return parts;
 }
@@ -148,7 +156,8 @@ TermTest wald_test(const WholeUnitProblem& problem, const WholeUnitPrior& prior,
   const MatrixXd p = s.covariance(at, at);
   const VectorXd scale = p.diagonal().cwiseSqrt().cwiseInverse();
   const VectorXd scaled = scale.cwiseProduct(value);
-  TermTest test{group.name, scaled.dot(MatrixXd(scale.asDiagonal() * p * scale.asDiagonal()).llt().solve(scaled)), static_cast<int>(n), 1, true, 0, 0};
+  TermTest test{group.name, scaled.dot(MatrixXd(scale.asDiagonal() * p * scale.asDiagonal()).llt().solve(scaled)), static_cast<int>(n), 1, true, 0,
+                0};
   test.p_value = chi_square_tail(test.statistic, static_cast<double>(n));
   return test;
 }
@@ -185,9 +194,8 @@ std::vector<TermTest> choose_orders(const WholeUnitProblem& problem, const Whole
       test.cross_validation_without = cross_validation(folds, all, knowledge(problem, prior, without, Weak::held));
       test.kept = test.p_value < 0.01 || test.cross_validation_without > (1 + chance) * with;
     }
-    const auto weakest = std::max_element(now.begin(), now.end(), [](const TermTest& a, const TermTest& b) {
-      return std::pair(!a.kept, a.p_value) < std::pair(!b.kept, b.p_value);
-    });
+    const auto weakest = std::max_element(
+        now.begin(), now.end(), [](const TermTest& a, const TermTest& b) { return std::pair(!a.kept, a.p_value) < std::pair(!b.kept, b.p_value); });
     if (weakest->kept) {
       tests.insert(tests.end(), now.begin(), now.end());
       break;
@@ -210,7 +218,8 @@ std::vector<std::string> drop_outliers(WholeUnitProblem& problem, const WholeUni
     for (const WholeUnitPoint& point : points) {
       const PointEquations e = problem.equations(point);
       // The misfit as the other points predict it: I - J P J^T is what the fit leaves of unit noise.
-      const Eigen::Matrix<double, 6, 6> left = Eigen::Matrix<double, 6, 6>::Identity() - e.jacobian * fit.solution.covariance * e.jacobian.transpose();
+      const Eigen::Matrix<double, 6, 6> left =
+          Eigen::Matrix<double, 6, 6>::Identity() - e.jacobian * fit.solution.covariance * e.jacobian.transpose();
       statistic.push_back(e.white.dot(left.ldlt().solve(e.white)));
     }
     const double spread = std::max(1.0, median(statistic) / chi_square_quantile(0.5, 6));  // of good points, where their size is not the noise's

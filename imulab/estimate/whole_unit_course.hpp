@@ -28,9 +28,9 @@ struct WholeUnitFit {
   bool converged = false;
 };
 
-/// Prior sigma of a coefficient: offsets and scales 20 % of the full range, misalignments 5 %, second and third orders three to a hundred times what Dai's
-/// table 2 has (3e-4 /g and 6e-5 /g^2; 7.5e-4 /(deg/s) and 1e-7 /(deg/s)^2), g-sensitivity 1e-3 (rad/s)/(m/s^2), thermal drift over the readings'
-/// range (of at least 10 K) 0.15 g and 15 deg/s.
+/// Prior sigma of a coefficient: offsets and scales 20 % of the full range, misalignments 5 %, second and third orders three to a hundred times what
+/// Dai's table 2 has (3e-4 /g and 6e-5 /g^2; 7.5e-4 /(deg/s) and 1e-7 /(deg/s)^2), g-sensitivity 1e-3 (rad/s)/(m/s^2), thermal drift over the
+/// readings' range (of at least 10 K) 0.15 g and 15 deg/s.
 class WholeUnitPrior {
  public:
   WholeUnitPrior(const WholeUnitProblem& problem, const SensorModel& start);
@@ -57,12 +57,13 @@ Eigen::MatrixXd covariance(const WholeUnitFit& fit, const WholeUnitProblem& prob
 /// Which of `parts` the data determine: those estimated whose standard deviation under all priors is too large become weak.
 std::vector<Part> determined(const WholeUnitProblem& problem, const WholeUnitPrior& prior, std::vector<Part> parts);
 
-/// Choice among orders: a group of coefficients goes if it is not significant (1 %) and points left out (ten parts) are not predicted worse without it by more
-/// than chance would have it. The least significant goes first. Groups of what is estimated: cubic, quadratic, second-order thermal, g-sensitivity, by triad.
+/// Choice among orders: a group of coefficients goes if it is not significant (1 %) and points left out (ten parts) are not predicted worse without
+/// it by more than chance would have it. The least significant goes first. Groups of what is estimated: cubic, quadratic, second-order thermal,
+/// g-sensitivity, by triad.
 std::vector<TermTest> choose_orders(const WholeUnitProblem& problem, const WholeUnitPrior& prior, std::vector<Part>& parts);
 
-/// Drops points one by one while chance explains them with less than `level` shared among all; returns their names. Where that is more than one in fifty, it
-/// is not the points that are wrong, and all stay.
+/// Drops points one by one while chance explains them with less than `level` shared among all; returns their names. Where that is more than one in
+/// fifty, it is not the points that are wrong, and all stay.
 std::vector<std::string> drop_outliers(WholeUnitProblem& problem, const WholeUnitPrior& prior, const std::vector<Part>& parts, double level);
 
 }  // namespace imulab

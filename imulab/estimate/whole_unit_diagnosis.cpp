@@ -17,8 +17,9 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double settled = 0.05 / 60;  // K/s: 9 mK over a record of ten seconds, below what thermal readings agree to; of readings in raw, 70 K are their range
-constexpr double level = 1e-3;         // a warning in a good session, shared among all tests of a kind
+constexpr double settled =
+    0.05 / 60;  // K/s: 9 mK over a record of ten seconds, below what thermal readings agree to; of readings in raw, 70 K are their range
+constexpr double level = 1e-3;  // a warning in a good session, shared among all tests of a kind
 
 void find_unsettled(const WholeUnitProblem& problem, std::vector<std::string>& found) {
   std::size_t many = 0;
@@ -34,9 +35,10 @@ void find_unsettled(const WholeUnitProblem& problem, std::vector<std::string>& f
     largest = std::max(largest, std::abs(*p.drift));
   }
   if (many > 0)
-    found.push_back(fmt::format("{} of the chamber's points had not settled (up to {:.2g} {}/min; the first: {}): the sensors lag behind their thermal readings, and "
-                                "the thermal coefficients are off by what the uncertainties do not say",
-                                many, largest * 60, raw ? "raw" : "K", first));
+    found.push_back(fmt::format(
+        "{} of the chamber's points had not settled (up to {:.2g} {}/min; the first: {}): the sensors lag behind their thermal readings, and "
+        "the thermal coefficients are off by what the uncertainties do not say",
+        many, largest * 60, raw ? "raw" : "K", first));
 }
 
 /// Errors of a machine that move together, and what freeing them would save.
@@ -66,7 +68,8 @@ std::vector<Suspicion> suspicions(const WholeUnitProblem& problem) {
     } else if (error.source.kind == RigErrorKind::rate) {
       add(rig + ": rate_dps", 1e-2, "%", 0.1);
     } else if (error.source.kind == RigErrorKind::mount) {
-      add(fmt::format("{}: mount {}, turned about {}", rig, mount_name(error.source.place), "xyz"[error.source.axis]), unit::deg, "deg", 10 * unit::deg);
+      add(fmt::format("{}: mount {}, turned about {}", rig, mount_name(error.source.place), "xyz"[error.source.axis]), unit::deg, "deg",
+          10 * unit::deg);
     } else if (error.source.kind == RigErrorKind::tilt) {
       add(fmt::format("{}: its axis, towards {}", rig, error.source.axis == 0 ? "south" : "east"), unit::deg, "deg", 10 * unit::deg);
     }
@@ -77,7 +80,8 @@ std::vector<Suspicion> suspicions(const WholeUnitProblem& problem) {
 }
 
 /// The chi-square that letting a suspicion's errors move together would save, and by how much they would.
-void find_wrong_machines(const WholeUnitProblem& problem, const WholeUnitPrior& prior, const std::vector<Part>& parts, std::vector<std::string>& found) {
+void find_wrong_machines(const WholeUnitProblem& problem, const WholeUnitPrior& prior, const std::vector<Part>& parts,
+                         std::vector<std::string>& found) {
   const SquareSum sum = problem.square_sum();
   const Knowledge known = knowledge(problem, prior, parts, Weak::held);
   // With one direction a more loose: its curvature less what the loose parameters explain of it.
@@ -105,8 +109,9 @@ void find_wrong_machines(const WholeUnitProblem& problem, const WholeUnitPrior& 
   // In points that scatter more than they should, the one thing to name is what explains a good part of that.
   const double excess = s.chi2 - s.degrees_of_freedom / (problem.noise_factor() * problem.noise_factor());
   if (most < 0.3 * excess) return;
-  found.push_back(fmt::format("{}: not as declared; the data fit best with {:+.3g} {} (chi2 falls by {:.3g}): what depends on it is off by what the uncertainties do not say",
-                              worst->what, by / worst->unit, worst->unit_name, most));
+  found.push_back(fmt::format(
+      "{}: not as declared; the data fit best with {:+.3g} {} (chi2 falls by {:.3g}): what depends on it is off by what the uncertainties do not say",
+      worst->what, by / worst->unit, worst->unit_name, most));
 }
 
 /// The chamber's points at one temperature, reached by warming and by cooling.
@@ -145,8 +150,8 @@ void find_hysteresis(const WholeUnitProblem& problem, std::vector<std::string>& 
   for (Index k = 0; k < 6; ++k) {
     const double mean = difference[k] / n, sigma = std::sqrt(std::max(square[k] / n - mean * mean, 1e-300) / (n - 1));
     if (std::abs(mean) < normal_quantile(1 - level / 12) * sigma * (1 + 4 / n)) continue;  // a little more for Student's few degrees
-    found.push_back(fmt::format("{} {} differs by {:.2g} {} between warming and cooling: hysteresis, which the model has not", k < 3 ? "accel" : "gyro", "xyz"[k % 3],
-                                k < 3 ? mean / unit::ug : mean / unit::deg_per_h, k < 3 ? "ug" : "deg/h"));
+    found.push_back(fmt::format("{} {} differs by {:.2g} {} between warming and cooling: hysteresis, which the model has not",
+                                k < 3 ? "accel" : "gyro", "xyz"[k % 3], k < 3 ? mean / unit::ug : mean / unit::deg_per_h, k < 3 ? "ug" : "deg/h"));
   }
 }
 

@@ -1,4 +1,5 @@
-// What is wrong with a whole-unit session although it could be calibrated: machines that are not as declared, a chamber that had not settled, hysteresis.
+// What is wrong with a whole-unit session although it could be calibrated: machines that are not as declared, a chamber that had not settled,
+// hysteresis.
 #pragma once
 
 #include "imulab/estimate/whole_unit_course.hpp"

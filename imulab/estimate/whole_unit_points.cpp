@@ -84,7 +84,8 @@ void check_units(const std::vector<Recording>& recordings, const Session& sessio
     for (const auto thermal : {&RecordingSource::accel_temperature, &RecordingSource::gyro_temperature}) {
       const auto &x = session.recordings.front().*thermal, &y = session.recordings[r].*thermal;
       if (x.has_value() != y.has_value() || (x && x->unit != y->unit))
-        throw Error(fmt::format("{}: {} and {} have different thermal readings: the same unit in all recordings was expected", session.file, a.name, b.name));
+        throw Error(
+            fmt::format("{}: {} and {} have different thermal readings: the same unit in all recordings was expected", session.file, a.name, b.name));
     }
   }
 }
@@ -119,8 +120,9 @@ void settle_thermal(WholeUnitPoints& all, const Session& session) {
     const char* const name = triad == 0 ? "accelerometers" : "gyros";
     if (known == 0) continue;
     if (known < static_cast<std::ptrdiff_t>(all.points.size()))
-      throw Error(fmt::format("{}: {} of {} points have neither a thermal reading of the {} nor temperature_degC, the others have: expected in all or none",
-                              session.file, all.points.size() - static_cast<std::size_t>(known), all.points.size(), name));
+      throw Error(
+          fmt::format("{}: {} of {} points have neither a thermal reading of the {} nor temperature_degC, the others have: expected in all or none",
+                      session.file, all.points.size() - static_cast<std::size_t>(known), all.points.size(), name));
     all.thermal[triad] = true;
     const auto& source = triad == 0 ? session.recordings.front().accel_temperature : session.recordings.front().gyro_temperature;
     all.thermal_unit[triad] = source ? source->unit : "degC";
@@ -131,7 +133,8 @@ void settle_thermal(WholeUnitPoints& all, const Session& session) {
         high = std::max(high, p.temperature[3 * static_cast<Eigen::Index>(triad) + k]);
       }
     const double noise = std::sqrt(all.thermal_variance.segment<3>(static_cast<Eigen::Index>(3 * triad)).maxCoeff());
-    all.thermal_excited[triad] = high - low > std::max(all.thermal_unit[triad] == "raw" ? 0.0 : 1.0, 30 * noise / std::sqrt(static_cast<double>(all.points.front().samples)));
+    all.thermal_excited[triad] =
+        high - low > std::max(all.thermal_unit[triad] == "raw" ? 0.0 : 1.0, 30 * noise / std::sqrt(static_cast<double>(all.points.front().samples)));
     all.thermal_range_low[triad] = low - 3 * noise, all.thermal_range_high[triad] = high + 3 * noise;  // where single readings were
   }
 }
@@ -146,8 +149,9 @@ void finish_noise(WholeUnitPoints& all, const NoiseSums& raw, const NoiseSums& t
     const double excess = raw.sample[k] > 0 ? std::sqrt(raw.block[k] / raw.sample[k]) : 1;
     if (excess <= limit) continue;
     all.correlation[k] = excess * excess;
-    all.warnings.push_back(fmt::format("{} {}: means of {} samples scatter {:.2f} times as much as independent samples would; counted in the uncertainties",
-                                       k < 3 ? "accel" : "gyro", "xyz"[k % 3], all.points.empty() ? 0 : all.points.front().samples / blocks, excess));
+    all.warnings.push_back(
+        fmt::format("{} {}: means of {} samples scatter {:.2f} times as much as independent samples would; counted in the uncertainties",
+                    k < 3 ? "accel" : "gyro", "xyz"[k % 3], all.points.empty() ? 0 : all.points.front().samples / blocks, excess));
   }
 }
 
@@ -170,7 +174,8 @@ WholeUnitPoints whole_unit_points(const std::vector<Recording>& recordings, cons
     const RigDeclaration* const rig = rig_of(session, source);
     if (!rig) throw Error(fmt::format("{}: the recording {} has no rig: rate_table, centrifuge or chamber was expected", session.file, source.file));
     if (!is_machine(rig->kind))
-      throw Error(fmt::format("{}: {} is from a rig of kind \"{}\": whole-unit calibration uses rate_table, centrifuge and chamber", session.file, source.file, to_string(rig->kind)));
+      throw Error(fmt::format("{}: {} is from a rig of kind \"{}\": whole-unit calibration uses rate_table, centrifuge and chamber", session.file,
+                              source.file, to_string(rig->kind)));
     try {
       expect_possible(*rig, steps_of(session, source));
     } catch (const Error& e) {
@@ -188,7 +193,8 @@ WholeUnitPoints whole_unit_points(const std::vector<Recording>& recordings, cons
         all.warnings.push_back(fmt::format("{}: {} samples in it, left out", point.name(session), range.size()));
         continue;
       }
-      if (std::any_of(all.points.begin(), all.points.end(), [&](const WholeUnitPoint& p) { return p.recording == r && p.step.start < step.end && step.start < p.step.end; })) {
+      if (std::any_of(all.points.begin(), all.points.end(),
+                      [&](const WholeUnitPoint& p) { return p.recording == r && p.step.start < step.end && step.start < p.step.end; })) {
         all.warnings.push_back(point.name(session) + ": its time is part of a step before it too, used once and not twice");
         continue;
       }

@@ -38,7 +38,9 @@ bool same_source(const RigErrorSource& a, const RigErrorSource& b) { return a.ki
 
 }  // namespace
 
-std::string CommonError::name() const { return rig.empty() && source.kind == RigErrorKind::zero ? "gravity" : (rig.empty() ? "" : rig + ": ") + source.name(); }
+std::string CommonError::name() const {
+  return rig.empty() && source.kind == RigErrorKind::zero ? "gravity" : (rig.empty() ? "" : rig + ": ") + source.name();
+}
 
 SquareSum& SquareSum::operator+=(const SquareSum& other) {
   if (N.size() == 0) return *this = other;
@@ -80,7 +82,12 @@ Solution solve(const SquareSum& sum, const Knowledge& known) {
 }
 
 WholeUnitProblem::WholeUnitProblem(WholeUnitPoints points, const Session& session, const SensorModel& start, const Vector6d& center)
-    : points_(std::move(points)), session_(&session), model_(start), center_(center), coefficients_(candidates(points_)), gravity_(session.site.gravity()) {
+    : points_(std::move(points)),
+      session_(&session),
+      model_(start),
+      center_(center),
+      coefficients_(candidates(points_)),
+      gravity_(session.site.gravity()) {
   rate_ie_n_ = session.site.latitude ? earth_rate_enu(*session.site.latitude) : Vector3d::Zero();
   common_.push_back({"", {}, session.site.gravity_sigma(), 0});  // "gravity"
   for (const RecordingSource& source : session.recordings) {
@@ -90,7 +97,8 @@ WholeUnitProblem::WholeUnitProblem(WholeUnitPoints points, const Session& sessio
       if (session.recordings.size() < 2 || step.recording == source.file) steps.push_back(step);
     std::vector<std::size_t>& acting = acting_.emplace_back();
     for (const RigErrorSource& error : machine_error_sources(rig, steps)) {
-      const auto known = std::find_if(common_.begin() + 1, common_.end(), [&](const CommonError& c) { return c.rig == rig.name && same_source(c.source, error); });
+      const auto known =
+          std::find_if(common_.begin() + 1, common_.end(), [&](const CommonError& c) { return c.rig == rig.name && same_source(c.source, error); });
       acting.push_back(static_cast<std::size_t>(known - common_.begin()));
       if (known == common_.end()) common_.push_back({rig.name, error, error.sigma, 0});
     }

@@ -1,4 +1,5 @@
-// Whole-unit calibration as least squares: at every point the compensated means have to equal the motion of the machine (Dai 2011 eqs 5, 7, 10 in one),
+// Whole-unit calibration as least squares: at every point the compensated means have to equal the motion of the machine (Dai 2011 eqs 5, 7, 10 in
+// one),
 //
 //   e = compensate(theta; raw, temperature) - motion(eta)
 //
@@ -19,10 +20,10 @@ namespace imulab {
 
 /// An error common to several points: of g, or of a machine.
 struct CommonError {
-  std::string rig;         ///< its name; empty: gravity
+  std::string rig;  ///< its name; empty: gravity
   RigErrorSource source{};
-  double sigma = 0;        ///< as declared; 0: exactly known
-  double value = 0;        ///< found, beyond what is declared
+  double sigma = 0;  ///< as declared; 0: exactly known
+  double value = 0;  ///< found, beyond what is declared
   std::string name() const;
 };
 
@@ -44,20 +45,20 @@ inline constexpr double free_parameter = std::numeric_limits<double>::infinity()
 
 struct Solution {
   Eigen::VectorXd x;
-  Eigen::MatrixXd covariance;       ///< zero for what is held
-  double chi2 = 0;                  ///< of the data
-  double degrees_of_freedom = 0;    ///< of the data
-  double condition = 0;             ///< of the normal equations scaled to unit diagonal
+  Eigen::MatrixXd covariance;     ///< zero for what is held
+  double chi2 = 0;                ///< of the data
+  double degrees_of_freedom = 0;  ///< of the data
+  double condition = 0;           ///< of the normal equations scaled to unit diagonal
 };
 /// Least squares of the data and of what is known. Throws Unsupported where the free parameters are not determined.
 Solution solve(const SquareSum& sum, const Knowledge& known);
 
 /// One point's residuals and derivatives, divided by the Cholesky factor of its noise.
 struct PointEquations {
-  Vector6d residual;                       ///< e itself: m/s^2, rad/s
-  Vector6d white;                          ///< whitened
+  Vector6d residual;                                  ///< e itself: m/s^2, rad/s
+  Vector6d white;                                     ///< whitened
   Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian;  ///< whitened, all columns
-  Eigen::Matrix<double, 6, 6> factor;      ///< Cholesky factor of the noise
+  Eigen::Matrix<double, 6, 6> factor;                 ///< Cholesky factor of the noise
 };
 
 class WholeUnitProblem {

@@ -86,7 +86,8 @@ SensorModel start_model(const WholeUnitPoints& points, const Session& session, c
     TriadModel& m = triad == 0 ? start.accel : start.gyro;
     m.raw_unit = counts(session, triad) ? "count" : triad == 0 ? "m/s^2" : "rad/s";
     if (points.thermal[triad])
-      m.temperature = ThermalReading{points.thermal_unit[triad], reference_temperature(points, session, triad),
+      m.temperature = ThermalReading{points.thermal_unit[triad],
+                                     reference_temperature(points, session, triad),
                                      {points.thermal_range_low[triad], points.thermal_range_high[triad]}};
     if (!counts(session, triad)) continue;
     const auto fit = linear_fit(points, session, centre, triad, [](const WholeUnitPoint&) { return true; });
@@ -158,10 +159,11 @@ void check_mounts(const WholeUnitPoints& points, const Session& session, const S
       for (const double sign : {1.0, -1.0})
         if (const double m = misfit(group, session, mount, sign).both(); m < 0.999 * least) best = mount, best_sign = sign, least = m;
     if (least > right) continue;
-    const std::string where = fmt::format("{}: {} steps of {}, the first of them step {}", session.file, group.size(),
-                                          session.recordings[key.first].file, first.number);
+    const std::string where =
+        fmt::format("{}: {} steps of {}, the first of them step {}", session.file, group.size(), session.recordings[key.first].file, first.number);
     if (best == key.second)
-      throw Error(fmt::format("{}: the gyros read the opposite of rate_dps about the axis that points up; expected its sign right-handed about up", where));
+      throw Error(
+          fmt::format("{}: the gyros read the opposite of rate_dps about the axis that points up; expected its sign right-handed about up", where));
     throw Error(fmt::format("{}: mount {} (up, outward) is declared, but the readings are those of {}{}: was the unit mounted otherwise?", where,
                             mount_name(key.second), mount_name(best), best_sign < 0 ? " turned the other way" : ""));
   }

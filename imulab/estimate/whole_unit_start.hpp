@@ -9,8 +9,8 @@ namespace imulab {
 /// Offset-binary counts are centred on the middle of their range, so that powers of them stay apart; other readings stay as they are.
 Vector6d reading_centre(const WholeUnitPoints& points);
 
-/// Readings in SI start from the identity, counts from linear least squares of everything the machines did. Throws Unsupported where that leaves a scale
-/// of counts open.
+/// Readings in SI start from the identity, counts from linear least squares of everything the machines did. Throws Unsupported where that leaves a
+/// scale of counts open.
 SensorModel start_model(const WholeUnitPoints& points, const Session& session, const Vector6d& centre);
 
 /// Throws Error where the readings of a mount contradict it and another mount, or the opposite rate, explains them.

@@ -22,16 +22,20 @@ namespace {
 
 /// One scalar equation that is linear in the coefficients of its step: row . theta = value, and what moves its misfit row . theta - value.
 struct Equation {
-  VectorXd row;      ///< by the problem's coefficients; the step's own, and those of steps before
-  double misfit;     ///< with the coefficients so far (the step's own at zero)
-  VectorXd by_noise; ///< by the unit-variance noises of all points, then by the common errors over their sigmas; empty without covariance
+  VectorXd row;       ///< by the problem's coefficients; the step's own, and those of steps before
+  double misfit;      ///< with the coefficients so far (the step's own at zero)
+  VectorXd by_noise;  ///< by the unit-variance noises of all points, then by the common errors over their sigmas; empty without covariance
 };
 
 class Steps {
  public:
   Steps(const WholeUnitProblem& problem, bool with_covariance)
-      : problem_(problem), points_(problem.points().points), model_(problem.model()), with_covariance_(with_covariance),
-        noises_(12 * static_cast<Index>(points_.size())), sources_(with_covariance ? noises_ + static_cast<Index>(problem.common().size()) : 0),
+      : problem_(problem),
+        points_(problem.points().points),
+        model_(problem.model()),
+        with_covariance_(with_covariance),
+        noises_(12 * static_cast<Index>(points_.size())),
+        sources_(with_covariance ? noises_ + static_cast<Index>(problem.common().size()) : 0),
         sensitivity_(MatrixXd::Zero(coefficients(), sources_)) {
     for (const int k : problem.coefficients()) set_coefficient(model_, k, 0);
   }
@@ -116,7 +120,9 @@ Eigen::Matrix<double, 6, 6> Steps::raw_by_noise(std::size_t p) const {
   return compensation_derivatives(problem_.model(), problem_.sample(points_[p])).raw.inverse() * sigma.asDiagonal();
 }
 
-Vector6d Steps::thermal_sigma(std::size_t p) const { return (problem_.points().thermal_variance / static_cast<double>(points_[p].samples)).cwiseSqrt(); }
+Vector6d Steps::thermal_sigma(std::size_t p) const {
+  return (problem_.points().thermal_variance / static_cast<double>(points_[p].samples)).cwiseSqrt();
+}
 
 /// Row 0..5 (force, rate) of e = compensate - motion at a point, with the coefficients so far.
 Equation Steps::equation(std::size_t p, int row) const {
@@ -227,7 +233,8 @@ bool has_three_steps(const WholeUnitProblem& problem) {
 
 StepwiseEstimate stepwise_estimate(const WholeUnitProblem& problem, bool with_covariance) {
   if (!has_three_steps(problem))
-    throw Unsupported("stepwise: a chamber, a rate table with each axis up and down, and a centrifuge with each axis outward both ways were expected");
+    throw Unsupported(
+        "stepwise: a chamber, a rate table with each axis up and down, and a centrifuge with each axis outward both ways were expected");
   WholeUnitProblem declared = problem;
   declared.forget_common();
   Steps steps(declared, with_covariance);

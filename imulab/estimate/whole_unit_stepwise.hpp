@@ -1,5 +1,5 @@
-// Dai's three steps one after the other (Dai 2011 section 3.1), each by unweighted least squares, with the covariance that noise and the machines' errors give
-// the whole chain.
+// Dai's three steps one after the other (Dai 2011 section 3.1), each by unweighted least squares, with the covariance that noise and the machines'
+// errors give the whole chain.
 #pragma once
 
 #include "imulab/estimate/whole_unit_problem.hpp"
@@ -7,12 +7,12 @@
 namespace imulab {
 
 struct StepwiseEstimate {
-  SensorModel model;              ///< of readings less the problem's centre
-  Eigen::MatrixXd covariance;     ///< of the problem's coefficients; zero where it was not asked for
+  SensorModel model;           ///< of readings less the problem's centre
+  Eigen::MatrixXd covariance;  ///< of the problem's coefficients; zero where it was not asked for
 };
 
-/// Needs a chamber with three temperatures, a rate table with opposed mounts along every axis, and a centrifuge with an accelerometer of each axis outward:
-/// throws Unsupported that says what is missing.
+/// Needs a chamber with three temperatures, a rate table with opposed mounts along every axis, and a centrifuge with an accelerometer of each axis
+/// outward: throws Unsupported that says what is missing.
 StepwiseEstimate stepwise_estimate(const WholeUnitProblem& problem, bool with_covariance);
 /// Has the session what the three steps need?
 bool has_three_steps(const WholeUnitProblem& problem);

@@ -47,7 +47,8 @@ TEST(WholeUnit, ErrorsAreAsLargeAsStated) {
     const Calibration steps = calibrate_whole_unit(s.recordings, s.session, options);
     stepwise_sum += squared_distance(steps, s.truth.model);
     for (Index k = 0; k < 57; ++k)  // least squares with the right weights: never worse. Equal ones differ by the points' weights alone.
-      EXPECT_LT(c.covariance(k, k), 1.02 * steps.covariance(k, k)) << coefficient_table()[static_cast<std::size_t>(c.estimated[static_cast<std::size_t>(k)])].name;
+      EXPECT_LT(c.covariance(k, k), 1.02 * steps.covariance(k, k))
+          << coefficient_table()[static_cast<std::size_t>(c.estimated[static_cast<std::size_t>(k)])].name;
   }
   for (const double total : {sum, stepwise_sum}) {
     EXPECT_GT(total, chi_square_quantile(0.5e-4, degrees));
@@ -65,12 +66,13 @@ TEST(WholeUnit, WithoutNoiseOrRigErrorsItIsTheTruth) {
     for (RecordingSource& source : session.recordings) source.gyro_temperature->noise = source.accel_temperature->noise = 0;
   });
   const Calibration c = calibrate_whole_unit(s.recordings, s.session, full());
-  // What is left is Earth's horizontal rate, which part of a turn does not average out: 5e-5 rad/s in a few of 246 points of up to 7 rad/s, and Coriolis'
-  // upward force, 2e-3 m/s^2 in a few of 42 points of up to 300 m/s^2.
+  // What is left is Earth's horizontal rate, which part of a turn does not average out: 5e-5 rad/s in a few of 246 points of up to 7 rad/s, and
+  // Coriolis' upward force, 2e-3 m/s^2 in a few of 42 points of up to 300 m/s^2.
   for (std::size_t k = 0; k < c.estimated.size(); ++k) {
     const Coefficient& e = coefficient_table()[static_cast<std::size_t>(c.estimated[k])];
     if (e.term != Term::matrix) continue;
-    EXPECT_NEAR(coefficient_value(c.model, c.estimated[k]), coefficient_value(s.truth.model, c.estimated[k]), e.triad == Triad::gyro ? 2e-6 : 1e-6) << e.name;
+    EXPECT_NEAR(coefficient_value(c.model, c.estimated[k]), coefficient_value(s.truth.model, c.estimated[k]), e.triad == Triad::gyro ? 2e-6 : 1e-6)
+        << e.name;
   }
 }
 
@@ -89,8 +91,13 @@ TEST(WholeUnit, OrdersThatAreNotThereAreLeftOut) {
     kept[test.term] = test.kept;
     EXPECT_EQ(test.kept, test.cross_validation_without > 1.005 * test.cross_validation_with || test.p_value < 0.01) << test.term;
   }
-  EXPECT_EQ(kept, (std::map<std::string, bool>{{"accel.cubic", true}, {"accel.quadratic", false}, {"accel.thermal second order", true}, {"gyro.cubic", false},
-                                               {"gyro.quadratic", true}, {"gyro.thermal second order", false}, {"gyro.g_sensitivity", true}}));
+  EXPECT_EQ(kept, (std::map<std::string, bool>{{"accel.cubic", true},
+                                               {"accel.quadratic", false},
+                                               {"accel.thermal second order", true},
+                                               {"gyro.cubic", false},
+                                               {"gyro.quadratic", true},
+                                               {"gyro.thermal second order", false},
+                                               {"gyro.g_sensitivity", true}}));
   EXPECT_EQ(c.estimated.size(), 57u - 9u);
   EXPECT_TRUE(c.model.gyro.cubic.isZero(0));
   EXPECT_LT(squared_distance(c, unit), chi_square_quantile(1 - 1e-4, 48));
@@ -138,7 +145,8 @@ TEST(WholeUnit, OffsetBinaryCountsGiveTheSameCalibration) {
     const Coefficient& e = coefficient_table()[static_cast<std::size_t>(si.estimated[k])];
     if (e.term != Term::thermal) continue;
     const auto i = static_cast<Index>(k);
-    EXPECT_NEAR(std::sqrt(counts.covariance(i, i) / si.covariance(i, i)), counts_per_si[e.triad == Triad::accel ? 0 : 1], 0.01 * counts_per_si[e.triad == Triad::accel ? 0 : 1]);
+    EXPECT_NEAR(std::sqrt(counts.covariance(i, i) / si.covariance(i, i)), counts_per_si[e.triad == Triad::accel ? 0 : 1],
+                0.01 * counts_per_si[e.triad == Triad::accel ? 0 : 1]);
   }
 }
 
@@ -173,7 +181,9 @@ TEST(WholeUnit, MissingMachinesLeaveTheirCoefficientsOpen) {
     // What is stated holds beyond what is open: its prior counts.
     const Eigen::VectorXd e = errors_of(calibration, s.truth.model);
     for (Index k = 0; k < e.size(); ++k)
-      EXPECT_LT(std::abs(e[k]), 5 * std::sqrt(calibration.covariance(k, k))) << "without " << c.machine << ": " << coefficient_table()[static_cast<std::size_t>(calibration.estimated[static_cast<std::size_t>(k)])].name;
+      EXPECT_LT(std::abs(e[k]), 5 * std::sqrt(calibration.covariance(k, k)))
+          << "without " << c.machine << ": "
+          << coefficient_table()[static_cast<std::size_t>(calibration.estimated[static_cast<std::size_t>(k)])].name;
   }
 }
 
@@ -201,7 +211,8 @@ TEST(WholeUnit, OneMountOnTheRateTableGivesOneColumn) {
     EXPECT_NEAR(c.quality.chi2_per_dof, 1, 0.4);  // some 300 degrees of freedom: five sigma
     const Eigen::VectorXd e = errors_of(c, s.truth.model);
     for (Index k = 0; k < e.size(); ++k)
-      EXPECT_LT(std::abs(e[k]), 5 * std::sqrt(c.covariance(k, k))) << coefficient_table()[static_cast<std::size_t>(c.estimated[static_cast<std::size_t>(k)])].name;
+      EXPECT_LT(std::abs(e[k]), 5 * std::sqrt(c.covariance(k, k)))
+          << coefficient_table()[static_cast<std::size_t>(c.estimated[static_cast<std::size_t>(k)])].name;
   }
 }
 
@@ -213,7 +224,8 @@ TEST(WholeUnit, FewTemperaturesAndOneSenseOfRotationAreEnough) {
   });
   const Calibration c = calibrate_whole_unit(s.recordings, s.session);
   for (const TermTest& test : c.quality.term_tests)
-    EXPECT_TRUE(test.kept || test.term != "accel.thermal second order") << test.p_value;  // though points left out of three temperatures are not predicted
+    EXPECT_TRUE(test.kept || test.term != "accel.thermal second order")
+        << test.p_value;  // though points left out of three temperatures are not predicted
   EXPECT_LT(squared_distance(c, s.truth.model), chi_square_quantile(1 - 1e-5, static_cast<double>(c.estimated.size())));
 }
 

@@ -27,13 +27,24 @@ TriadDerivatives derivatives(Triad triad, const TriadModel& m, const Vector3d& r
   for (int k = first; k < coefficient_count && table[static_cast<std::size_t>(k)].triad == triad; ++k) {
     const Coefficient& c = table[static_cast<std::size_t>(k)];
     switch (c.term) {
-      case Term::offset: d.coefficients(c.row, k) = 1; break;
-      case Term::matrix: d.coefficients(c.row, k) = v[c.column]; break;
-      case Term::quadratic: d.coefficients(c.row, k) = v[c.row] * v[c.row]; break;
-      case Term::cubic: d.coefficients(c.row, k) = v[c.row] * v[c.row] * v[c.row]; break;
-      case Term::thermal: d.coefficients.col(k) = -d.raw.col(c.row) * (c.column == 1 ? tau[c.row] : tau[c.row] * tau[c.row]); break;
+      case Term::offset:
+        d.coefficients(c.row, k) = 1;
+        break;
+      case Term::matrix:
+        d.coefficients(c.row, k) = v[c.column];
+        break;
+      case Term::quadratic:
+        d.coefficients(c.row, k) = v[c.row] * v[c.row];
+        break;
+      case Term::cubic:
+        d.coefficients(c.row, k) = v[c.row] * v[c.row] * v[c.row];
+        break;
+      case Term::thermal:
+        d.coefficients.col(k) = -d.raw.col(c.row) * (c.column == 1 ? tau[c.row] : tau[c.row] * tau[c.row]);
+        break;
       case Term::g_sensitivity:
-      case Term::lever_arm: break;
+      case Term::lever_arm:
+        break;
     }
   }
   return d;

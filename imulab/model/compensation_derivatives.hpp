@@ -11,10 +11,10 @@ namespace imulab {
 
 /// Rows of every matrix: force x y z [m/s^2], rate x y z [rad/s].
 struct CompensationDerivatives {
-  Motion motion;                                               ///< compensate(model, raw)
-  Eigen::Matrix<double, 6, coefficient_count> coefficients;    ///< by table index; lever arms do not act on a sample alone
-  Eigen::Matrix<double, 6, 6> raw;                             ///< accel x y z, gyro x y z
-  Eigen::Matrix<double, 6, 6> temperature;                     ///< accel tau x y z, gyro tau x y z
+  Motion motion;                                             ///< compensate(model, raw)
+  Eigen::Matrix<double, 6, coefficient_count> coefficients;  ///< by table index; lever arms do not act on a sample alone
+  Eigen::Matrix<double, 6, 6> raw;                           ///< accel x y z, gyro x y z
+  Eigen::Matrix<double, 6, 6> temperature;                   ///< accel tau x y z, gyro tau x y z
 };
 CompensationDerivatives compensation_derivatives(const SensorModel& model, const RawSample& raw);
 

@@ -78,7 +78,8 @@ Calibration in_gauge_of(const Calibration& a, const Calibration& b) {
     const bool drifts = !of_a.thermal.isZero(0) || !of_b.thermal.isZero(0);
     if (of_a.temperature->unit == of_b.temperature->unit) return of_a.temperature->reference;
     if (drifts)
-      throw Error("thermal terms of readings in " + of_a.temperature->unit + " and in " + of_b.temperature->unit + " cannot be compared: the same unit was expected");
+      throw Error("thermal terms of readings in " + of_a.temperature->unit + " and in " + of_b.temperature->unit +
+                  " cannot be compared: the same unit was expected");
     return of_b.temperature->reference;
   };
   return with_references(b, reference(a.model.accel, b.model.accel), reference(a.model.gyro, b.model.gyro));

@@ -1,5 +1,6 @@
 // One reading, several models: a shift of the raw reading drags offset, matrix and quadratic terms along, and so does a change of the reference
-// temperature, at which the thermal drift is zero by definition (c0 = d0 = 0 at T0). Before calibrations are compared they are brought to one reference.
+// temperature, at which the thermal drift is zero by definition (c0 = d0 = 0 at T0). Before calibrations are compared they are brought to one
+// reference.
 #pragma once
 
 #include "imulab/model/calibration.hpp"

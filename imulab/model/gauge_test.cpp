@@ -1,10 +1,10 @@
 #include "imulab/model/gauge.hpp"
 
-#include <gtest/gtest.h>
-
 #include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/model/compensation_derivatives.hpp"
+
+#include <gtest/gtest.h>
 
 namespace imulab {
 namespace {
@@ -12,7 +12,8 @@ namespace {
 SensorModel unit() {
   const RandomStream draws(1, "gauge");
   SensorModel model;
-  for (int k = 0; k < coefficient_count; ++k) set_coefficient(model, k, coefficient_value(model, k) + 0.05 * draws.normal(static_cast<std::uint64_t>(k)));
+  for (int k = 0; k < coefficient_count; ++k)
+    set_coefficient(model, k, coefficient_value(model, k) + 0.05 * draws.normal(static_cast<std::uint64_t>(k)));
   model.accel.temperature = ThermalReading{"degC", 25, {0, 70}};
   model.gyro.temperature = ThermalReading{"raw", 5000, {4990, 5010}};
   return model;
@@ -32,7 +33,8 @@ TEST(Gauge, AnotherReferenceIsTheSameCompensation) {
     EXPECT_LT((x.force - y.force).norm(), 1e-12);  // rounding of numbers of order one
     EXPECT_LT((x.rate - y.rate).norm(), 1e-12);
   }
-  EXPECT_NEAR(coefficient_value(with_references(b, 25, 5000), coefficient_index("accel.offset.y")), coefficient_value(a, coefficient_index("accel.offset.y")), 1e-12);
+  EXPECT_NEAR(coefficient_value(with_references(b, 25, 5000), coefficient_index("accel.offset.y")),
+              coefficient_value(a, coefficient_index("accel.offset.y")), 1e-12);
 }
 
 /// The uncertainty of the output is the same in every gauge.

@@ -85,10 +85,9 @@ std::string step_name(const Step& step, std::size_t index) {
 void expect_possible(const RigDeclaration& rig, std::span<const Step> steps) {
   for (std::size_t k = 0; k < steps.size(); ++k) {
     const Step& step = steps[k];
-    const auto refuse = [&](const std::string& why) {
-      throw Error(fmt::format("{}: {}", step_name(step, k), why));
-    };
-    if (step.kind == StepKind::rotate) refuse(fmt::format("on a {} {} was expected", to_string(rig.kind), rig.kind == RigKind::chamber ? "kind hold" : "kind hold or spin"));
+    const auto refuse = [&](const std::string& why) { throw Error(fmt::format("{}: {}", step_name(step, k), why)); };
+    if (step.kind == StepKind::rotate)
+      refuse(fmt::format("on a {} {} was expected", to_string(rig.kind), rig.kind == RigKind::chamber ? "kind hold" : "kind hold or spin"));
     if (step.kind == StepKind::hold) {
       if (step.angles[1] != 0 || step.angles[2] != 0) refuse("middle_deg and inner_deg of 0 were expected: its one axis is the outer");
       continue;

@@ -1,10 +1,11 @@
-// Machines that hold the unit by its faces: a rate table or centrifuge, which turn it about one vertical axis, and a thermal chamber, which stands still
-// (Dai 2011 section 3). What an ideal unit reads there on average, in closed form, as a function of the machine's errors.
+// Machines that hold the unit by its faces: a rate table or centrifuge, which turn it about one vertical axis, and a thermal chamber, which stands
+// still (Dai 2011 section 3). What an ideal unit reads there on average, in closed form, as a function of the machine's errors.
 //
 //   k       the axis: up, but for the tilt of the machine
 //   C_nb  = R_tilt R(up, angle) C_mount R(mount)      C_mount: `up` points up and, at zero angle, `outward` north
 //   w     = k_b (W + w_ie . k)                        W = rate (1 + rate error); Earth's horizontal rate averages out as the axis turns
-//   f     = k_b g_k - outward_b (W + w_ie . k)^2 r_i  for accelerometer i at its own radius r_i; Coriolis' outward part is in the square, the upward one
+//   f     = k_b g_k - outward_b (W + w_ie . k)^2 r_i  for accelerometer i at its own radius r_i; Coriolis' outward part is in the square, the upward
+//   one
 //                                                     comes from Earth's horizontal rate
 #pragma once
 
@@ -35,10 +36,10 @@ std::vector<RigErrorSource> machine_error_sources(const RigDeclaration& rig, std
 /// The errors that act on one step.
 template <class T>
 struct MachineErrors {
-  Eigen::Vector2<T> tilt = Eigen::Vector2<T>::Zero();    ///< about east, about north, rad
-  Eigen::Vector3<T> mount = Eigen::Vector3<T>::Zero();   ///< rotation vector in body axes, rad
-  T rate = T(0);                                         ///< relative
-  T radius = T(0);                                       ///< m
+  Eigen::Vector2<T> tilt = Eigen::Vector2<T>::Zero();   ///< about east, about north, rad
+  Eigen::Vector3<T> mount = Eigen::Vector3<T>::Zero();  ///< rotation vector in body axes, rad
+  T rate = T(0);                                        ///< relative
+  T radius = T(0);                                      ///< m
 };
 
 /// Those of one mount.
@@ -53,8 +54,8 @@ void expect_possible(const RigDeclaration& rig, std::span<const Step> steps);
 /// Surroundings of a machine.
 template <class T>
 struct Place {
-  T gravity;                  ///< m/s^2
-  Vector3d rate_ie_n;         ///< rad/s
+  T gravity;           ///< m/s^2
+  Vector3d rate_ie_n;  ///< rad/s
 };
 
 template <class T>

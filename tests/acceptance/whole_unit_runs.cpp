@@ -1,7 +1,5 @@
-// Simulated whole-unit sessions, and their Fisher information, derived apart from the estimator: raw means as a function of the coefficients and of every
-// error of the machines, which are unknowns with a prior; derivatives by differences through the inverse of the sensor model.
-#include "tests/acceptance/acceptance.hpp"
-
+// Simulated whole-unit sessions, and their Fisher information, derived apart from the estimator: raw means as a function of the coefficients and of
+// every error of the machines, which are unknowns with a prior; derivatives by differences through the inverse of the sensor model.
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
@@ -15,6 +13,7 @@
 #include <fmt/core.h>
 #include <tbb/parallel_for.h>
 
+#include "tests/acceptance/acceptance.hpp"
 #include "tests/whole_unit_session.hpp"
 #include <algorithm>
 #include <cmath>
@@ -96,13 +95,20 @@ std::vector<Point> points_of(const WholeUnitSession& s, VectorXd& sigma) {
 double step_of(const Coefficient& c) {
   const double full = c.triad == Triad::accel ? 300 : 7;
   switch (c.term) {
-    case Term::offset: return 1e-2 * full;
-    case Term::matrix: return 1e-2;
-    case Term::quadratic: return 1e-2 / full;
-    case Term::cubic: return 1e-2 / (full * full);
-    case Term::thermal: return 1e-2 * full / std::pow(50.0, c.column);
-    case Term::g_sensitivity: return 1e-2 * 7 / 300;
-    case Term::lever_arm: break;
+    case Term::offset:
+      return 1e-2 * full;
+    case Term::matrix:
+      return 1e-2;
+    case Term::quadratic:
+      return 1e-2 / full;
+    case Term::cubic:
+      return 1e-2 / (full * full);
+    case Term::thermal:
+      return 1e-2 * full / std::pow(50.0, c.column);
+    case Term::g_sensitivity:
+      return 1e-2 * 7 / 300;
+    case Term::lever_arm:
+      break;
   }
   return 1;
 }
@@ -114,7 +120,9 @@ Matrix6 noise_of(const Point& p, const WholeUnitSession& s, const Vector6& motio
   Matrix6 by_motion;  // d raw / d (force, rate)
   for (Index k = 0; k < 6; ++k) {
     const double h = k < 3 ? 1e-3 : 1e-4;
-    by_motion.col(k) = (raw_of(model, motion + h * Vector6::Unit(k), p.accel_tau, p.gyro_tau) - raw_of(model, motion - h * Vector6::Unit(k), p.accel_tau, p.gyro_tau)) / (2 * h);
+    by_motion.col(k) = (raw_of(model, motion + h * Vector6::Unit(k), p.accel_tau, p.gyro_tau) -
+                        raw_of(model, motion - h * Vector6::Unit(k), p.accel_tau, p.gyro_tau)) /
+                       (2 * h);
   }
   const double rate_hz = 1 / s.recordings.front().interval_s;
   Vector6 white;
@@ -124,7 +132,8 @@ Matrix6 noise_of(const Point& p, const WholeUnitSession& s, const Vector6& motio
     const Vector3d up = mount_attitude(mount_of(p.step)).row(2);
     const Matrix3d across = Matrix3d::Identity() - up * up.transpose();
     const double earth = earth_rate_enu(*site.latitude).head<2>().norm();
-    in_motion.topLeftCorner<3, 3>() += std::pow(kept * site.gravity() * p.rig->zero.value, 2) * 2 * across + std::pow(2 * kept * p.step.rate * p.step.radius[0] * earth, 2) * (up * up.transpose());
+    in_motion.topLeftCorner<3, 3>() += std::pow(kept * site.gravity() * p.rig->zero.value, 2) * 2 * across +
+                                       std::pow(2 * kept * p.step.rate * p.step.radius[0] * earth, 2) * (up * up.transpose());
     in_motion.bottomRightCorner<3, 3>() += std::pow(kept * earth, 2) * across;
   }
   Matrix6 noise = by_motion * in_motion * by_motion.transpose();
@@ -213,7 +222,8 @@ std::vector<Check> whole_unit_outputs(int runs) {
     Vector6 error;
     error << out.force, out.rate;
     error -= motion;
-    results[static_cast<std::size_t>(i)] = {error.dot(output_covariance(c, raw).ldlt().solve(error)), errors_of(c, s.truth.model), errors_of(steps, s.truth.model)};
+    results[static_cast<std::size_t>(i)] = {error.dot(output_covariance(c, raw).ldlt().solve(error)), errors_of(c, s.truth.model),
+                                            errors_of(steps, s.truth.model)};
     if (i == 0) indices = c.estimated;
   });
   const double n = runs, dof = 6 * n;
