@@ -155,6 +155,7 @@ TEST(WholeUnitBadInput, RepeatedPointsAreMorePoints) {
 }
 
 TEST(WholeUnitBadInput, OtherRigsAndMissingSamplesAreNamed) {
+  EXPECT_THAT(error_of({}, good().session), HasSubstr("0 recordings were given, 3 are declared"));
   EXPECT_THAT(error_of(good().recordings, changed([](Session& s) { s.rigs[1].kind = RigKind::turntable; })), HasSubstr("rig of kind \"turntable\""));
   const Session late = changed([](Session& s) { s.steps.back().start += 1e5, s.steps.back().end += 1e5; });
   EXPECT_THAT(calibrate_whole_unit(good().recordings, late).quality.warnings, Contains(HasSubstr("0 samples in it, left out")));

@@ -165,6 +165,9 @@ std::string WholeUnitPoint::name(const Session& session) const {
 }
 
 WholeUnitPoints whole_unit_points(const std::vector<Recording>& recordings, const Session& session) {
+  if (recordings.empty() || recordings.size() != session.recordings.size())
+    throw Error(fmt::format("{}: {} recordings were given, {} are declared: one for each was expected", session.file, recordings.size(),
+                            session.recordings.size()));
   check_units(recordings, session);
   WholeUnitPoints all;
   all.interval_s = recordings.front().interval_s;
