@@ -182,7 +182,7 @@ WholeUnitPoints whole_unit_points(const std::vector<Recording>& recordings, cons
     try {
       expect_possible(*rig, steps_of(session, source));
     } catch (const Error& e) {
-      throw Error(fmt::format("{}: {}: {}", session.file, source.file, e.what()));
+      throw Error(fmt::format("{}: {}", session.file, e.what()));
     }
     std::size_t number = 0;
     for (const Step& step : session.steps) {
