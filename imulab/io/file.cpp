@@ -49,6 +49,14 @@ MappedFile::~MappedFile() {
 }
 
 WholeFile::WholeFile(const std::filesystem::path& path) : path_(path), temporary_(path.string() + ".XXXXXX") {
+  const fs::file_status status = fs::status(path);
+  if (fs::exists(status) && !fs::is_regular_file(status) &&
+      !fs::is_directory(status)) {  // a device or a pipe takes what comes; a file in its place would end it
+    temporary_.clear();
+    descriptor_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    if (descriptor_ < 0) fail(path, "cannot be written");
+    return;
+  }
   errno = 0;
   descriptor_ = ::mkstemp(temporary_.data());  // in the same folder, so that the rename is atomic
   if (descriptor_ < 0) fail(path_, "cannot be written");
@@ -69,6 +77,7 @@ void WholeFile::write(std::string_view text) {
 }
 
 void WholeFile::commit() {
+  if (temporary_.empty()) return;
   const mode_t mask = ::umask(0);  // mkstemp's file is private: give it what the user gives new files
   ::umask(mask);
   if (::fchmod(descriptor_, 0666 & ~mask) != 0 || ::rename(temporary_.c_str(), path_.c_str()) != 0) fail(path_, "cannot be written");

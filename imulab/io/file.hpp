@@ -21,7 +21,8 @@ class MappedFile {
   std::size_t size_ = 0;
 };
 
-/// A file being written: a temporary beside its place that takes its name at commit(), or vanishes. Throws Error.
+/// A file being written: a temporary beside its place that takes its name at commit(), or vanishes. A device or a pipe is written as it is. Throws
+/// Error.
 class WholeFile {
  public:
   explicit WholeFile(const std::filesystem::path& path);

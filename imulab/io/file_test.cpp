@@ -6,8 +6,11 @@
 #include <gtest/gtest.h>
 
 #include "tests/temporary_folder.hpp"
+#include <fcntl.h>
 #include <fstream>
 #include <string>
+#include <sys/stat.h>
+#include <unistd.h>
 
 namespace imulab {
 namespace {
@@ -45,6 +48,21 @@ TEST(File, AppearsWholeOrNotAtAll) {
   std::size_t files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder.path())) files += entry.is_regular_file();
   EXPECT_EQ(files, 1) << "a temporary file was left behind";
+}
+
+/// As -o /dev/null: the rename that makes files whole would put a file in the device's place.
+TEST(File, APipeOrDeviceStaysWhatItIs) {
+  const TemporaryFolder folder;
+  const std::string pipe = (folder / "pipe").string();
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  write_whole(pipe, "abc");
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  char text[4] = {};
+  EXPECT_EQ(::read(reader, text, sizeof text), 3);
+  EXPECT_STREQ(text, "abc");
+  ::close(reader);
 }
 
 TEST(File, NamesWhatCannotBeRead) {
