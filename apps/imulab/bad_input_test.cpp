@@ -108,7 +108,7 @@ TEST(BadInput, ACommandThatIsWrong) {
            {"calibrate session --method static --terms ''", "--terms: unknown coefficient \"\""},
            {"calibrate session --method handheld --terms accel.cubic",
             "--terms: accel.cubic.x is not a coefficient that the method handheld estimates"},
-           {"calibrate session --method static --recording other.csv", "session/session.toml: no recording has file = \"other.csv\""},
+           {"calibrate session --method static --recording other.csv", "session/session.toml: has no recording other.csv, expected --recording with one of recording.csv"},
            {"calibrate nowhere --method static", "nowhere: cannot be opened: No such file"},
            {"calibrate session/recording.csv --method static", "session/recording.csv:1: "},
            {"calibrate session --method static -o nowhere/c.json", "nowhere/c.json: cannot be written: No such file"},

@@ -46,18 +46,6 @@ std::string utc_now() {
   return text;
 }
 
-const RecordingSource& choose_recording(const Session& session, const std::string& name) {
-  if (session.recordings.empty()) throw Error(session.file + ": [[recording]]: expected at least one");
-  if (name.empty()) {
-    if (session.recordings.size() > 1)
-      throw Error(fmt::format("{}: {} recordings: this method uses one; choose it with --recording FILE", session.file, session.recordings.size()));
-    return session.recordings.front();
-  }
-  for (const RecordingSource& source : session.recordings)
-    if (source.file == name) return source;
-  throw Error(fmt::format("{}: no recording has file = \"{}\"", session.file, name));
-}
-
 /// "auto" and "full" are empty; else selectors separated by commas.
 std::vector<int> parse_terms(const std::string& terms) {
   std::vector<int> indices;
@@ -99,7 +87,6 @@ Outcome whole_unit(const CalibrateArguments& arguments, Session session) {
   options.full = arguments.terms == "full";
   options.stepwise = arguments.stepwise;
   if (!arguments.recording.empty()) session.recordings = {choose_recording(session, arguments.recording)};
-  if (session.recordings.empty()) throw Error(session.file + ": [[recording]]: expected at least one");
   std::erase_if(session.steps, [&](const Step& step) {
     return std::none_of(session.recordings.begin(), session.recordings.end(), [&](const RecordingSource& r) { return r.file == step.recording; });
   });

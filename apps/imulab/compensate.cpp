@@ -66,7 +66,7 @@ void compensate_files(const CompensateOptions& options) {
   const Session session = read_session(options.session);
   if (session.recordings.empty()) throw Error(session.file + ": has no recordings, expected a session with at least one");
   const std::vector<fs::path> files = output_files(session, options.output);
-  for (const fs::path& file : files) check_inputs_stay(options, session, file.string());
+  for (const fs::path& file : files) expect_inputs_stay(file.string(), session, {options.calibration});
   std::vector<CompensatedRecording> recordings;  // all are compensated before any is written
   for (const auto& source : session.recordings) recordings.push_back(compensated(calibration, session, source, options.outliers));
   if (files[0].has_parent_path()) {
@@ -82,10 +82,6 @@ void compensate_files(const CompensateOptions& options) {
 void print_counts(const std::string& file, const CompensateCounts& counts, Outliers outliers) {
   fmt::print("{}: {} samples, {} saturated, {} outside the calibrated temperatures{}\n", file, counts.samples, counts.saturated, counts.out_of_range,
              outliers == Outliers::reject ? fmt::format(", {} with an outlier replaced", counts.replaced) : "");
-}
-
-void check_inputs_stay(const CompensateOptions& options, const Session& session, const std::string& output) {
-  expect_inputs_stay(output, session, {options.calibration});
 }
 
 void add_compensate(CLI::App& app) {

@@ -22,9 +22,6 @@ struct CompensateCounts {
 /// "out.csv: 100 samples, 0 saturated, 0 outside the calibrated temperatures"; of outliers where they are rejected.
 void print_counts(const std::string& file, const CompensateCounts& counts, Outliers outliers);
 
-/// The raw data are never overwritten. Throws Error.
-void check_inputs_stay(const CompensateOptions& options, const Session& session, const std::string& output);
-
 /// Standard input to standard output or a file, row by row.
 void compensate_stream(const CompensateOptions& options);
 

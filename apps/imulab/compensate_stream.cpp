@@ -8,11 +8,9 @@
 #include "imulab/io/compensated_file.hpp"
 #include "imulab/io/recording_stream.hpp"
 #include "imulab/io/session_file.hpp"
-#include "imulab/io/text.hpp"
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <unistd.h>
@@ -20,17 +18,6 @@
 namespace imulab::command {
 
 namespace {
-
-const RecordingSource& chosen_recording(const Session& session, const std::string& file) {
-  std::vector<std::string_view> files;
-  for (const RecordingSource& source : session.recordings) {
-    if (source.file == file || (file.empty() && session.recordings.size() == 1)) return source;
-    files.push_back(source.file);
-  }
-  if (files.empty()) throw Error(session.file + ": has no recordings, expected one that says what standard input holds");
-  throw Error(fmt::format("{}: {}, expected --recording with one of {}", session.file,
-                          file.empty() ? "has several recordings" : "has no recording " + file, listed(files)));
-}
 
 /// Rows on their way out: a file, or standard output. It is made with the first rows.
 class Rows {
@@ -70,8 +57,8 @@ void compensate_stream(const CompensateOptions& options) {
     throw Error(fmt::format("-o {}: expected a .csv file, or - for standard output", options.output));
   const Calibration calibration = read_calibration(options.calibration);
   const Session session = read_session(options.stream_session);
-  const RecordingSource& source = chosen_recording(session, options.recording);
-  check_inputs_stay(options, session, options.output);
+  const RecordingSource& source = choose_recording(session, options.recording);
+  expect_inputs_stay(options.output, session, {options.calibration});
   std::error_code no_such_file;
   if (std::filesystem::equivalent("/dev/stdin", options.output, no_such_file))
     throw Error(fmt::format("-o {}: would overwrite standard input's file, expected another place", options.output));

@@ -4,6 +4,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording_file.hpp"
 #include "imulab/io/session_file.hpp"
+#include "imulab/io/text.hpp"
 
 #include <fmt/core.h>
 
@@ -32,6 +33,17 @@ Recording read_for(const Calibration& calibration, const Session& session, const
   RecordingReading reading = read_recording(session, source);
   for (const auto& text : reading.warnings) warn(text);
   return std::move(reading.recording);
+}
+
+const RecordingSource& choose_recording(const Session& session, const std::string& name) {
+  std::vector<std::string_view> files;
+  for (const RecordingSource& source : session.recordings) {
+    if (source.file == name || (name.empty() && session.recordings.size() == 1)) return source;
+    files.push_back(source.file);
+  }
+  if (files.empty()) throw Error(session.file + ": has no recordings, expected at least one [[recording]]");
+  throw Error(fmt::format("{}: {}, expected --recording with one of {}", session.file,
+                          name.empty() ? "has several recordings" : "has no recording " + name, listed(files)));
 }
 
 void expect_inputs_stay(const std::string& output, const Session& session, std::vector<std::filesystem::path> inputs) {

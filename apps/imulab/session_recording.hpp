@@ -17,6 +17,9 @@ void check_thermal_units(const Calibration& calibration, const RecordingSource& 
 /// Warns of what was met. Throws Error where a temperature is in another unit than in the calibration.
 Recording read_for(const Calibration& calibration, const Session& session, const RecordingSource& source);
 
+/// The recording of that file; the only one where no name is given. Throws Error that lists them.
+const RecordingSource& choose_recording(const Session& session, const std::string& name);
+
 /// Raw data are never overwritten: throws Error where `output` is the session's file, one of its recordings, or one of `more`.
 void expect_inputs_stay(const std::string& output, const Session& session, std::vector<std::filesystem::path> more = {});
 

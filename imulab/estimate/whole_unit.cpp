@@ -67,7 +67,7 @@ void check_units(const WholeUnitProblem& problem, const std::vector<Part>& parts
   }
 }
 
-/// Coefficients and covariance of readings, not of readings less their centre.
+/// Coefficients and covariance of readings, not of readings less their center.
 void set_estimate(Calibration& calibration, const WholeUnitProblem& problem, SensorModel model, const SensorModel& start,
                   const std::vector<Part>& parts, MatrixXd covariance) {
   const auto& indices = problem.coefficients();
@@ -77,7 +77,7 @@ void set_estimate(Calibration& calibration, const WholeUnitProblem& problem, Sen
     SensorModel one;
     one.accel.matrix.setZero(), one.gyro.matrix.setZero();
     set_coefficient(one, indices[static_cast<std::size_t>(k)], 1);
-    const SensorModel moved = uncentred(one, problem.center());
+    const SensorModel moved = uncentered(one, problem.center());
     for (Index i = 0; i < n; ++i) transfer(i, k) = coefficient_value(moved, indices[static_cast<std::size_t>(i)]);
   }
   std::vector<char> kept(indices.size());
@@ -95,7 +95,7 @@ void set_estimate(Calibration& calibration, const WholeUnitProblem& problem, Sen
     at.push_back(i);
     calibration.estimated.push_back(indices[k]);
   }
-  calibration.model = uncentred(model, problem.center());
+  calibration.model = uncentered(model, problem.center());
   calibration.covariance = covariance(at, at);
 }
 
@@ -164,11 +164,11 @@ Calibration calibrate_whole_unit(const std::vector<Recording>& recordings, const
   if (options.stepwise && !options.terms.empty()) throw Error("stepwise: Dai's steps estimate all coefficients; terms cannot be chosen");
   if (!session.site.latitude) throw Error(session.file + ": [site]: latitude_deg was expected: the gyros read the Earth's rate on every machine");
   const WholeUnitPoints points = whole_unit_points(recordings, session);
-  const Vector6d centre = reading_centre(points);
-  const SensorModel start = start_model(points, session, centre);
-  check_mounts(points, session, start, centre);
+  const Vector6d center = reading_center(points);
+  const SensorModel start = start_model(points, session, center);
+  check_mounts(points, session, start, center);
 
-  WholeUnitProblem problem(points, session, start, centre);
+  WholeUnitProblem problem(points, session, start, center);
   const WholeUnitOutcome outcome = estimate(problem, WholeUnitPrior(problem, start), options);
   check_units(problem, outcome.parts);
   const auto n = static_cast<Index>(problem.coefficients().size());

@@ -22,12 +22,8 @@ const Coefficient& coefficient(int index) { return coefficient_table()[static_ca
 
 WholeUnitPrior::WholeUnitPrior(const WholeUnitProblem& problem, const SensorModel& start) : mean_(start) {
   const WholeUnitPoints& points = problem.points();
-  full_scale_[0] = problem.session().site.gravity(), full_scale_[1] = 1 * unit::deg;
-  for (const WholeUnitPoint& p : points.points) {
-    const Motion m = problem.motion(p);
-    full_scale_[0] = std::max(full_scale_[0], m.force.cwiseAbs().maxCoeff());
-    full_scale_[1] = std::max(full_scale_[1], m.rate.cwiseAbs().maxCoeff());
-  }
+  const auto [force, rate] = problem.full_scale();
+  full_scale_[0] = std::max(force, problem.session().site.gravity()), full_scale_[1] = std::max(rate, 1 * unit::deg);
   scale_[0] = start.accel.matrix.diagonal().cwiseAbs(), scale_[1] = start.gyro.matrix.diagonal().cwiseAbs();
   for (std::size_t triad = 0; triad < 2; ++triad) {
     const double least = points.thermal_unit[triad] == "raw" ? 1e-6 : 10;

@@ -179,16 +179,15 @@ WholeUnitPoints whole_unit_points(const std::vector<Recording>& recordings, cons
     if (!is_machine(rig->kind))
       throw Error(fmt::format("{}: {} is from a rig of kind \"{}\": whole-unit calibration uses rate_table, centrifuge and chamber", session.file,
                               source.file, to_string(rig->kind)));
+    const std::vector<Step> steps = steps_of(session, source);
     try {
-      expect_possible(*rig, steps_of(session, source));
+      expect_possible(*rig, steps);
     } catch (const Error& e) {
       throw Error(fmt::format("{}: {}", session.file, e.what()));
     }
     std::size_t number = 0;
-    for (const Step& step : session.steps) {
-      if (session.recordings.size() > 1 && step.recording != source.file) continue;
+    for (const Step& step : steps) {
       ++number;
-      if (step.kind == StepKind::rotate) continue;
       WholeUnitPoint point{r, number, step, 0, {}, {}, {}, {}};
       const Range range = samples_of(recordings[r], step);
       point.samples = range.size();

@@ -92,11 +92,8 @@ WholeUnitProblem::WholeUnitProblem(WholeUnitPoints points, const Session& sessio
   common_.push_back({"", {}, session.site.gravity_sigma(), 0});  // "gravity"
   for (const RecordingSource& source : session.recordings) {
     const RigDeclaration& rig = *rig_of(session, source);
-    std::vector<Step> steps;
-    for (const Step& step : session.steps)
-      if (session.recordings.size() < 2 || step.recording == source.file) steps.push_back(step);
     std::vector<std::size_t>& acting = acting_.emplace_back();
-    for (const RigErrorSource& error : machine_error_sources(rig, steps)) {
+    for (const RigErrorSource& error : rig_error_sources(session, source)) {
       const auto known =
           std::find_if(common_.begin() + 1, common_.end(), [&](const CommonError& c) { return c.rig == rig.name && same_source(c.source, error); });
       acting.push_back(static_cast<std::size_t>(known - common_.begin()));
@@ -118,6 +115,16 @@ void WholeUnitProblem::measure_noise() {
     noise_.segment<3>(static_cast<Index>(3 * triad)).setConstant(*density * *density / points_.interval_s);
   }
   noise_ = noise_.cwiseProduct(points_.correlation);
+}
+
+std::array<double, 2> WholeUnitProblem::full_scale() const {
+  std::array<double, 2> full{};
+  for (const WholeUnitPoint& point : points_.points) {
+    const Motion m = motion(point);
+    full[0] = std::max(full[0], m.force.cwiseAbs().maxCoeff());
+    full[1] = std::max(full[1], m.rate.cwiseAbs().maxCoeff());
+  }
+  return full;
 }
 
 RigKind WholeUnitProblem::kind(const WholeUnitPoint& point) const { return rig_of(*session_, session_->recordings[point.recording])->kind; }

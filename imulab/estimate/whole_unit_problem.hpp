@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include <array>
 #include <limits>
 #include <string>
 #include <vector>
@@ -74,6 +75,7 @@ class WholeUnitProblem {
   const Vector6d& center() const { return center_; }
   const Session& session() const { return *session_; }
   RigKind kind(const WholeUnitPoint& point) const;
+  std::array<double, 2> full_scale() const;  ///< the largest force and rate along an axis that the machines made, m/s^2 and rad/s
 
   RawSample sample(const WholeUnitPoint& point) const;
   /// The machine's motion at this point, and its derivative by eta.

@@ -29,12 +29,7 @@ std::string open_reason(const WholeUnitProblem& problem, const Coefficient& c) {
 
 std::vector<FitResidual> fit_residuals(const WholeUnitProblem& problem) {
   std::vector<FitResidual> out;
-  double full_scale[2] = {0, 0};
-  for (const WholeUnitPoint& p : problem.points().points) {
-    const Motion m = problem.motion(p);
-    full_scale[0] = std::max(full_scale[0], m.force.cwiseAbs().maxCoeff());
-    full_scale[1] = std::max(full_scale[1], m.rate.cwiseAbs().maxCoeff());
-  }
+  const std::array<double, 2> full_scale = problem.full_scale();
   for (int channel = 0; channel < 6; ++channel) {
     const std::size_t triad = channel < 3 ? 0 : 1;
     FitResidual r{fmt::format("{}.{}", triad == 0 ? "accel" : "gyro", "xyz"[channel % 3]), 0, 0, full_scale[triad]};

@@ -41,13 +41,13 @@ double reference_temperature(const WholeUnitPoints& points, const Session& sessi
   return std::round(n > 0 ? sum / n : 0.5 * (points.thermal_range_low[triad] + points.thermal_range_high[triad]));
 }
 
-/// out = offset + matrix (raw - centre), by least squares of the points that `used` says.
+/// out = offset + matrix (raw - center), by least squares of the points that `used` says.
 struct Linear {
   Vector3d offset;
   Matrix3d matrix;
 };
 template <class Used>
-std::optional<Linear> linear_fit(const WholeUnitPoints& points, const Session& session, const Vector6d& centre, std::size_t triad, const Used& used) {
+std::optional<Linear> linear_fit(const WholeUnitPoints& points, const Session& session, const Vector6d& center, std::size_t triad, const Used& used) {
   std::vector<const WholeUnitPoint*> chosen;
   for (const WholeUnitPoint& p : points.points)
     if (used(p)) chosen.push_back(&p);
@@ -56,7 +56,7 @@ std::optional<Linear> linear_fit(const WholeUnitPoints& points, const Session& s
   for (Index k = 0; k < n; ++k) {
     const WholeUnitPoint& p = *chosen[static_cast<std::size_t>(k)];
     const auto channels = static_cast<Index>(3 * triad);
-    x.row(k) << 1, (p.raw - centre).segment<3>(channels).transpose();
+    x.row(k) << 1, (p.raw - center).segment<3>(channels).transpose();
     const SteadyMotion<double> m = motion_of(p.step, session);
     y.row(k) = triad == 0 ? m.force : m.rate;
   }
@@ -71,16 +71,16 @@ std::optional<Linear> linear_fit(const WholeUnitPoints& points, const Session& s
 
 }  // namespace
 
-Vector6d reading_centre(const WholeUnitPoints& points) {
+Vector6d reading_center(const WholeUnitPoints& points) {
   Vector6d low = points.points.front().raw, high = low;
   for (const WholeUnitPoint& p : points.points) low = low.cwiseMin(p.raw), high = high.cwiseMax(p.raw);
   const Vector6d middle = 0.5 * (low + high), half = 0.5 * (high - low);
-  Vector6d centre;
-  for (Index k = 0; k < 6; ++k) centre[k] = std::abs(middle[k]) > half[k] && std::abs(middle[k]) > 1000 ? std::round(middle[k]) : 0;  // counts
-  return centre;
+  Vector6d center;
+  for (Index k = 0; k < 6; ++k) center[k] = std::abs(middle[k]) > half[k] && std::abs(middle[k]) > 1000 ? std::round(middle[k]) : 0;  // counts
+  return center;
 }
 
-SensorModel start_model(const WholeUnitPoints& points, const Session& session, const Vector6d& centre) {
+SensorModel start_model(const WholeUnitPoints& points, const Session& session, const Vector6d& center) {
   SensorModel start;
   for (std::size_t triad = 0; triad < 2; ++triad) {
     TriadModel& m = triad == 0 ? start.accel : start.gyro;
@@ -90,7 +90,7 @@ SensorModel start_model(const WholeUnitPoints& points, const Session& session, c
                                      reference_temperature(points, session, triad),
                                      {points.thermal_range_low[triad], points.thermal_range_high[triad]}};
     if (!counts(session, triad)) continue;
-    const auto fit = linear_fit(points, session, centre, triad, [](const WholeUnitPoint&) { return true; });
+    const auto fit = linear_fit(points, session, center, triad, [](const WholeUnitPoint&) { return true; });
     if (!fit)
       throw Unsupported(fmt::format("{}: the {} read counts, and the machines do not move each of them: their scales cannot be found", session.file,
                                     triad == 0 ? "accelerometers" : "gyros"));
@@ -132,7 +132,7 @@ std::vector<Mount> all_mounts() {
 
 }  // namespace
 
-void check_mounts(const WholeUnitPoints& points, const Session& session, const SensorModel& start, const Vector6d& centre) {
+void check_mounts(const WholeUnitPoints& points, const Session& session, const SensorModel& start, const Vector6d& center) {
   // A mounting: points one after the other.
   for (std::size_t begin = 0, end = 0; begin < points.points.size(); begin = end) {
     const WholeUnitPoint& first = points.points[begin];
@@ -142,12 +142,12 @@ void check_mounts(const WholeUnitPoints& points, const Session& session, const S
     const auto elsewhere = [&](const WholeUnitPoint& p) { return !here(p); };
     // Counts mean nothing without a fit; one of all other mounts is not bent by this one.
     Linear accel{Vector3d::Zero(), Matrix3d::Identity()}, gyro = accel;
-    if (counts(session, 0)) accel = linear_fit(points, session, centre, 0, elsewhere).value_or(Linear{start.accel.offset, start.accel.matrix});
-    if (counts(session, 1)) gyro = linear_fit(points, session, centre, 1, elsewhere).value_or(Linear{start.gyro.offset, start.gyro.matrix});
+    if (counts(session, 0)) accel = linear_fit(points, session, center, 0, elsewhere).value_or(Linear{start.accel.offset, start.accel.matrix});
+    if (counts(session, 1)) gyro = linear_fit(points, session, center, 1, elsewhere).value_or(Linear{start.gyro.offset, start.gyro.matrix});
     std::vector<std::pair<const WholeUnitPoint*, Motion>> group;
     for (const WholeUnitPoint& p : points.points) {
       if (!here(p)) continue;
-      const Vector6d raw = p.raw - centre;
+      const Vector6d raw = p.raw - center;
       group.emplace_back(&p, Motion{accel.offset + accel.matrix * raw.head<3>(), gyro.offset + gyro.matrix * raw.tail<3>()});
     }
     constexpr double wrong = 25, right = 4;  // five sigma of what uncalibrated sensors miss, and two
@@ -169,10 +169,10 @@ void check_mounts(const WholeUnitPoints& points, const Session& session, const S
   }
 }
 
-SensorModel uncentred(const SensorModel& model, const Vector6d& centre) {
+SensorModel uncentered(const SensorModel& model, const Vector6d& center) {
   SensorModel out = model;
-  out.accel = of_shifted_readings(model.accel, centre.head<3>());
-  out.gyro = of_shifted_readings(model.gyro, centre.tail<3>());
+  out.accel = of_shifted_readings(model.accel, center.head<3>());
+  out.gyro = of_shifted_readings(model.gyro, center.tail<3>());
   return out;
 }
 

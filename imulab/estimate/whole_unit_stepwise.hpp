@@ -7,7 +7,7 @@
 namespace imulab {
 
 struct StepwiseEstimate {
-  SensorModel model;           ///< of readings less the problem's centre
+  SensorModel model;           ///< of readings less the problem's center
   Eigen::MatrixXd covariance;  ///< of the problem's coefficients; zero where it was not asked for
 };
 

@@ -49,9 +49,9 @@ MappedFile::~MappedFile() {
 }
 
 WholeFile::WholeFile(const std::filesystem::path& path) : path_(path), temporary_(path.string() + ".XXXXXX") {
+  // A device or a pipe takes what comes; a file in its place would end it.
   const fs::file_status status = fs::status(path);
-  if (fs::exists(status) && !fs::is_regular_file(status) &&
-      !fs::is_directory(status)) {  // a device or a pipe takes what comes; a file in its place would end it
+  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) {
     temporary_.clear();
     descriptor_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
     if (descriptor_ < 0) fail(path, "cannot be written");

@@ -6,11 +6,13 @@
 #include "imulab/io/recording_parts.hpp"
 #include "imulab/io/session_file.hpp"
 #include "imulab/recording/stamps.hpp"
+#include "imulab/rig/rig_errors.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 namespace imulab {
@@ -79,14 +81,13 @@ bool rows_are_missing(const TimedTable& table, std::size_t i, double interval_s)
 }
 
 /// Nothing is missed where a recording stops between two of its steps: whoever records point by point leaves out the way from one to the next.
-bool between_steps(const std::vector<const Step*>& steps, double begin_s, double end_s, double interval_s) {
-  const auto next = std::partition_point(steps.begin(), steps.end(), [&](const Step* step) { return step->end <= begin_s + interval_s; });
-  return next != steps.begin() && next != steps.end() && (*next)->start >= end_s - interval_s;
+bool between_steps(std::span<const Step> steps, double begin_s, double end_s, double interval_s) {
+  const auto next = std::partition_point(steps.begin(), steps.end(), [&](const Step& step) { return step.end <= begin_s + interval_s; });
+  return next != steps.begin() && next != steps.end() && next->start >= end_s - interval_s;
 }
 
 /// Warns of those that the steps do not explain.
-std::vector<std::size_t> find_gaps(const TimedTable& table, double interval_s, const std::vector<const Step*>& steps,
-                                   std::vector<std::string>& warnings) {
+std::vector<std::size_t> find_gaps(const TimedTable& table, double interval_s, std::span<const Step> steps, std::vector<std::string>& warnings) {
   const double limit_ns = 1.5e9 * interval_s, clock_s = clock_interval(table.time_ns, interval_s);
   std::vector<std::size_t> gaps;
   std::size_t unexplained = 0, where = 0;
@@ -135,10 +136,7 @@ RecordingReading read_recording(const Session& session, const RecordingSource& s
           fmt::format("{}: rows every {:.6g} s, expected every {:.6g} s (within 2 %) as in {}", table.file, median, interval_s, reference.file));
   }
   match_rows(parts, interval_s, reading.warnings);
-  std::vector<const Step*> steps;  // in time order, without overlap
-  for (const Step& step : session.steps)
-    if (session.recordings.size() < 2 || step.recording == source.file) steps.push_back(&step);
-  std::vector<std::size_t> gaps = find_gaps(reference, interval_s, steps, reading.warnings);
+  std::vector<std::size_t> gaps = find_gaps(reference, interval_s, steps_of(session, source), reading.warnings);
 
   reading.recording = recording_of(source, interval_s,
                                    {take_columns(parts, parts.gyro), take_columns(parts, parts.accel), take_columns(parts, parts.gyro_temperature),

@@ -15,13 +15,6 @@ namespace {
 
 Vector3d axis_vector(const BodyAxis& axis) { return axis.sign * Vector3d::Unit(axis.index); }
 
-RigErrorSource declared(RigErrorKind kind, const Spread& spread) {
-  RigErrorSource source;
-  source.kind = kind;
-  (spread.fixed ? source.known : source.sigma) = spread.value;
-  return source;
-}
-
 }  // namespace
 
 bool is_machine(RigKind kind) { return kind == RigKind::rate_table || kind == RigKind::centrifuge || kind == RigKind::chamber; }

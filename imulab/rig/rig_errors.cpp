@@ -15,13 +15,6 @@ namespace {
 constexpr double same_angle = 1e-9;  // rad: below what a decimal number of degrees in a file can mean
 constexpr double same_time = 1e-9;   // s: rounding of a time in a file
 
-RigErrorSource declared(RigErrorKind kind, const Spread& spread) {
-  RigErrorSource source;
-  source.kind = kind;
-  (spread.fixed ? source.known : source.sigma) = spread.value;
-  return source;
-}
-
 RigErrorSource known(RigErrorKind kind, double value) {
   RigErrorSource source;
   source.kind = kind;
@@ -74,6 +67,13 @@ void add_step_errors(const RigDeclaration& rig, std::span<const Step> steps, con
 }
 
 }  // namespace
+
+RigErrorSource declared(RigErrorKind kind, const Spread& spread) {
+  RigErrorSource source;
+  source.kind = kind;
+  (spread.fixed ? source.known : source.sigma) = spread.value;
+  return source;
+}
 
 const RigDeclaration* rig_of(const Session& session, const RecordingSource& source) {
   for (const RigDeclaration& rig : session.rigs)
@@ -175,7 +175,7 @@ RigErrorIndex index_of(std::span<const RigErrorSource> sources, std::size_t step
       case RigErrorKind::mount:
       case RigErrorKind::rate:
       case RigErrorKind::radius:
-        break;  // of machines, which have no steps of their own
+        break;                     // of machines, which have no steps of their own
       case RigErrorKind::angle: {  // until the axis moves again, when its next source overwrites this one
         const bool at_start = source.step == RigErrorSource::at_start;
         for (std::size_t k = at_start ? 0 : source.step; k < steps; ++k) {

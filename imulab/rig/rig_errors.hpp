@@ -55,6 +55,9 @@ struct RigErrorSource {
   bool operator==(const RigErrorSource&) const = default;
 };
 
+/// A source with what a spread declares: a sigma, or a known value.
+RigErrorSource declared(RigErrorKind kind, const Spread& spread);
+
 /// Every error source of a recording's rig, as its [rig] declares them: of the table or machine first, then by step or mount. A hand (kind none)
 /// has none.
 std::vector<RigErrorSource> rig_error_sources(const Session& session, const RecordingSource& source);
@@ -74,10 +77,10 @@ RigErrors draw_rig_errors(const Session& session, const RecordingSource& source,
 struct RigErrorIndex {
   static constexpr int none = -1;
   std::array<std::array<int, 2>, 3> orthogonality{{{none, none}, {none, none}, {none, none}}};  ///< by RigAxis
-  std::array<int, 3> zero{none, none, none};                  ///< by RigAxis
-  std::array<int, 2> tilt{none, none};                        ///< about east, about north
+  std::array<int, 3> zero{none, none, none};                                                    ///< by RigAxis
+  std::array<int, 2> tilt{none, none};                                                          ///< about east, about north
   std::vector<std::array<int, 3>> angle_before, angle_after;  ///< by step: in force when it begins to move, and from its end on
-  std::vector<int> timing;                                 ///< by step
+  std::vector<int> timing;                                    ///< by step
 };
 RigErrorIndex index_of(std::span<const RigErrorSource> sources, std::size_t steps);
 

@@ -48,16 +48,8 @@ struct Point {
 };
 
 Vector6 motion_at(const Point& p, const VectorXd& common, const Site& site) {
-  MachineErrors<double> errors;
-  const Mount mount = mount_of(p.step);
-  for (std::size_t k = 0; k < p.sources.size(); ++k) {
-    const double value = common[p.first + static_cast<Index>(k)];
-    const RigErrorSource& s = p.sources[k];
-    if (s.kind == RigErrorKind::tilt) errors.tilt[static_cast<Index>(s.axis)] = value;
-    if (s.kind == RigErrorKind::rate) errors.rate = value;
-    if (s.kind == RigErrorKind::mount && s.place == mount) errors.mount[static_cast<Index>(s.axis)] = value;
-    if (s.kind == RigErrorKind::radius && s.place == mount) errors.radius = value;
-  }
+  const VectorXd own = common.segment(p.first, static_cast<Index>(p.sources.size()));
+  const MachineErrors<double> errors = errors_at({p.sources, {own.begin(), own.end()}}, mount_of(p.step));
   const SteadyMotion<double> m = steady_motion<double>(p.step, errors, {site.gravity() + common[0], earth_rate_enu(*site.latitude)});
   Vector6 out;
   out << m.force, m.rate;
