@@ -1,7 +1,6 @@
 // From columns in memory to a calibration. Targets: rest detection 10 million samples/s; each method on a nine-minute session at 100 Hz (like the
-// public hand-held records) in 40 ms, so that loading, not estimating, sets the time of the command.
-#include "imulab/estimate/handheld.hpp"
-#include "imulab/estimate/static.hpp"
+// public hand-held records) in 40 ms, so that loading, not the estimate, dominates the time of the command.
+#include "tests/calibration_input.hpp"
 #include "imulab/recording/rests.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/simulate/simulate.hpp"
@@ -44,13 +43,13 @@ BENCHMARK(rest_detection)->Unit(benchmark::kMillisecond);
 
 void handheld(benchmark::State& state) {
   const Example& e = example();
-  for (auto _ : state) benchmark::DoNotOptimize(calibrate_handheld(e.recording, e.rests, {}, e.session.site));
+  for (auto _ : state) benchmark::DoNotOptimize(calibrated("handheld", e.recording, e.rests, {}, e.session.site));
 }
 BENCHMARK(handheld)->Unit(benchmark::kMillisecond);
 
 void static_method(benchmark::State& state) {
   const Example& e = example();
-  for (auto _ : state) benchmark::DoNotOptimize(calibrate_static(e.recording, e.rests, {}, e.session.site));
+  for (auto _ : state) benchmark::DoNotOptimize(calibrated("static", e.recording, e.rests, {}, e.session.site));
 }
 BENCHMARK(static_method)->Name("static")->Unit(benchmark::kMillisecond);
 

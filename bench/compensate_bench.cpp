@@ -1,12 +1,12 @@
 // Compensation of columns in memory, all coefficients on. Target: 30 million samples/s on one core, or half of what copying the same bytes
 // reaches in the same run. Outliers: 10 million samples/s. A stream: a third of the reader's own speed on the same file in the same run.
-#include "imulab/analysis/compensator.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/io/compensated_file.hpp"
-#include "imulab/io/recording_file.hpp"
-#include "imulab/io/recording_stream.hpp"
+#include "imulab/io/recording/file.hpp"
+#include "imulab/io/recording/file.hpp"
+#include "imulab/io/recording/stream.hpp"
 #include "imulab/model/compensate.hpp"
 #include "imulab/model/outlier_filter.hpp"
+#include "imulab/recording/compensator.hpp"
 
 #include <benchmark/benchmark.h>
 
@@ -179,7 +179,7 @@ void compensate_a_stream(benchmark::State& state) {
   state.SetBytesProcessed(state.iterations() * disk.bytes());
 }
 
-// A million samples, 144 MB: main memory, as a recording is.
+// A million samples, 144 MB: in main memory, like a recording.
 BENCHMARK(compensate_all_coefficients)->Arg(1 << 20);
 BENCHMARK(compensate_linear)->Arg(1 << 20);
 BENCHMARK(copy_the_same_bytes)->Arg(1 << 20);

@@ -1,7 +1,7 @@
 // Error budget. Target: an hour at 100 Hz with every coefficient, every noise term, start and barometer in at most 0.5 s on one core.
-#include "imulab/analysis/error_monte_carlo.hpp"
-#include "imulab/analysis/error_specification.hpp"
 #include "imulab/model/coefficient.hpp"
+#include "imulab/navigation/budget/monte_carlo.hpp"
+#include "imulab/navigation/budget/specification.hpp"
 
 #include <benchmark/benchmark.h>
 
@@ -10,8 +10,9 @@
 namespace {
 
 using namespace imulab;
+using namespace imulab::motion;
 
-/// A tactical unit whose model uses every term, all of whose coefficients err.
+/// A tactical IMU whose model uses every term, with errors of all coefficients.
 ErrorSources every_source() {
   ErrorSpecification specification;
   specification.grade = "tactical";
@@ -20,8 +21,8 @@ ErrorSources every_source() {
   s.model.gyro.matrix(0, 1) = 1e-3;
   s.model.g_sensitivity.setConstant(1e-6);
   s.coefficients.clear();
-  for (int i = 0; i < coefficient_count; ++i)
-    if (coefficient_table()[static_cast<std::size_t>(i)].term != Term::lever_arm) s.coefficients.push_back(i);
+  for (const CoefficientIndex i : coefficient_indices())
+    if (coefficient(i).term != Term::lever_arm) s.coefficients.push_back(i);
   const auto n = static_cast<Eigen::Index>(s.coefficients.size());
   s.fixed.setZero(n);
   s.covariance = 1e-10 * Eigen::MatrixXd::Identity(n, n);

@@ -1,9 +1,9 @@
 // The hybrid method on 25 min at 100 Hz (149,800 samples). Targets on one core: one pass of the filter at least 1 million samples/s; the session read
-// from its CSV file and calibrated with all repetitions and tests of terms within 1 s.
-#include "imulab/estimate/hybrid.hpp"
-#include "imulab/estimate/hybrid_blocks.hpp"
-#include "imulab/io/recording_file.hpp"
-#include "imulab/io/session_file.hpp"
+// from its CSV file and calibrated with all iterations and tests of terms within 1 s.
+#include "imulab/estimate/hybrid/filter.hpp"
+#include "imulab/estimate/hybrid/hybrid.hpp"
+#include "imulab/io/recording/file.hpp"
+#include "imulab/io/session/file.hpp"
 #include "imulab/recording/rests.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/simulate/simulate.hpp"
@@ -38,14 +38,15 @@ const Example& example() {
 
 void hybrid_one_pass(benchmark::State& state) {
   const Example& e = example();
-  const Site& site = e.session.site;
-  const std::vector<HybridBlock> blocks = hybrid_blocks(e.recording, e.rests, true).blocks;
-  HybridSettings settings;
-  settings.layout = hybrid_layout({}, false);
-  const HybridNoise noise{Vector3d::Constant(2.9e-7), Vector3d::Constant(5e-5)};
-  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(settings.layout.constants), sigma = Eigen::VectorXd::Constant(settings.layout.constants, 1e-2);
-  for (auto _ : state)
-    benchmark::DoNotOptimize(hybrid_pass(e.recording, blocks, SensorModel{}, {*site.latitude, site.gravity()}, noise, settings, zero, sigma));
+  const hybrid::Data data{e.recording,
+                          hybrid::cut_into_blocks(e.recording, e.rests, true).blocks,
+                          hybrid::place_of(e.session.site),
+                          {Vector3d::Constant(2.9e-7), Vector3d::Constant(5e-5)},
+                          {},
+                          {}};
+  const hybrid::States states({}, data.place);
+  const kernel::Parameters known = states.parameters(Eigen::VectorXd::Zero(states.constants()));
+  for (auto _ : state) benchmark::DoNotOptimize(hybrid::filter_pass(data, {data.coarse, data.place}, states, known));
   state.counters["samples"] = benchmark::Counter(static_cast<double>(e.recording.size()), benchmark::Counter::kIsIterationInvariantRate);
 }
 BENCHMARK(hybrid_one_pass)->Unit(benchmark::kMillisecond);
@@ -59,7 +60,7 @@ void hybrid_from_file(benchmark::State& state) {
   session.file = (folder / "session.toml").string();
   for (auto _ : state) {
     const Recording recording = read_recording(session, session.recordings.front()).recording;
-    benchmark::DoNotOptimize(calibrate_hybrid(recording, rests_of(recording, session).ranges, session));
+    benchmark::DoNotOptimize(hybrid::calibrate({session, {&recording, 1}}));
   }
   std::filesystem::remove_all(folder);
 }

@@ -6,6 +6,7 @@
 namespace {
 
 using namespace imulab;
+using namespace imulab::motion;
 
 void strapdown_single_sample(benchmark::State& state) {
   const Trajectory flight = closed_form_flight(600);

@@ -1,5 +1,5 @@
 // Reading recordings. Target: 250 MB/s of text on one core, so that an hour at 1 kHz (0.4 GB) opens in two seconds.
-#include "imulab/io/recording_file.hpp"
+#include "imulab/io/recording/file.hpp"
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
@@ -59,7 +59,7 @@ void read_csv(benchmark::State& state) {  // 7 columns of full precision, as wri
 }
 BENCHMARK(read_csv)->Unit(benchmark::kMillisecond);
 
-void read_blanks(benchmark::State& state) {  // columns of fixed width divided by blanks, as MATLAB saves them; >= 250 MB/s
+void read_blanks(benchmark::State& state) {  // columns of fixed width separated by blanks, as MATLAB saves them; >= 250 MB/s
   const Example example;
   const Recording r = wobble(file_bytes / 113);
   fmt::memory_buffer text;
@@ -74,7 +74,7 @@ void read_blanks(benchmark::State& state) {  // columns of fixed width divided b
 }
 BENCHMARK(read_blanks)->Unit(benchmark::kMillisecond);
 
-void write_csv(benchmark::State& state) {  // 17 digits a value; >= 100 MB/s
+void write_csv(benchmark::State& state) {  // 17 digits per value; >= 100 MB/s
   const Example example;
   const Recording r = wobble(file_bytes / 130);
   for (auto _ : state) write_recording(example.file(), r);

@@ -1,4 +1,4 @@
-// Samples per second of a simulation, noise included. Targets on one core: 5 million a second with white noise, 2 million with all terms.
+// Samples per second of a simulation, noise included. Targets on one core: 5 million per second with white noise, 2 million with all terms.
 #include "imulab/rig/procedure.hpp"
 #include "imulab/simulate/simulate.hpp"
 

@@ -1,6 +1,6 @@
-// Whole turntable procedures a second at the level of rest means and turn sums (target: 30,000 on one core): Zhang's procedure with drawn table
+// Whole turntable procedures per second at the level of rest means and turn sums (target: 30,000 on one core): Zhang's procedure with drawn table
 // errors, g and noise, its readings, and their calibration to second order.
-#include "imulab/analysis/turntable_prediction.hpp"
+#include "imulab/estimate/turntable/prediction.hpp"
 #include "imulab/rig/procedure.hpp"
 
 #include <benchmark/benchmark.h>
@@ -12,7 +12,7 @@ using namespace imulab;
 
 void turntable_procedure(benchmark::State& state) {
   const tbb::global_control one_core(tbb::global_control::max_allowed_parallelism, 1);
-  const TurntablePlan plan = turntable_plan(zhang_24_procedure({}));
+  const turntable::Plan plan = turntable::plan_of(zhang_24_procedure({}));
   const std::uint64_t runs = 10000;
   std::uint64_t seed = 1;
   for (auto _ : state) benchmark::DoNotOptimize(monte_carlo(plan, runs, seed++));
@@ -21,7 +21,7 @@ void turntable_procedure(benchmark::State& state) {
 BENCHMARK(turntable_procedure)->Unit(benchmark::kMillisecond);
 
 void turntable_prediction(benchmark::State& state) {
-  const TurntablePlan plan = turntable_plan(zhang_24_procedure({}));
+  const turntable::Plan plan = turntable::plan_of(zhang_24_procedure({}));
   for (auto _ : state) benchmark::DoNotOptimize(predict(plan));
 }
 BENCHMARK(turntable_prediction)->Unit(benchmark::kMillisecond);

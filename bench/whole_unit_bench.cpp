@@ -1,8 +1,8 @@
 // The whole-unit method on Dai's procedure: 303 points, 151,500 samples. Target on one core: three recordings read from CSV and calibrated, with the
-// choice of orders, within 0.5 s.
-#include "imulab/estimate/whole_unit.hpp"
-#include "imulab/io/recording_file.hpp"
-#include "imulab/io/session_file.hpp"
+// choice of terms, within 0.5 s.
+#include "imulab/estimate/whole_unit/whole_unit.hpp"
+#include "imulab/io/recording/file.hpp"
+#include "imulab/io/session/file.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/simulate/simulate.hpp"
 
@@ -34,7 +34,7 @@ const Example& example() {
 }
 
 void whole_unit_estimate(benchmark::State& state) {
-  for (auto _ : state) benchmark::DoNotOptimize(calibrate_whole_unit(example().recordings, example().session));
+  for (auto _ : state) benchmark::DoNotOptimize(whole_unit::calibrate({example().session, example().recordings}));
 }
 BENCHMARK(whole_unit_estimate)->Unit(benchmark::kMillisecond);
 
@@ -48,7 +48,7 @@ void whole_unit_from_files(benchmark::State& state) {
   for (auto _ : state) {
     std::vector<Recording> recordings;
     for (const RecordingSource& source : session.recordings) recordings.push_back(read_recording(session, source).recording);
-    benchmark::DoNotOptimize(calibrate_whole_unit(recordings, session));
+    benchmark::DoNotOptimize(whole_unit::calibrate({session, recordings}));
   }
   std::filesystem::remove_all(folder);
 }

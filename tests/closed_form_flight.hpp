@@ -1,9 +1,9 @@
-// A flight whose latitude, longitude, height and attitude are elementary functions of time: eastwards at about 200 m/s, its course swinging
-// through north and south. Nothing of it comes from an integrator.
+// A flight whose latitude, longitude, height and attitude are elementary functions of time: eastward at about 200 m/s, its heading swinging
+// to north and south. No integrator is involved.
 #pragma once
 
 #include "imulab/core/units.hpp"
-#include "imulab/navigation/trajectory.hpp"
+#include "imulab/navigation/motion/trajectory.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -22,13 +22,13 @@ struct Swing {
 };
 
 /// Swings of 40 deg in heading, 5 deg in pitch and 25 deg in roll. `pace` shortens their periods of 240, 90 and 45 s.
-inline Trajectory closed_form_flight(double duration, double pace = 1) {
-  Trajectory flight;
+inline motion::Trajectory closed_form_flight(double duration, double pace = 1) {
+  motion::Trajectory flight;
   flight.duration = duration;
   flight.at = [pace](double t) {
     const double a = 6378137, f = 1 / 298.257223563, e2 = f * (2 - f), longitude_rate = 4e-5;
     const Swing latitude(2e-3, 600, 0.3, t), height(100, 300, 0.7, t);
-    Kinematics k;
+    motion::Kinematics k;
     k.latitude = 0.7 + latitude.value;
     k.longitude = 0.2 + longitude_rate * t;
     k.height = 3000 + height.value;

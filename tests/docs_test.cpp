@@ -1,11 +1,14 @@
-// The commands in the documentation work as they stand: each ```console block of README.md and docs/*.md runs in order, a page in one fresh folder.
+// Every command in the documentation works: the ```console blocks of a page of README.md and docs/*.md run in order in one new folder.
 //
-// A line "$ command" is run by the shell with the built imulab in PATH ("> " continues it); "# exit code N" after it is what it must end with (0
-// where nothing is said). Output is illustrative, but a line that begins with "imulab: " must appear on standard error.
+// A line "$ command" is run by the shell with the built imulab in PATH ("> " continues it). "# exit code N" after it is the expected exit code (0
+// if absent). Output is illustrative, but a line that begins with "imulab: " must appear on standard error.
 #include <gmock/gmock.h>
 
 #include "tests/run_command.hpp"
 #include <algorithm>
+#include <cctype>
+#include <regex>
+#include <set>
 #include <vector>
 
 namespace imulab {
@@ -41,7 +44,7 @@ std::vector<DocumentedCommand> commands_of(const std::string& page, const std::s
   return commands;
 }
 
-/// What does not happen as the page says, one text a command.
+/// What differs from the page, one text per command.
 std::vector<std::string> wrong_commands(const std::string& page, const std::string& name) {
   const TemporaryFolder folder;
   fs::create_directory_symlink(fs::path(IMULAB_SOURCE) / "docs", folder / "docs");  // as at the top of the repository
@@ -58,17 +61,64 @@ std::vector<std::string> wrong_commands(const std::string& page, const std::stri
   return wrong;
 }
 
-TEST(Documentation, EveryCommandRuns) {
+std::vector<fs::path> all_pages() {
   std::vector<fs::path> pages{fs::path(IMULAB_SOURCE) / "README.md"};
   for (const auto& entry : fs::directory_iterator(fs::path(IMULAB_SOURCE) / "docs"))
     if (entry.path().extension() == ".md") pages.push_back(entry.path());
+  return pages;
+}
+
+/// The anchors that a web page makes of the headings: "## Monte Carlo, 2nd" becomes "monte-carlo-2nd".
+std::set<std::string> anchors_of(const std::string& page) {
+  std::set<std::string> anchors;
+  std::istringstream lines(page);
+  bool code = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("```")) code = !code;
+    if (code || !line.starts_with("#")) continue;
+    std::string anchor;
+    for (const char c : line.substr(line.find_first_not_of("# ")))
+      if (c == ' ' || c == '-')
+        anchor += '-';
+      else if (std::isalnum(static_cast<unsigned char>(c)) || c == '_')
+        anchor += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    anchors.insert(anchor);
+  }
+  return anchors;
+}
+
+/// Links of a page, relative to `folder`, to files or headings that do not exist.
+std::vector<std::string> broken_links(const std::string& page, const fs::path& folder) {
+  std::vector<std::string> broken;
+  static const std::regex link(R"(\]\(([^)#\s]*)(?:#([^)\s]*))?\))");
+  for (std::sregex_iterator at(page.begin(), page.end(), link), end; at != end; ++at) {
+    const std::string target = (*at)[1], anchor = (*at)[2];
+    if (target.starts_with("http")) continue;
+    const fs::path file = folder / target;
+    if (!fs::exists(file) || (!anchor.empty() && !anchors_of(target.empty() ? page : read_text(file)).contains(anchor))) broken.push_back(at->str());
+  }
+  return broken;
+}
+
+TEST(Documentation, EveryCommandRuns) {
   std::size_t commands = 0;
-  for (const fs::path& page : pages) {
+  for (const fs::path& page : all_pages()) {
     const std::string text = read_text(page);
     commands += commands_of(text, "").size();
     EXPECT_THAT(wrong_commands(text, page.filename().string()), testing::IsEmpty());
   }
   EXPECT_GE(commands, 5u);  // the tutorial by hand alone has more
+}
+
+TEST(Documentation, EveryLinkExists) {
+  for (const fs::path& page : all_pages()) EXPECT_THAT(broken_links(read_text(page), page.parent_path()), testing::IsEmpty()) << page;
+}
+
+TEST(Documentation, ABrokenLinkIsFound) {
+  const fs::path docs = fs::path(IMULAB_SOURCE) / "docs";
+  EXPECT_THAT(broken_links("[a](glossary.md) [b](glossary.md#statistics) [c](https://example.org/#x)", docs), testing::IsEmpty());
+  EXPECT_THAT(broken_links("[a](glosary.md) [b](glossary.md#nothing)", docs), testing::SizeIs(2));
+  EXPECT_THAT(broken_links("# A word, or 2\n[a](#a-word-or-2)", docs), testing::IsEmpty());
 }
 
 TEST(Documentation, AWrongCommandIsFound) {

@@ -3,10 +3,10 @@
 
 #include "imulab/core/random.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/io/recording_file.hpp"
-#include "imulab/io/session_file.hpp"
-#include "imulab/io/solution_file.hpp"
-#include "imulab/navigation/flight.hpp"
+#include "imulab/io/recording/file.hpp"
+#include "imulab/io/recording/solution.hpp"
+#include "imulab/io/session/file.hpp"
+#include "imulab/navigation/motion/flight.hpp"
 
 #include "tests/temporary_folder.hpp"
 #include <cmath>
@@ -22,9 +22,10 @@ struct FlightSession {
 
 inline constexpr double flight_rest = 40;  // s
 
-/// Rests, speeds up to 40 m/s, turns by 90 deg to the right and flies on: 100 s at 50 Hz. `noise` scales that of a navigation-grade unit.
+/// Rests, speeds up to 40 m/s, turns by 90 deg to the right and continues: 100 s at 50 Hz. `noise` scales that of a navigation-grade IMU.
 inline FlightSession flight_session(double noise, std::uint64_t seed = 1) {
   const double interval = 0.02, gyro_noise = 0.002 * unit::deg_per_sqrt_h, accel_noise = 5e-5;
+  using namespace motion;
   const Trajectory motion = flight({45 * unit::deg, 0.1, 100, 0, 30 * unit::deg},
                                    {straight(flight_rest), accelerate(40, 20), turn(90 * unit::deg, 6 * unit::deg, 3), straight(22)});
   FlightSession out;

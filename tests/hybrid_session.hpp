@@ -1,13 +1,15 @@
-// For tests of the hybrid method: a unit on the path of Cheng's turns.
+// For tests of the hybrid method: an IMU on the path of Cheng's turns.
 #pragma once
 
 #include "imulab/core/random.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/estimate/hybrid.hpp"
+#include "imulab/estimate/hybrid/hybrid.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/recording/rests.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/simulate/simulate.hpp"
+
+#include "tests/calibration_input.hpp"
 
 namespace imulab {
 
@@ -37,7 +39,7 @@ inline SensorModel hybrid_unit(std::uint64_t seed, double lever_arm = 0) {
   return model;
 }
 
-/// The path with `rest` s between its turns, on a table of 1 arcmin, by a unit of 0.001 deg/sqrt(h) and 5 ug/sqrt(Hz).
+/// The path with `rest` s between its turns, on a table of 1 arcmin, by an IMU of 0.001 deg/sqrt(h) and 5 ug/sqrt(Hz).
 inline Session hybrid_procedure(double rest, double rate_hz) {
   TableProcedureOptions options;
   options.rest = rest;
@@ -70,13 +72,17 @@ inline HybridSession hybrid_session(std::uint64_t seed) {
   return hybrid_session(seed, [](Session&) {});
 }
 
-/// Cheng's 21 coefficients, with the g-sensitivity if that is asked for.
-inline HybridOptions base_terms(bool g_sensitivity = false) {
-  HybridOptions options;
+inline CalibrationResult calibrated(const HybridSession& s, const CalibrationOptions& options = {}) {
+  return hybrid::calibrate(input_of(s.session, s.recording, s.rests), options);
+}
+
+/// Cheng's 21 coefficients, with the g-sensitivity if requested.
+inline CalibrationOptions base_terms(bool g_sensitivity = false) {
+  CalibrationOptions options;
   for (const char* selector : {"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"})
-    for (const int index : select_coefficients(selector)) options.terms.push_back(index);
+    for (const CoefficientIndex index : select_coefficients(selector)) options.terms.push_back(index);
   if (g_sensitivity)
-    for (const int index : select_coefficients("gyro.g_sensitivity")) options.terms.push_back(index);
+    for (const CoefficientIndex index : select_coefficients("gyro.g_sensitivity")) options.terms.push_back(index);
   return options;
 }
 

@@ -1,40 +1,93 @@
-// The installed package serves a project of its own.
+// The installed package serves programs of their own: examples/, which the tutorial of the library shows.
 #include <gmock/gmock.h>
 
 #include "tests/run_command.hpp"
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
 
 namespace imulab {
 namespace {
 
-TEST(Package, AnotherProjectFindsLinksAndUsesIt) {
-  const TemporaryFolder folder;
-  const std::string build = std::filesystem::path(IMULAB_COMMAND).parent_path().string();
-  const auto expect_done = [&](const std::string& command) {
-    const CommandResult result = run_shell(folder, command);
-    EXPECT_EQ(result.exit_code, 0) << command << "\n" << result.output << result.errors;
-    return result.output;
-  };
-  expect_done("cmake --install '" + build + "' --prefix \"$PWD/prefix\"");
-  ASSERT_FALSE(HasFailure());
-  EXPECT_THAT(expect_done("prefix/bin/imulab --version"), ::testing::StartsWith("imulab "));
-  expect_done("cmake -S '" IMULAB_SOURCE "/tests/consumer' -B build -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH=\"$PWD/prefix\"");
-  ASSERT_FALSE(HasFailure());
-  expect_done("cmake --build build");
-  ASSERT_FALSE(HasFailure());
-  expect_done("prefix/bin/imulab procedure hand-held --poses 12 -o hand.toml && prefix/bin/imulab simulate hand.toml -o session");
-  const std::string output = expect_done("build/consumer session");
-  EXPECT_THAT(output, ::testing::HasSubstr("verdict: good\n9600 samples; the last: "));
-  EXPECT_THAT(expect_done("prefix/bin/imulab compare calibration.json session/truth.json"),
-              ::testing::HasSubstr("0 of 30 coefficients differ significantly"));
-  EXPECT_NE(run_shell(folder, "build/consumer nowhere").exit_code, 0);
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+std::string run(const TemporaryFolder& folder, const std::string& command) {
+  const CommandResult result = run_shell(folder, command);
+  EXPECT_EQ(result.exit_code, 0) << command << "\n" << result.output << result.errors;
+  return result.output;
 }
 
-TEST(Package, TheTutorialShowsThatVeryProject) {
+/// The numbers of a text, line by line, without a header.
+std::vector<std::vector<double>> numbers(std::string text) {
+  std::replace(text.begin(), text.end(), ',', ' ');
+  std::vector<std::vector<double>> rows;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream fields(line);
+    std::vector<double> row;
+    for (double value; fields >> value;) row.push_back(value);
+    if (!row.empty()) rows.push_back(row);
+  }
+  return rows;
+}
+
+TEST(Package, TheExamplesBuildAndRunAgainstIt) {
+  const TemporaryFolder folder;
+  run(folder, "cmake --install '" + std::filesystem::path(IMULAB_COMMAND).parent_path().string() + "' --prefix \"$PWD/prefix\"");
+  EXPECT_THAT(run(folder, "prefix/bin/imulab --version"), StartsWith("imulab "));
+  run(folder, "cmake -S '" IMULAB_SOURCE "/examples' -B build -DCMAKE_PREFIX_PATH=\"$PWD/prefix\" && cmake --build build");
+  ASSERT_FALSE(HasFailure());
+
+  // The unit of the example, recorded once more by the command: the same coefficients.
+  run(folder, "prefix/bin/imulab procedure hand-held -o hand.toml && prefix/bin/imulab simulate hand.toml -o session");
+  EXPECT_THAT(run(folder, "build/calibrate"), HasSubstr("verdict: good\n"));
+  EXPECT_THAT(run(folder, "prefix/bin/imulab compare calibration.json session/truth.json"), HasSubstr("0 of 30 coefficients differ significantly"));
+
+  run(folder, "tail -n +2 session/recording.csv | tr , ' ' > samples");
+  for (const char* outliers : {"", " --reject-outliers"}) {
+    const auto live = numbers(run(folder, std::string("build/compensate calibration.json") + outliers + " < samples"));
+    const auto expected = numbers(run(
+        folder, std::string("prefix/bin/imulab compensate calibration.json session -o expected.csv") + outliers + " >/dev/null; cat expected.csv"));
+    ASSERT_EQ(live.size(), 26400u);
+    ASSERT_EQ(expected.size(), live.size());
+    double worst = 0;
+    for (std::size_t i = 0; i < live.size(); ++i)
+      for (std::size_t k = 0; k < 7; ++k) worst = std::max(worst, std::abs(live[i].at(k) - expected[i].at(k)));
+    EXPECT_LT(worst, 1e-6) << "nine digits of 264 s";
+  }
+
+  const std::string prediction = run(folder, "build/predict");
+  EXPECT_THAT(prediction, HasSubstr("gyro.matrix.zz"));
+  EXPECT_THAT(prediction, HasSubstr("% from orthogonality\n"));
+  EXPECT_EQ(run_shell(folder, "build/compensate nowhere.json").exit_code, 1);
+}
+
+TEST(Package, TheTutorialShowsTheExamples) {
   const std::string page = read_text(IMULAB_SOURCE "/docs/tutorial-library.md");
-  for (const char* file : {"main.cpp", "CMakeLists.txt"}) {
-    const std::string text = read_text(std::filesystem::path(IMULAB_SOURCE) / "tests/consumer" / file);
-    ASSERT_NE(text, "") << file;
-    EXPECT_THAT(page, ::testing::HasSubstr("\n" + text + "```\n")) << file;
+  std::map<std::string, std::string> sources;  // by file
+  for (const auto& entry : std::filesystem::directory_iterator(IMULAB_SOURCE "/examples"))
+    sources[entry.path().filename().string()] = read_text(entry.path());
+  std::size_t shown = 0;
+  const std::regex excerpt("`examples/([^`]+)`[^`]*\n```[a-z]+\n([^`]*)```\n");
+  for (std::sregex_iterator i(page.begin(), page.end(), excerpt), end; i != end; ++i, ++shown)
+    EXPECT_THAT(sources[(*i)[1]], HasSubstr((*i)[2])) << (*i)[1];
+  EXPECT_EQ(shown, 4u);
+}
+
+TEST(Package, TheTutorialNamesItsDependencies) {
+  const std::map<std::string, std::string> packages{{"Eigen3", "libeigen3-dev"}, {"fmt", "libfmt-dev"},
+                                                    {"TBB", "libtbb-dev"},       {"tomlplusplus", "libtomlplusplus-dev"},
+                                                    {"PkgConfig", "pkg-config"}, {"GeographicLib", "libgeographiclib-dev"}};
+  const std::string page = read_text(IMULAB_SOURCE "/docs/tutorial-library.md"), list = read_text(IMULAB_SOURCE "/cmake/dependencies.cmake");
+  const std::regex dependency("(?:find_package|pkg_check_modules)\\((\\w+)");
+  for (std::sregex_iterator i(list.begin(), list.end(), dependency), end; i != end; ++i) {
+    ASSERT_TRUE(packages.contains((*i)[1])) << (*i)[1];
+    EXPECT_THAT(page, HasSubstr(packages.at((*i)[1])));
   }
 }
 

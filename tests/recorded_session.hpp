@@ -1,4 +1,4 @@
-// For tests of what users bring: a session folder made by the command, whose files a test damages before it uses them.
+// For tests of bad input: a session folder made by the command, whose files a test damages before it uses them.
 #pragma once
 
 #include "tests/run_command.hpp"
@@ -8,12 +8,12 @@
 
 namespace imulab {
 
-/// session.toml and recording.csv as text, one string a line: line 0 is the header, so that line n of the file is element n - 1.
+/// session.toml and recording.csv as text, one string per line: line 0 is the header, so that line n of the file is element n - 1.
 struct SessionText {
   std::string session;
   std::vector<std::string> lines;
 
-  /// Replaces the first `from` in session.toml, which has to be there.
+  /// Replaces the first `from` in session.toml, which must be present.
   void declare(const std::string& from, const std::string& to) {
     const std::size_t at = session.find(from);
     if (at == std::string::npos) throw std::logic_error("session.toml has no " + from);

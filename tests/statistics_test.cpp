@@ -1,7 +1,7 @@
-// The acceptance test in small: the full size runs as ./dev accept.
-#include "tests/acceptance/acceptance.hpp"
-
+// A short acceptance test; ./dev accept runs the full one.
 #include <gtest/gtest.h>
+
+#include "tests/acceptance/acceptance.hpp"
 
 using namespace imulab::acceptance;
 

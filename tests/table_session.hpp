@@ -1,10 +1,10 @@
-// For tests of the turntable: readings of a unit at the level of rest means and turn sums.
+// For tests of the turntable: readings of an IMU at the level of rest means and turn sums.
 #pragma once
 
 #include "imulab/core/random.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/estimate/turntable.hpp"
-#include "imulab/estimate/turntable_estimator.hpp"
+#include "imulab/estimate/turntable/estimator.hpp"
+#include "imulab/estimate/turntable/turntable.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <Eigen/Cholesky>
@@ -13,7 +13,7 @@
 
 namespace imulab {
 
-/// A unit drawn with misalignments of 1e-3 and scales of 1 % and its noise: a navigation-grade unit in counts.
+/// An IMU drawn with misalignments of 1e-3 and scale factors of 1 %, and its noise: navigation grade, in counts.
 inline SensorModel drawn_unit(std::uint64_t seed) {
   const RandomStream draws(seed, "unit");
   std::uint64_t next = 0;
@@ -46,33 +46,34 @@ inline Eigen::VectorXd drawn_normals(Eigen::Index size, std::uint64_t seed, cons
 
 /// Noise of the readings of `model`.
 inline Eigen::VectorXd drawn_noise(const TableMotion& motion, const SensorModel& model, std::uint64_t seed) {
-  const Eigen::MatrixXd covariance =
-      noise_covariance(motion, raw_density(table_accel_noise, model.accel.matrix), raw_density(table_gyro_noise, model.gyro.matrix));
+  const Eigen::MatrixXd covariance = noise_covariance(motion, turntable::raw_density(table_accel_noise, model.accel.matrix),
+                                                      turntable::raw_density(table_gyro_noise, model.gyro.matrix));
   return covariance.llt().matrixL() * drawn_normals(motion.rows(), seed, "noise");
 }
 
 /// Offsets and matrices.
-inline std::vector<int> linear_terms() {
-  std::vector<int> terms;
+inline std::vector<CoefficientIndex> linear_terms() {
+  std::vector<CoefficientIndex> terms;
   for (const char* selector : {"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"})
-    for (const int index : select_coefficients(selector)) terms.push_back(index);
+    for (const CoefficientIndex index : select_coefficients(selector)) terms.push_back(index);
   return terms;
 }
 
-/// A procedure's readings, with the noise of the unit times `noise`.
+/// A procedure's readings, with the noise of the IMU times `noise`.
 struct TableRun {
-  TableObservations seen;
+  turntable::Observations seen;
   TableMotion motion;
   SensorModel truth;
 };
 
 inline TableRun run_of(const std::vector<Step>& steps, const RigDeclaration& rig, std::uint64_t seed, double noise,
                        const Eigen::VectorXd& table_errors = {}) {
-  TableObservations seen = planned_observations(steps, 5 * rig.timing.value);
-  TableMotion motion(seen, rig, table_site());
+  turntable::Observations seen;
+  seen.parts = table_plan(steps, 5 * rig.timing.value);
+  TableMotion motion(seen.parts, rig, table_site());
   const SensorModel truth = drawn_unit(seed);
   const Eigen::VectorXd errors = table_errors.size() > 0 ? table_errors : motion.nominal();
-  seen.set_values(readings(motion, truth, motion.truth(errors)) + noise * drawn_noise(motion, truth, seed));
+  seen.readings = readings(motion, truth, motion.truth(errors)) + noise * drawn_noise(motion, truth, seed);
   return {seen, motion, truth};
 }
 

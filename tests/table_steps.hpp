@@ -1,4 +1,4 @@
-// For tests of the turntable: Zhang's procedure (2010, section 2), an odd one, and a table and a site to do them.
+// For tests of the turntable: Zhang's procedure (2010, section 2), an irregular one, and a table and a site for them.
 #pragma once
 
 #include "imulab/core/units.hpp"
@@ -10,7 +10,7 @@
 
 namespace imulab {
 
-/// Lays out steps in time: rests, turns at 10 deg/s and 50 deg/s^2, and 10 s for reaching a hold.
+/// Places steps in time: rests, turns at 10 deg/s and 50 deg/s^2, and 10 s for reaching a hold.
 class TableSteps {
  public:
   TableSteps& hold(double duration, std::array<double, 3> degrees) {
@@ -65,7 +65,8 @@ inline std::vector<Step> zhang_steps() {
   return steps.steps();
 }
 
-/// An odd procedure: slanted attitudes, turns in different attitudes and through odd angles, no turn undone, one turn without a rest after it.
+/// An irregular procedure: slanted attitudes, turns in different attitudes and through uneven angles, no turn reversed, one turn without a rest after
+/// it.
 inline std::vector<Step> odd_steps() {
   TableSteps steps;
   steps.hold(40, {10, 20, 30}).turn(RigAxis::inner, 1000).hold(30, {10, 20, 1030}).hold(50, {100, -70, 200}).turn(RigAxis::middle, -700, 25);

@@ -1,4 +1,4 @@
-// The acceptance test in small on an odd procedure, at the level of rest means and turn sums: table errors, g and noise are drawn.
+// A short acceptance test on an irregular procedure, at the level of rest means and turn sums: table errors, g and noise are drawn.
 #include "imulab/model/coefficient.hpp"
 
 #include <Eigen/LU>
@@ -16,15 +16,17 @@ using Eigen::VectorXd;
 
 Run odd_run(std::uint64_t seed) {
   const RigDeclaration rig = table_of(20 * unit::arcsec);
-  TableObservations seen = planned_observations(odd_steps(), rig);
-  const TableMotion motion(seen, rig, table_site());
+  turntable::Observations seen;
+  seen.parts = table_plan(odd_steps(), rig);
+  const TableMotion motion(seen.parts, rig, table_site());
   const SensorModel truth = drawn_unit(seed);
   const VectorXd errors = motion.nominal() + motion.sigma().cwiseProduct(drawn_normals(motion.sigma().size(), seed, "table"));
-  seen.set_values(readings(motion, truth, motion.truth(errors)) + drawn_noise(motion, truth, seed));
-  TurntableOptions options;
+  seen.readings = readings(motion, truth, motion.truth(errors)) + drawn_noise(motion, truth, seed);
+  CalibrationOptions options;
   options.terms = linear_terms();
-  const Calibration c = calibrate_turntable(seen, rig, table_imu(), table_site(), options);
-  const RawNoise noise{raw_density(table_accel_noise, truth.accel.matrix), raw_density(table_gyro_noise, truth.gyro.matrix)};
+  const Calibration c = turntable::calibrate(seen, rig, table_imu(), table_site(), options);
+  const turntable::RawNoise noise{turntable::raw_density(table_accel_noise, truth.accel.matrix),
+                                  turntable::raw_density(table_gyro_noise, truth.gyro.matrix)};
   Run result{c.estimated, VectorXd(c.estimated.size()), c.covariance, acceptance::turntable_information(motion, truth, noise, c.estimated)};
   for (std::size_t i = 0; i < c.estimated.size(); ++i)
     result.error[static_cast<Index>(i)] = coefficient_value(c.model, c.estimated[i]) - coefficient_value(truth, c.estimated[i]);

@@ -1,7 +1,7 @@
-// For tests of whole-unit calibration: a unit in the chamber, on the rate table and on the centrifuge of Dai's procedure.
+// For tests of whole-unit calibration: an IMU in the chamber, on the rate table and on the centrifuge of Dai's procedure.
 #pragma once
 
-#include "imulab/estimate/whole_unit.hpp"
+#include "imulab/estimate/whole_unit/whole_unit.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/simulate/simulate.hpp"
@@ -16,7 +16,16 @@ struct WholeUnitSession {
   Session session;
   Truth truth;
   std::vector<Recording> recordings;
+
+  CalibrationInput input() const { return {session, recordings}; }
 };
+
+/// All that the data determine, significant or not.
+inline CalibrationOptions full_whole_unit(bool stepwise = false) {
+  CalibrationOptions options;
+  options.whole_unit = {.full = true, .stepwise = stepwise};
+  return options;
+}
 
 /// Points of `options.record` s; `change` may edit the session before it is simulated.
 template <class Change>

@@ -1,7 +1,7 @@
 // The traffic pattern of Xu 2024, section 3, against an independent simulation of the same setting (1000 noise draws): medians and 5..95 % bands.
-#include "imulab/analysis/error_monte_carlo.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/io/mission_file.hpp"
+#include "imulab/io/session/mission.hpp"
+#include "imulab/navigation/budget/monte_carlo.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,18 +10,19 @@
 namespace imulab {
 namespace {
 
+using namespace motion;
+
 TEST(Xu2024, ErrorsOfTheTrafficPatternAreDistributedAsElsewhere) {
   const MissionFile file = read_mission(std::filesystem::path(IMULAB_SOURCE) / "docs" / "xu2024" / "pattern.toml");
   const NominalMotion motion = nominal_motion(trajectory_of(file.mission), 1 / file.mission.rate);
   EXPECT_EQ(motion.increments.size(), 7120u);
   StrapdownOptions strapdown;
   strapdown.vertical = file.errors->vertical;
-  const ErrorDistribution d =
-      error_monte_carlo(motion, error_sources(*file.errors), {.strapdown = strapdown, .output_interval = 4, .runs = 1000});
+  const ErrorDistribution d = error_monte_carlo(motion, error_sources(*file.errors), {.strapdown = strapdown, .output_interval = 4, .runs = 1000});
 
   const auto expect_band = [](const std::string& what, std::vector<double> values, double median_, double low, double high) {
     for (double& v : values) v = std::abs(v);
-    // A factor of 1.5: turns, rolls and draws of the other simulation are not quite these.
+    // A factor of 1.5: turns, rolls and draws of the other simulation differ somewhat.
     for (const auto& [found, expected] : {std::pair{median(values), median_}, {quantile(values, 0.05), low}, {quantile(values, 0.95), high}}) {
       EXPECT_GT(found, expected / 1.5) << what;
       EXPECT_LT(found, expected * 1.5) << what;

@@ -41,17 +41,17 @@ TEST(BadInput, ARecordingNamesFileLineAndColumn) {
   expect_each_refused({
       {[](SessionText& s) { s.declare("\"recording.csv\"", "\"other.csv\""); }, "session/other.csv: cannot be opened: No such file"},
       {[](SessionText& s) { s.declare("\"recording.csv\"", "\".\""); }, "session/.: is not a regular file"},
-      {[](SessionText& s) { s.lines.clear(); }, file + ": is empty, expected rows of numbers"},
+      {[](SessionText& s) { s.lines.clear(); }, file + ": is empty; expected rows of numbers"},
       {[](SessionText& s) { s.lines.resize(1); }, file + ": has a header but no rows"},
-      {[](SessionText& s) { s.lines[0] = "t,gx,gy,gz,ax,ay,up"; }, file + ": column az is not there, expected one of t, gx, gy, gz, ax, ay, up"},
+      {[](SessionText& s) { s.lines[0] = "t,gx,gy,gz,ax,ay,up"; }, file + ": column az is not there; expected one of t, gx, gy, gz, ax, ay, up"},
       {[](SessionText& s) { s.set(5, 2, "abc"); }, file + ":5: gy: \"abc\" is not a number"},
-      {[](SessionText& s) { s.set(77, 1, "nan"); }, file + ":77: gx: nan is not a reading, expected a finite number"},
-      {[](SessionText& s) { s.set(9601, 6, "-inf"); }, file + ":9601: az: -inf is not a reading, expected a finite number"},
-      {[](SessionText& s) { s.lines[99] += ",1"; }, file + ":100: 8 fields, expected 7 as in the header"},
-      {[](SessionText& s) { s.set(5, 0, "0.015"); }, file + ":5: t: time runs backwards, 0.015 s after 0.03 s"},
-      {[](SessionText& s) { s.set(5, 0, "0.03"); }, file + ":5: t: 0.03 s stands on two rows with different readings"},
-      {[](SessionText& s) { s.declare("rate_hz = 100", "rate_hz = 200"); }, file + ": rate_hz = 200 is declared, but the stamps say 100 Hz"},
-      {[](SessionText& s) { s.lines[9] = std::string("\0\1\2\3", 4); }, file + ": is not text, expected CSV"},
+      {[](SessionText& s) { s.set(77, 1, "nan"); }, file + ":77: gx: nan is not a reading; expected a finite number"},
+      {[](SessionText& s) { s.set(9601, 6, "-inf"); }, file + ":9601: az: -inf is not a reading; expected a finite number"},
+      {[](SessionText& s) { s.lines[99] += ",1"; }, file + ":100: 8 fields; expected 7 as in the header"},
+      {[](SessionText& s) { s.set(5, 0, "0.015"); }, file + ":5: t: time runs backwards: 0.015 s after 0.03 s"},
+      {[](SessionText& s) { s.set(5, 0, "0.03"); }, file + ":5: t: 0.03 s is on two rows with different readings"},
+      {[](SessionText& s) { s.declare("rate_hz = 100", "rate_hz = 200"); }, file + ": rate_hz = 200 is declared, but the stamps give 100 Hz"},
+      {[](SessionText& s) { s.lines[9] = std::string("\0\1\2\3", 4); }, file + ": unknown format; expected CSV"},
   });
 }
 
@@ -63,7 +63,7 @@ TEST(BadInput, AHugeFieldIsQuotedInShort) {
   const CommandResult result = run_imulab(folder, "calibrate session --method handheld");
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.errors, HasSubstr("imulab: session/recording.csv:3: gx: 1111"));
-  EXPECT_THAT(result.errors, HasSubstr("is beyond what a double holds"));
+  EXPECT_THAT(result.errors, HasSubstr("is too large or too small; expected a number that a double can hold"));
   EXPECT_LT(result.errors.size(), 200u);
 }
 
@@ -83,13 +83,13 @@ TEST(BadInput, UnitsThatTheRestsContradict) {
 TEST(BadInput, ASessionNamesLineAndKey) {
   const std::string file = "session/session.toml";
   expect_each_refused({
-      {[](SessionText& s) { s.declare("height_m", "hight_m"); }, file + ":9: site.hight_m: is not a known key, expected height_m"},
+      {[](SessionText& s) { s.declare("height_m", "hight_m"); }, file + ":9: site.hight_m: is not a known key; expected height_m"},
       {[](SessionText& s) { s.declare("rad/s", "rpm"); },
-       file + ":18: recording.gyro.unit: \"rpm\" is not allowed, expected one of count, rad/s, deg/s, deg/h"},
+       file + ":18: recording.gyro.unit: \"rpm\" is not allowed; expected one of count, rad/s, deg/s, deg/h"},
       {[](SessionText& s) { s.declare("session/1", "session/7"); }, file + ":1: format: \"imulab.session/7\" is a format this version does not know"},
       {[](SessionText& s) { s.declare("[rig]", "[rig"); }, file + ":11: "},
-      {[](SessionText& s) { s.session.resize(s.session.find("[[recording]]")); }, file + ": [[recording]]: expected at least one"},
-      {[](SessionText& s) { s.declare("latitude_deg = 45\n", ""); }, file + ": [site]: neither gravity_mps2 nor latitude_deg is given"},
+      {[](SessionText& s) { s.session.resize(s.session.find("[[recording]]")); }, file + ": has no recordings; expected at least one [[recording]]"},
+      {[](SessionText& s) { s.declare("latitude_deg = 45\n", ""); }, file + ": [site]: neither gravity nor latitude of the site is given"},
   });
 }
 
@@ -108,17 +108,18 @@ TEST(BadInput, ACommandThatIsWrong) {
            {"calibrate session --method static --terms ''", "--terms: unknown coefficient \"\""},
            {"calibrate session --method handheld --terms accel.cubic",
             "--terms: accel.cubic.x is not a coefficient that the method handheld estimates"},
-           {"calibrate session --method static --recording other.csv", "session/session.toml: has no recording other.csv, expected --recording with one of recording.csv"},
+           {"calibrate session --method static --recording other.csv",
+            "session/session.toml: has no recording other.csv; expected --recording with one of recording.csv"},
            {"calibrate nowhere --method static", "nowhere: cannot be opened: No such file"},
            {"calibrate session/recording.csv --method static", "session/recording.csv:1: "},
            {"calibrate session --method static -o nowhere/c.json", "nowhere/c.json: cannot be written: No such file"},
            {"calibrate session --method static -o session", "session: cannot be written: Is a directory"},
            {"procedure hand-held -o nowhere/hand.toml", "nowhere/hand.toml: cannot be written: No such file"},
-           {"procedure hand-held --poses 0", "hand-held: at least one pose was expected"},
+           {"procedure hand-held --poses 0", "hand-held: no poses; expected at least one"},
            {"procedure six-feet", "six-feet is not a procedure, expected one of six-position, zhang-24, cheng-path, hand-held, dai-unit"},
            {"simulate session", "--output is required"},
            {"simulate nowhere.toml -o out", "nowhere.toml: cannot be opened: No such file"},
-           {"compensate file session -o out.csv", "file: is empty, expected a calibration"},
+           {"compensate file session -o out.csv", "file: is empty; expected a calibration"},
        })
     expect_refused(folder, arguments, message);
   for (const char* name : {"nowhere", "out", "out.csv"}) EXPECT_FALSE(std::filesystem::exists(folder / name)) << name;

@@ -16,7 +16,7 @@ TEST(CalibrateHybrid, WritesChengsTableAndHisCurves) {
   const CommandResult result = run_imulab(folder, "calibrate session --method hybrid -o c.json --curves curves.csv");
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_THAT(result.output, HasSubstr("coarse     correction          value"));
-  EXPECT_THAT(result.output, HasSubstr("repetitions over"));
+  EXPECT_THAT(result.output, HasSubstr("iterations over"));
   EXPECT_THAT(result.output, HasSubstr("\ngood\n"));
   EXPECT_EQ(run_imulab(folder, "compare c.json session/truth.json").exit_code, 0);
 

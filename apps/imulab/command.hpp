@@ -1,31 +1,70 @@
-// The command line: each verb adds itself to the application; `run` turns exceptions into exit codes.
+// The command line: each verb declares its options here and says what it does; `run` turns exceptions into exit codes. One source knows CLI11.
 #pragma once
 
-#include <CLI/CLI.hpp>
-
+#include <functional>
 #include <string>
 #include <vector>
 
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
 namespace imulab::command {
 
-/// Runs one command line (without the program's name). 0 done; 1 the data do not support what was asked; 2 the command or an input file is wrong.
+/// Runs one command line (without the program's name). 0 done; 1 the data do not support the request; 2 the command or an input file is wrong.
 int run(std::vector<std::string> arguments);
 
 /// Warnings go to standard error, one a line, as "imulab: warning: ...".
 void warn(const std::string& text);
 
-// One a verb, defined in the file of that name; the callback does the work and may throw Error (2) or Unsupported (1).
-void add_procedure(CLI::App& app);
-void add_simulate(CLI::App& app);
-void add_calibrate(CLI::App& app);
-void add_compensate(CLI::App& app);
-void add_compare(CLI::App& app);
-void add_predict(CLI::App& app);
-void add_plan(CLI::App& app);
-void add_trajectory(CLI::App& app);
-void add_navigate(CLI::App& app);
-void add_budget(CLI::App& app);
-void add_export(CLI::App& app);
-void add_demo(CLI::App& app);
+/// An option of a verb. Each call changes it and returns it again.
+class Option {
+ public:
+  Option required();
+  Option takes_several(int at_least);  ///< values, any number from this on
+  Option one_of(const std::vector<std::string>& names);
+  Option in_range(double least, double most);
+  Option check(const std::function<std::string(const std::string& text)>& problem);  ///< what is wrong with the text; empty: nothing
+  Option show_default();                                                             ///< in --help
+  Option excludes(Option other);
+  bool given() const;
+
+ private:
+  friend class Verb;
+  explicit Option(CLI::Option* option) : option_(option) {}
+  CLI::Option* option_;
+};
+
+/// A verb. Values and what it does must outlive the declaration: a callback keeps what it captures.
+class Verb {
+ public:
+  explicit Verb(CLI::App* app) : app_(app) {}
+  Verb verb(const std::string& name, const std::string& summary);
+  /// Names as in "-o,--output", or one without a dash for a value in its place. The value has a type that command.cpp lists.
+  template <class Value>
+  Option option(const std::string& names, Value& value, const std::string& help);
+  Option flag(const std::string& names, bool& value, const std::string& help);
+  void needs_verb();  ///< one of its own
+  /// The work. May throw Error (exit code 2) or Unsupported (1).
+  void does(std::function<void()> work);
+
+ private:
+  CLI::App* app_;
+};
+
+// One a verb, defined in the file of that name.
+void add_procedure(Verb app);
+void add_simulate(Verb app);
+void add_calibrate(Verb app);
+void add_compensate(Verb app);
+void add_compare(Verb app);
+void add_predict(Verb app);
+void add_plan(Verb app);
+void add_trajectory(Verb app);
+void add_navigate(Verb app);
+void add_budget(Verb app);
+void add_export(Verb app);
+void add_demo(Verb app);
 
 }  // namespace imulab::command

@@ -1,5 +1,5 @@
 #include "imulab/core/units.hpp"
-#include "imulab/io/calibration_file.hpp"
+#include "imulab/io/calibration/file.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <gmock/gmock.h>
@@ -169,14 +169,15 @@ TEST_F(CompareCommand, WrongUseIsExplained) {
         Case{"newer.json calibration.json",
              "imulab: newer.json: format: imulab.calibration/2 is a newer format; this program reads imulab.calibration/1"},
         Case{"calibration.json session.json", "imulab: session.json: format: expected \"imulab.calibration/1\", found \"imulab.session/1\""},
-        Case{"calibration.json result.json", "imulab: result.json: format: missing, expected \"imulab.calibration/1\""},
-        Case{"calibration.json empty.json", "imulab: empty.json: is empty, expected a calibration"},
-        Case{"calibration.json - < /dev/null", "imulab: standard input: is empty, expected a calibration"},
-        Case{"calibration.json nan.json", "not JSON, expected a calibration: "}, Case{"calibration.json null.json", "expected a number, found null"},
-        Case{"calibration.json truth.json singular.json", "imulab: singular.json: model.gyro.matrix is singular"},
+        Case{"calibration.json result.json", "imulab: result.json: format: is missing; expected \"imulab.calibration/1\""},
+        Case{"calibration.json empty.json", "imulab: empty.json: is empty; expected a calibration"},
+        Case{"calibration.json - < /dev/null", "imulab: standard input: is empty; expected a calibration"},
+        Case{"calibration.json nan.json", "not JSON; expected a calibration: "}, Case{"calibration.json null.json", "expected a number, found null"},
+        Case{"calibration.json truth.json singular.json", "imulab: singular.json: gyro.matrix is singular"},
         Case{"calibration.json counts.json rates.json",
              "imulab: rates.json: gyro was calibrated from rad/s, expected count as in counts.json"},  // and the first does not say
-        Case{"calibration.json truth.json calibration.json", "imulab: calibration.json: the same file as calibration.json, expected different"},
+        Case{"calibration.json truth.json calibration.json",
+             "imulab: calibration.json: the same file as calibration.json; their errors count as independent; expected different"},
         Case{"calibration.json ./calibration.json", "imulab: ./calibration.json: the same file as calibration.json"},
         Case{"calibration.json link.json", "imulab: link.json: the same file as calibration.json"},
         Case{"- truth.json -", "imulab: -: the same file as -"}}) {

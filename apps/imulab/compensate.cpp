@@ -3,12 +3,12 @@
 
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/session_recording.hpp"
-#include "imulab/analysis/compensate_recording.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/io/calibration_file.hpp"
-#include "imulab/io/compensated_file.hpp"
-#include "imulab/io/file.hpp"
-#include "imulab/io/session_file.hpp"
+#include "imulab/io/calibration/file.hpp"
+#include "imulab/io/recording/file.hpp"
+#include "imulab/io/session/file.hpp"
+#include "imulab/io/text/file.hpp"
+#include "imulab/recording/compensate_recording.hpp"
 
 #include <fmt/core.h>
 
@@ -26,16 +26,15 @@ namespace fs = std::filesystem;
 CompensatedRecording compensated(const Calibration& calibration, const Session& session, const RecordingSource& source, Outliers outliers) {
   CompensatedRecording out = compensate(calibration.model, read_for(calibration, session, source), outliers);
   if (!out.out_of_range.empty())
-    warn(fmt::format("{}: {} of {} samples are outside the temperatures the calibration saw", source.file, out.out_of_range.size(),
-                     out.recording.size()));
+    warn(fmt::format("{}: {} of {} samples are outside the calibrated temperatures", source.file, out.out_of_range.size(), out.recording.size()));
   return out;
 }
 
-/// Where each recording goes: a .csv file for one, else files named like the recordings in a folder.
+/// The output file of each recording: a .csv file for one, else files named like the recordings in a folder.
 std::vector<fs::path> output_files(const Session& session, const fs::path& output) {
   const bool one_file = output.extension() == ".csv" || output == "-";
   if (one_file && session.recordings.size() > 1)
-    throw Error(fmt::format("-o {}: the session has {} recordings, expected a folder", output.string(), session.recordings.size()));
+    throw Error(fmt::format("-o {}: the session has {} recordings; expected a folder", output.string(), session.recordings.size()));
   if (one_file) return {output};
   if (fs::exists(output) && !fs::is_directory(output))
     throw Error(fmt::format("-o {}: exists and is not a folder; expected a folder or a .csv file", output.string()));
@@ -43,7 +42,8 @@ std::vector<fs::path> output_files(const Session& session, const fs::path& outpu
   for (const auto& recording : session.recordings) {
     fs::path file = output / fs::path(recording.file).filename().replace_extension(".csv");
     if (std::find(files.begin(), files.end(), file) != files.end())
-      throw Error(fmt::format("-o {}: two recordings would both become {}", output.string(), file.filename().string()));
+      throw Error(
+          fmt::format("-o {}: two recordings would both be written to {}; expected different names", output.string(), file.filename().string()));
     files.push_back(std::move(file));
   }
   return files;
@@ -61,10 +61,10 @@ void write(const fs::path& file, const CompensatedRecording& c, Outliers outlier
 
 void compensate_files(const CompensateOptions& options) {
   if (!options.stream_session.empty() || !options.recording.empty())
-    throw Error("--session and --recording belong to standard input, expected - in place of the session");
+    throw Error("--session and --recording belong to standard input; expected - in place of the session");
   const Calibration calibration = read_calibration(options.calibration);
   const Session session = read_session(options.session);
-  if (session.recordings.empty()) throw Error(session.file + ": has no recordings, expected a session with at least one");
+  if (session.recordings.empty()) throw Error(session.file + ": has no recordings; expected at least one");
   const std::vector<fs::path> files = output_files(session, options.output);
   for (const fs::path& file : files) expect_inputs_stay(file.string(), session, {options.calibration});
   std::vector<CompensatedRecording> recordings;  // all are compensated before any is written
@@ -72,7 +72,7 @@ void compensate_files(const CompensateOptions& options) {
   if (files[0].has_parent_path()) {
     std::error_code failure;
     fs::create_directories(files[0].parent_path(), failure);
-    if (failure) throw Error(fmt::format("-o {}: cannot make the folder: {}", options.output, failure.message()));
+    if (failure) throw Error(fmt::format("-o {}: the folder cannot be created: {}", options.output, failure.message()));
   }
   for (std::size_t i = 0; i < files.size(); ++i) write(files[i], recordings[i], options.outliers);
 }
@@ -84,18 +84,20 @@ void print_counts(const std::string& file, const CompensateCounts& counts, Outli
              outliers == Outliers::reject ? fmt::format(", {} with an outlier replaced", counts.replaced) : "");
 }
 
-void add_compensate(CLI::App& app) {
+void add_compensate(Verb app) {
   const auto options = std::make_shared<CompensateOptions>();
-  CLI::App* const verb = app.add_subcommand("compensate", "Raw recordings -> angular rates and specific forces in SI");
-  verb->add_option("CALIBRATION", options->calibration, "calibration.json")->required();
-  verb->add_option("SESSION", options->session, "a session folder or its session.toml; - for rows from standard input, as --session declares them")
-      ->required();
-  verb->add_option("-o,--output", options->output, "a folder; for one recording also a .csv file, or - for standard output")->required();
-  verb->add_flag_callback(
-      "--reject-outliers", [options] { options->outliers = Outliers::reject; }, "replace spikes of one or two samples first");
-  verb->add_option("--session", options->stream_session, "the session whose recording comes on standard input");
-  verb->add_option("--recording", options->recording, "which of that session's recordings, by its file");
-  verb->callback([options] { options->session == "-" ? compensate_stream(*options) : compensate_files(*options); });
+  Verb verb = app.verb("compensate", "Apply a calibration: raw recordings to angular rates and specific forces in SI");
+  verb.option("CALIBRATION", options->calibration, "calibration.json").required();
+  verb.option("SESSION", options->session, "a session folder or its session.toml; - for rows from standard input, as --session declares them")
+      .required();
+  verb.option("-o,--output", options->output, "a folder; for one recording also a .csv file, or - for standard output").required();
+  verb.flag("--reject-outliers", options->reject_outliers, "replace spikes of one or two samples first");
+  verb.option("--session", options->stream_session, "the session that describes the recording on standard input");
+  verb.option("--recording", options->recording, "the file of the recording to use, if that session has several");
+  verb.does([options] {
+    if (options->reject_outliers) options->outliers = Outliers::reject;
+    options->session == "-" ? compensate_stream(*options) : compensate_files(*options);
+  });
 }
 
 }  // namespace imulab::command

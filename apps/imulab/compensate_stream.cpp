@@ -1,13 +1,13 @@
-// imulab compensate CALIBRATION - --session SESSION -o OUT: rows go out as they come in.
+// imulab compensate CALIBRATION - --session SESSION -o OUT: rows are written as they arrive.
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/compensate.hpp"
 #include "apps/imulab/session_recording.hpp"
-#include "imulab/analysis/compensator.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/io/calibration_file.hpp"
-#include "imulab/io/compensated_file.hpp"
-#include "imulab/io/recording_stream.hpp"
-#include "imulab/io/session_file.hpp"
+#include "imulab/io/calibration/file.hpp"
+#include "imulab/io/recording/file.hpp"
+#include "imulab/io/recording/stream.hpp"
+#include "imulab/io/session/file.hpp"
+#include "imulab/recording/compensator.hpp"
 
 #include <fmt/core.h>
 
@@ -19,7 +19,7 @@ namespace imulab::command {
 
 namespace {
 
-/// Rows on their way out: a file, or standard output. It is made with the first rows.
+/// The output, a file or standard output. It is created with the first rows.
 class Rows {
  public:
   explicit Rows(std::string output) : output_(std::move(output)) {}
@@ -52,7 +52,7 @@ class Rows {
 }  // namespace
 
 void compensate_stream(const CompensateOptions& options) {
-  if (options.stream_session.empty()) throw Error("standard input needs --session: the session that says what its columns are");
+  if (options.stream_session.empty()) throw Error("the columns of standard input are not known; expected --session");
   if (options.output != "-" && std::filesystem::path(options.output).extension() != ".csv")
     throw Error(fmt::format("-o {}: expected a .csv file, or - for standard output", options.output));
   const Calibration calibration = read_calibration(options.calibration);
@@ -61,7 +61,7 @@ void compensate_stream(const CompensateOptions& options) {
   expect_inputs_stay(options.output, session, {options.calibration});
   std::error_code no_such_file;
   if (std::filesystem::equivalent("/dev/stdin", options.output, no_such_file))
-    throw Error(fmt::format("-o {}: would overwrite standard input's file, expected another place", options.output));
+    throw Error(fmt::format("-o {}: would overwrite the file of standard input; expected another one", options.output));
   check_thermal_units(calibration, source);
 
   RecordingStream stream(STDIN_FILENO, "standard input", source);
@@ -77,7 +77,7 @@ void compensate_stream(const CompensateOptions& options) {
 
   for (const std::string& text : stream.warnings()) warn(text);
   if (const auto n = rows.counts().out_of_range; n > 0)
-    warn(fmt::format("standard input: {} of {} samples are outside the temperatures the calibration saw", n, rows.counts().samples));
+    warn(fmt::format("standard input: {} of {} samples are outside the calibrated temperatures", n, rows.counts().samples));
   if (options.output != "-") print_counts(options.output, rows.counts(), options.outliers);
 }
 

@@ -1,6 +1,6 @@
 // imulab compensate CALIBRATION - --session SESSION: the same rows as of a file, as they come, in memory that does not grow.
 #include "imulab/core/random.hpp"
-#include "imulab/io/calibration_file.hpp"
+#include "imulab/io/calibration/file.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>
@@ -78,7 +78,7 @@ TEST(CompensateStream, GivesTheRowsOfTheFileBitForBit) {
     EXPECT_EQ(stream.output, read_text(folder / "file.csv"));
     EXPECT_THAT(stream.errors, HasSubstr("standard input: 5 rows equal to the row before dropped"));
     EXPECT_THAT(stream.errors, HasSubstr("standard input: 10 samples at a limit"));
-    EXPECT_THAT(stream.errors, HasSubstr("standard input: 6 of 3000 samples are outside the temperatures"));
+    EXPECT_THAT(stream.errors, HasSubstr("standard input: 6 of 3000 samples are outside the calibrated temperatures"));
     const CommandResult to_file = run_imulab(folder, "compensate calibration.json - --session session.toml -o stream.csv < recording.csv" + option);
     EXPECT_EQ(to_file.exit_code, 0);
     EXPECT_EQ(read_text(folder / "stream.csv"), stream.output);
@@ -102,7 +102,7 @@ TEST(CompensateStream, IncrementsNeedADeclaredRate) {
   const CommandResult refused = run_imulab(folder, "compensate calibration.json - --session no_rate.toml -o - < recording.csv");
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_EQ(refused.output, "");
-  EXPECT_EQ(refused.errors, "imulab: standard input: increments need rate_hz in the session: the median interval is known only at the end\n");
+  EXPECT_EQ(refused.errors, "imulab: standard input: increments need rate_hz; expected it in the session, since the median interval is known only at the end\n");
   EXPECT_THAT(run_imulab(folder, "compensate calibration.json - --session wrong_rate.toml -o - < recording.csv").errors,
               HasSubstr("standard input: rate_hz = 200 is declared, but the stamps do not say so"));
 }
@@ -152,18 +152,18 @@ TEST(CompensateStream, SaysWhereTheInputIsWrongAndLeavesTheRowsBefore) {
        {Case{"- --session . -o - < text", "standard input:4: gy: \"x\" is not a number", 3},
         Case{"- --session . -o - < last", "standard input:4: gy: \"x\" is not a number", 3},
         Case{"- --session . -o - --reject-outliers < text", "standard input:4: gy: \"x\" is not a number", 3},
-        Case{"- --session . -o rows.csv < rows.csv", "-o rows.csv: would overwrite standard input's file", 0},
-        Case{"- --session . -o - < backwards", "standard input:4: t: time runs backwards, 0.01 s after 0.02 s", 3},
-        Case{"- --session . -o - < ragged", "standard input:4: 3 fields, expected 8 as in the header", 3},
-        Case{"- --session . -o - < columns", "standard input: column az is not there, expected one of t, gx, gy, gz, ax, ay", 0},
-        Case{"- --session . -o - < header", "standard input: has a header but no rows, expected rows of numbers", 0},
-        Case{"- --session . -o - < empty", "standard input: is empty, expected rows of numbers", 0},
+        Case{"- --session . -o rows.csv < rows.csv", "-o rows.csv: would overwrite the file of standard input", 0},
+        Case{"- --session . -o - < backwards", "standard input:4: t: time runs backwards: 0.01 s after 0.02 s", 3},
+        Case{"- --session . -o - < ragged", "standard input:4: 3 fields; expected 8 as in the header", 3},
+        Case{"- --session . -o - < columns", "standard input: column az is not there; expected one of t, gx, gy, gz, ax, ay", 0},
+        Case{"- --session . -o - < header", "standard input: has a header but no rows; expected rows of numbers", 0},
+        Case{"- --session . -o - < empty", "standard input: is empty; expected rows of numbers", 0},
         Case{"- --session . -o - < long", "standard input:4: more than 1048576 bytes without a row", 3},
         Case{"- --session . -o - < binary", "standard input: is not text", 0}, Case{"- --session . -o - <&-", "standard input: cannot be read", 0},
-        Case{"- -o - < text", "standard input needs --session", 0},
+        Case{"- -o - < text", "the columns of standard input are not known; expected --session", 0},
         Case{". --session . -o out", "--session and --recording belong to standard input", 0},
-        Case{"- --session several.toml -o - < text", "several.toml: has several recordings, expected --recording with one of a.csv, b.csv", 0},
-        Case{"- --session several.toml --recording c.csv -o - < text", "several.toml: has no recording c.csv, expected --recording", 0},
+        Case{"- --session several.toml -o - < text", "several.toml: has several recordings; expected --recording with one of a.csv, b.csv", 0},
+        Case{"- --session several.toml --recording c.csv -o - < text", "several.toml: has no recording c.csv; expected --recording", 0},
         Case{"- --session apart.toml -o - < text", "standard input: the session has a triad in a file of its own (accel.csv)", 0},
         Case{"- --session . -o out < text", "-o out: expected a .csv file, or - for standard output", 0},
         Case{"- --session . -o calibration.csv/out.csv < text", "-o calibration.csv/out.csv: cannot be written", 0}}) {

@@ -1,4 +1,4 @@
-#include "imulab/io/calibration_file.hpp"
+#include "imulab/io/calibration/file.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>
@@ -81,7 +81,7 @@ TEST(CompensateCommand, WritesSeveralRecordingsToAFolder) {
   for (const char* single : {"out.csv", "-"}) {
     const CommandResult refused = run_imulab(folder, std::string("compensate calibration.json session -o ") + single);
     EXPECT_EQ(refused.exit_code, 2);
-    EXPECT_THAT(refused.errors, HasSubstr("the session has 2 recordings, expected a folder"));
+    EXPECT_THAT(refused.errors, HasSubstr("the session has 2 recordings; expected a folder"));
     EXPECT_EQ(refused.output, "");
   }
 }
@@ -95,7 +95,7 @@ TEST(CompensateCommand, UsesTheTemperatureAndFlagsWhatTheCalibrationNeverSaw) {
   // gx = 2 (U - 0.1 (T - 20)) = 2 (1, 2 - 1, 3 - 6)
   EXPECT_EQ(result.output,
             "t,gx,gy,gz,ax,ay,az,flags\n0.01,2,6,12,4.5,5,6,\n0.02,2,12,24,8.5,10,100,saturated\n0.03,-6,18,36,12.5,15,18,out_of_range\n");
-  EXPECT_THAT(result.errors, HasSubstr("1 of 3 samples are outside the temperatures the calibration saw"));
+  EXPECT_THAT(result.errors, HasSubstr("1 of 3 samples are outside the calibrated temperatures"));
 }
 
 TEST(CompensateCommand, WhatCannotBeDoneLeavesNothingBehind) {
@@ -163,7 +163,7 @@ TEST(CompensateCommand, TemperaturesInAnotherUnitAreRefused) {
   folder.write("calibration.json", calibration_text(thermal_calibration()));
   const CommandResult result = run_imulab(folder, "compensate calibration.json session -o -");
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.errors, HasSubstr("recording.csv: the gyro temperature is in K, expected degC as in the calibration"));
+  EXPECT_THAT(result.errors, HasSubstr("recording.csv: the gyro temperature is in K; expected degC as in the calibration"));
 }
 
 }  // namespace

@@ -1,13 +1,13 @@
-// What `budget` and `trajectory` share.
+// Common to `budget` and `trajectory`.
 #pragma once
 
-#include "imulab/analysis/error_specification.hpp"
+#include "imulab/navigation/budget/specification.hpp"
 
 #include <string>
 
 namespace imulab::command {
 
-/// The sources of a mission's [errors] table, with the calibration it names, beside the mission's file.
-ErrorSources read_error_sources(const ErrorSpecification& specification, const std::string& mission);
+/// The sources of a mission's [errors] table, with the calibration that it names, relative to the mission's file; prints its warnings.
+ErrorSources mission_errors(const ErrorSpecification& specification, const std::string& mission);
 
 }  // namespace imulab::command

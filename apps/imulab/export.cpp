@@ -1,36 +1,29 @@
-// imulab export CALIBRATION --to FORMAT
+// imulab export CALIBRATION --to TARGET
 #include "apps/imulab/command.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/io/c_header.hpp"
-#include "imulab/io/calibration_file.hpp"
-#include "imulab/io/file.hpp"
+#include "imulab/io/calibration/file.hpp"
+#include "imulab/io/export/target.hpp"
+#include "imulab/io/text/file.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
-#include <functional>
-#include <map>
 #include <memory>
+#include <string>
+#include <vector>
 
 namespace imulab::command {
 
 namespace {
 
 struct Options {
-  std::string calibration, format, output = "-";
+  std::string calibration, target, output = "-";
 };
-
-const std::map<std::string, std::function<std::string(const Calibration&)>> formats{{"c-header", c_header}};
 
 void run(const Options& o) {
   const Calibration calibration = read_calibration(o.calibration);
-  const std::string text = [&] {
-    try {
-      return formats.at(o.format)(calibration);
-    } catch (const Error& e) {
-      throw Error(fmt::format("{}: {}", o.calibration, e.what()));
-    }
-  }();
-  if (!calibration.model.lever_arm.isZero(0)) warn(o.calibration + ": lever arms are not exported: the forces are those where the accelerometers sit");
+  const ExportTarget& target = export_target(o.target);
+  const std::string text = errors_at(o.calibration, [&] { return target.text(calibration); });
+  for (const std::string& left_out : target.left_out(calibration)) warn(o.calibration + ": " + left_out);
   if (o.output == "-")
     fmt::print("{}", text);
   else
@@ -39,15 +32,18 @@ void run(const Options& o) {
 
 }  // namespace
 
-void add_export(CLI::App& app) {
+void add_export(Verb app) {
   const auto o = std::make_shared<Options>();
-  CLI::App* const verb = app.add_subcommand("export", "A calibration for other programs");
-  std::vector<std::string> names;
-  for (const auto& [name, text] : formats) names.push_back(name);
-  verb->add_option("CALIBRATION", o->calibration, "calibration.json")->required();
-  verb->add_option("--to", o->format, "c-header: compensation for firmware, one header without a library")->required()->check(CLI::IsMember(names));
-  verb->add_option("-o,--output", o->output, "the file to write; - for standard output")->capture_default_str();
-  verb->callback([o] { run(*o); });
+  Verb verb = app.verb("export", "Write a calibration for other programs");
+  std::vector<std::string> names, help;
+  for (const ExportTarget& target : export_targets()) {
+    names.emplace_back(target.name);
+    help.push_back(fmt::format("{}: {}", target.name, target.summary));
+  }
+  verb.option("CALIBRATION", o->calibration, "calibration.json").required();
+  verb.option("--to", o->target, fmt::format("{}", fmt::join(help, "; "))).required().one_of(names);
+  verb.option("-o,--output", o->output, "the file to write; - for standard output").show_default();
+  verb.does([o] { run(*o); });
 }
 
 }  // namespace imulab::command

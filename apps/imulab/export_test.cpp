@@ -1,7 +1,7 @@
 // The exported header compiles as C99 and as C++ without a warning and does what the library does.
 #include "imulab/core/random.hpp"
-#include "imulab/io/c_header.hpp"
-#include "imulab/io/calibration_file.hpp"
+#include "imulab/io/export/c_header.hpp"
+#include "imulab/io/calibration/file.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/compensate.hpp"
 #include "imulab/model/outlier_filter.hpp"
@@ -22,8 +22,8 @@ Calibration every_term() {
   c.imu = "unit */ #include <x>";  // hostile
   c.method = "truth";
   c.model.accel.raw_unit = c.model.gyro.raw_unit = "count";
-  for (int index = 0; index < coefficient_count; ++index) {
-    const Coefficient& k = coefficient_table()[static_cast<std::size_t>(index)];
+  for (const CoefficientIndex index : coefficient_indices()) {
+    const Coefficient& k = coefficient(index);
     const double sign = index % 2 ? -1 : 1, size = 1 + 0.1 * (index % 7);
     double value = 0;
     switch (k.term) {

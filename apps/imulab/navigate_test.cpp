@@ -1,4 +1,4 @@
-#include "imulab/io/calibration_file.hpp"
+#include "imulab/io/calibration/file.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -58,7 +58,7 @@ TEST(NavigateCommand, AlignsOnTheRest) {
   const TemporaryFolder folder;
   FlightSession f = flight_session(1);
   f.session.initial = flight_start();
-  f.session.initial->heading = 0;  // wrong: --align does not believe it
+  f.session.initial->heading = 0;  // wrong: --align does not use it
   write(folder, "session", f);
   const CommandResult text = run_imulab(folder, "navigate none session --align");
   ASSERT_EQ(text.exit_code, 0) << text.errors;
@@ -109,7 +109,7 @@ TEST(NavigateCommand, TheVerticalChannelNeedsItsBarometer) {
   write_given(folder);
   const CommandResult without = run_imulab(folder, "navigate none session --vertical aided");
   EXPECT_EQ(without.exit_code, 2);
-  EXPECT_THAT(without.errors, HasSubstr("vertical channel aided: needs a barometer's heights"));
+  EXPECT_THAT(without.errors, HasSubstr("vertical channel aided: no barometer's heights"));
   folder.write("baro.csv", "t,height_m\n0,100\n100,100\n");
   for (const std::string vertical : {"aided", "held"}) {
     const CommandResult with = run_imulab(folder, "navigate none session --barometer baro.csv --json --vertical " + vertical);
@@ -119,7 +119,7 @@ TEST(NavigateCommand, TheVerticalChannelNeedsItsBarometer) {
   folder.write("short.csv", "t,height_m\n0,100\n50,100\n");
   EXPECT_THAT(run_imulab(folder, "navigate none session --vertical held --barometer short.csv").errors,
               HasSubstr("expected all of 40.000 s to 100.000 s"));
-  EXPECT_THAT(run_imulab(folder, "navigate none session --barometer baro.csv").errors, HasSubstr("is used by --vertical aided or held"));
+  EXPECT_THAT(run_imulab(folder, "navigate none session --barometer baro.csv").errors, HasSubstr("belongs to --vertical aided or held"));
 }
 
 TEST(NavigateCommand, GapsAreIntegratedAndSaidOrRefused) {
@@ -127,7 +127,7 @@ TEST(NavigateCommand, GapsAreIntegratedAndSaidOrRefused) {
   write_given(folder, [](std::size_t line, const std::string& text) { return line > 3000 && line <= 3010 ? std::nullopt : std::optional(text); });
   const CommandResult result = run_imulab(folder, "navigate none session --json");
   ASSERT_EQ(result.exit_code, 0) << result.errors;
-  EXPECT_THAT(result.errors, HasSubstr("1 gap of 0.2 s altogether, the first after 60.000000 s: integrated with rate and force straight"));
+  EXPECT_THAT(result.errors, HasSubstr("1 gap of 0.2 s altogether, the first after 60.000000 s: integrated with rate and force linear in time"));
   EXPECT_THAT(result.errors, Not(HasSubstr("no rotation is integrated")));
   const Json gaps = Json::parse(result.output)["gaps"];
   ASSERT_EQ(gaps.size(), 1u);
@@ -178,7 +178,7 @@ TEST(NavigateCommand, AlignmentNeedsARestAndALongOne) {
   write(folder, "none", f);
   const CommandResult none = run_imulab(folder, "navigate none none");
   EXPECT_EQ(none.exit_code, 1);
-  EXPECT_THAT(none.errors, HasSubstr("recording.csv: no rest was found to align on; give [initial]"));
+  EXPECT_THAT(none.errors, HasSubstr("recording.csv: no rest was found to align on; give an initial state"));
 }
 
 TEST(NavigateCommand, WhatIsWrongIsNamed) {
@@ -216,16 +216,16 @@ TEST(NavigateCommand, WhatIsWrongIsNamed) {
   };
   for (const Case& c :
        {Case{"counts.json session", "accel is in m/s^2, expected count, which the calibration was made from"},
-        Case{"none session/count.toml", "gyro is in count, expected rad/s"},
-        Case{"none session/huge.toml", "which no motion does"}, Case{"none session/pole.toml", "latitude 90.000000 deg"},
-        Case{"none session/pole.toml --align", "latitude 90.000000 deg"},
+        Case{"none session/count.toml", "gyro is in count, expected rad/s"}, Case{"none session/huge.toml", "beyond any motion"},
+        Case{"none session/pole.toml", "latitude 90.000000 deg"}, Case{"none session/pole.toml --align", "latitude 90.000000 deg"},
         Case{"none session/late.toml", "navigation starts at 4000.000000 s, expected inside the recording, 0.000000 s to 100.000000 s"},
         Case{"none session --truth elsewhen.csv",
              "elsewhen.csv: the truth runs from 500.000 s to 510.000 s, the solution from 40.000 s to 100.000 s: expected times that overlap"},
         Case{"none session/lost.toml", "lost.csv: cannot be opened"}, Case{"none session/nan.toml", "nan.csv:71: az: nan is not a reading"},
         Case{"none session -o session/recording.csv", "would overwrite"}, Case{"none session -o -", "expected a file to write"},
-        Case{"none session --heading nan", "--heading: nan is no angle"},
-        Case{"none session --heading 3 --heading-sigma nan", "--heading-sigma: nan is no angle"}, Case{"none session --heading-sigma 1", "--heading-sigma: expected --heading too"}, Case{"none session --heading 400", "--heading"},
+        Case{"none session --heading nan", "--heading: nan is not an angle"},
+        Case{"none session --heading 3 --heading-sigma nan", "--heading-sigma: nan is not an angle"},
+        Case{"none session --heading-sigma 1", "--heading-sigma: belongs to --heading"}, Case{"none session --heading 400", "--heading"},
         Case{"none session --vertical up", "--vertical"}, Case{"nothing.json session", "nothing.json"}, Case{"none", "SESSION"}}) {
     const CommandResult result = run_imulab(folder, std::string("navigate ") + c.arguments);
     EXPECT_EQ(result.exit_code, 2) << c.arguments << "\n" << result.errors;

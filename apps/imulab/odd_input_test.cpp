@@ -1,6 +1,6 @@
 // Odd but legal recordings give the calibration that the plain one gives.
 #include "imulab/core/units.hpp"
-#include "imulab/io/calibration_file.hpp"
+#include "imulab/io/calibration/file.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <gmock/gmock.h>
@@ -32,9 +32,9 @@ const Calibration& plain() {
 void expect_as_plain(const Calibration& odd, double share) {
   EXPECT_EQ(odd.estimated, plain().estimated);
   EXPECT_EQ(odd.quality.verdict, "good");
-  for (const int index : plain().estimated)
+  for (const CoefficientIndex index : plain().estimated)
     EXPECT_NEAR(coefficient_value(odd.model, index), coefficient_value(plain().model, index), share * standard_uncertainty(plain(), index).value())
-        << coefficient_table()[static_cast<std::size_t>(index)].name;
+        << coefficient(index).name;
 }
 
 TEST(OddInput, LineEndsAndDelimiters) {
@@ -103,7 +103,7 @@ TEST(OddInput, JitteringStamps) {
   EXPECT_EQ(jittering.estimated, plain().estimated);
   // The gyros' scales are those of the true clock within what such intervals add: 2.3 ms on 2 s, in 19 turns, 3e-4.
   for (const char* name : {"gyro.matrix.xx", "gyro.matrix.yy", "gyro.matrix.zz"}) {
-    const int index = coefficient_index(name);
+    const CoefficientIndex index = coefficient_index(name);
     EXPECT_NEAR(coefficient_value(jittering.model, index), coefficient_value(plain().model, index), 3 * 3e-4) << name;
   }
 }
@@ -132,12 +132,12 @@ TEST(OddInput, WholeCounts) {
   // The scale in counts is the plain one over counts per unit: within ten standard uncertainties, for the noise of rounding (0.2 and 0.05 of
   // the samples' own) and another start.
   for (const char* name : {"accel.matrix.xx", "accel.matrix.zz"}) {
-    const int index = coefficient_index(name);
+    const CoefficientIndex index = coefficient_index(name);
     EXPECT_NEAR(400 * coefficient_value(counts.model, index), coefficient_value(plain().model, index),
                 10 * standard_uncertainty(plain(), index).value())
         << name;
   }
-  const int gyro = coefficient_index("gyro.matrix.yy");
+  const CoefficientIndex gyro = coefficient_index("gyro.matrix.yy");
   EXPECT_NEAR(5000 * coefficient_value(counts.model, gyro), coefficient_value(plain().model, gyro), 10 * standard_uncertainty(plain(), gyro).value());
 }
 

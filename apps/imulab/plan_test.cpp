@@ -1,4 +1,4 @@
-#include "imulab/io/session_file.hpp"
+#include "imulab/io/session/file.hpp"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -56,17 +56,17 @@ TEST_F(PlanCommand, RefusesBadInput) {
   expect_ends("plan --require 'gyro.matrix.xx <= 10 ug'", 2, "\"ug\" is no unit of gyro.matrix.xx");
   expect_ends("plan --require 'accel.matrix.xy <= 1 arcsec'", 2, "lower triangular");
   expect_ends("plan --require 'gyro.g_sensitivity <= 1 deg/h/g'", 2, "g-sensitivity is that of a grade that has it");
-  expect_ends("plan --require 'accel.offset <= 5 ug' --axes 4", 2, "--axes: 4: 1, 2, 3, hand, or names such as outer,inner were expected");
+  expect_ends("plan --require 'accel.offset <= 5 ug' --axes 4", 2, "--axes: 4; expected 1, 2, 3, hand, or names such as outer,inner");
   expect_ends("plan --require 'accel.offset <= 5 ug' --grade best", 2, "best");
-  expect_ends("plan --require 'accel.offset <= 5 ug' --latitude 91", 2, "degrees from -90 to 90 was expected");
-  expect_ends("plan --require 'accel.offset <= 5 ug' --time 0.1", 2, "minutes from 1 to 240 was expected");
-  expect_ends("plan --require 'accel.offset <= 5 ug' --rest 7.5", 2, "whole seconds from 6 to 600 was expected");
+  expect_ends("plan --require 'accel.offset <= 5 ug' --latitude 91", 2, "expected degrees from -90 to 90");
+  expect_ends("plan --require 'accel.offset <= 5 ug' --time 0.1", 2, "expected minutes from 1 to 240");
+  expect_ends("plan --require 'accel.offset <= 5 ug' --rest 7.5", 2, "expected whole seconds from 6 to 600");
   expect_ends("plan --require 'accel.offset <= 5 ug' --time 1 --rest 60", 2, "--time: no turn and rest fit into it");
 }
 
 TEST_F(PlanCommand, PredictNamesWhatIsOpenAndWhatHelps) {
   EXPECT_EQ(run_imulab(folder, "procedure six-position -o six.toml").exit_code, 0);
-  expect_ends("predict six.toml --method hybrid --runs 100", 2, "--runs: it belongs to --method turntable");
+  expect_ends("predict six.toml --method hybrid --runs 100", 2, "--runs: belongs to --method turntable");
   EXPECT_EQ(run_imulab(folder, "procedure cheng-path -o p.toml").exit_code, 0);
   const CommandResult result = run_imulab(folder, "predict p.toml --method hybrid");
   EXPECT_EQ(result.exit_code, 0) << result.errors;

@@ -2,9 +2,9 @@
 
 #include "apps/imulab/command.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/io/recording_file.hpp"
-#include "imulab/io/session_file.hpp"
-#include "imulab/io/text.hpp"
+#include "imulab/io/recording/file.hpp"
+#include "imulab/io/session/file.hpp"
+#include "imulab/io/text/names.hpp"
 
 #include <fmt/core.h>
 
@@ -14,10 +14,10 @@ namespace imulab::command {
 
 namespace {
 
-/// Temperatures are compared with the calibration's as they are read: in the same unit.
+/// Temperatures must be in the unit of the calibration.
 void check_thermal_unit(const TriadModel& model, const std::optional<ThermalSource>& source, const RecordingSource& recording, const char* triad) {
   if (model.temperature && source && model.temperature->unit != source->unit)
-    throw Error(fmt::format("{}: the {} temperature is in {}, expected {} as in the calibration", recording.file, triad, source->unit,
+    throw Error(fmt::format("{}: the {} temperature is in {}; expected {} as in the calibration", recording.file, triad, source->unit,
                             model.temperature->unit));
 }
 
@@ -41,9 +41,9 @@ const RecordingSource& choose_recording(const Session& session, const std::strin
     if (source.file == name || (name.empty() && session.recordings.size() == 1)) return source;
     files.push_back(source.file);
   }
-  if (files.empty()) throw Error(session.file + ": has no recordings, expected at least one [[recording]]");
-  throw Error(fmt::format("{}: {}, expected --recording with one of {}", session.file,
-                          name.empty() ? "has several recordings" : "has no recording " + name, listed(files)));
+  if (files.empty()) throw Error(session.file + ": has no recordings; expected at least one [[recording]]");
+  throw Error(fmt::format("{}: {}; expected --recording with one of {}", session.file,
+                          name.empty() ? "has several recordings" : "has no recording " + name, text::listed(files)));
 }
 
 void expect_inputs_stay(const std::string& output, const Session& session, std::vector<std::filesystem::path> inputs) {
@@ -54,7 +54,7 @@ void expect_inputs_stay(const std::string& output, const Session& session, std::
       if (file) inputs.push_back(session_path(session, *file));
   for (const auto& input : inputs)
     if (fs::exists(output) && fs::exists(input) && fs::equivalent(output, input))
-      throw Error(fmt::format("-o {}: would overwrite {}, expected another place", output, input.string()));
+      throw Error(fmt::format("-o {}: would overwrite {}; expected another file", output, input.string()));
 }
 
 }  // namespace imulab::command

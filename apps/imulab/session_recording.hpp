@@ -1,4 +1,4 @@
-// A session's recording as every verb with a calibration reads it.
+// Reading a session's recording for a verb with a calibration.
 #pragma once
 
 #include "imulab/model/calibration.hpp"
@@ -14,10 +14,10 @@ namespace imulab::command {
 /// Throws Error where a temperature is in another unit than in the calibration.
 void check_thermal_units(const Calibration& calibration, const RecordingSource& source);
 
-/// Warns of what was met. Throws Error where a temperature is in another unit than in the calibration.
+/// Prints the warnings of reading. Throws Error where a temperature is in another unit than in the calibration.
 Recording read_for(const Calibration& calibration, const Session& session, const RecordingSource& source);
 
-/// The recording of that file; the only one where no name is given. Throws Error that lists them.
+/// The recording of that file; the only one if no name is given. Otherwise throws Error that lists them.
 const RecordingSource& choose_recording(const Session& session, const std::string& name);
 
 /// Raw data are never overwritten: throws Error where `output` is the session's file, one of its recordings, or one of `more`.

@@ -3,11 +3,10 @@
 #include "apps/imulab/command.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/io/calibration_file.hpp"
-#include "imulab/io/file.hpp"
-#include "imulab/io/recording_file.hpp"
-#include "imulab/io/session_file.hpp"
-#include "imulab/io/unit_names.hpp"
+#include "imulab/io/calibration/file.hpp"
+#include "imulab/io/recording/file.hpp"
+#include "imulab/io/session/file.hpp"
+#include "imulab/io/text/file.hpp"
 
 #include <fmt/core.h>
 
@@ -27,30 +26,6 @@ struct Arguments {
   std::uint64_t seed = 1;
 };
 
-/// The source of a recording as write_recording lays it out: one file, SI units unless counts.
-RecordingSource written_source(const RecordingSource& source) {
-  RecordingSource written = source;
-  written.time = {.column = "t", .unit = "s", .zero_ns = 0};
-  const auto triad = [](const TriadSource& from, std::vector<Column> columns, const char* rate_unit, const char* increment_unit) {
-    TriadSource to{.file = {}, .columns = std::move(columns), .output = from.output, .unit = from.unit, .limits = from.limits};
-    if (from.unit == "count") return to;
-    to.unit = from.output == Output::rate ? rate_unit : increment_unit;
-    if (to.limits)
-      for (double& limit : *to.limits) limit *= si_factor(from.unit);
-    return to;
-  };
-  written.gyro = triad(source.gyro, {"gx", "gy", "gz"}, "rad/s", "rad");
-  written.accel = triad(source.accel, {"ax", "ay", "az"}, "m/s^2", "m/s");
-  const auto sensors = [](std::optional<ThermalSource>& thermal, const std::string& name) {
-    if (!thermal) return;
-    std::vector<Column> three{name + "x", name + "y", name + "z"};
-    thermal->columns = thermal->columns.size() == 3 ? std::move(three) : std::vector<Column>{name};
-  };
-  sensors(written.gyro_temperature, "tg");
-  sensors(written.accel_temperature, "ta");
-  return written;
-}
-
 RecordingSource default_source() {
   RecordingSource source;
   source.file = "recording.csv";
@@ -63,11 +38,11 @@ RecordingSource default_source() {
 void check_file_name(const RecordingSource& source) {
   const fs::path name(source.file);
   if (name.empty() || name.is_absolute() || name.has_parent_path() || name == "session.toml" || name == "truth.json")
-    throw Error(fmt::format("[[recording]] file = \"{}\": the name of a file in the session's folder was expected", source.file));
+    throw Error(fmt::format("[[recording]] file = \"{}\"; expected the name of a file in the session's folder", source.file));
 }
 
-/// The session as its user would have it: without the truth, with the limits a sensor's data sheet gives, and without the steps of a hand, which
-/// nobody recorded.
+/// The session as a user would have it: without the truth, with the limits of a data sheet, and without the steps of a hand, which nobody
+/// recorded.
 Session given_session(Session session, const Truth& truth) {
   session.imu.truth.reset();
   for (RecordingSource& source : session.recordings) {
@@ -87,7 +62,7 @@ Calibration truth_calibration(const Session& session, const Truth& truth, std::u
   Calibration c;
   c.imu = session.imu.name;
   c.method = "truth";
-  c.software = "imulab " IMULAB_VERSION;
+  c.software = software();
   c.session_file = "session.toml";
   c.frame = frame;
   c.model = truth.model;
@@ -127,20 +102,20 @@ void simulate(const Arguments& a) {
   Calibration calibration = truth_calibration(procedure, truth, a.seed, given ? given->frame : truth.frame);
   calibration.session_sha256 = sha256(text);
   write_whole(folder.path() / "truth.json", truth_text(calibration, rig));
-  folder.finish();
+  folder.commit();
   fmt::print("{} (seed {})\n{}  {:<14} what a calibration of this session has to find\n  session.toml\n", a.folder, a.seed, report, "truth.json");
 }
 
 }  // namespace
 
-void add_simulate(CLI::App& app) {
+void add_simulate(Verb app) {
   const auto a = std::make_shared<Arguments>();
-  CLI::App* const verb = app.add_subcommand("simulate", "A virtual rig and a virtual IMU: a procedure becomes a session folder with truth.json");
-  verb->add_option("procedure", a->procedure, "the procedure or session to carry out")->required();
-  verb->add_option("-o,--output", a->folder, "the folder to make")->required();
-  verb->add_option("--unit", a->unit, "a truth.json or calibration.json: exactly this unit, in place of the procedure's");
-  verb->add_option("--seed", a->seed, "the same seed, the same bits")->capture_default_str();
-  verb->callback([a] { simulate(*a); });
+  Verb verb = app.verb("simulate", "Simulate a procedure: write a session folder with recordings and truth.json");
+  verb.option("procedure", a->procedure, "the procedure or session to carry out").required();
+  verb.option("-o,--output", a->folder, "the folder to create").required();
+  verb.option("--unit", a->unit, "truth.json or calibration.json of the IMU to simulate, in place of the procedure's");
+  verb.option("--seed", a->seed, "random seed; the same seed gives the same result").show_default();
+  verb.does([a] { simulate(*a); });
 }
 
 }  // namespace imulab::command

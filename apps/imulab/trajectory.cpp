@@ -1,17 +1,18 @@
-#include "imulab/navigation/trajectory.hpp"
+#include "imulab/navigation/motion/trajectory.hpp"
 
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/error_sources.hpp"
-#include "imulab/analysis/error_monte_carlo.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/io/file.hpp"
-#include "imulab/io/calibration_file.hpp"
-#include "imulab/io/mission_file.hpp"
-#include "imulab/io/recording_file.hpp"
-#include "imulab/io/session_file.hpp"
-#include "imulab/io/solution_file.hpp"
-#include "imulab/io/terminal.hpp"
+#include "imulab/io/calibration/file.hpp"
+#include "imulab/io/recording/file.hpp"
+#include "imulab/io/recording/solution.hpp"
+#include "imulab/io/result/motion.hpp"
+#include "imulab/io/session/file.hpp"
+#include "imulab/io/session/mission.hpp"
+#include "imulab/io/text/file.hpp"
+#include "imulab/io/text/terminal.hpp"
+#include "imulab/navigation/budget/monte_carlo.hpp"
 #include "imulab/simulate/simulate_motion.hpp"
 
 #include <fmt/core.h>
@@ -24,6 +25,8 @@
 namespace imulab::command {
 
 namespace {
+
+using namespace motion;
 
 struct Arguments {
   std::string mission, folder;
@@ -93,44 +96,23 @@ Session session_of(const Mission& mission, const Recording& recording, const Nav
   return s;
 }
 
-void print_summary(const Recording& recording, const Solution& truth) {
-  double way = 0, fastest = 0, bank = 0;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    const double speed = truth.states[i].velocity.norm();
-    if (i > 0) way += (truth.time[i] - truth.time[i - 1]) * (speed + truth.states[i - 1].velocity.norm()) / 2;
-    fastest = std::max(fastest, speed);
-    bank = std::max(bank, std::abs(euler_angles(truth.states[i].q_nb.toRotationMatrix()).roll));
-  }
-  const auto largest = [](const std::vector<double>& column) {
-    return std::abs(*std::max_element(column.begin(), column.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }));
-  };
-  const auto largest_of = [&](const Columns3& c, double unit) {
-    return fmt::format("{:.4g}, {:.4g}, {:.4g}", largest(c[0]) / unit, largest(c[1]) / unit, largest(c[2]) / unit);
-  };
-  fmt::print("  distance       {:.6g} km, at most {:.5g} m/s\n", way / 1000, fastest);
-  fmt::print("  largest bank   {:.4g} deg\n", bank / unit::deg);
-  if (recording.gyro_unit != "rad/s" || recording.accel_unit != "m/s^2") return;  // counts
-  fmt::print("  largest rate   {} deg/s about x, y, z\n", largest_of(recording.gyro, unit::deg));
-  fmt::print("  largest force  {} m/s^2 along x, y, z\n", largest_of(recording.accel, 1));
-}
-
-/// The noise of [errors] alone: the coefficients are the unit's own.
+/// The noise of [errors] alone: the coefficients are the IMU's own.
 Truth unit_of(const Arguments& a, const MissionFile& file) {
   Truth unit;
   unit.model = read_calibration(*a.unit).model;
   if (!file.errors) return unit;
-  const ErrorSources sources = read_error_sources(*file.errors, a.mission);
+  const ErrorSources sources = mission_errors(*file.errors, a.mission);
   unit.gyro_noise = sources.gyro_noise;
   unit.accel_noise = sources.accel_noise;
   return unit;
 }
 
-/// Of an ideal unit, of one with the mission's errors, or raw readings of a given one.
+/// Of an ideal IMU, of one with the mission's errors, or raw readings of a given one.
 Recording recording_on(const Arguments& a, const MissionFile& file, const Trajectory& motion) {
   const double interval = 1 / file.mission.rate;
   if (a.errors) {
-    if (!file.errors) throw Error(a.mission + ": --errors: an [errors] table was expected");
-    return recording_of(erring_increments(nominal_motion(motion, interval), read_error_sources(*file.errors, a.mission), a.seed), file.mission.rate);
+    if (!file.errors) throw Error(a.mission + ": --errors: no errors; expected an [errors] table");
+    return recording_of(erring_increments(nominal_motion(motion, interval), mission_errors(*file.errors, a.mission), a.seed), file.mission.rate);
   }
   const std::optional<Truth> unit = a.unit ? std::optional(unit_of(a, file)) : std::nullopt;
   Progress progress("samples", static_cast<std::uint64_t>(motion.duration * file.mission.rate));
@@ -141,37 +123,32 @@ Recording recording_on(const Arguments& a, const MissionFile& file, const Trajec
 void make(const Arguments& a) {
   const MissionFile file = read_mission(a.mission);
   const Mission& mission = file.mission;
-  const Trajectory motion = [&] {
-    try {
-      return trajectory_of(mission);
-    } catch (const Error& e) {
-      throw Error(fmt::format("{}: {}", a.mission, e.what()));
-    }
-  }();
+  const Trajectory motion = errors_at(a.mission, [&] { return trajectory_of(mission); });
   NewFolder folder(a.folder);
   const Recording recording = recording_on(a, file, motion);
   write_recording(folder.path() / "recording.csv", recording);
   const Solution solution = truth(motion, 1 / mission.rate, mission.truth_every);
   write_solution(folder.path() / "truth.csv", solution);
-  write_whole(folder.path() / "session.toml", session_text(session_of(mission, recording, solution.states.front())));
-  folder.finish();
+  write_session(folder.path() / "session.toml", session_of(mission, recording, solution.states.front()));
+  folder.commit();
   fmt::print("{}\n", a.folder);
   fmt::print("  recording.csv  {} samples, {:.10g} s at {:g} Hz\n", recording.size(), solution.time.back(), mission.rate);
   fmt::print("  truth.csv      {} rows\n  session.toml\n", solution.size());
-  print_summary(recording, solution);
+  fmt::print("{}", motion_table(recording, solution));
 }
 
 }  // namespace
 
-void add_trajectory(CLI::App& app) {
+void add_trajectory(Verb app) {
   const auto a = std::make_shared<Arguments>();
-  CLI::App* const verb = app.add_subcommand("trajectory", "A motion and the ideal IMU on it: a mission becomes a session folder with truth.csv");
-  verb->add_option("mission", a->mission, "the mission file: segments, or a recorded track")->required();
-  verb->add_option("-o,--output", a->folder, "the folder to make")->required();
-  CLI::Option* const errors = verb->add_flag("--errors", a->errors, "the unit has the errors that the mission's [errors] table specifies, instead of none");
-  verb->add_option("--unit", a->unit, "a truth.json or calibration.json: its raw readings, with the noise of [errors]")->excludes(errors);
-  verb->add_option("--seed", a->seed, "of errors and noise: the same seed, the same bits")->capture_default_str();
-  verb->callback([a] { make(*a); });
+  Verb verb = app.verb("trajectory", "Simulate an ideal IMU on a mission: write a session folder with truth.csv");
+  verb.option("mission", a->mission, "the mission file: segments, or a recorded track").required();
+  verb.option("-o,--output", a->folder, "the folder to create").required();
+  const Option errors = verb.flag("--errors", a->errors, "give the IMU the errors of the mission's [errors] table");
+  verb.option("--unit", a->unit, "truth.json or calibration.json of an IMU: write its raw readings, with the noise of [errors]")
+      .excludes(errors);
+  verb.option("--seed", a->seed, "random seed of errors and noise; the same seed gives the same result").show_default();
+  verb.does([a] { make(*a); });
 }
 
 }  // namespace imulab::command

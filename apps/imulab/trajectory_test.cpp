@@ -1,9 +1,9 @@
 // `imulab trajectory` as a user types it: the folder it makes comes back to its truth when it is integrated, and what is wrong is named.
 #include "imulab/core/error.hpp"
-#include "imulab/io/calibration_file.hpp"
-#include "imulab/io/recording_file.hpp"
-#include "imulab/io/session_file.hpp"
-#include "imulab/io/solution_file.hpp"
+#include "imulab/io/calibration/file.hpp"
+#include "imulab/io/recording/file.hpp"
+#include "imulab/io/recording/solution.hpp"
+#include "imulab/io/session/file.hpp"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -165,7 +165,7 @@ TEST(TrajectoryCommand, AUnitGetsWarmOnItsWay) {
   EXPECT_THAT(run_imulab(folder, "navigate unit.json out").output, HasSubstr("errors at 20.000 s"));
   folder.write("cold.toml", mission(launch, head, launch_start));
   EXPECT_THAT(run_imulab(folder, "trajectory cold.toml --unit unit.json -o cold").errors,
-              HasSubstr("the unit's gyros have thermal terms: the temperature on the way was expected"));
+              HasSubstr("the IMU's gyros have thermal terms; expected a temperature profile"));
 }
 
 TEST(TrajectoryCommand, AnIdealDriveCanBeAlignedOnItsRest) {
@@ -209,15 +209,15 @@ TEST(TrajectoryBadInput, SegmentsAreRefusedWithTheirLine) {
   const auto at_80 = [&](const std::string& keys, const std::string& head = "") { return mission(segment(keys), head, fast); };
   const TemporaryFolder folder;
   for (const Case& c : std::vector<Case>{
-           {mission(segment("kind = \"loop\"\nduration_s = 5")), "m.toml:7: segment.kind: \"loop\" is not allowed, expected one of rest, straight"},
+           {mission(segment("kind = \"loop\"\nduration_s = 5")), "m.toml:7: segment.kind: \"loop\" is not allowed; expected one of rest, straight"},
            {mission(segment("kind = \"rest\"")), "m.toml:6: segment.duration_s: is missing"},
-           {mission(segment("kind = \"rest\"\nduration = 5")), "m.toml:8: segment.duration: is not a known key, expected duration_s"},
+           {mission(segment("kind = \"rest\"\nduration = 5")), "m.toml:8: segment.duration: is not a known key; expected duration_s"},
            {mission(segment("duration_s = 5")), "m.toml:6: segment.kind: is missing"},
-           {mission(segment("kind = \"rest\"\nduration_s = -5")), "m.toml:8: segment.duration_s: -5 is out of range, expected more than 0"},
+           {mission(segment("kind = \"rest\"\nduration_s = -5")), "m.toml:8: segment.duration_s: -5 is out of range; expected more than 0"},
            {mission(segment("kind = \"rest\"\nduration_s = 1e-300")), "m.toml:7: segment.kind: lasts 1e-300 s, expected a microsecond at least"},
-           {mission(segment("kind = \"rest\"\nduration_s = nan")), "m.toml:8: segment.duration_s: is not a finite number"},
-           {mission(segment("kind = \"rest\"\nduration_s = \"5\"")), "m.toml:8: segment.duration_s: is text, expected a number"},
-           {mission(segment("kind = \"rest\"\nduration_s = 5\nsway_m = 1")), "m.toml:6: segment.sway_hz: is missing, expected sway_m and sway_hz"},
+           {mission(segment("kind = \"rest\"\nduration_s = nan")), "m.toml:8: segment.duration_s: is not finite"},
+           {mission(segment("kind = \"rest\"\nduration_s = \"5\"")), "m.toml:8: segment.duration_s: is text; expected a number"},
+           {mission(segment("kind = \"rest\"\nduration_s = 5\nsway_m = 1")), "m.toml:6: segment.sway_hz: is missing; expected sway_m and sway_hz"},
            {at_80("kind = \"rest\"\nduration_s = 5"), "m.toml:8: segment.kind: rest at 80.000 m/s: expected standstill"},
            {at_80("kind = \"turn\"\nangle_deg = 90\nrate_dps = 13"),
             "m.toml:8: segment.kind: turn of 13.000 deg/s at 80.00 m/s: needs a bank of 61.6 deg, expected at most 60 deg; the tightest turn at this "
@@ -227,18 +227,18 @@ TEST(TrajectoryBadInput, SegmentsAreRefusedWithTheirLine) {
            {at_80("kind = \"turn\"\nangle_deg = 90\nradius_m = 1000", "carrier = \"vehicle\"\n"),
             "m.toml:9: segment.kind: turn of 4.584 deg/s at 80"},
            {at_80("kind = \"turn\"\nangle_deg = 5\nrate_dps = 2"), "m.toml:8: segment.kind: turn by 5.000 deg at 2.000 deg/s: expected at least 3"},
-           {at_80("kind = \"turn\"\nangle_deg = 90"), "m.toml:7: segment.rate_dps: is missing, expected rate_dps or radius_m"},
+           {at_80("kind = \"turn\"\nangle_deg = 90"), "m.toml:7: segment.rate_dps: is missing; expected rate_dps or radius_m"},
            {at_80("kind = \"turn\"\nrate_dps = 3"), "m.toml:7: segment.angle_deg: is missing"},
-           {at_80("kind = \"turn\"\nangle_deg = 90\nrate_dps = 3\nradius_m = 900"), "m.toml:11: segment.radius_m: stands beside rate_dps"},
-           {at_80("kind = \"turn\"\nangle_deg = 0\nrate_dps = 3"), "m.toml:9: segment.angle_deg: is 0, expected a turn"},
+           {at_80("kind = \"turn\"\nangle_deg = 90\nrate_dps = 3\nradius_m = 900"), "m.toml:11: segment.radius_m: cannot be combined with rate_dps"},
+           {at_80("kind = \"turn\"\nangle_deg = 0\nrate_dps = 3"), "m.toml:9: segment.angle_deg: is 0; expected a turn"},
            {at_80("kind = \"accelerate\"\nto_mps = 70\nduration_s = 5"), "m.toml:8: segment.kind: accelerate from 80 to 70 m/s"},
            {at_80("kind = \"brake\"\nto_mps = 90\nduration_s = 5"), "m.toml:8: segment.kind: brake from 80 to 90 m/s"},
-           {at_80("kind = \"climb\"\nangle_deg = 95\nduration_s = 5"), "m.toml:9: segment.angle_deg: 95 is out of range, expected 0 to 80"},
+           {at_80("kind = \"climb\"\nangle_deg = 95\nduration_s = 5"), "m.toml:9: segment.angle_deg: 95 is out of range; expected 0 to 80"},
            {at_80("kind = \"rotate\"\naxis = \"w\"\nangle_deg = 5\nrate_dps = 5"), "m.toml:9: segment.axis: \"w\" is not allowed"},
-           {at_80("kind = \"repeat\"\nlast = 1\ntimes = 2"), "m.toml:9: segment.last: 1 segments, but 0 before this one"},
+           {at_80("kind = \"repeat\"\nlast = 1\ntimes = 2"), "m.toml:9: segment.last: 1 segments, but there are 0 before this one"},
            {mission(segment("kind = \"turn\"\nangle_deg = 90\nradius_m = 50")), "m.toml:7: segment.kind: turn of radius 50 m at no speed"},
            {mission(segment("kind = \"climb\"\nangle_deg = 5\nduration_s = 5")), "m.toml:7: segment.kind: climb at no speed"},
-           {at_80("kind = \"straight\"\nduration_s = 5\nat_s = 1"), "m.toml:8: segment.kind: at_s: expected a segment before this one"},
+           {at_80("kind = \"straight\"\nduration_s = 5\nat_s = 1"), "m.toml:8: segment.kind: at_s: no previous segment; expected one"},
            {at_80("kind = \"straight\"\nduration_s = 5") + segment("kind = \"rotate\"\naxis = \"y\"\nangle_deg = 5\nrate_dps = 5\nat_s = -1"),
             "m.toml:15: segment.at_s: -1 is out of range"},
            {at_80("kind = \"accelerate\"\nto_mps = 90\nduration_s = 5") + segment("kind = \"brake\"\nat_s = 4\nduration_s = 5"),
@@ -247,17 +247,17 @@ TEST(TrajectoryBadInput, SegmentsAreRefusedWithTheirLine) {
                 segment("kind = \"rotate\"\nat_s = 0\naxis = \"y\"\nangle_deg = 5\nrate_dps = 5"),
             "m.toml:13: segment.kind: rotations of the unit at the same time: expected one axis"},
            {mission(segment("kind = \"rest\"\nduration_s = 5") + segment("kind = \"rotate\"\nat_s = 0\naxis = \"y\"\nangle_deg = 5\nrate_dps = 5")),
-            "m.toml:10: segment.kind: a rest goes together with nothing else"},
+            "m.toml:10: segment.kind: a rest cannot overlap another segment"},
            {at_80("kind = \"pitch\"\nangle_deg = 5\nrate_dps = 50"),
             "m.toml:8: segment.kind: pitch by 5.000 deg at 50.000 deg/s: expected at least 1"},
-           {mission(segment("kind = \"straight\"\nduration_s = 5")), "m.toml:7: segment.kind: straight at no speed"},
+           {mission(segment("kind = \"straight\"\nduration_s = 5")), "m.toml:7: segment.kind: straight at speed 0"},
            {mission(segment("kind = \"accelerate\"\nto_mps = 9\nduration_s = 5") + segment("kind = \"repeat\"\nlast = 1\ntimes = 2")),
             "m.toml:12: segment.last: the last 1 segments change the speed by 9 m/s"},
            {mission(segment("kind = \"rest\"\nduration_s = 1") + segment("kind = \"repeat\"\nlast = 1\ntimes = 2.5")),
-            "m.toml:12: segment.times: 2.5, expected a whole number"},
+            "m.toml:12: segment.times: 2.5 is not a whole number; expected one"},
            {mission(segment("kind = \"rest\"\nduration_s = 1") + segment("kind = \"repeat\"\nlast = 1\ntimes = 100000") +
                     segment("kind = \"repeat\"\nlast = 100000\ntimes = 2")),
-            "m.toml:16: segment.times: would make more than 100000 segments"},
+            "m.toml:16: segment.times: makes more than 100000 segments"},
        })
     expect_refused(folder, c);
 }
@@ -273,9 +273,9 @@ TEST(TrajectoryBadInput, AMissionIsRefusedWithItsLine) {
            {"format = \"imulab.session/1\"\n" + start + rest, "m.toml:1: format: \"imulab.session/1\" is not a mission"},
            {start + rest, "m.toml:1: format: is missing"},
            {format + rest, "m.toml:1: start: is missing"},
-           {mission(""), "m.toml:1: segment: is missing, expected [[segment]] tables, or a [track]"},
+           {mission(""), "m.toml:1: segment: is missing; expected [[segment]] tables, or a [track]"},
            {mission("", "segment = []\n"), "m.toml:2: segment: is empty"},
-           {mission(rest, "", "[start]\nlatitude_deg = 90\nlongitude_deg = 0\nheight_m = 0\n"), "m.toml:3: start.latitude_deg: is a pole or near it"},
+           {mission(rest, "", "[start]\nlatitude_deg = 90\nlongitude_deg = 0\nheight_m = 0\n"), "m.toml:3: start.latitude_deg: is at or near a pole"},
            {mission(rest, "", "[start]\nlatitude_deg = 91\nlongitude_deg = 0\nheight_m = 0\n"), "m.toml:3: start.latitude_deg: 91 is out of range"},
            {mission(rest, "", "[start]\nlongitude_deg = 0\nheight_m = 0\n"), "m.toml:2: start.latitude_deg: is missing"},
            {mission(segment("kind = \"straight\"\nduration_s = 900"), "rate_hz = 1\n",
@@ -283,17 +283,17 @@ TEST(TrajectoryBadInput, AMissionIsRefusedWithItsLine) {
             "m.toml: segment 1: latitude 89.9"},
            {mission(rest, "rate_hz = -100\n"), "m.toml:2: rate_hz: -100 is out of range"},
            {mission(rest, "rate_hz = 0.1\n"), "m.toml: 5 s at 0.1 Hz: expected one sample at least"},
-           {mission(rest, "truth_rate_hz = 30\n"), "m.toml:2: truth_rate_hz: expected rate_hz, or a whole part of it"},
-           {mission(rest, "truth_rate_hz = 200\n"), "m.toml:2: truth_rate_hz: expected rate_hz, or a whole part of it"},
-           {mission(rest, "carrier = \"ship\"\n"), "m.toml:2: carrier: \"ship\" is not allowed, expected one of aircraft, vehicle"},
+           {mission(rest, "truth_rate_hz = 30\n"), "m.toml:2: truth_rate_hz: does not divide rate_hz"},
+           {mission(rest, "truth_rate_hz = 200\n"), "m.toml:2: truth_rate_hz: does not divide rate_hz"},
+           {mission(rest, "carrier = \"ship\"\n"), "m.toml:2: carrier: \"ship\" is not allowed; expected one of aircraft, vehicle"},
            {mission(rest + "[wind]\nspeed = 4\n"), "m.toml:9: wind: is not a known key"},
            {lasting("31536000"), "m.toml: 3.1536e+07 s at 100 Hz are 3153600000 samples, files of 851.5 GB: expected at most 10000000 samples"},
            {lasting("1e300"), "m.toml: 1e+300 s at 100 Hz are "},
            {lasting("2e6", "rate_hz = 1\n"), "m.toml: 2e+06 s: expected at most 1e+06 s"},
            {mission(rest, "", start + "climb_deg = 90\n"), "m.toml:6: start.climb_deg: 90 is out of range"},
-           {mission(rest + "[gyro_temperature]\nnoise = 1\n"), "m.toml:9: gyro_temperature: stands without [[temperature]]"},
+           {mission(rest + "[gyro_temperature]\nnoise = 1\n"), "m.toml:9: gyro_temperature: is given without [[temperature]]"},
            {mission(rest + "[[temperature]]\ntime_s = 5\ndegC = 1\n[[temperature]]\ntime_s = 5\ndegC = 2\n"),
-            "m.toml:13: temperature.time_s: is not after the point before"},
+            "m.toml:13: temperature.time_s: is not after the previous point"},
            {mission(rest + "[[temperature]]\ntime_s = 5\n"), "m.toml:9: temperature.degC: is missing"},
            {mission(rest + "[[temperature]]\ntime_s = 5\ndegC = 2\n[accel_temperature]\nunit = \"raw\"\n"),
             "m.toml:12: accel_temperature.per_K: is missing"},
@@ -315,13 +315,13 @@ TEST(TrajectoryBadInput, ATrackIsRefusedWithItsLine) {
     expect_refused(folder, {text, message});
   };
   expect(good, file("position_sigma_m = -1\n"), "m.toml:4: track.position_sigma_m: -1 is out of range");
-  expect(good, file() + start, "m.toml:4: start: stands beside [track]");
-  expect(good, file() + start + segment("kind = \"rest\"\nduration_s = 5"), "m.toml:2: track: stands beside [[segment]], expected one of them");
+  expect(good, file() + start, "m.toml:4: start: cannot be combined with [track]");
+  expect(good, file() + start + segment("kind = \"rest\"\nduration_s = 5"), "m.toml:2: track: cannot be combined with [[segment]]; expected one of them");
   expect(good, "format = \"imulab.mission/1\"\n[track]\nfile = \"no.csv\"\n", "no.csv: cannot be opened");
   expect(header + row(0, 47) + row(1, 47.001), file(), "m.toml: track: 2 rows, expected at least 4");
   expect(header, file(), "track.csv: has a header but no rows");
-  expect(good + row(4, 47.004, "nan"), file(), "track.csv:6: roll_deg: nan is not a reading, expected a finite number");
-  expect(good + row(3, 47.004), file(), "track.csv:6: t: 3 s stands on two rows");
+  expect(good + row(4, 47.004, "nan"), file(), "track.csv:6: roll_deg: nan is not a reading; expected a finite number");
+  expect(good + row(3, 47.004), file(), "track.csv:6: t: 3 s is on two rows");
   expect(good + row(2, 47.004), file(), "track.csv:6: t: time runs backwards");
   expect(good + row(4, 89.95), file(), "m.toml: track at 4.000 s: latitude 89.95");
   expect(good + row(4, 47.004, "120"), file(), "m.toml: track at 4.000 s: the attitude is 120 deg from the row before");
@@ -335,7 +335,7 @@ TEST(TrajectoryBadInput, AFolderThatHoldsSomethingIsLeftAlone) {
   folder.write("out/mine.txt", "x");
   const CommandResult result = run_imulab(folder, "trajectory m.toml -o out");
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.errors, HasSubstr("imulab: out: exists; a new or an empty folder was expected"));
+  EXPECT_THAT(result.errors, HasSubstr("imulab: out: exists; expected a new or an empty folder"));
   EXPECT_TRUE(std::filesystem::exists(folder / "out/mine.txt"));
 }
 

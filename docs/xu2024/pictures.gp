@@ -7,7 +7,7 @@ set style fill solid noborder
 band = "#c9dcf0"; middle = "#3b76af"; one = "#c8553d"; truth = "#888888"
 deg = pi / 180
 
-# Metres east and north of the start (a sphere: for the eye).
+# Meters east and north of the start (a sphere: for the eye).
 stats "pattern/truth.csv" using 2 every ::1::1 nooutput; lat0 = STATS_min
 stats "pattern/truth.csv" using 3 every ::1::1 nooutput; lon0 = STATS_min
 east(lon) = (lon - lon0) * deg * 6371e3 * cos(lat0 * deg)

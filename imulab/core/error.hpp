@@ -1,4 +1,4 @@
-// What the user can mend: one exception type whose text already says where, what, and what was expected.
+// Exceptions: their text says where, what is wrong, and what was expected.
 #pragma once
 
 #include <stdexcept>
@@ -12,10 +12,27 @@ class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The terms to estimate do not fit the method or the data: an Error to which the caller adds the option that named them.
+class TermsError : public Error {
+ public:
+  using Error::Error;
+};
+
 /// The input is well formed, but the data do not support what was asked. The command ends with exit code 1.
 class Unsupported : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
+
+/// What `f` returns. The message of an Error that it throws gets "PLACE: " in front: algorithms name values, their callers know the file, key or
+/// flag.
+template <class F>
+auto errors_at(const std::string& place, const F& f) {
+  try {
+    return f();
+  } catch (const Error& e) {
+    throw Error(place + ": " + e.what());
+  }
+}
 
 }  // namespace imulab

@@ -14,12 +14,12 @@ r123::Philox2x64::ctr_type philox(std::uint64_t seed, std::uint64_t stream, std:
   return r123::Philox2x64{}({{index, stream}}, {{seed}});
 }
 
-/// Four words; draw i takes word i % 4 of block i / 4, attempt 0, and what it needs more from its own blocks i, attempt 1, 2, ...
+/// Four words; draw i takes word i % 4 of block i / 4, attempt 0, and if it needs more, words of its own blocks i, attempt 1, 2, ...
 r123::Philox4x64::ctr_type block(std::uint64_t seed, std::uint64_t stream, std::uint64_t number, std::uint64_t attempt) {
   return r123::Philox4x64{}({{number, stream, attempt, 0}}, {{seed, 0}});
 }
 
-// Marsaglia & Tsang 2000: the area under exp(-x^2 / 2), x > 0, as 256 layers of one area; the first holds the tail beyond r.
+// Marsaglia & Tsang 2000: the area under exp(-x^2 / 2), x > 0, as 256 layers of one area; the first contains the tail beyond r.
 constexpr double r = 3.6541528853610088, area = 0.00492867323399142;
 struct Ziggurat {
   std::array<double, 257> x, f;  // right edges, and the density there
@@ -39,14 +39,14 @@ const Ziggurat& ziggurat() {
 struct Candidate {
   std::size_t layer;
   double x;
-  bool inside;  // of the layer above as well, so surely under the density
+  bool inside;  // of the layer above as well, so certainly under the density
   Candidate(const Ziggurat& z, std::uint64_t word)
       : layer(word & 255),
         x(static_cast<double>(static_cast<std::int64_t>(word) >> 11) * 0x1p-52 * z.x[layer]),
         inside(std::abs(x) < z.x[layer + 1]) {}
 };
 
-/// The rest of the way for one candidate in about 80: tail or edge of a layer.
+/// Completes the one candidate in about 80 that falls into the tail or on the edge of a layer.
 double outside(const Ziggurat& z, Candidate c, std::uint64_t seed, std::uint64_t stream, std::uint64_t index) {
   for (std::uint64_t attempt = 1;; ++attempt) {
     const auto words = block(seed, stream, index, attempt);

@@ -18,7 +18,7 @@ TEST(RandomStream, NormalsAreNormalIntoTheTails) {
   std::vector<double> x(n);
   RandomStream(1, "normals").normals(0, x);
   std::sort(x.begin(), x.end());
-  // Bins a quarter wide out to +-4.5, which has the layers' edges and the tail beyond 3.65 inside; the last ones are open, with 14 expected.
+  // Bins a quarter wide out to +-4.5, which includes the layers' edges and the tail beyond 3.65; the last ones are open, with 14 expected.
   double chi_square = 0, below = 0;
   std::size_t counted = 0, bins = 0;
   for (double edge = -4.5;; edge += 0.25, ++bins) {
@@ -43,7 +43,7 @@ TEST(RandomStream, ADrawDependsOnItsNumberAlone) {
   EXPECT_NE(stream.normal(5), RandomStream(7, "others").normal(5));
 }
 
-TEST(RandomStream, NeighboursAreUncorrelated) {
+TEST(RandomStream, NeighborsAreUncorrelated) {
   const std::size_t n = 1'000'000;
   std::vector<double> x(n);
   RandomStream(1, "lags").normals(0, x);

@@ -10,6 +10,23 @@ Vector3d rotation_log(const Matrix3d& c) {
   return a.angle() * a.axis();
 }
 
+namespace {
+
+/// Right-handed axes: along a, across a and b, and the third.
+Matrix3d triad(const Vector3d& a, const Vector3d& b) {
+  Matrix3d axes;
+  axes.col(0) = a.normalized();
+  axes.col(1) = a.cross(b).normalized();
+  axes.col(2) = axes.col(0).cross(axes.col(1));
+  return axes;
+}
+
+}  // namespace
+
+Matrix3d rotation_from_directions(const Vector3d& first_a, const Vector3d& second_a, const Vector3d& first_b, const Vector3d& second_b) {
+  return triad(first_a, second_a) * triad(first_b, second_b).transpose();
+}
+
 Matrix3d orthonormalized(const Matrix3d& c) {
   const Eigen::JacobiSVD<Matrix3d> svd(c, Eigen::ComputeFullU | Eigen::ComputeFullV);
   return svd.matrixU() * svd.matrixV().transpose();

@@ -37,7 +37,7 @@ inline Matrix3d rotation_exp(const Vector3d& r) {
 /// Rotation vector [rad] of a rotation matrix, angle in [0, pi].
 Vector3d rotation_log(const Matrix3d& c);
 
-/// Rotation by `angle` [rad] about the unit vector `axis`, right-handed. T is double, or a type that carries derivatives.
+/// Rotation by `angle` [rad] about the unit vector `axis`, right-handed. T: double, or a type that carries derivatives.
 template <class T>
 Eigen::Matrix<T, 3, 3> rotation_about(const Eigen::Matrix<T, 3, 1>& axis, const T& angle) {
   using std::cos, std::sin;
@@ -50,7 +50,11 @@ Eigen::Matrix<T, 3, 3> rotation_about(const Eigen::Matrix<T, 3, 1>& axis, const 
 }
 inline Matrix3d rotation_about(const Vector3d& axis, double angle) { return rotation_about<double>(axis, angle); }
 
-/// The nearest rotation matrix: removes the rounding that long products gather.
+/// The nearest rotation matrix: removes the rounding errors that long products accumulate.
 Matrix3d orthonormalized(const Matrix3d& c);
+
+/// C_ab from two directions known in both frames, of any length: `first` is met exactly, `second` in the plane with it (TRIAD, Black 1964). The
+/// directions must not be parallel.
+Matrix3d rotation_from_directions(const Vector3d& first_a, const Vector3d& second_a, const Vector3d& first_b, const Vector3d& second_b);
 
 }  // namespace imulab

@@ -6,15 +6,15 @@
 namespace imulab {
 
 double median(std::vector<double> values);  ///< NaN for none
-/// 1.4826 x median absolute deviation from the median: the standard deviation of a normal sample, whatever a few outliers do.
+/// 1.4826 x median absolute deviation from the median: the standard deviation of a normal sample, insensitive to a few outliers.
 double robust_sigma(const std::vector<double>& values);
 /// The p quantile of a sample (linear interpolation between order statistics).
 double quantile(std::vector<double> values, double p);
 
 double normal_quantile(double p);
 double chi_square_quantile(double p, double degrees_of_freedom);
-double chi_square_tail(double x, double degrees_of_freedom);  ///< P(X > x)
-double log_chi_square_tail(double x, double degrees_of_freedom);  ///< ln P(X > x), also where P is too small for a double
+double chi_square_tail(double x, double degrees_of_freedom);                        ///< P(X > x)
+double log_chi_square_tail(double x, double degrees_of_freedom);                    ///< ln P(X > x), also where P is too small for a double
 double f_tail(double f, double degrees_of_freedom_1, double degrees_of_freedom_2);  ///< P(F > f)
 double binomial_quantile(double p, double trials, double probability);
 

@@ -1,4 +1,4 @@
-// Units a person reads and writes, as factors to SI: `5 * unit::deg_per_h` is rad/s. Inside the library everything is SI and radians.
+// Customary units as factors to SI: `5 * unit::deg_per_h` is rad/s. Inside the library everything is SI and radians.
 #pragma once
 
 #include <numbers>
@@ -13,7 +13,8 @@ inline constexpr double g = 9.80665;                // m/s^2, the standard accel
 inline constexpr double ug = 1e-6 * g;
 inline constexpr double ug_per_sqrt_hz = 1e-6 * g;
 inline constexpr double ppm = 1e-6;
-inline constexpr double hour = 3600;                // s
-inline constexpr double nmi = 1852;  // m (exact)
+inline constexpr double hour = 3600;  // s
+inline constexpr double nmi = 1852;   // m (exact)
+inline constexpr double nmi_per_h = nmi / hour;
 
 }  // namespace imulab::unit

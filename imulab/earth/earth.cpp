@@ -47,7 +47,7 @@ LocalEarth local_earth(double latitude, double height) {
   const double u = std::sqrt(u2), inverse_u = 1 / u, inverse_u2 = inverse_u * inverse_u, inverse_v2 = 1 / v2;
   const double sin2 = z2 * inverse_u2, cos2 = r2 * inverse_v2;  // of beta
 
-  // Gravity along u and beta (Heiskanen and Moritz eqs 2-66, 2-67), times w; of the latter what is left without v sin(beta) cos(beta).
+  // Gravity along u and beta (Heiskanen and Moritz eqs 2-66, 2-67), times w; the latter without its factor v sin(beta) cos(beta).
   const Q q = q_of(linear2 * inverse_u2);
   const double along_u = -inverse_v2 * (gm + harmonic * inverse_u2 * q.derivative * (sin2 / 2 - 1. / 6)) + omega2 * u * cos2;
   const double along_beta = harmonic * inverse_u2 * inverse_u * inverse_v2 * q.q - omega2;

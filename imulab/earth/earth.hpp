@@ -13,7 +13,7 @@ double normal_gravity(double latitude, double height);
 /// Earth's rotation rate in east-north-up axes [rad/s].
 Eigen::Vector3d earth_rate_enu(double latitude);
 
-/// What the Earth is at one place, in east-north-up axes.
+/// The Earth at one place, in east-north-up axes.
 struct LocalEarth {
   double sin_latitude, cos_latitude;
   double meridian_radius, transverse_radius;  // RM + h (north), RN + h (east) [m]: radii of curvature of the ellipsoid and the height
@@ -28,7 +28,7 @@ struct LocalEarth {
 };
 
 /// At geodetic latitude [rad] and height [m]. Gravity is the closed form of the level ellipsoid, equal to GeographicLib's NormalGravity within
-/// 1e-12 m/s^2 from 1 km below the ellipsoid upwards.
+/// 1e-12 m/s^2 from 1 km below the ellipsoid upward.
 LocalEarth local_earth(double latitude, double height);
 
 }  // namespace imulab

@@ -17,7 +17,7 @@ TEST(Earth, GravityIsTheLevelEllipsoidsInBothComponents) {
       reference.Gravity(0.1 * latitude, height, north, up);
       const auto gravity = local_earth(0.1 * latitude * unit::deg, height).gravity;
       EXPECT_EQ(gravity.x(), 0);
-      // 1e-12 m/s^2 is what the interface promises; rounding of 9.8 in some ten operations is 1e-14.
+      // 1e-12 m/s^2 is stated by the interface; rounding of 9.8 in some ten operations is 1e-14.
       EXPECT_NEAR(gravity.y(), north, 1e-12) << latitude << " " << height;
       EXPECT_NEAR(gravity.z(), up, 1e-12) << latitude << " " << height;
     }
@@ -42,9 +42,9 @@ TEST(Earth, TransportRateTurnsTheVerticalAlongTheTrack) {
   const double latitude = 0.7;
   const auto earth = local_earth(latitude, 0);
   const Eigen::Vector3d north = earth.transport_rate({0, 100, 0}), east = earth.transport_rate({100, 0, 0});
-  EXPECT_DOUBLE_EQ(north.x(), -100 / earth.meridian_radius);  // northwards: the axes tip about west
+  EXPECT_DOUBLE_EQ(north.x(), -100 / earth.meridian_radius);  // northward: the axes tilt about west
   EXPECT_EQ(north.tail<2>().norm(), 0);
-  // Eastwards: a rotation about the Earth's axis by the rate of the longitude. 1e-17: the rounding of 1.6e-5.
+  // Eastward: a rotation about the Earth's axis by the rate of the longitude. 1e-17: the rounding of 1.6e-5.
   const double longitude_rate = 100 / (earth.transverse_radius * std::cos(latitude));
   EXPECT_LT((east - longitude_rate * Eigen::Vector3d(0, std::cos(latitude), std::sin(latitude))).norm(), 1e-17);
   EXPECT_EQ(earth.rate, earth_rate_enu(latitude));

@@ -8,7 +8,7 @@
 
 namespace imulab {
 
-std::optional<double> standard_uncertainty(const Calibration& calibration, int index) {
+std::optional<double> standard_uncertainty(const Calibration& calibration, CoefficientIndex index) {
   const auto& estimated = calibration.estimated;
   const auto found = std::find(estimated.begin(), estimated.end(), index);
   if (found == estimated.end()) return std::nullopt;
@@ -23,7 +23,7 @@ RawZero raw_zero(const Calibration& calibration, Triad triad) {
   // dB = -A1^-1 (dA0 + dA1 B)
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(3, static_cast<Eigen::Index>(calibration.estimated.size()));
   for (std::size_t i = 0; i < calibration.estimated.size(); ++i) {
-    const Coefficient& c = coefficient_table()[static_cast<std::size_t>(calibration.estimated[i])];
+    const Coefficient& c = coefficient(calibration.estimated[i]);
     if (c.triad != triad || (c.term != Term::offset && c.term != Term::matrix)) continue;
     jacobian.col(static_cast<Eigen::Index>(i)) = -inverse.col(c.row) * (c.term == Term::offset ? 1.0 : zero.value[c.column]);
   }

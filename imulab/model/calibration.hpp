@@ -1,4 +1,4 @@
-// The result of every method: the model, how sure each coefficient is, and what the residuals say.
+// The result of every method: the model, the uncertainty of each coefficient, and what the residuals say.
 #pragma once
 
 #include "imulab/model/coefficient.hpp"
@@ -14,10 +14,10 @@ namespace imulab {
 struct UncertaintySource {
   std::string name;         ///< "gravity"
   double relative = 0;      ///< its size relative to the quantity itself (sigma_g / g)
-  std::string consequence;  ///< what it does, in words
+  std::string consequence;  ///< its effect, in words
 };
 
-/// A term whose presence the data decided: kept or left at its starting value.
+/// A term that was tested for significance: kept, or fixed at its starting value.
 struct TermTest {
   std::string term;      ///< "gyro.g_sensitivity"
   double statistic = 0;  ///< Wald chi-square of the term's coefficients
@@ -27,15 +27,15 @@ struct TermTest {
   double cross_validation_with = 0, cross_validation_without = 0;  ///< RMS of left-out points in sigmas of their noise; 0: not done
 };
 
-/// What a fit leaves of one axis: residuals against the full scale that the data reached.
+/// Residuals of one axis relative to the full scale that the data reached.
 struct FitResidual {
-  std::string axis;  ///< "gyro.x"
+  std::string axis;                             ///< "gyro.x"
   double rms = 0, largest = 0, full_scale = 0;  ///< m/s^2 or rad/s
 };
 
-/// An error of the rig that was estimated along with the coefficients: what the data say beyond its declaration. SI.
+/// An error of the rig that was estimated jointly with the coefficients: its difference from the declaration. SI.
 struct RigErrorEstimate {
-  std::string name;           ///< "centrifuge: radius.+z+x"
+  std::string name;  ///< "centrifuge: radius.+z+x"
   double declared_sigma = 0;
   double value = 0, uncertainty = 0;
 };
@@ -47,10 +47,10 @@ struct Quality {
   std::vector<std::string> unobservable;
   std::vector<std::string> warnings;
   std::string verdict;                          ///< "good" or "doubtful: because ..."
-  std::optional<double> rotation_residual_deg;  ///< cross-validated, RMS over held-out rotations (hand-held)
+  std::optional<double> rotation_residual_deg;  ///< cross-validated, RMS over rotations left out of the fit (hand-held)
   std::vector<TermTest> term_tests;
-  std::vector<FitResidual> fit_residuals;      ///< whole-unit
-  std::vector<RigErrorEstimate> rig_errors;    ///< whole-unit
+  std::vector<FitResidual> fit_residuals;    ///< whole-unit
+  std::vector<RigErrorEstimate> rig_errors;  ///< whole-unit
   std::vector<UncertaintySource> sources;
   std::vector<std::string> notes;  ///< what was used: rests, thresholds, spreads
 };
@@ -60,8 +60,8 @@ struct Calibration {
   std::string session_file, session_sha256;
   std::string frame = "accelerometers";  ///< or "rig"
   SensorModel model;
-  std::vector<int> estimated;  ///< table indices of the coefficients in `covariance`, in its order
-  Eigen::MatrixXd covariance;  ///< SI, estimated.size() squared
+  std::vector<CoefficientIndex> estimated;  ///< table indices of the coefficients in `covariance`, in its order
+  Eigen::MatrixXd covariance;               ///< SI, estimated.size() squared
   Quality quality;
 };
 
@@ -73,6 +73,6 @@ struct RawZero {
 RawZero raw_zero(const Calibration& calibration, Triad triad);
 
 /// Standard uncertainty of a table coefficient; absent where it was not estimated or is fixed by the frame.
-std::optional<double> standard_uncertainty(const Calibration& calibration, int index);
+std::optional<double> standard_uncertainty(const Calibration& calibration, CoefficientIndex index);
 
 }  // namespace imulab

@@ -28,9 +28,10 @@ TEST(Calibration, RawZeroKnowsThatOffsetAndScaleErrAsOne) {
   c.model.accel.matrix = scale * Matrix3d::Identity();
   c.model.accel.offset = Vector3d::Constant(-scale * n);
   c.estimated = {coefficient_index("accel.offset.x"), coefficient_index("accel.matrix.xx")};
-  const double bias_sigma = 1e-3, scale_sigma = 1e-8;  // independent at the centre: dA0 = d bias - n d scale
+  const double bias_sigma = 1e-3, scale_sigma = 1e-8;  // independent at the center: dA0 = d bias - n d scale
   c.covariance.resize(2, 2);
-  c.covariance << bias_sigma * bias_sigma + n * n * scale_sigma * scale_sigma, -n * scale_sigma * scale_sigma, -n * scale_sigma * scale_sigma, scale_sigma * scale_sigma;
+  c.covariance << bias_sigma * bias_sigma + n * n * scale_sigma * scale_sigma, -n * scale_sigma * scale_sigma, -n * scale_sigma * scale_sigma,
+      scale_sigma * scale_sigma;
   EXPECT_NEAR(raw_zero(c, Triad::accel).uncertainty.x(), bias_sigma / scale, 1e-6);
 }
 

@@ -89,8 +89,6 @@ auto& element(Model& model, const Coefficient& c) {
   return model.lever_arm(c.row, c.column);
 }
 
-const Coefficient& row_of(int index) { return coefficient_table()[static_cast<std::size_t>(index)]; }
-
 [[noreturn]] void unknown(std::string_view name) {
   throw Error(
       "unknown coefficient \"" + std::string(name) +
@@ -104,26 +102,36 @@ std::span<const Coefficient> coefficient_table() {
   return table.rows;
 }
 
-int coefficient_index(Triad triad, Term term, int row, int column) {
+const Coefficient& coefficient(CoefficientIndex index) { return coefficient_table()[static_cast<std::size_t>(index)]; }
+
+std::span<const CoefficientIndex> coefficient_indices() {
+  static const auto all = [] {
+    std::array<CoefficientIndex, coefficient_count> places;
+    for (std::size_t i = 0; i < places.size(); ++i) places[i] = CoefficientIndex(static_cast<int>(i));
+    return places;
+  }();
+  return all;
+}
+
+CoefficientIndex coefficient_index(Triad triad, Term term, int row, int column) {
   const auto table = coefficient_table();
   const auto found = std::find_if(table.begin(), table.end(),
                                   [&](const Coefficient& c) { return c.triad == triad && c.term == term && c.row == row && c.column == column; });
   if (found == table.end()) throw Error("no coefficient " + std::string(to_string(triad)) + "." + std::string(to_string(term)) + " at this place");
-  return static_cast<int>(found - table.begin());
+  return CoefficientIndex(static_cast<int>(found - table.begin()));
 }
 
-int coefficient_index(std::string_view name) {
+CoefficientIndex coefficient_index(std::string_view name) {
   const auto table = coefficient_table();
   const auto found = std::find_if(table.begin(), table.end(), [&](const Coefficient& c) { return c.name == name; });
   if (found == table.end()) unknown(name);
-  return static_cast<int>(found - table.begin());
+  return CoefficientIndex(static_cast<int>(found - table.begin()));
 }
 
-std::vector<int> select_coefficients(std::string_view selector) {
-  const auto table = coefficient_table();
-  std::vector<int> selected;
-  for (int i = 0; i < coefficient_count; ++i) {
-    const Coefficient& c = table[static_cast<std::size_t>(i)];
+std::vector<CoefficientIndex> select_coefficients(std::string_view selector) {
+  std::vector<CoefficientIndex> selected;
+  for (const CoefficientIndex i : coefficient_indices()) {
+    const Coefficient& c = coefficient(i);
     const std::string term = std::string(to_string(c.triad)) + "." + std::string(to_string(c.term));
     const bool in_group = !is_vector(c.term) && c.term != Term::thermal && selector == term + (c.row == c.column ? ".diagonal" : ".off_diagonal");
     if (selector == c.name || selector == term || in_group) selected.push_back(i);
@@ -132,8 +140,12 @@ std::vector<int> select_coefficients(std::string_view selector) {
   return selected;
 }
 
-double coefficient_value(const SensorModel& model, int index) { return element(model, row_of(index)); }
-void set_coefficient(SensorModel& model, int index, double value) { element(model, row_of(index)) = value; }
+bool contains(const std::vector<CoefficientIndex>& indices, CoefficientIndex index) {
+  return std::find(indices.begin(), indices.end(), index) != indices.end();
+}
+
+double coefficient_value(const SensorModel& model, CoefficientIndex index) { return element(model, coefficient(index)); }
+void set_coefficient(SensorModel& model, CoefficientIndex index, double value) { element(model, coefficient(index)) = value; }
 
 bool is_vector(Term term) { return term == Term::offset || term == Term::quadratic || term == Term::cubic; }
 

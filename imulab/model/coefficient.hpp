@@ -22,22 +22,31 @@ struct Coefficient {
   std::string_view unit;  ///< SI; "raw" is the recording's unit
 };
 
-/// All coefficients in file order: accel offset 3, matrix 9, quadratic 3, cubic 3, thermal 6, lever_arm 9; gyro alike with g_sensitivity 9.
+/// Place of a coefficient in the table: made from a number explicitly, CoefficientIndex(4); converts to a number to address a row or column.
+enum CoefficientIndex : int {};
+
+/// All coefficients in file order: accel offset 3, matrix 9, quadratic 3, cubic 3, thermal 6, lever_arm 9; gyro likewise with g_sensitivity 9.
 /// (Dai's 63 less the six thermal constants the gauge fixes, plus nine lever-arm components.)
 std::span<const Coefficient> coefficient_table();
 inline constexpr int coefficient_count = 66;
+/// One row of the table.
+const Coefficient& coefficient(CoefficientIndex index);
+/// All places, in order.
+std::span<const CoefficientIndex> coefficient_indices();
 
 /// Place of a coefficient in the table.
-int coefficient_index(Triad triad, Term term, int row, int column);
+CoefficientIndex coefficient_index(Triad triad, Term term, int row, int column);
 /// Place of a name in the table; throws Error for an unknown one.
-int coefficient_index(std::string_view name);
+CoefficientIndex coefficient_index(std::string_view name);
 /// Places of a selector: a name ("gyro.matrix.xy"), a term ("accel.offset") or a group ("gyro.matrix.diagonal", "gyro.matrix.off_diagonal").
-std::vector<int> select_coefficients(std::string_view selector);
+std::vector<CoefficientIndex> select_coefficients(std::string_view selector);
 
-double coefficient_value(const SensorModel& model, int index);
-void set_coefficient(SensorModel& model, int index, double value);
+bool contains(const std::vector<CoefficientIndex>& indices, CoefficientIndex index);
 
-/// Three elements, one an axis (offset, quadratic, cubic); the other terms are 3x3 in the model and in files.
+double coefficient_value(const SensorModel& model, CoefficientIndex index);
+void set_coefficient(SensorModel& model, CoefficientIndex index, double value);
+
+/// Three elements, one per axis (offset, quadratic, cubic); the other terms are 3x3 in the model and in files.
 bool is_vector(Term term);
 
 std::string_view to_string(Triad triad);

@@ -13,9 +13,9 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-std::vector<std::string> names(const std::vector<int>& indices) {
+std::vector<std::string> names(const std::vector<CoefficientIndex>& indices) {
   std::vector<std::string> out;
-  for (const int i : indices) out.emplace_back(coefficient_table()[static_cast<std::size_t>(i)].name);
+  for (const CoefficientIndex i : indices) out.emplace_back(coefficient(i).name);
   return out;
 }
 
@@ -33,16 +33,16 @@ TEST(CoefficientTable, HoldsThe57IndependentCoefficientsAndNineLeverArms) {
 TEST(CoefficientTable, NamesAreThoseOfTheFiles) {
   for (const char* name : {"accel.offset.x", "accel.matrix.yx", "accel.quadratic.x", "accel.cubic.z", "accel.thermal.x1", "accel.lever_arm.xy",
                            "gyro.offset.x", "gyro.matrix.xy", "gyro.quadratic.y", "gyro.cubic.x", "gyro.thermal.z2", "gyro.g_sensitivity.zx"})
-    EXPECT_EQ(coefficient_table()[static_cast<std::size_t>(coefficient_index(name))].name, name);
+    EXPECT_EQ(coefficient(coefficient_index(name)).name, name);
   EXPECT_EQ(coefficient_table()[0].name, "accel.offset.x");
   EXPECT_EQ(coefficient_table()[4].name, "accel.matrix.xy");
   EXPECT_EQ(coefficient_table()[65].name, "gyro.g_sensitivity.zz");
-  EXPECT_EQ(coefficient_table()[static_cast<std::size_t>(coefficient_index("gyro.matrix.xy"))].unit, "(rad/s)/raw");
+  EXPECT_EQ(coefficient(coefficient_index("gyro.matrix.xy")).unit, "(rad/s)/raw");
 }
 
 TEST(CoefficientTable, NameAndPlaceFindTheSameRow) {
-  for (int i = 0; i < coefficient_count; ++i) {
-    const Coefficient& c = coefficient_table()[static_cast<std::size_t>(i)];
+  for (const CoefficientIndex i : coefficient_indices()) {
+    const Coefficient& c = coefficient(i);
     EXPECT_EQ(coefficient_index(c.name), i);
     EXPECT_EQ(coefficient_index(c.triad, c.term, c.row, c.column), i);
   }
@@ -50,8 +50,8 @@ TEST(CoefficientTable, NameAndPlaceFindTheSameRow) {
 
 TEST(CoefficientTable, EveryRowIsAnElementOfItsOwn) {
   SensorModel model;
-  for (int i = 0; i < coefficient_count; ++i) set_coefficient(model, i, 100 + i);
-  for (int i = 0; i < coefficient_count; ++i) EXPECT_EQ(coefficient_value(model, i), 100 + i);
+  for (const CoefficientIndex i : coefficient_indices()) set_coefficient(model, i, 100 + i);
+  for (const CoefficientIndex i : coefficient_indices()) EXPECT_EQ(coefficient_value(model, i), 100 + i);
 }
 
 TEST(CoefficientTable, ElementsSitWhereTheModelHasThem) {

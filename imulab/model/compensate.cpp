@@ -27,7 +27,7 @@ Matrix3d polynomial_derivative(const TriadModel& m, const Vector3d& v) {
   return m.matrix + Matrix3d(bend.asDiagonal());
 }
 
-/// The V with polynomial(V) = out that the linear solution leads to: Newton until a step is not even half of the one before, which is at rounding.
+/// The V with polynomial(V) = out that is reached from the linear solution: Newton until a step is more than half of the previous one, at rounding.
 Vector3d invert(const TriadModel& m, const Vector3d& out, const char* triad) {
   constexpr int most_steps = 50;  // where the polynomial is invertible about six are enough
   const double orientation = m.matrix.determinant();
@@ -190,7 +190,7 @@ void add_drift(const TriadModel& m, const Inputs& temperature, const std::array<
     const double c0 = c(0), c1 = c(1), c2 = c(2);
     if (c0 == 0 && c1 == 0 && c2 == 0) continue;
     if (temperature[axis].size() != columns[axis].size() || !m.temperature)
-      throw Error("decompensate: the model has thermal terms, so a thermal reading for each sample and a reference temperature were expected");
+      throw Error("decompensate: the model has thermal terms; expected a thermal reading for each sample and a reference temperature");
     for (std::size_t k = 0; k < columns[axis].size(); ++k) {
       const double tau = temperature[axis][k] - m.temperature->reference;
       columns[axis][k] += c0 + (c1 + c2 * tau) * tau;

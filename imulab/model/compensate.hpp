@@ -19,7 +19,7 @@ struct RawSample {
   Vector3d accel_tau = Vector3d::Zero(), gyro_tau = Vector3d::Zero();
 };
 
-/// Whether the calibration saw this thermal reading, in its unit. A range of [0, 0] was not given: it holds whatever is read.
+/// Whether this thermal reading, in its unit, is in the calibrated range. A range of [0, 0] was not given: it contains every reading.
 inline bool in_range(const ThermalReading& calibrated, double reading) {
   const auto [low, high] = calibrated.range;
   return (low == 0 && high == 0) || (reading >= low && reading <= high);

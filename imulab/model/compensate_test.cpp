@@ -25,7 +25,7 @@ Matrix3d draw_matrix(double size) {
   return m;
 }
 
-/// Sensors of the whole range of Dai 2011 table 2: raw outputs proportional to g and deg/s, of any scale, offsets of 1 % of full scale.
+/// Sensors over the whole range of Dai 2011 table 2: raw outputs proportional to g and deg/s, of any scale, offsets of 1 % of full scale.
 SensorModel draw_model() {
   const double accel_scale = std::pow(10.0, draw(-4, 1)), gyro_scale = std::pow(10.0, draw(-6, 0));  // (m/s^2)/raw, (rad/s)/raw
   const double raw_g = unit::g / accel_scale, raw_dps = unit::deg / gyro_scale;                      // raw output of 1 g, of 1 deg/s
@@ -62,12 +62,12 @@ TEST(Compensate, RoundTripHoldsOverDaisRange) {
 TEST(Compensate, InverseReturnsTheRawReadingItself) {
   EXPECT_TRUE(rc::check([] {
     const SensorModel m = draw_model();
-    // Raw readings within full scale: the branch of the polynomial that holds zero.
+    // Raw readings within full scale: the branch of the polynomial that contains zero.
     const RawSample raw{m.accel.matrix.inverse() * draw_vector(30 * unit::g), m.gyro.matrix.inverse() * draw_vector(400 * unit::deg), draw_vector(45),
                         draw_vector(45)};
     const RawSample back = decompensate(m, compensate(m, raw), raw.accel_tau, raw.gyro_tau);
     const double accel_scale = m.accel.matrix.norm(), gyro_scale = m.gyro.matrix.norm();
-    // As above, and the slope of the gyro polynomial falls to 0.8 at full scale, which amplifies it a little.
+    // As above, and the slope of the gyro polynomial falls to 0.8 at full scale, which amplifies it somewhat.
     RC_ASSERT((back.accel - raw.accel).norm() * accel_scale <= 40 * std::numeric_limits<double>::epsilon() * 60 * unit::g);
     RC_ASSERT((back.gyro - raw.gyro).norm() * gyro_scale <= 40 * std::numeric_limits<double>::epsilon() * 800 * unit::deg);
   }));

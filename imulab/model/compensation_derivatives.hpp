@@ -1,5 +1,5 @@
-// What a calibrated sample changes with: the coefficients, the raw readings and the thermal readings. With a covariance of the coefficients this is
-// how sure the compensated output is.
+// Derivatives of a calibrated sample by the coefficients, the raw readings and the thermal readings. With a covariance of the coefficients they give
+// the uncertainty of the compensated output.
 #pragma once
 
 #include "imulab/model/calibration.hpp"

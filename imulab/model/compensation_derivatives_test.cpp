@@ -18,7 +18,7 @@ Vector6 out(const SensorModel& model, const RawSample& raw) {
 
 SensorModel any_model(const RandomStream& draws) {
   SensorModel model;
-  for (int k = 0; k < coefficient_count; ++k)
+  for (const CoefficientIndex k : coefficient_indices())
     set_coefficient(model, k, coefficient_value(model, k) + 0.1 * draws.normal(static_cast<std::uint64_t>(k)));
   return model;
 }
@@ -34,12 +34,12 @@ TEST(CompensationDerivatives, AreThoseOfTheModel) {
   // Central differences of polynomials up to the third order in each coefficient and reading, of size one: h^2 of truncation and 1e-16 / h of
   // rounding.
   constexpr double h = 1e-5, tolerance = 1e-8;
-  for (int k = 0; k < coefficient_count; ++k) {
+  for (const CoefficientIndex k : coefficient_indices()) {
     SensorModel up = model, down = model;
     set_coefficient(up, k, coefficient_value(model, k) + h);
     set_coefficient(down, k, coefficient_value(model, k) - h);
     EXPECT_LT(((out(up, raw) - out(down, raw)) / (2 * h) - d.coefficients.col(k)).cwiseAbs().maxCoeff(), tolerance)
-        << coefficient_table()[static_cast<std::size_t>(k)].name;
+        << coefficient(k).name;
   }
   for (int k = 0; k < 6; ++k) {
     const auto moved = [&](double by, bool temperature) {

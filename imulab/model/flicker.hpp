@@ -1,4 +1,4 @@
-// Flicker noise as first-order processes: the sum that is drawn (simulate) and whose covariance is followed (analysis).
+// Flicker noise as first-order processes: simulations draw their sum, error budgets propagate their covariance.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +12,7 @@ namespace imulab {
 /// half-order integral of u. Correlation times of 1, 4, 16, ... 4^13 sample intervals.
 struct Flicker {
   static constexpr int processes = 14;
-  static constexpr double times_ratio = 4;  // of neighbouring correlation times
+  static constexpr double times_ratio = 4;  // of neighboring correlation times
   using Array = Eigen::Array<double, processes, 1>;
   Array pole, gain;  // 1/s, SI of the output
   double direct;     // of the faster ones, which follow the white noise: a geometric series of pole^-1/2

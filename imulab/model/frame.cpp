@@ -25,7 +25,7 @@ using Coefficients = std::array<T, coefficient_count>;
 using Jet = ceres::Jet<double, coefficient_count>;
 
 /// The accelerometers sense A1^-1 a: its rows are their sensitive axes. With the cross products of A1's columns in their place (det A1 times
-/// the rows) there is no division: the rows of R are these, orthonormalised in order.
+/// the rows) there is no division: the rows of R are these, orthonormalized in order.
 template <class T>
 Matrix3<T> rotation_of(const Matrix3<T>& a1) {
   const Vector3<T> c0 = a1.col(0), c1 = a1.col(1), c2 = a1.col(2);
@@ -75,18 +75,18 @@ Coefficients<T> rotated(Coefficients<T> c) {
   return c;
 }
 
-bool above_diagonal(int index) {
-  const Coefficient& c = coefficient_table()[static_cast<std::size_t>(index)];
+bool above_diagonal(CoefficientIndex index) {
+  const Coefficient& c = coefficient(index);
   return c.triad == Triad::accel && c.term == Term::matrix && c.column > c.row;
 }
 
 /// d rotated / d coefficients.
 Eigen::MatrixXd rotation_jacobian(const SensorModel& model) {
   Coefficients<Jet> x;
-  for (int i = 0; i < coefficient_count; ++i) x[static_cast<std::size_t>(i)] = Jet(coefficient_value(model, i), i);
+  for (const CoefficientIndex i : coefficient_indices()) x[static_cast<std::size_t>(i)] = Jet(coefficient_value(model, i), i);
   const Coefficients<Jet> y = rotated(x);
   Eigen::MatrixXd jacobian(coefficient_count, coefficient_count);
-  for (int i = 0; i < coefficient_count; ++i) jacobian.row(i) = y[static_cast<std::size_t>(i)].v.transpose();
+  for (const CoefficientIndex i : coefficient_indices()) jacobian.row(i) = y[static_cast<std::size_t>(i)].v.transpose();
   return jacobian;
 }
 
@@ -99,14 +99,14 @@ Matrix3d accelerometer_frame(const Matrix3d& a1) {
 }
 
 Calibration in_accelerometer_frame(const Calibration& calibration) {
-  accelerometer_frame(calibration.model.accel.matrix);  // refuses what has no such frame
+  accelerometer_frame(calibration.model.accel.matrix);  // throws where there is no such frame
   Coefficients<double> values;
-  for (int i = 0; i < coefficient_count; ++i) values[static_cast<std::size_t>(i)] = coefficient_value(calibration.model, i);
+  for (const CoefficientIndex i : coefficient_indices()) values[static_cast<std::size_t>(i)] = coefficient_value(calibration.model, i);
   values = rotated(values);
 
   Calibration out = calibration;
   out.frame = "accelerometers";
-  for (int i = 0; i < coefficient_count; ++i) set_coefficient(out.model, i, above_diagonal(i) ? 0.0 : values[static_cast<std::size_t>(i)]);
+  for (const CoefficientIndex i : coefficient_indices()) set_coefficient(out.model, i, above_diagonal(i) ? 0.0 : values[static_cast<std::size_t>(i)]);
   std::erase_if(out.estimated, above_diagonal);
   const Eigen::MatrixXd jacobian = rotation_jacobian(calibration.model)(out.estimated, calibration.estimated);
   out.covariance = jacobian * calibration.covariance * jacobian.transpose();

@@ -1,4 +1,4 @@
-// The accelerometers' frame: a body frame every calibration can be brought to, whatever frame its method worked in.
+// The accelerometers' frame: a body frame into which every calibration can be converted.
 //
 // x_b lies along the x accelerometer's sensitive axis and y_b in the plane of the x and y accelerometers' sensitive axes, so accel.matrix is
 // lower triangular with a positive diagonal. (For a left-handed triad, det A1 < 0, no rotation can do that: there its last element is negative.)

@@ -34,11 +34,7 @@ SensorModel linear_model(double misalignment, double turn) {
   return m;
 }
 
-std::vector<int> all_coefficients() {
-  std::vector<int> all(coefficient_count);
-  std::iota(all.begin(), all.end(), 0);
-  return all;
-}
+std::vector<CoefficientIndex> all_coefficients() { return {coefficient_indices().begin(), coefficient_indices().end()}; }
 
 /// P = L L^T with standard deviations of `size` relative to 1.
 Eigen::MatrixXd covariance_of(int n, double size) {
@@ -110,12 +106,12 @@ TEST(InAccelerometerFrame, LeavesACalibrationThatIsInItAlone) {
   c.model = linear_model(0.02, 0);
   c.model.accel.matrix << 0.013, 0, 0, 1e-4, 0.017, 0, -2e-4, 3e-4, 0.011;
   c.estimated = all_coefficients();
-  std::erase_if(c.estimated, [](int i) { return coefficient_table()[static_cast<std::size_t>(i)].name.starts_with("accel.matrix.x") && i > 3; });
-  std::erase_if(c.estimated, [](int i) { return coefficient_table()[static_cast<std::size_t>(i)].name == "accel.matrix.yz"; });
+  std::erase_if(c.estimated, [](CoefficientIndex i) { return coefficient(i).name.starts_with("accel.matrix.x") && i > 3; });
+  std::erase_if(c.estimated, [](CoefficientIndex i) { return coefficient(i).name == "accel.matrix.yz"; });
   ASSERT_EQ(c.estimated.size(), 63u);
   c.covariance = covariance_of(63, 1e-4);
   const Calibration same = in_accelerometer_frame(c);
-  for (int i = 0; i < coefficient_count; ++i) EXPECT_EQ(coefficient_value(same.model, i), coefficient_value(c.model, i));
+  for (const CoefficientIndex i : coefficient_indices()) EXPECT_EQ(coefficient_value(same.model, i), coefficient_value(c.model, i));
   EXPECT_EQ(same.estimated, c.estimated);
   EXPECT_LE((same.covariance - c.covariance).norm(), 1e-14 * c.covariance.norm());  // the Jacobian is the identity to rounding
 }
@@ -131,7 +127,7 @@ TEST(InAccelerometerFrame, CovarianceFollowsTheRotationsDependenceToo) {
   ASSERT_EQ(turned.estimated.size(), 63u);
 
   Eigen::MatrixXd jacobian(63, coefficient_count);
-  for (int k = 0; k < coefficient_count; ++k) {
+  for (const CoefficientIndex k : coefficient_indices()) {
     const double x = coefficient_value(c.model, k), h = 1e-5 * std::max(std::abs(x), 1e-3);
     Calibration low = c, high = c;
     set_coefficient(low.model, k, x - h);
@@ -139,7 +135,7 @@ TEST(InAccelerometerFrame, CovarianceFollowsTheRotationsDependenceToo) {
     low = in_accelerometer_frame(low);
     high = in_accelerometer_frame(high);
     for (int i = 0; i < 63; ++i) {
-      const int at = turned.estimated[static_cast<std::size_t>(i)];
+      const CoefficientIndex at = turned.estimated[static_cast<std::size_t>(i)];
       jacobian(i, k) = (coefficient_value(high.model, at) - coefficient_value(low.model, at)) / (2 * h);
     }
   }
@@ -147,12 +143,12 @@ TEST(InAccelerometerFrame, CovarianceFollowsTheRotationsDependenceToo) {
   // Differences with h = 1e-8 on values of order 1 resolve to 1e-16 / 1e-8 = 1e-8 of the sensitivities, of order 100 for R to A1.
   EXPECT_LE((turned.covariance - expected).norm(), 1e-6 * expected.norm());
 
-  const Eigen::MatrixXd fixed_rotation = [&] {  // what forgetting R's dependence would give, for the gyro offset
+  const Eigen::MatrixXd fixed_rotation = [&] {  // the result without R's dependence, for the gyro offset
     const Matrix3d r = accelerometer_frame(c.model.accel.matrix);
-    const int at = coefficient_index("gyro.offset.x");
+    const CoefficientIndex at = coefficient_index("gyro.offset.x");
     return Eigen::MatrixXd(r * c.covariance.block<3, 3>(at, at) * r.transpose());
   }();
-  const int at = coefficient_index("gyro.offset.x") - 3;  // three estimated fewer stand before it
+  const int at = coefficient_index("gyro.offset.x") - 3;  // three fewer estimated coefficients precede it
   EXPECT_GT((turned.covariance.block<3, 3>(at, at) - fixed_rotation).norm(), 0.1 * fixed_rotation.norm());
 }
 

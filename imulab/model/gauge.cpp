@@ -3,12 +3,12 @@
 #include "imulab/core/error.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace imulab {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
 TriadModel of_shifted_readings(TriadModel m, const Vector3d& shift) {
   // Powers of V' - k in powers of V'.
@@ -21,7 +21,7 @@ TriadModel of_shifted_readings(TriadModel m, const Vector3d& shift) {
 
 namespace {
 
-/// c1 tau + c2 tau^2 with tau = tau' + by: its constant part goes to the polynomial.
+/// c1 tau + c2 tau^2 with tau = tau' + by: its constant part moves to the polynomial.
 TriadModel with_reference(TriadModel m, double reference) {
   if (!m.temperature) return m;
   const double by = reference - m.temperature->reference;
@@ -31,8 +31,26 @@ TriadModel with_reference(TriadModel m, double reference) {
   return of_shifted_readings(m, constant);
 }
 
-/// Coefficients that drag others along when the reference changes.
-bool moves(Term term) { return term != Term::g_sensitivity && term != Term::lever_arm; }
+/// Derivatives of the coefficients after a change by those before: central differences about `at` over one `step` of each; none where that is zero.
+MatrixXd derivatives(const ModelChange& change, const std::vector<CoefficientIndex>& indices, const SensorModel& at, const VectorXd& step) {
+  MatrixXd out = MatrixXd::Zero(step.size(), step.size());
+  for (Index k = 0; k < step.size(); ++k) {
+    if (!(step[k] > 0)) continue;
+    const auto moved = [&](double by) {
+      SensorModel model = at;
+      const CoefficientIndex index = indices[static_cast<std::size_t>(k)];
+      set_coefficient(model, index, coefficient_value(model, index) + by);
+      return model;
+    };
+    const auto difference = [&](const SensorModel& up, const SensorModel& down, Index i) {
+      const CoefficientIndex index = indices[static_cast<std::size_t>(i)];
+      return coefficient_value(up, index) - coefficient_value(down, index);
+    };
+    const SensorModel up = moved(step[k]), down = moved(-step[k]), up_after = change(up), down_after = change(down);
+    for (Index i = 0; i < step.size(); ++i) out(i, k) = difference(up_after, down_after, i) / difference(up, down, k);
+  }
+  return out;
+}
 
 bool stays(const TriadModel& m, double reference) { return !m.temperature || m.temperature->reference == reference; }
 
@@ -48,28 +66,19 @@ SensorModel with_references(const SensorModel& model, double accel_reference, do
 Calibration with_references(const Calibration& calibration, double accel_reference, double gyro_reference) {
   Calibration out = calibration;
   if (stays(calibration.model.accel, accel_reference) && stays(calibration.model.gyro, gyro_reference)) return out;
-  out.model = with_references(calibration.model, accel_reference, gyro_reference);
-  const auto n = static_cast<Index>(calibration.estimated.size());
-  MatrixXd transfer = MatrixXd::Identity(n, n);
-  for (Index k = 0; k < n; ++k) {
-    const int index = calibration.estimated[static_cast<std::size_t>(k)];
-    if (!moves(coefficient_table()[static_cast<std::size_t>(index)].term)) continue;
-    // Products of a coefficient with the drift, which is small: central differences over one sigma are exact to the third order of it.
-    const double h = std::sqrt(calibration.covariance(k, k));
-    if (!(h > 0)) continue;
-    const auto moved = [&](double by) {
-      SensorModel model = calibration.model;
-      set_coefficient(model, index, coefficient_value(model, index) + by);
-      return with_references(model, accel_reference, gyro_reference);
-    };
-    const SensorModel up = moved(h), down = moved(-h);
-    for (Index i = 0; i < n; ++i) {
-      const int at = calibration.estimated[static_cast<std::size_t>(i)];
-      transfer(i, k) = (coefficient_value(up, at) - coefficient_value(down, at)) / (2 * h);
-    }
-  }
+  const auto change = [&](const SensorModel& model) { return with_references(model, accel_reference, gyro_reference); };
+  out.model = change(calibration.model);
+  // Products of a coefficient with the drift, which is small: differences over one sigma are exact to the third order of it.
+  const MatrixXd transfer = derivatives(change, calibration.estimated, calibration.model, calibration.covariance.diagonal().cwiseSqrt());
   out.covariance = transfer * calibration.covariance * transfer.transpose();
   return out;
+}
+
+MatrixXd covariance_after(const ModelChange& linear_change, const std::vector<CoefficientIndex>& indices, const MatrixXd& covariance) {
+  SensorModel zero;  // where unit steps are exact
+  zero.accel.matrix.setZero(), zero.gyro.matrix.setZero();
+  const MatrixXd transfer = derivatives(linear_change, indices, zero, VectorXd::Ones(covariance.rows()));
+  return transfer * covariance * transfer.transpose();
 }
 
 Calibration in_gauge_of(const Calibration& a, const Calibration& b) {
@@ -79,7 +88,7 @@ Calibration in_gauge_of(const Calibration& a, const Calibration& b) {
     if (of_a.temperature->unit == of_b.temperature->unit) return of_a.temperature->reference;
     if (drifts)
       throw Error("thermal terms of readings in " + of_a.temperature->unit + " and in " + of_b.temperature->unit +
-                  " cannot be compared: the same unit was expected");
+                  " cannot be compared; expected one unit");
     return of_b.temperature->reference;
   };
   return with_references(b, reference(a.model.accel, b.model.accel), reference(a.model.gyro, b.model.gyro));

@@ -5,7 +5,19 @@
 
 #include "imulab/model/calibration.hpp"
 
+#include <Eigen/Core>
+
+#include <functional>
+#include <vector>
+
 namespace imulab {
+
+/// The same unit described otherwise: by other readings, about another point.
+using ModelChange = std::function<SensorModel(const SensorModel&)>;
+
+/// Covariance of the table coefficients `indices` (in SI and raw units) after a change that is linear in them, such as another zero or scale of the
+/// readings. `covariance` is that before.
+Eigen::MatrixXd covariance_after(const ModelChange& linear_change, const std::vector<CoefficientIndex>& indices, const Eigen::MatrixXd& covariance);
 
 /// Q with Q(V + shift) = P(V) for the polynomial P of `model`; linear in the coefficients.
 TriadModel of_shifted_readings(TriadModel model, const Vector3d& shift);

@@ -6,13 +6,15 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
 namespace imulab {
 namespace {
 
 SensorModel unit() {
   const RandomStream draws(1, "gauge");
   SensorModel model;
-  for (int k = 0; k < coefficient_count; ++k)
+  for (const CoefficientIndex k : coefficient_indices())
     set_coefficient(model, k, coefficient_value(model, k) + 0.05 * draws.normal(static_cast<std::uint64_t>(k)));
   model.accel.temperature = ThermalReading{"degC", 25, {0, 70}};
   model.gyro.temperature = ThermalReading{"raw", 5000, {4990, 5010}};
@@ -42,8 +44,8 @@ TEST(Gauge, CarriesTheCovariance) {
   Calibration a;
   a.model = unit();
   const RandomStream draws(2, "gauge covariance");
-  for (int k = 0; k < coefficient_count; ++k)
-    if (coefficient_table()[static_cast<std::size_t>(k)].term != Term::lever_arm) a.estimated.push_back(k);
+  for (const CoefficientIndex k : coefficient_indices())
+    if (coefficient(k).term != Term::lever_arm) a.estimated.push_back(k);
   const auto n = static_cast<Eigen::Index>(a.estimated.size());
   Eigen::MatrixXd root(n, n);
   for (Eigen::Index k = 0; k < n * n; ++k) root(k) = 1e-5 * draws.normal(static_cast<std::uint64_t>(k));
@@ -51,6 +53,32 @@ TEST(Gauge, CarriesTheCovariance) {
   const Calibration b = with_references(a, 21, 5003);
   const auto p = output_covariance(a, sample(a.model, 30, 4999)), q = output_covariance(b, sample(b.model, 30, 4999));
   EXPECT_LT((p - q).norm(), 1e-6 * p.norm());  // of the differences, third order of 1e-4
+}
+
+/// Readings about the middle of an unsigned converter: the uncertainty of the compensated output does not change.
+TEST(Gauge, CarriesTheCovarianceToShiftedReadings) {
+  Calibration a;
+  a.model = unit();
+  const RandomStream draws(3, "shifted readings");
+  for (const char* term : {"offset", "matrix", "quadratic", "cubic"})
+    for (const CoefficientIndex k : select_coefficients(std::string("gyro.") + term)) a.estimated.push_back(k);
+  const auto n = static_cast<Eigen::Index>(a.estimated.size());
+  a.covariance =
+      Eigen::VectorXd::NullaryExpr(n, [&](Eigen::Index k) { return 1e-10 * (1 + draws.uniform(static_cast<std::uint64_t>(k))); }).asDiagonal();
+  const Vector3d shift(5, -7, 3);
+  const auto shifted = [&](const SensorModel& model) {
+    SensorModel out = model;
+    out.gyro = of_shifted_readings(model.gyro, shift);
+    return out;
+  };
+  Calibration b = a;
+  b.model = shifted(a.model);
+  b.covariance = covariance_after(shifted, a.estimated, a.covariance);
+  RawSample x = sample(a.model, 25, 5000), y = x;
+  y.gyro += shift;
+  const auto p = output_covariance(a, x), q = output_covariance(b, y);
+  EXPECT_LT((p - q).norm(), 1e-9 * p.norm());  // rounding of 7^6
+  EXPECT_LT((compensate(b.model, y).rate - compensate(a.model, x).rate).norm(), 1e-9);
 }
 
 TEST(Gauge, UnitsAreNotMixed) {

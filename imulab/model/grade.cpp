@@ -84,7 +84,8 @@ constexpr std::array<Grade, 5> catalogue{{
                      .turn_on = {5e-3 * g},
                      .resolution = 4.0 / 32768 * g,
                      .range = 4 * g}},
-    // Dai 2011: ranges of coefficients table 2; stability, full scale table 1 (here with room for what a non-linear sensor reads at 30 g, 400 deg/s).
+    // Dai 2011: ranges of coefficients table 2; stability, full scale table 1 (here with a margin for the readings of a nonlinear sensor at 30 g, 400
+    // deg/s).
     {.name = "mems-30g",
      .gyro_bias = 0.5 * deg,
      .accel_bias = 30e-3 * g,
@@ -108,9 +109,7 @@ constexpr std::array<Grade, 5> catalogue{{
                                .accel_curvature = 7e-3 * g}},
 }};
 
-constexpr double nmi_per_h = nmi / hour;
-
-// Xu 2024 table 1. Strategic: 30 m an hour; a non-orthogonality and a scale below a limit begin at zero.
+// Xu 2024 table 1. Strategic: 30 m per hour; a non-orthogonality and a scale below a limit begin at zero.
 constexpr std::array<PublishedGrade, 3> published{{
     {"strategic", {0, 30 / hour}, {1e-4 * deg_per_h, 0.01 * deg_per_h}, {1 * ug, 50 * ug}, {0, 1 * arcsec}, {0, 10 * ppm}},
     {"navigation",
@@ -141,7 +140,7 @@ const Entry& named(std::span<const Entry> entries, std::string_view what, std::s
     if (e.name == name) return e;
     known += (known.empty() ? "" : ", ") + std::string(e.name);
   }
-  throw Error(std::string(what) + " = \"" + std::string(name) + "\": one of " + known + " was expected");
+  throw Error(std::string(what) + " = \"" + std::string(name) + "\": unknown; expected one of " + known);
 }
 
 }  // namespace

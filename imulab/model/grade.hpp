@@ -1,4 +1,4 @@
-// Grades of IMU: what a unit of a kind departs from the ideal before calibration, as one sigma of a draw.
+// Grades of IMUs: how far an IMU of a grade departs from the ideal before calibration, as one sigma of a draw.
 #pragma once
 
 #include "imulab/model/noise.hpp"
@@ -10,10 +10,10 @@
 
 namespace imulab {
 
-/// A size drawn evenly between two bounds; its sign is as likely either way.
+/// A size drawn uniformly between two bounds, with either sign.
 using SizeRange = std::array<double, 2>;
 
-/// What a unit has besides biases and scales that a linear model at one temperature does not know, SI.
+/// Errors of an IMU that a linear model at one temperature does not contain, SI.
 struct NonlinearRanges {
   SizeRange gyro_misalignment, accel_misalignment;  ///< rad: all six of a triad, in the frame of the case
   SizeRange gyro_quadratic, accel_quadratic;        ///< of the scale, per raw unit
@@ -23,19 +23,19 @@ struct NonlinearRanges {
   double gyro_curvature, accel_curvature;           ///< likewise of the quadratic term
 };
 
-/// Where a drawn unit's thermal terms are zero, and the temperatures it is for, degC.
+/// The temperature at which a drawn IMU's thermal terms are zero, and its temperature range, degC.
 inline constexpr double drawn_reference = 25;
 inline constexpr std::array<double, 2> drawn_temperatures{0, 70};
 
-/// One-sigma spreads, SI; each coefficient of a unit is drawn on its own.
+/// One-sigma spreads, SI; each coefficient of an IMU is drawn independently.
 struct Grade {
   std::string_view name;
-  double gyro_bias, accel_bias;                    ///< rad/s, m/s^2
-  double gyro_scale, accel_scale;                  ///< relative
-  double gyro_misalignment, accel_misalignment;    ///< rad; gyros: all six; accelerometers: the three non-orthogonalities
-  double g_sensitivity;                            ///< (rad/s)/(m/s^2)
-  NoiseModel gyro_noise, accel_noise;              ///< resolution and range in SI: the raw unit of a drawn unit
-  std::optional<NonlinearRanges> ranges{};         ///< drawn from these in place of the misalignments and g-sensitivity above, which are their RMS
+  double gyro_bias, accel_bias;                  ///< rad/s, m/s^2
+  double gyro_scale, accel_scale;                ///< relative
+  double gyro_misalignment, accel_misalignment;  ///< rad; gyros: all six; accelerometers: the three non-orthogonalities
+  double g_sensitivity;                          ///< (rad/s)/(m/s^2)
+  NoiseModel gyro_noise, accel_noise;            ///< resolution and range in SI: the raw unit of a drawn IMU
+  std::optional<NonlinearRanges> ranges{};       ///< drawn from these in place of the misalignments and g-sensitivity above, which are their RMS
 };
 
 /// strategic, navigation, tactical, mems, mems-30g.
@@ -44,12 +44,12 @@ std::span<const Grade> grades();
 /// A grade by its name; throws Error that lists the known ones.
 const Grade& grade(std::string_view name);
 
-/// What a grade of inertial system is, as published (Xu 2024, table 1): from the best to the poorest, SI.
+/// A grade of inertial systems as published (Xu 2024, table 1): from the best to the poorest, SI.
 struct PublishedGrade {
   std::string_view name;
-  std::array<double, 2> position_rate;                ///< m/s of position error
-  std::array<double, 2> gyro_bias, accel_bias;        ///< rad/s, m/s^2
-  std::array<double, 2> misalignment, scale;          ///< rad, relative
+  std::array<double, 2> position_rate;          ///< m/s of position error
+  std::array<double, 2> gyro_bias, accel_bias;  ///< rad/s, m/s^2
+  std::array<double, 2> misalignment, scale;    ///< rad, relative
 };
 std::span<const PublishedGrade> published_grades();
 

@@ -1,14 +1,14 @@
 // Rejection of outliers, sample by sample, two samples late (docs/compensate.md).
 //
-// Each channel on its own. With a <= b the middle two of a sample's four neighbours, two before and two after it, and p the value that a cubic
-// through the four has where the sample x is,
+// Each channel on its own. With a <= b the middle two of a sample's four neighbors, two before and two after it, and p the value at the
+// sample x of the cubic through the four,
 //
 //   d = distance of x from [a, b]                         zero in a monotone window
 //   x is an outlier if min(d, |x - p|) > K s + 3 q        |x - p| is small where the motion is smooth; x becomes (a + b) / 2
-//   s += w (min(d, K s + 3 q) - s)                        what d usually is: an outlier raises it by no more than what is just allowed
+//   s += w (min(d, K s + 3 q) - s)                        the usual d: an outlier raises it by no more than the largest allowed
 //
-// where x lies between a and b nothing is learned: a slope does not tell the noise. w = 1/n for the n-th window that teaches, 1/100 at least.
-// q, the resolution of rounded readings, is the smallest difference other than zero that two readings in a row have had.
+// where x lies between a and b nothing is learned: a slope does not show the noise. w = 1/n for the n-th window learned from, 1/100 at least.
+// q, the resolution of rounded readings, is the smallest nonzero difference of two successive readings.
 #pragma once
 
 #include <array>
@@ -20,14 +20,14 @@
 
 namespace imulab {
 
-/// The state of six channels, in any order. What is no number passes, and nothing is learned from it.
+/// The state of six channels, in any order. NaN passes, and nothing is learned from it.
 class OutlierFilter {
  public:
   static constexpr double usual_factor = 10;   ///< K
   static constexpr double resolutions = 3;     ///< of q
   static constexpr int memory = 100;           ///< windows
   static constexpr std::size_t delay = 2;      ///< samples
-  static constexpr std::size_t learning = 64;  ///< windows a channel's s is first learned from: until then none of its samples is replaced
+  static constexpr std::size_t learning = 64;  ///< windows from which a channel's s is first learned: until then none of its samples is replaced
 
   using Readings = std::array<double, 6>;
   struct Output {
@@ -51,7 +51,7 @@ class OutlierFilter {
   std::size_t taken_ = 0, given_ = 0;
   Readings resolution_{};              // q; 0: not seen yet
   Readings usual_{};                   // s; while it is first learned, the sum of d
-  Readings taught_{};                  // windows that taught
+  Readings taught_{};                  // windows learned from
   std::array<Readings, 2> largest_{};  // while s is first learned, its two largest d: they may be outliers
 };
 

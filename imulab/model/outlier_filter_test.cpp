@@ -29,18 +29,18 @@ Six noise(std::size_t n, double sigma = 1) {
   return columns;
 }
 
-constexpr std::size_t learned = 150;  // windows that hold 64 that teach: four in five of white noise do
+constexpr std::size_t learned = 150;  // windows among which 64 are learned from: four in five of white noise are
 
 TEST(OutlierFilter, WhiteNoiseGivesFewerThanOneFalseAlarmInAMillion) {
   Six columns = noise(1'666'667);  // ten million readings
   const auto replaced = reject_outliers(spans(columns));
   int alarms = 0;
   for (const std::uint8_t mask : replaced) alarms += __builtin_popcount(mask);
-  EXPECT_LE(alarms, 2);  // none in a thousand million readings of other draws: a rate below 3e-9 with 95 %
+  EXPECT_LE(alarms, 2);  // none in 1e9 readings of other draws: a rate below 3e-9 with 95 % confidence
 }
 
 /// Spikes of `size` with alternating signs, `together` in a row, on top of `signal` that changes by at most `slope` a sample: all are found, and
-/// nothing else but, on a slope, samples within two of them; and what comes out is the signal.
+/// nothing else but, on a slope, samples within two of them; and the output is the signal.
 void expect_all_found(const std::vector<double>& signal, double sigma, double size, std::size_t together, double slope) {
   const std::size_t n = signal.size();
   Six columns = noise(n, sigma);
@@ -59,7 +59,7 @@ void expect_all_found(const std::vector<double>& signal, double sigma, double si
     if (spike[i] || !near[i]) {
       ASSERT_EQ(replaced[i], spike[i] ? 63 : 0) << i;
     }
-    // Six sigma: of 120,000 readings none lies beyond (probability 2e-4). The middle of two of four neighbours is at most one and a half samples
+    // Six sigma: of 120,000 readings none lies beyond (probability 2e-4). The middle of two of four neighbors is at most one and a half samples
     // away.
     for (const auto& column : columns) ASSERT_NEAR(column[i], signal[i], 6 * sigma + 1.5 * slope) << i;
   }
@@ -68,7 +68,7 @@ void expect_all_found(const std::vector<double>& signal, double sigma, double si
 TEST(OutlierFilter, FindsEverySpikeOf25SigmaAndEveryPairOf75) {
   const std::vector<double> rest(20'000, 3.0);
   expect_all_found(rest, 0.1, 2.5, 1, 0);
-  expect_all_found(rest, 0.1, 7.5, 2, 0);  // of a pair the cubic through the neighbours leaves a third
+  expect_all_found(rest, 0.1, 7.5, 2, 0);  // of a pair the cubic through the neighbors leaves a third
 }
 
 TEST(OutlierFilter, FindsEverySpikeInARollOf400DegPerSecondWithRamps) {
@@ -88,7 +88,7 @@ TEST(OutlierFilter, AMonotoneSignalPassesUnchanged) {
     double value = 0;
     Six columns;
     for (int i = 0; i < 200; ++i) {
-      const int kind = *rc::gen::inRange(0, 4);  // level, a creep, a step, a leap
+      const int kind = *rc::gen::inRange(0, 4);  // constant, slow change, step, jump
       value += kind == 0 ? 0.0 : std::pow(10.0, *rc::gen::inRange(-6, 9) * (kind == 3)) * (kind == 1 ? 1e-3 : 1);
       for (auto& column : columns) column.push_back(sign * value);
     }

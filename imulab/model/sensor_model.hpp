@@ -5,16 +5,13 @@
 //   w = W0 + W1 Vg + W2 Vg^2 + W3 Vg^3 + C a         C: the gyros' g-sensitivity
 #pragma once
 
-#include <Eigen/Core>
+#include "imulab/core/rotation.hpp"
 
 #include <array>
 #include <optional>
 #include <string>
 
 namespace imulab {
-
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
 
 /// A triad's thermal reading: what it is measured in, the T0 of the model, and the range the calibration saw.
 struct ThermalReading {

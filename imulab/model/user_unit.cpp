@@ -11,8 +11,9 @@ namespace {
 constexpr std::array accel_offset{UserUnit{"ug", unit::ug}, UserUnit{"mg", 1e3 * unit::ug}, UserUnit{"g", unit::g}, UserUnit{"m/s^2", 1}};
 constexpr std::array gyro_offset{UserUnit{"deg/h", unit::deg_per_h}, UserUnit{"deg/s", unit::deg}, UserUnit{"rad/s", 1}};
 constexpr std::array scale{UserUnit{"ppm", unit::ppm}, UserUnit{"%", 1e-2}, UserUnit{"arcsec", unit::arcsec}, UserUnit{"rad", 1}};
-constexpr std::array misalignment{UserUnit{"arcsec", unit::arcsec}, UserUnit{"arcmin", 60 * unit::arcsec}, UserUnit{"deg", unit::deg},
-                                  UserUnit{"ppm", unit::ppm},       UserUnit{"mrad", 1e-3},                UserUnit{"rad", 1}};
+constexpr std::array misalignment{UserUnit{"arcsec", unit::arcsec}, UserUnit{"arcmin", 60 * unit::arcsec},
+                                  UserUnit{"deg", unit::deg},       UserUnit{"ppm", unit::ppm},
+                                  UserUnit{"mrad", 1e-3},           UserUnit{"rad", 1}};
 constexpr std::array g_sensitivity{UserUnit{"deg/h/g", unit::deg_per_h / unit::g}, UserUnit{"deg/s/g", unit::deg / unit::g}};
 constexpr std::array lever_arm{UserUnit{"mm", 1e-3}, UserUnit{"m", 1}};
 
@@ -39,7 +40,7 @@ std::span<const UserUnit> user_units(const Coefficient& c) {
 UserUnit user_unit(const Coefficient& c, double size) {
   const std::span<const UserUnit> units = user_units(c);
   if (units.empty()) return {c.unit, 1};
-  return c.term == Term::offset && size >= 1e4 * units[0].size ? units[1] : units[0];  // offsets of a low-grade unit in mg and deg/s
+  return c.term == Term::offset && size >= 1e4 * units[0].size ? units[1] : units[0];  // offsets of a low-grade IMU in mg and deg/s
 }
 
 }  // namespace imulab

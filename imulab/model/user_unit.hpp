@@ -1,4 +1,4 @@
-// The units a person reads and writes coefficients' differences and uncertainties in. Of matrices they are those of D = M_b M_a^-1 - I.
+// Customary units of coefficients' differences and uncertainties. For matrices they are those of D = M_b M_a^-1 - I.
 #pragma once
 
 #include "imulab/model/coefficient.hpp"
@@ -16,7 +16,7 @@ struct UserUnit {
 /// Every unit that a coefficient's differences may be given in, the usual one first; none for terms whose unit depends on the raw readings.
 std::span<const UserUnit> user_units(const Coefficient& coefficient);
 
-/// The unit a person reads this coefficient's differences in; `size` is the largest of its term [SI].
+/// The customary unit of this coefficient's differences; `size` is the largest of its term [SI].
 UserUnit user_unit(const Coefficient& coefficient, double size);
 
 }  // namespace imulab

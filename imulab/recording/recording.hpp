@@ -19,9 +19,9 @@ struct Range {
 };
 
 /// Samples as columns. Values are in SI where the session names a physical unit, in counts otherwise; an increment output is divided by the
-/// nominal interval, so that both kinds of output read as means over the sample's interval.
+/// nominal interval, so that both kinds of output are means over the sample's interval.
 struct Recording {
-  std::string name;                   ///< the file the session names
+  std::string name;                   ///< the file named in the session
   double interval_s = 0;              ///< nominal interval: 1 / rate_hz, else the median difference of the stamps
   std::vector<std::int64_t> time_ns;  ///< end of each sample's interval, nanoseconds since `time.zero`: exact
   Columns3 gyro, accel;
@@ -35,6 +35,16 @@ struct Recording {
   double time_s(std::size_t i) const { return 1e-9 * static_cast<double>(time_ns[i]); }
   /// The interval [s] sample i stands for: nominal for increments, at a gap and at the first sample; else the stamps' difference.
   double interval(std::size_t i, bool increment) const;
+  /// Whether time is missing before sample i.
+  bool follows_gap(std::size_t i) const;
+
+  /// The samples whose nominal interval (stamp - interval_s, stamp] lies inside [begin_s, end_s]; a hundredth of an interval outside still counts as
+  /// inside, so that rounding and small jitter of the stamps move no boundary.
+  Range samples_in(double begin_s, double end_s) const;
+  /// How many samples of a range have a reading at a limit.
+  std::size_t saturated_in(const Range& range) const;
+  /// How many samples of a range follow a gap, its first one included.
+  std::size_t gaps_in(const Range& range) const;
 };
 
 }  // namespace imulab

@@ -2,6 +2,7 @@
 
 #include "imulab/core/statistics.hpp"
 #include "imulab/earth/earth.hpp"
+#include "imulab/recording/validate.hpp"
 
 #include <fmt/core.h>
 
@@ -15,8 +16,8 @@ namespace {
 
 constexpr std::size_t strides_per_window = 10;
 
-/// Below this no reading is told from a rest, however little noise it has (an ideal unit's): a hundredth of the Earth's rate, 1 ug, and what rounding
-/// to whole counts makes.
+/// Below this nothing is distinguished from a rest, however small the noise (of an ideal IMU): a hundredth of the Earth's rate, 1 ug, and the
+/// rounding to whole counts.
 double least_noise(const std::string& unit) {
   if (unit == "rad/s") return 7.3e-7;
   return unit == "m/s^2" ? 1e-5 : 0.3;
@@ -56,7 +57,7 @@ Windows windows_of(const std::vector<double>& column, std::size_t length, std::s
   return windows;
 }
 
-/// Half-sample mode (Bickel and Fruehwirth 2006): the centre of the densest part of a sorted sample.
+/// Half-sample mode (Bickel and Fruehwirth 2006): the center of the densest part of a sorted sample.
 double half_sample_mode(const std::vector<double>& sorted) {
   std::size_t begin = 0, end = sorted.size();
   while (end - begin > 3) {
@@ -78,7 +79,7 @@ struct Cluster {
 Cluster cluster_of(std::vector<double> logs) {
   std::sort(logs.begin(), logs.end());
   const double mode = half_sample_mode(logs);
-  std::erase_if(logs, [&](double x) { return std::abs(x - mode) > 1; });  // the mode scatters by less, motion begins further off
+  std::erase_if(logs, [&](double x) { return std::abs(x - mode) > 1; });  // the mode scatters by less; motion is farther away
   Cluster cluster{median(logs), 0};
   std::erase_if(logs, [&](double x) { return x > cluster.center; });
   for (double& x : logs) x = cluster.center - x;
@@ -86,7 +87,7 @@ Cluster cluster_of(std::vector<double> logs) {
   return cluster;
 }
 
-/// Typical standard deviation of a sample of variances. Windows that do not overlap are enough for it.
+/// Typical standard deviation of a sample of variances, from windows that do not overlap.
 double typical_noise(const std::vector<double>& variance) {
   std::vector<double> logs;
   for (std::size_t k = 0; k < variance.size(); k += strides_per_window) logs.push_back(0.5 * std::log(variance[k]));
@@ -122,8 +123,8 @@ Quietness quietness_of(const std::array<Windows, 3>& axes, double threshold_sigm
   return result;
 }
 
-/// Runs of quiet windows as sample ranges, cut at gaps and saturated samples. Where motion adjoins one stride is trimmed: a quiet window may hold its
-/// first, slow part.
+/// Runs of quiet windows as sample ranges, cut at gaps and saturated samples. Where motion adjoins, one stride is trimmed: a quiet window may contain
+/// its first, slow part.
 std::vector<Range> quiet_runs(const Recording& recording, const std::vector<char>& quiet, std::size_t length, std::size_t stride) {
   std::vector<Range> runs;
   for (std::size_t k = 0; k < quiet.size();) {
@@ -150,19 +151,19 @@ double mean_of(const std::vector<double>& column, Range range) {
   return origin + sum / static_cast<double>(range.size());
 }
 
-/// Which runs turn steadily: the gyros' mean lies further from the runs' median than rests differ.
+/// The runs with a steady rotation: the gyros' mean is farther from the runs' median than rests differ.
 std::vector<char> turning_runs(const Recording& recording, const std::vector<Range>& runs, const std::array<double, 3>& noise) {
   std::vector<char> turning(runs.size(), 0);
   for (int j = 0; j < 3; ++j) {
     std::vector<double> means, weighted;
     for (const Range& run : runs) {
       means.push_back(mean_of(recording.gyro[j], run));
-      const auto copies = 1 + run.size() / (1 + runs.front().size() / 4);  // the median by duration, coarsely
+      const auto copies = 1 + run.size() / (1 + runs.front().size() / 4);  // the median weighted by duration, coarsely
       weighted.insert(weighted.end(), std::min<std::size_t>(copies, 64), means.back());
     }
     const double center = median(weighted);
-    // Rests differ by bias drift and g-sensitivity, which the robust width of the means measures; 5 noise sigmas of a single sample allow for few rests.
-    // Read in SI, rests of good gyros differ by the Earth's rate, seen from one attitude or another.
+    // Rests differ by bias drift and g-sensitivity, which the robust width of the means measures; 5 noise sigmas of a single sample allow for few
+    // rests. Read in SI, rests of good gyros differ by the Earth's rate, measured in different attitudes.
     const double earth = recording.gyro_unit == "rad/s" ? 2.5 * earth_rate : 0;
     const double allowed = std::max({10 * robust_sigma(weighted), 5 * noise[j], earth});
     for (std::size_t k = 0; k < runs.size(); ++k)
@@ -171,13 +172,13 @@ std::vector<char> turning_runs(const Recording& recording, const std::vector<Ran
   return turning;
 }
 
-/// Do the readings of quiet windows follow one another like motion? Of the means of strides, half the mean square of the differences of neighbours
-/// over the variance about the window's mean (von Neumann's ratio) is 1 for noise, and near 0 for motion that is smooth over a window. What is less
-/// than the least noise is no motion.
+/// Do the readings of quiet windows vary smoothly, like motion? For the means of strides, half the mean square of successive differences over the
+/// variance about the window's mean (von Neumann's ratio) is 1 for noise, and near 0 for motion that is smooth over a window. Less than the least
+/// noise is not motion.
 bool quiet_is_motion(const Recording& recording, const std::vector<char>& quiet, std::size_t stride) {
   std::vector<double> ratios;
   const double least_gyro = least_noise(recording.gyro_unit), least_accel = least_noise(recording.accel_unit);
-  const std::size_t step = 1 + quiet.size() / 2000;  // windows enough for a median
+  const std::size_t step = 1 + quiet.size() / 2000;  // enough windows for a median
   for (std::size_t k = 0; k < quiet.size(); k += step) {
     if (!quiet[k]) continue;
     double sum = 0;
@@ -224,6 +225,7 @@ std::vector<Range> without_interruptions(const Recording& recording, Range range
 }
 
 RestDetection detect_rests(const Recording& recording, const RestOptions& options) {
+  validate(recording);
   RestDetection found;
   const auto stride = static_cast<std::size_t>(std::max(1.0, std::round(options.window_s / strides_per_window / recording.interval_s)));
   const std::size_t length = strides_per_window * stride;
@@ -234,13 +236,12 @@ RestDetection detect_rests(const Recording& recording, const RestOptions& option
     gyro[j] = windows_of(recording.gyro[j], length, stride, least_noise(recording.gyro_unit));
     accel[j] = windows_of(recording.accel[j], length, stride, least_noise(recording.accel_unit));
   }
-  const Quietness g = quietness_of(gyro, options.threshold_sigmas, length),
-                  a = quietness_of(accel, options.threshold_sigmas, length);
+  const Quietness g = quietness_of(gyro, options.threshold_sigmas, length), a = quietness_of(accel, options.threshold_sigmas, length);
   std::vector<char> quiet(g.quiet.size());
   for (std::size_t k = 0; k < quiet.size(); ++k) quiet[k] = g.quiet[k] && a.quiet[k];
 
   if (quiet_is_motion(recording, quiet, stride)) {
-    found.notes.push_back("no rests: even the quietest stretches move smoothly");
+    found.notes.push_back("no rests found: even the quietest stretches move smoothly");
     return found;
   }
   std::vector<Range> runs = quiet_runs(recording, quiet, length, stride);
@@ -248,19 +249,19 @@ RestDetection detect_rests(const Recording& recording, const RestOptions& option
   std::erase_if(runs, [&](const Range& run) { return run.size() < std::max<std::size_t>(shortest, 2); });
   const std::vector<char> turning = runs.empty() ? std::vector<char>{} : turning_runs(recording, runs, g.noise);
   for (std::size_t k = 0; k < runs.size(); ++k) {
-    if (turning[k]) ++found.turning;
-    else found.rests.push_back(runs[k]);
+    if (turning[k])
+      ++found.turning;
+    else
+      found.rests.push_back(runs[k]);
   }
   found.gyro_noise = g.noise;
   found.accel_noise = a.noise;
   found.gyro_factor = g.factor;
   found.accel_factor = a.factor;
   found.notes.push_back(fmt::format(
-      "{} rests found in windows of {:g} s: quiet where the gyros' standard deviation is below {:.2f} x ({:.4g}, {:.4g}, {:.4g}) {} and the accelerometers' below "
-      "{:.2f} x ({:.4g}, {:.4g}, {:.4g}) {}; the noise and the factors come from the recording itself",
-      found.rests.size(), options.window_s, g.factor, g.noise[0], g.noise[1], g.noise[2], recording.gyro_unit, a.factor, a.noise[0], a.noise[1], a.noise[2],
-      recording.accel_unit));
-  if (found.turning > 0) found.notes.push_back(fmt::format("{} quiet stretches were refused as rests because the unit was turning steadily", found.turning));
+      "{} rests found ({:g} s windows; thresholds from the recording: {:.2f} times the gyros' and {:.2f} times the accelerometers' noise)",
+      found.rests.size(), options.window_s, g.factor, a.factor));
+  if (found.turning > 0) found.notes.push_back(fmt::format("{} quiet stretches were rejected as rests: the IMU was turning steadily", found.turning));
   return found;
 }
 

@@ -1,10 +1,10 @@
 #include "imulab/recording/rest_detection.hpp"
 
 #include "imulab/core/random.hpp"
-#include "tests/simulated_session.hpp"
 
 #include <gtest/gtest.h>
 
+#include "tests/simulated_session.hpp"
 #include <cmath>
 #include <cstdint>
 
@@ -25,7 +25,7 @@ TEST(RestDetection, FindsEveryRestAndNothingElse) {
     for (std::size_t k = 0; k < s.rests.size(); ++k) {
       const double start = s.recording.time_s(s.rests[k].begin), end = s.recording.time_s(s.rests[k].end - 1);
       const Step& step = s.session.steps[k];
-      // Inside the hold up to a stride (0.05 s) of motion that has hardly begun, and at most a window's tenth and a stride lost.
+      // Inside the hold up to a stride (0.05 s) of motion that has hardly begun, and at most a tenth of a window and a stride lost.
       EXPECT_GE(start, step.start - 0.06);
       EXPECT_LE(start, step.start + 0.16);
       EXPECT_LE(end, step.end + 0.06);
@@ -54,7 +54,7 @@ TEST(RestDetection, DoesNotLeanOnAnInitialRest) {
   const auto found = detect_rests(later).rests;
   ASSERT_EQ(found.size(), s.rests.size() - 1);
   for (std::size_t k = 0; k < found.size(); ++k) {
-    // The strides begin elsewhere and the thresholds rest on other windows: a few strides (5 samples each).
+    // The strides begin elsewhere and the thresholds come from other windows: a few strides (5 samples each).
     EXPECT_NEAR(static_cast<double>(found[k].begin + cut), static_cast<double>(s.rests[k + 1].begin), 15);
     EXPECT_NEAR(static_cast<double>(found[k].end + cut), static_cast<double>(s.rests[k + 1].end), 15);
   }
@@ -63,7 +63,7 @@ TEST(RestDetection, DoesNotLeanOnAnInitialRest) {
 TEST(RestDetection, SteadyTurningIsNoRest) {
   SimulatedSession s = session_of(8);
   const Range turning = s.rests[4];
-  for (std::size_t i = turning.begin; i < turning.end; ++i) s.recording.gyro[2][i] += 0.5;  // as about the vertical: the accelerometers see nothing
+  for (std::size_t i = turning.begin; i < turning.end; ++i) s.recording.gyro[2][i] += 0.5;  // as about the vertical: invisible to the accelerometers
   const RestDetection found = detect_rests(s.recording);
   EXPECT_EQ(found.rests.size(), s.rests.size() - 1);
   EXPECT_EQ(found.turning, 1u);
@@ -96,7 +96,8 @@ TEST(RestDetection, FindsTheRestsOfAnIdealUnitWhole) {
   for (const Recording& r : {si, exact, rounded, coarse}) {
     const std::vector<Range> rests = detect_rests(r).rests;
     ASSERT_EQ(rests.size(), 5u) << r.gyro_unit;
-    for (std::size_t k = 0; k < 5; ++k) {  // a stride (5 samples) is trimmed, one may reach into motion that has hardly begun; coarse counts show it late
+    for (std::size_t k = 0; k < 5;
+         ++k) {  // a stride (5 samples) is trimmed, one may reach into motion that has hardly begun; in coarse counts it shows late
       EXPECT_NEAR(static_cast<double>(rests[k].begin), 2400. * static_cast<double>(k), 20);
       EXPECT_NEAR(static_cast<double>(rests[k].end), 2400. * static_cast<double>(k) + 2000, 20);
     }
@@ -106,7 +107,7 @@ TEST(RestDetection, FindsTheRestsOfAnIdealUnitWhole) {
 TEST(RestDetection, NoRestInARecordingShorterThanTwoWindows) {
   Recording r;
   r.interval_s = 0.01;
-  for (int i = 0; i < 10; ++i) r.time_ns.push_back(i);
+  for (int i = 0; i < 10; ++i) r.time_ns.push_back(10'000'000 * i);
   for (auto* columns : {&r.gyro, &r.accel})
     for (auto& column : *columns) column.assign(10, 0.0);
   EXPECT_TRUE(detect_rests(r).rests.empty());

@@ -11,7 +11,7 @@ namespace imulab {
 
 struct Rests {
   std::vector<Range> ranges;
-  std::vector<std::string> notes;  ///< where they come from, and with which thresholds
+  std::vector<std::string> notes;  ///< their source, and the thresholds used
 };
 
 /// The holds of the steps that belong to the recording; where the session has no steps, the rests that detect_rests finds. Throws Error for steps of

@@ -3,12 +3,14 @@
 #include "imulab/core/error.hpp"
 #include "imulab/earth/earth.hpp"
 
+#include <fmt/core.h>
+
 namespace imulab {
 
 double Site::gravity() const {
   if (given_gravity) return *given_gravity;
   if (latitude) return normal_gravity(*latitude, height.value_or(0.0));
-  throw Error("[site]: neither gravity_mps2 nor latitude_deg is given; gravity is the accelerometers' scale, so one of them is needed");
+  throw Error("neither gravity nor latitude of the site is given; gravity sets the accelerometers' scale; expected one of them");
 }
 
 double Site::gravity_sigma() const {
@@ -23,31 +25,67 @@ std::string_view to_string(Extent extent) { return extent == Extent::all ? "all"
 
 std::string_view to_string(RigKind kind) {
   switch (kind) {
-    case RigKind::turntable: return "turntable";
-    case RigKind::rate_table: return "rate_table";
-    case RigKind::centrifuge: return "centrifuge";
-    case RigKind::chamber: return "chamber";
-    case RigKind::none: break;
+    case RigKind::turntable:
+      return "turntable";
+    case RigKind::rate_table:
+      return "rate_table";
+    case RigKind::centrifuge:
+      return "centrifuge";
+    case RigKind::chamber:
+      return "chamber";
+    case RigKind::none:
+      break;
   }
   return "none";
 }
 
 std::string_view to_string(RigAxis axis) {
   switch (axis) {
-    case RigAxis::outer: return "outer";
-    case RigAxis::middle: return "middle";
-    case RigAxis::inner: break;
+    case RigAxis::outer:
+      return "outer";
+    case RigAxis::middle:
+      return "middle";
+    case RigAxis::inner:
+      break;
   }
   return "inner";
 }
 
 std::string_view to_string(StepKind kind) {
   switch (kind) {
-    case StepKind::hold: return "hold";
-    case StepKind::rotate: return "rotate";
-    case StepKind::spin: break;
+    case StepKind::hold:
+      return "hold";
+    case StepKind::rotate:
+      return "rotate";
+    case StepKind::spin:
+      break;
   }
   return "spin";
+}
+
+std::string step_name(const Step& step, std::size_t index) {
+  return fmt::format("step {} ({} at {:g} s)", index + 1, to_string(step.kind), step.start);
+}
+
+RecordingSource Session::source_of(std::string_view file) const {
+  for (const RecordingSource& source : recordings)
+    if (source.file == file) return source;
+  RecordingSource undeclared;
+  undeclared.file = file;
+  return undeclared;
+}
+
+const RigDeclaration* Session::rig_of(const RecordingSource& source) const {
+  for (const RigDeclaration& rig : rigs)
+    if (source.rig.empty() || rig.name == source.rig) return &rig;
+  return nullptr;
+}
+
+std::vector<Step> Session::steps_of(const RecordingSource& source) const {
+  std::vector<Step> chosen;
+  for (const Step& step : steps)
+    if (recordings.size() < 2 || step.recording == source.file) chosen.push_back(step);
+  return chosen;
 }
 
 }  // namespace imulab

@@ -1,10 +1,11 @@
-// A session: what was recorded, where, on which rig, with which unit. A procedure is a session without recordings.
+// A session: recordings with their IMU, site, rig and steps. A procedure is a session without recordings.
 #pragma once
 
 #include "imulab/core/spread.hpp"
 #include "imulab/model/noise.hpp"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -15,14 +16,14 @@
 
 namespace imulab {
 
-/// Which of a grade's noise terms a simulation has: white noise alone, or all.
+/// The noise terms of a grade that a simulation has: white noise alone, or all.
 enum class NoiseTerms { white, full };
 std::string_view to_string(NoiseTerms terms);
 
 struct ImuDeclaration {
   std::string name;
   std::optional<std::string> grade;           ///< priors, and what simulate draws from
-  std::optional<std::string> truth;           ///< file of the exact unit to simulate
+  std::optional<std::string> truth;           ///< file of the exact IMU to simulate
   std::optional<double> accel_noise_density;  ///< m/s^2/sqrt(Hz)
   std::optional<double> gyro_noise_density;   ///< rad/s/sqrt(Hz)
   NoiseTerms noise = NoiseTerms::white;
@@ -32,7 +33,7 @@ struct ImuDeclaration {
 
 struct Site {
   std::optional<double> latitude, longitude;  ///< rad
-  std::optional<double> latitude_sigma;       ///< rad; absent: exactly known
+  std::optional<double> latitude_sigma;       ///< rad; absent: known exactly
   std::optional<double> height;               ///< m
   std::optional<double> given_gravity;        ///< m/s^2
   std::optional<double> given_gravity_sigma;  ///< m/s^2
@@ -55,13 +56,13 @@ std::string_view to_string(RigAxis axis);
 struct RigDeclaration {
   std::string name;  ///< recordings refer to it where there are several
   RigKind kind = RigKind::none;
-  Spread angle, orthogonality, zero;                                        ///< rad
-  Spread timing;                                                            ///< s
-  Spread mount;    ///< rad: each of the three small rotations of a mounting (rate table, centrifuge, chamber), drawn for each mount
-  Spread rate;     ///< relative: the scale of the rate (rate table, centrifuge)
-  Spread radius;   ///< m: of a mount's radii, common to the three sensors (rate table, centrifuge)
-  double ramp = 0, time_constant = 0;  ///< chamber: K/s towards a set point, and s with which the unit follows; 0: at once
-  double hysteresis = 0;               ///< chamber: K by which the unit's zeros lag behind its thermal readings, against the direction of change
+  Spread angle, orthogonality, zero;  ///< rad
+  Spread timing;                      ///< s
+  Spread mount;   ///< rad: each of the three small rotations of a mounting (rate table, centrifuge, chamber), drawn for each mount
+  Spread rate;    ///< relative: the scale of the rate (rate table, centrifuge)
+  Spread radius;  ///< m: of a mount's radii, common to the three sensors (rate table, centrifuge)
+  double ramp = 0, time_constant = 0;  ///< chamber: K/s toward a set point, and time constant [s] of the IMU; 0: at once
+  double hysteresis = 0;               ///< chamber: K by which the IMU's zeros lag behind its thermal readings, against the direction of change
   std::array<std::optional<std::array<double, 2>>, 3> given_orthogonality;  ///< rad, by RigAxis: exactly known instead of drawn
   std::array<std::optional<double>, 3> given_zero;                          ///< rad, by RigAxis
   bool operator==(const RigDeclaration&) const = default;
@@ -80,7 +81,7 @@ struct TimeSource {
 };
 
 struct TriadSource {
-  std::optional<std::string> file;  ///< where it differs from the recording's
+  std::optional<std::string> file;  ///< if it differs from the recording's
   std::vector<Column> columns;      ///< three
   Output output = Output::rate;
   std::string unit = "count";
@@ -92,12 +93,12 @@ struct ThermalSource {
   std::vector<Column> columns;  ///< one or three
   std::string unit = "degC";
   // Of a simulation: a reading is at_25_degC + per_K (T - 25 degC) and noise; three columns, three sensors.
-  double noise = 0;  ///< one sigma of a reading, in its unit
+  double noise = 0;                         ///< one sigma of a reading, in its unit
   std::optional<double> at_25_degC, per_K;  ///< absent: the temperature itself
   bool operator==(const ThermalSource&) const = default;
 };
 
-/// What a simulation writes down: everything from the first to the last step, or each step's time alone (the operator records point by point).
+/// The samples that a simulation writes: all from the first to the last step, or those inside the steps (the operator records point by point).
 enum class Extent { all, steps };
 std::string_view to_string(Extent extent);
 
@@ -126,11 +127,11 @@ struct Mount {
 enum class StepKind { hold, rotate, spin };
 std::string_view to_string(StepKind kind);
 
-/// One thing the rig did, in time order. Angles left out have been filled in from the step before (first 0, anew in each recording).
+/// One action of the rig, in time order. Omitted angles have been filled in from the previous step (first 0, anew in each recording).
 struct Step {
   StepKind kind = StepKind::hold;
   std::string recording;                  ///< file of the recording it belongs to
-  double start = 0, end = 0;              ///< s of the recording's clock; a procedure has been laid out in time
+  double start = 0, end = 0;              ///< s of the recording's clock; also for a procedure
   std::array<double, 3> angles{0, 0, 0};  ///< rad, by RigAxis: of a hold; where a rotate or spin begins
   RigAxis axis = RigAxis::outer;          ///< rotate
   double angle = 0;                       ///< rotate: rad, signed
@@ -141,6 +142,9 @@ struct Step {
   std::optional<double> temperature;      ///< set point, degC
   bool operator==(const Step&) const = default;
 };
+
+/// "step 3 (hold at 120 s)": the step with this index, from 0.
+std::string step_name(const Step& step, std::size_t index);
 
 struct InitialState {
   double time = 0, latitude = 0, longitude = 0, height = 0;  ///< s, rad, rad, m
@@ -159,6 +163,14 @@ struct Session {
   std::vector<Step> steps;
   std::optional<InitialState> initial;
   std::optional<std::string> truth_file;  ///< reference solution for navigation
+
+  /// The declaration of the recording with this file name; if the session has none, one with the name alone.
+  RecordingSource source_of(std::string_view file) const;
+  /// The rig of a recording: the one it names, or the first where it names none; null where there is none.
+  const RigDeclaration* rig_of(const RecordingSource& source) const;
+  /// The steps of a recording: those that name its file, or all where the session has at most one recording.
+  std::vector<Step> steps_of(const RecordingSource& source) const;
+
   bool operator==(const Session&) const = default;
 };
 

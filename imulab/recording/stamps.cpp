@@ -1,9 +1,13 @@
 #include "imulab/recording/stamps.hpp"
 
+#include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
+
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace imulab {
 
@@ -11,14 +15,70 @@ namespace {
 
 constexpr std::size_t rows = 16;  // stamps that scatter by a fifth of an interval leave a twelfth on the difference of two medians
 
+/// Reorders the differences.
+double median_s(std::vector<std::int64_t>& differences) {
+  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+  std::nth_element(differences.begin(), middle, differences.end());
+  if (differences.size() % 2 == 1) return 1e-9 * static_cast<double>(*middle);
+  return 0.5e-9 * (static_cast<double>(*middle) + static_cast<double>(*std::max_element(differences.begin(), middle)));
+}
+
+/// Four samples before i and four from i on reveal a single late stamp, also near a gap; sixteen average stamps that all scatter.
+bool samples_are_missing(const std::vector<std::int64_t>& time_ns, std::size_t i, double interval_s) {
+  constexpr std::size_t around = 4;
+  const auto mean_phase_ns = [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t k = begin; k < end; ++k)
+      sum += static_cast<double>(time_ns[k] - time_ns[i]) - 1e9 * interval_s * (static_cast<double>(k) - static_cast<double>(i));
+    return sum / static_cast<double>(end - begin);
+  };
+  const double later_ns = mean_phase_ns(i, std::min(i + around, time_ns.size())) - mean_phase_ns(i - std::min(i, around), i);
+  return later_ns > 0.5e9 * interval_s && clock_step(time_ns, i, interval_s, 0, time_ns.size()) > 0.5;
+}
+
 }  // namespace
+
+bool same_interval(double a_s, double b_s) { return std::abs(a_s - b_s) <= 0.02 * b_s; }
+
+void expect_increasing(const std::string& name, const std::vector<std::int64_t>& time_ns) {
+  const auto seconds = [](std::int64_t ns) { return 1e-9 * static_cast<double>(ns); };
+  for (std::size_t i = 1; i < time_ns.size(); ++i)
+    if (time_ns[i] <= time_ns[i - 1])
+      throw Error(fmt::format("{}: time: sample {} is at {:.9g} s, the previous one at {:.9g} s; expected stamps that increase", name, i,
+                              seconds(time_ns[i]), seconds(time_ns[i - 1])));
+}
+
+StampIntervals stamp_intervals(const std::vector<std::int64_t>& time_ns, std::span<const std::size_t> without) {
+  std::vector<std::int64_t> differences;
+  differences.reserve(time_ns.size());
+  auto left_out = without.begin();
+  for (std::size_t i = 1; i < time_ns.size(); ++i) {
+    while (left_out != without.end() && *left_out < i) ++left_out;
+    if (left_out == without.end() || *left_out != i) differences.push_back(time_ns[i] - time_ns[i - 1]);
+  }
+  if (differences.empty()) return {};
+  StampIntervals intervals{median_s(differences), 0};
+  double sum = 0, count = 0;
+  for (const std::int64_t difference : differences)  // sums of whole numbers: exact in any order
+    if (static_cast<double>(difference) <= 1.5e9 * intervals.median) sum += static_cast<double>(difference), ++count;
+  intervals.mean = 1e-9 * sum / count;
+  return intervals;
+}
+
+std::vector<std::size_t> find_gaps(const std::vector<std::int64_t>& time_ns, double interval_s) {
+  const double limit_ns = 1.5e9 * interval_s, clock_s = clock_interval(time_ns, interval_s);
+  std::vector<std::size_t> gaps;
+  for (std::size_t i = 1; i < time_ns.size(); ++i)
+    if (static_cast<double>(time_ns[i] - time_ns[i - 1]) > limit_ns && samples_are_missing(time_ns, i, clock_s)) gaps.push_back(i);
+  return gaps;
+}
 
 double clock_interval(const std::vector<std::int64_t>& time_ns, double nominal_s) {
   if (time_ns.size() < 4 * rows) return nominal_s;
   std::vector<double> lengths;
   for (std::size_t i = rows; i < time_ns.size(); ++i) lengths.push_back(static_cast<double>(time_ns[i] - time_ns[i - rows]));
   const double interval = 1e-9 * median(std::move(lengths)) / rows;
-  return std::abs(interval - nominal_s) <= 0.02 * nominal_s ? interval : nominal_s;  // further off are lost rows in every sixteen
+  return same_interval(interval, nominal_s) ? interval : nominal_s;  // otherwise samples are lost in every sixteen
 }
 
 double clock_step(const std::vector<std::int64_t>& time_ns, std::size_t i, double interval_s, std::size_t begin, std::size_t end) {

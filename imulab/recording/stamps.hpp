@@ -1,17 +1,42 @@
-// What a recording's stamps say of its clock, although single stamps come late: by medians over sixteen rows.
+// The clock of a recording from its stamps: the interval between samples, missing samples, and the clock's phase despite single late stamps.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <string>
 #include <vector>
 
 namespace imulab {
 
-/// The rows' true interval [s] near the nominal one: a hundredth is nothing in one row, but a sixth of an interval in sixteen.
+/// Whether two intervals agree within 2 % of the second. Oscillators agree to 1e-4 and a quoted rate is often rounded by a percent; a wrong one
+/// (unit, decimation, another logger setting) differs by a tenth or more.
+bool same_interval(double a_s, double b_s);
+
+/// Throws Error, naming the sample, where stamps go back or repeat. `name` stands for the recording.
+void expect_increasing(const std::string& name, const std::vector<std::int64_t>& time_ns);
+
+/// The stamps' differences [s]; zero if there is none.
+struct StampIntervals {
+  double median = 0;
+  double mean = 0;  ///< of the differences of at most one and a half medians: gaps do not count
+
+  /// Coarse stamps (400 Hz in whole milliseconds) have a wrong median but a right mean: an interval is contradicted where both differ from it.
+  bool allow(double interval_s) const { return same_interval(median, interval_s) || same_interval(mean, interval_s); }
+};
+/// Of ascending stamps, without the differences that end at a sample in `without` (ascending).
+StampIntervals stamp_intervals(const std::vector<std::int64_t>& time_ns, std::span<const std::size_t> without = {});
+
+/// The samples before which others are missing, ascending: more than one and a half intervals after the previous sample, and the clock is later from
+/// there on. A late stamp, as a busy computer gives it, is not a gap.
+std::vector<std::size_t> find_gaps(const std::vector<std::int64_t>& time_ns, double interval_s);
+
+/// The samples' true interval [s] near the nominal one, by medians over sixteen samples: an error of a hundredth is not visible in one sample, but is
+/// a sixth of an interval in sixteen.
 double clock_interval(const std::vector<std::int64_t>& time_ns, double nominal_s);
 
-/// By how many intervals the clock is later from row i on than the rows before foretell: 0 for a late stamp, 1 for a lost row. Seen by at most
-/// sixteen rows on either side, not before `begin` nor from `end` on.
+/// By how many intervals the clock is later from sample i on than the samples before predict: 0 for a late stamp, 1 for a lost sample. Estimated from
+/// at most sixteen samples on either side, not before `begin` nor from `end` on.
 double clock_step(const std::vector<std::int64_t>& time_ns, std::size_t i, double interval_s, std::size_t begin, std::size_t end);
 
 }  // namespace imulab

@@ -1,4 +1,4 @@
-// The three machines of a whole unit's calibration (Dai 2011 section 3).
+// The three machines of a whole-unit calibration (Dai 2011 section 3).
 #include "imulab/core/error.hpp"
 #include "imulab/rig/procedure.hpp"
 
@@ -14,7 +14,7 @@ constexpr double change = 10, remount = 60;                  // s, to another ra
 constexpr double arm = 6.1;                                  // m: 30 g below 400 deg/s
 constexpr double resonance = 5000, resonance_per_K = -0.15;  // Hz, Hz/K: a silicon resonator's -30 ppm/K
 
-/// Where the accelerometers sit in the unit, m from its centre, which is at the arm's end: row i, accelerometer i.
+/// Positions of the accelerometers in the IMU, m from its center, which is at the arm's end: row i, accelerometer i.
 constexpr double place[3][3] = {{4e-3, -2e-3, 1e-3}, {-3e-3, 5e-3, 1e-3}, {1e-3, -1e-3, 6e-3}};
 
 ThermalSource sensors(bool three, const std::string& name) {
@@ -111,7 +111,7 @@ void add_centrifuge(Session& session, const DaiUnitOptions& options) {
       const bool first = g == 0 && session.steps.back().recording != session.recordings.back().file;
       Step& step = points.add(g == 0 ? StepKind::hold : StepKind::spin, mount, first ? 0 : remount);
       if (g == 0) continue;
-      step.rate = std::round(std::sqrt(g * unit::g / arm) / unit::deg * 100) / 100 * unit::deg;  // hundredths read well in a file
+      step.rate = std::round(std::sqrt(g * unit::g / arm) / unit::deg * 100) / 100 * unit::deg;  // hundredths are easy to read in a file
       for (std::size_t i = 0; i < 3; ++i) step.radius[i] = std::round((arm + mount.outward.sign * place[i][mount.outward.index]) * 1e4) / 1e4;
     }
 }
@@ -124,7 +124,7 @@ std::string_view to_string(ThermalSensors sensors) {
 
 Session dai_unit_procedure(const DaiUnitOptions& options) {
   for (const double x : {options.record, options.rate_hz})
-    if (!(x > 0 && std::isfinite(x))) throw Error("dai-unit: record and rate_hz above 0 were expected");
+    if (!(x > 0 && std::isfinite(x))) throw Error("dai-unit: expected a duration of the points and a sampling rate above 0");
   Session session;
   session.imu.name = "dai-unit";
   session.imu.grade = options.grade;

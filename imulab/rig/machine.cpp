@@ -9,7 +9,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace imulab {
+namespace imulab::rig {
 
 namespace {
 
@@ -71,25 +71,27 @@ MachineErrors<double> errors_at(const RigErrors& errors, const Mount& mount) {
   return at;
 }
 
-std::string step_name(const Step& step, std::size_t index) {
-  return fmt::format("{}step {} ({} at {:g} s)", step.recording.empty() ? "" : step.recording + ": ", index + 1, to_string(step.kind), step.start);
+std::string machine_step_name(const Step& step, std::size_t index) {
+  return (step.recording.empty() ? "" : step.recording + ": ") + step_name(step, index);
 }
 
 void expect_possible(const RigDeclaration& rig, std::span<const Step> steps) {
   for (std::size_t k = 0; k < steps.size(); ++k) {
     const Step& step = steps[k];
-    const auto refuse = [&](const std::string& why) { throw Error(fmt::format("{}: {}", step_name(step, k), why)); };
+    const auto refuse = [&](const std::string& why) { throw Error(fmt::format("{}: {}", machine_step_name(step, k), why)); };
     if (step.kind == StepKind::rotate)
-      refuse(fmt::format("on a {} {} was expected", to_string(rig.kind), rig.kind == RigKind::chamber ? "kind hold" : "kind hold or spin"));
+      refuse(
+          fmt::format("a {} does not rotate step by step; expected {}", to_string(rig.kind), rig.kind == RigKind::chamber ? "hold" : "hold or spin"));
     if (step.kind == StepKind::hold) {
-      if (step.angles[1] != 0 || step.angles[2] != 0) refuse("middle_deg and inner_deg of 0 were expected: its one axis is the outer");
+      if (step.angles[1] != 0 || step.angles[2] != 0)
+        refuse("the machine has one axis, the outer; expected 0 for the angles of the middle and the inner axis");
       continue;
     }
-    if (rig.kind == RigKind::chamber) refuse("kind hold was expected: a chamber does not turn");
-    if (!step.mount) refuse("up and outward were expected: how the unit is mounted");
-    if (step.rate == 0) refuse("rate_dps other than 0 was expected: kind hold stands still");
+    if (rig.kind == RigKind::chamber) refuse("a chamber does not turn; expected hold");
+    if (!step.mount) refuse("no mount; expected the body axes that point up and outward");
+    if (step.rate == 0) refuse("the rate is 0; expected another rate, or hold");
     for (const double radius : step.radius)
-      if (rig.kind == RigKind::centrifuge && !(radius > 0)) refuse("radius_m above 0 was expected: a centrifuge's arm, to each accelerometer");
+      if (rig.kind == RigKind::centrifuge && !(radius > 0)) refuse("no arm; expected a radius above 0 to each accelerometer of a centrifuge");
   }
 }
 
@@ -99,4 +101,4 @@ double horizontal_remainder(const Step& step) {
   return (half == 0 ? 1 : std::abs(std::sin(half) / half)) / std::numbers::sqrt2;
 }
 
-}  // namespace imulab
+}  // namespace imulab::rig

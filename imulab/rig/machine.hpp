@@ -1,12 +1,11 @@
-// Machines that hold the unit by its faces: a rate table or centrifuge, which turn it about one vertical axis, and a thermal chamber, which stands
-// still (Dai 2011 section 3). What an ideal unit reads there on average, in closed form, as a function of the machine's errors.
+// Machines on which the IMU is mounted by its faces: a rate table or centrifuge, which turn it about one vertical axis, and a thermal chamber, which
+// does not move (Dai 2011 section 3). The mean readings of an ideal IMU there, in closed form, as a function of the machine's errors.
 //
-//   k       the axis: up, but for the tilt of the machine
+//   k       the axis: up, except for the tilt of the machine
 //   C_nb  = R_tilt R(up, angle) C_mount R(mount)      C_mount: `up` points up and, at zero angle, `outward` north
 //   w     = k_b (W + w_ie . k)                        W = rate (1 + rate error); Earth's horizontal rate averages out as the axis turns
-//   f     = k_b g_k - outward_b (W + w_ie . k)^2 r_i  for accelerometer i at its own radius r_i; Coriolis' outward part is in the square, the upward
-//   one
-//                                                     comes from Earth's horizontal rate
+//   f     = k_b g_k - outward_b (W + w_ie . k)^2 r_i  for accelerometer i at its own radius r_i; Coriolis' outward part is in the square, its
+//                                                     upward part comes from Earth's horizontal rate
 #pragma once
 
 #include "imulab/core/rotation.hpp"
@@ -18,7 +17,7 @@
 #include <string>
 #include <vector>
 
-namespace imulab {
+namespace imulab::rig {
 
 /// Rate table, centrifuge or chamber.
 bool is_machine(RigKind kind);
@@ -46,9 +45,9 @@ struct MachineErrors {
 MachineErrors<double> errors_at(const RigErrors& errors, const Mount& mount);
 
 /// "arm.csv: step 3 (spin at 20 s)".
-std::string step_name(const Step& step, std::size_t index);
+std::string machine_step_name(const Step& step, std::size_t index);
 
-/// Throws Error where a machine cannot do these steps: a kind it does not have, a spin without a mount, a centrifuge's without radii.
+/// Throws Error where a machine cannot do these steps: a kind of step that it does not have, a spin without a mount, a centrifuge's without radii.
 void expect_possible(const RigDeclaration& rig, std::span<const Step> steps);
 
 /// Surroundings of a machine.
@@ -91,8 +90,12 @@ SteadyMotion<T> steady_motion(const Step& step, const MachineErrors<T>& errors, 
   return {force, axis_b * rate};
 }
 
-/// How much of a horizontal vector the mean over a spin keeps, one sigma along each horizontal axis, where the angle it began at is not known:
+/// What remains of a horizontal vector in the mean over a spin, one sigma along each horizontal axis, if the angle at its begin is not known:
 /// |sin(W T / 2) / (W T / 2)| / sqrt(2). Zero for a hold.
 double horizontal_remainder(const Step& step);
 
+}  // namespace imulab::rig
+
+namespace imulab {
+using namespace rig;  // until all callers say rig::
 }  // namespace imulab

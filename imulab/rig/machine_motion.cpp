@@ -8,13 +8,12 @@
 #include <cmath>
 #include <numbers>
 
-namespace imulab {
+namespace imulab::rig {
 
 namespace {
 
-constexpr double same_time = 1e-9;   // s: rounding of a time in a file
 constexpr double same_angle = 1e-9;  // rad: below what a decimal number of degrees in a file can mean
-constexpr auto axis = static_cast<std::size_t>(RigAxis::outer);
+constexpr auto outer = static_cast<std::size_t>(RigAxis::outer);
 
 /// The polynomial in u in (0, 1) with a value and rate at either end, and no acceleration there.
 AnglePolynomial between(double angle_0, double rate_0, double angle_1, double rate_1) {
@@ -22,12 +21,12 @@ AnglePolynomial between(double angle_0, double rate_0, double angle_1, double ra
   return {angle_0, rate_0, 0, 10 * way - 6 * rate_0 - 4 * rate_1, -15 * way + 8 * rate_0 + 7 * rate_1, 6 * way - 3 * rate_0 - 3 * rate_1};
 }
 
-/// How the machine stands at a time.
+/// The state of the machine at a time.
 struct State {
   double time = 0, angle = 0, rate = 0;
 };
 
-/// How the unit is mounted in a step: C_tb, and where its accelerometers are.
+/// The mount of the IMU in a step: C_tb, and the positions of its accelerometers.
 MotionPiece mounted(const Step& step, const RigErrors& errors) {
   MotionPiece piece;
   const Mount mount = mount_of(step);
@@ -44,42 +43,42 @@ double spin_rate(const Step& step, const RigErrors& errors) {
   return step.kind == StepKind::spin ? step.rate * (1 + errors_at(errors, mount_of(step)).rate) : 0;
 }
 
-/// The state at the end of the gap before a step: a spin's angle is the one that half the change of the rate leads to, a hold's the nearest to that.
+/// The state at the end of the gap before a step: a spin's angle follows from half the change of the rate, a hold's is the nearest to that.
 State reached(const State& from, const Step& step, double rate) {
   const double natural = from.angle + 0.5 * (from.rate + rate) * (step.start - from.time);
   const bool spins = step.kind == StepKind::spin;
-  return {step.start, spins ? natural : step.angles[axis] + 2 * std::numbers::pi * std::round((natural - step.angles[axis]) / (2 * std::numbers::pi)),
+  return {step.start, spins ? natural : step.angles[outer] + 2 * std::numbers::pi * std::round((natural - step.angles[outer]) / (2 * std::numbers::pi)),
           rate};
 }
 
 void expect_gap(const State& from, const State& to, bool mounted_anew, std::size_t index, const Step& step) {
   if (to.time < from.time - same_time || step.end <= step.start)
-    throw Error(fmt::format("{}: a start_s from {:g} on and a later end_s were expected", step_name(step, index), from.time));
+    throw Error(fmt::format("{}: wrong times; expected a start from {:g} s on and a later end", machine_step_name(step, index), from.time));
   if (to.time - from.time >= same_time) return;
   const char* const what = mounted_anew ? "mount" : to.rate != from.rate ? "rate" : std::abs(to.angle - from.angle) >= same_angle ? "angle" : nullptr;
   if (what != nullptr)
-    throw Error(fmt::format("{}: its {} differs from the one before it, but no time is left to reach it: start_s later than {:g} was expected",
-                            step_name(step, index), what, from.time));
+    throw Error(fmt::format("{}: its {} differs from that of the previous step, without time to reach it; expected a start later than {:g} s",
+                            machine_step_name(step, index), what, from.time));
 }
 
 }  // namespace
 
 RigMotion machine_motion(const RigDeclaration& rig, std::span<const Step> steps, const RigErrors& errors) {
-  if (steps.empty()) throw Error("there are no steps: [[step]] says what the rig does");
+  if (steps.empty()) throw Error("no steps; expected at least one");
   expect_possible(rig, steps);
   const Vector3d tilt{errors_at(errors, {}).tilt[0], errors_at(errors, {}).tilt[1], 0};
   RigMotion motion;
   motion.C_nt = rotation_exp(tilt);
   State now;
   const Step& first = steps.front();
-  if (first.start < same_time) now = {0, first.kind == StepKind::hold ? first.angles[axis] : 0, spin_rate(first, errors)};
+  if (first.start < same_time) now = {0, first.kind == StepKind::hold ? first.angles[outer] : 0, spin_rate(first, errors)};
   motion.rate_before = now.rate;
   MotionPiece piece = mounted(first, errors);
   const auto append = [&](const State& to) {
     const double lasting = to.time - now.time;
     piece.begin = now.time, piece.end = to.time;
-    piece.angle[axis] = between(now.angle, now.rate * lasting, to.angle, to.rate * lasting);
-    if (now.rate == to.rate && to.angle == now.angle + to.rate * lasting) piece.angle[axis] = {now.angle, to.rate * lasting};
+    piece.angle[outer] = between(now.angle, now.rate * lasting, to.angle, to.rate * lasting);
+    if (now.rate == to.rate && to.angle == now.angle + to.rate * lasting) piece.angle[outer] = {now.angle, to.rate * lasting};
     if (lasting > 0) motion.pieces.push_back(piece);
     now = {to.time, std::remainder(to.angle, 2 * std::numbers::pi), to.rate};
   };
@@ -99,9 +98,9 @@ RigMotion machine_motion(const RigDeclaration& rig, std::span<const Step> steps,
 }
 
 RigMotion recorded_motion(const Session& session, const RecordingSource& source, const RigErrors& errors) {
-  const RigDeclaration* const rig = rig_of(session, source);
-  const std::vector<Step> steps = steps_of(session, source);
+  const RigDeclaration* const rig = session.rig_of(source);
+  const std::vector<Step> steps = session.steps_of(source);
   return rig != nullptr && is_machine(rig->kind) ? machine_motion(*rig, steps, errors) : rig_motion(steps, errors);
 }
 
-}  // namespace imulab
+}  // namespace imulab::rig

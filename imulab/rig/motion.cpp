@@ -10,18 +10,17 @@
 #include <cmath>
 #include <numbers>
 
-namespace imulab {
+namespace imulab::rig {
 
 namespace {
 
 using Angles = std::array<double, 3>;
 
-constexpr double same_time = 1e-9;     // s: rounding of a time in a file
-constexpr double written_time = 1e-3;  // s: times and rates are often written by hand to the millisecond
+constexpr double written_time = 1e-3;  // s: times and rates are often given by hand to the millisecond
 
 /// Builds the pieces one after the other.
 struct Builder {
-  double commanded_time = 0, time = 0;  // commanded and done up to here: a late rotation ends after its step does
+  double commanded_time = 0, time = 0;  // commanded and carried out so far: a late rotation ends after its step
   Angles actual{};
   std::vector<MotionPiece> pieces{};
 
@@ -43,17 +42,13 @@ struct Builder {
   }
 };
 
-std::string describe(const Step& step, std::size_t index) {
-  return fmt::format("step {} ({} at {:g} s)", index + 1, to_string(step.kind), step.start);
-}
-
 /// The gap before a hold: rest, or the move to its angles.
 void reach(Builder& build, const Step& step, std::size_t index, const Command& command, const Angles& error_change) {
   const double gap = step.start - build.commanded_time;
   const bool moves = std::any_of(command.moves.begin(), command.moves.end(), [](bool m) { return m; });
   if (moves && gap < same_time)
-    throw Error(fmt::format("{}: its angles differ from those before it, but no time is left to reach them: start_s later than {:g} was expected",
-                            describe(step, index), build.commanded_time));
+    throw Error(fmt::format("{}: its angles differ from those of the previous step, without time to reach them; expected a start later than {:g} s",
+                            step_name(step, index), build.commanded_time));
   if (!moves) return build.rest_until(step.start, step.temperature);
   MotionPiece move = build.resting_for(gap, step.temperature);
   for (std::size_t a = 0; a < 3; ++a) {
@@ -72,29 +67,29 @@ struct Trapezoid {
 
 Trapezoid trapezoid(const Step& step, std::size_t index) {
   const double angle = std::abs(step.angle), available = step.end - step.start;
-  if (!(step.rate > 0)) throw Error(fmt::format("{}: rate_dps above 0 was expected", describe(step, index)));
+  if (!(step.rate > 0)) throw Error(fmt::format("{}: the rate is not positive; expected a rate above 0", step_name(step, index)));
   if (step.acceleration) {
-    if (!(*step.acceleration > 0)) throw Error(fmt::format("{}: acceleration_dps2 above 0 was expected", describe(step, index)));
+    if (!(*step.acceleration > 0)) throw Error(fmt::format("{}: the acceleration is not positive; expected one above 0", step_name(step, index)));
     const double ramp = std::min(step.rate / *step.acceleration, std::sqrt(angle / *step.acceleration));
     const double duration = ramp + (ramp > 0 ? angle / (ramp * *step.acceleration) : 0);
     if (duration > available + written_time)
-      throw Error(fmt::format("{}: {:g} deg at {:g} deg/s and {:g} deg/s^2 take {:.9g} s, but the step lasts {:.9g} s", describe(step, index),
+      throw Error(fmt::format("{}: {:g} deg at {:g} deg/s and {:g} deg/s^2 take {:.9g} s, but the step lasts {:.9g} s", step_name(step, index),
                               step.angle / unit::deg, step.rate / unit::deg, *step.acceleration / unit::deg, duration, available));
     return {ramp, std::min(duration, available)};
   }
   const double cruise = angle / step.rate;
   if (cruise > available + written_time || cruise < available / 2 - written_time)
     throw Error(
-        fmt::format("{}: {:g} deg at {:g} deg/s take {:.9g} to {:.9g} s (with ramps), but the step lasts {:.9g} s; give acceleration_dps2 where the "
+        fmt::format("{}: {:g} deg at {:g} deg/s take {:.9g} to {:.9g} s (with ramps), but the step lasts {:.9g} s; give the acceleration if the "
                     "axis waits",
-                    describe(step, index), step.angle / unit::deg, step.rate / unit::deg, cruise, 2 * cruise, available));
+                    step_name(step, index), step.angle / unit::deg, step.rate / unit::deg, cruise, 2 * cruise, available));
   return {std::clamp(available - cruise, 0.0, available / 2), available};
 }
 
 void rotate(Builder& build, const Step& step, std::size_t index, const Angles& error_change, double delay) {
   const auto axis = static_cast<std::size_t>(step.axis);
   auto [ramp, duration] = trapezoid(step, index);
-  // A rotation-time error stretches the whole motion; no rig is so late or early that its rate is halved or doubled.
+  // A rotation-time error stretches the whole motion; no rig is late or early by a factor of two of its rate.
   const double stretch = duration > 0 ? std::clamp(1 + delay / duration, 0.5, 2.0) : 1;
   ramp *= stretch, duration *= stretch;
   build.rest_until(step.start, step.temperature);
@@ -113,7 +108,7 @@ void rotate(Builder& build, const Step& step, std::size_t index, const Angles& e
   build.actual[axis] += whole;
 }
 
-/// The rig as its errors make it.
+/// The rig with its errors.
 struct ActualRig {
   RigAxes axes;
   Matrix3d C_nt;
@@ -148,16 +143,16 @@ bool MotionPiece::at_rest() const {
 }
 
 RigMotion rig_motion(std::span<const Step> steps, const RigErrors& errors) {
-  if (steps.empty()) throw Error("there are no steps: [[step]] says what the rig does");
+  if (steps.empty()) throw Error("no steps; expected at least one");
   const ActualRig rig = actual_rig(errors, steps.size());
   const std::vector<Command> commands = commands_of(steps);
   Builder build;
   for (std::size_t a = 0; a < 3; ++a) build.actual[a] = commands.front().before[a] + rig.error_before.front()[a];
   for (std::size_t k = 0; k < steps.size(); ++k) {
     const Step& step = steps[k];
-    if (step.kind == StepKind::spin) throw Error(describe(step, k) + ": a turntable's or a hand's steps are hold and rotate");
+    if (step.kind == StepKind::spin) throw Error(step_name(step, k) + ": a turntable or a hand does not spin; expected hold or rotate");
     if (step.start < build.commanded_time - same_time || step.end <= step.start)
-      throw Error(fmt::format("{}: a start_s from {:g} on and a later end_s were expected", describe(step, k), build.commanded_time));
+      throw Error(fmt::format("{}: wrong times; expected a start from {:g} s on and a later end", step_name(step, k), build.commanded_time));
     Angles error_change;
     for (std::size_t a = 0; a < 3; ++a) error_change[a] = rig.error_after[k][a] - rig.error_before[k][a];
     if (step.kind == StepKind::hold) {
@@ -198,4 +193,4 @@ BodyState body_state(const RigMotion& motion, double t) {
   return body_state(motion, after == motion.pieces.end() ? motion.pieces.back() : *after, t);
 }
 
-}  // namespace imulab
+}  // namespace imulab::rig

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace imulab {
+namespace imulab::rig {
 
 /// Angle [rad] as a polynomial in u = (t - begin) / (end - begin), lowest power first.
 using AnglePolynomial = std::array<double, 6>;
@@ -18,15 +18,15 @@ struct MotionPiece {
   double begin = 0, end = 0;               ///< s of the recording's clock
   std::array<AnglePolynomial, 3> angle{};  ///< by RigAxis
   std::optional<double> temperature;       ///< set point of the step, degC
-  Matrix3d C_tb = Matrix3d::Identity();    ///< how the unit is mounted: body axes in the table's at zero angles
-  Matrix3d arm = Matrix3d::Zero();         ///< row i: accelerometer i from the axes' intersection, m, in body axes; the unit's own lever arms besides
+  Matrix3d C_tb = Matrix3d::Identity();    ///< mount of the IMU: body axes in the table's at zero angles
+  Matrix3d arm = Matrix3d::Zero();  ///< row i: accelerometer i from the axes' intersection, m, in body axes, in addition to the IMU's own lever arms
   bool at_rest() const;
 };
 
 /// The rig's motion without gaps from 0 to the end of the last step.
 struct RigMotion {
   RigAxes axes = ideal_axes();
-  Matrix3d C_nt = Matrix3d::Identity();  ///< how the table stands against n
+  Matrix3d C_nt = Matrix3d::Identity();  ///< attitude of the table in n
   std::vector<MotionPiece> pieces;
   double rate_before = 0;  ///< of the outer axis before the first piece, rad/s
   double end() const { return pieces.back().end; }
@@ -35,10 +35,10 @@ struct RigMotion {
 /// The motion of these steps (of one recording):
 /// - hold: at rest; where its angles differ from those before, all axes move together by 10 u^3 - 15 u^4 + 6 u^5 in the gap before it, each by
 ///   the difference less its whole turns;
-/// - rotate: a trapezoid of rate. With an acceleration it starts at once and waits when done; without, its ramps fill the step's time:
+/// - rotate: a trapezoid of rate. With an acceleration it starts at once and waits at its end; without, its ramps fill the step's time:
 ///   |angle| = rate (T - t_ramp), zero when T = |angle| / rate.
 /// The rig begins at zero angles, or at those of a hold that begins at time 0. Errors of the rig change angles, axes and the duration of rotations;
-/// a step that a late one holds up begins as soon as that is done. Throws Error where a step cannot be done in its time.
+/// a step that is delayed by a late one begins as soon as that is done. Throws Error where a step does not fit into its time.
 RigMotion rig_motion(std::span<const Step> steps, const RigErrors& errors = {});
 
 /// The axes at time t [s] of a piece.
@@ -50,4 +50,8 @@ BodyState body_state(const RigMotion& motion, const MotionPiece& piece, double t
 /// The body at time t [s]; at a joint of two pieces, the later one.
 BodyState body_state(const RigMotion& motion, double t);
 
+}  // namespace imulab::rig
+
+namespace imulab {
+using namespace rig;  // until all callers say rig::
 }  // namespace imulab

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace imulab {
+namespace imulab::rig {
 namespace {
 
 using unit::deg;
@@ -125,15 +125,15 @@ TEST(Motion, WhatCannotBeDoneIsNamed) {
   Step spin = hold(1, 2, 0);
   spin.kind = StepKind::spin;
   EXPECT_THAT(message({}), HasSubstr("no steps"));
-  EXPECT_THAT(message({hold(0, 1, 0), spin}), AllOf(HasSubstr("step 2 (spin"), HasSubstr("hold and rotate")));
-  EXPECT_THAT(message({hold(0, 2, 0), hold(1, 3, 0)}), AllOf(HasSubstr("step 2"), HasSubstr("from 2 on")));
-  EXPECT_THAT(message({hold(0, 0, 0)}), HasSubstr("end_s"));
-  EXPECT_THAT(message({hold(0, 1, 0), hold(1, 2, 5)}), HasSubstr("no time is left"));
+  EXPECT_THAT(message({hold(0, 1, 0), spin}), AllOf(HasSubstr("step 2 (spin"), HasSubstr("expected hold or rotate")));
+  EXPECT_THAT(message({hold(0, 2, 0), hold(1, 3, 0)}), AllOf(HasSubstr("step 2"), HasSubstr("from 2 s on")));
+  EXPECT_THAT(message({hold(0, 0, 0)}), HasSubstr("a later end"));
+  EXPECT_THAT(message({hold(0, 1, 0), hold(1, 2, 5)}), HasSubstr("without time to reach them"));
   EXPECT_THAT(message({rotation(0, 8, RigAxis::outer, 90, 10)}), HasSubstr("take 9 to 18 s"));
-  EXPECT_THAT(message({rotation(0, 19, RigAxis::outer, 90, 10)}), HasSubstr("acceleration_dps2"));
+  EXPECT_THAT(message({rotation(0, 19, RigAxis::outer, 90, 10)}), HasSubstr("give the acceleration"));
   EXPECT_THAT(message({rotation(0, 9, RigAxis::outer, 90, 10, 50)}), HasSubstr("take 9.2 s"));
-  EXPECT_THAT(message({rotation(0, 9, RigAxis::outer, 90, 0)}), HasSubstr("rate_dps above 0"));
-  EXPECT_THAT(message({rotation(0, 9, RigAxis::outer, 90, 10, 0)}), HasSubstr("acceleration_dps2 above 0"));
+  EXPECT_THAT(message({rotation(0, 9, RigAxis::outer, 90, 0)}), HasSubstr("expected a rate above 0"));
+  EXPECT_THAT(message({rotation(0, 9, RigAxis::outer, 90, 10, 0)}), HasSubstr("the acceleration is not positive"));
 }
 
 TEST(Motion, StepsBelongToTheirRecordingAndRig) {
@@ -142,14 +142,14 @@ TEST(Motion, StepsBelongToTheirRecordingAndRig) {
   session.recordings[0].file = "a.csv", session.recordings[1].file = "b.csv";
   session.steps = {hold(0, 1, 0), hold(0, 2, 0)};
   session.steps[0].recording = "a.csv", session.steps[1].recording = "b.csv";
-  ASSERT_EQ(steps_of(session, session.recordings[1]).size(), 1u);
-  EXPECT_EQ(steps_of(session, session.recordings[1])[0].end, 2);
-  EXPECT_EQ(rig_of(session, session.recordings[1]), nullptr);
+  ASSERT_EQ(session.steps_of(session.recordings[1]).size(), 1u);
+  EXPECT_EQ(session.steps_of(session.recordings[1])[0].end, 2);
+  EXPECT_EQ(session.rig_of(session.recordings[1]), nullptr);
   session.rigs.resize(2);
   session.rigs[0].name = "arm", session.rigs[1].name = "table";
   session.recordings[1].rig = "table";
-  EXPECT_EQ(rig_of(session, session.recordings[1]), &session.rigs[1]);
+  EXPECT_EQ(session.rig_of(session.recordings[1]), &session.rigs[1]);
 }
 
 }  // namespace
-}  // namespace imulab
+}  // namespace imulab::rig

@@ -14,7 +14,7 @@ namespace imulab {
 
 namespace {
 
-/// Uniform over all attitudes: outer and inner uniform, middle with density cos. In tenths of a degree, whole, which read well in a file.
+/// Uniform over all attitudes: outer and inner uniform, middle with density cos. In whole tenths of a degree, which are easy to read in a file.
 std::array<double, 3> random_tenths(std::uint64_t seed, std::uint64_t pose) {
   const RandomStream draws(seed, "hand-held attitudes");
   const auto symmetric = [&](std::uint64_t k) { return 2 * draws.uniform(3 * pose + k) - 1; };
@@ -22,9 +22,9 @@ std::array<double, 3> random_tenths(std::uint64_t seed, std::uint64_t pose) {
 }
 
 void validate(const HandHeldOptions& o) {
-  if (o.poses < 1) throw Error("hand-held: at least one pose was expected");
-  if (!(o.first_rest > 0 && o.rest > 0 && o.move > 0)) throw Error("hand-held: first_rest, rest and move above 0 s were expected");
-  if (!(o.rate_hz > 0)) throw Error("hand-held: rate_hz above 0 was expected");
+  if (o.poses < 1) throw Error("hand-held: no poses; expected at least one");
+  if (!(o.first_rest > 0 && o.rest > 0 && o.move > 0)) throw Error("hand-held: expected durations above 0 of the rests and moves");
+  if (!(o.rate_hz > 0)) throw Error("hand-held: expected a sampling rate above 0");
 }
 
 RecordingSource si_recording(double rate_hz) {
@@ -68,16 +68,17 @@ Session hand_held_procedure(const HandHeldOptions& options, std::uint64_t seed) 
 
 namespace {
 
-constexpr double move = 10;  // s, from one position to the next where no turn is asked for
+constexpr double move = 10;  // s, from one position to the next where no turn is commanded
 constexpr double acceleration = default_acceleration_dps2 * unit::deg;
 
 /// Writes steps one after the other, in whole degrees.
 class Table {
  public:
   Table(std::string name, const TableProcedureOptions& o) : options_(o) {
-    if (!(o.rest > 0 && o.turn_rate > 0 && o.rate_hz > 0)) throw Error(name + ": rest, turn_rate and rate_hz above 0 were expected");
-    if (!(o.table >= 0)) throw Error(name + ": a table sigma of at least 0 was expected");
-    if (o.turns < 1) throw Error(name + ": at least one turn was expected");
+    if (!(o.rest > 0 && o.turn_rate > 0 && o.rate_hz > 0))
+      throw Error(name + ": expected a duration of the rests, a rate of the turns and a sampling rate above 0");
+    if (!(o.table >= 0)) throw Error(name + ": expected a table sigma of at least 0");
+    if (o.turns < 1) throw Error(name + ": no turns; expected at least one");
     session_.imu.name = std::move(name);
     session_.imu.grade = o.grade;
     session_.site.latitude = o.latitude;

@@ -22,7 +22,7 @@ struct HandHeldOptions {
   std::string grade = "mems";
 };
 
-/// A unit turned by hand: rests at random attitudes (every direction of gravity and every heading alike) with moves between them.
+/// An IMU turned by hand: rests at random attitudes (directions of gravity and headings uniform) with moves between them.
 Session hand_held_procedure(const HandHeldOptions& options, std::uint64_t seed);
 
 struct TableProcedureOptions {
@@ -52,25 +52,25 @@ struct TableTurn {
 /// Turns between rests, the first of which lasts `first_rest` s; `options.rest` and `options.turns` do not count.
 Session turns_procedure(const std::string& name, double first_rest, std::span<const TableTurn> turns, const TableProcedureOptions& options);
 
-/// A path after Cheng 2014: 20 turns of 90 and 180 deg with rests between them, so that every coefficient shows.
+/// A path after Cheng 2014: 20 turns of 90 and 180 deg with rests between them, so that every coefficient is observable.
 Session cheng_path_procedure(const TableProcedureOptions& options);
 
-/// What the thermal readings come from: a sensor at each axis of a triad, one at each triad, or the gyros' resonance frequencies and three sensors at
+/// The source of the thermal readings: a sensor at each axis of a triad, one at each triad, or the gyros' resonance frequencies and three sensors at
 /// the accelerometers.
 enum class ThermalSensors { three, one, resonance };
 std::string_view to_string(ThermalSensors sensors);
 
 struct DaiUnitOptions {
-  double record = 10;  ///< s, each point
+  double record = 10;  ///< s, of each point
   double rate_hz = 50;
   ThermalSensors thermal = ThermalSensors::three;
-  bool both_ways = false;  ///< the chamber goes down again
+  bool both_ways = false;  ///< the chamber cools again
   double latitude = 45 * unit::deg;
   double height = 0;  ///< m
   std::string grade = "mems-30g";
 };
 
-/// Dai 2011 section 3: a whole unit in a thermal chamber (15 points), on a rate table (each face up, 41 rates) and on a centrifuge (each face
+/// Dai 2011 section 3: an IMU in a thermal chamber (15 points), on a rate table (each face up, 41 rates) and on a centrifuge (each face
 /// outward, seven accelerations), each a recording of its steps alone.
 Session dai_unit_procedure(const DaiUnitOptions& options);
 

@@ -11,7 +11,7 @@
 
 #include <numbers>
 
-namespace imulab {
+namespace imulab::rig {
 namespace {
 
 TEST(HandHeldProcedure, HasTheRestsAndTimesAskedFor) {
@@ -20,11 +20,11 @@ TEST(HandHeldProcedure, HasTheRestsAndTimesAskedFor) {
   ASSERT_EQ(s.steps.size(), 12u);
   EXPECT_DOUBLE_EQ(s.steps.back().end, 20 + 11 * (3 + 1.5));
   EXPECT_EQ(s.rigs.at(0).kind, RigKind::none);
-  const RigMotion m = rig_motion(steps_of(s, s.recordings.at(0)));
+  const RigMotion m = rig_motion(s.steps_of(s.recordings.at(0)));
   EXPECT_EQ(m.pieces.size(), 12u + 11u);
   for (std::size_t k = 1; k < s.steps.size(); ++k)
     for (std::size_t a = 0; a < 3; ++a)
-      EXPECT_LE(std::abs(s.steps[k].angles[a] - s.steps[k - 1].angles[a]), std::numbers::pi + 1e-9);  // the short way; decimal degrees
+      EXPECT_LE(std::abs(s.steps[k].angles[a] - s.steps[k - 1].angles[a]), std::numbers::pi + 1e-9);  // the shorter direction; decimal degrees
 }
 
 TEST(HandHeldProcedure, AttitudesAreUniform) {
@@ -56,9 +56,11 @@ TEST(HandHeldProcedure, RefusesWhatMakesNoSense) {
   EXPECT_THROW(hand_held_procedure({.rate_hz = 0}, 1), Error);
 }
 
-Matrix3d attitude(const std::array<double, 3>& angles) { return turntable_state(ideal_axes(), {AxisState{angles[0], 0, 0}, AxisState{angles[1], 0, 0}, AxisState{angles[2], 0, 0}}).C_nb; }
+Matrix3d attitude(const std::array<double, 3>& angles) {
+  return turntable_state(ideal_axes(), {AxisState{angles[0], 0, 0}, AxisState{angles[1], 0, 0}, AxisState{angles[2], 0, 0}}).C_nb;
+}
 
-/// Which way body axis `axis` points: +1 up, -1 down, near 0 level.
+/// The direction of body axis `axis`: +1 up, -1 down, near 0 level.
 double up(const Step& hold, int axis) { return attitude(hold.angles)(2, axis); }
 
 TEST(SixPositionProcedure, EachAxisIsUpAndDownOnce) {
@@ -67,7 +69,7 @@ TEST(SixPositionProcedure, EachAxisIsUpAndDownOnce) {
   const int axis[] = {2, 1, 0, 2, 1, 0};
   const double way[] = {1, 1, -1, -1, -1, 1};
   for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(up(s.steps[k], axis[k]), way[k], 1e-15) << k;
-  rig_motion(steps_of(s, s.recordings.at(0)));
+  rig_motion(s.steps_of(s.recordings.at(0)));
 }
 
 TEST(Zhang24Procedure, HasTheTurnsAndTheFacesAtFourHeadings) {
@@ -86,7 +88,7 @@ TEST(Zhang24Procedure, HasTheTurnsAndTheFacesAtFourHeadings) {
     EXPECT_NEAR(up(hold, enu_of_zhang[face % 3]), face < 3 ? 1 : -1, 1e-15);
     EXPECT_NEAR(hold.angles[0], static_cast<double>(k % 4) * std::numbers::pi / 2, 1e-15);
   }
-  rig_motion(steps_of(s, s.recordings.at(0)));
+  rig_motion(s.steps_of(s.recordings.at(0)));
 }
 
 TEST(ChengPathProcedure, EndsAsThePathSays) {
@@ -100,7 +102,7 @@ TEST(ChengPathProcedure, EndsAsThePathSays) {
   double way = 0;
   for (const Step& step : s.steps) way += std::abs(step.angle);
   EXPECT_NEAR(s.steps.back().end, 21 * 60 + way / (10 * unit::deg) + 20 * 0.2, 1e-9);
-  rig_motion(steps_of(s, s.recordings.at(0)));
+  rig_motion(s.steps_of(s.recordings.at(0)));
 }
 
 TEST(TurntableProcedures, RefuseWhatMakesNoSense) {
@@ -115,7 +117,7 @@ TEST(TurntableProcedures, RefuseWhatMakesNoSense) {
 TEST(DaiUnitProcedure, HasThePapersPoints) {
   const Session s = dai_unit_procedure({});
   ASSERT_EQ(s.recordings.size(), 3u);
-  const std::vector<Step> chamber = steps_of(s, s.recordings[0]), table = steps_of(s, s.recordings[1]), arm = steps_of(s, s.recordings[2]);
+  const std::vector<Step> chamber = s.steps_of(s.recordings[0]), table = s.steps_of(s.recordings[1]), arm = s.steps_of(s.recordings[2]);
   ASSERT_EQ(chamber.size(), 15u);
   ASSERT_EQ(table.size(), 246u);
   ASSERT_EQ(arm.size(), 42u);
@@ -146,4 +148,4 @@ TEST(DaiUnitProcedure, HasThePapersPoints) {
 }
 
 }  // namespace
-}  // namespace imulab
+}  // namespace imulab::rig

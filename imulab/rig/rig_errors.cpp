@@ -13,7 +13,6 @@ namespace imulab {
 namespace {
 
 constexpr double same_angle = 1e-9;  // rad: below what a decimal number of degrees in a file can mean
-constexpr double same_time = 1e-9;   // s: rounding of a time in a file
 
 RigErrorSource known(RigErrorKind kind, double value) {
   RigErrorSource source;
@@ -22,7 +21,7 @@ RigErrorSource known(RigErrorKind kind, double value) {
   return source;
 }
 
-/// What the table itself has: the same in every recording.
+/// Errors of the table itself: the same in every recording.
 void add_table_errors(const RigDeclaration& rig, const std::array<bool, 3>& used, std::vector<RigErrorSource>& sources) {
   for (std::size_t a = 0; a < 3; ++a)
     for (std::size_t element = 0; element < 2 && used[a]; ++element) {
@@ -68,30 +67,17 @@ void add_step_errors(const RigDeclaration& rig, std::span<const Step> steps, con
 
 }  // namespace
 
-RigErrorSource declared(RigErrorKind kind, const Spread& spread) {
+RigErrorSource rig::declared(RigErrorKind kind, const Spread& spread) {
   RigErrorSource source;
   source.kind = kind;
   (spread.fixed ? source.known : source.sigma) = spread.value;
   return source;
 }
 
-const RigDeclaration* rig_of(const Session& session, const RecordingSource& source) {
-  for (const RigDeclaration& rig : session.rigs)
-    if (source.rig.empty() || rig.name == source.rig) return &rig;
-  return nullptr;
-}
-
-std::vector<Step> steps_of(const Session& session, const RecordingSource& source) {
-  std::vector<Step> steps;
-  for (const Step& step : session.steps)
-    if (session.recordings.size() < 2 || step.recording == source.file) steps.push_back(step);
-  return steps;
-}
-
-std::vector<Command> commands_of(std::span<const Step> steps) {
+std::vector<rig::Command> rig::commands_of(std::span<const Step> steps) {
   std::vector<Command> commands;
   std::array<double, 3> now{};
-  if (!steps.empty() && steps.front().kind == StepKind::hold && steps.front().start < same_time) now = steps.front().angles;
+  if (!steps.empty() && steps.front().kind == StepKind::hold && steps.front().start < rig::same_time) now = steps.front().angles;
   for (const Step& step : steps) {
     Command command{.before = now, .after = now, .moves = {}};
     if (step.kind == StepKind::hold) {
@@ -131,7 +117,7 @@ std::string RigErrorSource::name() const {
   return fmt::format("timing.{}", step + 1);
 }
 
-std::vector<RigErrorSource> rig_error_sources(const RigDeclaration& rig, std::span<const Step> steps) {
+std::vector<RigErrorSource> rig::table_error_sources(const RigDeclaration& rig, std::span<const Step> steps) {
   const std::vector<Command> commands = commands_of(steps);
   std::array<bool, 3> used{};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -145,13 +131,13 @@ std::vector<RigErrorSource> rig_error_sources(const RigDeclaration& rig, std::sp
 }
 
 std::vector<RigErrorSource> rig_error_sources(const Session& session, const RecordingSource& source) {
-  const RigDeclaration* const rig = rig_of(session, source);
+  const RigDeclaration* const rig = session.rig_of(source);
   if (rig == nullptr || rig->kind == RigKind::none) return {};
-  const std::vector<Step> steps = steps_of(session, source);
-  return is_machine(rig->kind) ? machine_error_sources(*rig, steps) : rig_error_sources(*rig, steps);
+  const std::vector<Step> steps = session.steps_of(source);
+  return is_machine(rig->kind) ? machine_error_sources(*rig, steps) : table_error_sources(*rig, steps);
 }
 
-RigErrorIndex index_of(std::span<const RigErrorSource> sources, std::size_t steps) {
+rig::RigErrorIndex rig::index_of(std::span<const RigErrorSource> sources, std::size_t steps) {
   RigErrorIndex index;
   index.angle_before.assign(steps, index.zero);  // none
   index.angle_after = index.angle_before;
@@ -190,7 +176,7 @@ RigErrorIndex index_of(std::span<const RigErrorSource> sources, std::size_t step
 
 RigErrors draw_rig_errors(const Session& session, const RecordingSource& source, std::uint64_t seed) {
   RigErrors errors{rig_error_sources(session, source), {}};
-  const RigDeclaration* const rig = rig_of(session, source);
+  const RigDeclaration* const rig = session.rig_of(source);
   for (const RigErrorSource& e : errors.sources) {
     const bool of_the_table = e.kind != RigErrorKind::angle && e.kind != RigErrorKind::timing;
     const RandomStream draws(seed, fmt::format("rig error {} of {}", e.name(), of_the_table ? rig->name : source.file));

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace imulab {
+namespace imulab::rig {
 namespace {
 
 using unit::arcsec, unit::deg;
@@ -159,9 +159,9 @@ TEST(RigErrors, ARotationEndsAtItsAngleButLater) {
       return AxisState{};
     };
     const double tiny = 1e-12;                                       // s and rad; rounding of times of some ten seconds
-    EXPECT_NEAR(middle(10.2 + delay - 1e-9).angle, 90 * deg, 1e-9);  // it still moves, or has moved, by 10 deg/s at most
+    EXPECT_NEAR(middle(10.2 + delay - 1e-9).angle, 90 * deg, 1e-9);  // it still moves, or has moved, at 10 deg/s at most
     EXPECT_NEAR(middle(6).rate, 90 * deg / (9 * (1 + delay / 9.2)), tiny);
-    const double begins = std::max(10.2, 10.2 + delay);  // the next waits for a late one, and for its own time
+    const double begins = std::max(10.2, 10.2 + delay);  // the next step waits for a late one, and for its own time
     EXPECT_NEAR(middle(begins + 1).angle, 99 * deg, tiny);
     EXPECT_NEAR(middle(begins + 9.2).angle, 180 * deg, tiny);
     EXPECT_EQ(m.end(), 30);
@@ -169,4 +169,4 @@ TEST(RigErrors, ARotationEndsAtItsAngleButLater) {
 }
 
 }  // namespace
-}  // namespace imulab
+}  // namespace imulab::rig

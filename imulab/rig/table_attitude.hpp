@@ -13,13 +13,13 @@
 #include <array>
 #include <cmath>
 
-namespace imulab {
+namespace imulab::rig {
 
 /// Six small angles by RigAxis: (o1, o2), (m1, m2), (i1, i2), rad.
 template <class T>
 using Orthogonality = std::array<std::array<T, 2>, 3>;
 
-/// Unit vectors of the axes in the table's frame at zero angles, by RigAxis: (o1, o2, 1), (m1, 1, m2), (1, i1, i2), normalised.
+/// Unit vectors of the axes in the table's frame at zero angles, by RigAxis: (o1, o2, 1), (m1, 1, m2), (1, i1, i2), normalized.
 template <class T>
 using TableAxes = std::array<Eigen::Vector3<T>, 3>;
 
@@ -41,7 +41,7 @@ inline Eigen::Vector3<T> turned(const Eigen::Vector3<T>& axis, const T& cosine, 
           v.z() * cosine + (axis.x() * v.y() - axis.y() * v.x()) * sine + axis.z() * part};
 }
 
-/// Where a table stands: its axes, and the cosines and sines of their actual angles (errors included) by RigAxis.
+/// The state of a table: its axes, and the cosines and sines of their actual angles (errors included) by RigAxis.
 template <class T>
 struct TablePose {
   TableAxes<T> axes;
@@ -54,7 +54,7 @@ TablePose<T> table_pose(const TableAxes<T>& axes, const std::array<T, 3>& angles
   return {axes, {cos(angles[0]), cos(angles[1]), cos(angles[2])}, {sin(angles[0]), sin(angles[1]), sin(angles[2])}};
 }
 
-/// C_bt v: a vector given in the table's frame as the body sees it.
+/// C_bt v: a vector of the table's frame in body axes.
 template <class T>
 Eigen::Vector3<T> seen_in_body(const TablePose<T>& pose, const Eigen::Vector3<T>& v) {
   Eigen::Vector3<T> out = v;
@@ -62,7 +62,7 @@ Eigen::Vector3<T> seen_in_body(const TablePose<T>& pose, const Eigen::Vector3<T>
   return out;
 }
 
-/// The unit vector of an axis in b: an axis is fixed in the frame it carries, and turned back by the axes inside it.
+/// The unit vector of an axis in b: an axis is fixed in the frame that it carries, and turned back by the axes inside it.
 template <class T>
 Eigen::Vector3<T> axis_in_body(const TablePose<T>& pose, RigAxis axis) {
   const auto own = static_cast<std::size_t>(axis);
@@ -71,12 +71,12 @@ Eigen::Vector3<T> axis_in_body(const TablePose<T>& pose, RigAxis axis) {
   return out;
 }
 
-/// C_nt of a table that leans by these angles [rad]: R(north, about_north) R(east, about_east).
+/// C_nt of a table tilted by these angles [rad]: R(north, about_north) R(east, about_east).
 inline Matrix3d table_tilt(double about_east, double about_north) {
   return rotation_about(Vector3d::UnitY(), about_north) * rotation_about(Vector3d::UnitX(), about_east);
 }
 
-/// C_tn of a leaning table, by the cosines and sines of its angles about east and north.
+/// C_tn of a tilted table, by the cosines and sines of its angles about east and north.
 template <class T>
 struct TableTilt {
   T cosine_east, sine_east, cosine_north, sine_north;
@@ -88,7 +88,7 @@ TableTilt<T> table_tilt_of(const T& about_east, const T& about_north) {
   return {cos(about_east), sin(about_east), cos(about_north), sin(about_north)};
 }
 
-/// C_tn v = R(east, -about_east) R(north, -about_north) v: a vector given in n as the leaning table sees it.
+/// C_tn v = R(east, -about_east) R(north, -about_north) v: a vector of n in the axes of the tilted table.
 template <class T>
 Eigen::Vector3<T> seen_by_table(const TableTilt<T>& tilt, const Eigen::Vector3<T>& v) {
   const T up = tilt.sine_north * v.x() + tilt.cosine_north * v.z();
@@ -96,12 +96,12 @@ Eigen::Vector3<T> seen_by_table(const TableTilt<T>& tilt, const Eigen::Vector3<T
           tilt.cosine_east * up - tilt.sine_east * v.y()};
 }
 
-/// How a rotate step's rate runs: a trapezoid that lasts `duration` [s], each ramp a fraction of it.
+/// The rate of a rotate step: a trapezoid that lasts `duration` [s], each ramp a fraction of it.
 struct TurnProfile {
   double duration = 0, ramp = 0;
 };
 
-/// With an acceleration the turn starts at once and waits when done; without, its ramps fill the step's time.
+/// With an acceleration the turn starts at once and waits at its end; without, its ramps fill the step's time.
 inline TurnProfile turn_profile(const Step& step) {
   const double available = step.end - step.start, way = std::abs(step.angle);
   if (step.acceleration) {
@@ -138,16 +138,16 @@ std::array<T, 2> turn_integrals(const T& angle, const T& duration, double ramp) 
       }
   }
   const T whole_c = cos(angle), whole_s = sin(angle);
-  const T from = angle * part, to = angle - from;  // the cruise
+  const T from = angle * part, to = angle - from;  // at constant rate
   const T cruise_c = (sin(to) - sin(from)) * (1 - ramp) / angle, cruise_s = (cos(from) - cos(to)) * (1 - ramp) / angle;
   // The second ramp is the first one mirrored: angle - phi.
   return {duration * (c + cruise_c + whole_c * c + whole_s * s), duration * (s + cruise_s + whole_s * c - whole_c * s)};
 }
 
-/// A turn about one axis, in between rests: all that happens from `before` seconds before it begins until `after` seconds after its end.
+/// A turn about one axis, in between rests: from `before` seconds before its begin to `after` seconds after its end.
 template <class T>
-struct TableTurn {
-  Eigen::Vector3<T> axis_b;   ///< stays where it is in b while the table turns about it
+struct TurnInterval {
+  Eigen::Vector3<T> axis_b;   ///< constant in b while the table turns about it
   T angle;                    ///< actual, rad
   T before, duration, after;  ///< s
   double ramp;                ///< fraction of the duration
@@ -155,7 +155,7 @@ struct TableTurn {
 
 /// Integral over the whole interval of C_bn v; `at_start` is C_bn v before the turn.
 template <class T>
-Eigen::Vector3<T> integral_in_body(const TableTurn<T>& turn, const Eigen::Vector3<T>& at_start) {
+Eigen::Vector3<T> integral_in_body(const TurnInterval<T>& turn, const Eigen::Vector3<T>& at_start) {
   using std::cos, std::sin;
   const auto [c, s] = turn_integrals<T>(turn.angle, turn.duration, turn.ramp);
   const Eigen::Vector3<T> along = turn.axis_b * turn.axis_b.dot(at_start);
@@ -163,4 +163,8 @@ Eigen::Vector3<T> integral_in_body(const TableTurn<T>& turn, const Eigen::Vector
   return at_start * turn.before + moving + turned<T>(turn.axis_b, cos(turn.angle), -sin(turn.angle), at_start) * turn.after;
 }
 
+}  // namespace imulab::rig
+
+namespace imulab {
+using namespace rig;  // until all callers say rig::
 }  // namespace imulab

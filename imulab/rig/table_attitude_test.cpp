@@ -7,7 +7,7 @@
 
 #include "tests/table_session.hpp"
 
-namespace imulab {
+namespace imulab::rig {
 namespace {
 
 using Eigen::Index;
@@ -25,12 +25,12 @@ TEST(TableAttitude, IsTheTurntables) {
     EXPECT_LT((seen_in_body(pose, v) - state.C_nb.transpose() * v).norm(), 1e-14);
     EXPECT_LT((seen_by_table(table_tilt_of(0.01, -0.02), v) - C_nt.transpose() * v).norm(), 1e-14);
   }
-  const Vector3d rate = 0.1 * axis_in_body(pose, RigAxis::outer) + 0.2 * axis_in_body(pose, RigAxis::middle) +
-                        0.3 * axis_in_body(pose, RigAxis::inner);
+  const Vector3d rate =
+      0.1 * axis_in_body(pose, RigAxis::outer) + 0.2 * axis_in_body(pose, RigAxis::middle) + 0.3 * axis_in_body(pose, RigAxis::inner);
   EXPECT_LT((rate - state.rate_nb_b).norm(), 1e-14);
 }
 
-/// The integral of the sensed rate by Simpson's rule over the rig's motion.
+/// The integral of the measured rate by Simpson's rule over the rig's motion.
 Vector3d integrated_rate(const RigMotion& motion, const Vector3d& rate_ie_n, double begin, double end) {
   Vector3d sum = Vector3d::Zero();
   for (const MotionPiece& piece : motion.pieces) {
@@ -55,14 +55,14 @@ TEST(TableAttitude, ATurnsSumIsTheIntegralOfTheRate) {
       steps.hold(20, {20, 40, -70}).turn(axis, degrees, 30);
       const Step& turn_step = steps.steps()[1];
       const TableAxes<double> axes = table_axes(skewed);
-      RigErrors errors{rig_error_sources(RigDeclaration{}, steps.steps()), {}};
+      RigErrors errors{table_error_sources(RigDeclaration{}, steps.steps()), {}};
       for (const RigErrorSource& source : errors.sources)
         errors.values.push_back(source.kind == RigErrorKind::orthogonality ? skewed[source.axis][source.element] : 0);
       const RigMotion motion = rig_motion(steps.steps(), errors);
       const double begin = turn_step.start - 5;
       const TurnProfile profile = turn_profile(turn_step);
       const TablePose<double> pose = table_pose(axes, turn_step.angles);
-      const TableTurn<double> turn{axis_in_body(pose, axis), turn_step.angle, 5, profile.duration, 0, profile.ramp};
+      const TurnInterval<double> turn{axis_in_body(pose, axis), turn_step.angle, 5, profile.duration, 0, profile.ramp};
       const Vector3d rate = turn.axis_b * turn.angle + integral_in_body<double>(turn, seen_in_body<double>(pose, rate_ie_n));
       // Simpson with steps of at most 0.25 s / 8000 ... 60 s / 8000 on harmonics of 30 deg/s: below (h w)^4 / 180 of 20 rad, 1e-11.
       EXPECT_LT((rate - integrated_rate(motion, rate_ie_n, begin, turn_step.start + profile.duration)).norm(), 1e-9) << degrees << to_string(axis);
@@ -73,7 +73,7 @@ TEST(TableAttitude, ATurnWithoutAccelerationFillsItsStep) {
   Step step;
   step.angle = 90 * unit::deg;
   step.rate = 10 * unit::deg;
-  step.end = 9.5;  // 9 s of cruise and half a second of ramps
+  step.end = 9.5;  // 9 s at constant rate and half a second of ramps
   EXPECT_NEAR(turn_profile(step).ramp * 9.5, 0.5, 1e-12);
   step.end = 9;
   EXPECT_NEAR(turn_profile(step).ramp, 0, 1e-12);
@@ -81,7 +81,7 @@ TEST(TableAttitude, ATurnWithoutAccelerationFillsItsStep) {
 
 /// The exact derivatives against central differences, for every error source of Zhang's procedure.
 TEST(TableMotion, JacobianAgreesWithDifferences) {
-  const TableObservations plan = planned_observations(zhang_steps(), 0.05);
+  const TablePlan plan = table_plan(zhang_steps(), 0.05);
   const TableMotion motion(plan, table_of(1 * unit::arcsec), table_site());
   const Eigen::VectorXd at = motion.nominal() + 1e-3 * drawn_normals(motion.nominal().size(), 1, "errors");
   const Eigen::MatrixXd exact = motion.jacobian(at);
@@ -99,7 +99,7 @@ TEST(TableMotion, JacobianAgreesWithDifferences) {
 TEST(TableMotion, AnAngleErrorStaysUntilTheAxisMovesAgain) {
   TableSteps steps;
   steps.hold(10, {}).hold(10, {90, 0, 0}).hold(10, {90, 90, 0}).turn(RigAxis::outer, 360).hold(10, {450, 90, 0});
-  const TableMotion motion(planned_observations(steps.steps(), 0), table_of(1 * unit::arcsec), table_site());
+  const TableMotion motion(table_plan(steps.steps(), 0), table_of(1 * unit::arcsec), table_site());
   std::vector<std::string> names;
   for (const ErrorSource& source : motion.sources())
     if (source.kind == ErrorSource::Kind::angle) names.push_back(source.name);
@@ -107,4 +107,4 @@ TEST(TableMotion, AnAngleErrorStaysUntilTheAxisMovesAgain) {
 }
 
 }  // namespace
-}  // namespace imulab
+}  // namespace imulab::rig

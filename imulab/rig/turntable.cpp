@@ -1,8 +1,10 @@
 #include "imulab/rig/turntable.hpp"
 
+#include "imulab/model/lever_arm.hpp"
+
 #include <Eigen/Geometry>
 
-namespace imulab {
+namespace imulab::rig {
 
 RigAxes ideal_axes() { return {Vector3d::UnitZ(), Vector3d::UnitY(), Vector3d::UnitX()}; }
 
@@ -24,12 +26,7 @@ Motion sensed_motion(const BodyState& body, const Surroundings& surroundings) {
   const Vector3d rate_ie_b = body.C_nb.transpose() * surroundings.rate_ie_n;
   const Vector3d w = body.rate_nb_b + rate_ie_b;                                            // w_ib_b
   const Vector3d w_dot = body.angular_acceleration_nb_b - body.rate_nb_b.cross(rate_ie_b);  // Earth's rate turns in b with -w_nb_b
-  Vector3d force = surroundings.gravity * body.C_nb.row(2).transpose();                     // C_bn (0, 0, g)
-  for (int i = 0; i < 3; ++i) {
-    const Vector3d r = surroundings.lever_arm.row(i);
-    force(i) += (w_dot.cross(r) + w.cross(w.cross(r)))(i);
-  }
-  return {force, w};
+  return {surroundings.gravity * body.C_nb.row(2).transpose() + size_effect(w, w_dot, surroundings.lever_arm), w};  // C_bn (0, 0, g), and the size effect
 }
 
-}  // namespace imulab
+}  // namespace imulab::rig

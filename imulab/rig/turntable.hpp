@@ -10,7 +10,7 @@
 
 #include <array>
 
-namespace imulab {
+namespace imulab::rig {
 
 /// Directions of the axes in n at zero angles, by RigAxis; unit vectors, right-handed senses of rotation.
 using RigAxes = std::array<Vector3d, 3>;
@@ -42,4 +42,8 @@ struct Surroundings {
 /// Angular rate against inertial space, and specific force with the size effect of each accelerometer's lever arm.
 Motion sensed_motion(const BodyState& body, const Surroundings& surroundings);
 
+}  // namespace imulab::rig
+
+namespace imulab {
+using namespace rig;  // until all callers say rig::
 }  // namespace imulab

@@ -10,12 +10,12 @@
 
 #include <cmath>
 
-namespace imulab {
+namespace imulab::rig {
 namespace {
 
 double gen(double low, double high) { return low + (high - low) * (*rc::gen::inRange(0, 1000001)) * 1e-6; }
 
-/// Axes a few degrees from orthogonal, so that a law that only ideal axes obey fails.
+/// Axes a few degrees from orthogonal, so that a law that holds for ideal axes alone fails.
 RigAxes skewed_axes() { return {Vector3d(0.03, -0.02, 1).normalized(), Vector3d(0.04, 1, 0.01).normalized(), Vector3d(1, 0.02, -0.05).normalized()}; }
 
 /// Angles as a + b t + c t^2 / 2 + d t^3 / 6.
@@ -54,11 +54,11 @@ RC_GTEST_PROP(Turntable, RateIsTheDerivativeOfAttitudeAndAccelerationOfRate, ())
   RC_ASSERT(((after.rate_nb_b - before.rate_nb_b) / (2 * h) - now.angular_acceleration_nb_b).norm() < 1e4 * h * h);
 }
 
-// The independent path to the size effect: the accelerometer's place in inertial space, differentiated twice.
+// The independent path to the size effect: the accelerometer's position in inertial space, differentiated twice.
 RC_GTEST_PROP(Turntable, SizeEffectIsTheSecondDerivativeOfThePlace, ()) {
   const Path path = any_path();
   const RigAxes axes = skewed_axes();
-  Surroundings around{.rate_ie_n = {0.1, 0.4, 0.3}, .gravity = 9.8};  // an Earth that turns fast enough to be seen
+  Surroundings around{.rate_ie_n = {0.1, 0.4, 0.3}, .gravity = 9.8};  // an Earth that turns fast enough to be visible
   around.lever_arm << 0.1, -0.2, 0.3, -0.1, 0.2, 0.1, 0.3, 0.1, -0.2;
   const double h = 1e-3;
   const auto C_ib = [&](double t) -> Matrix3d { return rotation_exp(around.rate_ie_n * t) * turntable_state(axes, path.at(t)).C_nb; };
@@ -82,7 +82,7 @@ TEST(Turntable, AxesTurnAsTheContractSays) {
   EXPECT_LT((attitude(90, 0, 0) * east - north).norm(), tiny);  // about up
   EXPECT_LT((attitude(0, 90, 0) * up - east).norm(), tiny);     // about north
   EXPECT_LT((attitude(0, 0, 90) * north - up).norm(), tiny);    // about east
-  EXPECT_LT((attitude(90, 0, 90) * north - up).norm(), tiny);   // the inner axis is turned by the outer, not the other way round
+  EXPECT_LT((attitude(90, 0, 90) * north - up).norm(), tiny);   // the inner axis is turned by the outer, not the reverse
   EXPECT_LT((attitude(90, 0, 90) * east - north).norm(), tiny);
 }
 
@@ -99,4 +99,4 @@ RC_GTEST_PROP(Turntable, AtRestOnlyGravityAndEarthAreSensed, ()) {
 }
 
 }  // namespace
-}  // namespace imulab
+}  // namespace imulab::rig

@@ -1,4 +1,4 @@
-// A perfect unit on a rate table, a centrifuge and in a chamber.
+// A perfect IMU on a rate table, a centrifuge and in a chamber.
 #include "imulab/rig/machine.hpp"
 
 #include "imulab/core/error.hpp"
@@ -77,7 +77,7 @@ TEST(MachineMotion, TheMeanOverWholeTurnsIsTheClosedForm) {
   const double rate_error = 1e-3;
   for (const Mount& mount : mounts())
     for (const double turns : {3.0, -11.0}) {
-      const double rate = turns * 2 * std::numbers::pi / 10 / (1 + rate_error);  // whole turns in 10 s of the machine as it is
+      const double rate = turns * 2 * std::numbers::pi / 10 / (1 + rate_error);  // whole turns of the actual machine in 10 s
       const Session session = machine(RigKind::centrifuge, {hold(0, 10, mount), spin(20, 30, rate, {6.1, 6.102, 6.097}, mount)});
       RigErrors errors{machine_error_sources(session.rigs[0], session.steps), {}};
       for (std::size_t i = 0; i < errors.sources.size(); ++i) {
@@ -101,8 +101,8 @@ TEST(MachineMotion, ThirtyGAtSixMetres) {
   const Session session = machine(RigKind::centrifuge, {spin(0, 10, rate, {radius, radius, radius})});
   const Motion seen = mean(simulated(session), 0, 10);
   const double earth_up = 7.292115e-5 * std::sin(latitude);
-  // -x of 30 g, and Coriolis 2 W w_ie r. What is left out is the Earth's rate squared times the radius, 3e-8. The z accelerometer feels Coriolis'
-  // part of the Earth's horizontal rate, 2 W w r = 5e-3, turn by turn: the mean over 11.05 turns keeps sin(0.05 pi) / (11 pi) of it.
+  // -x of 30 g, and Coriolis 2 W w_ie r. What is left out is the Earth's rate squared times the radius, 3e-8. The z accelerometer measures Coriolis'
+  // part of the Earth's horizontal rate, 2 W w r = 5e-3, in every turn: the mean over 11.05 turns has sin(0.05 pi) / (11 pi) of it.
   EXPECT_NEAR(seen.force.x(), -30 * unit::g - 2 * rate * earth_up * radius, 1e-7);
   EXPECT_NEAR(seen.force.y(), 0, 1e-7);
   EXPECT_NEAR(seen.force.z(), gravity, 5e-5);
@@ -141,7 +141,7 @@ TEST(MachineMotion, AHoldAfterASpinIsReachedAtItsAngle) {
     EXPECT_NEAR(angle_at(33.5), 0, 1e-12) << angle;
     EXPECT_NEAR(angle_at(0), 0, 1e-12);
     EXPECT_EQ(body_state(motion, 27).rate_nb_b.norm(), 0);
-    // Between, the angle goes on: the rate in the gap integrates to what the angles differ by.
+    // Between, the angle continues: the rate in the gap integrates to the difference of the angles.
     double turned = 0;
     const int n = 20000;
     for (int k = 0; k < n; ++k) turned += 10.0 / n * body_state(motion, 15 + (k + 0.5) * 10 / n).rate_nb_b.z();
@@ -182,19 +182,21 @@ TEST(MachineMotion, WhatAMachineCannotDoIsNamed) {
     return step;
   };
   using testing::HasSubstr;
-  EXPECT_THAT(message(RigKind::chamber, {hold(0, 1), spin(2, 3, 1, {})}), HasSubstr("step 2 (spin at 2 s): kind hold was expected"));
-  EXPECT_THAT(message(RigKind::centrifuge, {spin(0, 1, 1, {6, 0, 6})}), HasSubstr("radius_m above 0"));
+  EXPECT_THAT(message(RigKind::chamber, {hold(0, 1), spin(2, 3, 1, {})}), HasSubstr("step 2 (spin at 2 s): a chamber does not turn; expected hold"));
+  EXPECT_THAT(message(RigKind::centrifuge, {spin(0, 1, 1, {6, 0, 6})}), HasSubstr("expected a radius above 0"));
   EXPECT_EQ(message(RigKind::rate_table, {spin(0, 1, 1, {})}), "");
-  EXPECT_THAT(message(RigKind::rate_table, {changed(spin(0, 1, 1, {}), [](Step& s) { s.mount.reset(); })}), HasSubstr("up and outward"));
-  EXPECT_THAT(message(RigKind::rate_table, {spin(0, 1, 0, {})}), HasSubstr("rate_dps other than 0"));
-  EXPECT_THAT(message(RigKind::rate_table, {changed(hold(0, 1), [](Step& s) { s.kind = StepKind::rotate; })}), HasSubstr("kind hold or spin"));
-  EXPECT_THAT(message(RigKind::rate_table, {changed(hold(0, 1), [](Step& s) { s.angles[2] = 1; })}), HasSubstr("middle_deg and inner_deg of 0"));
+  EXPECT_THAT(message(RigKind::rate_table, {changed(spin(0, 1, 1, {}), [](Step& s) { s.mount.reset(); })}),
+              HasSubstr("expected the body axes that point up and outward"));
+  EXPECT_THAT(message(RigKind::rate_table, {spin(0, 1, 0, {})}), HasSubstr("the rate is 0"));
+  EXPECT_THAT(message(RigKind::rate_table, {changed(hold(0, 1), [](Step& s) { s.kind = StepKind::rotate; })}), HasSubstr("expected hold or spin"));
+  EXPECT_THAT(message(RigKind::rate_table, {changed(hold(0, 1), [](Step& s) { s.angles[2] = 1; })}),
+              HasSubstr("the machine has one axis, the outer"));
   EXPECT_THAT(message(RigKind::rate_table, {spin(0, 1, 1, {}), spin(1, 2, 2, {})}),
-              HasSubstr("its rate differs from the one before it, but no time"));
+              HasSubstr("its rate differs from that of the previous step, without time to reach it"));
   EXPECT_THAT(message(RigKind::rate_table, {hold(0, 1), hold(1, 2, {{0, 1}, {1, 1}})}), HasSubstr("its mount differs"));
   EXPECT_THAT(message(RigKind::rate_table, {hold(0, 1), changed(hold(1, 2), [](Step& s) { s.angles[0] = 1; })}), HasSubstr("its angle differs"));
-  EXPECT_THAT(message(RigKind::rate_table, {hold(0, 2), hold(1, 3)}), HasSubstr("a start_s from 2 on"));
-  EXPECT_THAT(message(RigKind::rate_table, {}), HasSubstr("there are no steps"));
+  EXPECT_THAT(message(RigKind::rate_table, {hold(0, 2), hold(1, 3)}), HasSubstr("expected a start from 2 s on"));
+  EXPECT_THAT(message(RigKind::rate_table, {}), HasSubstr("no steps; expected at least one"));
 }
 
 TEST(Simulate, TheStepsAloneAreTheSameSamples) {

@@ -2,7 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/model/compensate.hpp"
-#include "imulab/simulate/sensor_noise.hpp"
+#include "imulab/model/sensor_noise.hpp"
 #include "imulab/simulate/temperature.hpp"
 
 #include <fmt/format.h>
@@ -14,15 +14,16 @@ namespace imulab {
 
 namespace {
 
-void check(const SensorModel& model, const std::optional<UnitTemperature>& temperature) {
-  if (!model.lever_arm.isZero(0)) throw Error("the unit has lever arms: a motion gives what one point feels, expected none");
+using namespace simulate;
+
+void check(const SensorModel& model, const std::optional<motion::UnitTemperature>& temperature) {
+  if (!model.lever_arm.isZero(0)) throw Error("the IMU has lever arms, but the motion is that of a single point; expected none");
   const auto check_thermal = [&](const TriadModel& triad, const char* name, const ThermalSource* source) {
     if (triad.thermal.isZero(0)) return;
-    if (source == nullptr) throw Error(fmt::format("the unit's {} have thermal terms: the temperature on the way was expected", name));
+    if (source == nullptr) throw Error(fmt::format("the IMU's {} have thermal terms; expected a temperature profile", name));
     const std::string expected = triad.temperature.value_or(ThermalReading{}).unit;
     if (source->unit != expected)
-      throw Error(fmt::format("thermal readings of the {} in \"{}\": \"{}\" was expected, which the unit's thermal terms are in", name, source->unit,
-                              expected));
+      throw Error(fmt::format("thermal readings of the {} in \"{}\"; expected \"{}\", as in the IMU's thermal terms", name, source->unit, expected));
   };
   check_thermal(model.gyro, "gyros", temperature ? &temperature->gyro : nullptr);
   check_thermal(model.accel, "accelerometers", temperature ? &temperature->accel : nullptr);
@@ -37,7 +38,7 @@ ThermalSource three_sensors(ThermalSource source) {
 }  // namespace
 
 Recording simulate_motion(const std::vector<Increment>& ideal, double interval, const Truth& unit, std::uint64_t seed,
-                          const std::optional<UnitTemperature>& temperature) {
+                          const std::optional<motion::UnitTemperature>& temperature) {
   check(unit.model, temperature);
   Recording r;
   r.name = "recording.csv";
@@ -66,7 +67,7 @@ Recording simulate_motion(const std::vector<Increment>& ideal, double interval, 
     decompensate(unit.model, {}, {}, columns);
     return r;
   }
-  std::vector<TemperatureCourse::State> states;  // in the samples' middles: the mean, the course being straight
+  std::vector<TemperatureProfile::State> states;  // in the samples' middles: the mean, the profile being linear
   for (std::size_t i = 0; i < ideal.size(); ++i) {
     const double celsius = temperature->at(interval * (static_cast<double>(i) + 0.5));
     states.push_back({celsius, celsius});

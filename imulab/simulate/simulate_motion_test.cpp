@@ -10,6 +10,8 @@
 namespace imulab {
 namespace {
 
+using namespace motion;
+
 TEST(SimulateMotion, CompensationGivesTheMotionBackButForTheNoise) {
   Truth unit;
   unit.model.accel.offset = {0.1, -0.2, 0.3};
@@ -78,7 +80,7 @@ TEST(SimulateMotion, ThermalReadingsHaveNoiseOfTheirOwn) {
   noisy.accel.noise = 0.5;
   const Truth unit = thermal_unit();
   const Recording exact = simulate_motion(still, 0.01, unit, 1, warming()), r = simulate_motion(still, 0.01, unit, 1, noisy);
-  EXPECT_EQ(r.accel, exact.accel);  // the unit follows its temperature, not the sensor's noise
+  EXPECT_EQ(r.accel, exact.accel);  // the IMU follows its temperature, not the sensor's noise
   EXPECT_EQ(r.gyro_temperature, exact.gyro_temperature);
   double square = 0, product = 0;
   for (std::size_t i = 0; i < n; ++i) {

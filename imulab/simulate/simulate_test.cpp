@@ -19,7 +19,7 @@ namespace imulab {
 namespace {
 
 using unit::deg;
-constexpr double rare = 1e-6;  // false-alarm probability of a statistical bound; the draws are fixed by the seed, whatever it is
+constexpr double rare = 1e-6;  // false-alarm probability of a statistical bound; the draws are fixed by the seed
 
 Session resting(double seconds) {
   Session s;
@@ -56,7 +56,7 @@ TEST(Simulate, IncrementsOfATurnSumToItsAngle) {
   Step turn;
   turn.kind = StepKind::rotate, turn.start = 10, turn.end = 190.4, turn.axis = RigAxis::outer, turn.angle = 1800 * deg, turn.rate = 10 * deg;
   s.steps.push_back(turn);
-  const Recording r = simulate_recording(s, {}, {}, 1);  // the ideal unit without noise
+  const Recording r = simulate_recording(s, {}, {}, 1);  // the ideal IMU without noise
   double sum = 0;
   for (const double w : r.gyro[2]) sum += w * r.interval_s;
   // The body's up axis is the outer axis: the turn, and Earth's rate about it. Roundings of a sum of 19 040 terms.
@@ -201,7 +201,7 @@ TEST(Truth, AGradeGivesWhiteNoiseAndAllTermsWhereAsked) {
   EXPECT_EQ(draw_truth(s, 1).gyro_noise, NoiseModel{.N = grade("mems").gyro_noise.N});
   s.imu.noise = NoiseTerms::full;
   EXPECT_EQ(draw_truth(s, 1).gyro_noise, grade("mems").gyro_noise);
-  EXPECT_EQ(draw_truth(s, 1, SensorModel{}).gyro_noise.range, 0);  // raw readings of a given unit need not be in SI
+  EXPECT_EQ(draw_truth(s, 1, SensorModel{}).gyro_noise.range, 0);  // raw readings of a given IMU need not be in SI
   EXPECT_EQ(draw_truth(s, 1, SensorModel{}).gyro_noise.B, grade("mems").gyro_noise.B);
   s.imu.gyro_noise = NoiseModel{.B = 1};
   s.imu.gyro_noise_density = 2;
@@ -249,12 +249,12 @@ TEST(Simulate, WhatIsMissingIsNamed) {
   };
   Session s = resting(1);
   s.imu.grade.reset();
-  EXPECT_THAT(message([&] { draw_truth(s, 1); }), testing::HasSubstr("grade (drawn) or truth"));
-  EXPECT_THAT(message([&] { draw_truth(s, 1, SensorModel{}); }), testing::HasSubstr("accel_noise_density"));
-  EXPECT_THAT(message([&] { simulate_recording(resting(1e-3), {}, {}, 1); }), testing::HasSubstr("at least one sample"));
+  EXPECT_THAT(message([&] { draw_truth(s, 1); }), testing::HasSubstr("expected its grade or its model"));
+  EXPECT_THAT(message([&] { draw_truth(s, 1, SensorModel{}); }), testing::HasSubstr("expected the noise densities"));
+  EXPECT_THAT(message([&] { simulate_recording(resting(1e-3), {}, {}, 1); }), testing::HasSubstr("less than one sample; expected at least one"));
   s.site.latitude.reset();
   s.site.given_gravity = 9.8;
-  EXPECT_THAT(message([&] { simulate_recording(s, {}, {}, 1); }), testing::HasSubstr("latitude_deg"));
+  EXPECT_THAT(message([&] { simulate_recording(s, {}, {}, 1); }), testing::HasSubstr("the site has no latitude"));
 }
 
 }  // namespace

@@ -8,9 +8,9 @@
 #include <algorithm>
 #include <cmath>
 
-namespace imulab {
+namespace imulab::simulate {
 
-TemperatureCourse::TemperatureCourse(const RigMotion& motion, const RigDeclaration* rig) {
+TemperatureProfile::TemperatureProfile(const RigMotion& motion, const RigDeclaration* rig) {
   double ramp = 0;
   if (rig != nullptr && rig->kind == RigKind::chamber) time_constant_ = rig->time_constant, hysteresis_ = rig->hysteresis, ramp = rig->ramp;
   double target = motion.pieces.front().temperature.value_or(room_temperature), air = target;
@@ -25,9 +25,9 @@ TemperatureCourse::TemperatureCourse(const RigMotion& motion, const RigDeclarati
   }
 }
 
-void TemperatureCourse::append(double begin, double end, double air, double slope, State& now) {
+void TemperatureProfile::append(double begin, double end, double air, double slope, State& now) {
   segments_.push_back({begin, air, slope, now});
-  // T turns where the air's slope has caught up with it: T' = s - (T0 - A0 + s tau) / tau e^(-t / tau) = 0.
+  // T has its extreme where the air has caught up with it: T' = s - (T0 - A0 + s tau) / tau e^(-t / tau) = 0.
   const double lag = slope * time_constant_, off = now.unit - air + lag;
   const double turn = lag != 0 && off / lag > 1 ? begin + time_constant_ * std::log(off / lag) : end;
   if (turn < end) {
@@ -37,7 +37,7 @@ void TemperatureCourse::append(double begin, double end, double air, double slop
   now = in(segments_.back(), end);
 }
 
-TemperatureCourse::State TemperatureCourse::in(const Segment& s, double t) const {
+TemperatureProfile::State TemperatureProfile::in(const Segment& s, double t) const {
   const double lasting = t - s.begin, air = s.air + s.slope * lasting;
   double unit = air;
   if (time_constant_ > 0) {
@@ -47,7 +47,7 @@ TemperatureCourse::State TemperatureCourse::in(const Segment& s, double t) const
   return {unit, std::clamp(s.at_begin.zeros, unit - hysteresis_, unit + hysteresis_)};  // T is monotone here
 }
 
-TemperatureCourse::State TemperatureCourse::at(double t) const {
+TemperatureProfile::State TemperatureProfile::at(double t) const {
   const auto after = std::upper_bound(segments_.begin(), segments_.end(), t, [](double x, const Segment& s) { return x < s.begin; });
   return in(after == segments_.begin() ? *after : *(after - 1), t);
 }
@@ -56,18 +56,19 @@ ThermalScale thermal_scale(const std::string& unit) { return {unit == "K" ? 298.
 
 ThermalScale thermal_scale(const ThermalSource& source) {
   if (source.at_25_degC && source.per_K) return {*source.at_25_degC, *source.per_K};
-  if (source.unit == "raw") throw Error("[[recording]]: a thermal reading in \"raw\": at_25_degC and per_K were expected, or \"degC\" or \"K\"");
+  if (source.unit == "raw")
+    throw Error("a thermal reading in \"raw\"; expected its value at 25 degC and its change per K, or a reading in degC or K");
   return thermal_scale(source.unit);
 }
 
-std::vector<TemperatureCourse::State> temperatures_at(std::span<const Range> samples, const TemperatureCourse& course, double interval_s) {
-  std::vector<TemperatureCourse::State> out;
+std::vector<TemperatureProfile::State> temperatures_at(std::span<const Range> samples, const TemperatureProfile& profile, double interval_s) {
+  std::vector<TemperatureProfile::State> out;
   for (const Range& range : samples)
-    for (std::size_t i = range.begin; i < range.end; ++i) out.push_back(course.at((static_cast<double>(i) + 0.5) * interval_s));
+    for (std::size_t i = range.begin; i < range.end; ++i) out.push_back(profile.at((static_cast<double>(i) + 0.5) * interval_s));
   return out;
 }
 
-Columns3 thermal_readings(const std::optional<ThermalSource>& source, std::span<const TemperatureCourse::State> temperatures,
+Columns3 thermal_readings(const std::optional<ThermalSource>& source, std::span<const TemperatureProfile::State> temperatures,
                           std::span<const Range> samples, std::uint64_t seed, const std::string& purpose) {
   Columns3 readings;
   if (!source) return readings;
@@ -75,7 +76,7 @@ Columns3 thermal_readings(const std::optional<ThermalSource>& source, std::span<
   const std::size_t sensors = source->columns.size() == 3 ? 3 : 1;
   for (std::size_t s = 0; s < sensors; ++s) {
     std::vector<double>& column = readings[s];
-    for (const TemperatureCourse::State& state : temperatures) column.push_back(scale.reading(state.unit));
+    for (const TemperatureProfile::State& state : temperatures) column.push_back(scale.reading(state.unit));
     if (source->noise == 0) continue;
     const RandomStream draws(seed, fmt::format("noise {} of {}", s, purpose));
     std::vector<double> noise;
@@ -91,15 +92,14 @@ Columns3 thermal_readings(const std::optional<ThermalSource>& source, std::span<
 }
 
 std::vector<double> followed_readings(const TriadModel& model, const std::optional<ThermalSource>& source,
-                                      std::span<const TemperatureCourse::State> temperatures) {
+                                      std::span<const TemperatureProfile::State> temperatures) {
   std::vector<double> out;
   if (!model.temperature) return out;
   const std::string& unit = model.temperature->unit;
   const bool as_read = source && source->unit == unit;
-  if (!as_read && unit == "raw")
-    throw Error("[[recording]]: the unit to simulate has its reference temperature in \"raw\": a thermal reading in \"raw\" was expected");
+  if (!as_read && unit == "raw") throw Error("the IMU to simulate has its reference temperature in \"raw\"; expected a thermal reading in \"raw\"");
   const ThermalScale scale = as_read ? thermal_scale(*source) : thermal_scale(unit);
-  for (const TemperatureCourse::State& state : temperatures) out.push_back(scale.reading(state.zeros));
+  for (const TemperatureProfile::State& state : temperatures) out.push_back(scale.reading(state.zeros));
   return out;
 }
 
@@ -116,4 +116,4 @@ TriadModel with_readings(TriadModel model, const ThermalScale& from, const Therm
   return model;
 }
 
-}  // namespace imulab
+}  // namespace imulab::simulate

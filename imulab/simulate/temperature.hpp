@@ -1,8 +1,8 @@
-// The unit's temperature while a chamber (or a room) has its set points, and how a thermal sensor reads it.
+// The temperature of an IMU in a chamber (or a room) with set points, and the reading of a thermal sensor.
 //
-//   air    goes to the set point at the chamber's ramp
+//   air    moves to the set point at the chamber's ramp
 //   T      follows the air: T' = (air - T) / time constant
-//   zeros  what the unit's zeros follow: T with play, min(max(zeros, T - h), T + h): h behind, against the direction of change
+//   zeros  the temperature that the IMU's zeros follow: T with play, min(max(zeros, T - h), T + h): h behind, against the direction of change
 #pragma once
 
 #include "imulab/model/sensor_model.hpp"
@@ -16,15 +16,15 @@
 #include <string>
 #include <vector>
 
-namespace imulab {
+namespace imulab::simulate {
 
-inline constexpr double room_temperature = 25;  ///< degC: of a unit whose first step has no set point
+inline constexpr double room_temperature = 25;  ///< degC: of an IMU whose first step has no set point
 
 /// Temperatures as functions of time, in closed form.
-class TemperatureCourse {
+class TemperatureProfile {
  public:
-  /// Of a motion's set points, each from the gap before its step on; the unit begins at the first step's. Without a chamber it has them at once.
-  TemperatureCourse(const RigMotion& motion, const RigDeclaration* rig);
+  /// Of a motion's set points, each from the gap before its step on; the IMU begins at the first step's. Without a chamber it has them at once.
+  TemperatureProfile(const RigMotion& motion, const RigDeclaration* rig);
 
   struct State {
     double unit, zeros;  ///< degC
@@ -32,7 +32,7 @@ class TemperatureCourse {
   State at(double t) const;
 
  private:
-  struct Segment {  // air on a line, the unit's temperature monotone
+  struct Segment {  // air linear in time, the IMU's temperature monotone
     double begin, air, slope;
     State at_begin;
   };
@@ -49,23 +49,23 @@ struct ThermalScale {
   double reading(double degC) const { return at_25_degC + per_K * (degC - 25); }
 };
 
-/// What a sensor declares; else degC and K themselves. Throws Error for raw readings that do not say.
+/// As a sensor declares it; else degC and K themselves. Throws Error for raw readings without a declaration.
 ThermalScale thermal_scale(const ThermalSource& source);
 /// Of readings in degC or K.
 ThermalScale thermal_scale(const std::string& unit);
 
 /// At the middles of these samples.
-std::vector<TemperatureCourse::State> temperatures_at(std::span<const Range> samples, const TemperatureCourse& course, double interval_s);
+std::vector<TemperatureProfile::State> temperatures_at(std::span<const Range> samples, const TemperatureProfile& profile, double interval_s);
 
-/// What a triad's thermal sensor reads at them: three columns, equal ones of one sensor; empty where there is none.
-Columns3 thermal_readings(const std::optional<ThermalSource>& source, std::span<const TemperatureCourse::State> temperatures,
+/// The readings of a triad's thermal sensor at them: three columns, equal for one sensor; empty if there is none.
+Columns3 thermal_readings(const std::optional<ThermalSource>& source, std::span<const TemperatureProfile::State> temperatures,
                           std::span<const Range> samples, std::uint64_t seed, const std::string& purpose);
 
-/// What a triad's zeros follow, in the readings of its model; empty where that has none.
+/// The temperature that a triad's zeros follow, in the readings of its model; empty if that has none.
 std::vector<double> followed_readings(const TriadModel& model, const std::optional<ThermalSource>& source,
-                                      std::span<const TemperatureCourse::State> temperatures);
+                                      std::span<const TemperatureProfile::State> temperatures);
 
 /// The same drift as a function of another reading.
 TriadModel with_readings(TriadModel model, const ThermalScale& from, const ThermalScale& to, const std::string& unit);
 
-}  // namespace imulab
+}  // namespace imulab::simulate

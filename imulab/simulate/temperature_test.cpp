@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace imulab {
+namespace imulab::simulate {
 namespace {
 
 /// A chamber's set points, each from `move` before its hold on.
@@ -31,13 +31,13 @@ RigDeclaration chamber(double ramp, double time_constant, double hysteresis) {
   return rig;
 }
 
-TemperatureCourse course(const RigDeclaration& rig, const std::vector<Step>& steps) { return {machine_motion(rig, steps), &rig}; }
+TemperatureProfile profile(const RigDeclaration& rig, const std::vector<Step>& steps) { return {machine_motion(rig, steps), &rig}; }
 
 /// The same by Euler's method in small steps: its error is of the order of the step.
-std::vector<TemperatureCourse::State> stepwise(const RigDeclaration& rig, const std::vector<Step>& steps, double step) {
+std::vector<TemperatureProfile::State> stepwise(const RigDeclaration& rig, const std::vector<Step>& steps, double step) {
   const RigMotion motion = machine_motion(rig, steps);
   double air = *steps[0].temperature, unit = air, zeros = air;
-  std::vector<TemperatureCourse::State> out;
+  std::vector<TemperatureProfile::State> out;
   std::size_t piece = 0;
   for (double t = 0; t < motion.end(); t = step * static_cast<double>(out.size())) {
     out.push_back({unit, zeros});
@@ -53,12 +53,12 @@ std::vector<TemperatureCourse::State> stepwise(const RigDeclaration& rig, const 
 TEST(Temperature, FollowsItsEquations) {
   const std::vector<Step> steps = set_points({20, 60, 10, 10, 35}, 300, 200);
   for (const RigDeclaration& rig : {chamber(0.1, 150, 1), chamber(0, 100, 0.5), chamber(0.05, 0, 2), chamber(0.2, 400, 0)}) {
-    const TemperatureCourse exact = course(rig, steps);
+    const TemperatureProfile exact = profile(rig, steps);
     const double step = 0.05;
     const auto numerical = stepwise(rig, steps, step);
-    // Of a step: a ramp of 0.2 K/s, or 50 K that relax in 100 s, 0.5 K/s; Euler is behind by about one step of that, less than two.
+    // Of a step: a ramp of 0.2 K/s, or 50 K that relax in 100 s, 0.5 K/s; Euler lags by about one step of that, less than two.
     for (std::size_t k = 0; k < numerical.size(); k += 40) {
-      const TemperatureCourse::State at = exact.at(step * static_cast<double>(k));
+      const TemperatureProfile::State at = exact.at(step * static_cast<double>(k));
       const double jump = rig.ramp == 0 || rig.time_constant == 0 ? 2 * step * 0.5 : 2 * step * rig.ramp;
       EXPECT_NEAR(at.unit, numerical[k].unit, jump) << step * static_cast<double>(k);
       EXPECT_NEAR(at.zeros, numerical[k].zeros, jump) << step * static_cast<double>(k);
@@ -71,14 +71,14 @@ TEST(Temperature, IsTheSetPointWithoutAChamber) {
   steps.resize(3);
   for (std::size_t k = 0; k < 3; ++k) steps[k].start = 10.0 * static_cast<double>(k) + 5, steps[k].end = steps[k].start + 5;
   steps[1].temperature = 40;
-  const TemperatureCourse at(rig_motion(steps), nullptr);
+  const TemperatureProfile at(rig_motion(steps), nullptr);
   EXPECT_EQ(at.at(7).unit, room_temperature);
   EXPECT_EQ(at.at(12).unit, 40);  // from the gap before its step on
   EXPECT_EQ(at.at(29).zeros, 40);
 }
 
 TEST(Temperature, AfterASoakTheZerosAreBehindByTheHysteresis) {
-  const TemperatureCourse up = course(chamber(2.0 / 60, 300, 0.4), set_points({0, 35, 70, 35}, 1e5, 10));
+  const TemperatureProfile up = profile(chamber(2.0 / 60, 300, 0.4), set_points({0, 35, 70, 35}, 1e5, 10));
   EXPECT_EQ(up.at(5).unit, 0);
   EXPECT_EQ(up.at(5).zeros, 0);  // nothing has changed yet
   const double tiny = 1e-11;     // rounding; a soak of 300 time constants
@@ -143,7 +143,7 @@ TEST(Temperature, ReadingsHaveTheirOwnNoise) {
   const Recording one = simulate_recording(s, s.recordings[0], truth, 1);
   EXPECT_EQ(one.gyro_temperature[0], one.gyro_temperature[2]);
   EXPECT_EQ(one.gyro_temperature[0], three.gyro_temperature[0]);
-  EXPECT_EQ(one.gyro, three.gyro);  // the unit does not feel its sensor's noise
+  EXPECT_EQ(one.gyro, three.gyro);  // the IMU's temperature has none of its sensor's noise
 }
 
 TEST(Temperature, WhatIsMissingIsNamed) {
@@ -155,15 +155,15 @@ TEST(Temperature, WhatIsMissingIsNamed) {
     }
     return "";
   };
-  EXPECT_THAT(message(thermal_session(sensors({"a"}, "raw"))), testing::HasSubstr("at_25_degC and per_K"));
+  EXPECT_THAT(message(thermal_session(sensors({"a"}, "raw"))), testing::HasSubstr("expected its value at 25 degC and its change per K"));
   SensorModel raw;
   raw.gyro.temperature = ThermalReading{"raw", 5000, {}};
-  EXPECT_THAT(message(thermal_session({}), raw), testing::HasSubstr("a thermal reading in \"raw\" was expected"));
+  EXPECT_THAT(message(thermal_session({}), raw), testing::HasSubstr("expected a thermal reading in \"raw\""));
   Session two = thermal_session({});
   two.recordings.push_back(two.recordings[0]);
   two.recordings[1].gyro_temperature->unit = "K";
-  EXPECT_THAT(message(two), testing::HasSubstr("in all recordings"));
+  EXPECT_THAT(message(two), testing::HasSubstr("thermal readings that differ between recordings"));
 }
 
 }  // namespace
-}  // namespace imulab
+}  // namespace imulab::simulate

@@ -1,7 +1,8 @@
-// The drawn unit.
+// Draws an IMU.
 #include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/model/grade.hpp"
+#include "imulab/recording/declared_noise.hpp"
 #include "imulab/simulate/simulate.hpp"
 #include "imulab/simulate/temperature.hpp"
 
@@ -12,7 +13,9 @@ namespace imulab {
 
 namespace {
 
-/// Each coefficient has a stream of its own draws: a new one never shifts another.
+using namespace simulate;
+
+/// Each coefficient has a stream of its own draws: a new one does not shift another.
 Vector3d drawn_vector(std::uint64_t seed, std::string_view purpose, double sigma) {
   const RandomStream draws(seed, purpose);
   Vector3d v;
@@ -28,7 +31,7 @@ Matrix3d drawn_matrix(std::uint64_t seed, std::string_view purpose, double sigma
   return m;
 }
 
-/// Sizes evenly between two bounds, either sign.
+/// Sizes uniform between two bounds, with either sign.
 Matrix3d drawn_from(std::uint64_t seed, std::string_view purpose, const SizeRange& range) {
   const RandomStream draws(seed, purpose);
   Matrix3d m;
@@ -40,7 +43,7 @@ Matrix3d drawn_from(std::uint64_t seed, std::string_view purpose, const SizeRang
   return m;
 }
 
-/// What a triad has besides its offset and scales.
+/// The errors of a triad besides its offset and scale factors.
 void add_nonlinear(TriadModel& m, std::uint64_t seed, const std::string& triad, const SizeRange& misalignment, const SizeRange& quadratic,
                    const SizeRange& cubic, double drift, double curvature) {
   m.matrix = Matrix3d(m.matrix.diagonal().asDiagonal());
@@ -71,7 +74,7 @@ SensorModel drawn_model(const Grade& g, std::uint64_t seed) {
   return model;
 }
 
-/// A triad's thermal terms as functions of the recordings' readings. One of raw readings is taken to be one of these.
+/// A triad's thermal terms as functions of the recordings' readings. One in raw readings is assumed to be in these.
 TriadModel as_recorded(const TriadModel& model, const Session& procedure, std::optional<ThermalSource> RecordingSource::*triad, bool drawn) {
   if (!model.temperature) return model;
   const ThermalSource* reading = nullptr;
@@ -79,7 +82,7 @@ TriadModel as_recorded(const TriadModel& model, const Session& procedure, std::o
     const auto& here = source.*triad;
     if (!here) continue;
     if (reading && (here->unit != reading->unit || here->at_25_degC != reading->at_25_degC || here->per_K != reading->per_K))
-      throw Error("[[recording]]: thermal readings with one unit, at_25_degC and per_K in all recordings were expected: a unit has one model");
+      throw Error("thermal readings that differ between recordings; an IMU has one model; expected one unit and one relation to the temperature");
     reading = &*here;
   }
   const std::string& unit = model.temperature->unit;
@@ -87,29 +90,18 @@ TriadModel as_recorded(const TriadModel& model, const Session& procedure, std::o
   return with_readings(model, thermal_scale(unit), thermal_scale(*reading), reading->unit);
 }
 
-/// Declared terms, else the grade's (white noise alone unless all are asked for); a declared density goes before the grade's.
-NoiseModel noise(const std::optional<NoiseModel>& declared, const NoiseModel* of_grade, const std::optional<double>& density, NoiseTerms terms,
-                 bool given_unit) {
-  NoiseModel noise;
-  if (declared) {
-    noise = *declared;
-  } else if (of_grade != nullptr && terms == NoiseTerms::full) {
-    noise = *of_grade;
-    if (given_unit) noise.resolution = noise.range = 0;  // the grade's are in SI, a given unit's raw readings need not be
-  }
-  noise.N = density ? *density : of_grade->N;
-  return noise;
-}
-
 }  // namespace
 
 Truth draw_truth(const Session& procedure, std::uint64_t seed, const std::optional<SensorModel>& given) {
   const ImuDeclaration& imu = procedure.imu;
   const Grade* const spread = imu.grade ? &grade(*imu.grade) : nullptr;
-  if (!given && !spread) throw Error("[imu]: a unit to simulate was expected: grade (drawn) or truth (a file)");
-  if (!spread && !(imu.accel_noise_density && imu.gyro_noise_density))
-    throw Error("[imu]: noise to simulate was expected: accel_noise_density and gyro_noise_density, or a grade");
+  if (!given && !spread) throw Error("no IMU to simulate; expected its grade or its model");
   Truth truth;
+  const DeclaredNoise noise = declared_noise(imu);
+  truth.accel_noise = noise.accel, truth.gyro_noise = noise.gyro;
+  // The grade's limits are in SI; a given IMU's raw readings need not be.
+  if (given && !imu.accel_noise) truth.accel_noise.resolution = truth.accel_noise.range = 0;
+  if (given && !imu.gyro_noise) truth.gyro_noise.resolution = truth.gyro_noise.range = 0;
   truth.model = given ? *given : drawn_model(*spread, seed);
   truth.model.accel = as_recorded(truth.model.accel, procedure, &RecordingSource::accel_temperature, !given);
   truth.model.gyro = as_recorded(truth.model.gyro, procedure, &RecordingSource::gyro_temperature, !given);
@@ -117,8 +109,6 @@ Truth draw_truth(const Session& procedure, std::uint64_t seed, const std::option
   truth.gravity = procedure.site.gravity() + procedure.site.gravity_sigma() * RandomStream(seed, "truth gravity").normal(0);
   if (const double sigma = procedure.site.latitude_sigma.value_or(0); procedure.site.latitude && sigma > 0)
     truth.latitude = *procedure.site.latitude + sigma * RandomStream(seed, "truth latitude").normal(0);
-  truth.accel_noise = noise(imu.accel_noise, spread ? &spread->accel_noise : nullptr, imu.accel_noise_density, imu.noise, given.has_value());
-  truth.gyro_noise = noise(imu.gyro_noise, spread ? &spread->gyro_noise : nullptr, imu.gyro_noise_density, imu.noise, given.has_value());
   return truth;
 }
 

@@ -1,4 +1,4 @@
-// A drawn unit of many coefficients.
+// A drawn IMU with many coefficients.
 #include "imulab/core/units.hpp"
 #include "imulab/model/compensate.hpp"
 #include "imulab/model/grade.hpp"
@@ -40,7 +40,7 @@ TEST(Truth, AUnitFor30GHasThePapersCoefficients) {
         inside(m.accel.matrix(i, j), 0.001, 0.02);
       }
     }
-    // Full scale stays inside the ranges, along each axis and whatever the sign and the temperature.
+    // Full scale stays inside the ranges, along each axis, for either sign and any temperature.
     for (int i = 0; i < 3; ++i)
       for (const double sign : {-1.0, 1.0})
         for (const double tau : {-25.0, 45.0}) {

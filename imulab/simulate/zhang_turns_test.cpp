@@ -36,7 +36,7 @@ Session there_and_back(RigAxis axis) {
   return s;
 }
 
-/// Errors of a table [rad]: six orthogonalities, three zero errors, and what each axis has when forward and back turns end.
+/// Errors of a table [rad]: six orthogonalities, three zero errors, and the errors of each axis at the end of forward and back turns.
 struct TableErrors {
   double i1, i2, m1, m2, o1, o2, so, sm, si;
   double forward_end, back_end;
@@ -62,7 +62,7 @@ Vector3d turn_column(RigAxis axis, const TableErrors& e) {
   return sum / (4 * std::numbers::pi * turns);
 }
 
-/// Columns in ENU: what the gyros of an ideal unit make of turns about each axis.
+/// Columns in ENU: the gyros of an ideal IMU on turns about each axis.
 Matrix3d simulated_matrix(const TableErrors& e) {
   Matrix3d m;
   m.col(0) = turn_column(RigAxis::inner, e), m.col(1) = turn_column(RigAxis::middle, e), m.col(2) = turn_column(RigAxis::outer, e);
@@ -93,7 +93,7 @@ TEST(ZhangTurns, GyroMatrixErrorIsTheClosedFormToSecondOrder) {
   };
   const double whole = difference(1), half = difference(0.5);
   EXPECT_LT(whole, 9 * 5e-3 * 5e-3);  // nine elements of products of two errors
-  EXPECT_GT(whole, 1e-6);             // there is a second order to see
+  EXPECT_GT(whole, 1e-6);             // the second order is visible
   // Earth's rate, the same forward and back, leaves (pi n)^-1 of its turned component, below 1e-9 at these errors; third order is 5e-3 of second.
   EXPECT_NEAR(whole / half, 4, 0.1);
 }

@@ -1,9 +1,10 @@
-// The acceptance test every method has to pass: over many simulated sessions with known truth, are the errors as small as the data allow, and as
-// large as the stated covariance says?
+// The acceptance test every method has to pass: over many simulated sessions with known truth, are the errors as small as the data allow, and do
+// they agree with the stated covariance?
 #pragma once
 
-#include "imulab/estimate/turntable_estimator.hpp"
+#include "imulab/estimate/turntable/estimator.hpp"
 #include "imulab/model/calibration.hpp"
+#include "imulab/model/coefficient.hpp"
 #include "imulab/simulate/simulate.hpp"
 
 #include <Eigen/Core>
@@ -15,7 +16,7 @@ namespace imulab::acceptance {
 
 /// One simulated session: the errors of the estimate, what it stated, and the Fisher information of the session.
 struct Run {
-  std::vector<int> indices;   ///< table indices of the m coefficients
+  std::vector<CoefficientIndex> indices;  ///< table indices of the m coefficients
   Eigen::VectorXd error;
   Eigen::MatrixXd covariance;
   Eigen::MatrixXd information;
@@ -33,26 +34,27 @@ struct Check {
 /// worst coefficient: RMS over its bound below sqrt(chi2_N(1 - 0.001 / m) / N)
 std::vector<Check> judge(const std::vector<Run>& runs);
 
-/// What is simulated and calibrated, from a seed alone: poses, unit, gravity and noise are all drawn.
+/// What is simulated and calibrated, from a seed alone: poses, IMU, gravity and noise are all drawn.
 Run handheld_run(std::uint64_t seed);
 Run static_run(std::uint64_t seed);
-/// Zhang's procedure on tables of 2 arcsec and of 1 arcmin, whose errors are drawn, too.
+/// Zhang's procedure on tables of 2 arcsec and of 1 arcmin, whose errors are drawn as well.
 Run arcsecond_table_run(std::uint64_t seed);
 Run arcminute_table_run(std::uint64_t seed);
-/// Cheng's path for 25 min on tables of 2 arcsec, 1 arcmin and 1 deg; and in short at 20 Hz.
+/// Cheng's path for 25 min on tables of 2 arcsec, 1 arcmin and 1 deg; and a short one at 20 Hz.
 Run hybrid_arcsecond_run(std::uint64_t seed);
 Run hybrid_arcminute_run(std::uint64_t seed);
 Run hybrid_degree_run(std::uint64_t seed);
 Run short_hybrid_run(std::uint64_t seed);
 
-/// Dai's procedure: points of 10 s, and in short of 1 s.
+/// Dai's procedure: points of 10 s, and short ones of 1 s.
 Run whole_unit_run(std::uint64_t seed);
 Run short_whole_unit_run(std::uint64_t seed);
 /// Compensated samples anywhere in the range against the covariance propagated to them, and the stepwise estimate's RMS errors over the joint one's.
 std::vector<Check> whole_unit_outputs(int runs);
 
 /// Of a turntable session whose readings have this white noise.
-Eigen::MatrixXd turntable_information(const TableMotion& motion, const SensorModel& truth, const RawNoise& noise, const std::vector<int>& indices);
+Eigen::MatrixXd turntable_information(const TableMotion& motion, const SensorModel& truth, const turntable::RawNoise& noise,
+                                      const std::vector<CoefficientIndex>& indices);
 
 /// Runs of seeds 1 .. count on all cores.
 std::vector<Run> run_all(Run (*run)(std::uint64_t), int count);
@@ -60,23 +62,24 @@ std::vector<Run> run_all(Run (*run)(std::uint64_t), int count);
 /// Navigation errors: sigma of the position over the linear one, of this many Monte Carlo runs through a traffic pattern and an hour's drive.
 std::vector<Check> error_growth(int runs);
 
-/// Pure-inertial rates of one drive [nmi/h] with calibrations of the same unit; exact: its own coefficients.
+/// Pure-inertial rates of one drive [nmi/h] with calibrations of the same IMU; exact: its own coefficients.
 struct DriveRun {
   double classical_good, classical_poor, hybrid, exact;
 };
-/// Units, tables, noise and drives of seeds 1 .. runs.
+/// IMUs, tables, noise and drives of seeds 1 .. runs.
 std::vector<DriveRun> drives(int runs);
 /// The first seven, and the RMS of all.
 std::string describe(const std::vector<DriveRun>& runs);
 
-/// Position errors at the end of a flight, east-north-up [m], one a row of the table that describe_flights makes.
+/// Position errors at the end of a flight, east-north-up [m], one per row of the table that describe_flights makes.
 using FlightRun = std::vector<Eigen::Vector3d>;
-/// Units, calibrations and noise of seeds 1 .. runs on docs/dai2011/flight.toml, and on the same without its roll.
+/// IMUs, calibrations and noise of seeds 1 .. runs on docs/dai2011/flight.toml, and on the same without its roll.
 struct DaiFlights {
   std::vector<FlightRun> with_roll, without_roll;
 };
 DaiFlights dai_flights(int runs);
-/// In median: traditional compensation at least ten times as far off as whole-unit compensation, and that as far as the exact coefficients.
+/// In median: the error of traditional compensation is at least ten times that of whole-unit compensation, and the latter equals that of the exact
+/// coefficients.
 std::vector<Check> judge_flights(const std::vector<FlightRun>& runs);
 std::string describe_flights(const std::vector<FlightRun>& runs);
 

@@ -1,23 +1,25 @@
-// The proof by a drive (Cheng 2014, sec 3.3): one unit, calibrated by the classical method on a good table and on a poor one and by the hybrid method on
-// the poor one; then an hour at 60 km/h after an alignment of 300 s, navigated with each, the same recording for all.
-#include "tests/acceptance/acceptance.hpp"
-
-#include "imulab/analysis/navigate.hpp"
-#include "imulab/analysis/navigation_error.hpp"
+// The proof by a drive (Cheng 2014, sec 3.3): one IMU, calibrated by the classical method on a good table and on a poor one and by the hybrid method
+// on the poor one; then an hour at 60 km/h after an alignment of 300 s, navigated with each, the same recording for all.
 #include "imulab/core/units.hpp"
-#include "imulab/estimate/turntable.hpp"
-#include "imulab/navigation/flight.hpp"
+#include "imulab/estimate/turntable/turntable.hpp"
+#include "imulab/navigation/motion/flight.hpp"
+#include "imulab/navigation/navigate.hpp"
+#include "imulab/navigation/navigation_error.hpp"
 #include "imulab/simulate/simulate_motion.hpp"
-#include "tests/hybrid_session.hpp"
 
 #include <fmt/core.h>
 #include <tbb/parallel_for.h>
 
+#include "tests/acceptance/acceptance.hpp"
+#include "tests/calibration_input.hpp"
+#include "tests/hybrid_session.hpp"
 #include <cmath>
 
 namespace imulab::acceptance {
 
 namespace {
+
+using namespace motion;
 
 constexpr double interval = 0.01, nmi_per_h = unit::nmi / unit::hour;
 constexpr double good_table = 0.001 * unit::deg, poor_table = 60 * unit::arcsec;
@@ -34,7 +36,7 @@ struct TableTime {
   Recording recording;
 };
 
-/// The unit on a table whose errors are drawn.
+/// The IMU on a table whose errors are drawn.
 TableTime on_table(Session session, double sigma, const SensorModel& unit, std::uint64_t seed) {
   session.imu.gyro_noise_density = 0.001 * unit::deg_per_sqrt_h;
   session.imu.accel_noise_density = 5 * unit::ug_per_sqrt_hz;
@@ -90,7 +92,8 @@ std::vector<DriveRun> drives(int runs) {
   tbb::parallel_for(0, runs, [&](int k) {
     const auto seed = static_cast<std::uint64_t>(k + 1);
     const SensorModel unit = hybrid_unit(seed);
-    const TableTime good = on_table(classical_procedure(), good_table, unit, seed), poor = on_table(classical_procedure(), poor_table, unit, seed + 1000000),
+    const TableTime good = on_table(classical_procedure(), good_table, unit, seed),
+                    poor = on_table(classical_procedure(), poor_table, unit, seed + 1000000),
                     path = on_table(hybrid_procedure(65.5, 100), poor_table, unit, seed + 2000000);
     Truth on_the_road;
     on_the_road.model = unit;
@@ -100,18 +103,20 @@ std::vector<DriveRun> drives(int runs) {
     Calibration exact;
     exact.model = unit;
     exact.covariance.resize(0, 0);
-    TurntableOptions as_zhang;
-    as_zhang.bias_while_turning = true;  // the gyros' offset is that of the positions
-    out[static_cast<std::size_t>(k)] = {rate(d, recording, calibrate_turntable(good.recording, good.session, as_zhang)),
-                                        rate(d, recording, calibrate_turntable(poor.recording, poor.session, as_zhang)),
-                                        rate(d, recording, calibrate_hybrid(path.recording, rests_of(path.recording, path.session).ranges, path.session).calibration),
-                                        rate(d, recording, exact)};
+    CalibrationOptions as_zhang;
+    as_zhang.turntable.bias_while_turning = true;  // the gyros' offset is that of the positions
+    out[static_cast<std::size_t>(k)] = {
+        rate(d, recording, turntable::calibrate(input_of(good.session, good.recording), as_zhang).calibration),
+        rate(d, recording, turntable::calibrate(input_of(poor.session, poor.recording), as_zhang).calibration),
+        rate(d, recording, hybrid::calibrate(input_of(path.session, path.recording)).calibration),
+        rate(d, recording, exact)};
   });
   return out;
 }
 
 std::string describe(const std::vector<DriveRun>& runs) {
-  std::string text = fmt::format("  {:<8} {:>22} {:>22} {:>18} {:>14}\n", "nmi/h", "classical, 0.001 deg", "classical, 1 arcmin", "hybrid, 1 arcmin", "exact");
+  std::string text =
+      fmt::format("  {:<8} {:>22} {:>22} {:>18} {:>14}\n", "nmi/h", "classical, 0.001 deg", "classical, 1 arcmin", "hybrid, 1 arcmin", "exact");
   DriveRun square{};
   const auto row = [&](const std::string& name, const DriveRun& r) {
     text += fmt::format("  {:<8} {:>22.3f} {:>22.3f} {:>18.3f} {:>14.3f}\n", name, r.classical_good, r.classical_poor, r.hybrid, r.exact);

@@ -1,16 +1,18 @@
 // The linear covariance of navigation errors against full integrations, at full size.
 #include "tests/acceptance/acceptance.hpp"
 
-#include "imulab/analysis/error_monte_carlo.hpp"
-#include "imulab/analysis/error_specification.hpp"
+#include "imulab/navigation/budget/monte_carlo.hpp"
+#include "imulab/navigation/budget/specification.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/navigation/flight.hpp"
+#include "imulab/navigation/motion/flight.hpp"
 
 #include <cmath>
 
 namespace imulab::acceptance {
 
 namespace {
+
+using namespace motion;
 
 ErrorSources sources_after_alignment() {
   ErrorSpecification s;

@@ -1,11 +1,11 @@
-// The proof by a flight (Dai 2011, sec 4.2): one MEMS unit, its recording compensated in several ways, and a gyro unit of table 4 on the same flight;
+// The proof by a flight (Dai 2011, sec 4.2): one MEMS IMU, its recording compensated in several ways, and a FOG IMU of table 4 on the same flight;
 // all navigated without aiding from the exact start.
-#include "imulab/analysis/navigate.hpp"
-#include "imulab/analysis/navigation_error.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/io/mission_file.hpp"
+#include "imulab/io/session/mission.hpp"
+#include "imulab/navigation/navigate.hpp"
+#include "imulab/navigation/navigation_error.hpp"
 #include "imulab/simulate/simulate_motion.hpp"
 
 #include <fmt/core.h>
@@ -20,6 +20,8 @@
 namespace imulab::acceptance {
 
 namespace {
+
+using namespace motion;
 
 constexpr std::array rows{"no compensation",
                           "traditional",
@@ -38,7 +40,7 @@ struct Flight {
   double interval = 0;
   std::vector<Increment> increments;
   UnitTemperature temperature;
-  NoiseModel gyro_noise, accel_noise;  // of the MEMS unit
+  NoiseModel gyro_noise, accel_noise;  // of the MEMS IMU
   Session session;
   Solution truth;  // begin and end
 };
@@ -61,7 +63,7 @@ Flight flight(bool roll) {
   return out;
 }
 
-/// Where the solution ends less where the flight does.
+/// End of the solution less end of the flight.
 Vector3d end_error(const Flight& f, const Recording& recording, const SensorModel& model) {
   Calibration calibration;
   calibration.model = model;

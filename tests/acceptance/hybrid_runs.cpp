@@ -1,7 +1,7 @@
-// Simulated sessions of the hybrid method, and their Fisher information, derived apart from the filter: the attitude at the end of every fifth of a
-// second is an unknown of its own, tied to its neighbours by the gyros' increments; the accelerometers' increments are gravity's in that attitude,
-// since the velocity is zero at every end. Derivatives by the coefficients are those of the raw readings; attitudes are eliminated one after the
-// other.
+// Simulated sessions of the hybrid method, and their Fisher information, derived independently of the filter: the attitude at the end of every fifth
+// of a second is an unknown of its own, tied to its neighbors by the gyros' increments; the accelerometers' increments are gravity's in that
+// attitude, since the velocity is zero at every end. Derivatives by the coefficients are those of the raw readings; attitudes are eliminated one
+// after the other.
 #include "imulab/core/rotation.hpp"
 #include "imulab/earth/earth.hpp"
 #include "imulab/model/compensate.hpp"
@@ -22,8 +22,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// A recording without noise, compensated by the truth: what the sensors felt.
-struct Felt {
+/// A recording without noise, compensated by the truth: the exact inputs of the sensors.
+struct Inputs {
   const Recording& recording;
   const SensorModel& truth;
   Vector3d raw(const Columns3& triad, std::size_t i) const { return {triad[0][i], triad[1][i], triad[2][i]}; }
@@ -45,18 +45,19 @@ Matrix3d attitude_at_rest(const Motion& motion) {
 
 /// Derivatives of the increments over a block: of velocity in n by the accelerometers' coefficients, of rotation in the block's first axes by the
 /// gyros'.
-MatrixXd increment_derivatives(const std::vector<int>& indices, const Felt& felt, std::size_t begin, std::size_t end, Matrix3d& C_nb,
+MatrixXd increment_derivatives(const std::vector<CoefficientIndex>& indices, const Inputs& inputs, std::size_t begin, std::size_t end, Matrix3d& C_nb,
                                const Vector3d& earth_rate_n) {
-  const double dt = felt.recording.interval_s;
+  const double dt = inputs.recording.interval_s;
   const Matrix3d C_start = C_nb;
   MatrixXd derivatives = MatrixXd::Zero(6, static_cast<Index>(indices.size()));
   for (std::size_t i = begin; i < end; ++i) {
-    const Vector3d turn = felt[i].rate * dt;
+    const Vector3d turn = inputs[i].rate * dt;
     const Matrix3d middle = C_nb * rotation_exp(0.5 * turn), to_start = C_start.transpose() * middle;
     for (std::size_t k = 0; k < indices.size(); ++k) {
-      const Coefficient& c = coefficient_table()[static_cast<std::size_t>(indices[k])];
+      const Coefficient& c = coefficient(indices[k]);
       const bool accel = c.triad == Triad::accel;
-      const double reading = c.term == Term::offset ? 1 : (accel ? felt.recording.accel : felt.recording.gyro)[static_cast<std::size_t>(c.column)][i];
+      const double reading =
+          c.term == Term::offset ? 1 : (accel ? inputs.recording.accel : inputs.recording.gyro)[static_cast<std::size_t>(c.column)][i];
       derivatives.block<3, 1>(accel ? 0 : 3, static_cast<Index>(k)) += (reading * dt) * (accel ? middle : to_start).col(c.row);
     }
     C_nb = rotation_exp(-dt * earth_rate_n) * C_nb * rotation_exp(turn);
@@ -64,19 +65,19 @@ MatrixXd increment_derivatives(const std::vector<int>& indices, const Felt& felt
   return derivatives;
 }
 
-MatrixXd hybrid_information(const Recording& exact, const Truth& truth, const Site& site, const std::vector<int>& indices) {
+MatrixXd hybrid_information(const Recording& exact, const Truth& truth, const Site& site, const std::vector<CoefficientIndex>& indices) {
   const auto m = static_cast<Index>(indices.size()), known = m + 1;  // the coefficients, and g
-  const Felt felt{exact, truth.model};
+  const Inputs inputs{exact, truth.model};
   const Vector3d earth = earth_rate_enu(*site.latitude);
   const auto length = static_cast<std::size_t>(std::lround(0.2 / exact.interval_s));
-  Matrix3d C_nb = attitude_at_rest(felt[0]);
+  Matrix3d C_nb = attitude_at_rest(inputs[0]);
   MatrixXd information = MatrixXd::Zero(known + 6, known + 6);  // ..., attitude errors at the block's ends
   information(m, m) = 1 / (site.gravity_sigma() * site.gravity_sigma());
   for (std::size_t begin = 0; begin + length <= exact.size(); begin += length) {
     const double T = static_cast<double>(length) * exact.interval_s;
     const Matrix3d C_start = C_nb;
     MatrixXd jacobian = MatrixXd::Zero(6, known + 6);
-    jacobian.leftCols(m) = increment_derivatives(indices, felt, begin, begin + length, C_nb, earth);
+    jacobian.leftCols(m) = increment_derivatives(indices, inputs, begin, begin + length, C_nb, earth);
     jacobian(2, m) = -T;
     const Matrix3d push = skew<double>(Vector3d(0, 0, truth.gravity * T));  // exp(phi) g T = g T - [g T x] phi, phi that of the middle
     jacobian.block<3, 3>(0, known) = jacobian.block<3, 3>(0, known + 3) = -0.5 * push;
@@ -85,7 +86,7 @@ MatrixXd hybrid_information(const Recording& exact, const Truth& truth, const Si
     jacobian.topRows<3>() /= truth.accel_noise.N * std::sqrt(T);
     jacobian.bottomRows<3>() /= truth.gyro_noise.N * std::sqrt(T);
     information += jacobian.transpose() * jacobian;
-    // The first attitude is done with.
+    // The first attitude is eliminated.
     std::vector<Index> rest;
     for (Index i = 0; i < known + 6; ++i)
       if (i < known || i >= known + 3) rest.push_back(i);
@@ -106,7 +107,7 @@ Run run(std::uint64_t seed, double table_sigma, double rest, double rate_hz) {
   const RecordingSource& source = session.recordings.front();
   const RigErrors errors = draw_rig_errors(session, source, seed);
   const Recording recording = simulate_recording(session, source, truth, seed, errors);
-  const Calibration c = calibrate_hybrid(recording, rests_of(recording, session).ranges, session, base_terms()).calibration;
+  const Calibration c = hybrid::calibrate(input_of(session, recording), base_terms()).calibration;
   if (c.estimated.size() != 21)
     throw std::runtime_error(fmt::format("seed {}: {} coefficients were found undetermined", seed, c.quality.unobservable.size()));
   Truth quiet = truth;

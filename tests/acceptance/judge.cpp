@@ -22,7 +22,7 @@ std::vector<Check> judge(const std::vector<Run>& runs) {
   Eigen::VectorXd squares = Eigen::VectorXd::Zero(m);  // over the bound's variance
   std::map<std::string, std::vector<Index>> groups;
   for (Index i = 0; i < m; ++i) {
-    const Coefficient& c = coefficient_table()[static_cast<std::size_t>(runs.front().indices[static_cast<std::size_t>(i)])];
+    const Coefficient& c = coefficient(runs.front().indices[static_cast<std::size_t>(i)]);
     groups[std::string(to_string(c.triad)) + "." + std::string(to_string(c.term))].push_back(i);
   }
   std::map<std::string, double> inside;
@@ -47,7 +47,7 @@ std::vector<Check> judge(const std::vector<Run>& runs) {
   }
   Index worst;
   squares.maxCoeff(&worst);
-  const Coefficient& c = coefficient_table()[static_cast<std::size_t>(runs.front().indices[static_cast<std::size_t>(worst)])];
+  const Coefficient& c = coefficient(runs.front().indices[static_cast<std::size_t>(worst)]);
   checks.push_back({"worst coefficient " + std::string(c.name), std::sqrt(squares[worst]), 0,
                     std::sqrt(chi_square_quantile(1 - 0.001 / static_cast<double>(m), n) / n)});
   return checks;

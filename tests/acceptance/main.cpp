@@ -1,8 +1,7 @@
-// imulab_accept [COUNT] [METHOD]: the acceptance test at full size; its figures stand in docs/validation.md.
-#include "tests/acceptance/acceptance.hpp"
-
+// imulab_accept [COUNT] [METHOD]: the acceptance test at full size; docs/validation.md has its figures.
 #include <fmt/core.h>
 
+#include "tests/acceptance/acceptance.hpp"
 #include <algorithm>
 #include <cstdlib>
 #include <string>
@@ -16,11 +15,12 @@ int main(int argc, char** argv) {
     Run (*run)(std::uint64_t);
     int count;
   };
-  // On the 1 arcmin table the second order is not normal: over many more sessions its 95 % intervals show that they hold 94 % (docs/validation.md).
-  for (const auto& [name, run, usual] : {Method{"handheld", handheld_run, 500}, Method{"static", static_run, 500},
-                                         Method{"turntable-2-arcsec", arcsecond_table_run, 200}, Method{"turntable-1-arcmin", arcminute_table_run, 200},
-                                         Method{"hybrid-2-arcsec", hybrid_arcsecond_run, 200}, Method{"hybrid-1-arcmin", hybrid_arcminute_run, 200},
-                                         Method{"hybrid-1-deg", hybrid_degree_run, 200}, Method{"whole-unit", whole_unit_run, 200}}) {
+  // On the 1 arcmin table the second order is not normal: over many more sessions its 95 % intervals contain 94 % (docs/validation.md).
+  for (const auto& [name, run, usual] :
+       {Method{"handheld", handheld_run, 500}, Method{"static", static_run, 500}, Method{"turntable-2-arcsec", arcsecond_table_run, 200},
+        Method{"turntable-1-arcmin", arcminute_table_run, 200}, Method{"hybrid-2-arcsec", hybrid_arcsecond_run, 200},
+        Method{"hybrid-1-arcmin", hybrid_arcminute_run, 200}, Method{"hybrid-1-deg", hybrid_degree_run, 200},
+        Method{"whole-unit", whole_unit_run, 200}}) {
     const int count = argc > 1 ? std::atoi(argv[1]) : usual;
     if (!only.empty() && only != name) continue;
     const auto checks = judge(run_all(run, count));
@@ -49,7 +49,8 @@ int main(int argc, char** argv) {
     for (const bool roll : {true, false}) {
       const auto& flights = roll ? flown.with_roll : flown.without_roll;
       const auto checks = judge_flights(flights);
-      fmt::print("dai-flight{}: {} flights, seeds 1..{}\n{}{}", roll ? "" : " without its roll", runs, runs, describe_flights(flights), describe(checks));
+      fmt::print("dai-flight{}: {} flights, seeds 1..{}\n{}{}", roll ? "" : " without its roll", runs, runs, describe_flights(flights),
+                 describe(checks));
       passed = passed && std::all_of(checks.begin(), checks.end(), [](const Check& c) { return c.passed(); });
     }
   }

@@ -1,10 +1,12 @@
 #include "tests/acceptance/mems_unit.hpp"
 
-#include "imulab/estimate/turntable.hpp"
-#include "imulab/estimate/whole_unit.hpp"
+#include "imulab/estimate/turntable/turntable.hpp"
+#include "imulab/estimate/whole_unit/whole_unit.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/simulate/simulate.hpp"
+
+#include "tests/calibration_input.hpp"
 
 namespace imulab::acceptance {
 
@@ -17,10 +19,11 @@ Recording simulated(const Session& session, const RecordingSource& source, const
 SensorModel traditional(const SensorModel& unit, std::uint64_t seed) {
   Session session = zhang_24_procedure({});
   session.imu.grade = "mems-30g";
-  TurntableOptions options;
+  CalibrationOptions options;
   for (const char* term : {"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"})
-    for (const int index : select_coefficients(term)) options.terms.push_back(index);
-  return calibrate_turntable(simulated(session, session.recordings.front(), draw_truth(session, seed, unit), seed), session, options).model;
+    for (const CoefficientIndex index : select_coefficients(term)) options.terms.push_back(index);
+  const Recording recording = simulated(session, session.recordings.front(), draw_truth(session, seed, unit), seed);
+  return turntable::calibrate(input_of(session, recording), options).calibration.model;
 }
 
 }  // namespace
@@ -30,7 +33,9 @@ CalibratedUnit calibrated_unit(std::uint64_t seed) {
   const Truth truth = draw_truth(session, seed);
   std::vector<Recording> recordings;
   for (const RecordingSource& source : session.recordings) recordings.push_back(simulated(session, source, truth, seed));
-  return {truth.model, traditional(truth.model, seed), calibrate_whole_unit(recordings, session, {.full = true}).model};
+  CalibrationOptions full;
+  full.whole_unit.full = true;
+  return {truth.model, traditional(truth.model, seed), whole_unit::calibrate({session, recordings}, full).calibration.model};
 }
 
 }  // namespace imulab::acceptance

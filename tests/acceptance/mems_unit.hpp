@@ -1,4 +1,4 @@
-// A MEMS unit of Dai 2011, table 2, drawn and calibrated.
+// A MEMS IMU of Dai 2011, table 2, drawn and calibrated.
 #pragma once
 
 #include "imulab/model/sensor_model.hpp"
@@ -13,7 +13,7 @@ struct CalibratedUnit {
   SensorModel whole;        // from chamber, rate table and centrifuge
 };
 
-/// The unit, the errors of all machines and all noise are drawn from the seed.
+/// The IMU, the errors of all machines and all noise are drawn from the seed.
 CalibratedUnit calibrated_unit(std::uint64_t seed);
 
 }  // namespace imulab::acceptance

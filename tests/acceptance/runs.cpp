@@ -1,13 +1,10 @@
-// Simulated sessions and their Fisher information. The information is derived apart from the estimators: every attitude is an unknown of its own, and
-// the readings' derivatives are differences of the predicted readings.
-#include "tests/acceptance/acceptance.hpp"
-
+// Simulated sessions and their Fisher information. The information is derived independently of the estimators: every attitude is an unknown of its
+// own, and the readings' derivatives are differences of the predicted readings.
 #include "imulab/core/random.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
-#include "imulab/estimate/handheld.hpp"
-#include "imulab/estimate/static.hpp"
+#include "tests/calibration_input.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/compensate.hpp"
 #include "imulab/recording/rests.hpp"
@@ -17,6 +14,7 @@
 #include <Eigen/LU>
 #include <fmt/core.h>
 
+#include "tests/acceptance/acceptance.hpp"
 #include <cmath>
 #include <functional>
 
@@ -28,11 +26,11 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-std::vector<int> indices_of(const std::vector<const char*>& selectors) {
-  std::vector<int> indices;
+std::vector<CoefficientIndex> indices_of(const std::vector<const char*>& selectors) {
+  std::vector<CoefficientIndex> indices;
   for (const char* selector : selectors)
-    for (const int index : select_coefficients(selector)) {
-      const Coefficient& c = coefficient_table()[static_cast<std::size_t>(index)];
+    for (const CoefficientIndex index : select_coefficients(selector)) {
+      const Coefficient& c = coefficient(index);
       if (!(c.triad == Triad::accel && c.term == Term::matrix && c.column > c.row)) indices.push_back(index);  // zero by the frame
     }
   return indices;
@@ -72,7 +70,7 @@ MatrixXd schur(const MatrixXd& information, Index m) {
 
 /// The session as the Fisher information sees it: unknowns are the coefficients, g, and three attitude errors for each rest.
 struct Model {
-  std::vector<int> indices;
+  std::vector<CoefficientIndex> indices;
   const Truth* truth;
   double latitude;
   std::vector<Matrix3d> C_nb;
@@ -121,11 +119,11 @@ struct Model {
       return C;
     };
     const double duration = static_cast<double>(range.size()) * exact.interval_s;
-    const Matrix3d earth = rotation_exp(earth_rate_enu(latitude) * duration);  // how n turns meanwhile
+    const Matrix3d earth = rotation_exp(earth_rate_enu(latitude) * duration);  // rotation of n meanwhile
     const Matrix3d nominal = attitude(VectorXd::Zero(attitude_at(C_nb.size())), k).transpose() * earth * C_nb[k + 1];
     const Matrix3d start = integrated(truth->model);
     return {[=, this](const VectorXd& x) {
-              const Matrix3d by_gyro = integrated(sensor(x)) * start.transpose();  // relative to the truth: the integrator's own error drops out
+              const Matrix3d by_gyro = integrated(sensor(x)) * start.transpose();  // relative to the truth: the integrator's own error cancels
               const Matrix3d by_attitude = attitude(x, k).transpose() * earth * attitude(x, k + 1) * nominal.transpose();
               return VectorXd(rotation_log(by_gyro * by_attitude.transpose()) / angle_sigma);
             },
@@ -135,9 +133,9 @@ struct Model {
 
 struct Scenario {
   Session session;
-  std::vector<int> indices;
+  std::vector<CoefficientIndex> indices;
   bool rotations;
-  Calibration (*method)(const Recording&, const std::vector<Range>&, const ImuDeclaration&, const Site&, const EstimateOptions&);
+  std::string_view method;
 };
 
 MatrixXd fisher_information(const Scenario& scenario, const Truth& truth, const Recording& exact) {
@@ -176,10 +174,11 @@ Run run(const Scenario& scenario, std::uint64_t seed) {
   const Recording recording = simulate_recording(scenario.session, source, truth, seed);
   Session given = scenario.session;
   given.steps.clear();
-  EstimateOptions options;
+  CalibrationOptions options;
   options.terms = scenario.indices;
-  const Calibration c = scenario.method(recording, rests_of(recording, given).ranges, {}, given.site, options);
-  if (c.estimated.size() != scenario.indices.size()) throw std::runtime_error(fmt::format("seed {}: {} coefficients were found undetermined", seed, c.quality.unobservable.size()));
+  const Calibration c = calibrated(scenario.method, recording, rests_of(recording, given).ranges, {}, given.site, options);
+  if (c.estimated.size() != scenario.indices.size())
+    throw std::runtime_error(fmt::format("seed {}: {} coefficients were found undetermined", seed, c.quality.unobservable.size()));
 
   Truth quiet = truth;
   quiet.accel_noise.N = quiet.gyro_noise.N = 0;
@@ -196,8 +195,8 @@ Run handheld_run(std::uint64_t seed) {
   HandHeldOptions options;
   options.poses = 30;
   options.rest = 6;
-  Scenario scenario{hand_held_procedure(options, seed), indices_of({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix", "gyro.g_sensitivity"}), true,
-                    calibrate_handheld};
+  Scenario scenario{hand_held_procedure(options, seed),
+                    indices_of({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix", "gyro.g_sensitivity"}), true, "handheld"};
   return run(scenario, seed);
 }
 
@@ -208,7 +207,8 @@ Run static_run(std::uint64_t seed) {
   options.first_rest = options.rest = 60;
   options.move = 4;
   options.grade = "navigation";
-  Scenario scenario{hand_held_procedure(options, seed), indices_of({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"}), false, calibrate_static};
+  Scenario scenario{hand_held_procedure(options, seed), indices_of({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"}), false,
+                    "static"};
   return run(scenario, seed);
 }
 

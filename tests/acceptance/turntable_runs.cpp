@@ -1,10 +1,8 @@
-// Simulated recordings on a turntable whose errors are drawn, and their Fisher information, derived apart from the estimator: readings with white noise
-// alone as a function of the coefficients and of every error of the table, which are unknowns with a prior; derivatives by differences; the table's
-// errors eliminated; and the second order of what remains of them.
-#include "tests/acceptance/acceptance.hpp"
-
+// Simulated recordings on a turntable whose errors are drawn, and their Fisher information, derived independently of the estimator: readings with
+// white noise alone as a function of the coefficients and of every error of the table, which are unknowns with a prior; derivatives by differences;
+// the table's errors eliminated; and the second order of what remains of them.
 #include "imulab/core/units.hpp"
-#include "imulab/estimate/turntable.hpp"
+#include "imulab/estimate/turntable/turntable.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/rig/procedure.hpp"
 
@@ -12,6 +10,8 @@
 #include <Eigen/LU>
 #include <fmt/core.h>
 
+#include "tests/acceptance/acceptance.hpp"
+#include "tests/calibration_input.hpp"
 #include <stdexcept>
 
 namespace imulab::acceptance {
@@ -22,14 +22,15 @@ using Eigen::VectorXd;
 
 namespace {
 
-SensorModel with_coefficients(SensorModel model, const std::vector<int>& indices, const VectorXd& values) {
+SensorModel with_coefficients(SensorModel model, const std::vector<CoefficientIndex>& indices, const VectorXd& values) {
   for (std::size_t i = 0; i < indices.size(); ++i) set_coefficient(model, indices[i], values[static_cast<Index>(i)]);
   return model;
 }
 
 }  // namespace
 
-MatrixXd turntable_information(const TableMotion& motion, const SensorModel& truth, const RawNoise& noise, const std::vector<int>& indices) {
+MatrixXd turntable_information(const TableMotion& motion, const SensorModel& truth, const turntable::RawNoise& noise,
+                               const std::vector<CoefficientIndex>& indices) {
   const auto m = static_cast<Index>(indices.size()), k = static_cast<Index>(motion.sources().size());
   const double step = 1e-5;
   VectorXd at(m + k);
@@ -43,16 +44,16 @@ MatrixXd turntable_information(const TableMotion& motion, const SensorModel& tru
     minus[c] -= step;
     jacobian.col(c) = (predicted(plus) - predicted(minus)) / (2 * step);
   }
-  jacobian.rightCols(k) *= motion.sigma().asDiagonal();  // in units of each one's sigma; those that are known exactly drop out
+  jacobian.rightCols(k) *= motion.sigma().asDiagonal();  // in units of each one's sigma; those that are known exactly vanish
   const MatrixXd white = noise_covariance(motion, noise.accel, noise.gyro).llt().matrixL().solve(jacobian);
   const MatrixXd information = white.transpose() * white;
   const MatrixXd cross = information.topRightCorner(m, k);
   const MatrixXd first_order =
       information.topLeftCorner(m, m) - cross * (information.bottomRightCorner(k, k) + MatrixXd::Identity(k, k)).ldlt().solve(cross.transpose());
-  // What no reading shows of the table is drawn, and its second order is no one's to avoid.
-  TurntableSettings settings;
+  // The table errors that no reading shows are drawn, and no estimator can avoid their second order.
+  turntable::EstimatorOptions settings;
   settings.terms = indices;
-  const MatrixXd second_order = TurntableEstimator(motion, truth, noise, settings).second_order(truth, indices).covariance;
+  const MatrixXd second_order = turntable::Estimator(motion, truth, noise, settings).second_order(truth, indices).covariance;
   return (first_order.inverse() + second_order).inverse();
 }
 
@@ -65,14 +66,15 @@ Run turntable_run(std::uint64_t seed, double table_sigma) {
   const Truth truth = draw_truth(session, seed);
   const RecordingSource& source = session.recordings.front();
   const Recording recording = simulate_recording(session, source, truth, seed, draw_rig_errors(session, source, seed));
-  TurntableOptions chosen;
+  CalibrationOptions chosen;
   for (const char* selector : {"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"})
-    for (const int index : select_coefficients(selector)) chosen.terms.push_back(index);
-  const Calibration c = calibrate_turntable(recording, session, chosen);
+    for (const CoefficientIndex index : select_coefficients(selector)) chosen.terms.push_back(index);
+  const Calibration c = turntable::calibrate(input_of(session, recording), chosen).calibration;
   if (c.estimated.size() != chosen.terms.size())
     throw std::runtime_error(fmt::format("seed {}: {} coefficients were found undetermined", seed, c.quality.unobservable.size()));
-  const TableMotion motion(observe(recording, session), rig, session.site);
-  const RawNoise noise{raw_density(truth.accel_noise.N, truth.model.accel.matrix), raw_density(truth.gyro_noise.N, truth.model.gyro.matrix)};
+  const TableMotion motion(turntable::observe(recording, session).parts, rig, session.site);
+  const turntable::RawNoise noise{turntable::raw_density(truth.accel_noise.N, truth.model.accel.matrix),
+                                  turntable::raw_density(truth.gyro_noise.N, truth.model.gyro.matrix)};
   Run result{c.estimated, VectorXd(c.estimated.size()), c.covariance, turntable_information(motion, truth.model, noise, c.estimated)};
   for (std::size_t i = 0; i < c.estimated.size(); ++i)
     result.error[static_cast<Index>(i)] = coefficient_value(c.model, c.estimated[i]) - coefficient_value(truth.model, c.estimated[i]);

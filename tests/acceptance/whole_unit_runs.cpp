@@ -1,5 +1,5 @@
-// Simulated whole-unit sessions, and their Fisher information, derived apart from the estimator: raw means as a function of the coefficients and of
-// every error of the machines, which are unknowns with a prior; derivatives by differences through the inverse of the sensor model.
+// Simulated whole-unit sessions, and their Fisher information, derived independently of the estimator: raw means as a function of the coefficients
+// and of every error of the machines, which are unknowns with a prior; derivatives by differences through the inverse of the sensor model.
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
@@ -60,8 +60,8 @@ std::vector<Point> points_of(const WholeUnitSession& s, VectorXd& sigma) {
   std::vector<Point> points;
   std::vector<double> sigmas{s.session.site.gravity_sigma()};
   for (std::size_t r = 0; r < s.recordings.size(); ++r) {
-    const RigDeclaration* const rig = rig_of(s.session, s.session.recordings[r]);
-    const std::vector<Step> steps = steps_of(s.session, s.session.recordings[r]);
+    const RigDeclaration* const rig = s.session.rig_of(s.session.recordings[r]);
+    const std::vector<Step> steps = s.session.steps_of(s.session.recordings[r]);
     const auto sources = machine_error_sources(*rig, steps);
     const auto first = static_cast<Index>(sigmas.size());
     for (const RigErrorSource& e : sources) sigmas.push_back(e.sigma);
@@ -105,7 +105,7 @@ double step_of(const Coefficient& c) {
   return 1;
 }
 
-/// Covariance of a point's raw means: noise of force and rate, thermal readings, and what part of a turn leaves of horizontal vectors.
+/// Covariance of a point's raw means: noise of force and rate, thermal readings, and what remains of horizontal vectors over part of a turn.
 Matrix6 noise_of(const Point& p, const WholeUnitSession& s, const Vector6& motion) {
   const SensorModel& model = s.truth.model;
   const Site& site = s.session.site;
@@ -138,7 +138,7 @@ Matrix6 noise_of(const Point& p, const WholeUnitSession& s, const Vector6& motio
   return noise;
 }
 
-MatrixXd information_of(const WholeUnitSession& s, const std::vector<int>& indices) {
+MatrixXd information_of(const WholeUnitSession& s, const std::vector<CoefficientIndex>& indices) {
   VectorXd sigma;
   const std::vector<Point> points = points_of(s, sigma);
   const auto m = static_cast<Index>(indices.size()), k = sigma.size();
@@ -148,8 +148,8 @@ MatrixXd information_of(const WholeUnitSession& s, const std::vector<int>& indic
     const Vector6 motion = motion_at(p, none, s.session.site);
     MatrixXd jacobian(6, m + k);
     for (Index c = 0; c < m; ++c) {
-      const int index = indices[static_cast<std::size_t>(c)];
-      const double h = step_of(coefficient_table()[static_cast<std::size_t>(index)]);
+      const CoefficientIndex index = indices[static_cast<std::size_t>(c)];
+      const double h = step_of(coefficient(index));
       const auto moved = [&](double by) {
         SensorModel model = s.truth.model;
         set_coefficient(model, index, coefficient_value(model, index) + by);
@@ -174,9 +174,7 @@ Run run_of(std::uint64_t seed, double record) {
   DaiUnitOptions options;
   options.record = record;
   const WholeUnitSession s = whole_unit_session(seed, options, [](Session&) {});
-  WholeUnitOptions full;
-  full.full = true;
-  const Calibration c = calibrate_whole_unit(s.recordings, s.session, full);
+  const Calibration c = whole_unit::calibrate(s.input(), full_whole_unit()).calibration;
   return {c.estimated, errors_of(c, s.truth.model), c.covariance, information_of(s, c.estimated)};
 }
 
@@ -191,15 +189,12 @@ std::vector<Check> whole_unit_outputs(int runs) {
     VectorXd joint, stepwise;
   };
   std::vector<Result> results(static_cast<std::size_t>(runs));
-  std::vector<int> indices;
+  std::vector<CoefficientIndex> indices;
   tbb::parallel_for(0, runs, [&](int i) {
     const auto seed = static_cast<std::uint64_t>(i + 1);
     const WholeUnitSession s = whole_unit_session(seed, {}, [](Session&) {});
-    WholeUnitOptions options;
-    options.full = true;
-    const Calibration c = calibrate_whole_unit(s.recordings, s.session, options);
-    options.stepwise = true;
-    const Calibration steps = calibrate_whole_unit(s.recordings, s.session, options);
+    const Calibration c = whole_unit::calibrate(s.input(), full_whole_unit()).calibration;
+    const Calibration steps = whole_unit::calibrate(s.input(), full_whole_unit(true)).calibration;
     // Anywhere in the range: 30 g and 400 deg/s on every axis at once, 0 to 70 degC.
     const RandomStream draws(seed, "any motion");
     std::uint64_t n = 0;
@@ -225,10 +220,10 @@ std::vector<Check> whole_unit_outputs(int runs) {
   VectorXd gain = (stepwise.array() / joint.array()).sqrt();
   Index least, most;
   gain.minCoeff(&least), gain.maxCoeff(&most);
-  const auto name = [&](Index k) { return std::string(coefficient_table()[static_cast<std::size_t>(indices[static_cast<std::size_t>(k)])].name); };
+  const auto name = [&](Index k) { return std::string(coefficient(indices[static_cast<std::size_t>(k)]).name); };
   std::vector<double> sorted(gain.begin(), gain.end());
   const double any = std::numeric_limits<double>::infinity();
-  // Where the steps use the same points with the same weights both are the same but for chance: three sigma of a ratio of correlated RMS values.
+  // Where the steps use the same points with the same weights both agree up to chance: three sigma of a ratio of correlated RMS values.
   return {{"compensated output", squared, chi_square_quantile(0.0005, dof) / dof, chi_square_quantile(0.9995, dof) / dof},
           {"stepwise over joint, least: " + name(least), gain[least], 1 - 3 / std::sqrt(2 * n), any},
           {"stepwise over joint, median", median(sorted), 1, any},

@@ -1,0 +1,55 @@
+// The Kalman filter of the hybrid method: the calibration from the computed velocity and attitude of an IMU that turns in one place (Cheng 2014
+// sec 2). The only reference is that the IMU stays there; a table's angles are not used.
+#pragma once
+
+#include "imulab/estimate/hybrid/blocks.hpp"
+#include "imulab/estimate/hybrid/error_equations.hpp"
+
+#include <limits>
+#include <optional>
+#include <vector>
+
+namespace imulab::hybrid {
+
+/// The data that are the same in every pass.
+struct Data {
+  const Recording& recording;
+  std::vector<Block> blocks;
+  Place place;
+  Noise noise;
+  SensorModel coarse;                    ///< the coarse solution
+  std::vector<CoefficientIndex> wanted;  ///< to estimate; empty: all
+};
+
+/// The point of linearization.
+struct Linearization {
+  SensorModel model;
+  Place place;
+  std::optional<Matrix3d> start = {};  ///< attitude at the start, C_nb; absent: by alignment on the first rest
+};
+
+struct PassOptions {
+  double outlier = std::numeric_limits<double>::infinity();  ///< a velocity whose innovation is beyond this chi-square is not used
+  double curve_interval = 0;                                 ///< s between the points of `curve`; 0: none
+};
+
+/// The estimate after a block.
+struct CurvePoint {
+  double time;  ///< s
+  Eigen::VectorXd x, sigma;
+};
+
+struct Pass {
+  Matrix3d start;     ///< attitude at the start about which the pass was linearized
+  Eigen::VectorXd x;  ///< constants, and errors of attitude and velocity at the end
+  Eigen::MatrixXd covariance;
+  std::vector<double> chi2;       ///< of the innovations by block, three degrees of freedom each; zero where nothing was observed
+  std::vector<CurvePoint> curve;  ///< thinned
+};
+
+/// One pass over the blocks; the errors stay small states beside the model that they are linearized about. `known`: the prior of the constants.
+/// The covariance is carried as its Cholesky factor: exactly known velocities after wide priors destroy a covariance numerically.
+Pass filter_pass(const Data& data, const Linearization& about, const States& states, const kernel::Parameters& known,
+                 const PassOptions& options = {});
+
+}  // namespace imulab::hybrid

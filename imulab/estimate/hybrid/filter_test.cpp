@@ -1,0 +1,89 @@
+#include "imulab/estimate/hybrid/filter.hpp"
+
+#include "imulab/estimate/hybrid/navigator.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/hybrid_session.hpp"
+
+namespace imulab::hybrid {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+struct Navigated {
+  Matrix3d C_nb;
+  Vector3d velocity = Vector3d::Zero();
+};
+
+Navigated navigate(const Data& data, const SensorModel& model, const Place& place, const States& states, const Matrix3d& start) {
+  const Recording readings = compensated(data.recording, data.blocks, model);
+  Navigator navigator(readings, place, states);
+  navigator.C_nb = start;
+  Navigated out;
+  for (const Block& block : data.blocks) out.velocity += navigator.over(block, data.blocks.front().samples.begin).velocity;
+  out.C_nb = navigator.C_nb;
+  return out;
+}
+
+/// Errors of one model's results relative to another's, as the filter defines them: C_hat = (I - [phi x]) C.
+VectorXd errors_of(const Navigated& computed, const Navigated& truth) {
+  VectorXd e(6);
+  e << -rotation_log(computed.C_nb * truth.C_nb.transpose()), computed.velocity - truth.velocity;
+  return e;
+}
+
+TEST(HybridFilter, ItsDerivativesAreThoseOfTheNavigation) {
+  // Three rests and the turns between them without noise at 100 Hz; every kind of state, each alone.
+  const HybridSession s = hybrid_session(1, [](Session& session) {
+    session = hybrid_procedure(6, 100);
+    session.imu.accel_noise_density = session.imu.gyro_noise_density = 1e-14;
+  });
+  const SensorModel& model = s.truth.model;
+  const Place place{*s.session.site.latitude, s.truth.gravity, 0, 1e-4};
+  const States states({Group::lever_arm, Group::quadratic, Group::g_sensitivity}, place);
+  Data data{s.recording, cut_into_blocks(s.recording, {s.rests[0], s.rests[1], s.rests[2]}, true).blocks,
+            place,       {Vector3d::Constant(1e-9), Vector3d::Constant(1e-9)},
+            model,       {}};
+  for (Block& block : data.blocks) block.observed = false;  // nothing but the transition
+  const Recording readings = compensated(s.recording, data.blocks, model);
+  Navigator navigator(readings, place, states);
+  navigator.align(data.blocks.front().samples);
+  const Linearization about{model, place, navigator.C_nb};
+
+  const Navigated computed = navigate(data, model, place, states, navigator.C_nb);
+  const Index start = states.first(Group::start), gravity = states.first(Group::gravity), arms = states.first(Group::lever_arm);
+  for (Index state = 0; state < states.constants(); ++state) {
+    if (state >= start && state < start + 3) continue;
+    kernel::Parameters known = states.parameters(VectorXd::Zero(states.constants()));
+    known.sigma.setZero();
+    known.sigma.segment<3>(start).setConstant(1e-9);
+    // Large enough against rounding, small enough for its square: a rotation by 1e-5 is a square of 1e-10.
+    known.offset[state] = state == gravity ? 1e-5 : state < 3 ? 1e-4 : state >= arms && state < arms + 9 ? 1e-3 : 1e-6;
+    Place there = place;
+    if (state == gravity) there.gravity *= 1 + known.offset[state];
+    const VectorXd difference = errors_of(computed, navigate(data, corrected(model, known.offset, states), there, states, navigator.C_nb));
+    const VectorXd predicted = filter_pass(data, about, states, known).x.tail(6);
+    // The neglected part of a sample's derivatives is proportional to the square of the 2e-3 rad it turns; the size effect takes the rate at a
+    // block's end from its neighbors. The absolute part: a quadratic term squares its own axis's reading, without the neighbors' misalignments.
+    for (const Index part : {0, 3})
+      EXPECT_LT((difference - predicted).segment<3>(part).norm(), 2e-3 * difference.segment<3>(part).norm() + (part == 0 ? 1e-13 : 2e-10))
+          << "state " << state << (part == 0 ? ", attitude " : ", velocity ") << difference.segment<3>(part).transpose() << " predicted "
+          << predicted.segment<3>(part).transpose();
+  }
+}
+
+TEST(HybridBlocks, CoverTheRecordingFromTheFirstRestToTheLast) {
+  const HybridSession s = hybrid_session(2);
+  const std::vector<Block> blocks = cut_into_blocks(s.recording, s.rests, true).blocks;
+  EXPECT_EQ(blocks.back().samples.end, s.rests.back().end);
+  for (std::size_t k = 0; k < blocks.size(); ++k) {
+    EXPECT_GT(blocks[k].samples.size(), 0u);
+    EXPECT_EQ(blocks[k].samples.begin, k > 0 ? blocks[k - 1].samples.end : s.rests.front().begin);
+    EXPECT_LE(blocks[k].samples.size(), blocks[k].at_rest ? 30u : 9u);  // a second, or a fifth, and half more
+  }
+}
+
+}  // namespace
+}  // namespace imulab::hybrid

@@ -1,0 +1,197 @@
+#include "imulab/estimate/hybrid/hybrid.hpp"
+
+#include "imulab/core/decomposition.hpp"
+#include "imulab/core/error.hpp"
+#include "imulab/core/statistics.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/earth/earth.hpp"
+#include "imulab/estimate/hybrid/iteration.hpp"
+#include "imulab/estimate/hybrid/start.hpp"
+#include "imulab/estimate/kernel/input.hpp"
+#include "imulab/model/grade.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace imulab::hybrid {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr const char* wrong_latitude = "the latitude seems to be wrong";
+
+void warn_of_short_rests(const std::vector<Range>& rests, const std::vector<Range>& still, kernel::Findings& findings) {
+  const auto n = std::inner_product(rests.begin(), rests.end(), still.begin(), std::size_t{0}, std::plus<>(), std::equal_to<>());
+  if (2 * n > rests.size())
+    findings.warn(
+        fmt::format("{} of {} rests are no longer than {:g} s; settling transients at their ends cannot be cut off, and the Earth's rate hardly "
+                    "shows in them; use rests of 30 s or more",
+                    n, rests.size(), 5 * settling_time));
+}
+
+/// White noise of the calibrated output from the samples' or the declared noise; random walks of the offsets and quantization of the velocity as
+/// declared.
+Noise noise_of(const kernel::SampleNoise& raw, const SensorModel& coarse, const Recording& recording, const ImuDeclaration& imu) {
+  const double root = std::sqrt(recording.interval_s);
+  Noise noise{root * (coarse.gyro.matrix.cwiseAbs2() * raw.gyro.cwiseAbs2()).cwiseSqrt(),
+              root * (coarse.accel.matrix.cwiseAbs2() * raw.accel.cwiseAbs2()).cwiseSqrt()};
+  const Grade none{}, &full = imu.noise == NoiseTerms::full && imu.grade ? grade(*imu.grade) : none;
+  const NoiseModel gyro = imu.gyro_noise.value_or(full.gyro_noise), accel = imu.accel_noise.value_or(full.accel_noise);
+  noise.gyro_walk.setConstant(gyro.K);
+  noise.accel_walk.setConstant(accel.K);
+  noise.velocity = accel.Q;
+  return noise;
+}
+
+/// The determined coefficients of the table; the others stay at the coarse solution and are named.
+Calibration calibration_of(const Data& data, const Iterate& iterate) {
+  const Errors errors = determined_errors(iterate);
+  Calibration c;
+  c.method = "hybrid";
+  c.model = iterate.about.model;
+  for (const Index s : iterate.states.corrections()) {
+    const CoefficientIndex index = iterate.states.corrects(s);
+    if (std::find(errors.undetermined.begin(), errors.undetermined.end(), s) == errors.undetermined.end()) {
+      c.estimated.push_back(index);
+    } else {
+      c.quality.unobservable.emplace_back(coefficient(index).name);
+      set_coefficient(c.model, index, coefficient_value(data.coarse, index));
+    }
+  }
+  const MatrixXd jacobian = correction_jacobian(iterate.about.model, c.estimated, iterate.states);
+  c.covariance = jacobian * errors.covariance * jacobian.transpose();
+  if (!c.estimated.empty()) c.quality.condition = kernel::condition_number(c.covariance);
+  return c;
+}
+
+/// The latitude that a g-sensitivity equal on all axes corresponds to: up is along the force at every rest, so the two cannot be told apart.
+std::optional<SeenLatitude> latitude_instead(const Calibration& c, const Place& place) {
+  std::vector<Index> at;
+  VectorXd value(9), alike = VectorXd::Zero(9);
+  for (std::size_t i = 0; i < c.estimated.size(); ++i) {
+    const Coefficient& row = coefficient(c.estimated[i]);
+    if (row.term != Term::g_sensitivity) continue;
+    const auto k = static_cast<Index>(at.size());
+    value[k] = coefficient_value(c.model, c.estimated[i]);
+    alike[k] = row.row == row.column ? 1 : 0;
+    at.push_back(static_cast<Index>(i));
+  }
+  if (at.size() != 9) return {};
+  const MatrixXd covariance = c.covariance(at, at);
+  const VectorXd weight = solve_semidefinite(covariance, alike);
+  const double variance = 1 / alike.dot(weight), common = variance * value.dot(weight);
+  const VectorXd rest = value - common * alike;
+  const double sine = std::sin(place.latitude) - common * place.gravity / earth_rate;
+  if (common * common < 25 * variance || chi_square_tail(squared_norm_in(covariance, rest), 8) < 1e-3 || std::abs(sine) > 1) return {};
+  const double latitude = std::asin(sine);
+  return SeenLatitude{latitude, std::sqrt(variance) * place.gravity / earth_rate / std::cos(latitude)};
+}
+
+/// Chi-square of the velocities in the last pass.
+void add_residuals(const Data& data, const Iterate& iterate, Quality& quality) {
+  const std::vector<double>& chi2 = iterate.pass.chi2;
+  const auto used = std::count_if(data.blocks.begin(), data.blocks.end(), [](const Block& b) { return b.observed; });
+  quality.degrees_of_freedom = static_cast<int>(3 * used - (iterate.states.prior.array() > 0).count());
+  quality.chi2_per_dof = std::accumulate(chi2.begin(), chi2.end(), 0.0) / std::max(1, quality.degrees_of_freedom);
+}
+
+void report(const Data& data, const Converged& result, const Site& site, Calibration& calibration, kernel::Findings& findings) {
+  const Iterate& last = result.last;
+  const auto sigma = [&](Index state) { return std::sqrt(last.pass.covariance(state, state)); };
+  add_residuals(data, last, calibration.quality);
+  calibration.quality.term_tests = result.tests;
+  calibration.quality.sources.push_back(kernel::gravity_source(site));
+  if (result.left_out > 0)
+    findings.warn(fmt::format("{} of {} velocities do not fit: the unit was bumped, shaken, or displaced; they are not used", result.left_out,
+                              data.blocks.size()));
+  findings.note(fmt::format("{} iterations over {} blocks", last.iterations, data.blocks.size()));
+  if (const double heading = sigma(last.states.first(Group::start) + 2); last.terms.contains(Group::g_sensitivity) && heading > 3 * unit::deg)
+    findings.warn(
+        fmt::format("the gyros hardly measure the Earth's rate (the heading at the start is known to {:.0f} deg); a g-sensitivity equal on all "
+                    "axes is several times less certain than stated; the other coefficients are not affected",
+                    heading / unit::deg));
+  if (const Index at = last.states.first(Group::delay); at >= 0)
+    findings.note(fmt::format("the accelerometers' output is {:.3g} +/- {:.2g} ms behind the gyros'", 1e3 * last.pass.x[at], 1e3 * sigma(at)));
+  if (!last.converged) findings.doubt("the iterations did not converge");
+  kernel::add_common_doubts(findings, calibration, site);
+  if (const auto instead = latitude_instead(calibration, last.about.place)) {
+    findings.warn(
+        fmt::format("the g-sensitivity is the same on all axes, as a latitude of {:.1f} +/- {:.1f} deg instead of {:.1f} would make it; check "
+                    "the site's latitude",
+                    instead->value / unit::deg, instead->sigma / unit::deg, last.about.place.latitude / unit::deg));
+    findings.doubt(wrong_latitude);
+  }
+}
+
+void add_curves(const Data& data, const Iterate& iterate, double interval, CalibrationResult& out) {
+  const Iterate last = repeated(data, iterate, interval);
+  for (const Index s : last.states.corrections()) {
+    ConvergenceCurve curve{std::string(coefficient(last.states.corrects(s)).name), {}, {}};
+    for (const CurvePoint& point : last.pass.curve) {
+      curve.residual.push_back(last.total[s] + point.x[s]);
+      curve.sigma.push_back(point.sigma[s]);
+    }
+    out.curves.push_back(std::move(curve));
+  }
+  for (const CurvePoint& point : last.pass.curve) out.curve_time.push_back(point.time);
+  out.iterations = last.iterations;
+}
+
+/// `findings`: those so far; `last`: those to be listed last.
+CalibrationResult calibrated(const Recording& recording, const std::vector<Range>& rests, const Session& session, const CalibrationOptions& options,
+                             kernel::Findings findings, const kernel::Findings& last) {
+  const Place place = place_of(session.site);
+  const bool turntable = on_turntable(session);
+  std::vector<CoefficientIndex> wanted;
+  if (!options.terms.empty()) wanted = kernel::chosen_coefficients(options.terms, all_coefficients(), "hybrid");
+  kernel::expect_alive(recording.gyro, recording.name, "gyro", "the method needs all gyros");
+  const std::vector<Range> still = still_parts(recording, rests);
+  const kernel::RestStart start = coarse_start(recording, still, session.imu, place.latitude, place.gravity);
+  Blocks cut = cut_into_blocks(recording, still, turntable);
+  const SensorModel coarse = to_raw(start.model, start.scaling);
+  Data data{recording, std::move(cut.blocks), place, noise_of(start.noise, coarse, recording, session.imu), coarse, wanted};
+
+  const Groups chosen = optional_groups(wanted);
+  Groups possible = wanted.empty() ? Groups{Group::quadratic, Group::g_sensitivity} : chosen;
+  if (wanted.empty() && turntable) possible.insert({Group::lever_arm, Group::delay});
+  const Converged result = converge(data, chosen, possible, options.significance);
+  if (result.latitude) {  // it replaces the site's and is estimated jointly
+    Session there = session;
+    there.site.latitude = result.latitude->value;
+    there.site.latitude_sigma = 30 * unit::deg;
+    kernel::Findings instead;
+    instead.warn(
+        fmt::format("the gyros measure the Earth's rate of latitude {:.3f} +/- {:.2g} deg, not {:.3f}; that one is used, with its g where none "
+                    "is given; check the site's latitude",
+                    result.latitude->value / unit::deg, result.latitude->sigma / unit::deg, place.latitude / unit::deg));
+    if (last.doubts.empty()) instead.doubt(wrong_latitude);
+    instead.add(last);
+    return calibrated(recording, rests, there, options, std::move(findings), instead);
+  }
+  findings.add(start.findings);
+  for (const std::string& warning : cut.warnings) findings.warn(warning);
+  warn_of_short_rests(rests, still, findings);
+  CalibrationResult out{calibration_of(data, result.last), coarse, {}, {}, result.last.iterations};
+  out.calibration.imu = session.imu.name;
+  report(data, result, session.site, out.calibration, findings);
+  findings.add(last);
+  kernel::conclude(out.calibration, findings);
+  if (options.hybrid.curve_interval > 0) add_curves(data, result.last, options.hybrid.curve_interval, out);
+  return out;
+}
+
+}  // namespace
+
+CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOptions& options) {
+  const Recording& recording = kernel::only_recording(input, "hybrid");
+  const Rests rests = kernel::rests_of(input, recording);
+  return calibrated(recording, rests.ranges, input.session, options, {rests.notes, {}, {}}, {});
+}
+
+}  // namespace imulab::hybrid

@@ -1,0 +1,15 @@
+// Hybrid calibration (docs/hybrid.md): a coarse static solution, then a Kalman filter on the velocity of an IMU that stays in one place (Cheng 2014).
+// A table only turns the IMU; its angles are not used.
+#pragma once
+
+#include "imulab/estimate/method.hpp"
+
+namespace imulab::hybrid {
+
+/// Of one recording. On a declared turntable the velocity is zero while it turns, too; else only at rest. The result is in the accelerometers' frame;
+/// `coarse` is the coarse solution, as in Cheng's table 1. The convergence curves are of the errors ba, Ma, bg, Mg (states.hpp) of that coarse
+/// solution. Throws Unsupported where nothing can be determined, Error for several recordings, where the site has no latitude, and where the declared
+/// units, signs or axes contradict the data.
+CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOptions& options = {});
+
+}  // namespace imulab::hybrid

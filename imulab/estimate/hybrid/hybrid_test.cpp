@@ -1,0 +1,228 @@
+#include "imulab/estimate/hybrid/hybrid.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/random.hpp"
+#include "imulab/core/statistics.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/model/coefficient.hpp"
+
+#include <Eigen/Cholesky>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/hybrid_session.hpp"
+
+namespace imulab::hybrid {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+/// e^T P^-1 e over the coefficients that were estimated, and how many they are. Without the diagonal of the g-sensitivity: a part equal on all axes
+/// turns the heading alone, and is not normal where the Earth's rate is hardly resolved (a warning says so).
+struct NormalizedError {
+  double sum, count;
+};
+NormalizedError normalized_error(const Calibration& c, const SensorModel& truth) {
+  std::vector<Eigen::Index> at;
+  Eigen::VectorXd e(static_cast<Eigen::Index>(c.estimated.size()));
+  for (std::size_t i = 0; i < c.estimated.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    e[k] = coefficient_value(c.model, c.estimated[i]) - coefficient_value(truth, c.estimated[i]);
+    const Coefficient& row = coefficient(c.estimated[i]);
+    if (row.term != Term::g_sensitivity || row.row != row.column) at.push_back(k);
+  }
+  const Eigen::VectorXd used = e(at);
+  return {used.dot(Eigen::MatrixXd(c.covariance(at, at)).ldlt().solve(used)), static_cast<double>(at.size())};
+}
+
+double largest_sigmas(const Calibration& c, const SensorModel& truth) {
+  double largest = 0;
+  for (const CoefficientIndex index : c.estimated)
+    largest = std::max(largest, std::abs(coefficient_value(c.model, index) - coefficient_value(truth, index)) / *standard_uncertainty(c, index));
+  return largest;
+}
+
+TEST(Hybrid, WithoutNoiseTheTruthComesBack) {
+  HybridSession s = hybrid_session(1, [](Session& session) {
+    session.imu.accel_noise_density = session.imu.gyro_noise_density = 1e-12;
+    session.site.given_gravity = 9.8;
+    session.site.given_gravity_sigma = 1e-12;
+  });
+  const CalibrationResult result = calibrated(s, base_terms());
+  ASSERT_EQ(result.calibration.estimated.size(), 21u);
+  for (const CoefficientIndex index : result.calibration.estimated) {
+    // What remains is the integration of mean rates over 50 ms in turns that speed up at 50 deg/s^2: 0.01 ppm.
+    EXPECT_NEAR(coefficient_value(result.calibration.model, index), coefficient_value(s.truth.model, index), 1e-8) << coefficient(index).name;
+  }
+}
+
+TEST(Hybrid, ErrorsAreAsLargeAsStatedWhateverTheTable) {
+  double sum = 0;
+  constexpr int sessions = 12;
+  for (std::uint64_t seed = 1; seed <= sessions; ++seed) {
+    const HybridSession s = hybrid_session(seed);
+    const Calibration c = calibrated(s, base_terms()).calibration;
+    ASSERT_EQ(c.estimated.size(), 21u);
+    EXPECT_EQ(c.quality.verdict, "good");
+    // About 3000 degrees of freedom: a standard deviation of 0.026.
+    EXPECT_NEAR(c.quality.chi2_per_dof, 1, 0.1);
+    sum += normalized_error(c, s.truth.model).sum;
+  }
+  // 99.9 % of the chi-square with 12 x 21 degrees of freedom.
+  EXPECT_GT(sum, chi_square_quantile(0.0005, sessions * 21));
+  EXPECT_LT(sum, chi_square_quantile(0.9995, sessions * 21));
+}
+
+TEST(Hybrid, ThePoorTableIsAsGoodAsTheBest) {
+  // The same unit, the same noise, three tables: the attitudes differ, so that the noise falls on other directions, but the errors stay inside the
+  // sigmas and the sigmas are the same.
+  Eigen::VectorXd best;
+  for (const double table : {2 * unit::arcsec, 60 * unit::arcsec, 1 * unit::deg}) {
+    const HybridSession s = hybrid_session(3, [&](Session& session) {
+      RigDeclaration& rig = session.rigs.front();
+      rig.angle.value = rig.orthogonality.value = rig.zero.value = table;
+    });
+    const Calibration c = calibrated(s, base_terms()).calibration;
+    EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5) << "21 coefficients: once in 7000 sessions";
+    const Eigen::VectorXd sigma = c.covariance.diagonal().cwiseSqrt();
+    if (best.size() == 0) best = sigma;
+    // A degree turns gravity by 1.7 %: what a rest shows of an axis changes by as much, what is small of it by some times more.
+    EXPECT_LT((sigma.cwiseQuotient(best).array() - 1).abs().maxCoeff(), table < unit::deg ? 0.005 : 0.15);
+  }
+}
+
+TEST(Hybrid, CountsGiveTheSameUnitAsSi) {
+  const HybridSession s = hybrid_session(4);
+  const CalibrationOptions options = base_terms();
+  const Calibration si = calibrated(s, options).calibration;
+  Recording counts = s.recording;
+  counts.gyro_unit = counts.accel_unit = "count";
+  const double gain = 1e5, zero = 32768;
+  for (std::size_t j = 0; j < 3; ++j) {
+    for (double& v : counts.accel[j]) v = zero + gain * v;
+    for (double& v : counts.gyro[j]) v = zero + 10 * gain * v;
+  }
+  const Calibration c = hybrid::calibrate(input_of(s.session, counts, s.rests), options).calibration;
+  ASSERT_EQ(c.estimated, si.estimated);
+  for (const CoefficientIndex index : si.estimated) {
+    const Coefficient& row = coefficient(index);
+    const double scale = row.triad == Triad::accel ? gain : 10 * gain;
+    const TriadModel& triad = row.triad == Triad::accel ? c.model.accel : c.model.gyro;
+    const double value =
+        row.term == Term::matrix ? scale * triad.matrix(row.row, row.column) : triad.offset[row.row] + zero * triad.matrix.row(row.row).sum();
+    // Another coarse solution starts them; both converge to a hundredth of a sigma a step.
+    EXPECT_NEAR(value, coefficient_value(si.model, index), 0.03 * *standard_uncertainty(si, index)) << row.name;
+  }
+  EXPECT_EQ(c.quality.verdict, "good");
+}
+
+TEST(Hybrid, IncrementsAreAsGoodAsRates) {
+  const HybridSession s = hybrid_session(5);
+  Recording increments = s.recording;  // divided by the nominal interval, as they are read
+  increments.gyro_increment = increments.accel_increment = true;
+  // Stamps that jitter by a fifth of the interval say nothing of what the pulses counted.
+  const RandomStream jitter(5, "jitter");
+  for (std::size_t i = 0; i + 1 < increments.size(); ++i) increments.time_ns[i] += static_cast<std::int64_t>(1e7 * (2 * jitter.uniform(i) - 1));
+  const Calibration a = calibrated(s, base_terms()).calibration;
+  const Calibration b = hybrid::calibrate(input_of(s.session, increments, s.rests), base_terms()).calibration;
+  for (const CoefficientIndex index : a.estimated)
+    EXPECT_NEAR(coefficient_value(a.model, index), coefficient_value(b.model, index), 0.02 * *standard_uncertainty(a, index));  // convergence
+}
+
+TEST(Hybrid, OneAxisTurnedLeavesTheOthersNamed) {
+  const HybridSession s = hybrid_session(6, [](Session& session) {
+    // About the middle axis alone: 90 deg steps round and round, so that y stays horizontal.
+    std::erase_if(session.steps, [](const Step& step) { return step.kind == StepKind::rotate && step.start > 0 && step.axis != RigAxis::middle; });
+    double angle = 0, time = 0;
+    for (Step& step : session.steps) {
+      const double duration = step.end - step.start;
+      step.start = time;
+      step.end = time = time + duration;
+      step.angles = {0, angle, 0};
+      if (step.kind == StepKind::rotate) angle += step.angle;
+    }
+  });
+  const CalibrationResult result = calibrated(s, base_terms());
+  const Calibration& c = result.calibration;
+  // Gravity never comes onto y, nothing turns about x or z, and which way x points about the axis of the turns is a matter of the frame.
+  for (const char* name : {"accel.offset.y", "accel.matrix.yy", "gyro.matrix.xx", "gyro.matrix.zz"})
+    EXPECT_THAT(c.quality.unobservable, Contains(name));
+  for (const char* name : {"accel.matrix.xx", "accel.matrix.zz", "gyro.matrix.yy"}) EXPECT_THAT(c.quality.unobservable, Not(Contains(name)));
+  EXPECT_THAT(c.quality.verdict, HasSubstr("not determined by the data"));
+  for (const std::string& name : c.quality.unobservable) {
+    const CoefficientIndex index = coefficient_index(name);
+    EXPECT_EQ(coefficient_value(c.model, index), coefficient_value(*result.coarse, index)) << name;
+    EXPECT_FALSE(standard_uncertainty(c, index)) << name;
+  }
+  EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5);
+}
+
+TEST(Hybrid, TurnedByHand) {
+  // At rest alone the velocity is known; the rests are found in the data. A navigation-grade unit, then a MEMS unit with scales off by 1 % and gyros
+  // by 1 deg/s.
+  for (const char* grade : {"navigation", "mems"}) {
+    double sum = 0, m = 0;
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      HandHeldOptions options;
+      options.poses = 24;
+      options.rate_hz = 100;  // a hand turns fast: at 50 Hz what coning and sculling leave counts beside navigation-grade noise
+      options.first_rest = options.rest = 10;
+      options.move = 3;
+      options.grade = grade;
+      Session session = hand_held_procedure(options, seed);
+      const Truth truth = draw_truth(session, seed);
+      const Recording recording = simulate_recording(session, session.recordings.front(), truth, seed);
+      session.steps.clear();
+      const Calibration c = hybrid::calibrate(input_of(session, recording), base_terms(grade == std::string("mems"))).calibration;
+      EXPECT_THAT(c.quality.unobservable, IsEmpty());
+      EXPECT_EQ(c.quality.verdict, "good") << grade << " " << seed;
+      const NormalizedError e = normalized_error(c, truth.model);
+      sum += e.sum;
+      m += e.count;
+      EXPECT_EQ(c.quality.warnings.empty(), grade == std::string("navigation")) << "MEMS gyros do not find the heading";
+    }
+    EXPECT_GT(sum, chi_square_quantile(0.0005, m)) << grade;
+    EXPECT_LT(sum, chi_square_quantile(0.9995, m)) << grade;
+  }
+}
+
+TEST(Hybrid, TheCurvesEndAtTheResult) {
+  const HybridSession s = hybrid_session(7);
+  CalibrationOptions options = base_terms();
+  options.hybrid.curve_interval = 5;
+  const CalibrationResult result = calibrated(s, options);
+  ASSERT_EQ(result.curves.size(), 21u);
+  ASSERT_GT(result.curve_time.size(), 50u);
+  for (const ConvergenceCurve& curve : result.curves) {
+    ASSERT_EQ(curve.residual.size(), result.curve_time.size());
+    EXPECT_LT(curve.sigma.back(), 0.1 * curve.sigma.front()) << curve.name;
+  }
+  // ba of the first accelerometer, at the end: A0 of the coarse solution less what remained of it.
+  const SensorModel &coarse = *result.coarse, &model = result.calibration.model;
+  const auto at = [&](const char* name) {
+    for (const ConvergenceCurve& curve : result.curves)
+      if (curve.name == name) return curve.residual.back();
+    return 0.0;
+  };
+  // To the hundredth of a sigma to which the iterations converge, and the product of two corrections (1e-3 each of 1e-3).
+  EXPECT_NEAR(at("gyro.matrix.zz"), 1 - model.gyro.matrix(2, 2) / coarse.gyro.matrix(2, 2), 2e-6);
+  EXPECT_NEAR(at("accel.offset.x"), coarse.accel.offset.x() - model.accel.offset.x(), 1e-5);
+}
+
+TEST(Hybrid, WhatItNeedsIsSaid) {
+  HybridSession s = hybrid_session(8);
+  Session nowhere = s.session;
+  nowhere.site.latitude.reset();
+  nowhere.site.given_gravity = 9.8;
+  EXPECT_THROW(hybrid::calibrate(input_of(nowhere, s.recording, s.rests)), Error);
+  EXPECT_THROW(hybrid::calibrate(input_of(s.session, s.recording, std::vector<Range>{})), Unsupported);
+  CalibrationOptions options;
+  options.terms = select_coefficients("accel.cubic");
+  EXPECT_THROW(calibrated(s, options), Error);
+}
+
+}  // namespace
+}  // namespace imulab::hybrid

@@ -1,0 +1,205 @@
+#include "imulab/estimate/hybrid/iteration.hpp"
+
+#include "imulab/core/statistics.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/estimate/kernel/suspects.hpp"
+#include "imulab/estimate/kernel/terms.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace imulab::hybrid {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+Iterate first_iterate(const Data& data, const Groups& terms) {
+  const States states(terms, data.place, data.wanted);
+  return {terms, states, {data.coarse, data.place}, VectorXd::Zero(states.constants())};
+}
+
+Errors determined_errors(const Iterate& iterate) {
+  const Index n = iterate.states.constants();
+  Errors out{iterate.pass.x.head(n), iterate.pass.covariance.topLeftCorner(n, n), {}};
+  kernel::Parameters parameters = iterate.states.parameters(iterate.total);
+  out.undetermined = kernel::undetermined(out.covariance, parameters, iterate.states.needed());
+  for (const Index i : out.undetermined) parameters.role[static_cast<std::size_t>(i)] = kernel::Role::considered;
+  kernel::consider(out.mean, out.covariance, parameters);
+  return out;
+}
+
+Iterate repeated(const Data& data, Iterate iterate, double curve_interval) {
+  iterate.pass = filter_pass(data, iterate.about, iterate.states, iterate.states.parameters(iterate.total), {.curve_interval = curve_interval});
+  ++iterate.iterations;
+  return iterate;
+}
+
+namespace {
+
+/// On from where `before` is, with these terms. What of the model belonged to a term that is left out goes back to the coarse solution.
+Iterate with_terms(const Data& data, const Iterate& before, const Groups& terms) {
+  Iterate out = first_iterate(data, terms);
+  out.iterations = before.iterations;
+  out.heading_known = before.heading_known;
+  out.about = {before.about.model, data.place, before.about.start};
+  const States &from = before.states, &to = out.states;
+  for (const Group group : from.groups()) {
+    if (to.has(group)) {
+      out.total.segment(to.first(group), to.size(group)) = before.total.segment(from.first(group), from.size(group));
+      if (group == Group::latitude) out.about.place = before.about.place;
+      continue;
+    }
+    for (Index s = from.first(group); s < from.first(group) + from.size(group); ++s)
+      if (const CoefficientIndex index = from.corrects(s); index >= 0) set_coefficient(out.about.model, index, coefficient_value(data.coarse, index));
+  }
+  return out;
+}
+
+/// Gyros that hardly resolve the Earth's rate start from any heading, possibly too far off to converge: of eight headings, the one that fits best.
+Matrix3d best_heading(const Data& data, const Iterate& iterate) {
+  Matrix3d best = *iterate.about.start;
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 8; ++k) {
+    Iterate turned = iterate;
+    turned.about.start = rotation_about(Vector3d::UnitZ(), k * 45 * unit::deg) * *iterate.about.start;
+    turned = repeated(data, std::move(turned));
+    if (const double chi2 = std::accumulate(turned.pass.chi2.begin(), turned.pass.chi2.end(), 0.0); chi2 < least) {
+      least = chi2;
+      best = *turned.about.start;
+    }
+  }
+  return best;
+}
+
+/// Where a step follows the direction of the one before, what their ratio says that all further ones would add up to (Aitken): in barely determined
+/// directions the iterations converge slowly along one, and oscillate about another.
+double extrapolation(const VectorXd& step, const VectorXd& before) {
+  if (before.size() == 0) return 1;
+  const double product = step.dot(before), ratio = product / before.squaredNorm();
+  if (std::abs(product) < 0.7 * step.norm() * before.norm() || ratio > 0.99) return 1;
+  return std::clamp(1 / (1 - ratio), 0.25, 6.0);
+}
+
+/// Passes until the correction is below a hundredth of its sigma.
+Iterate converged(const Data& data, Iterate c) {
+  constexpr int most_iterations = 30, before_heading = 3;
+  const States& states = c.states;
+  const Index start_at = states.first(Group::start);
+  VectorXd before;  // the last step, in sigmas
+  c.converged = false;
+  for (int k = 0; k < most_iterations; ++k) {
+    c = repeated(data, std::move(c));
+    const Errors errors = determined_errors(c);
+    const VectorXd sigma = errors.covariance.diagonal().cwiseSqrt();
+    VectorXd step = errors.mean;
+    const Vector3d start = step.segment<3>(start_at);
+    for (const Group linear : {Group::start, Group::gravity, Group::delay})  // the model has none of them: estimated anew in each pass
+      if (states.has(linear)) step.segment(states.first(linear), states.size(linear)).setZero();
+    c.converged = (step.cwiseAbs() - 0.01 * sigma).maxCoeff() <= 0;
+    if (c.converged) break;
+    const VectorXd in_sigmas = step.cwiseQuotient(sigma.cwiseMax(1e-300));
+    const double longest = std::max(1.0, step.cwiseAbs().cwiseQuotient(3 * states.prior.cwiseMax(1e-30)).maxCoeff());
+    const double whole = extrapolation(in_sigmas, before), factor = whole / longest;
+    before = whole == 1 ? in_sigmas : VectorXd();
+    c.about.model = corrected(c.about.model, factor * step, states);
+    if (states.has(Group::latitude)) c.about.place.latitude -= factor * step[states.first(Group::latitude)];
+    c.total += factor * step;
+    c.about.start = rotation_exp(factor * start) * c.pass.start;
+    if (k >= before_heading && !c.heading_known && sigma[start_at + 2] > 3 * unit::deg) c.about.start = best_heading(data, c);
+    c.heading_known = c.heading_known || k >= before_heading;
+  }
+  return c;
+}
+
+/// Blocks whose velocity the converged solution cannot explain: the unit was bumped or shaken. None where so many are that the model is in doubt.
+/// A wide prior would let the states wander between the first turns, so the look back is by a narrow one.
+std::vector<std::size_t> outlying_blocks(const Data& data, const Iterate& c) {
+  constexpr double unlikely = 40;  // chi-square with three degrees of freedom: probability 1e-8
+  const States& states = c.states;
+  const VectorXd wide = 30 * c.pass.covariance.diagonal().head(states.constants()).cwiseSqrt();
+  kernel::Parameters known = states.parameters(VectorXd::Zero(states.constants()));
+  known.sigma = states.prior.cwiseMin(wide);
+  known.sigma.segment<3>(states.first(Group::start)) = wide.segment<3>(states.first(Group::start));
+  for (const Group linear : {Group::gravity, Group::delay})
+    if (states.has(linear)) known.offset[states.first(linear)] = c.pass.x[states.first(linear)];
+  const Pass look = filter_pass(data, c.about, states, known, {.outlier = unlikely});
+  std::vector<kernel::Suspect> suspects;
+  for (const double chi2 : look.chi2) suspects.push_back({{}, log_chi_square_tail(chi2, 3)});
+  const std::vector<std::size_t> found = kernel::improbable(suspects, chi_square_tail(unlikely, 3));
+  // More are no disturbance, but a model that does not fit: the residuals will say so.
+  return 20 * found.size() > data.blocks.size() ? std::vector<std::size_t>{} : found;
+}
+
+std::optional<SeenLatitude> contradicting_latitude(const Data& open, Iterate trial, double declared_sigma) {
+  const Index at = trial.states.first(Group::latitude);
+  const auto contradicts = [&] {
+    const double off = trial.total[at] + trial.pass.x[at], sigma = std::sqrt(trial.pass.covariance(at, at));
+    return std::abs(off) > 5 * sigma && sigma < 3 * unit::deg && std::abs(off) > 3 * declared_sigma;
+  };
+  if (!contradicts()) return {};
+  trial = converged(open, std::move(trial));
+  if (!trial.converged || !contradicts()) return {};
+  return SeenLatitude{trial.about.place.latitude - trial.pass.x[at], std::sqrt(trial.pass.covariance(at, at))};
+}
+
+/// One pass with these terms and an open latitude: Wald's test of each term, with the latitude as it was declared, or the latitude that contradicts
+/// it.
+struct Review {
+  std::optional<SeenLatitude> latitude;
+  Groups significant;
+  std::vector<TermTest> tests;
+};
+Review review(const Data& data, const Iterate& iterate, const Groups& terms, double significance) {
+  Data open = data;
+  open.place.latitude_sigma = 30 * unit::deg;
+  const Iterate trial = repeated(open, with_terms(open, iterate, terms));
+  const States& states = trial.states;
+  Review out{contradicting_latitude(open, trial, data.place.latitude_sigma), {}, {}};
+  // Errors of the coarse solution, the latitude's having been measured as zero.
+  const Index n = states.constants(), latitude = states.first(Group::latitude);
+  VectorXd mean = trial.total + trial.pass.x.head(n);
+  MatrixXd covariance = trial.pass.covariance.topLeftCorner(n, n);
+  const VectorXd column = covariance.col(latitude), gain = column / (column[latitude] + std::pow(data.place.latitude_sigma, 2));
+  mean -= gain * mean[latitude];
+  covariance -= gain * column.transpose();
+  // Integration from samples is good to less than a thousandth of their interval: in a turn's ramp of four samples it looks like a fifth of that.
+  if (const Index at = states.first(Group::delay); at >= 0) covariance(at, at) += std::pow(5e-4 * data.recording.interval_s, 2);
+  for (const Group group : terms) {
+    kernel::TermGroup members{std::string(name(group)), std::vector<Index>(static_cast<std::size_t>(states.size(group)))};
+    std::iota(members.members.begin(), members.members.end(), states.first(group));
+    out.tests.push_back(kernel::wald(members, mean, covariance, significance));
+    if (out.tests.back().kept) out.significant.insert(group);
+  }
+  return out;
+}
+
+}  // namespace
+
+Converged converge(Data& data, const Groups& terms, const Groups& possible, double significance) {
+  Converged out{converged(data, first_iterate(data, terms)), {}, 0, {}};
+  for (int round = 0; round < 6; ++round) {
+    Review seen = review(data, out.last, possible, significance);
+    out.latitude = seen.latitude;
+    if (out.latitude) break;
+    if (terms != possible) {
+      out.tests = std::move(seen.tests);
+      if (seen.significant != out.last.terms) {  // and again, about them
+        out.last = converged(data, with_terms(data, out.last, seen.significant));
+        continue;
+      }
+    }
+    if (!out.last.converged) break;
+    const std::vector<std::size_t> outlying = outlying_blocks(data, out.last);
+    if (outlying.empty()) break;
+    for (const std::size_t k : outlying) data.blocks[k].observed = false;
+    out.left_out += outlying.size();
+    out.last = converged(data, std::move(out.last));
+  }
+  return out;
+}
+
+}  // namespace imulab::hybrid

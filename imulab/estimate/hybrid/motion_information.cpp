@@ -1,0 +1,159 @@
+#include "imulab/estimate/hybrid/motion_information.hpp"
+
+#include "imulab/core/decomposition.hpp"
+#include "imulab/earth/earth.hpp"
+#include "imulab/recording/turn.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace imulab::hybrid {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+/// Attitude of the body and its rate against n.
+struct Attitude {
+  Matrix3d C_nb;
+  Vector3d rate_n = Vector3d::Zero();
+};
+using AttitudeAt = std::function<Attitude(double time)>;
+
+/// By midpoints of short steps.
+BlockSums sums_of(const InformationModel& m, const AttitudeAt& attitude, double begin, double end) {
+  const auto steps = static_cast<int>(std::ceil((end - begin) / 0.05));
+  const double h = (end - begin) / steps, g = m.place.gravity;
+  const Vector3d earth = earth_rate_enu(m.place.latitude);
+  const Matrix3d across = g * skew<double>(Vector3d(Vector3d::UnitZ()));  // [f_n x]
+  BlockSums s;
+  for (int k = 0; k < steps; ++k) {
+    const Attitude a = attitude(begin + (k + 0.5) * h);
+    const Vector3d w = a.C_nb.transpose() * (a.rate_n + earth), f = g * a.C_nb.row(2).transpose();
+    const std::array<double, 7> basis{1, w.x(), w.y(), w.z(), f.x(), f.y(), f.z()};
+    for (std::size_t b = 0; b < basis.size(); ++b) {
+      s.gyro_velocity[b] += h * across * (s.gyro[b] + 0.5 * h * basis[b] * a.C_nb);
+      s.gyro[b] += h * basis[b] * a.C_nb;
+    }
+  }
+  s.accel = {s.gyro[0], s.gyro[4], s.gyro[5], s.gyro[6]};
+  s.duration = end - begin;
+  s.force = s.duration * across;
+  return s;
+}
+
+/// The residuals (phi1 - what the states before make of it, 0 - velocity) are white noise's.
+MotionInformation block_information(const InformationModel& m, const AttitudeAt& attitude, double begin, double end) {
+  const Index n = m.size();
+  const BlockSums sums = sums_of(m, attitude, begin, end);
+  const MatrixXd t = transition(sums, m.states, m.place);
+  MatrixXd residual(6, n + 6);
+  residual << -t(Eigen::all, m.constants), -t.middleCols<3>(m.states.attitude()), MatrixXd::Identity(6, 3);
+  const MatrixXd white = process_noise(sums, m.noise, attitude(0.5 * (begin + end)).C_nb).llt().matrixL().solve(residual);
+  return white.transpose() * white;
+}
+
+/// Without three of the unknowns, which begin at `at`, whatever they are.
+MatrixXd without(const MatrixXd& information, Index at) {
+  const Index rest = information.rows() - at - 3;
+  MatrixXd across(information.rows() - 3, 3), out(information.rows() - 3, information.rows() - 3);
+  across << information.block(0, at, at, 3), information.block(at + 3, at, rest, 3);
+  out << information.topLeftCorner(at, at), information.topRightCorner(at, rest), information.bottomLeftCorner(rest, at),
+      information.bottomRightCorner(rest, rest);
+  const Matrix3d inverse = information.block<3, 3>(at, at).inverse();
+  out.noalias() -= across * (inverse * across.transpose());
+  return out;
+}
+
+}  // namespace
+
+InformationModel::InformationModel(const Plan& plan)
+    : place(plan.place), noise(plan.noise), states(plan.terms, plan.place), observe_motion(plan.observe_motion) {
+  const Index start = states.first(Group::start);
+  for (Index s = 0; s < states.constants(); ++s)
+    if (states.prior[s] > 0 && (s < start || s >= start + 3)) constants.push_back(s);
+}
+
+MotionInformation rest_information(const InformationModel& model, const Matrix3d& C_nb, int seconds) {
+  MotionInformation doubled = block_information(
+                        model, [&](double) { return Attitude{C_nb}; }, 0, 1),
+                    out;
+  for (int left = seconds; left > 0; left /= 2) {
+    if (left % 2 == 1) out = out.size() == 0 ? doubled : joined(out, doubled);
+    if (left > 1) doubled = joined(doubled, doubled);
+  }
+  return out;
+}
+
+MotionInformation turn_information(const InformationModel& model, const Matrix3d& C_nb, const Turn& turn) {
+  const double whole = std::abs(turn.angle), duration = turn_duration(whole, turn.rate, turn.acceleration);
+  const double ramp = std::min(turn.rate / turn.acceleration, std::sqrt(whole / turn.acceleration)), top = ramp * turn.acceleration;
+  const auto attitude = [&](double t) {
+    const double from_end = duration - t;
+    double angle = whole, rate = 0;
+    if (t <= 0)
+      angle = 0;
+    else if (t < ramp)
+      angle = 0.5 * turn.acceleration * t * t, rate = turn.acceleration * t;
+    else if (from_end >= ramp)
+      angle = top * (t - 0.5 * ramp), rate = top;
+    else if (from_end > 0)
+      angle = whole - 0.5 * turn.acceleration * from_end * from_end, rate = turn.acceleration * from_end;
+    const double sign = turn.angle < 0 ? -1 : 1;
+    return Attitude{rotation_about(turn.axis, sign * angle) * C_nb, sign * rate * turn.axis};
+  };
+  if (!model.observe_motion) return block_information(model, attitude, -unseen_before, duration + unseen_after);
+  const auto blocks = std::max(1, static_cast<int>(std::lround(duration / 0.2)));
+  MotionInformation out;
+  for (int k = 0; k < blocks; ++k) {
+    const MotionInformation next = block_information(model, attitude, k * duration / blocks, (k + 1) * duration / blocks);
+    out = k == 0 ? next : joined(out, next);
+  }
+  return out;
+}
+
+MotionInformation joined(const MotionInformation& first, const MotionInformation& second) {
+  const Index n = first.rows() - 6;
+  MatrixXd both = MatrixXd::Zero(n + 9, n + 9);
+  both.topLeftCorner(n + 6, n + 6) = first;
+  both.topLeftCorner(n, n) += second.topLeftCorner(n, n);
+  both.topRightCorner(n, 6) += second.topRightCorner(n, 6);
+  both.bottomLeftCorner(6, n) += second.bottomLeftCorner(6, n);
+  both.bottomRightCorner<6, 6>() += second.bottomRightCorner<6, 6>();
+  return without(both, n + 3);
+}
+
+Knowledge prior_knowledge(const InformationModel& model) {
+  VectorXd sigma(model.size() + 3);
+  sigma << model.states.prior(model.constants), model.states.prior.segment<3>(model.states.first(Group::start));
+  return sigma.cwiseAbs2().cwiseInverse().asDiagonal();
+}
+
+Knowledge knowledge_of(const InformationModel& model, const Prediction& prediction) {
+  std::vector<Index> states = model.constants;
+  for (Index i = 0; i < 3; ++i) states.push_back(model.states.attitude() + i);
+  const MatrixXd covariance = prediction.covariance(states, states);
+  const VectorXd unit = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  const MatrixXd correlation = unit.asDiagonal() * covariance * unit.asDiagonal();
+  return unit.asDiagonal() * inverse_of(correlation) * unit.asDiagonal();
+}
+
+Knowledge after(const Knowledge& before, const MotionInformation& motion) {
+  const Index n = before.rows() - 3;
+  MatrixXd both = motion;
+  both.topLeftCorner(n + 3, n + 3) += before;
+  return without(both, n);
+}
+
+VectorXd sigma_of(const Knowledge& knowledge) {
+  const Index n = knowledge.rows() - 3;
+  return Cholesky(knowledge).solve_lower(MatrixXd::Identity(knowledge.rows(), knowledge.rows())).colwise().norm().transpose().head(n);
+}
+
+}  // namespace imulab::hybrid

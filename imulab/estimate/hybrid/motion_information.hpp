@@ -1,0 +1,57 @@
+// The hybrid filter's equations as information: what a rest or a turn tells of the constants and of the attitude errors at its ends. Stretches of
+// motion add up in any order of joining, so that paths can be put together from parts.
+//
+//   phi1 = phi0 - T w_in x phi0 - int C dw
+//   0    = int f_n x phi + int C df            the velocity is zero at both ends
+#pragma once
+
+#include "imulab/estimate/hybrid/blocks.hpp"
+#include "imulab/estimate/hybrid/prediction.hpp"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace imulab::hybrid {
+
+/// White noise alone: offsets that wander are not in it. Of optional groups only the latitude and the g-sensitivity.
+struct InformationModel {
+  Place place;
+  Noise noise;
+  States states;
+  bool observe_motion;
+  std::vector<Eigen::Index> constants;  ///< that are unknown, but for the attitude at the start
+
+  explicit InformationModel(const Plan& plan);
+  Eigen::Index size() const { return static_cast<Eigen::Index>(constants.size()); }
+};
+
+/// Of (constants, attitude error at the beginning, attitude error at the end).
+using MotionInformation = Eigen::MatrixXd;
+/// Of (constants, attitude error now).
+using Knowledge = Eigen::MatrixXd;
+
+/// Of the rests before and after a turn by hand, what belongs to it [s]: their settling, and the first second after which the velocity is seen again.
+inline constexpr int unseen_before = 1, unseen_after = 2;
+static_assert(unseen_before == settling_time && unseen_after == settling_time + 1);
+
+/// A turn from rest to rest about an axis that is fixed in n, in a trapezoid of rate.
+struct Turn {
+  Vector3d axis;                     ///< of n, unit vector
+  double angle, rate, acceleration;  ///< rad, rad/s, rad/s^2; the sign is the angle's
+};
+MotionInformation rest_information(const InformationModel& model, const Matrix3d& C_nb, int seconds);
+MotionInformation turn_information(const InformationModel& model, const Matrix3d& C_nb, const Turn& turn);
+
+MotionInformation joined(const MotionInformation& first, const MotionInformation& second);
+
+/// Before anything is seen.
+Knowledge prior_knowledge(const InformationModel& model);
+/// What a prediction leaves.
+Knowledge knowledge_of(const InformationModel& model, const Prediction& prediction);
+Knowledge after(const Knowledge& before, const MotionInformation& motion);
+
+/// Standard uncertainties of the constants.
+Eigen::VectorXd sigma_of(const Knowledge& knowledge);
+
+}  // namespace imulab::hybrid

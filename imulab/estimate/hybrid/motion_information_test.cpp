@@ -1,0 +1,85 @@
+#include "imulab/estimate/hybrid/motion_information.hpp"
+
+#include "imulab/core/rotation.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/model/coefficient.hpp"
+#include "imulab/recording/turn.hpp"
+#include "imulab/rig/turntable.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/hybrid_session.hpp"
+#include <array>
+#include <cmath>
+
+namespace imulab::hybrid {
+namespace {
+
+/// The path's uncertainties by parts put together, of all constants of the model.
+Eigen::VectorXd by_parts(const Plan& plan, const InformationModel& model) {
+  Knowledge knowledge = prior_knowledge(model);
+  std::array<double, 3> angles{};
+  const std::vector<Step>& steps = plan.procedure.steps;
+  for (const Step& step : steps) {
+    AxisStates states;
+    for (std::size_t a = 0; a < 3; ++a) states[a].angle = angles[a];
+    const BodyState body = turntable_state(ideal_axes(), states);
+    if (step.kind == StepKind::hold) {
+      const bool outermost = &step == &steps.front() || &step == &steps.back();  // the session's first and last second are not used
+      const int of_turns = &step == &steps.front() ? 2 : 3;                      // a turn by hand takes a second before it, and two after it
+      const int shorter = plan.observe_motion ? outermost : of_turns;
+      knowledge = after(knowledge, rest_information(model, body.C_nb, static_cast<int>(std::lround(step.end - step.start)) - shorter));
+    } else {
+      auto& state = states[static_cast<std::size_t>(step.axis)];
+      state.rate = 1;
+      const Vector3d axis = body.C_nb * turntable_state(ideal_axes(), states).rate_nb_b;
+      knowledge = after(knowledge, turn_information(model, body.C_nb, {axis, step.angle, step.rate, *step.acceleration}));
+      angles[static_cast<std::size_t>(step.axis)] += step.angle;
+    }
+  }
+  return sigma_of(knowledge);
+}
+
+void expect_the_filters_sigmas(const Session& session, double tolerance) {
+  const Plan plan = plan_of(session);
+  const Prediction p = predict(plan);
+  const InformationModel model(plan);
+  const Eigen::VectorXd sigma = by_parts(plan, model);
+  for (Eigen::Index i = 0; i < model.size(); ++i) {
+    const Eigen::Index state = model.constants[static_cast<std::size_t>(i)];
+    const double expected = std::sqrt(p.covariance(state, state));
+    EXPECT_NEAR(sigma[i], expected, tolerance * expected) << "state " << state;
+  }
+}
+
+TEST(MotionInformation, PartsAddUpToTheFilter) {
+  // The same blocks; sums by midpoints of 0.5 deg here, by Simpson's rule there.
+  expect_the_filters_sigmas(hybrid_procedure(15, 20), 1e-3);
+}
+
+TEST(MotionInformation, PartsAddUpToTheFilterByHand) {
+  Session session = hybrid_procedure(15, 20);
+  session.rigs.front() = {};
+  expect_the_filters_sigmas(session, 0.01);  // a turn is one block of 12 to 21 s here: to first order in what the Earth turns within it
+}
+
+TEST(MotionInformation, PartsAddUpWithAnUncertainLatitudeAndGSensitivity) {
+  Session session = hybrid_procedure(15, 20);
+  session.imu.grade = "mems";
+  session.site.latitude_sigma = 0.1 * unit::deg;
+  expect_the_filters_sigmas(session, 1e-3);
+}
+
+TEST(MotionInformation, ARestIsTheSumOfItsSeconds) {
+  const Plan plan = plan_of(hybrid_procedure(15, 20));
+  const InformationModel model(plan);
+  const Matrix3d C = rotation_about(Vector3d(1, 2, 3).normalized(), 1.0);
+  Knowledge one_by_one = prior_knowledge(model), at_once = one_by_one;
+  for (int k = 0; k < 13; ++k) one_by_one = after(one_by_one, rest_information(model, C, 1));
+  at_once = after(at_once, rest_information(model, C, 13));
+  // A part that one rest does not determine has fourteen digits less than a part that it determines: rounding.
+  EXPECT_LT((sigma_of(one_by_one).cwiseQuotient(sigma_of(at_once)).array() - 1).abs().maxCoeff(), 1e-3);
+}
+
+}  // namespace
+}  // namespace imulab::hybrid

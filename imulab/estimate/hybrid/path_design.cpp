@@ -1,0 +1,261 @@
+#include "imulab/estimate/hybrid/path_design.hpp"
+
+#include "imulab/estimate/hybrid/path_judge.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace imulab::hybrid {
+
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr std::size_t width = 64;        // of the beam
+constexpr std::size_t first_turns = 40;  // beyond them, fewer beginnings are enough
+constexpr std::size_t patience = 40;     // turns without which the worst ratio falls by 5 %
+constexpr double helps = 1 - 1e-6;       // a smaller decrease does not count
+
+/// The beginning of a path with equal rests.
+struct Beginning {
+  Knowledge knowledge;
+  QuarterPose pose{};
+  std::vector<QuarterTurn> turns;
+  double duration = 0;
+  Score score;
+};
+
+struct Candidate {
+  QuarterPath path;
+  double merit;  ///< smaller is better: the time to meet the requirements if rests and turns were lengthened equally
+  bool within;   ///< the limits
+};
+
+std::vector<QuarterTurn> moves_of(const std::vector<RigAxis>& axes) {
+  std::vector<QuarterTurn> moves;
+  for (const RigAxis axis : axes)
+    for (const int quarters : {1, 2, -1, -2}) moves.push_back({axis, quarters});
+  return moves;
+}
+
+/// The best of each kind: half of them by the sum of the logarithms, half by the worst ratio, each times the effect of the time spent on the noise.
+std::vector<Beginning> best_of(std::vector<Beginning> all, std::size_t most, std::size_t limits) {
+  std::vector<Beginning> out;
+  const auto take = [&](auto key, std::size_t count) {
+    std::stable_sort(all.begin(), all.end(), [&](const Beginning& a, const Beginning& b) { return key(a) < key(b); });
+    std::vector<Beginning> left;
+    double last = -infinite;
+    for (Beginning& b : all) {
+      const double value = key(b);
+      if (value - last < 1e-7) continue;  // a mirror image of the previous one: equally good
+      last = value;
+      (out.size() < count ? out : left).push_back(std::move(b));
+    }
+    all = std::move(left);
+  };
+  take([&](const Beginning& b) { return b.score.sum + 0.5 * static_cast<double>(limits) * std::log(b.duration); }, most / 2);
+  take([](const Beginning& b) { return std::log(b.score.worst) + 0.5 * std::log(b.duration); }, most);
+  return out;
+}
+
+/// All beginnings with one move more that are not longer than `longest`.
+std::vector<Beginning> continued(const PathJudge& judge, const std::vector<Beginning>& beam, const std::vector<QuarterTurn>& moves, int rest,
+                                 double longest) {
+  std::vector<Beginning> next(beam.size() * moves.size());
+  tbb::parallel_for(std::size_t{0}, next.size(), [&](std::size_t k) {
+    const Beginning& b = beam[k / moves.size()];
+    const QuarterTurn& move = moves[k % moves.size()];
+    const double duration = b.duration + judge.parts.duration(move) + rest * judge.quantum;
+    if (duration > longest) return;
+    const QuarterPose pose = judge.parts.turned(b.pose, move);
+    next[k] = {after(after(b.knowledge, judge.parts.turn(b.pose, move)), judge.parts.rest(pose, rest, false)), pose, b.turns, duration, {}};
+    next[k].turns.push_back(move);
+    next[k].score = judge.score(next[k].knowledge);
+  });
+  std::erase_if(next, [](const Beginning& b) { return b.turns.empty(); });
+  return next;
+}
+
+/// Beam search over turns, with every rest `rest` quanta long.
+void search(const PathJudge& judge, const std::vector<QuarterTurn>& moves, int rest, double longest, std::vector<Candidate>& found,
+            const std::function<void(double)>& progress) {
+  std::vector<Beginning> beam{{after(judge.start(), judge.parts.rest({}, rest, true)), {}, {}, static_cast<double>(rest * judge.quantum), {}}};
+  double best = infinite, least = infinite, enough = infinite;
+  for (std::size_t depth = 0, of_least = 0; !beam.empty() && depth < of_least + patience; ++depth) {
+    beam = best_of(continued(judge, beam, moves, rest, longest), depth < first_turns ? width : width / 4, judge.limits());
+    double nearest = infinite;
+    for (const Beginning& b : beam) {
+      const double merit = b.duration * b.score.worst * b.score.worst;
+      nearest = std::min(nearest, b.duration);
+      if (b.score.worst < 0.95 * least) {
+        least = b.score.worst;
+        of_least = depth;
+      }
+      const bool within = b.score.worst <= 1;
+      if (merit >= best && !(within && b.duration < enough)) continue;
+      best = std::min(best, merit);
+      if (within) enough = std::min(enough, b.duration);
+      found.push_back({{b.turns, std::vector<int>(b.turns.size() + 1, rest)}, within ? b.duration : merit, within});
+    }
+    if (beam.empty() || nearest > 1.1 * enough) break;
+    progress(std::min(1.0, nearest / std::min(longest, 1.5 * best)));
+  }
+}
+
+/// The places of finite values, the least first.
+std::vector<std::size_t> order_of(const std::vector<double>& values) {
+  std::vector<std::size_t> order;
+  for (std::size_t k = 0; k < values.size(); ++k)
+    if (std::isfinite(values[k])) order.push_back(k);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
+  return order;
+}
+
+/// Worst ratios with the rests changed one at a time, by `change` quanta; infinite where a rest cannot be changed.
+std::vector<double> one_by_one(const PathJudge& judge, const QuarterPath& path, int change) {
+  std::vector<double> out(path.rests.size(), infinite);
+  tbb::parallel_for(std::size_t{0}, out.size(), [&](std::size_t k) {
+    const int rest = path.rests[k] + change;
+    if (rest * judge.quantum < shortest_rest || rest * judge.quantum > longest_rest) return;
+    QuarterPath changed = path;
+    changed.rests[k] = rest;
+    out[k] = judge.worst(changed);
+  });
+  return out;
+}
+
+/// Shorter rests, and as many longer ones where they are `exchanged`, at first many at a time, then fewer, while `accepts` the result.
+QuarterPath shortened(const PathJudge& judge, QuarterPath path, std::size_t most, bool exchanged,
+                      const std::function<bool(const QuarterPath&)>& accepts) {
+  while (most > 0) {
+    std::vector<std::size_t> longer;
+    if (exchanged) longer = order_of(one_by_one(judge, path, 1));
+    const std::vector<std::size_t> shorter = order_of(one_by_one(judge, path, -1));
+    most = std::min(most, exchanged ? std::min(longer.size(), shorter.size()) : shorter.size());
+    for (bool done = false; most > 0 && !done; most = done ? most : most / 2) {
+      QuarterPath trial = path;
+      for (std::size_t k = 0; k < most; ++k) {
+        if (exchanged) ++trial.rests[longer[k]];
+        --trial.rests[shorter[k]];
+      }
+      done = accepts(trial);
+      if (done) path = std::move(trial);
+    }
+  }
+  return path;
+}
+
+/// Longer rests until the requirements are met, then shorter ones as long as they are.
+QuarterPath shortest(const PathJudge& judge, QuarterPath path, double longest) {
+  double worst = judge.worst(path);
+  while (worst > 1 && judge.duration(path) < longest) {
+    const std::vector<double> longer = one_by_one(judge, path, 1);
+    const std::vector<std::size_t> order = order_of(longer);
+    if (order.empty() || longer[order.front()] > worst * helps) break;
+    for (std::size_t k = 0; k < std::max<std::size_t>(1, order.size() / 4); ++k) ++path.rests[order[k]];
+    worst = judge.worst(path);
+  }
+  if (worst > 1) return path;
+  const std::size_t all = path.rests.size();
+  return shortened(judge, std::move(path), all, false, [&](const QuarterPath& trial) { return !(judge.worst(trial) > 1); });
+}
+
+/// Remaining time goes to the rests that need it, and is then exchanged between rests.
+QuarterPath best_in(const PathJudge& judge, QuarterPath path, double time) {
+  while (judge.duration(path) + judge.quantum <= time) {
+    const std::vector<std::size_t> order = order_of(one_by_one(judge, path, 1));
+    if (order.empty()) break;
+    const auto room = static_cast<std::size_t>((time - judge.duration(path)) / judge.quantum);
+    for (std::size_t k = 0; k < std::min({room, order.size(), std::size_t{4}}); ++k) ++path.rests[order[k]];
+  }
+  double worst = judge.worst(path);
+  const std::size_t half = path.rests.size() / 2;
+  return shortened(judge, std::move(path), half, true, [&](const QuarterPath& trial) {
+    const double now = judge.worst(trial);
+    return now < worst * helps && (worst = now, true);
+  });
+}
+
+/// Replaces one turn by another as long as it helps.
+QuarterPath polished(const PathJudge& judge, QuarterPath path, const std::vector<QuarterTurn>& moves, double longest) {
+  double worst = judge.worst(path);
+  const std::size_t rounds = 8000 / (path.turns.size() * path.turns.size() + 1);  // the work of a round is proportional to the square
+  for (std::size_t round = 0; round < rounds; ++round) {
+    std::vector<double> value(path.turns.size() * moves.size(), infinite);
+    const auto changed = [&](std::size_t k) {
+      QuarterPath trial = path;
+      trial.turns[k / moves.size()] = moves[k % moves.size()];
+      return trial;
+    };
+    tbb::parallel_for(std::size_t{0}, value.size(), [&](std::size_t k) {
+      const QuarterPath trial = changed(k);
+      if (judge.duration(trial) <= longest) value[k] = judge.worst(trial);
+    });
+    const std::vector<std::size_t> order = order_of(value);
+    if (order.empty() || value[order.front()] >= worst * helps) break;
+    path = changed(order.front());
+    worst = value[order.front()];
+  }
+  return path;
+}
+
+/// The best of both kinds, within the limits and not, which are examined further.
+std::vector<QuarterPath> best_candidates(std::vector<Candidate> found, std::size_t of_each) {
+  std::stable_sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) { return a.merit < b.merit; });
+  std::vector<QuarterPath> chosen;
+  for (const bool within : {true, false}) {
+    std::size_t count = 0;
+    for (const Candidate& c : found)
+      if (c.within == within && count++ < of_each) chosen.push_back(c.path);
+  }
+  return chosen;
+}
+
+}  // namespace
+
+double least_sigma(const Plan& unit, CoefficientIndex index) {
+  const Coefficient& c = coefficient(index);
+  return c.triad == Triad::accel && c.term == Term::matrix && c.row == c.column ? unit.place.gravity_sigma / unit.place.gravity : 0;
+}
+
+Path design_path(const PathQuestion& q, const std::function<void(int)>& progress) {
+  const auto report = [&](double part) {
+    if (progress) progress(static_cast<int>(100 * part));
+  };
+  const PathJudge judge(q);
+  const std::vector<QuarterTurn> moves = moves_of(q.axes);
+  const double longest = q.time.value_or(longest_path);
+  const std::vector<int> rests = q.rest ? std::vector<int>{1} : std::vector<int>{2, 4, 8, 16};
+  std::vector<Candidate> found;
+  for (std::size_t k = 0; k < rests.size(); ++k)
+    search(judge, moves, rests[k], longest, found,
+           [&](double part) { report(0.7 * (static_cast<double>(k) + part) / static_cast<double>(rests.size())); });
+  const std::vector<QuarterPath> chosen = best_candidates(std::move(found), q.rest ? 8 : 2);
+
+  const auto rested = [&](QuarterPath path) {
+    if (q.rest) return path;
+    return q.time ? best_in(judge, std::move(path), longest) : shortest(judge, std::move(path), longest);
+  };
+  QuarterPath best{{}, {1}};
+  double worst = infinite;
+  const auto better = [&](const QuarterPath& path, double now) {
+    if (!q.time && (now <= 1) != (worst <= 1)) return now <= 1;
+    if (!q.time && now <= 1 && judge.duration(path) != judge.duration(best)) return judge.duration(path) < judge.duration(best);
+    return now < worst;
+  };
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    QuarterPath path = rested(chosen[k]);
+    path = rested(polished(judge, path, moves, q.time ? longest : judge.duration(path)));
+    if (const double now = judge.worst(path); better(path, now)) {
+      best = std::move(path);
+      worst = now;
+    }
+    report(0.7 + 0.3 * static_cast<double>(k + 1) / static_cast<double>(chosen.size()));
+  }
+  return judge.described(best);
+}
+
+}  // namespace imulab::hybrid

@@ -1,0 +1,40 @@
+// How good a hybrid calibration will be, before any data: the covariance of its filter along the procedure's exact motion (docs/predict.md).
+// It is the Cramer-Rao bound of the method's linear model.
+#pragma once
+
+#include "imulab/estimate/hybrid/error_equations.hpp"
+#include "imulab/estimate/method.hpp"
+#include "imulab/rig/turntable.hpp"
+
+#include <Eigen/Core>
+
+namespace imulab::hybrid {
+
+/// The input of a calibration besides its data. The IMU is an ideal one with SI readings and this noise.
+struct Plan {
+  Session procedure;
+  Place place;
+  Noise noise;
+  Groups terms;                 ///< the g-sensitivity where the grade has it
+  bool observe_motion = false;  ///< on a turntable the velocity is zero while it turns, too
+};
+
+/// Of a procedure with one recording. Throws Error where the latitude or the unit's noise is not declared.
+Plan plan_of(const Session& procedure);
+
+/// Determined and undetermined coefficients as in `calibrate`; `cramer_rao` is sigma where nothing is left undetermined.
+struct Prediction : imulab::Prediction {
+  Eigen::VectorXd remaining;  ///< the remaining sigma of each of `undetermined`, SI
+  States states;
+  Eigen::MatrixXd covariance;  ///< of the filter's states at the end
+  Matrix3d C_nb;               ///< attitude there, and
+  RigAxes axes;                ///< the directions of the table's axes in n
+};
+
+/// Throws Error where the procedure's steps are wrong or include no hold.
+Prediction predict(const Plan& plan);
+
+/// The same, for the table of methods.
+imulab::Prediction predict(const Session& procedure);
+
+}  // namespace imulab::hybrid

@@ -1,0 +1,88 @@
+#include "imulab/estimate/hybrid/prediction.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/model/coefficient.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/hybrid_session.hpp"
+#include <algorithm>
+#include <cmath>
+
+namespace imulab::hybrid {
+namespace {
+
+double sigma_of(const Prediction& p, const char* name) {
+  const auto found = std::find(p.coefficients.begin(), p.coefficients.end(), coefficient_index(name));
+  return found == p.coefficients.end() ? INFINITY : p.sigma[found - p.coefficients.begin()];
+}
+
+TEST(HybridPrediction, IsWhatCalibrateStates) {
+  const HybridSession s = hybrid_session(1);
+  const Calibration c = calibrated(s, base_terms()).calibration;
+  const Prediction p = predict(plan_of(s.session));
+  ASSERT_EQ(p.coefficients, c.estimated);
+  for (std::size_t i = 0; i < p.coefficients.size();
+       ++i)  // the IMU's errors of 5e-4 and the table's of 1 arcmin change them by little more than that
+    EXPECT_NEAR(*standard_uncertainty(c, p.coefficients[i]), p.sigma[static_cast<Eigen::Index>(i)], 0.01 * p.sigma[static_cast<Eigen::Index>(i)])
+        << coefficient(p.coefficients[i]).name;
+}
+
+TEST(HybridPrediction, IsWhatCalibrateStatesOfAUnitTurnedByHand) {
+  const HybridSession s = hybrid_session(2, [](Session& session) { session.rigs.front() = {}; });
+  const Calibration c = calibrated(s, base_terms()).calibration;
+  const Prediction p = predict(plan_of(s.session));
+  ASSERT_EQ(p.coefficients, c.estimated);
+  for (std::size_t i = 0; i < p.coefficients.size(); ++i)
+    EXPECT_NEAR(*standard_uncertainty(c, p.coefficients[i]), p.sigma[static_cast<Eigen::Index>(i)], 0.01 * p.sigma[static_cast<Eigen::Index>(i)])
+        << coefficient(p.coefficients[i]).name;
+}
+
+/// Means of rests alone: a scale is as certain as gravity, an offset at least as well as by the half difference of its two faces.
+TEST(HybridPrediction, GravityBoundsTheAccelerometersScales) {
+  const Session session = hybrid_procedure(60, 100);
+  const Plan plan = plan_of(session);
+  const Prediction p = predict(plan);
+  const double relative = plan.place.gravity_sigma / plan.place.gravity;
+  for (const char* name : {"accel.matrix.xx", "accel.matrix.yy", "accel.matrix.zz"}) {
+    EXPECT_GT(sigma_of(p, name), relative);
+    EXPECT_LT(sigma_of(p, name), 1.01 * relative) << "half a part per million of noise beside 31";
+  }
+  for (const char* name : {"accel.offset.x", "accel.offset.y", "accel.offset.z"}) {
+    EXPECT_LT(sigma_of(p, name), plan.noise.accel[0] / std::sqrt(2 * 60.0)) << "one rest of 60 s up and one down";
+    EXPECT_GT(sigma_of(p, name), plan.noise.accel[0] / std::sqrt(1700.0)) << "no better than all the session's time";
+  }
+}
+
+TEST(HybridPrediction, WhatIsNeverTurnedStaysOpen) {
+  Session session = hybrid_procedure(30, 100);
+  std::vector<Step> kept;  // only the middle axis turns
+  for (const Step& step : session.steps) {
+    if (kept.size() >= 9) break;
+    kept.push_back(step);
+  }
+  session.steps = kept;
+  const Prediction p = predict(plan_of(session));
+  EXPECT_THAT(p.undetermined, testing::Contains(coefficient_index("gyro.matrix.xx")));
+  EXPECT_THAT(p.undetermined, testing::Not(testing::Contains(coefficient_index("gyro.matrix.yy"))));
+  ASSERT_EQ(p.undetermined.size(), static_cast<std::size_t>(p.remaining.size()));
+  EXPECT_GT(p.remaining.minCoeff(), 0);
+}
+
+TEST(HybridPrediction, SaysWhatIsMissing) {
+  Session session = hybrid_procedure(15, 20);
+  session.site.latitude.reset();
+  session.site.given_gravity = 9.8;
+  EXPECT_THROW(plan_of(session), Error);
+  session = hybrid_procedure(15, 20);
+  session.imu.gyro_noise_density = 0;
+  EXPECT_THROW(plan_of(session), Error);
+  session = hybrid_procedure(15, 20);
+  session.steps.clear();
+  EXPECT_THROW(predict(plan_of(session)), Error);
+}
+
+}  // namespace
+}  // namespace imulab::hybrid

@@ -1,0 +1,167 @@
+#include "imulab/estimate/hybrid/states.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/estimate/kernel/prior.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace imulab::hybrid {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+struct Row {
+  Group group;
+  std::string_view name;
+  Index size = 0;  ///< 0: the states correct the coefficients of that name
+};
+constexpr std::array<Row, 11> table{{{Group::accel_offset, "accel.offset"},
+                                     {Group::accel_matrix, "accel.matrix"},
+                                     {Group::gyro_offset, "gyro.offset"},
+                                     {Group::gyro_matrix, "gyro.matrix"},
+                                     {Group::gravity, "gravity", 1},
+                                     {Group::start, "attitude at the start", 3},
+                                     {Group::latitude, "latitude", 1},
+                                     {Group::lever_arm, "accel.lever_arm"},
+                                     {Group::quadratic, "accel.quadratic"},
+                                     {Group::g_sensitivity, "gyro.g_sensitivity"},
+                                     {Group::delay, "delay of the accelerometers", 1}}};
+
+/// Row by row; of the accelerometers' matrix the lower triangle, by the frame.
+std::vector<CoefficientIndex> coefficients_of(const Row& row) {
+  if (row.size > 0) return std::vector<CoefficientIndex>(static_cast<std::size_t>(row.size), CoefficientIndex(-1));
+  std::vector<CoefficientIndex> indices = select_coefficients(row.name);
+  if (row.group == Group::accel_matrix) std::erase_if(indices, [](CoefficientIndex i) { return coefficient(i).column > coefficient(i).row; });
+  return indices;
+}
+
+/// About the coarse solution, which is good to some percent, and to the Earth's rate with the effect of acceleration.
+double prior_sigma(CoefficientIndex index, const Place& place) {
+  kernel::PriorSizes sizes;
+  sizes.accel = {.offset = 0.02 * place.gravity, .scale = 0.05, .misalignment = 1e-2, .quadratic = 1e-3};
+  sizes.gyro = {.offset = 3e-3, .scale = 0.05, .misalignment = 0.02};
+  sizes.lever_arm = 1;
+  return kernel::prior_sigma(sizes, coefficient(index), 1);
+}
+
+double prior_sigma(Group group, Index i, const Place& place) {
+  constexpr double delay = 0.1;  // s
+  if (group == Group::gravity) return place.gravity_sigma / place.gravity;
+  if (group == Group::start) return alignment_sigma()[i];
+  return group == Group::latitude ? place.latitude_sigma : delay;
+}
+
+}  // namespace
+
+Place place_of(const Site& site) {
+  if (!site.latitude) throw Error("the site has no latitude; expected one: the gyros measure the Earth's rate");
+  return {*site.latitude, site.gravity(), site.latitude_sigma.value_or(0), site.gravity_sigma()};
+}
+
+bool on_turntable(const Session& session) {
+  return std::any_of(session.rigs.begin(), session.rigs.end(), [](const RigDeclaration& rig) { return rig.kind == RigKind::turntable; });
+}
+
+std::string_view name(Group group) { return table[static_cast<std::size_t>(group)].name; }
+
+Eigen::Vector3d alignment_sigma() { return {3 * unit::deg, 3 * unit::deg, 90 * unit::deg}; }
+
+States::States(const Groups& optional, const Place& place, const std::vector<CoefficientIndex>& wanted) {
+  std::vector<double> sigma;
+  for (const Row& row : table) {
+    if (row.group == Group::latitude ? place.latitude_sigma == 0 : row.group > Group::latitude && !optional.contains(row.group)) continue;
+    const std::vector<CoefficientIndex> corrected = coefficients_of(row);
+    places_[static_cast<std::size_t>(row.group)] = {static_cast<Index>(sigma.size()), static_cast<Index>(corrected.size())};
+    for (std::size_t i = 0; i < corrected.size(); ++i) {
+      const bool held = corrected[i] >= 0 && !wanted.empty() && !contains(wanted, corrected[i]);
+      corrects_.push_back(corrected[i]);
+      sigma.push_back(held ? 0 : corrected[i] >= 0 ? prior_sigma(corrected[i], place) : prior_sigma(row.group, static_cast<Index>(i), place));
+    }
+  }
+  prior = Eigen::Map<const VectorXd>(sigma.data(), static_cast<Index>(sigma.size()));
+}
+
+Groups States::groups() const {
+  Groups out;
+  for (const Row& row : table)
+    if (has(row.group)) out.insert(row.group);
+  return out;
+}
+
+std::vector<Index> States::corrections() const {
+  std::vector<Index> out;
+  for (Index s = 0; s < constants(); ++s)
+    if (corrects(s) >= 0 && prior[s] > 0) out.push_back(s);
+  return out;
+}
+
+kernel::Parameters States::parameters(const VectorXd& total) const {
+  kernel::Parameters p(constants());
+  p.offset = -total;
+  p.sigma = prior;
+  return p;
+}
+
+VectorXd States::needed() const {
+  VectorXd needed = VectorXd::Constant(constants(), std::numeric_limits<double>::infinity());
+  for (const Index s : corrections()) needed[s] = 0.5 * prior[s];
+  return needed;
+}
+
+std::vector<CoefficientIndex> all_coefficients() {
+  std::vector<CoefficientIndex> out;
+  for (const Row& row : table)
+    if (row.size == 0)
+      for (const CoefficientIndex index : coefficients_of(row)) out.push_back(index);
+  return out;
+}
+
+Groups optional_groups(const std::vector<CoefficientIndex>& coefficients) {
+  Groups out;
+  for (const Row& row : table)
+    for (const CoefficientIndex index : coefficients_of(row))
+      if (row.group > Group::latitude && contains(coefficients, index)) out.insert(row.group);
+  return out;
+}
+
+SensorModel corrected(const SensorModel& model, const VectorXd& x, const States& states) {
+  SensorModel error;  // each at the place of the coefficient it corrects
+  error.accel.matrix.setZero(), error.gyro.matrix.setZero();
+  for (Index s = 0; s < states.constants(); ++s)
+    if (const CoefficientIndex index = states.corrects(s); index >= 0) set_coefficient(error, index, x[s]);
+  const Matrix3d one = Matrix3d::Identity(), keep_accel = one - error.accel.matrix, keep_gyro = one - error.gyro.matrix;
+  SensorModel out = model;
+  out.accel.offset = keep_accel * model.accel.offset - error.accel.offset;
+  out.accel.matrix = keep_accel * model.accel.matrix;
+  // The g-sensitivity is fed with the corrected force.
+  out.gyro.offset = keep_gyro * (model.gyro.offset + model.g_sensitivity * error.accel.offset) - error.gyro.offset;
+  out.gyro.matrix = keep_gyro * model.gyro.matrix;
+  out.g_sensitivity = keep_gyro * model.g_sensitivity * (one + error.accel.matrix) - error.g_sensitivity;
+  out.lever_arm += error.lever_arm;
+  for (Index i = 0; i < 3; ++i) {  // q (a0 + a1 V)^2
+    const double q = error.accel.quadratic[i], a0 = model.accel.offset[i], a1 = model.accel.matrix(i, i);
+    out.accel.offset[i] -= q * a0 * a0;
+    out.accel.matrix(i, i) -= 2 * q * a0 * a1;
+    out.accel.quadratic[i] -= q * a1 * a1;
+  }
+  return out;
+}
+
+MatrixXd correction_jacobian(const SensorModel& model, const std::vector<CoefficientIndex>& indices, const States& states) {
+  constexpr double step = 1e-6;  // the correction is quadratic at most: central differences are exact
+  MatrixXd jacobian(static_cast<Index>(indices.size()), states.constants());
+  for (Index s = 0; s < states.constants(); ++s) {
+    const VectorXd x = step * VectorXd::Unit(states.constants(), s);
+    const SensorModel plus = corrected(model, x, states), minus = corrected(model, -x, states);
+    for (std::size_t i = 0; i < indices.size(); ++i)
+      jacobian(static_cast<Index>(i), s) = (coefficient_value(plus, indices[i]) - coefficient_value(minus, indices[i])) / (2 * step);
+  }
+  return jacobian;
+}
+
+}  // namespace imulab::hybrid

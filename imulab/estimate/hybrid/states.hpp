@@ -1,0 +1,83 @@
+// The states of the hybrid filter, in one table: their meaning, their order, their priors, and the coefficient that each corrects. The constants come
+// first, group by group, then the errors of attitude and velocity.
+#pragma once
+
+#include "imulab/estimate/kernel/information.hpp"
+#include "imulab/model/coefficient.hpp"
+#include "imulab/recording/session.hpp"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <set>
+#include <string_view>
+#include <vector>
+
+namespace imulab::hybrid {
+
+/// The place of the IMU.
+struct Place {
+  double latitude, gravity;  ///< rad, m/s^2
+  double latitude_sigma = 0, gravity_sigma = 0;
+};
+/// Throws Error where the site has no latitude.
+Place place_of(const Site& site);
+
+/// The IMU stays in one place while it turns, too.
+bool on_turntable(const Session& session);
+
+/// The constants in their order: errors ba, Ma, bg, Mg of the calibrated output df = ba + Ma f, dw = bg + Mg w (Ma lower triangular), relative error
+/// of gravity, attitude error at the start. From `latitude` on they are optional: error of the latitude [rad], lever arms [m], quadratic terms,
+/// g-sensitivity, delay of the accelerometers' output behind the gyros' [s].
+enum class Group { accel_offset, accel_matrix, gyro_offset, gyro_matrix, gravity, start, latitude, lever_arm, quadratic, g_sensitivity, delay };
+using Groups = std::set<Group>;
+
+/// "accel.lever_arm", "latitude", ...
+std::string_view name(Group group);
+
+/// Standard deviation of an alignment on one rest: level, level, heading [rad].
+Eigen::Vector3d alignment_sigma();
+
+class States {
+ public:
+  /// With these optional groups, and the latitude where it is uncertain. Coefficients that are not `wanted` are fixed; empty: none is.
+  States(const Groups& optional, const Place& place, const std::vector<CoefficientIndex>& wanted = {});
+
+  Eigen::VectorXd prior;  ///< by constant: standard deviation about the coarse solution; 0: fixed there
+  CoefficientIndex corrects(Eigen::Index constant) const { return corrects_[static_cast<std::size_t>(constant)]; }  ///< -1: none
+
+  Groups groups() const;  ///< that are in the model
+  bool has(Group group) const { return first(group) >= 0; }
+  Eigen::Index first(Group group) const { return places_[static_cast<std::size_t>(group)].first; }  ///< place of its first state; -1: absent
+  Eigen::Index size(Group group) const { return places_[static_cast<std::size_t>(group)].size; }
+  Eigen::Index constants() const { return prior.size(); }
+  Eigen::Index attitude() const { return constants(); }
+  Eigen::Index velocity() const { return constants() + 3; }
+  Eigen::Index size() const { return constants() + 6; }
+
+  /// Constants that correct a coefficient and are not fixed.
+  std::vector<Eigen::Index> corrections() const;
+  /// The constants of a model that has been corrected by `total` since the coarse solution.
+  kernel::Parameters parameters(const Eigen::VectorXd& total) const;
+  /// The data determine a coefficient where they halve its prior; infinite for the other constants.
+  Eigen::VectorXd needed() const;
+
+ private:
+  struct Span {
+    Eigen::Index first = -1, size = 0;
+  };
+  std::array<Span, 11> places_;
+  std::vector<CoefficientIndex> corrects_;
+};
+
+/// All coefficients that constants can correct, and the optional groups that these are of.
+std::vector<CoefficientIndex> all_coefficients();
+Groups optional_groups(const std::vector<CoefficientIndex>& coefficients);
+
+/// The model whose output is that of `model` less the errors x: A0 <- (I - Ma) A0 - ba, A1 <- (I - Ma) A1, gyros likewise.
+SensorModel corrected(const SensorModel& model, const Eigen::VectorXd& x, const States& states);
+
+/// Derivatives of the table coefficients `indices` of the corrected model by the constants, at x = 0.
+Eigen::MatrixXd correction_jacobian(const SensorModel& model, const std::vector<CoefficientIndex>& indices, const States& states);
+
+}  // namespace imulab::hybrid

@@ -1,0 +1,33 @@
+// Coarse solutions without a rig, all linear: the start of the maximum-likelihood refinements (Cheng 2014 sec 1.2, "shape from motion").
+#pragma once
+
+#include "imulab/estimate/kernel/scaling.hpp"
+
+#include <optional>
+
+namespace imulab::kernel {
+
+/// Accelerometers from |f| = g at every rest: (U - B)^T Q (U - B) = g^2 is linear in nine unknowns (Cheng 2014 eqs 6-10). `matrix` is lower
+/// triangular (x_b along the x accelerometer, y_b in the plane of the x and y accelerometers).
+struct CoarseAccel {
+  Vector3d offset;
+  Matrix3d matrix;
+  bool misalignment;  ///< false: the rests do not determine the quadric's cross terms (cardinal positions), which were taken as zero
+};
+
+/// `readings`: accelerometer means of the rests, scaled. Empty where not even offsets and scales follow.
+std::optional<CoarseAccel> coarse_accel(const std::vector<Vector3d>& readings, double gravity);
+
+/// Gyro offset and matrix from f . w = g w_ie sin L at every rest, linear in twelve unknowns (Cheng 2014 eqs 11-14).
+struct CoarseGyro {
+  Vector3d offset;
+  Matrix3d matrix;
+};
+std::optional<CoarseGyro> coarse_gyro_at_rest(const std::vector<Vector3d>& readings, const std::vector<Vector3d>& up, double earth_rate_vertical);
+
+/// Gyro matrix from the motion between the rests: the direction of gravity that the accelerometers see turns at -w x f. Linear in nine unknowns and
+/// good to some percent for any acceleration of the hand. Empty where the motion does not turn the unit about all axes.
+std::optional<Matrix3d> coarse_gyro_in_motion(const Recording& recording, const std::vector<Rest>& rests, const SensorModel& scaled_model,
+                                              const Scaling& scaling);
+
+}  // namespace imulab::kernel

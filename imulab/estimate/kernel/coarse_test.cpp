@@ -1,0 +1,91 @@
+#include "imulab/estimate/kernel/coarse.hpp"
+
+#include "imulab/core/random.hpp"
+#include "imulab/earth/earth.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace imulab::kernel {
+namespace {
+
+Vector3d random_direction(std::uint64_t i) {
+  const RandomStream draws(1, "directions");
+  return Vector3d(draws.normal(3 * i), draws.normal(3 * i + 1), draws.normal(3 * i + 2)).normalized();
+}
+
+const double g = 9.80665;
+
+struct Accel {
+  Vector3d offset{0.3, -0.2, 0.1};
+  Matrix3d matrix = (Matrix3d() << 1.02, 0, 0, 0.015, 0.97, 0, -0.02, 0.01, 1.03).finished();
+  Vector3d reading(const Vector3d& up) const { return matrix.inverse() * (g * up - offset); }
+};
+
+TEST(Coarse, AccelerometersFromExactRests) {
+  const Accel truth;
+  std::vector<Vector3d> readings;
+  for (std::uint64_t i = 0; i < 12; ++i) readings.push_back(truth.reading(random_direction(i)));
+  const auto found = coarse_accel(readings, g);
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(found->misalignment);
+  EXPECT_LT((found->matrix - truth.matrix).norm(), 1e-11);
+  EXPECT_LT((found->offset - truth.offset).norm(), 1e-10);
+}
+
+TEST(Coarse, SixFacesLeaveMisalignmentOpen) {
+  const Accel truth;
+  std::vector<Vector3d> readings;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {1.0, -1.0}) readings.push_back(truth.reading(sign * Vector3d::Unit(axis)));
+  const auto found = coarse_accel(readings, g);
+  ASSERT_TRUE(found);
+  EXPECT_FALSE(found->misalignment);
+  // Zero misalignment where it is 2 % leaves second-order errors in the scales.
+  EXPECT_LT((found->matrix.diagonal() - truth.matrix.diagonal()).norm(), 2e-3);
+  EXPECT_LT((found->offset - truth.offset).norm(), 1e-2);
+}
+
+TEST(Coarse, RestsOnOneAxisGiveNothing) {
+  std::vector<Vector3d> readings;
+  for (int i = 0; i < 12; ++i) readings.push_back(Accel{}.reading((i % 2 == 0 ? 1.0 : -1.0) * Vector3d::UnitZ()));
+  EXPECT_FALSE(coarse_accel(readings, g));
+}
+
+TEST(Coarse, GyrosFromEarthRate) {
+  const double latitude = 0.7;
+  Matrix3d matrix;
+  matrix << 1.01, 0.02, -0.01, 0.005, 0.98, 0.01, 0.015, -0.02, 1.02;
+  const Vector3d offset(1e-5, -2e-5, 3e-5);
+  std::vector<Vector3d> readings, ups;
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    const Vector3d up = random_direction(i), side = random_direction(100 + i);
+    const Vector3d north = (side - side.dot(up) * up).normalized();
+    const Vector3d rate = earth_rate * (std::sin(latitude) * up + std::cos(latitude) * north);
+    ups.push_back(up);
+    readings.push_back(matrix.inverse() * (rate - offset));
+  }
+  const auto found = coarse_gyro_at_rest(readings, ups, earth_rate * std::sin(latitude));
+  ASSERT_TRUE(found);
+  EXPECT_LT((found->matrix - matrix).norm(), 1e-9);
+  EXPECT_LT((found->offset - offset).norm(), 1e-13);
+  EXPECT_FALSE(coarse_gyro_at_rest(readings, ups, 0)) << "at the equator the scale is lost";
+  readings.resize(11);
+  ups.resize(11);
+  EXPECT_FALSE(coarse_gyro_at_rest(readings, ups, earth_rate * std::sin(latitude))) << "twelve unknowns need twelve rests";
+}
+
+TEST(Coarse, GyrosInMotionEndWhateverTheIntervalIs) {
+  Recording recording;
+  recording.time_ns.resize(40);
+  for (Columns3* triad : {&recording.gyro, &recording.accel})
+    for (auto& column : *triad) column.assign(40, 1);
+  recording.interval_s = 0;
+  EXPECT_FALSE(coarse_gyro_in_motion(recording, summarize_rests(recording, {{0, 10}, {30, 40}}), {}, {}));
+}
+
+}  // namespace
+}  // namespace imulab::kernel

@@ -1,0 +1,79 @@
+#include "imulab/estimate/kernel/findings.hpp"
+
+#include "imulab/core/units.hpp"
+#include "imulab/earth/earth.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+namespace imulab::kernel {
+
+namespace {
+
+void append(std::vector<std::string>& to, const std::vector<std::string>& more) { to.insert(to.end(), more.begin(), more.end()); }
+
+}  // namespace
+
+void Findings::add(const Findings& more) { append(notes, more.notes), append(warnings, more.warnings), append(doubts, more.doubts); }
+
+UncertaintySource gravity_source(const Site& site) {
+  const double relative = site.gravity_sigma() / site.gravity();
+  return {"gravity", relative, fmt::format("g is known to {:.3g} ppm: this much is common to all three accelerometer scales", relative / unit::ppm)};
+}
+
+void check_declared_noise(Findings& findings, std::string_view triad, double ratio) {
+  if (ratio > 1.5 || ratio < 1 / 1.5)
+    findings.warn(fmt::format("the {}' noise is {:.2g} times the declared density; the declared one sets the weights", triad, ratio));
+}
+
+void note_spread(Findings& findings, std::string_view what, double spread, std::string_view unit_name) {
+  if (spread > 0)
+    findings.note(
+        fmt::format("{} spread by {:.3g} {} (1 sigma) more than the sample noise explains; counted in the uncertainties", what, spread, unit_name));
+}
+
+void add_dropped(Findings& findings, const std::vector<std::string>& names, std::size_t all) {
+  for (const std::string& name : names) findings.warn("dropped as an outlier: " + name);
+  if (5 * names.size() > all) findings.doubt(fmt::format("{} of {} rests and rotations were dropped as outliers", names.size(), all));
+}
+
+void add_common_doubts(Findings& findings, const Calibration& calibration, const Site& site) {
+  const Quality& quality = calibration.quality;
+  if (!quality.unobservable.empty()) findings.doubt(fmt::format("{} coefficients are not determined by the data", quality.unobservable.size()));
+  // Below about six degrees of freedom the residuals can hardly contradict the model or the noise.
+  if (quality.degrees_of_freedom < 6)
+    findings.doubt(fmt::format("only {} degrees of freedom remain to check the result", quality.degrees_of_freedom));
+  // Real sensors in a hand show 3 to 10; five times the noise is another sensor, another motion or another place than was declared.
+  if (quality.chi2_per_dof > 25)
+    findings.doubt(fmt::format("the residuals are {:.0f} times what the noise explains", std::sqrt(quality.chi2_per_dof)));
+  if (quality.chi2_per_dof < 0.3) findings.doubt("the residuals are far smaller than the declared noise: the uncertainties are too large");
+  for (const CoefficientIndex index : calibration.estimated) {
+    const Coefficient& c = coefficient(index);
+    if (c.term != Term::matrix || c.row != c.column) continue;
+    const auto row = (c.triad == Triad::accel ? calibration.model.accel : calibration.model.gyro).matrix.row(c.row);
+    const double relative = *standard_uncertainty(calibration, index) / row.norm();
+    if (relative > 0.01) findings.doubt(fmt::format("{} is uncertain by {:.2g} %", c.name, 100 * relative));  // uncalibrated: a few percent
+  }
+  if (!site.given_gravity) return;
+  // Normal gravity is true to 0.005 m/s^2 at a known height and 0.03 m/s^2 up to 10 km; on Earth's surface g is between 9.76 and 9.84.
+  const double expected = site.latitude ? normal_gravity(*site.latitude, site.height.value_or(0)) : 9.80;
+  if (std::abs(*site.given_gravity - expected) > 0.05)
+    findings.doubt(fmt::format("the given gravity of {:g} m/s^2 is not that of {} ({:.3f})", *site.given_gravity,
+                               site.latitude ? "the given latitude" : "the Earth's surface", expected));
+}
+
+std::string_view mistaken_unit(Triad triad, double scale) {
+  const auto near = [&](double expected) { return std::abs(scale / expected - 1) < 0.2; };
+  if (triad == Triad::accel) return near(unit::g) ? "g" : near(1 / unit::g) ? "m/s^2" : "";
+  return near(unit::deg) ? "deg/s" : near(1 / unit::deg) || near(1 / unit::deg_per_h) ? "rad/s" : "";
+}
+
+void conclude(Calibration& calibration, const Findings& findings) {
+  append(calibration.quality.notes, findings.notes), append(calibration.quality.warnings, findings.warnings);
+  std::string& verdict = calibration.quality.verdict;
+  verdict = findings.doubts.empty() ? "good" : "doubtful, because ";
+  for (std::size_t i = 0; i < findings.doubts.size(); ++i) verdict += (i > 0 ? "; " : "") + findings.doubts[i];
+}
+
+}  // namespace imulab::kernel

@@ -1,0 +1,47 @@
+// The findings of a calibration: notes, warnings with their consequence, and the reasons for a doubtful verdict. The rules that hold for every
+// method are here, once.
+#pragma once
+
+#include "imulab/model/calibration.hpp"
+#include "imulab/recording/session.hpp"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace imulab::kernel {
+
+struct Findings {
+  std::vector<std::string> notes, warnings, doubts;
+
+  void note(std::string text) { notes.push_back(std::move(text)); }
+  void warn(std::string text) { warnings.push_back(std::move(text)); }
+  /// A warning that makes the verdict doubtful.
+  void doubt(std::string reason) { doubts.push_back(std::move(reason)); }
+  void add(const Findings& more);
+};
+
+/// The uncertainty of g, which is common to all three accelerometer scales.
+UncertaintySource gravity_source(const Site& site);
+
+/// Warns where the measured noise is not the declared one: `ratio` is measured over declared. `triad`: "accelerometers", "gyros".
+void check_declared_noise(Findings& findings, std::string_view triad, double ratio);
+
+/// Notes that `what` ("the rests' gyro means") spreads by more than the sample noise explains.
+void note_spread(Findings& findings, std::string_view what, double spread, std::string_view unit_name);
+
+/// Warns of the parts of the data that were dropped; more than a fifth of `all` is doubtful.
+void add_dropped(Findings& findings, const std::vector<std::string>& names, std::size_t all);
+
+/// The doubts common to all methods: undetermined coefficients, few degrees of freedom, residuals of the wrong size, uncertain scales, a g that is
+/// not the place's.
+void add_common_doubts(Findings& findings, const Calibration& calibration, const Site& site);
+
+/// The unit that readings seem to be in where a triad's scale comes out as `scale` in the declared SI unit: "g", "m/s^2", "deg/s", "rad/s"; empty
+/// where no known mistake explains it. Uncalibrated scales are within 20 %.
+std::string_view mistaken_unit(Triad triad, double scale);
+
+/// Puts the findings into the calibration's quality, with the verdict: "good", or "doubtful, because ...".
+void conclude(Calibration& calibration, const Findings& findings);
+
+}  // namespace imulab::kernel

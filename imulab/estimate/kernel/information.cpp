@@ -1,0 +1,111 @@
+#include "imulab/estimate/kernel/information.hpp"
+
+#include "imulab/core/error.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+
+namespace imulab::kernel {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+Parameters::Parameters(Index size)
+    : role(static_cast<std::size_t>(size), Role::estimated), offset(VectorXd::Zero(size)), sigma(VectorXd::Constant(size, no_prior)) {}
+
+std::vector<Index> Parameters::with(Role wanted) const {
+  std::vector<Index> at;
+  for (std::size_t i = 0; i < role.size(); ++i)
+    if (role[i] == wanted) at.push_back(static_cast<Index>(i));
+  return at;
+}
+
+Information::Information(Index parameters) : N(MatrixXd::Zero(parameters, parameters)), g(VectorXd::Zero(parameters)) {}
+
+Information::Information(const MatrixXd& jacobian, const VectorXd& residual)
+    : N(jacobian.transpose() * jacobian), g(jacobian.transpose() * residual), chi2(residual.squaredNorm()), rows(static_cast<int>(residual.size())) {}
+
+Information& Information::operator+=(const Information& other) {
+  if (N.size() == 0) return *this = other;
+  N += other.N, g += other.g, chi2 += other.chi2, rows += other.rows;
+  return *this;
+}
+
+Information Information::operator-(const Information& other) const {
+  Information out = *this;
+  out.N -= other.N, out.g -= other.g, out.chi2 -= other.chi2, out.rows -= other.rows;
+  return out;
+}
+
+Solution solve(const Information& data, const Parameters& parameters, std::string_view what) {
+  std::vector<Index> loose;  // estimated and considered ones: the latter are taken back at the end
+  Solution s;
+  s.x = VectorXd::Zero(parameters.size());
+  for (Index i = 0; i < parameters.size(); ++i) {
+    if (parameters.role[static_cast<std::size_t>(i)] == Role::held)
+      s.x[i] = parameters.offset[i];
+    else
+      loose.push_back(i);
+  }
+  const auto n = static_cast<Index>(loose.size());
+  VectorXd weight(n), pull(n);
+  for (Index k = 0; k < n; ++k) {
+    const Index i = loose[static_cast<std::size_t>(k)];
+    weight[k] = 1 / (parameters.sigma[i] * parameters.sigma[i]);  // zero without a prior
+    pull[k] = weight[k] > 0 ? weight[k] * parameters.offset[i] : 0;
+  }
+  const VectorXd gradient = data.g + data.N * s.x;  // with the held ones at their values
+  MatrixXd normal = data.N(loose, loose);
+  normal.diagonal() += weight;
+  const VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::LLT<MatrixXd> factor(scale.asDiagonal() * normal * scale.asDiagonal());
+  const MatrixXd inverse = factor.solve(MatrixXd::Identity(n, n));
+  // Scaled to unit diagonal, rounding alone makes pivots of 1e-14.
+  if (factor.info() != Eigen::Success || !inverse.allFinite() || (n > 0 && inverse.diagonal().maxCoeff() > 1e13))
+    throw Unsupported(std::string(what) + " do not determine the parameters asked for: the normal equations cannot be solved");
+  const MatrixXd p = scale.asDiagonal() * inverse * scale.asDiagonal();
+  s.x(loose) = p * (pull - VectorXd(gradient(loose)));
+  s.covariance = MatrixXd::Zero(parameters.size(), parameters.size());
+  s.covariance(loose, loose) = p;
+  consider(s.x, s.covariance, parameters);
+  s.chi2 = data.at(s.x);
+  s.degrees_of_freedom = data.rows - static_cast<double>(n) + p.diagonal().dot(weight);
+  return s;
+}
+
+void consider(VectorXd& x, MatrixXd& covariance, const Parameters& parameters) {
+  const std::vector<Index> c = parameters.with(Role::considered);
+  if (c.empty()) return;
+  const MatrixXd columns = covariance(Eigen::all, c), own = columns(c, Eigen::all);
+  const MatrixXd gain = own.ldlt().solve(columns.transpose()).transpose();
+  const MatrixXd prior = parameters.sigma(c).cwiseAbs2().asDiagonal();
+  x += gain * VectorXd(parameters.offset(c) - x(c));
+  covariance += gain * (prior - own) * gain.transpose();
+}
+
+std::vector<Index> undetermined(const MatrixXd& covariance, const Parameters& parameters, const VectorXd& needed) {
+  std::vector<Index> out;
+  for (const Index i : parameters.with(Role::estimated))
+    if (i < needed.size() && !(std::sqrt(covariance(i, i)) < needed[i])) out.push_back(i);
+  return out;
+}
+
+double condition_number(const MatrixXd& symmetric) {
+  if (symmetric.size() == 0) return 1;
+  const VectorXd scale = symmetric.diagonal().cwiseSqrt().cwiseInverse();
+  const VectorXd values = MatrixXd(scale.asDiagonal() * symmetric * scale.asDiagonal()).selfadjointView<Eigen::Lower>().eigenvalues();
+  return std::sqrt(values.maxCoeff() / std::max(values.minCoeff(), 1e-300));
+}
+
+double condition_number(const Information& data, const Parameters& parameters) {
+  const std::vector<Index> estimated = parameters.with(Role::estimated);
+  MatrixXd normal = data.N(estimated, estimated);
+  normal.diagonal() += VectorXd(parameters.sigma(estimated)).cwiseAbs2().cwiseInverse();
+  return condition_number(normal);
+}
+
+}  // namespace imulab::kernel

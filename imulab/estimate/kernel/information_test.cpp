@@ -1,0 +1,100 @@
+#include "imulab/estimate/kernel/information.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/random.hpp"
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace imulab::kernel {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+MatrixXd random_matrix(Index rows, Index columns, std::uint64_t seed) {
+  const RandomStream draws(seed, "information");
+  std::uint64_t next = 0;
+  return MatrixXd::NullaryExpr(rows, columns, [&] { return draws.normal(next++); });
+}
+
+TEST(Solve, EqualsTheNormalEquationsWithPriors) {
+  const MatrixXd j = random_matrix(30, 4, 1);
+  const VectorXd e = random_matrix(30, 1, 2);
+  Parameters parameters(4);
+  parameters.sigma << no_prior, 0.1, no_prior, 0.5;
+  parameters.offset << 0, 0.3, 0, -0.2;
+  const Solution s = solve(Information(j, e), parameters);
+  const VectorXd weight = parameters.sigma.cwiseAbs2().cwiseInverse();
+  const MatrixXd p = (j.transpose() * j + MatrixXd(weight.asDiagonal())).inverse();
+  const VectorXd x = p * (weight.cwiseProduct(parameters.offset) - j.transpose() * e);
+  // Exact but for rounding of well-conditioned matrices.
+  EXPECT_LT((s.x - x).norm(), 1e-12);
+  EXPECT_LT((s.covariance - p).norm(), 1e-12 * p.norm());
+  EXPECT_NEAR(s.chi2, (e + j * x).squaredNorm(), 1e-11 * s.chi2);
+  EXPECT_NEAR(s.degrees_of_freedom, 30 - (j * p * j.transpose()).trace(), 1e-11);
+}
+
+TEST(Solve, WhatIsHeldTakesItsPriorValueAsExact) {
+  const MatrixXd j = random_matrix(30, 4, 3);
+  const VectorXd e = random_matrix(30, 1, 4);
+  Parameters parameters(4);
+  parameters.role[2] = Role::held, parameters.offset[2] = 0.7;
+  const Solution s = solve(Information(j, e), parameters);
+  EXPECT_EQ(s.x[2], 0.7);
+  EXPECT_EQ(s.covariance.row(2).norm(), 0);
+  const std::vector<Index> others{0, 1, 3};
+  const VectorXd x = (j(Eigen::all, others).transpose() * j(Eigen::all, others)).inverse() * -j(Eigen::all, others).transpose() * (e + 0.7 * j.col(2));
+  EXPECT_LT((s.x(others) - x).norm(), 1e-12);
+}
+
+TEST(Solve, WhatIsConsideredCountsAsNoiseOfTheData) {
+  const MatrixXd j = random_matrix(30, 4, 5);
+  const VectorXd e = random_matrix(30, 1, 6);
+  Parameters parameters(4), held(4);
+  parameters.role[3] = Role::considered, held.role[3] = Role::held;
+  parameters.sigma[3] = 0.4, parameters.offset[3] = held.offset[3] = 0.2;
+  const Solution s = solve(Information(j, e), parameters), exact = solve(Information(j, e), held);
+  EXPECT_LT((s.x - exact.x).norm(), 1e-12) << "the estimate is that with the parameter at its prior value";
+  EXPECT_NEAR(s.covariance(3, 3), 0.16, 1e-12);
+  // The estimate's errors from noise of the data and from the considered parameter: P (J^T J + J^T j3 0.16 j3^T J) P.
+  const MatrixXd known = j.leftCols(3), p = (known.transpose() * known).inverse();
+  const VectorXd leak = p * known.transpose() * j.col(3);
+  EXPECT_LT((s.covariance.topLeftCorner(3, 3) - p - 0.16 * leak * leak.transpose()).norm(), 1e-12);
+  EXPECT_LT((s.covariance.col(3).head(3) + 0.16 * leak).norm(), 1e-12);
+}
+
+TEST(Solve, SaysWhatIsNotDetermined) {
+  MatrixXd j = random_matrix(30, 3, 7);
+  j.col(2) = j.col(1);
+  EXPECT_THROW(solve(Information(j, VectorXd::Zero(30)), Parameters(3), "the points"), Unsupported);
+  Parameters parameters(3);
+  parameters.sigma.setConstant(10);
+  const Solution s = solve(Information(j, VectorXd::Zero(30)), parameters);
+  const VectorXd needed = VectorXd::Constant(3, 5);
+  EXPECT_EQ(undetermined(s.covariance, parameters, needed), (std::vector<Index>{1, 2}));
+  EXPECT_GT(condition_number(Information(j, VectorXd::Zero(30)), parameters), 10);
+}
+
+TEST(Information, IsAdditive) {
+  const MatrixXd j = random_matrix(30, 3, 8);
+  const VectorXd e = random_matrix(30, 1, 9);
+  Information sum(j.topRows(10), e.head(10));
+  sum += Information(j.bottomRows(20), e.tail(20));
+  const VectorXd x = random_matrix(3, 1, 10);
+  EXPECT_NEAR(sum.at(x), (e + j * x).squaredNorm(), 1e-11 * sum.at(x));
+  EXPECT_NEAR((sum - Information(j.topRows(10), e.head(10))).at(x), (e + j * x).tail(20).squaredNorm(), 1e-11 * sum.at(x));
+  EXPECT_EQ(sum.rows, 30);
+}
+
+TEST(ConditionNumber, IsThatOfTheCorrelations) {
+  MatrixXd m(2, 2);
+  m << 4, 2 * 0.6, 2 * 0.6, 1;  // correlation 0.6: eigenvalues 1.6 and 0.4
+  EXPECT_NEAR(condition_number(m), 2, 1e-12);
+}
+
+}  // namespace
+}  // namespace imulab::kernel

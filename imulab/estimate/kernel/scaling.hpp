@@ -1,0 +1,32 @@
+// Readings centered and scaled, so that the equations are well conditioned whatever the raw unit, and the sensor model of such readings.
+#pragma once
+
+#include "imulab/estimate/kernel/rest_means.hpp"
+#include "imulab/model/sensor_model.hpp"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace imulab::kernel {
+
+/// v = (reading - center) / scale, per axis.
+struct Scaling {
+  Vector3d accel_center = Vector3d::Zero(), accel_scale = Vector3d::Ones();
+  Vector3d gyro_center = Vector3d::Zero(), gyro_scale = Vector3d::Ones();
+
+  Vector3d accel(const Vector3d& reading) const { return (reading - accel_center).cwiseQuotient(accel_scale); }
+  Vector3d gyro(const Vector3d& reading) const { return (reading - gyro_center).cwiseQuotient(gyro_scale); }
+};
+
+/// Readings in counts are centered on the rests and scaled by gravity and by the motion; readings in SI stay as they are.
+Scaling choose_scaling(const Recording& recording, const std::vector<Rest>& rests);
+
+/// Specific force and angular rate of scaled readings, by the linear terms of a model.
+inline Vector3d linear(const TriadModel& triad, const Vector3d& scaled) { return triad.offset + triad.matrix * scaled; }
+
+/// The linear model of scaled readings, of raw readings: a = A0 + A1 (U - center) / scale.
+SensorModel to_raw(const SensorModel& scaled, const Scaling& scaling);
+SensorModel to_scaled(const SensorModel& raw, const Scaling& scaling);
+
+}  // namespace imulab::kernel

@@ -1,0 +1,70 @@
+// Parts of the data that may be bad as a whole: a rest, a rotation, a step of a table, a point of a machine.
+#pragma once
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace imulab::kernel {
+
+struct Suspect {
+  std::string name;            ///< for messages: "the rest at 12.3 s"
+  double log_probability = 0;  ///< natural logarithm of the probability that chance makes it deviate as much
+};
+
+/// The deviation of a part of the data: the chi-square that leaving it out saves, and its degrees of freedom.
+struct Deviation {
+  double chi2 = 0;
+  int degrees_of_freedom = 0;
+  /// Natural logarithm of the probability that chance does as much.
+  double log_probability() const;
+};
+
+/// From a part's residuals after the fit (or any linear map of them), their covariance, and the covariance that they would have if the fit did not
+/// follow them. Combinations that the fit follows for any value (a millionth of the variance remains) do not count.
+Deviation deviation(const Eigen::VectorXd& residual, const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& unfitted);
+
+/// Places of the suspects that chance explains with less than `level`, the least probable first.
+inline std::vector<std::size_t> improbable(const std::vector<Suspect>& suspects, double level) {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < suspects.size(); ++i)
+    if (!(suspects[i].log_probability > std::log(level))) found.push_back(i);
+  const auto size = [&](std::size_t i) { return std::isnan(suspects[i].log_probability) ? -HUGE_VAL : suspects[i].log_probability; };
+  std::stable_sort(found.begin(), found.end(), [&](std::size_t a, std::size_t b) { return size(a) < size(b); });
+  return found;
+}
+
+template <class Fit>
+struct Cleaned {
+  Fit fit;
+  std::vector<std::string> dropped;  ///< names, in the order they were dropped
+  std::string worst;                 ///< the first that was improbable; empty for none
+  bool clean = true;                 ///< false: improbable ones remain that the fit cannot do without
+};
+
+/// Drops suspects one by one, the least probable first, while chance explains it with less than `level` shared among all (Bonferroni). A Fit has
+///   std::vector<Suspect> suspects()
+///   bool may_drop(std::size_t suspect)  enough remains without it
+///   Fit without(std::size_t suspect)    the fit of the other data
+template <class Fit>
+Cleaned<Fit> drop_suspects(Fit fit, double level) {
+  Cleaned<Fit> out{std::move(fit), {}, {}, true};
+  for (;;) {
+    const std::vector<Suspect> suspects = out.fit.suspects();
+    const std::vector<std::size_t> found = improbable(suspects, level / static_cast<double>(std::max<std::size_t>(suspects.size(), 1)));
+    if (found.empty()) return out;
+    const std::size_t worst = found.front();
+    if (out.worst.empty()) out.worst = suspects[worst].name;
+    if (!out.fit.may_drop(worst)) {
+      out.clean = false;
+      return out;
+    }
+    out.dropped.push_back(suspects[worst].name);
+    out.fit = out.fit.without(worst);
+  }
+}
+
+}  // namespace imulab::kernel

@@ -1,0 +1,56 @@
+#include "imulab/estimate/kernel/terms.hpp"
+
+#include "imulab/core/statistics.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace imulab::kernel {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+TermTest wald(std::string name, const VectorXd& value, const MatrixXd& covariance, double significance) {
+  TermTest test{std::move(name), 0, static_cast<int>(value.size()), 1, false};
+  if (value.size() == 0) return test;
+  const VectorXd unit = covariance.diagonal().cwiseSqrt().cwiseInverse(), scaled = unit.cwiseProduct(value);
+  test.statistic = scaled.dot(MatrixXd(unit.asDiagonal() * covariance * unit.asDiagonal()).ldlt().solve(scaled));
+  test.p_value = chi_square_tail(test.statistic, static_cast<double>(value.size()));
+  test.kept = test.p_value <= significance;
+  return test;
+}
+
+TermTest wald(const TermGroup& group, const VectorXd& values, const MatrixXd& covariance, double significance) {
+  return wald(group.name, values(group.members), covariance(group.members, group.members), significance);
+}
+
+double cross_validation(const std::vector<Information>& parts, const Information& all, const Parameters& parameters) {
+  double sum = 0;
+  for (const Information& part : parts) sum += part.at(solve(all - part, parameters).x);
+  return std::sqrt(sum / std::max(all.rows, 1));
+}
+
+std::vector<TermTest> choose_terms(std::vector<TermGroup> groups, const std::function<std::vector<TermTest>(const std::vector<TermGroup>&)>& test,
+                                   const std::function<void(const TermGroup&)>& leave_out) {
+  std::vector<TermTest> done;
+  while (!groups.empty()) {
+    const std::vector<TermTest> now = test(groups);
+    const auto weakest = std::max_element(
+        now.begin(), now.end(), [](const TermTest& a, const TermTest& b) { return std::pair(!a.kept, a.p_value) < std::pair(!b.kept, b.p_value); });
+    if (weakest->kept) {
+      done.insert(done.end(), now.begin(), now.end());
+      break;
+    }
+    const auto at = weakest - now.begin();
+    leave_out(groups[static_cast<std::size_t>(at)]);
+    done.push_back(*weakest);
+    groups.erase(groups.begin() + at);
+  }
+  return done;
+}
+
+}  // namespace imulab::kernel

@@ -1,0 +1,35 @@
+// Choice of optional terms: Wald's test, cross-validation, and backward selection.
+#pragma once
+
+#include "imulab/estimate/kernel/information.hpp"
+#include "imulab/model/calibration.hpp"
+
+#include <Eigen/Core>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace imulab::kernel {
+
+/// Parameters that are in a model together or not at all.
+struct TermGroup {
+  std::string name;                   ///< "gyro.g_sensitivity"
+  std::vector<Eigen::Index> members;  ///< places among the parameters
+};
+
+/// Wald's test of a group against zero: value^T covariance^-1 value is chi-square distributed where the group is absent. `value` and `covariance` are
+/// of the group's members. An empty group is not kept.
+TermTest wald(std::string name, const Eigen::VectorXd& value, const Eigen::MatrixXd& covariance, double significance);
+/// Of a group among all parameters.
+TermTest wald(const TermGroup& group, const Eigen::VectorXd& values, const Eigen::MatrixXd& covariance, double significance);
+
+/// RMS residual of each part of the data predicted from the others, in sigmas of its noise. `all` is the sum of `parts`.
+double cross_validation(const std::vector<Information>& parts, const Information& all, const Parameters& parameters);
+
+/// Backward selection: the least significant group that its test does not keep is left out, and the others are tested again without it. `test` is
+/// given the groups that are still in the model, `leave_out` the one to go. Returns every group's last test.
+std::vector<TermTest> choose_terms(std::vector<TermGroup> groups, const std::function<std::vector<TermTest>(const std::vector<TermGroup>&)>& test,
+                                   const std::function<void(const TermGroup&)>& leave_out);
+
+}  // namespace imulab::kernel

@@ -1,0 +1,57 @@
+#include "imulab/estimate/kernel/terms.hpp"
+
+#include "imulab/core/random.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+namespace imulab::kernel {
+namespace {
+
+using ::testing::ElementsAre;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+TEST(Wald, IsTheSquaredDistanceInSigmas) {
+  const TermTest test = wald("two", Eigen::Vector2d(3, 0.4), Eigen::Vector2d(1, 0.01).asDiagonal(), 0.01);
+  EXPECT_NEAR(test.statistic, 9 + 16, 1e-12);
+  EXPECT_EQ(test.degrees_of_freedom, 2);
+  EXPECT_NEAR(test.p_value, std::exp(-12.5), 1e-15);  // chi-square with two degrees of freedom
+  EXPECT_TRUE(test.kept);
+  EXPECT_FALSE(wald("two", Eigen::Vector2d(1, 0.1), Eigen::Vector2d(1, 0.01).asDiagonal(), 0.01).kept);
+  EXPECT_FALSE(wald("none", VectorXd(), MatrixXd(), 0.01).kept);
+}
+
+TEST(ChooseTerms, TheLeastSignificantGoesFirstAndTheOthersAreTestedAgain) {
+  // b is significant only once a, which resembles it, has gone.
+  std::vector<std::string> left_out;
+  const auto test = [&](const std::vector<TermGroup>& groups) {
+    std::vector<TermTest> tests;
+    for (const TermGroup& group : groups) {
+      const double p = group.name == "a" ? 0.8 : group.name == "b" ? (groups.size() == 3 ? 0.5 : 1e-4) : 1e-9;
+      tests.push_back({group.name, 0, 1, p, p < 0.01});
+    }
+    return tests;
+  };
+  const auto tests = choose_terms({{"a", {0}}, {"b", {1}}, {"c", {2}}}, test, [&](const TermGroup& group) { left_out.push_back(group.name); });
+  EXPECT_THAT(left_out, ElementsAre("a"));
+  ASSERT_EQ(tests.size(), 3u);
+  EXPECT_FALSE(tests[0].kept);
+  EXPECT_TRUE(tests[1].kept && tests[2].kept);
+  EXPECT_TRUE(choose_terms({}, test, {}).empty());
+}
+
+TEST(CrossValidation, PredictsEachPartFromTheOthers) {
+  // A constant: each value against the mean of the others.
+  const VectorXd value = (VectorXd(4) << 1, 2, 4, 9).finished();
+  std::vector<Information> parts;
+  Information all;
+  for (Eigen::Index i = 0; i < 4; ++i) all += parts.emplace_back(MatrixXd::Ones(1, 1), -value.segment<1>(i));
+  double squares = 0;
+  for (Eigen::Index i = 0; i < 4; ++i) squares += std::pow(value[i] - (16 - value[i]) / 3, 2);
+  EXPECT_NEAR(cross_validation(parts, all, Parameters(1)), std::sqrt(squares / 4), 1e-12);
+}
+
+}  // namespace
+}  // namespace imulab::kernel

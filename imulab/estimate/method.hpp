@@ -1,0 +1,82 @@
+// Every calibration method: one signature, one result, one table. A new method is a folder beside these and one line in the table.
+#pragma once
+
+#include "imulab/model/calibration.hpp"
+#include "imulab/recording/recording.hpp"
+#include "imulab/recording/session.hpp"
+
+#include <Eigen/Core>
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace imulab {
+
+/// What a method works on. Values in SI, or in counts where the recording says so.
+struct CalibrationInput {
+  const Session& session;                        ///< what is declared: unit, site, rigs, steps
+  std::span<const Recording> recordings;         ///< one for each of the session's, in its order
+  std::optional<std::vector<Range>> rests = {};  ///< of the only recording, in time order; absent: the session's holds, or found in the data
+};
+
+struct CalibrationOptions {
+  std::vector<CoefficientIndex> terms;  ///< to estimate; empty: all of the method's, optional ones where the data show them
+  double significance = 0.01;           ///< an optional term is kept if chance explains it with at most this probability
+  double outlier_level = 1e-3;          ///< probability of dropping anything from good data
+
+  struct Turntable {
+    bool bias_while_turning = false;  ///< the gyros' bias in turns is a separate unknown, and W0 is that of the holds alone, as Zhang estimates it
+  } turntable;
+  struct Hybrid {
+    double curve_interval = 0;  ///< s between points of the convergence curves; 0: none
+  } hybrid;
+  struct WholeUnit {
+    bool full = false;      ///< all that the data determine, significant or not
+    bool stepwise = false;  ///< Dai's three steps instead of the joint estimate
+  } whole_unit;
+};
+
+/// Residual of the coarse solution from the data so far, and its standard uncertainty (hybrid).
+struct ConvergenceCurve {
+  std::string name;  ///< of the coefficient it corrects
+  std::vector<double> residual, sigma;
+};
+
+struct CalibrationResult {
+  Calibration calibration;
+  std::optional<SensorModel> coarse;  ///< the start of the fit, if that is a result of its own (hybrid: Cheng 2014 table 1)
+  std::vector<double> curve_time;     ///< s of the recording's clock
+  std::vector<ConvergenceCurve> curves;
+  int iterations = 0;
+};
+
+/// Standard uncertainties to come, before any data. SI.
+struct Prediction {
+  std::vector<CoefficientIndex> coefficients, undetermined;
+  Eigen::VectorXd sigma;       ///< of each of `coefficients`
+  Eigen::VectorXd cramer_rao;  ///< Cramer-Rao bound
+};
+
+struct Method {
+  std::string_view name;       ///< "handheld"
+  std::string_view summary;    ///< one line
+  bool takes_several = false;  ///< recordings; else it throws Error for more than one
+  bool takes_full = false, takes_stepwise = false, takes_curves = false;
+  /// Throws Error where declarations contradict each other or the data, Unsupported where nothing can be determined.
+  CalibrationResult (*calibrate)(const CalibrationInput& input, const CalibrationOptions& options);
+  /// Of a procedure with one recording; null where the method has no prediction. Throws Error where the procedure lacks what the method needs.
+  Prediction (*predict)(const Session& procedure) = nullptr;
+};
+
+/// All methods, by name.
+std::span<const Method> methods();
+/// Throws Error that lists the known ones.
+const Method& method(std::string_view name, std::span<const Method> table = methods());
+
+/// By a method's name. Throws as the method does.
+CalibrationResult calibrate(std::string_view method, const CalibrationInput& input, const CalibrationOptions& options = {});
+
+}  // namespace imulab

@@ -1,0 +1,65 @@
+// Least squares with conditions (Gauss-Helmert): each condition w(theta, observations) = 0 would hold for perfect data, and the observations' noise
+// reaches it with a known covariance that couples neighboring blocks only. To first order this is maximum likelihood, with the true attitudes of the
+// rests eliminated.
+#pragma once
+
+#include "imulab/estimate/kernel/information.hpp"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <vector>
+
+namespace imulab::rests {
+
+/// What a condition compares; each kind may spread by more than the sample noise explains.
+enum class Kind { gravity, gyro_rest, rotation };
+inline constexpr int kinds = 3;
+using Spreads = std::array<double, kinds>;  ///< additional standard deviation by kind: m/s^2, rad/s, rad
+
+struct Conditions {
+  /// Rows first .. first + size - 1; `covariance` of them, `coupling` with the rows of the block before (empty for none).
+  struct Block {
+    Eigen::Index first = 0, size = 0;
+    Eigen::MatrixXd covariance, coupling;
+  };
+  Eigen::VectorXd value;     ///< w at the current parameters
+  Eigen::MatrixXd jacobian;  ///< dw / dtheta
+  std::vector<Kind> kind;    ///< by row; its variance grows by the square of its kind's spread
+  std::vector<Block> blocks;
+
+  Conditions(Eigen::Index rows, Eigen::Index parameters)
+      : value(Eigen::VectorXd::Zero(rows)), jacobian(Eigen::MatrixXd::Zero(rows, parameters)), kind(static_cast<std::size_t>(rows), Kind::gravity) {}
+  Eigen::VectorXd variance() const;  ///< of each row
+  kernel::Information information() const;
+};
+
+struct Adjustment {
+  kernel::Solution solution;
+  Eigen::VectorXd residual;           ///< w after the correction
+  Eigen::VectorXd variance;           ///< of w, by row
+  Eigen::VectorXd residual_variance;  ///< expected of the residuals, by row: S - J P J^T
+};
+/// Considered parameters are fixed here: their effect on the covariance of the others does not concern the residuals.
+Adjustment adjust(const Conditions& conditions, kernel::Parameters parameters);
+
+/// Degrees of freedom that the residuals of one kind keep.
+double redundancy(const Conditions& conditions, const Adjustment& adjustment, Kind kind);
+
+/// Does a kind's spread exceed what the conditions' covariance explains (1 % level)?
+bool spread_is_significant(const Conditions& conditions, const Adjustment& adjustment, Kind kind);
+
+/// The additional spread of a kind with which its residuals have their expected size; zero where they are smaller without any. `current`: the one
+/// that is in the conditions' covariance.
+double estimate_spread(const Conditions& conditions, const Adjustment& adjustment, Kind kind, double current);
+
+/// How much rows deviate: the chi-square that leaving them out saves, and its degrees of freedom.
+struct Deviation {
+  double statistic = 0, degrees_of_freedom = 0;
+  /// Natural logarithm of the probability that chance does as much; where the size of the residuals was itself estimated from a finite number of
+  /// `residual_degrees`, by the F distribution.
+  double log_probability(double residual_degrees) const;
+};
+Deviation deviation_of(const Conditions& conditions, const Adjustment& adjustment, const std::vector<Eigen::Index>& rows);
+
+}  // namespace imulab::rests

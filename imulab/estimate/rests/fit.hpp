@@ -1,0 +1,116 @@
+// Fit iteration: to convergence, with the spread that the residuals show beyond the sample noise; without suspects that chance does not explain.
+//
+// A Problem is a RestProblem with conditions(spreads), parameters(), longest_step(), correct(correction), suspects(conditions) and drop(suspect).
+#pragma once
+
+#include "imulab/estimate/kernel/suspects.hpp"
+#include "imulab/estimate/rests/problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+namespace imulab::rests {
+
+struct Fit {
+  Conditions conditions{0, 0};
+  kernel::Parameters parameters;
+  Adjustment adjustment;
+  Spreads spreads{};
+  bool converged = false;
+
+  /// With the effect of the considered parameters on the others.
+  Eigen::MatrixXd covariance() const { return kernel::solve(conditions.information(), parameters, "the rests").covariance; }
+  /// Degrees of freedom behind the least known of the spreads in use; infinite where none is.
+  double spread_degrees() const {
+    double degrees = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < kinds; ++k)
+      if (spreads[static_cast<std::size_t>(k)] > 0) degrees = std::min(degrees, redundancy(conditions, adjustment, static_cast<Kind>(k)));
+    return degrees;
+  }
+};
+
+/// Gauss-Newton until the correction is below a hundredth of its standard deviation everywhere; then, where residuals of a kind are significantly too
+/// large (or its spread was given), with that kind's spread, until the spreads converge. Longer steps than `longest_step` are shortened: poor data
+/// would be linearized far from the solution.
+template <class Problem>
+Fit converge(Problem& problem, const Spreads& start = {}) {
+  constexpr int most_iterations = 30, most_before_spreads = 8;
+  Fit fit;
+  fit.spreads = start;
+  bool decided = false;
+  for (int iteration = 0; iteration < most_iterations && !fit.converged; ++iteration) {
+    fit.conditions = problem.conditions(fit.spreads);
+    fit.parameters = problem.parameters();
+    fit.adjustment = adjust(fit.conditions, fit.parameters);
+    const Eigen::VectorXd& x = fit.adjustment.solution.x;
+    problem.correct(x / std::max(1.0, x.cwiseQuotient(problem.longest_step()).cwiseAbs().maxCoeff()));
+    const Eigen::VectorXd sigma = fit.adjustment.solution.covariance.diagonal().cwiseSqrt();
+    bool still = (sigma.array() > 0).select(x.cwiseAbs() - 0.01 * sigma, 0).maxCoeff() <= 0;  // fixed ones arrive at once
+    if (!decided && !still && iteration < most_before_spreads) continue;
+    for (int k = 0; k < kinds; ++k) {
+      const auto kind = static_cast<Kind>(k);
+      double& spread = fit.spreads[static_cast<std::size_t>(k)];
+      if (spread == 0 && (decided || !spread_is_significant(fit.conditions, fit.adjustment, kind))) continue;
+      const double before = std::exchange(spread, estimate_spread(fit.conditions, fit.adjustment, kind, spread));
+      still = still && std::abs(spread - before) <= 0.02 * std::max(spread, before);
+    }
+    decided = true;
+    fit.converged = still;
+  }
+  return fit;
+}
+
+/// Coefficients that the data do not determine go back to their prior value, and the others are fitted again, until those that remain are determined
+/// although the others may be off by their prior.
+template <class Problem>
+Fit fit_determined(Problem& problem) {
+  Fit fit = converge(problem);
+  for (;;) {
+    const std::vector<Eigen::Index> undetermined = kernel::undetermined(fit.covariance(), fit.parameters, problem.needed_sigma());
+    if (undetermined.empty()) return fit;
+    problem.hold(undetermined);
+    fit = converge(problem, fit.spreads);
+  }
+}
+
+/// A problem and its fit, for kernel::drop_suspects.
+template <class Problem>
+struct SuspectFit {
+  Problem problem;
+  Fit fit;
+  std::size_t most;                    ///< that may still be dropped
+  std::shared_ptr<SuspectFit> next{};  ///< without the worst suspect
+
+  explicit SuspectFit(const Problem& p) : problem(p), fit(converge(problem)), most(p.rests().size() / 3) {}
+
+  /// The suspect whose loss would save the most chi-square for its degrees of freedom is judged by a fit without it: its own deviation would hide it
+  /// in the spreads, which count with the degrees of freedom behind them.
+  std::vector<kernel::Suspect> suspects() {
+    std::vector<kernel::Suspect> all;
+    std::size_t worst = 0;
+    double lowest = 0;
+    for (const SuspectRows& suspect : problem.suspects(fit.conditions)) {
+      const double p = deviation_of(fit.conditions, fit.adjustment, suspect.rows).log_probability(std::numeric_limits<double>::infinity());
+      if (p < lowest) lowest = p, worst = all.size();
+      all.push_back({suspect.name, 0});
+    }
+    if (lowest == 0 || most == 0) return all;
+    next = std::make_shared<SuspectFit>(*this);
+    next->problem.drop(worst);
+    next->fit = converge(next->problem);
+    next->most = most - 1;
+    // With fewer degrees of freedom left nothing can be called an outlier.
+    if (next->fit.adjustment.solution.degrees_of_freedom < 5) return all;
+    const Conditions judged = problem.conditions(next->fit.spreads);
+    all[worst].log_probability =
+        deviation_of(judged, adjust(judged, problem.parameters()), problem.suspects(judged)[worst].rows).log_probability(next->fit.spread_degrees());
+    return all;
+  }
+  bool may_drop(std::size_t) const { return true; }
+  SuspectFit without(std::size_t) const { return *next; }
+};
+
+}  // namespace imulab::rests

@@ -1,0 +1,66 @@
+// The conditions of a hand-held calibration: gravity at every rest, Earth's rate at every rest, and the direction of gravity across every rotation.
+#pragma once
+
+#include "imulab/estimate/rests/problem.hpp"
+#include "imulab/estimate/rests/rotation.hpp"
+
+#include <array>
+#include <optional>
+#include <vector>
+
+namespace imulab::rests {
+
+/// Unknowns: the coefficients `indices` of the scaled model, then Earth's rate in east-north-up axes: its vertical part where the latitude is
+/// unknown, and for each stretch of rests linked by rotations its horizontal part, relative to an arbitrary heading of the stretch's first rest.
+class HandheldProblem : public RestProblem {
+ public:
+  HandheldProblem(const Recording& recording, const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices);
+
+  Conditions conditions(const Spreads& spreads);
+  kernel::Parameters parameters() const;
+  Eigen::VectorXd longest_step() const;
+  void correct(const Eigen::VectorXd& correction);
+  /// Every rest, then every rotation.
+  std::vector<SuspectRows> suspects(const Conditions& conditions) const;
+  /// Leaves out a rest (the rotations before and after it become one) or a rotation.
+  void drop(std::size_t suspect);
+  /// Other coefficients, from the present model; those no longer estimated return to zero.
+  void estimate_only(std::vector<CoefficientIndex> indices);
+
+  std::size_t rotations() const;
+  struct RotationRows {
+    std::array<Eigen::Index, 2> rows;
+    double angle;  ///< by which the unit turned, rad
+  };
+  /// Of each rotation in `conditions`, in time order.
+  std::vector<RotationRows> rotation_rows(const Conditions& conditions) const;
+
+ private:
+  struct Link {  ///< from a rest to the next
+    bool usable = false;
+    bool refused = false;             ///< dropped as an outlier
+    IntegratedRotation rotation{};
+    std::optional<SensorModel> at{};  ///< the model `rotation` was integrated with
+    IntegratedRotation now{};         ///< at the present model
+  };
+  void relink();
+  void integrate();
+  void follow_attitudes();
+  void set_stretches();
+  Vector3d earth_rate_of(std::size_t rest) const;
+  void add_gravity_row(Conditions& c, Eigen::Index row, std::size_t k) const;
+  void add_gyro_rows(Conditions& c, Eigen::Index row, std::size_t k) const;
+  void add_rotation_rows(Conditions& c, Eigen::Index row, std::size_t k) const;
+  Conditions::Block block_of(Eigen::Index row, std::size_t k, const Spreads& spreads) const;
+  Eigen::Matrix<double, 2, 3> by_next_force(std::size_t k) const;
+  Eigen::Index earth_column(std::size_t stretch) const;
+
+  const Recording* recording_;
+  std::vector<Link> links_;            ///< links_[k] leads from rest k to rest k + 1
+  std::vector<std::size_t> stretch_;   ///< of each rest
+  std::vector<Matrix3d> C_nb_;         ///< attitude of each rest; heading relative to the stretch's first
+  double earth_up_ = 0;
+  std::vector<Eigen::Vector2d> earth_horizontal_;  ///< east, north, by stretch
+};
+
+}  // namespace imulab::rests

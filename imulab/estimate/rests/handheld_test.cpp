@@ -1,0 +1,241 @@
+#include "tests/calibration_input.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/random.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/model/coefficient.hpp"
+#include "tests/simulated_session.hpp"
+
+#include <Eigen/LU>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace imulab {
+namespace {
+
+using testing::HasSubstr;
+
+HandHeldOptions short_options() {
+  HandHeldOptions options;
+  options.poses = 24;
+  options.first_rest = 5;
+  return options;
+}
+
+double largest_sigmas(const Calibration& c, const SensorModel& truth) {
+  double largest = 0;
+  for (const CoefficientIndex index : c.estimated)
+    largest = std::max(largest, std::abs(coefficient_value(c.model, index) - coefficient_value(truth, index)) / *standard_uncertainty(c, index));
+  return largest;
+}
+
+TEST(Handheld, WithoutNoiseTheTruthComesBack) {
+  const SimulatedSession s = simulate_session(short_options(), 1, [](Truth& t) { t.accel_noise.N = t.gyro_noise.N = 1e-10; });
+  Site site = s.site();
+  site.given_gravity = s.truth.gravity;
+  ImuDeclaration imu;
+  imu.accel_noise_density = imu.gyro_noise_density = 1e-10;
+  Session holds = s.session;
+  CalibrationOptions options;
+  options.outlier_level = 0;
+  const Calibration c = calibrated("handheld", s.recording, rests_of(s.recording, holds).ranges, imu, site, options);
+  for (const CoefficientIndex index : c.estimated) {
+    const Coefficient& row = coefficient(index);
+    // The accelerometers see gravity alone: what is left of the noise. The gyros keep what coning leaves of single samples at 100 Hz, about 1e-6.
+    const double tolerance = row.triad == Triad::accel ? 1e-9 : 1e-5;
+    EXPECT_NEAR(coefficient_value(c.model, index), coefficient_value(s.truth.model, index), tolerance) << row.name;
+  }
+}
+
+TEST(Handheld, CountsGiveTheSameUnitAsSi) {
+  SimulatedSession s = simulate_session(short_options(), 2);
+  const Calibration si = calibrated("handheld", s.recording, s.rests, {}, s.site());
+  Recording counts = s.recording;
+  counts.gyro_unit = counts.accel_unit = "count";
+  const double gain = 400, zero = 32768;
+  for (std::size_t j = 0; j < 3; ++j) {
+    for (double& v : counts.accel[j]) v = zero + gain * v;
+    for (double& v : counts.gyro[j]) v = zero - 10 * gain * v;
+  }
+  const Calibration c = calibrated("handheld", counts, s.rests, {}, s.site());
+  // The same least squares in other units: converged to a hundredth of a sigma both times.
+  for (int r = 0; r < 3; ++r)
+    for (int k = 0; k <= r; ++k)
+      EXPECT_NEAR(gain * c.model.accel.matrix(r, k), si.model.accel.matrix(r, k), 0.03 * *standard_uncertainty(si, coefficient_index(Triad::accel, Term::matrix, r, k)));
+  for (int r = 0; r < 3; ++r) {
+    EXPECT_NEAR(c.model.accel.offset[r] + zero * c.model.accel.matrix.row(r).sum(), si.model.accel.offset[r],
+                0.03 * *standard_uncertainty(si, coefficient_index(Triad::accel, Term::offset, r, r)));
+    for (int k = 0; k < 3; ++k)
+      EXPECT_NEAR(-10 * gain * c.model.gyro.matrix(r, k), si.model.gyro.matrix(r, k), 0.03 * *standard_uncertainty(si, coefficient_index(Triad::gyro, Term::matrix, r, k)));
+  }
+  EXPECT_EQ(c.quality.verdict, "good");
+}
+
+TEST(Handheld, GSensitivityIsKeptWhereThereIsAndOnlyThere) {
+  const SimulatedSession with = simulate_session(short_options(), 3);
+  const Calibration kept = calibrated("handheld", with.recording, with.rests, {}, with.site());
+  ASSERT_EQ(kept.quality.term_tests.size(), 1u);
+  EXPECT_TRUE(kept.quality.term_tests[0].kept);
+  EXPECT_LT(kept.quality.term_tests[0].p_value, 1e-6);
+
+  // Without the term the test keeps it in 1 % of the sessions: at most 3 of 30 (99.97 %).
+  int wrongly_kept = 0;
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    const SimulatedSession without = simulate_session(short_options(), seed, [](Truth& t) { t.model.g_sensitivity.setZero(); });
+    const Calibration c = calibrated("handheld", without.recording, without.rests, {}, without.site());
+    wrongly_kept += c.quality.term_tests[0].kept;
+    if (!c.quality.term_tests[0].kept) {
+      EXPECT_EQ(c.model.g_sensitivity, Matrix3d::Zero());
+      EXPECT_FALSE(standard_uncertainty(c, coefficient_index("gyro.g_sensitivity.xx")));
+    }
+  }
+  EXPECT_LE(wrongly_kept, 3);
+}
+
+TEST(Handheld, ABadRestIsDroppedAndNamed) {
+  SimulatedSession s = simulate_session(short_options(), 4);
+  const Range bad = s.rests[10];
+  for (std::size_t i = bad.begin; i < bad.end; ++i) s.recording.accel[0][i] += 0.2;  // as if the hand had pushed
+  const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());
+  ASSERT_EQ(c.quality.warnings.size(), 1u);
+  EXPECT_THAT(c.quality.warnings[0], HasSubstr("dropped as an outlier: the rest at"));
+  EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5) << "30 coefficients: beyond 4.5 sigma once in 5000 sessions";
+  EXPECT_EQ(c.quality.verdict, "good");
+}
+
+TEST(Handheld, ABadRotationIsDroppedAndTheRestsStay) {
+  SimulatedSession s = simulate_session(short_options(), 12);
+  for (std::size_t i = s.rests[5].end + 50; i < s.rests[5].end + 60; ++i) s.recording.gyro[1][i] += 3;  // ten samples clipped, say
+  const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());
+  ASSERT_EQ(c.quality.warnings.size(), 1u);
+  EXPECT_THAT(c.quality.warnings[0], HasSubstr("dropped as an outlier: the rotation between"));
+  EXPECT_THAT(c.quality.notes, testing::Contains(HasSubstr("24 rests and 22 rotations")));
+  EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5);
+}
+
+TEST(Handheld, ALostRotationLeavesTheRestOfTheSession) {
+  SimulatedSession s = simulate_session(short_options(), 6);
+  s.recording.gaps = {s.rests[7].end + 20};
+  const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());
+  EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5);
+  EXPECT_THAT(c.quality.notes, testing::Contains(HasSubstr("24 rests and 22 rotations")));
+}
+
+TEST(Handheld, SpreadBeyondTheSampleNoiseIsCounted) {
+  // Each rest's accelerometers are off by their own 2 mg: the offsets' uncertainty is that of 24 such rests, not of the samples.
+  SimulatedSession s = simulate_session(short_options(), 7);
+  const RandomStream draws(7, "spread");
+  const double spread = 2e-3 * unit::g;
+  for (std::size_t k = 0; k < s.rests.size(); ++k)
+    for (std::size_t j = 0; j < 3; ++j)
+      for (std::size_t i = s.rests[k].begin; i < s.rests[k].end; ++i) s.recording.accel[j][i] += spread * draws.normal(3 * k + j);
+  const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());
+  EXPECT_LT(largest_sigmas(c, s.truth.model), 5) << "Student with about 15 degrees of freedom, 30 coefficients";
+  EXPECT_GT(*standard_uncertainty(c, coefficient_index("accel.offset.x")), 0.2 * spread);
+  EXPECT_GT(c.quality.chi2_per_dof, 3);
+  EXPECT_THAT(c.quality.notes, testing::Contains(HasSubstr("the rests' accelerometer means spread by")));
+}
+
+TEST(Handheld, TermsByHand) {
+  const SimulatedSession s = simulate_session(short_options(), 8);
+  CalibrationOptions options;
+  options.terms = select_coefficients("accel.offset");
+  const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site(), options);
+  EXPECT_EQ(c.estimated, options.terms);
+  EXPECT_EQ(c.model.gyro.matrix, Matrix3d::Identity()) << "what is not asked for keeps the declared unit";
+  options.terms = select_coefficients("accel.cubic");
+  EXPECT_THROW(calibrated("handheld", s.recording, s.rests, {}, s.site(), options), Error);
+}
+
+TEST(Handheld, UncertaintyOfGravityIsCommonToAllScales) {
+  const SimulatedSession s = simulate_session(short_options(), 9);
+  Site rough = s.site(), exact = s.site();
+  rough.given_gravity_sigma = 0.05;
+  exact.given_gravity_sigma = 1e-9;
+  const Calibration a = calibrated("handheld", s.recording, s.rests, {}, rough), b = calibrated("handheld", s.recording, s.rests, {}, exact);
+  const double relative = 0.05 / s.site().gravity();
+  for (const char* name : {"accel.matrix.xx", "accel.matrix.yy", "accel.matrix.zz"}) {
+    const CoefficientIndex index = coefficient_index(name);
+    const double added = std::pow(*standard_uncertainty(a, index), 2) - std::pow(*standard_uncertainty(b, index), 2);
+    EXPECT_NEAR(std::sqrt(added), relative * coefficient_value(a.model, index), 1e-6 * relative);
+  }
+  EXPECT_NEAR(a.quality.sources.at(0).relative, relative, 1e-12);
+}
+
+TEST(Handheld, WrongUnitsAreNamed) {
+  const auto message = [](const Recording& recording, const SimulatedSession& s) {
+    try {
+      calibrated("handheld", recording, s.rests, {}, s.site());
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string("no error");
+  };
+  const SimulatedSession s = simulate_session(short_options(), 10);
+  Recording in_g = s.recording, times_g = s.recording, in_deg = s.recording, in_rad = s.recording;
+  for (std::size_t j = 0; j < 3; ++j) {
+    for (double& v : in_g.accel[j]) v /= unit::g;
+    for (double& v : times_g.accel[j]) v *= unit::g;
+    for (double& v : in_deg.gyro[j]) v /= unit::deg;
+    for (double& v : in_rad.gyro[j]) v *= unit::deg;
+  }
+  EXPECT_THAT(message(in_g, s), HasSubstr("accel: at rest the readings have the size"));
+  EXPECT_THAT(message(in_g, s), HasSubstr("look like g"));
+  EXPECT_THAT(message(times_g, s), HasSubstr("look like m/s^2"));
+  EXPECT_THAT(message(in_deg, s), HasSubstr("look like deg/s"));
+  EXPECT_THAT(message(in_rad, s), HasSubstr("look like rad/s"));
+  EXPECT_EQ(message(s.recording, s), "no error");
+}
+
+TEST(Handheld, TooLittleDataSayWhatIsMissing) {
+  const SimulatedSession s = simulate_session(short_options(), 11);
+  EXPECT_THROW(calibrated("handheld", s.recording, {}, {}, s.site()), Unsupported);
+  // Three rests: the declared units start the fit, and most coefficients are named as undetermined.
+  const Calibration c = calibrated("handheld", s.recording, {s.rests[0], s.rests[1], s.rests[2]}, {}, s.site());
+  EXPECT_GT(c.quality.unobservable.size(), 5u);
+  EXPECT_THAT(c.quality.verdict, HasSubstr("doubtful, because"));
+  for (const std::string& name : c.quality.unobservable) {
+    const CoefficientIndex index = coefficient_index(name);
+    EXPECT_FALSE(standard_uncertainty(c, index)) << name;
+  }
+  Recording counts = s.recording;
+  counts.accel_unit = counts.gyro_unit = "count";
+  EXPECT_THROW(calibrated("handheld", counts, {s.rests[0], s.rests[1], s.rests[2]}, {}, s.site()), Unsupported);
+}
+
+TEST(Handheld, WhatIsStatedHoldsWithFewOrCardinalRests) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    for (const bool cardinal : {false, true}) {
+      HandHeldOptions options = short_options();
+      options.poses = cardinal ? 18 : 5 + static_cast<int>(seed);
+      SimulatedSession s;
+      s.session = hand_held_procedure(options, seed);
+      if (cardinal)
+        for (Step& step : s.session.steps)
+          for (double& angle : step.angles) angle = std::round(angle / (90 * unit::deg)) * 90 * unit::deg;
+      s.truth = draw_truth(s.session, seed);
+      s.recording = simulate_recording(s.session, s.session.recordings.front(), s.truth, seed);
+      const Calibration c = calibrated("handheld", s.recording, rests_of(s.recording, s.session).ranges, {}, s.site());
+      EXPECT_LT(largest_sigmas(c, s.truth.model), 5) << "seed " << seed << (cardinal ? ", cardinal" : ", few") << ": 300 coefficients in all";
+      for (const std::string& warning : c.quality.warnings) EXPECT_EQ(warning.find("dropped"), std::string::npos) << warning;
+    }
+  }
+}
+
+TEST(Handheld, NavigationGradeKeepsItsHeadings) {
+  // Gyros that see Earth's rate: half an hour during which the Earth turns by 8 deg under the headings that the gyros carry.
+  HandHeldOptions options;
+  options.poses = 24;
+  options.first_rest = options.rest = 30;
+  options.move = 40;
+  options.grade = "navigation";
+  const SimulatedSession s = simulate_session(options, 13);
+  const Calibration c = calibrated("handheld", s.recording, rests_of(s.recording, s.session).ranges, {}, s.site());
+  EXPECT_LT(largest_sigmas(c, s.truth.model), 5);
+  // 160 degrees of freedom: chi-square per degree of freedom above 1.39 once in a thousand sessions.
+  EXPECT_LT(c.quality.chi2_per_dof, 1.39);
+  EXPECT_FALSE(c.quality.term_tests.at(0).kept) << "this grade has no g-sensitivity; kept once in a hundred sessions";
+}
+
+}  // namespace
+}  // namespace imulab

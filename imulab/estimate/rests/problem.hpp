@@ -1,0 +1,53 @@
+// Common to the conditions of both methods on rests: the rests, the coefficients to estimate, and their priors.
+#pragma once
+
+#include "imulab/estimate/kernel/rest_start.hpp"
+#include "imulab/estimate/rests/conditions.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace imulab::rests {
+
+/// A rest or a rotation as a whole.
+struct SuspectRows {
+  std::string name;
+  std::vector<Eigen::Index> rows;
+};
+
+class RestProblem {
+ public:
+  /// Coefficients that the data do not determine go back to their prior value and stay there.
+  void hold(const std::vector<Eigen::Index>& undetermined);
+  Eigen::VectorXd needed_sigma() const;
+
+  const std::vector<kernel::Rest>& rests() const { return rests_; }
+  const std::vector<CoefficientIndex>& indices() const { return indices_; }
+  const SensorModel& model() const { return model_; }  ///< of scaled readings
+  const SensorModel& prior() const { return prior_; }
+
+ protected:
+  RestProblem(const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices);
+  /// The coefficients, then `nuisances` estimated without a prior.
+  kernel::Parameters parameters(Eigen::Index nuisances) const;
+  void correct_coefficients(const Eigen::VectorXd& correction);
+  Vector3d force_at(const kernel::Rest& rest) const { return kernel::linear(model_.accel, scaling_.accel(rest.accel)); }
+  Matrix3d force_covariance(const kernel::Rest& rest, double spread) const;
+  Matrix3d rate_covariance(const kernel::Rest& rest, double spread) const;
+
+  std::vector<kernel::Rest> rests_;
+  double gravity_;
+  std::optional<double> latitude_;
+  kernel::Scaling scaling_;
+  kernel::SampleNoise noise_;  ///< scaled
+  SensorModel model_, prior_;
+  std::vector<CoefficientIndex> indices_;
+  std::vector<kernel::Role> roles_;  ///< of the coefficients
+};
+
+/// Prior sigma of a coefficient of scaled readings: offsets 20 % of g and 1 rad/s, scales 20 %, misalignments 1e-2 (20 %
+/// where the row does not point along its axis: axes swapped), g-sensitivity 1e-3 (rad/s)/(m/s^2). Uncalibrated units are within these.
+double prior_sigma(const SensorModel& prior, const Coefficient& coefficient, double gravity);
+
+}  // namespace imulab::rests

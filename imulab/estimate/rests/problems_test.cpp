@@ -1,0 +1,89 @@
+// The derivatives of both methods' conditions against differences of the conditions themselves.
+#include "imulab/core/units.hpp"
+#include "imulab/estimate/rests/handheld_problem.hpp"
+#include "imulab/estimate/rests/static_problem.hpp"
+#include "tests/simulated_session.hpp"
+
+#include <gtest/gtest.h>
+
+namespace imulab::rests {
+namespace {
+
+std::vector<CoefficientIndex> all_coefficients() {
+  std::vector<CoefficientIndex> indices = kernel::accel_coefficients();
+  for (const char* selector : {"gyro.offset", "gyro.matrix", "gyro.g_sensitivity"})
+    for (const CoefficientIndex index : select_coefficients(selector)) indices.push_back(index);
+  return indices;
+}
+
+kernel::RestStart start_at_truth(const SimulatedSession& s) {
+  kernel::RestStart start;
+  start.rests = kernel::summarize_rests(s.recording, s.rests);
+  start.noise = kernel::measure_noise(s.recording, start.rests);
+  start.model = s.truth.model;
+  return start;
+}
+
+/// `step(u)`: small enough that the conditions are straight over it, large enough for their rounding.
+template <class Make, class Step>
+void expect_jacobian(Make make, Step step_of, double tolerance) {
+  auto problem = make();
+  const Conditions at = problem.conditions({});
+  for (Eigen::Index u = 0; u < at.jacobian.cols(); ++u) {
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(at.jacobian.cols());
+    step[u] = step_of(u);
+    auto plus = make(), minus = make();
+    plus.correct(step);
+    minus.correct(-step);
+    const Eigen::VectorXd difference = (plus.conditions({}).value - minus.conditions({}).value) / (2 * step[u]);
+    const double size = at.jacobian.col(u).cwiseAbs().maxCoeff();
+    EXPECT_GT(size, 0) << "unknown " << u;
+    EXPECT_LT((difference - at.jacobian.col(u)).cwiseAbs().maxCoeff(), tolerance * size) << "unknown " << u;
+  }
+}
+
+TEST(HandheldProblem, DerivativesEqualDifferences) {
+  HandHeldOptions options;
+  options.poses = 8;
+  options.first_rest = 4;
+  const SimulatedSession s = simulate_session(options, 5);
+  const kernel::RestStart start = start_at_truth(s);
+  for (const bool latitude : {true, false}) {
+    const auto make = [&] {
+      Site site = s.site();
+      site.given_gravity = s.truth.gravity;
+      if (!latitude) site.latitude.reset();
+      return HandheldProblem(s.recording, start, site, all_coefficients());
+    };
+    // What the derivatives leave out is stated there: the force's part in C f (1e-3) and in the direction of Earth's rate (1e-4), the integrals' midpoint
+    // rule and the coning term ((rate dt)^2, 1e-4).
+    expect_jacobian(make, [](Eigen::Index) { return 1e-6; }, 3e-3);
+  }
+}
+
+TEST(StaticProblem, DerivativesEqualDifferences) {
+  HandHeldOptions options;
+  options.poses = 8;
+  options.first_rest = options.rest = 30;
+  options.grade = "navigation";
+  const SimulatedSession s = simulate_session(options, 5);
+  const kernel::RestStart start = start_at_truth(s);
+  std::vector<CoefficientIndex> indices = kernel::accel_coefficients();
+  for (const char* selector : {"gyro.offset", "gyro.matrix"})
+    for (const CoefficientIndex index : select_coefficients(selector)) indices.push_back(index);
+  const auto make = [&] {
+    Site site = s.site();
+    site.given_gravity = s.truth.gravity;
+    return StaticProblem(start, site, indices, true);
+  };
+  // The horizontal part is the length of a vector as short as 5e-5 rad/s: 1e-8 rad/s bends it by (1e-8 / 5e-5)^2.
+  const auto step = [&](Eigen::Index u) {
+    const Coefficient& c = coefficient(indices[static_cast<std::size_t>(u)]);
+    return c.triad == Triad::gyro && c.term == Term::offset ? 1e-8 : 1e-5;
+  };
+  // The shift by the noise, var / (2 |w|), is held constant: 1e-6 of the size.
+  expect_jacobian(make, step, 1e-5);
+}
+
+}  // namespace
+}  // namespace imulab::rests

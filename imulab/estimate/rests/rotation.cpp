@@ -1,0 +1,48 @@
+#include "imulab/estimate/rests/rotation.hpp"
+
+#include <Eigen/Geometry>
+
+namespace imulab::rests {
+
+Vector3d IntegratedRotation::change(const TriadModel& from, const Matrix3d& from_g, const TriadModel& to, const Matrix3d& to_g) const {
+  Vector3d dphi = phi[0] * (to.offset - from.offset);
+  for (Eigen::Index j = 0; j < 3; ++j) {
+    dphi += phi[static_cast<std::size_t>(1 + j)] * (to.matrix.col(j) - from.matrix.col(j));
+    dphi += phi[static_cast<std::size_t>(4 + j)] * (to_g.col(j) - from_g.col(j));
+  }
+  return dphi;
+}
+
+IntegratedRotation integrate_rotation(const Recording& recording, Range range, const SensorModel& model, const kernel::Scaling& scaling,
+                                      const Vector3d& gyro_sigma) {
+  IntegratedRotation sum;
+  sum.C.setIdentity();
+  for (Matrix3d& phi : sum.phi) phi.setZero();
+  sum.covariance.setZero();
+  sum.duration_s = 0;
+
+  const Matrix3d noise = model.gyro.matrix * gyro_sigma.cwiseAbs2().asDiagonal() * model.gyro.matrix.transpose();
+  Vector3d previous = Vector3d::Zero();
+  for (std::size_t i = range.begin; i < range.end; ++i) {
+    const Vector3d va = scaling.accel(Vector3d(recording.accel[0][i], recording.accel[1][i], recording.accel[2][i]));
+    const Vector3d vg = scaling.gyro(Vector3d(recording.gyro[0][i], recording.gyro[1][i], recording.gyro[2][i]));
+    const Vector3d force = kernel::linear(model.accel, va);
+    const Vector3d rate = kernel::linear(model.gyro, vg) + model.g_sensitivity * force;
+    const double dt = recording.gyro_increment || i == 0 ? recording.interval_s : 1e-9 * static_cast<double>(recording.time_ns[i] - recording.time_ns[i - 1]);
+    const Vector3d angle = rate * dt;
+    const Matrix3d before = sum.C;
+    sum.C = before * rotation_exp(angle + previous.cross(angle) / 12);  // coning, one interval plus the previous
+    previous = angle;
+    const Matrix3d middle = (0.5 * dt) * (before + sum.C);  // C at the middle of the interval, times dt
+    sum.phi[0] += middle;
+    for (int j = 0; j < 3; ++j) {
+      sum.phi[1 + j] += middle * vg[j];
+      sum.phi[4 + j] += middle * force[j];
+    }
+    sum.covariance += middle * noise * middle.transpose();
+    sum.duration_s += dt;
+  }
+  return sum;
+}
+
+}  // namespace imulab::rests

@@ -1,0 +1,28 @@
+// The rotation between two rests as the gyros integrate it, with its derivatives.
+#pragma once
+
+#include "imulab/estimate/kernel/scaling.hpp"
+
+#include <array>
+
+namespace imulab::rests {
+
+/// The rotation a range of gyro samples integrates to, with its derivatives.
+/// `C` takes the body axes at the end to those at the beginning: C = prod exp(w dt), the rates as means over their intervals, coning from each
+/// interval and the one before. `phi` are first-order integrals of C(t) b(t) dt for b = 1, gyro x, y, z, force x, y, z: an error dW0 + dW1 V + dC f of
+/// the rate turns C into (I + [dphi x]) C with dphi = phi[0] dW0 + sum_j phi[1 + j] dW1.col(j) + sum_j phi[4 + j] dC.col(j).
+struct IntegratedRotation {
+  Matrix3d C;
+  std::array<Matrix3d, 7> phi;
+  Matrix3d covariance;  ///< of dphi from the gyros' sample noise, rad^2
+  double duration_s;
+
+  /// dphi from one linear gyro model to another.
+  Vector3d change(const TriadModel& from, const Matrix3d& from_g, const TriadModel& to, const Matrix3d& to_g) const;
+};
+
+/// Integrates the samples of `range`, which has no gap inside. The model is linear (offset, matrix, g-sensitivity) in scaled readings.
+IntegratedRotation integrate_rotation(const Recording& recording, Range range, const SensorModel& scaled_model, const kernel::Scaling& scaling,
+                                      const Vector3d& gyro_sigma_scaled);
+
+}  // namespace imulab::rests

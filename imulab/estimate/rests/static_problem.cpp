@@ -1,0 +1,67 @@
+#include "imulab/estimate/rests/static_problem.hpp"
+
+#include "imulab/earth/earth.hpp"
+
+#include <Eigen/Geometry>
+#include <fmt/core.h>
+
+#include <cmath>
+
+namespace imulab::rests {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+StaticProblem::StaticProblem(const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices, bool with_gyros)
+    : RestProblem(start, site, std::move(indices)), with_gyros_(with_gyros) {}
+
+Conditions StaticProblem::conditions(const Spreads& spreads) const {
+  const Index per_rest = with_gyros_ ? 3 : 1, rests = static_cast<Index>(rests_.size());
+  Conditions c(per_rest * rests, static_cast<Index>(indices_.size()));
+  for (Index k = 0; k < rests; ++k) add_rest(c, per_rest * k, rests_[static_cast<std::size_t>(k)], spreads);
+  return c;
+}
+
+void StaticProblem::add_rest(Conditions& c, Index row, const kernel::Rest& rest, const Spreads& spreads) const {
+  const Index rows = with_gyros_ ? 3 : 1;
+  const Vector3d va = scaling_.accel(rest.accel), vg = scaling_.gyro(rest.gyro), force = force_at(rest), up = force.normalized();
+  // What an error of the rest's force and of its rate does to its rows.
+  MatrixXd by_force = MatrixXd::Zero(rows, 3), by_rate = MatrixXd::Zero(rows, 3);
+  by_force.row(0) = up.transpose();
+  c.value[row] = force.norm() - gravity_;
+  Matrix3d rate_noise = Matrix3d::Zero();
+  if (with_gyros_) {
+    const Vector3d rate = kernel::linear(model_.gyro, vg) + model_.g_sensitivity * force;
+    const double vertical = up.dot(rate);
+    const Vector3d across = rate - vertical * up, north = across.normalized(), east = north.cross(up);
+    const Matrix3d turn_up = (Matrix3d::Identity() - up * up.transpose()) / force.norm();
+    rate_noise = rate_covariance(rest, spreads[1]);
+    by_rate.row(1) = up.transpose();
+    by_force.row(1) = rate.transpose() * turn_up;
+    by_rate.row(2) = north.transpose();
+    by_force.row(2) = -vertical * north.transpose() * turn_up;
+    c.value[row + 1] = vertical - earth_rate * std::sin(*latitude_);
+    // Noise across north lengthens the horizontal part by var / (2 |w|) on average.
+    c.value[row + 2] = across.norm() - east.dot(rate_noise * east) / (2 * across.norm()) - earth_rate * std::cos(*latitude_);
+    c.kind[static_cast<std::size_t>(row + 1)] = c.kind[static_cast<std::size_t>(row + 2)] = Kind::gyro_rest;
+  }
+  for (std::size_t i = 0; i < indices_.size(); ++i) {
+    const Coefficient& term = coefficient(indices_[i]);
+    const bool accel = term.triad == Triad::accel;
+    const double basis = term.term == Term::offset ? 1.0 : (accel ? va : vg)[term.column];
+    c.jacobian.col(static_cast<Index>(i)).segment(row, rows) = basis * (accel ? by_force : by_rate).col(term.row);
+  }
+  c.blocks.push_back(
+      {row, rows, by_force * force_covariance(rest, spreads[0]) * by_force.transpose() + by_rate * rate_noise * by_rate.transpose(), {}});
+}
+
+std::vector<SuspectRows> StaticProblem::suspects(const Conditions& conditions) const {
+  std::vector<SuspectRows> all;
+  for (std::size_t k = 0; k < rests_.size(); ++k) {
+    SuspectRows& suspect = all.emplace_back(SuspectRows{fmt::format("the rest at {:.1f} s", rests_[k].mid_s), {}});
+    for (Index r = 0; r < conditions.blocks[k].size; ++r) suspect.rows.push_back(conditions.blocks[k].first + r);
+  }
+  return all;
+}
+
+}  // namespace imulab::rests

@@ -1,0 +1,193 @@
+#include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/model/coefficient.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/calibration_input.hpp"
+#include "tests/simulated_session.hpp"
+
+namespace imulab {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+HandHeldOptions mems(int poses) {
+  HandHeldOptions options;
+  options.poses = poses;
+  options.first_rest = 5;
+  return options;
+}
+
+void expect_within(const Calibration& c, const SensorModel& truth, double sigmas) {
+  for (const CoefficientIndex index : c.estimated)
+    EXPECT_LT(std::abs(coefficient_value(c.model, index) - coefficient_value(truth, index)), sigmas * *standard_uncertainty(c, index))
+        << coefficient(index).name;
+}
+
+/// A procedure whose rests are six faces.
+SimulatedSession six_faces(std::uint64_t seed) {
+  SimulatedSession s;
+  s.session = hand_held_procedure(mems(12), seed);
+  const double q = 90 * unit::deg;
+  const std::array<std::array<double, 3>, 6> faces{{{0, 0, 0}, {0, 2 * q, 0}, {0, q, 0}, {0, -q, 0}, {0, 0, q}, {0, 0, -q}}};
+  for (std::size_t k = 0; k < s.session.steps.size(); ++k) s.session.steps[k].angles = faces[k % 6];
+  s.truth = draw_truth(s.session, seed);
+  s.recording = simulate_recording(s.session, s.session.recordings.front(), s.truth, seed);
+  Session without_steps = s.session;
+  without_steps.steps.clear();
+  s.rests = rests_of(s.recording, without_steps).ranges;
+  return s;
+}
+
+TEST(Static, AccelerometersFromRestsAlone) {
+  const SimulatedSession s = simulate_session(mems(20), 1);
+  const Calibration c = calibrated("static", s.recording, s.rests, {}, s.site());
+  EXPECT_EQ(c.estimated.size(), 9u);
+  expect_within(c, s.truth.model, 4.3);  // 9 coefficients: once in 6000
+  EXPECT_THAT(c.quality.notes, Contains(HasSubstr("the gyros were not calibrated: they do not resolve Earth's rate")));
+  EXPECT_EQ(c.model.gyro.matrix, Matrix3d::Identity());
+  EXPECT_EQ(c.model.gyro.offset, Vector3d::Zero());
+  EXPECT_EQ(c.quality.verdict, "good");
+}
+
+TEST(Static, SixFacesGiveScalesAndOffsetsAndNameTheRest) {
+  const SimulatedSession s = six_faces(2);
+  const Calibration c = calibrated("static", s.recording, s.rests, {}, s.site());
+  EXPECT_THAT(c.quality.unobservable, testing::ElementsAre("accel.matrix.yx", "accel.matrix.zx", "accel.matrix.zy"));
+  EXPECT_EQ(c.estimated.size(), 6u);
+  EXPECT_EQ(c.model.accel.matrix(1, 0), 0);
+  EXPECT_THAT(c.quality.verdict, HasSubstr("doubtful, because 3 coefficients are not determined"));
+  // The faces are those of the true body axes, the misalignment of 1 % (one sigma) is unknown: what it does to scale and offset is of second order,
+  // below g (3 x 1e-2)^2 = 9 mm/s^2.
+  for (int j = 0; j < 3; ++j) {
+    EXPECT_NEAR(c.model.accel.matrix(j, j), s.truth.model.accel.matrix(j, j), 1e-3);
+    EXPECT_NEAR(c.model.accel.offset[j], s.truth.model.accel.offset[j], 1e-2);
+  }
+  CalibrationOptions asked;
+  asked.terms = select_coefficients("accel.offset");
+  for (const CoefficientIndex index : select_coefficients("accel.matrix.diagonal")) asked.terms.push_back(index);
+  EXPECT_TRUE(calibrated("static", s.recording, s.rests, {}, s.site(), asked).quality.unobservable.empty());
+}
+
+TEST(Static, RestsOnOneAxisDetermineNothing) {
+  SimulatedSession s = six_faces(3);
+  std::vector<Range> up_and_down;
+  for (std::size_t k = 0; k < s.rests.size(); ++k)
+    if (k % 6 < 2) up_and_down.push_back(s.rests[k]);
+  ASSERT_EQ(up_and_down.size(), 4u);
+  const Calibration c = calibrated("static", s.recording, up_and_down, {}, s.site());
+  EXPECT_THAT(c.quality.unobservable, Contains("accel.matrix.xx"));
+  EXPECT_THAT(c.quality.unobservable, Contains("accel.offset.y"));
+  // Not even the upright axis: offsets of the others of up to 20 % of g would change its scale by more than 1 %.
+  EXPECT_THAT(c.quality.unobservable, Contains("accel.matrix.zz"));
+  EXPECT_EQ(c.model.accel.matrix, Matrix3d::Identity());
+  Recording counts = s.recording;
+  counts.accel_unit = "count";
+  EXPECT_THROW(calibrated("static", counts, up_and_down, {}, s.site()), Unsupported);
+}
+
+TEST(Static, GyrosFromEarthRate) {
+  HandHeldOptions options = mems(24);
+  options.first_rest = options.rest = 30;
+  options.grade = "navigation";
+  const SimulatedSession s = simulate_session(options, 4);
+  const Calibration c = calibrated("static", s.recording, s.rests, {}, s.site());
+  EXPECT_EQ(c.estimated.size(), 21u);
+  expect_within(c, s.truth.model, 4.5);
+  Site nowhere = s.site();
+  nowhere.given_gravity = s.truth.gravity;
+  nowhere.latitude.reset();
+  const Calibration without = calibrated("static", s.recording, s.rests, {}, nowhere);
+  EXPECT_EQ(without.estimated.size(), 9u);
+  EXPECT_THAT(without.quality.notes, Contains(HasSubstr("the site gives no latitude")));
+}
+
+TEST(Static, ABadRestIsDroppedAndNamed) {
+  SimulatedSession s = simulate_session(mems(20), 5);
+  for (std::size_t i = s.rests[6].begin; i < s.rests[6].end; ++i)
+    for (std::size_t j = 0; j < 3; ++j) s.recording.accel[j][i] *= 1.005;  // in gravity's direction: across it a rest alone cannot tell
+  const Calibration c = calibrated("static", s.recording, s.rests, {}, s.site());
+  expect_within(c, s.truth.model, 4.3);
+  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("dropped as an outlier: the rest at")));
+}
+
+TEST(Static, WhatIsStatedHoldsHoweverPoorTheRests) {
+  // Few rests, rests that hardly tilt, rests about one axis: coefficients may be named as undetermined, but those that are stated hold, and the
+  // others keep the declared unit.
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    for (const int kind : {0, 1, 2}) {
+      SimulatedSession s;
+      s.session = hand_held_procedure(mems(kind == 0 ? 4 + static_cast<int>(seed) : 12), seed);
+      for (Step& step : s.session.steps)
+        for (double& angle : step.angles) angle *= kind == 1 ? 10.0 / 180 : 1;  // all within 10 deg of level
+      if (kind == 2)
+        for (Step& step : s.session.steps) step.angles = {0, step.angles[1], 0};
+      s.truth = draw_truth(s.session, seed);
+      s.recording = simulate_recording(s.session, s.session.recordings.front(), s.truth, seed);
+      const Calibration c = calibrated("static", s.recording, rests_of(s.recording, s.session).ranges, {}, s.site());
+      expect_within(c, s.truth.model, 5);  // some 150 coefficients in all: beyond 5 sigma once in 10,000 such tests
+      for (const std::string& name : c.quality.unobservable) {
+        const CoefficientIndex index = coefficient_index(name);
+        EXPECT_EQ(coefficient_value(c.model, index), coefficient_value(SensorModel{}, index)) << name;
+      }
+      if (kind > 0) {
+        EXPECT_FALSE(c.quality.unobservable.empty());
+      }
+      EXPECT_THAT(c.quality.warnings, testing::Not(Contains(HasSubstr("dropped"))));
+    }
+  }
+}
+
+TEST(Static, SixFacesOfCountsCountTheMisalignmentInTheOffsets) {
+  // Far from the center of the readings an unknown misalignment moves the offset at raw zero by its share of 32768 counts.
+  SimulatedSession s = six_faces(4);
+  s.recording.accel_unit = "count";
+  for (auto& column : s.recording.accel)
+    for (double& v : column) v = 32768 + 400 * v;
+  SensorModel truth = s.truth.model;
+  truth.accel.matrix /= 400;
+  truth.accel.offset -= truth.accel.matrix * Vector3d::Constant(32768);
+  const Calibration c = calibrated("static", s.recording, s.rests, {}, s.site());
+  EXPECT_FALSE(c.quality.unobservable.empty());
+  expect_within(c, truth, 4.3);
+}
+
+TEST(Static, TheOtherHemisphereIsNoticed) {
+  HandHeldOptions options = mems(24);
+  options.first_rest = options.rest = 30;
+  options.grade = "navigation";
+  const SimulatedSession s = simulate_session(options, 6);
+  Site south = s.site();
+  south.latitude = -*south.latitude;
+  const Calibration c = calibrated("static", s.recording, s.rests, {}, south);
+  EXPECT_EQ(c.estimated.size(), 9u);
+  EXPECT_THAT(c.quality.notes, Contains(HasSubstr("are the latitude (and its sign), the axes and the unit right?")));
+}
+
+TEST(Static, TermsThatAreNotAskedForKeepTheDeclaredUnit) {
+  const SimulatedSession s = simulate_session(mems(20), 7);
+  CalibrationOptions options;
+  options.terms = select_coefficients("accel.offset");
+  const Calibration c = calibrated("static", s.recording, s.rests, {}, s.site(), options);
+  EXPECT_EQ(c.model.accel.matrix, Matrix3d::Identity());
+  options.terms = select_coefficients("accel.matrix.xy");
+  EXPECT_THROW(calibrated("static", s.recording, s.rests, {}, s.site(), options), Error) << "zero by the frame";
+  Recording counts = s.recording;
+  counts.accel_unit = "count";
+  options.terms = select_coefficients("accel.offset");
+  EXPECT_THROW(calibrated("static", counts, s.rests, {}, s.site(), options), Error) << "counts have no scale to start from";
+}
+
+TEST(Static, AGravityThatIsNotOfThePlaceIsDoubted) {
+  const SimulatedSession s = simulate_session(mems(20), 8);
+  Site wrong = s.site();
+  wrong.given_gravity = 9.0;
+  EXPECT_THAT(calibrated("static", s.recording, s.rests, {}, wrong).quality.verdict,
+              HasSubstr("the given gravity of 9 m/s^2 is not that of the given latitude"));
+}
+
+}  // namespace
+}  // namespace imulab

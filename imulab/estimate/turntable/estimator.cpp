@@ -1,0 +1,212 @@
+#include "imulab/estimate/turntable/estimator.hpp"
+
+#include "imulab/core/statistics.hpp"
+#include "imulab/estimate/kernel/information.hpp"
+#include "imulab/estimate/kernel/prior.hpp"
+#include "imulab/estimate/kernel/suspects.hpp"
+#include "imulab/model/forward_model.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include <cmath>
+
+namespace imulab::turntable {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+/// How far the coefficients may be from the start: so far that they say only what counts as determined, by half of it or better.
+constexpr kernel::PriorSizes prior_sizes{
+    .accel = {.offset = 10, .scale = 1, .misalignment = 1e-2}, .gyro = {.offset = 1, .scale = 1, .misalignment = 1e-2}, .g_sensitivity = 1e-3};
+constexpr double needed_part = 0.5;
+
+/// The same of the forward model's columns, raw.
+VectorXd prior_sigmas(const SensorModel& nominal) {
+  const auto raw_per_unit = [](const Matrix3d& matrix) { return 1 / std::cbrt(std::abs(matrix.determinant())); };
+  const double accel = raw_per_unit(nominal.accel.matrix), gyro = raw_per_unit(nominal.gyro.matrix);
+  VectorXd v(Forward::all);
+  for (const CoefficientIndex index : coefficient_indices())
+    if (const Coefficient& c = coefficient(index); c.term == Term::offset || c.term == Term::matrix || c.term == Term::g_sensitivity)
+      v[Forward::of(c)] = kernel::prior_sigma(prior_sizes, c, 1) * (c.triad == Triad::accel ? accel : gyro);
+  v.segment<3>(Forward::turning_bias) = v.segment<3>(Forward::gyro_offset);
+  return v;
+}
+
+/// d reading / d column of the forward model, where the table's motion is `truth`.
+MatrixXd design_matrix(const TableMotion& motion, const VectorXd& truth) {
+  MatrixXd x = MatrixXd::Zero(motion.rows(), Forward::all);
+  for (std::size_t k = 0; k < motion.parts(); ++k) {
+    const auto force = truth.segment<3>(static_cast<Index>(6 * k)).transpose(), rate = truth.segment<3>(static_cast<Index>(6 * k + 3)).transpose();
+    for (Index i = 0; i < 3; ++i) {
+      const Index row = motion.row(k) + i, gyro_row = motion.gyro_row(k) + i;
+      if (motion.is_hold(k)) {
+        x(row, Forward::accel_offset + i) = 1;
+        x.block<1, 3>(row, Forward::accel_matrix + 3 * i) = force;
+      } else {
+        x(gyro_row, Forward::turning_bias + i) = motion.gain(k);
+      }
+      x(gyro_row, Forward::gyro_offset + i) = motion.gain(k);
+      x.block<1, 3>(gyro_row, Forward::gyro_matrix + 3 * i) = rate;
+      x.block<1, 3>(gyro_row, Forward::gyro_force + 3 * i) = -force;
+    }
+  }
+  return x;
+}
+
+/// The readings' linear part alone.
+SensorModel without_offsets(SensorModel model) {
+  model.accel.offset.setZero();
+  model.gyro.offset.setZero();
+  return model;
+}
+
+/// d readings / d errors of the rig and the site, from d truth / d errors.
+MatrixXd reading_jacobian(const TableMotion& motion, const SensorModel& model, const MatrixXd& truth) {
+  const SensorModel linear = without_offsets(model);
+  MatrixXd out(motion.rows(), truth.cols());
+  for (Index c = 0; c < truth.cols(); ++c) out.col(c) = readings(motion, linear, truth.col(c));
+  return out;
+}
+
+}  // namespace
+
+Matrix3d raw_density(double density, const Matrix3d& matrix) {
+  const Matrix3d inverse = matrix.inverse();
+  return density * density * inverse * inverse.transpose();
+}
+
+Estimator::Estimator(const TableMotion& motion, const SensorModel& nominal, const RawNoise& noise, const EstimatorOptions& options)
+    : motion_(motion),
+      terms_(options.terms),
+      start_(forward(nominal)),
+      prior_(prior_sigmas(nominal)),
+      nominal_errors_(motion.nominal()),
+      around_(options.around.size() > 0 ? options.around : nominal_errors_),
+      truth_(motion.truth(around_)),
+      truth_jacobian_(motion.jacobian(around_)),
+      table_jacobian_(reading_jacobian(motion, nominal, truth_jacobian_)),
+      design_(design_matrix(motion, truth_)),
+      noise_(noise_covariance(motion, noise.accel, noise.gyro)) {
+  for (const CoefficientIndex index : terms_) columns_.push_back(Forward::of(coefficient(index)));
+  if (options.bias_while_turning && motion.turns() > 0)
+    for (Index k = 0; k < 3; ++k) columns_.push_back(Forward::turning_bias + k);
+  set_weights(options);
+  set_gains();
+}
+
+/// Weights by the covariance of the readings S = R + J diag(sigma^2) J^T, in units of the noise; and the table's errors in the readings, sigma^2 J^T
+/// S^-1.
+void Estimator::set_weights(const EstimatorOptions& options) {
+  weight_ = noise_.diagonal().cwiseSqrt().cwiseInverse();
+  for (const std::size_t part : options.left_out) weight_.segment(motion_.row(part), motion_.size(part)).setZero();
+  const VectorXd sigma = options.table_errors ? motion_.sigma() : VectorXd::Zero(nominal_errors_.size());
+  const MatrixXd table = table_jacobian_ * sigma.asDiagonal();
+  MatrixXd covariance = weight_.asDiagonal() * (noise_ + table * table.transpose()) * weight_.asDiagonal();
+  for (Index row = 0; row < weight_.size(); ++row)
+    if (weight_[row] == 0) covariance(row, row) = 1;
+  factor_ = covariance.llt().matrixL();
+  error_gain_ = sigma.asDiagonal() * factor_.triangularView<Eigen::Lower>().transpose().solve(whitened(table)).transpose() * weight_.asDiagonal();
+}
+
+MatrixXd Estimator::whitened(const MatrixXd& readings) const {
+  return factor_.triangularView<Eigen::Lower>().solve(MatrixXd(weight_.asDiagonal() * readings));
+}
+
+/// x = (X^T S^-1 X)^-1 X^T S^-1 (y - X_held v_held) for the columns that the readings determine; the others are held at their start, and considered.
+void Estimator::set_gains() {
+  const MatrixXd white = whitened(design_(Eigen::all, columns_));
+  const kernel::Information information(white, VectorXd::Zero(white.rows()));
+  kernel::Parameters parameters(information.g.size());
+  parameters.sigma = prior_(columns_);
+  const VectorXd wanted = needed_part * parameters.sigma;
+  const std::vector<Index> open = kernel::undetermined(kernel::solve(information, parameters).covariance, parameters, wanted);
+  parameters.sigma.setConstant(kernel::no_prior);
+  for (const Index i : open) parameters.role[static_cast<std::size_t>(i)] = kernel::Role::held;
+  const std::vector<Index> known = parameters.with(kernel::Role::estimated);
+  free_covariance_ = kernel::solve(information, parameters, "the holds and turns").covariance(known, known);
+  for (const Index i : open) {
+    parameters.role[static_cast<std::size_t>(i)] = kernel::Role::considered;
+    parameters.sigma[i] = prior_[columns_[static_cast<std::size_t>(i)]];
+  }
+  covariance_ = MatrixXd::Zero(Forward::all, Forward::all);
+  covariance_(columns_, columns_) = kernel::solve(information, parameters, "the holds and turns").covariance;
+
+  for (const Index i : known) known_.push_back(columns_[static_cast<std::size_t>(i)]);
+  for (const Index i : open) unknown_.push_back(columns_[static_cast<std::size_t>(i)]);
+  white_ = white(Eigen::all, known);
+  if (!known.empty()) condition_ = kernel::condition_number(information.N(known, known));
+  const MatrixXd half = factor_.triangularView<Eigen::Lower>().transpose().solve(white_);  // S^-1 X
+  gain_ = free_covariance_ * half.transpose() * weight_.asDiagonal();
+  VectorXd held = start_;
+  held(known_).setZero();
+  base_ = gain_ * (design_ * held);
+  error_base_ = nominal_errors_ - error_gain_ * (design_ * held - design_(Eigen::all, known_) * base_);
+  error_gain_ -= (error_gain_ * design_(Eigen::all, known_)) * gain_;
+}
+
+MatrixXd Estimator::solve(const MatrixXd& readings) const {
+  MatrixXd v = start_.replicate(1, readings.cols());
+  v(known_, Eigen::all) = (gain_ * readings).colwise() - base_;
+  return v;
+}
+
+SensorModel Estimator::estimate(const VectorXd& readings) const { return backward(solve(readings)); }
+
+VectorXd Estimator::table_errors(const VectorXd& readings) const { return error_base_ + error_gain_ * readings; }
+
+MatrixXd Estimator::linearized(const MatrixXd& measured) const {
+  const VectorXd shift = table_jacobian_ * (around_ - nominal_errors_);
+  const MatrixXd first_order = measured.colwise() + shift;
+  const MatrixXd errors = (error_gain_ * first_order).colwise() + error_base_, columns = solve(first_order);
+  MatrixXd out = measured;
+  out.noalias() += table_jacobian_ * (errors.colwise() - nominal_errors_);
+  for (Index run = 0; run < measured.cols(); ++run)
+    out.col(run) -= readings(motion_, without_offsets(backward(columns.col(run))), motion_.truth(errors.col(run)) - truth_);
+  return out;
+}
+
+Estimator::Uncertainty Estimator::uncertainty(const SensorModel& at) const {
+  const MatrixXd derivatives = backward_derivatives(at, terms_), asked = derivatives(Eigen::all, columns_);
+  const MatrixXd covariance = derivatives * covariance_ * derivatives.transpose();
+  const VectorXd before = (asked * prior_(columns_).asDiagonal()).rowwise().norm();
+  kernel::Parameters parameters(covariance.rows());
+  const std::vector<Index> open = kernel::undetermined(covariance, parameters, needed_part * before);
+  for (const Index i : open) parameters.role[static_cast<std::size_t>(i)] = kernel::Role::considered;
+  const std::vector<Index> known = parameters.with(kernel::Role::estimated);
+  Uncertainty out;
+  for (const Index i : known) out.determined.push_back(terms_[static_cast<std::size_t>(i)]);
+  for (const Index i : open) out.undetermined.push_back(terms_[static_cast<std::size_t>(i)]);
+  out.covariance = covariance(known, known);
+  return out;
+}
+
+MatrixXd Estimator::sensitivity(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const {
+  return backward_derivatives(at, coefficients)(Eigen::all, known_) * gain_;
+}
+
+double Estimator::chi2(const VectorXd& readings) const { return whitened(readings - design_ * solve(readings)).squaredNorm(); }
+
+int Estimator::degrees_of_freedom() const { return static_cast<int>((weight_.array() > 0).count()) - static_cast<int>(known_.size()); }
+
+std::vector<double> Estimator::log_probabilities(const VectorXd& readings) const {
+  // z = S^-1 residual, with covariance B = S^-1 - S^-1 X P X^T S^-1. Leaving rows out lowers chi-square by z^T B^-1 z of these rows.
+  const MatrixXd inverse = factor_.triangularView<Eigen::Lower>().solve(MatrixXd::Identity(factor_.rows(), factor_.cols()));
+  const VectorXd z = inverse.transpose() * whitened(readings - design_ * solve(readings));
+  const MatrixXd unfitted = inverse.transpose() * inverse, projected = inverse.transpose() * white_;
+  const MatrixXd covariance = unfitted - projected * free_covariance_ * projected.transpose();
+  std::vector<double> out;
+  for (std::size_t k = 0; k < motion_.parts(); ++k) {
+    const Index row = motion_.row(k), size = motion_.size(k);
+    out.push_back(weight_[row] == 0
+                      ? 0
+                      : kernel::deviation(z.segment(row, size), covariance.block(row, row, size, size), unfitted.block(row, row, size, size))
+                            .log_probability());
+  }
+  return out;
+}
+
+}  // namespace imulab::turntable

@@ -1,0 +1,103 @@
+// Generalized least squares for a turntable: everything that depends on the procedure alone is computed once, and an estimate is then one product of
+// a matrix with the readings.
+#pragma once
+
+#include "imulab/model/coefficient.hpp"
+#include "imulab/rig/table_motion.hpp"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace imulab::turntable {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+struct EstimatorOptions {
+  std::vector<CoefficientIndex> terms;  ///< matrices whole or diagonal, the other terms whole or not at all
+  bool table_errors = true;             ///< false: weights from the sensors' noise alone
+  bool bias_while_turning = false;      ///< true: the gyros' bias in turns is unknown by itself, so that W0 is that at rest, as Zhang estimates it
+  std::vector<std::size_t> left_out;    ///< parts (holds, then turns) without any weight
+  Eigen::VectorXd around;  ///< errors of the table and the site to linearize at; empty: the nominal ones. Others need linearized readings
+};
+
+/// Covariance of white noise in raw readings, raw^2/Hz.
+struct RawNoise {
+  Matrix3d accel, gyro;
+};
+
+class Estimator {
+ public:
+  /// `nominal` sets the weights (table errors are propagated to raw readings with it) and is the starting value of coefficients that are not
+  /// determined. Throws Unsupported where the readings do not determine the model although they determine each of its coefficients.
+  Estimator(const TableMotion& motion, const SensorModel& nominal, const RawNoise& noise, const EstimatorOptions& options);
+
+  /// To first order in the table's errors.
+  SensorModel estimate(const Eigen::VectorXd& readings) const;
+  /// Columns of the forward model, a run each.
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& readings) const;
+  /// The most probable errors of the table and the site, as TableMotion::sources.
+  Eigen::VectorXd table_errors(const Eigen::VectorXd& readings) const;
+  /// The readings (a run each column) less the effect of the most probable table errors beyond first order; every other function takes them as it
+  /// takes readings. At 2 arcsec the difference is negligible; at 1 arcmin it is of the size of navigation-grade noise.
+  Eigen::MatrixXd linearized(const Eigen::MatrixXd& readings) const;
+
+  /// The estimate from the readings, with its covariance.
+  struct Uncertainty {
+    std::vector<CoefficientIndex> determined, undetermined;
+    Eigen::MatrixXd covariance;  ///< of the determined
+  };
+  Uncertainty uncertainty(const SensorModel& at) const;
+  /// d coefficient / d reading, one row for each of `coefficients`.
+  Eigen::MatrixXd sensitivity(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const;
+
+  /// What remains of `linearized` readings beyond first order: products of the table errors that no reading shows and of the model's own errors. They
+  /// shift an estimate by `bias` (estimate less truth) and scatter it by `covariance` on top of the first order's.
+  struct SecondOrder {
+    Eigen::VectorXd bias;
+    Eigen::MatrixXd covariance;
+  };
+  SecondOrder second_order(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const;
+
+  /// d reading / d error of the table and the site.
+  const Eigen::MatrixXd& table_jacobian() const { return table_jacobian_; }
+  /// Covariance of the readings without the table's errors.
+  const Eigen::MatrixXd& noise() const { return noise_; }
+
+  double chi2(const Eigen::VectorXd& readings) const;
+  int degrees_of_freedom() const;
+  /// Of the normal equations; 0 where nothing is determined.
+  double condition() const { return condition_; }
+  /// By part, the natural logarithm of the probability that leaving it out lowers chi-square by as much as it does by chance.
+  std::vector<double> log_probabilities(const Eigen::VectorXd& readings) const;
+
+ private:
+  void set_weights(const EstimatorOptions& options);
+  void set_gains();
+  Eigen::MatrixXd whitened(const Eigen::MatrixXd& readings) const;
+
+  TableMotion motion_;
+  std::vector<CoefficientIndex> terms_;
+  std::vector<Eigen::Index> columns_;                ///< of the forward model: those asked for
+  std::vector<Eigen::Index> known_, unknown_;        ///< of these: determined or not
+  Eigen::VectorXd start_, prior_;                    ///< values and prior sigmas of all columns
+  Eigen::VectorXd nominal_errors_, around_, truth_;  ///< the latter at `around_`
+  Eigen::MatrixXd truth_jacobian_, table_jacobian_;  ///< truth and readings x sources, at `around_`
+  Eigen::MatrixXd design_;                           ///< rows x all columns
+  Eigen::MatrixXd noise_;                            ///< covariance of the readings without the table's errors
+  Eigen::VectorXd weight_;                           ///< by row: 1 / noise, 0 where left out
+  Eigen::MatrixXd factor_;                           ///< Cholesky factor of the weighted covariance with the table's errors
+  Eigen::MatrixXd white_, free_covariance_;          ///< whitened design of known_, and the inverse of its normal equations
+  Eigen::MatrixXd gain_;                             ///< known_ x rows
+  Eigen::VectorXd base_;                             ///< gain_ x what the columns held at their start explain
+  Eigen::MatrixXd error_gain_;                       ///< sources x rows: table errors found, from readings
+  Eigen::VectorXd error_base_;                       ///< table errors found at readings of zero
+  Eigen::MatrixXd covariance_;                       ///< of all columns
+  double condition_ = 0;
+};
+
+/// The whole density of a triad's readings where it is declared on the calibrated side: N^2 F F^T.
+Matrix3d raw_density(double density, const Matrix3d& matrix);
+
+}  // namespace imulab::turntable

@@ -1,0 +1,144 @@
+#include "imulab/estimate/turntable/fit.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/statistics.hpp"
+#include "imulab/core/units.hpp"
+
+#include <Eigen/LU>
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace imulab::turntable {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+/// Root of the sum of squares about the mean of vectors at these rows.
+double spread(const VectorXd& v, const std::vector<Index>& rows) {
+  Vector3d mean = Vector3d::Zero();
+  for (const Index row : rows) mean += v.segment<3>(row) / static_cast<double>(rows.size());
+  double squares = 0;
+  for (const Index row : rows) squares += (v.segment<3>(row) - mean).squaredNorm();
+  return std::sqrt(squares);
+}
+
+/// Readings in counts start from the size of what they read; SI readings from themselves.
+SensorModel starting_model(const Problem& problem) {
+  const TableMotion& motion = problem.motion;
+  const VectorXd truth = motion.truth(motion.nominal());
+  std::vector<Index> force, force_reading, rate, rate_reading;  // rows of the holds' forces and the turns' rates
+  for (std::size_t k = 0; k < motion.parts(); ++k) {
+    (motion.is_hold(k) ? force : rate).push_back(static_cast<Index>(6 * k + (motion.is_hold(k) ? 0 : 3)));
+    (motion.is_hold(k) ? force_reading : rate_reading).push_back(motion.row(k));
+  }
+  const auto scale = [&](const std::vector<Index>& rows, const std::vector<Index>& reading_rows) {
+    const double input = spread(truth, rows), reading = spread(problem.seen.readings, reading_rows);
+    return input > 0 && reading > 0 ? input / reading : 1;
+  };
+  SensorModel start;
+  if (problem.seen.accel_unit == "count") start.accel.matrix *= scale(force, force_reading);
+  if (problem.seen.gyro_unit == "count") start.gyro.matrix *= scale(rate, rate_reading);
+  return start;
+}
+
+/// The noise declared, or as the holds' samples show it; a stuck or coarsely quantized axis shows none, and a hundred-millionth of the scale keeps
+/// the weights finite.
+RawNoise raw_noise(const Problem& problem, const SensorModel& model) {
+  const auto noise = [](const std::optional<double>& declared, const Vector3d& measured, const Matrix3d& matrix, double size) -> Matrix3d {
+    if (declared) return raw_density(*declared, matrix);
+    return measured.cwiseMax(1e-8 * size / std::cbrt(std::abs(matrix.determinant()))).cwiseAbs2().asDiagonal();
+  };
+  return {noise(problem.imu.accel_noise_density, problem.seen.accel_density, model.accel.matrix, unit::g),
+          noise(problem.imu.gyro_noise_density, problem.seen.gyro_density, model.gyro.matrix, 1)};
+}
+
+bool left_handed(const SensorModel& model) { return model.accel.matrix.determinant() < 0 || model.gyro.matrix.determinant() < 0; }
+
+/// The steps with the sense of one axis reversed.
+Problem reversed(const Problem& problem, std::size_t axis) {
+  Observations seen = problem.seen;
+  for (Step& step : seen.parts.steps) {
+    step.angles[axis] = -step.angles[axis];
+    if (step.kind == StepKind::rotate && static_cast<std::size_t>(step.axis) == axis) step.angle = -step.angle;
+  }
+  return {std::move(seen), problem.rig, problem.imu, problem.site};
+}
+
+}  // namespace
+
+Problem::Problem(Observations observations, RigDeclaration table, ImuDeclaration unit, Site place)
+    : seen(std::move(observations)), rig(std::move(table)), imu(std::move(unit)), site(std::move(place)), motion(seen.parts, rig, site) {}
+
+double Fit::log_probability() const { return log_chi_square_tail(chi2, std::max(1, estimator.degrees_of_freedom())); }
+
+std::vector<kernel::Suspect> Fit::suspects() const {
+  std::vector<kernel::Suspect> out;
+  for (const double log_p : estimator.log_probabilities(readings)) {
+    const std::size_t step = problem->motion.step(out.size());
+    out.push_back({step_name(problem->seen.parts.steps[step], step), log_p});
+  }
+  return out;
+}
+
+bool Fit::may_drop(std::size_t part) const {
+  const TableMotion& motion = problem->motion;
+  const auto turns = std::count_if(options.left_out.begin(), options.left_out.end(), [&](std::size_t p) { return !motion.is_hold(p); });
+  return options.left_out.size() < motion.parts() / 5 && (motion.is_hold(part) || 3 * (static_cast<std::size_t>(turns) + 1) <= motion.turns());
+}
+
+Fit Fit::without(std::size_t part) const {
+  EstimatorOptions fewer = options;
+  fewer.left_out.push_back(part);
+  return fit(*problem, fewer);
+}
+
+Fit fit(const Problem& problem, const EstimatorOptions& options) {
+  SensorModel model = starting_model(problem);
+  EstimatorOptions now = options;
+  now.table_errors = false;
+  model = Estimator(problem.motion, model, raw_noise(problem, model), now).estimate(problem.seen.readings);
+  now.table_errors = true;
+  const auto usable = [](const TriadModel& triad) { return triad.matrix.allFinite() && triad.matrix.determinant() != 0; };
+  for (int pass = 0;; ++pass) {
+    if (!usable(model.accel) || !usable(model.gyro))
+      throw Unsupported("the readings do not follow the table's motion: a triad's readings do not span three axes");
+    Estimator estimator(problem.motion, model, raw_noise(problem, model), now);
+    const VectorXd readings = estimator.linearized(problem.seen.readings);
+    model = estimator.estimate(readings);
+    const double chi2 = estimator.chi2(readings);
+    if (pass == 1) return {&problem, options, std::move(estimator), readings, model, chi2};
+    now.around = estimator.table_errors(readings);
+  }
+}
+
+std::string reversed_axis(const Fit& declared) {
+  const bool mirrored = left_handed(declared.model);
+  if (!mirrored && declared.log_probability() > std::log(unlikely)) return {};
+  std::string found;
+  double best = declared.chi2 + (mirrored ? 30.0 : -30.0);  // a few sigmas of doubt where handedness speaks for it, against it where not
+  for (const RigAxis axis : {RigAxis::outer, RigAxis::middle, RigAxis::inner}) {
+    const Problem problem = reversed(*declared.problem, static_cast<std::size_t>(axis));
+    const Fit other = fit(problem, declared.options);
+    if (left_handed(other.model) || other.chi2 >= best) continue;
+    best = other.chi2;
+    found = fmt::format("the {} axis seems to turn against the sign of its angles: with it reversed chi-square falls from {:.4g} to {:.4g}",
+                        to_string(axis), declared.chi2, other.chi2);
+    if (mirrored) found += ", and the sensors' axes become right-handed";
+  }
+  if (found.empty() && mirrored) found = "a triad is left-handed in the table's axes: a sensor's or a table axis's sign is reversed";
+  return found;
+}
+
+kernel::Cleaned<Fit> without_outliers(const Fit& fit, double level) {
+  kernel::Cleaned<Fit> cleaned = kernel::drop_suspects(fit, level);
+  if (cleaned.fit.log_probability() <= std::log(unlikely)) return {fit, {}, cleaned.worst, cleaned.clean};
+  cleaned.worst.clear();
+  return cleaned;
+}
+
+}  // namespace imulab::turntable

@@ -1,0 +1,51 @@
+// A turntable fit: weights and linearization from the readings themselves, a reversed axis recognized, wrong steps left out.
+#pragma once
+
+#include "imulab/estimate/kernel/suspects.hpp"
+#include "imulab/estimate/turntable/estimator.hpp"
+#include "imulab/estimate/turntable/observations.hpp"
+
+#include <string>
+#include <vector>
+
+namespace imulab::turntable {
+
+inline constexpr double unlikely = 1e-3;  ///< probability below which a deviation is not chance
+
+/// The data to fit, and the declarations.
+struct Problem {
+  Problem(Observations seen, RigDeclaration rig, ImuDeclaration imu, Site site);
+  Observations seen;
+  RigDeclaration rig;
+  ImuDeclaration imu;
+  Site site;
+  TableMotion motion;
+};
+
+/// A fit of a problem, which outlives it. Of its parts (holds, then turns) any may be wrong.
+struct Fit {
+  const Problem* problem;
+  EstimatorOptions options;
+  Estimator estimator;
+  Eigen::VectorXd readings;  ///< linearized
+  SensorModel model;
+  double chi2;
+
+  double log_probability() const;  ///< of chance leaving residuals as large
+  std::vector<kernel::Suspect> suspects() const;
+  /// A fifth of the parts and a third of the turns may go: more are not outliers but another motion.
+  bool may_drop(std::size_t part) const;
+  Fit without(std::size_t part) const;
+};
+
+/// Sensors' noise alone sets the first weights; then the table's errors are brought to raw readings with the model found, and the motion is linear
+/// about the table errors found. Throws Unsupported where the readings do not follow the motion.
+Fit fit(const Problem& problem, const EstimatorOptions& options);
+
+/// Where the readings contradict the steps: which axis turns the other way, in words. Empty if none.
+std::string reversed_axis(const Fit& fit);
+
+/// Leaves parts out if that makes the others agree, with an empty `worst`. If not, the noise or the table is worse than declared: all parts stay.
+kernel::Cleaned<Fit> without_outliers(const Fit& fit, double level);
+
+}  // namespace imulab::turntable

@@ -1,0 +1,37 @@
+// The observations of a turntable calibration: the means of the holds and the sums of the turns.
+#pragma once
+
+#include "imulab/recording/recording.hpp"
+#include "imulab/recording/session.hpp"
+#include "imulab/rig/table_plan.hpp"
+
+#include <Eigen/Core>
+
+#include <string>
+#include <vector>
+
+namespace imulab::turntable {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+struct Observations {
+  TablePlan parts;  ///< those that were observed, with the times of their samples
+  /// Raw: of each hold the means of accelerometers and gyros (six rows), then of each turn the integral of the gyros (three).
+  Eigen::VectorXd readings;
+  Vector3d accel_density = Vector3d::Zero(), gyro_density = Vector3d::Zero();  ///< raw / sqrt(Hz), from the samples of the holds
+  bool noise_measured = true;                                                  ///< false: the holds are too short for that
+  std::string accel_unit = "m/s^2", gyro_unit = "rad/s";                       ///< of the raw readings; "count" for raw counts
+  std::vector<std::string> notes, warnings;
+};
+
+/// The declaration of a recording's table. Throws Error where its rig is not a turntable.
+const RigDeclaration& turntable_of(const Session& session, const std::string& recording);
+
+/// The parts of a recording on a turntable. Throws Error where its rig is none, or it has no steps.
+TablePlan parts_of(const Session& session, const std::string& recording);
+
+/// Throws Error as parts_of does, Unsupported where no sample falls into the steps.
+Observations observe(const Recording& recording, const Session& session);
+
+}  // namespace imulab::turntable

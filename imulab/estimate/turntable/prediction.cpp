@@ -1,0 +1,255 @@
+#include "imulab/estimate/turntable/prediction.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/random.hpp"
+#include "imulab/estimate/turntable/estimator.hpp"
+#include "imulab/estimate/turntable/observations.hpp"
+#include "imulab/model/forward_model.hpp"
+#include "imulab/model/grade.hpp"
+#include "imulab/recording/declared_noise.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/SparseCore>
+#include <fmt/core.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+
+namespace imulab::turntable {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+/// The kinds of error sources of a rig and a site, in the order in which a budget prints them.
+constexpr std::array<std::pair<ErrorSource::Kind, const char*>, 7> table_sources{{{ErrorSource::Kind::orthogonality, "orthogonality"},
+                                                                                  {ErrorSource::Kind::angle, "angle"},
+                                                                                  {ErrorSource::Kind::zero, "zero"},
+                                                                                  {ErrorSource::Kind::timing, "timing"},
+                                                                                  {ErrorSource::Kind::gravity, "gravity"},
+                                                                                  {ErrorSource::Kind::latitude, "latitude"},
+                                                                                  {ErrorSource::Kind::earth, "earth rate"}}};
+
+/// Holds that a turn's sum reaches into.
+std::vector<std::size_t> rests_of_turns(const TableMotion& motion) {
+  std::vector<std::size_t> out;
+  for (std::size_t hold = 0; hold < motion.holds(); ++hold) {
+    bool shared = false;
+    for (std::size_t turn = motion.holds(); turn < motion.parts(); ++turn)
+      shared = shared || (motion.begin(turn) < motion.end(hold) && motion.begin(hold) < motion.end(turn));
+    if (shared) out.push_back(hold);
+  }
+  return out;
+}
+
+Estimator estimator_of(const Plan& plan, const TableMotion& motion) {
+  EstimatorOptions options;
+  options.terms = plan.terms;
+  options.table_errors = !plan.classical;
+  options.bias_while_turning = plan.classical;
+  if (plan.classical) options.left_out = rests_of_turns(motion);
+  const Matrix3d identity = Matrix3d::Identity();
+  return {motion, {}, {raw_density(plan.accel_noise.N, identity), raw_density(plan.gyro_noise.N, identity)}, options};
+}
+
+/// What a constant bias of each axis (accelerometers, then gyros) does to the readings.
+MatrixXd turn_on_readings(const TableMotion& motion) {
+  MatrixXd out = MatrixXd::Zero(motion.rows(), 6);
+  for (std::size_t k = 0; k < motion.parts(); ++k) {
+    if (motion.is_hold(k)) out.block<3, 3>(motion.row(k), 0).setIdentity();
+    out.block<3, 3>(motion.gyro_row(k), 3) = motion.gain(k) * Matrix3d::Identity();
+  }
+  return out;
+}
+
+/// Variance of the coefficients from what a constant bias does to them, one column an axis.
+VectorXd of_turn_on(const Spread& turn_on, const Eigen::MatrixX3d& by_axis) {
+  const VectorXd effect = turn_on.fixed ? VectorXd(by_axis.rowwise().sum().cwiseAbs2()) : VectorXd(by_axis.rowwise().squaredNorm());
+  return effect * (turn_on.value * turn_on.value);
+}
+
+/// Variances of the best weights: with the table's errors in them, and one bias of a gyro throughout. NaN: not determined by them.
+VectorXd with_best_weights(Plan plan, const TableMotion& motion, const std::vector<CoefficientIndex>& coefficients) {
+  plan.classical = false;
+  const auto best = estimator_of(plan, motion).uncertainty({});
+  VectorXd out = VectorXd::Constant(static_cast<Index>(coefficients.size()), std::nan(""));
+  for (std::size_t i = 0; i < coefficients.size(); ++i) {
+    const auto found = std::find(best.determined.begin(), best.determined.end(), coefficients[i]);
+    if (found == best.determined.end()) continue;
+    const auto row = found - best.determined.begin();
+    const Coefficient& c = coefficient(coefficients[i]);
+    const double bias = c.term != Term::offset ? 0 : (c.triad == Triad::accel ? plan.accel_noise : plan.gyro_noise).turn_on.value;
+    out[static_cast<Index>(i)] = best.covariance(row, row) + bias * bias;
+  }
+  return out;
+}
+
+/// The first-order variance by source. `stated`: the estimator's.
+void add_sources(Prediction& out, const Plan& plan, const TableMotion& motion, const Estimator& estimator, const VectorXd& stated) {
+  const MatrixXd sensitivity = estimator.sensitivity({}, out.coefficients);  // exact, of the estimator
+  const auto add = [&](std::string name, const VectorXd& variance) {
+    if (variance.size() > 0 && variance.maxCoeff() == 0) return;
+    out.sources.push_back(std::move(name));
+    out.variance.conservativeResize(variance.size(), out.variance.cols() + 1);
+    out.variance.rightCols<1>() = variance;
+  };
+  const MatrixXd by_source = sensitivity * estimator.table_jacobian() * motion.sigma().asDiagonal();
+  for (const auto& [kind, name] : table_sources) {
+    VectorXd variance = VectorXd::Zero(sensitivity.rows());
+    for (std::size_t k = 0; k < motion.sources().size(); ++k)
+      if (motion.sources()[k].kind == kind) variance += by_source.col(static_cast<Index>(k)).cwiseAbs2();
+    add(name, variance);
+  }
+  const MatrixXd turn_on = turn_on_readings(motion);
+  const auto noise_of = [&](const MatrixXd& s) { return VectorXd((s * estimator.noise()).cwiseProduct(s).rowwise().sum()); };
+  const VectorXd accel_rows = turn_on.leftCols<3>().rowwise().sum(), gyro_rows = VectorXd::Ones(motion.rows()) - accel_rows;
+  add("gyro noise", noise_of(sensitivity * gyro_rows.asDiagonal()));
+  add("accelerometer noise", noise_of(sensitivity * accel_rows.asDiagonal()));
+  const MatrixXd by_bias = sensitivity * turn_on;
+  add("gyro turn-on", of_turn_on(plan.gyro_noise.turn_on, by_bias.rightCols<3>()));
+  add("accelerometer turn-on", of_turn_on(plan.accel_noise.turn_on, by_bias.leftCols<3>()));
+  // What is asked for but not determined stays at its start, and may be off by its prior. Classical weights' stated covariance does not know the
+  // table.
+  if (out.undetermined.empty()) return;
+  const VectorXd rest = stated - by_source.rowwise().squaredNorm() - noise_of(sensitivity);
+  add(undetermined_source, plan.classical ? VectorXd::Zero(rest.size()) : VectorXd(rest.cwiseMax(0.0)));
+}
+
+/// The readings of whole procedures, with drawn errors.
+struct Sampler {
+  Sampler(const Plan& plan, const TableMotion& table_motion, const Estimator& estimator, std::uint64_t seed)
+      : motion(table_motion),
+        turn_on{plan.accel_noise.turn_on, plan.gyro_noise.turn_on},
+        turn_on_gain(turn_on_readings(motion)),
+        noise_factor(MatrixXd(Eigen::LLT<MatrixXd>(estimator.noise()).matrixL()).sparseView()),
+        table(seed, "predict: table errors"),
+        noise(seed, "predict: noise"),
+        biases(seed, "predict: turn-on") {}
+
+  /// A run each column, from run `begin` on.
+  MatrixXd draw(std::uint64_t begin, Index runs) const {
+    const auto normals = [&](const RandomStream& stream, Index rows) {
+      MatrixXd out(rows, runs);
+      stream.normals(begin * static_cast<std::uint64_t>(rows), {out.data(), static_cast<std::size_t>(out.size())});
+      return out;
+    };
+    const MatrixXd errors = (motion.sigma().asDiagonal() * normals(table, motion.sigma().size())).colwise() + motion.nominal();
+    MatrixXd bias = normals(biases, 6);
+    for (Index axis = 0; axis < 6; ++axis) {
+      const Spread& spread = turn_on[axis < 3 ? 0 : 1];
+      if (spread.fixed) bias.row(axis).setOnes();
+      bias.row(axis) *= spread.value;
+    }
+    MatrixXd seen = noise_factor * normals(noise, motion.rows());
+    seen.noalias() += turn_on_gain * bias;
+    for (Index run = 0; run < runs; ++run) seen.col(run) += readings(motion, {}, motion.truth(errors.col(run)));
+    return seen;
+  }
+
+  const TableMotion& motion;
+  std::array<Spread, 2> turn_on;  ///< accelerometers, gyros
+  MatrixXd turn_on_gain;
+  Eigen::SparseMatrix<double> noise_factor;
+  RandomStream table, noise, biases;
+};
+
+/// Sums of the errors' powers.
+struct Moments {
+  VectorXd first, second, fourth;
+  explicit Moments(Index n) : first(VectorXd::Zero(n)), second(first), fourth(first) {}
+  void add(const VectorXd& error) {
+    first += error;
+    second += error.cwiseAbs2();
+    fourth += error.cwiseAbs2().cwiseAbs2();
+  }
+  void add(const Moments& more) { first += more.first, second += more.second, fourth += more.fourth; }
+};
+
+}  // namespace
+
+Plan plan_of(const Session& procedure) {
+  if (procedure.recordings.size() > 1)
+    throw Error(fmt::format("{}: {} recordings; expected a procedure with one", procedure.file, procedure.recordings.size()));
+  const RecordingSource source = procedure.recordings.empty() ? RecordingSource{} : procedure.recordings.front();
+  Plan plan;
+  plan.rig = turntable_of(procedure, source.file);
+  plan.parts = parts_of(procedure, source.file);
+  plan.site = procedure.site;
+  for (const TablePart& hold : plan.parts.holds)
+    if (const double samples = (hold.end - hold.begin) * source.rate_hz.value_or(INFINITY); samples < 2)
+      throw Error(fmt::format("{}: {}: {:.2g} samples at {:g} Hz; expected two or more", procedure.file,
+                              step_name(plan.parts.steps[hold.step], hold.step), samples, *source.rate_hz));
+  const DeclaredNoise noise = [&] {
+    try {
+      return declared_noise(procedure.imu);
+    } catch (const Error& e) {
+      throw Error(fmt::format("{}: {}", procedure.file, e.what()));
+    }
+  }();
+  plan.accel_noise = noise.accel;
+  plan.gyro_noise = noise.gyro;
+  if (!(noise.accel.N > 0) || !(noise.gyro.N > 0))
+    throw Error(fmt::format("{}: the {} noise density is 0; expected one above 0, since the readings are weighted by their noise", procedure.file,
+                            noise.accel.N > 0 ? "gyro" : "accelerometer"));
+  std::vector<const char*> selectors{"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"};
+  if (procedure.imu.grade && grade(*procedure.imu.grade).g_sensitivity > 0) selectors.push_back("gyro.g_sensitivity");
+  for (const char* selector : selectors)
+    for (const CoefficientIndex index : select_coefficients(selector)) plan.terms.push_back(index);
+  return plan;
+}
+
+Prediction predict(const Plan& plan) {
+  const TableMotion motion(plan.parts, plan.rig, plan.site);
+  const Estimator estimator = estimator_of(plan, motion);
+  const auto uncertainty = estimator.uncertainty({});
+  Prediction out;
+  out.coefficients = uncertainty.determined;
+  out.undetermined = uncertainty.undetermined;
+  add_sources(out, plan, motion, estimator, uncertainty.covariance.diagonal());
+  const auto second = estimator.second_order({}, out.coefficients);
+  out.bias = second.bias;
+  out.second_order = second.covariance.diagonal().cwiseSqrt();
+  out.sigma = (out.variance.rowwise().sum() + out.second_order.cwiseAbs2()).cwiseSqrt();
+  // The estimate is generalized least squares: by default it reaches the bound.
+  out.cramer_rao = plan.classical ? VectorXd(with_best_weights(plan, motion, out.coefficients).cwiseSqrt()) : out.first_order();
+  return out;
+}
+
+imulab::Prediction predict(const Session& procedure) { return predict(plan_of(procedure)); }
+
+MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t seed, const std::function<void(std::uint64_t)>& progress) {
+  const TableMotion motion(plan.parts, plan.rig, plan.site);
+  const Estimator estimator = estimator_of(plan, motion);
+  const Sampler sampler(plan, motion, estimator, seed);
+  const std::vector<CoefficientIndex> coefficients = estimator.uncertainty({}).determined;
+  const auto n = static_cast<Index>(coefficients.size());
+  const auto values = [&](const SensorModel& model) {
+    VectorXd v(n);
+    std::transform(coefficients.begin(), coefficients.end(), v.begin(), [&](CoefficientIndex index) { return coefficient_value(model, index); });
+    return v;
+  };
+  const VectorXd expected = values({}) + estimator.second_order({}, coefficients).bias;
+
+  constexpr std::uint64_t block = 128;
+  std::vector<Moments> moments((runs + block - 1) / block, Moments(n));
+  std::atomic<std::uint64_t> done = 0;
+  tbb::parallel_for(std::size_t{0}, moments.size(), [&](std::size_t b) {
+    const std::uint64_t begin = b * block, count = std::min(block, runs - begin);
+    const MatrixXd found = estimator.solve(estimator.linearized(sampler.draw(begin, static_cast<Index>(count))));
+    for (Index run = 0; run < found.cols(); ++run) moments[b].add(values(backward(found.col(run))) - expected);
+    if (progress) progress(done += count);
+  });
+  Moments sum(n);
+  for (const Moments& m : moments) sum.add(m);  // in order: the same bits on any number of threads
+  const auto count = static_cast<double>(runs);
+  const VectorXd square = sum.second / count;
+  return {coefficients, runs, sum.first / count, square.cwiseSqrt(),
+          ((sum.fourth / count).cwiseQuotient(square.cwiseAbs2()).array() - 1).cwiseMax(0.0).sqrt() / (2 * std::sqrt(count))};
+}
+
+}  // namespace imulab::turntable

@@ -1,0 +1,60 @@
+// How good a turntable calibration will be, before any table time is spent: in closed form with the share of every error source, and by Monte Carlo
+// without linearizing (docs/predict.md).
+#pragma once
+
+#include "imulab/estimate/method.hpp"
+#include "imulab/model/noise.hpp"
+#include "imulab/rig/table_plan.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace imulab::turntable {
+
+/// A procedure, the table that performs it and the unit on it: an ideal one with SI readings and this noise.
+struct Plan {
+  TablePlan parts;
+  RigDeclaration rig;
+  Site site;
+  NoiseModel accel_noise, gyro_noise;   ///< N and turn_on count
+  std::vector<CoefficientIndex> terms;  ///< what the calibration estimates
+  /// Zhang's formulas on his procedure: weights from the sensors' noise alone, the gyros' bias in turns apart, and the rests of turns only in their
+  /// sums.
+  bool classical = false;
+};
+
+/// Of the procedure's only recording. Offsets and matrices, and g-sensitivity where the grade has it. Throws Error where the procedure is not one of
+/// a turntable, its steps are wrong, or the unit's noise is not declared.
+Plan plan_of(const Session& procedure);
+
+/// The source that stands for what the procedure does not determine: left at its start, it may be off by its prior.
+inline constexpr const char* undetermined_source = "undetermined coefficients";
+
+/// Rows and elements are in the order of `coefficients`. `sigma` contains the second order, `cramer_rao` does not.
+struct Prediction : imulab::Prediction {
+  std::vector<std::string> sources;  ///< "orthogonality", "angle", "zero", "timing", "gravity", ...: columns of `variance`
+  Eigen::MatrixXd variance;          ///< to first order, by source
+  Eigen::VectorXd second_order;      ///< sigma of the second-order part
+  Eigen::VectorXd bias;              ///< mean of the second-order part, which `calibrate` takes out
+  Eigen::VectorXd first_order() const { return variance.rowwise().sum().cwiseSqrt(); }
+};
+
+Prediction predict(const Plan& plan);
+/// For the table of methods.
+imulab::Prediction predict(const Session& procedure);
+
+struct MonteCarloResult {
+  std::vector<CoefficientIndex> coefficients;
+  std::uint64_t runs = 0;
+  Eigen::VectorXd mean;            ///< of the errors
+  Eigen::VectorXd sigma;           ///< root mean square error
+  Eigen::VectorXd sampling_sigma;  ///< standard deviation of `sigma`, relative
+};
+
+/// Whole procedures with drawn table errors, g and noise, each calibrated, at the level of rest means and turn sums. Bit-equal on any number of
+/// threads. `progress` is called with the number of finished runs, from any thread.
+MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t seed, const std::function<void(std::uint64_t)>& progress = {});
+
+}  // namespace imulab::turntable

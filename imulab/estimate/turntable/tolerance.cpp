@@ -1,0 +1,167 @@
+#include "imulab/estimate/turntable/tolerance.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace imulab::turntable {
+
+using Eigen::Index;
+
+namespace {
+
+/// The declared sizes, or where there is none one that a factor can be found for.
+Plan with_something_to_scale(Plan plan) {
+  const ErrorSizes declared = error_sizes(plan);
+  if (declared.angle == 0 && declared.orthogonality == 0 && declared.zero == 0)
+    plan.rig.angle = plan.rig.orthogonality = plan.rig.zero = {unit::arcsec, false};
+  if (declared.timing == 0) plan.rig.timing = {1e-3, false};
+  return plan;
+}
+
+double shortest_hold(const Plan& plan) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const Step& step : plan.parts.steps)
+    if (step.kind == StepKind::hold) shortest = std::min(shortest, step.end - step.start);
+  return shortest;
+}
+
+Tolerance search(const Plan& plan, Knob knob, const std::vector<Requirement>& requirements) {
+  const auto missed = [&](double factor) { return shortfalls(scaled(plan, knob, factor), requirements); };
+  Tolerance out;
+  double high = std::log(largest_factor(plan, knob)), low = std::log(perfect_factor(knob));
+  out.shortfalls = missed(std::exp(low));
+  if (!out.shortfalls.empty()) return out;
+  out.unlimited = missed(std::exp(high)).empty();
+  if (out.unlimited) low = high;
+  // Uncertainties grow with every source, so the limit is where they cross it; 0.5 % is finer than any declaration.
+  while (high - low > 5e-3) {
+    const double middle = 0.5 * (low + high);
+    (missed(std::exp(middle)).empty() ? low : high) = middle;
+  }
+  out.factor = std::exp(low);
+  out.sizes = error_sizes(scaled(plan, knob, *out.factor));
+  return out;
+}
+
+/// The coefficient that misses a requirement by most; empty where all meet it.
+std::optional<Shortfall> shortfall(const Prediction& prediction, const Requirement& requirement) {
+  std::optional<Shortfall> worst;
+  for (const CoefficientIndex index : requirement.coefficients) {
+    const auto found = std::find(prediction.coefficients.begin(), prediction.coefficients.end(), index);
+    if (found == prediction.coefficients.end())
+      return Shortfall{requirement, index, std::numeric_limits<double>::infinity(), "the procedure does not determine it"};
+    const Index row = found - prediction.coefficients.begin();
+    if (prediction.sigma[row] <= (worst ? worst->sigma : requirement.limit)) continue;
+    Index largest;
+    const double share = prediction.variance.row(row).maxCoeff(&largest);
+    const bool second = std::pow(prediction.second_order[row], 2) > share;
+    worst = Shortfall{requirement, index, prediction.sigma[row],
+                      second ? "second order of the table's errors" : prediction.sources[static_cast<std::size_t>(largest)]};
+  }
+  return worst;
+}
+
+}  // namespace
+
+void expect_estimated(const std::vector<Requirement>& requirements, const Plan& plan) {
+  for (const Requirement& requirement : requirements)
+    for (const CoefficientIndex index : requirement.coefficients)
+      if (std::find(plan.terms.begin(), plan.terms.end(), index) == plan.terms.end())
+        throw Error(fmt::format("{}: this unit's calibration does not estimate it; g-sensitivity is that of a grade that has it, such as mems",
+                                requirement.selector));
+}
+
+std::vector<Shortfall> shortfalls(const Plan& plan, const std::vector<Requirement>& requirements) {
+  const Prediction prediction = predict(plan);
+  std::vector<Shortfall> out;
+  for (const Requirement& requirement : requirements)
+    if (const auto missed = shortfall(prediction, requirement)) out.push_back(*missed);
+  return out;
+}
+
+std::string_view to_string(Knob knob) {
+  switch (knob) {
+    case Knob::table:
+      return "table";
+    case Knob::timing:
+      return "timing";
+    case Knob::imu:
+      return "imu";
+    case Knob::all:
+      break;
+  }
+  return "all";
+}
+
+ErrorSizes error_sizes(const Plan& plan) {
+  const RigDeclaration& rig = plan.rig;
+  const auto all_known = [](const auto& given) { return std::all_of(given.begin(), given.end(), [](const auto& axis) { return axis.has_value(); }); };
+  const auto drawn = [](const Spread& spread, bool known = false) { return spread.fixed || known ? 0 : spread.value; };
+  return {.angle = drawn(rig.angle),
+          .orthogonality = drawn(rig.orthogonality, all_known(rig.given_orthogonality)),
+          .zero = drawn(rig.zero, all_known(rig.given_zero)),
+          .timing = drawn(rig.timing),
+          .gyro_noise = plan.gyro_noise.N,
+          .accel_noise = plan.accel_noise.N,
+          .gyro_turn_on = plan.gyro_noise.turn_on.value,
+          .accel_turn_on = plan.accel_noise.turn_on.value};
+}
+
+Plan scaled(Plan plan, Knob knob, double factor) {
+  const auto scale = [&](Spread& spread) {  // what is fixed is known, and no uncertainty
+    if (!spread.fixed) spread.value *= factor;
+  };
+  if (knob == Knob::table || knob == Knob::all)
+    for (Spread* spread : {&plan.rig.angle, &plan.rig.orthogonality, &plan.rig.zero}) scale(*spread);
+  if (knob == Knob::timing || knob == Knob::all) scale(plan.rig.timing);
+  if (knob == Knob::imu || knob == Knob::all)
+    for (NoiseModel* noise : {&plan.accel_noise, &plan.gyro_noise}) {
+      noise->N *= factor;
+      noise->turn_on.value *= factor;  // a fixed one too: the calibration does not know it
+    }
+  plan.parts = table_plan(plan.parts.steps, plan.rig);
+  return plan;
+}
+
+double perfect_factor(Knob knob) { return knob == Knob::table || knob == Knob::timing ? 1e-6 : 1e-2; }
+
+double largest_factor(const Plan& plan, Knob knob) {
+  const ErrorSizes s = error_sizes(with_something_to_scale(plan));
+  // What is declared is taken as it is, even beyond.
+  const double table = std::max(1.0, 600 * unit::arcsec / std::max({s.angle, s.orthogonality, s.zero}));
+  const double timing = std::max(1.0, std::min(10.0, 0.05 * shortest_hold(plan)) / s.timing), imu = 1e6;
+  switch (knob) {
+    case Knob::table:
+      return table;
+    case Knob::timing:
+      return timing;
+    case Knob::imu:
+      return imu;
+    case Knob::all:
+      break;
+  }
+  return std::min({table, timing, imu});
+}
+
+Tolerance tolerance(const Plan& plan, Knob knob, const std::vector<Requirement>& requirements) {
+  return search(with_something_to_scale(plan), knob, requirements);
+}
+
+Tolerance tolerance_alone(const Plan& plan, Knob knob, const std::vector<Requirement>& requirements) {
+  Plan alone = with_something_to_scale(plan);
+  for (const Knob other : {Knob::table, Knob::timing, Knob::imu})
+    if (other != knob) alone = scaled(alone, other, perfect_factor(other));
+  alone.site.given_gravity = alone.site.gravity();
+  alone.site.given_gravity_sigma = 0;
+  alone.site.latitude_sigma = 0;
+  if (!alone.site.latitude) alone.site.latitude = 45 * unit::deg;  // any: Earth's rate is then known
+  return search(alone, knob, requirements);
+}
+
+}  // namespace imulab::turntable

@@ -1,0 +1,17 @@
+// Turntable calibration (docs/turntable.md): both triads from the holds' means and the turns' sums of any procedure, by generalized least squares
+// with the table's declared errors in the weights and in the stated uncertainties.
+#pragma once
+
+#include "imulab/estimate/method.hpp"
+#include "imulab/estimate/turntable/observations.hpp"
+
+namespace imulab::turntable {
+
+/// Offsets and matrices in the table's frame, and g-sensitivity where the data show it. Throws Error for several recordings, where the session
+/// declares no turntable, its steps are wrong, or readings are in another unit than declared; Unsupported where nothing can be determined.
+CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOptions& options = {});
+/// Of observations in memory.
+Calibration calibrate(const Observations& seen, const RigDeclaration& rig, const ImuDeclaration& imu, const Site& site,
+                      const CalibrationOptions& options = {});
+
+}  // namespace imulab::turntable

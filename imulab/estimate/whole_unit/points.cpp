@@ -1,0 +1,194 @@
+#include "imulab/estimate/whole_unit/points.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/earth/earth.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace imulab::whole_unit {
+
+using Eigen::Index;
+
+namespace {
+
+constexpr Index blocks = 10;  // of a point: nine degrees of freedom for the noise of its mean
+
+struct Means {
+  double mean;
+  double sample_variance;  ///< from differences of neighbors, which slow changes do not reach
+  double block_variance;   ///< of a block's mean times its length: larger than that of samples where their noise is correlated
+};
+
+Means means(std::span<const double> samples) {
+  const Eigen::Map<const Eigen::VectorXd> x(samples.data(), std::ssize(samples));
+  const Index n = x.size(), length = n / blocks;
+  const double sample_variance = n > 1 ? (x.tail(n - 1) - x.head(n - 1)).squaredNorm() / static_cast<double>(2 * (n - 1)) : 0;
+  if (length == 0) return {x.mean(), sample_variance, sample_variance};
+  const Eigen::VectorXd block = x.head(blocks * length).reshaped(length, blocks).colwise().mean().transpose();
+  return {x.mean(), sample_variance, (block.array() - block.mean()).square().sum() / (blocks - 1) * static_cast<double>(length)};
+}
+
+/// Noise of the six channels, summed over points.
+struct NoiseSums {
+  Vector6d sample = Vector6d::Zero(), block = Vector6d::Zero();
+  double points = 0;
+};
+
+/// Change with time of a thermal reading within a point, where it stands out of its noise by five sigma.
+std::optional<double> drift_of(std::span<const double> x, double interval_s) {
+  const std::size_t half = x.size() / 2;
+  if (half < 20) return std::nullopt;  // of fewer the noise is not known well enough
+  const Means first = means(x.first(half)), last = means(x.last(half));
+  const double change = last.mean - first.mean;
+  const double sigma = std::sqrt((first.sample_variance + last.sample_variance) / static_cast<double>(half));
+  if (std::abs(change) <= 5 * sigma) return std::nullopt;
+  return change / (static_cast<double>(x.size() - half) * interval_s);
+}
+
+void expect_equal_units(std::span<const Recording> recordings, const Session& session) {
+  for (std::size_t r = 1; r < recordings.size(); ++r) {
+    const Recording &a = recordings.front(), &b = recordings[r];
+    if (std::abs(b.interval_s / a.interval_s - 1) > 0.02)
+      throw Error(fmt::format("{}: {} and {} have different sampling rates; expected one rate in all recordings", session.file, a.name, b.name));
+    if (a.accel_unit != b.accel_unit || a.gyro_unit != b.gyro_unit)
+      throw Error(fmt::format("{}: {} is in {} and {}, {} in {} and {}; expected one unit in all recordings", session.file, a.name, a.accel_unit,
+                              a.gyro_unit, b.name, b.accel_unit, b.gyro_unit));
+    for (const auto thermal : {&RecordingSource::accel_temperature, &RecordingSource::gyro_temperature}) {
+      const auto &x = session.recordings.front().*thermal, &y = session.recordings[r].*thermal;
+      if (x.has_value() != y.has_value() || (x && x->unit != y->unit))
+        throw Error(
+            fmt::format("{}: {} and {} have different thermal readings; expected the same unit in all recordings", session.file, a.name, b.name));
+    }
+  }
+}
+
+/// The steps of a recording, which its machine must be able to do.
+std::vector<Step> machine_steps(const Session& session, const RecordingSource& source) {
+  const RigDeclaration* const rig = session.rig_of(source);
+  if (!rig || !is_machine(rig->kind))
+    throw Error(fmt::format("{}: the recording {} {}; expected a rate table, centrifuge or chamber", session.file, source.file,
+                            rig ? fmt::format("is from a rig of kind \"{}\"", to_string(rig->kind)) : "has no rig"));
+  std::vector<Step> steps = session.steps_of(source);
+  try {
+    expect_possible(*rig, steps);
+  } catch (const Error& e) {
+    throw Error(fmt::format("{}: {}", session.file, e.what()));
+  }
+  return steps;
+}
+
+/// Means and noise of the inertial readings, and of the thermal readings or the set point.
+void read_samples(Point& point, const Recording& recording, const Range& range, NoiseSums& raw, NoiseSums& temperature) {
+  for (Index channel = 0; channel < 6; ++channel) {
+    const auto axis = static_cast<std::size_t>(channel % 3);
+    const auto samples = std::span(channel < 3 ? recording.accel[axis] : recording.gyro[axis]).subspan(range.begin, range.size());
+    const Means m = means(samples);
+    point.raw[channel] = m.mean, point.variance[channel] = m.sample_variance;
+    if (point.step.kind == StepKind::hold)  // while it turns, horizontal vectors come and go
+      raw.sample[channel] += m.sample_variance, raw.block[channel] += m.block_variance;
+    const auto& thermal = channel < 3 ? recording.accel_temperature[axis] : recording.gyro_temperature[axis];
+    point.temperature[channel] = point.step.temperature.value_or(std::numeric_limits<double>::quiet_NaN());
+    if (thermal.empty()) continue;
+    const auto readings = std::span(thermal).subspan(range.begin, range.size());
+    const Means t = means(readings);
+    point.temperature[channel] = t.mean;
+    temperature.sample[channel] += t.sample_variance;
+    if (!point.drift) point.drift = drift_of(readings, recording.interval_s);
+  }
+  temperature.points += 1;
+  if (point.step.kind == StepKind::hold) raw.points += 1;
+}
+
+/// Why a step gives no point; empty where it does.
+std::string obstacle(const Points& points, const Point& point, const Recording& recording, const Range& range) {
+  if (range.size() < 2) return fmt::format("{} samples in it, left out", range.size());
+  const auto overlaps = [&](const Point& p) {
+    return p.recording == point.recording && p.step.start < point.step.end && point.step.start < p.step.end;
+  };
+  if (std::any_of(points.all.begin(), points.all.end(), overlaps))
+    return "overlaps an earlier step in time, left out: its samples are not used twice";
+  return recording.saturated_in(range) > 0 ? "saturated, left out" : "";
+}
+
+/// Where a triad has no thermal reading in any point, there is none; where some points have one, the others must have it, too.
+void find_thermal_ranges(Points& points, const Session& session) {
+  for (std::size_t triad = 0; triad < 2; ++triad) {
+    ThermalRange& thermal = points.thermal[triad];
+    const auto channels = [&](const Vector6d& v) { return v.segment<3>(static_cast<Index>(3 * triad)); };
+    const auto unknown = std::count_if(points.all.begin(), points.all.end(), [&](const Point& p) { return !channels(p.temperature).allFinite(); });
+    if (unknown == std::ssize(points.all)) continue;
+    if (unknown > 0)
+      throw Error(fmt::format("{}: {} of {} points have neither a thermal reading of the {} nor a set point; expected one in all points or in none",
+                              session.file, unknown, points.all.size(), triad == 0 ? "accelerometers" : "gyros"));
+    thermal.known = true;
+    const auto& source = triad == 0 ? session.recordings.front().accel_temperature : session.recordings.front().gyro_temperature;
+    thermal.unit = source ? source->unit : "degC";
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Point& p : points.all)
+      low = std::min(low, channels(p.temperature).minCoeff()), high = std::max(high, channels(p.temperature).maxCoeff());
+    const double noise = std::sqrt(channels(points.thermal_variance).maxCoeff());
+    thermal.excited =
+        high - low > std::max(thermal.unit == "raw" ? 0.0 : 1.0, 30 * noise / std::sqrt(static_cast<double>(points.all.front().samples)));
+    thermal.low = low - 3 * noise, thermal.high = high + 3 * noise;  // where single readings were
+  }
+}
+
+/// Where block means of holds scatter more than independent samples explain, theirs is the noise.
+void compare_blocks(Points& points, const NoiseSums& raw) {
+  points.correlation.setOnes();
+  const double limit = 1 + 3 / std::sqrt(2.0 * (blocks - 1) * std::max(raw.points, 1.0)) + 0.1;
+  for (Index k = 0; k < 6; ++k) {
+    const double excess = raw.sample[k] > 0 ? std::sqrt(raw.block[k] / raw.sample[k]) : 1;
+    if (excess <= limit) continue;
+    points.correlation[k] = excess * excess;
+    points.warnings.push_back(
+        fmt::format("{} {}: means of {} samples scatter {:.2f} times as much as independent samples would; counted in the uncertainties",
+                    k < 3 ? "accel" : "gyro", "xyz"[k % 3], points.all.front().samples / static_cast<std::size_t>(blocks), excess));
+  }
+}
+
+}  // namespace
+
+std::string Point::name(const Session& session) const {
+  std::string what = fmt::format("{} {}", to_string(step.kind), mount_name(mount_of(step)));
+  if (step.kind == StepKind::spin) what += fmt::format(" at {:g} deg/s", step.rate / unit::deg);
+  if (step.temperature) what += fmt::format(", {:g} degC", *step.temperature);
+  return fmt::format("{}, step {} ({})", session.recordings[recording].file, number, what);
+}
+
+Points points_of(std::span<const Recording> recordings, const Session& session) {
+  if (recordings.empty() || recordings.size() != session.recordings.size())
+    throw Error(
+        fmt::format("{}: got {} recordings; expected one for each of the {} declared", session.file, recordings.size(), session.recordings.size()));
+  expect_equal_units(recordings, session);
+  Points points;
+  points.interval_s = recordings.front().interval_s;
+  NoiseSums raw, temperature;
+  for (std::size_t r = 0; r < recordings.size(); ++r) {
+    std::size_t number = 0;
+    for (const Step& step : machine_steps(session, session.recordings[r])) {
+      const Range range = recordings[r].samples_in(step.start, step.end);
+      Point point{r, ++number, step, range.size(), {}, {}, {}, {}};
+      if (const std::string why = obstacle(points, point, recordings[r], range); !why.empty()) {
+        points.warnings.push_back(point.name(session) + ": " + why);
+        continue;
+      }
+      read_samples(point, recordings[r], range, raw, temperature);
+      points.all.push_back(std::move(point));
+    }
+  }
+  if (points.all.empty()) throw Unsupported(session.file + ": no step has samples; expected steps with their times in the clock of their recording");
+  points.thermal_variance = temperature.sample / std::max(temperature.points, 1.0);
+  compare_blocks(points, raw);
+  find_thermal_ranges(points, session);
+  return points;
+}
+
+Place<double> place_of(const Site& site) { return {site.gravity(), site.latitude ? earth_rate_enu(*site.latitude) : Vector3d::Zero()}; }
+
+}  // namespace imulab::whole_unit

@@ -1,0 +1,62 @@
+// The points of whole-unit calibration: each step of a chamber, rate table or centrifuge gives one, the means of its samples.
+#pragma once
+
+#include "imulab/model/compensate.hpp"
+#include "imulab/recording/recording.hpp"
+#include "imulab/recording/session.hpp"
+#include "imulab/rig/machine.hpp"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace imulab::whole_unit {
+
+/// Accelerometers x y z, then gyros x y z.
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+struct Point {
+  std::size_t recording = 0;  ///< index in the session
+  std::size_t number = 0;     ///< of its step in that recording, from 1
+  Step step;
+  std::size_t samples = 0;
+  Vector6d raw;                 ///< means of the readings
+  Vector6d variance;            ///< of one reading, from neighbors' differences
+  Vector6d temperature;         ///< mean thermal readings; the set point where nothing was measured
+  std::optional<double> drift;  ///< K/s (or raw/s) of the first thermal reading, where it is significant
+
+  /// "rate_table.csv, step 12 (spin +z+x at 100 deg/s)"
+  std::string name(const Session& session) const;
+};
+
+/// Thermal readings of a triad over all points, in their unit.
+struct ThermalRange {
+  bool known = false;    ///< is there a reading?
+  bool excited = false;  ///< does it change by more than its noise and a kelvin?
+  std::string unit;
+  double low = 0, high = 0;
+  double size() const { return high - low; }
+};
+
+struct Points {
+  std::vector<Point> all;
+  double interval_s = 0;                ///< of a sample
+  Vector6d thermal_variance;            ///< of one thermal reading
+  Vector6d correlation;                 ///< variance of block means of holds over that of independent samples, where it is larger; else 1
+  std::array<ThermalRange, 2> thermal;  ///< accelerometers, gyros
+  std::vector<std::string> warnings;
+};
+
+/// Saturated points and those without samples are left out with a warning. Throws Error where there is not one recording for each of the session's,
+/// where a recording's rig is not a machine or cannot do its steps, where units or rates differ between recordings, Unsupported where nothing is
+/// left.
+Points points_of(std::span<const Recording> recordings, const Session& session);
+
+/// Gravity and the Earth's rate there; no rate without a latitude.
+Place<double> place_of(const Site& site);
+
+}  // namespace imulab::whole_unit

@@ -1,0 +1,253 @@
+#include "imulab/estimate/whole_unit/problem.hpp"
+
+#include "imulab/core/units.hpp"
+#include "imulab/estimate/kernel/prior.hpp"
+#include "imulab/model/compensation_derivatives.hpp"
+
+#include <Eigen/Cholesky>
+#include <ceres/jet.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace imulab::whole_unit {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using kernel::Role;
+
+namespace {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+
+/// Offsets by the full scale reached, m/s^2 and rad/s. Second and third orders are three to a hundred times what Dai's table 2 has (3e-4 /g and
+/// 6e-5 /g^2; 7.5e-4 /(deg/s) and 1e-7 /(deg/s)^2), as other units may be worse than his.
+kernel::PriorSizes prior_sizes(double force, double rate) {
+  using unit::deg, unit::g;
+  return {.accel = {0.2 * force, 0.2, 0.05, 3e-4 / g, 6e-5 / (g * g), 0.15 * g},
+          .gyro = {0.2 * rate, 0.2, 0.05, 7.5e-4 / deg, 1e-7 / (deg * deg), 15 * deg}};
+}
+
+/// The coefficients that the points can determine.
+std::vector<CoefficientIndex> candidates(const Points& points) {
+  std::vector<CoefficientIndex> indices;
+  for (const CoefficientIndex k : coefficient_indices()) {
+    const Coefficient& c = coefficient(k);
+    if (c.term == Term::lever_arm || (c.term == Term::thermal && !points.thermal[c.triad == Triad::accel ? 0 : 1].known)) continue;
+    indices.push_back(k);
+  }
+  return indices;
+}
+
+void set_priors(Problem& problem) {
+  const auto [force, rate] = problem.full_scale();
+  const kernel::PriorSizes sizes = prior_sizes(std::max(force, problem.session->site.gravity()), std::max(rate, 1 * unit::deg));
+  for (Index i = 0; i < problem.prior_sigma.size(); ++i) {
+    const Coefficient& c = coefficient(problem.coefficients[static_cast<std::size_t>(i)]);
+    const ThermalRange& thermal = problem.points.thermal[c.triad == Triad::accel ? 0 : 1];
+    const TriadModel& triad = c.triad == Triad::accel ? problem.start.accel : problem.start.gyro;
+    const int axis = c.term == Term::matrix ? c.column : c.row;
+    const double sigma =
+        kernel::prior_sigma(sizes, c, std::abs(triad.matrix(axis, axis)), std::max(thermal.size(), thermal.unit == "raw" ? 1e-6 : 10));
+    problem.prior_sigma[i] = sigma;
+    problem.needed_sigma[i] = c.term == Term::thermal && !thermal.excited ? 0 : kernel::needed_sigma(c, sigma);
+  }
+}
+
+bool same_source(const RigErrorSource& a, const RigErrorSource& b) { return a.kind == b.kind && a.axis == b.axis && a.place == b.place; }
+
+/// What part of a turn leaves of horizontal vectors in the means of a spin.
+Matrix6 spin_noise(const Point& point, const RigDeclaration& rig, const Place<double>& place) {
+  Matrix6 noise = Matrix6::Zero();
+  const double kept = horizontal_remainder(point.step);
+  if (!(kept > 0)) return noise;
+  const Vector3d up = mount_attitude(mount_of(point.step)).row(2);
+  const Matrix3d vertical = up * up.transpose(), horizontal = Matrix3d::Identity() - vertical;
+  const double earth = place.rate_ie_n.head<2>().norm(), radius = *std::max_element(point.step.radius.begin(), point.step.radius.end());
+  const double tilted = kept * place.gravity * rig.zero.value * std::sqrt(2.0), coriolis = kept * 2 * point.step.rate * radius * earth;
+  noise.topLeftCorner<3, 3>() = tilted * tilted * horizontal + coriolis * coriolis * vertical;
+  noise.bottomRightCorner<3, 3>() = kept * kept * earth * earth * horizontal;
+  return noise;
+}
+
+}  // namespace
+
+std::string CommonError::name() const {
+  return rig.empty() && source.kind == RigErrorKind::zero ? "gravity" : (rig.empty() ? "" : rig + ": ") + source.name();
+}
+
+Problem::Problem(Points used, const Session& declared, const SensorModel& starting_model, const Vector6d& reading_center)
+    : points(std::move(used)),
+      session(&declared),
+      start(starting_model),
+      model(starting_model),
+      center(reading_center),
+      coefficients(candidates(points)),
+      role(coefficients.size(), Role::estimated),
+      prior_sigma(std::ssize(coefficients)),
+      needed_sigma(std::ssize(coefficients)),
+      place_(place_of(declared.site)) {
+  common.push_back({"", {}, declared.site.gravity_sigma(), 0});  // "gravity"
+  for (const RecordingSource& source : declared.recordings) {
+    const RigDeclaration& rig = *declared.rig_of(source);
+    std::vector<std::size_t>& acting = acting_.emplace_back();
+    for (const RigErrorSource& error : rig_error_sources(declared, source)) {
+      const auto known =
+          std::find_if(common.begin() + 1, common.end(), [&](const CommonError& c) { return c.rig == rig.name && same_source(c.source, error); });
+      acting.push_back(static_cast<std::size_t>(known - common.begin()));
+      if (known == common.end()) common.push_back({rig.name, error, error.sigma, 0});
+    }
+  }
+  update_noise();
+  set_priors(*this);
+}
+
+Vector6d Problem::measured_noise() const {
+  Vector6d variance = Vector6d::Zero();
+  for (const Point& point : points.all) {
+    const Matrix6 slope = compensation_derivatives(model, sample(point)).raw;
+    variance += slope.cwiseAbs2() * point.variance / static_cast<double>(points.all.size());
+  }
+  return variance;
+}
+
+void Problem::update_noise() {
+  noise = measured_noise();
+  if (const auto& density = session->imu.accel_noise_density; density && *density > 0)
+    noise.head<3>().setConstant(*density * *density / points.interval_s);
+  if (const auto& density = session->imu.gyro_noise_density; density && *density > 0)
+    noise.tail<3>().setConstant(*density * *density / points.interval_s);
+  noise = noise.cwiseProduct(points.correlation);
+}
+
+std::array<double, 2> Problem::full_scale() const {
+  std::array<double, 2> full{};
+  for (const Point& point : points.all) {
+    const Motion m = motion(point);
+    full[0] = std::max(full[0], m.force.cwiseAbs().maxCoeff());
+    full[1] = std::max(full[1], m.rate.cwiseAbs().maxCoeff());
+  }
+  return full;
+}
+
+RawSample Problem::sample(const Point& point) const {
+  RawSample raw{point.raw.head<3>() - center.head<3>(), point.raw.tail<3>() - center.tail<3>()};
+  if (model.accel.temperature) raw.accel_tau = point.temperature.head<3>().array() - model.accel.temperature->reference;
+  if (model.gyro.temperature) raw.gyro_tau = point.temperature.tail<3>().array() - model.gyro.temperature->reference;
+  return raw;
+}
+
+Motion Problem::motion(const Point& point, Rows* by_common) const {
+  using T = ceres::Jet<double, 8>;  // gravity, tilt, rate, mount, radius
+  std::array<std::size_t, 8> index{};
+  std::array<T, 8> value;
+  for (int k = 0; k < 8; ++k) value[static_cast<std::size_t>(k)] = T(0, k);
+  value[0].a = common[0].value;
+  const Mount mount = mount_of(point.step);
+  for (const std::size_t i : acting_[point.recording]) {
+    const RigErrorSource& source = common[i].source;
+    std::size_t slot = 0;
+    if (source.kind == RigErrorKind::tilt) slot = 1 + source.axis;
+    if (source.kind == RigErrorKind::rate) slot = 3;
+    if (source.kind == RigErrorKind::mount && source.place == mount) slot = 4 + source.axis;
+    if (source.kind == RigErrorKind::radius && source.place == mount) slot = 7;
+    if (slot == 0) continue;
+    index[slot] = i;
+    value[slot].a = source.known + common[i].value;
+  }
+  MachineErrors<T> errors;
+  errors.tilt << value[1], value[2];
+  errors.rate = value[3];
+  errors.mount << value[4], value[5], value[6];
+  errors.radius = value[7];
+  const SteadyMotion<T> m = steady_motion<T>(point.step, errors, {place_.gravity + value[0], place_.rate_ie_n});
+  Motion motion;
+  if (by_common) *by_common = Rows::Zero(6, std::ssize(common));
+  for (int i = 0; i < 3; ++i) {
+    motion.force[i] = m.force[i].a, motion.rate[i] = m.rate[i].a;
+    for (int k = 0; by_common && k < 8; ++k) {
+      const auto at = static_cast<Index>(index[static_cast<std::size_t>(k)]);
+      if (k > 0 && at == 0) continue;
+      (*by_common)(i, at) = m.force[i].v[k], (*by_common)(3 + i, at) = m.rate[i].v[k];
+    }
+  }
+  return motion;
+}
+
+PointEquations Problem::equations(const Point& point) const {
+  const CompensationDerivatives d = compensation_derivatives(model, sample(point));
+  Rows by_common;
+  const Motion truth = motion(point, &by_common);
+  PointEquations out;
+  out.residual << d.motion.force - truth.force, d.motion.rate - truth.rate;
+
+  const Matrix6 thermal = d.temperature * points.thermal_variance.asDiagonal() * d.temperature.transpose();
+  Matrix6 variance = (thermal + Matrix6(noise.asDiagonal())) / static_cast<double>(point.samples);
+  // A coarsely quantized or dead channel shows none; a part in 1e8 of the full range keeps the weights finite.
+  variance.diagonal() += 1e-16 * (Vector6d() << Vector3d::Constant(place_.gravity * place_.gravity), Vector3d::Ones()).finished();
+  variance += spin_noise(point, *session->rig_of(session->recordings[point.recording]), place_);
+  const Eigen::LLT<Matrix6> factor(noise_factor * noise_factor * variance);
+  out.jacobian.resize(6, size());
+  out.jacobian << d.coefficients(Eigen::all, coefficients), -by_common;
+  factor.matrixL().solveInPlace(out.jacobian);
+  out.white = factor.matrixL().solve(out.residual);
+  return out;
+}
+
+kernel::Information Problem::information(std::size_t part, std::size_t parts) const {
+  kernel::Information sum(size());
+  for (std::size_t p = part; p < points.all.size(); p += parts) {
+    const PointEquations e = equations(points.all[p]);
+    sum.N.selfadjointView<Eigen::Lower>().rankUpdate(e.jacobian.transpose());
+    sum.g += e.jacobian.transpose() * e.white;
+    sum.chi2 += e.white.squaredNorm();
+    sum.rows += 6;
+  }
+  sum.N = sum.N.selfadjointView<Eigen::Lower>();
+  return sum;
+}
+
+kernel::Parameters Problem::parameters(Priors priors) const {
+  kernel::Parameters out(size());
+  for (std::size_t k = 0; k < coefficients.size(); ++k) {
+    const auto i = static_cast<Index>(k);
+    out.offset[i] = coefficient_value(start, coefficients[k]) - coefficient_value(model, coefficients[k]);
+    if (role[k] == Role::estimated && priors != Priors::all) continue;
+    const bool free = role[k] != Role::held && (priors != Priors::offsets || coefficient(coefficients[k]).term == Term::offset);
+    if (free)
+      out.sigma[i] = prior_sigma[i];
+    else
+      out.role[k] = Role::held;
+  }
+  for (std::size_t k = coefficients.size(); const CommonError& error : common) {
+    out.offset[static_cast<Index>(k)] = -error.value;
+    out.sigma[static_cast<Index>(k)] = error.sigma;
+    if (!(error.sigma > 0)) out.role[k] = Role::held;
+    ++k;
+  }
+  return out;
+}
+
+void Problem::correct(const VectorXd& x) {
+  Index i = 0;
+  for (const CoefficientIndex index : coefficients) set_coefficient(model, index, coefficient_value(model, index) + x[i++]);
+  for (CommonError& error : common) error.value += x[i++];
+}
+
+Fit fit(Problem& problem, Priors priors) {
+  constexpr int most_iterations = 20;
+  Fit out;
+  for (int iteration = 0; iteration < most_iterations && !out.converged; ++iteration) {
+    out.data = problem.information();
+    out.solution = kernel::solve(out.data, problem.parameters(priors), "the points");
+    problem.correct(out.solution.x);
+    const VectorXd sigma = out.solution.covariance.diagonal().cwiseSqrt();
+    // Held parameters, whose sigma is zero, arrive at once.
+    out.converged = ((sigma.array() > 0).select(out.solution.x.cwiseAbs() - 0.01 * sigma, 0)).maxCoeff() <= 0;
+  }
+  return out;
+}
+
+}  // namespace imulab::whole_unit

@@ -1,0 +1,93 @@
+// Whole-unit calibration as least squares: at every point the compensated means must equal the motion of the machine (Dai 2011 eqs 5, 7, 10 in
+// one),
+//
+//   e = compensate(theta; raw, temperature) - motion(eta)
+//
+// with theta the coefficients and eta the errors that many points share: g and the machines' errors, each with its declared sigma.
+#pragma once
+
+#include "imulab/estimate/kernel/information.hpp"
+#include "imulab/estimate/whole_unit/points.hpp"
+#include "imulab/model/coefficient.hpp"
+#include "imulab/rig/rig_errors.hpp"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace imulab::whole_unit {
+
+/// An error common to several points: of g, or of a machine.
+struct CommonError {
+  std::string rig;  ///< its name; empty: gravity
+  RigErrorSource source{};
+  double sigma = 0;  ///< as declared; 0: known exactly
+  double value = 0;  ///< estimated, beyond what is declared
+  std::string name() const;
+};
+
+/// One point's residuals and derivatives.
+struct PointEquations {
+  Vector6d residual;                                  ///< e itself: m/s^2, rad/s
+  Vector6d white;                                     ///< divided by the Cholesky factor of its noise
+  Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian;  ///< likewise, by theta and eta
+};
+
+/// Which coefficients have a prior in a fit.
+enum class Priors {
+  offsets,  ///< of the considered ones the offsets alone, as other terms would have to explain them; the others stay at their starting values: left
+            ///< to a prior, a scale that nothing excites would shrink to rid its row of noise. For the estimate.
+  considered,  ///< all the considered ones: for the covariance
+  all,         ///< the estimated ones, too: for a start, and for what the data determine
+};
+
+struct Problem {
+  /// `starting_model`: of readings less `reading_center`.
+  Problem(Points used, const Session& declared, const SensorModel& starting_model, const Vector6d& reading_center);
+
+  Points points;
+  const Session* session;
+  SensorModel start, model;                    ///< of readings less `center`: the prior value, and the present one
+  Vector6d center;                             ///< raw
+  std::vector<CoefficientIndex> coefficients;  ///< theta
+  /// Of theta. Estimated: by the data alone. Considered: the data do not determine it. Held: left out.
+  std::vector<kernel::Role> role;
+  Eigen::VectorXd prior_sigma, needed_sigma;  ///< of theta: before the data; below this they determine it
+  std::vector<CommonError> common;            ///< eta, after theta in every vector of parameters
+  Vector6d noise;                             ///< variance of one sample of force and rate
+  double noise_factor = 1;                    ///< of the standard deviations
+
+  Eigen::Index size() const { return static_cast<Eigen::Index>(coefficients.size() + common.size()); }
+  RigKind kind(const Point& point) const { return session->rig_of(session->recordings[point.recording])->kind; }
+  RawSample sample(const Point& point) const;
+  /// The machine's motion at this point, and its derivative by eta.
+  Motion motion(const Point& point, Eigen::Matrix<double, 6, Eigen::Dynamic>* by_common = nullptr) const;
+  std::array<double, 2> full_scale() const;  ///< the largest force and rate along an axis that the machines made, m/s^2 and rad/s
+  /// Variance of one sample of force and rate within the points, with the slopes of the present model.
+  Vector6d measured_noise() const;
+  /// Sets `noise`: the declared densities, else as measured; larger where the noise is correlated.
+  void update_noise();
+  PointEquations equations(const Point& point) const;
+  /// Of the points p with p % parts == part.
+  kernel::Information information(std::size_t part = 0, std::size_t parts = 1) const;
+  kernel::Parameters parameters(Priors priors = Priors::offsets) const;
+  void correct(const Eigen::VectorXd& x);
+
+ private:
+  std::vector<std::vector<std::size_t>> acting_;  ///< by recording: indices of eta that may act
+  Place<double> place_;
+};
+
+struct Fit {
+  kernel::Information data;  ///< before the last correction
+  kernel::Solution solution;
+  bool converged = false;
+};
+
+/// Gauss-Newton until the correction is below a hundredth of its standard deviation everywhere. Throws Unsupported where the normal equations are
+/// singular.
+Fit fit(Problem& problem, Priors priors = Priors::offsets);
+
+}  // namespace imulab::whole_unit

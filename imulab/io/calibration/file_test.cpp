@@ -1,0 +1,218 @@
+#include "imulab/io/calibration/file.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/random.hpp"
+#include "imulab/model/coefficient.hpp"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include <bit>
+#include <cmath>
+
+namespace imulab {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+/// A calibration with every field filled, numbers of all sizes, and an awkward text.
+Calibration any_calibration() {
+  Calibration c;
+  c.imu = "RLG-90 \"#012\" \u00b0";
+  c.method = "hybrid";
+  c.created = "2026-11-20T12:00:00Z";
+  c.software = "imulab 0.1.0";
+  c.session_file = "session.toml";
+  c.session_sha256 = std::string(64, 'a');
+  c.frame = "rig";
+  const RandomStream random(1, "calibration file");
+  for (const CoefficientIndex i : coefficient_indices()) {
+    const auto k = static_cast<std::uint64_t>(i);
+    set_coefficient(c.model, i, random.normal(2 * k) * std::pow(10.0, 20 * random.normal(2 * k + 1)));
+  }
+  c.model.accel.raw_unit = "count";
+  c.model.accel.temperature = ThermalReading{"degC", 25.1, {0.3, 70.7}};
+  c.model.gyro.temperature = ThermalReading{"raw", 5012.3, {4990.1, 5030.9}};
+  c.estimated = {coefficient_index("gyro.matrix.xy"), coefficient_index("accel.offset.x"), coefficient_index("accel.thermal.z2")};
+  Eigen::Matrix3d l;
+  l << 1e-7, 0, 0, 3e-4, 1.0 / 3, 0, -2e-9, 1e-9, 7e-9;
+  c.covariance = l * l.transpose();
+  c.quality = {1.02,
+               123,
+               812.7,
+               {"accel.matrix.xy"},
+               {"a warning"},
+               "good",
+               0.071,
+               {{"gyro.g_sensitivity", 103.5, 9, 1e-18, true, 1.02, 17.7}},
+               {{"gyro.x", 1e-5, 3e-5, 6.98}},
+               {{"centrifuge: radius.+z+x", 1e-4, -2.5e-5, 3e-6}},
+               {{"gravity", 3e-5, "scales accel.matrix"}},
+               {"24 rests"}};
+  return c;
+}
+
+void expect_equal(const Calibration& a, const Calibration& b) {
+  EXPECT_EQ(std::tie(a.imu, a.method, a.created, a.software, a.session_file, a.session_sha256, a.frame),
+            std::tie(b.imu, b.method, b.created, b.software, b.session_file, b.session_sha256, b.frame));
+  for (const CoefficientIndex i : coefficient_indices())
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(coefficient_value(a.model, i)), std::bit_cast<std::uint64_t>(coefficient_value(b.model, i))) << i;
+  EXPECT_EQ(a.model.accel.raw_unit, b.model.accel.raw_unit);
+  EXPECT_EQ(a.model.gyro.raw_unit, b.model.gyro.raw_unit);
+  EXPECT_EQ(a.model.accel.temperature, b.model.accel.temperature);
+  EXPECT_EQ(a.model.gyro.temperature, b.model.gyro.temperature);
+  EXPECT_EQ(a.estimated, b.estimated);
+  EXPECT_EQ(a.covariance, b.covariance);
+  const Quality &p = a.quality, &q = b.quality;
+  EXPECT_EQ(std::tie(p.chi2_per_dof, p.degrees_of_freedom, p.condition, p.unobservable, p.warnings, p.verdict, p.rotation_residual_deg, p.notes),
+            std::tie(q.chi2_per_dof, q.degrees_of_freedom, q.condition, q.unobservable, q.warnings, q.verdict, q.rotation_residual_deg, q.notes));
+  ASSERT_EQ(p.term_tests.size(), q.term_tests.size());
+  for (std::size_t i = 0; i < p.term_tests.size(); ++i) {
+    const TermTest &s = p.term_tests[i], &t = q.term_tests[i];
+    EXPECT_EQ(std::tie(s.term, s.statistic, s.degrees_of_freedom, s.p_value, s.kept, s.cross_validation_with, s.cross_validation_without),
+              std::tie(t.term, t.statistic, t.degrees_of_freedom, t.p_value, t.kept, t.cross_validation_with, t.cross_validation_without));
+  }
+  ASSERT_EQ(p.fit_residuals.size(), q.fit_residuals.size());
+  for (std::size_t i = 0; i < p.fit_residuals.size(); ++i)
+    EXPECT_EQ(std::tie(p.fit_residuals[i].axis, p.fit_residuals[i].rms, p.fit_residuals[i].largest, p.fit_residuals[i].full_scale),
+              std::tie(q.fit_residuals[i].axis, q.fit_residuals[i].rms, q.fit_residuals[i].largest, q.fit_residuals[i].full_scale));
+  ASSERT_EQ(p.rig_errors.size(), q.rig_errors.size());
+  for (std::size_t i = 0; i < p.rig_errors.size(); ++i)
+    EXPECT_EQ(std::tie(p.rig_errors[i].name, p.rig_errors[i].declared_sigma, p.rig_errors[i].value, p.rig_errors[i].uncertainty),
+              std::tie(q.rig_errors[i].name, q.rig_errors[i].declared_sigma, q.rig_errors[i].value, q.rig_errors[i].uncertainty));
+  ASSERT_EQ(p.sources.size(), q.sources.size());
+  for (std::size_t i = 0; i < p.sources.size(); ++i)
+    EXPECT_EQ(std::tie(p.sources[i].name, p.sources[i].relative, p.sources[i].consequence),
+              std::tie(q.sources[i].name, q.sources[i].relative, q.sources[i].consequence));
+}
+
+TEST(CalibrationFile, ReadsBackBitForBit) {
+  const Calibration c = any_calibration();
+  const std::string text = calibration_text(c);
+  const Calibration back = parse_calibration(text, "calibration.json");
+  expect_equal(back, c);
+  EXPECT_EQ(calibration_text(back), text);
+}
+
+TEST(CalibrationFile, OfADefaultCalibrationReadsBack) { expect_equal(parse_calibration(calibration_text({}), "calibration.json"), {}); }
+
+TEST(CalibrationFile, HasTheShapeOfTheFormat) {
+  const Json json = Json::parse(calibration_text(any_calibration()));
+  EXPECT_EQ(json["format"], "imulab.calibration/1");
+  EXPECT_EQ(json["model"]["accel"]["matrix"][1].size(), 3u);
+  EXPECT_EQ(json["model"]["gyro"]["g_sensitivity"][2].size(), 3u);
+  EXPECT_EQ(json["model"]["accel"]["thermal"][0][0], 0.0);
+  EXPECT_EQ(json["model"]["accel"]["temperature"]["range"][1], 70.7);
+  EXPECT_EQ(json["covariance"]["coefficients"][0], "gyro.matrix.xy");
+  EXPECT_EQ(json["standard_uncertainty"]["gyro"]["matrix"][0][1], std::sqrt(json["covariance"]["matrix"][0][0].get<double>()));
+  EXPECT_TRUE(json["standard_uncertainty"]["gyro"]["matrix"][0][0].is_null());
+  EXPECT_TRUE(json["standard_uncertainty"]["gyro"]["thermal"][0][0].is_null());
+  EXPECT_EQ(json["model"]["accel"]["raw"], "count");
+  EXPECT_EQ(json["model"]["accel"].size(), 8u);
+  EXPECT_EQ(json["model"]["gyro"].size(), 7u) << "a raw unit that is not known is left out";
+}
+
+TEST(CalibrationFile, KeysBeyondTheFormatAreLeftAlone) {
+  Json json = Json::parse(calibration_text({}));
+  json["rig"] = {{"angle_error", {1, 2, 3}}};
+  EXPECT_NO_THROW(parse_calibration(json.dump(), "truth.json"));
+}
+
+TEST(CalibrationFile, NumbersThatAreNotFiniteAreNotWritten) {
+  Calibration c;
+  c.model.accel.offset.x() = std::nan("");
+  EXPECT_THROW(calibration_text(c), Error);
+}
+
+TEST(CalibrationFile, QualityMayHoldAConditionWithoutBound) {
+  Calibration c;
+  c.quality.condition = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(std::isnan(parse_calibration(calibration_text(c), "calibration.json").quality.condition));
+}
+
+TEST(CalibrationFile, TextThatIsNotJsonNamesTheLine) {
+  try {
+    parse_calibration("{\n  \"format\": \"imulab.calibration/1\",\n  oops\n}", "calibration.json");
+    ADD_FAILURE() << "accepted";
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), StartsWith("calibration.json:3: not JSON"));
+  }
+  EXPECT_THROW(parse_calibration("", "calibration.json"), Error);
+  EXPECT_THROW(parse_calibration("[1, 2]", "calibration.json"), Error);
+  EXPECT_THROW(parse_calibration("{\"format\": 1e999}", "calibration.json"), Error);
+}
+
+struct Damage {
+  const char* pointer;  ///< JSON pointer of what is replaced; removed where `value` is empty
+  const char* value;
+  const char* message;
+};
+
+TEST(CalibrationFile, DamageIsRefusedByNameAndPlace) {
+  const Damage cases[] = {
+      {"/format", "\"imulab.calibration/2\"",
+       "calibration.json: format: imulab.calibration/2 is a newer format; this program reads imulab.calibration/1"},
+      {"/format", "\"imulab.session/1\"", "calibration.json: format: expected \"imulab.calibration/1\", found \"imulab.session/1\""},
+      {"/format", "", "calibration.json: format: is missing"},
+      {"/frame", "\"body\"", "calibration.json: frame: expected \"accelerometers\" or \"rig\", found \"body\""},
+      {"/model", "", "calibration.json: model: is missing"},
+      {"/model", "3", "calibration.json: model: expected an object, found 3"},
+      {"/model/gyro/g_sensitivity", "", "calibration.json: model.gyro.g_sensitivity: is missing"},
+      {"/model/accel/matrix/1", "[1, 2]", "calibration.json: model.accel.matrix[1]: expected 3 numbers"},
+      {"/model/accel/matrix", "[1, 2, 3]", "calibration.json: model.accel.matrix[0]: expected 3 numbers"},
+      {"/model/accel/matrix", "[[1, 2, 3]]", "calibration.json: model.accel.matrix: expected 3 rows of 3 numbers"},
+      {"/model/accel/offset", "0", "calibration.json: model.accel.offset: expected 3 numbers"},
+      {"/model/accel/offset/2", "\"0\"", "calibration.json: model.accel.offset[2]: expected a number, found \"0\""},
+      {"/model/gyro/cubic/0", "null", "calibration.json: model.gyro.cubic[0]: expected a number, found null"},
+      {"/model/gyro/thermal/1/0", "0.5", "calibration.json: model.gyro.thermal[1][0]: expected 0: the constant"},
+      {"/model/gyro/temperature", "null", "calibration.json: model.gyro.temperature: expected a reading"},
+      {"/model/gyro/temperature/unit", "\"F\"", "calibration.json: model.gyro.temperature.unit: expected degC, K or raw, found \"F\""},
+      {"/model/gyro/temperature/range", "[70, 0]", "calibration.json: model.gyro.temperature.range: expected [lowest, highest]"},
+      {"/covariance", "", "calibration.json: covariance: is missing"},
+      {"/covariance/coefficients/1", "\"accel.ofset.x\"", "calibration.json: covariance.coefficients[1]: unknown coefficient \"accel.ofset.x\""},
+      {"/covariance/coefficients/1", "\"gyro.matrix.xy\"", "calibration.json: covariance.coefficients[1]: gyro.matrix.xy is listed twice"},
+      {"/covariance/matrix", "[[1, 0], [0, 1]]", "calibration.json: covariance.matrix: expected 3 rows"},
+      {"/covariance/matrix/2", "[1, 0]", "calibration.json: covariance.matrix[2]: expected 3 numbers"},
+      {"/covariance/matrix/0/0", "-1", "calibration.json: covariance.matrix[0][0]: expected a variance, which is not negative, found -1"},
+      {"/covariance/matrix/1/0", "0", "calibration.json: covariance.matrix[1][0]: expected"},
+      {"/covariance/matrix/1/0", "true", "calibration.json: covariance.matrix[1][0]: expected a number, found true"},
+      {"/standard_uncertainty/gyro/matrix/0/1", "1", "calibration.json: standard_uncertainty.gyro.matrix[0][1]: expected"},
+      {"/standard_uncertainty/gyro/matrix/0/1", "null", "calibration.json: standard_uncertainty.gyro.matrix[0][1]: expected a number, found null"},
+      {"/standard_uncertainty/gyro/matrix/0/0", "1", "calibration.json: standard_uncertainty.gyro.matrix[0][0]: expected null"},
+      {"/quality/verdict", "1", "calibration.json: quality.verdict: expected a text, found 1"},
+      {"/quality/unobservable", "{}", "calibration.json: quality.unobservable: expected a list, found {}"},
+      {"/quality/term_tests/0/kept", "1", "calibration.json: quality.term_tests[0].kept: expected true or false, found 1"},
+  };
+  for (const Damage& damage : cases) {
+    Json json = Json::parse(calibration_text(any_calibration()));
+    const Json::json_pointer pointer(damage.pointer);
+    if (*damage.value) {
+      json[pointer] = Json::parse(damage.value);
+    } else {
+      json[pointer.parent_pointer()].erase(pointer.back());
+    }
+    try {
+      parse_calibration(json.dump(), "calibration.json");
+      ADD_FAILURE() << "accepted " << damage.pointer << " = " << damage.value;
+    } catch (const Error& e) {
+      EXPECT_THAT(e.what(), StartsWith(damage.message)) << damage.pointer << " = " << damage.value;
+    }
+  }
+}
+
+TEST(CalibrationFile, ACovarianceItsVariancesDoNotAllowIsRefused) {
+  Json json = Json::parse(calibration_text(any_calibration()));
+  const double largest = std::sqrt(json["covariance"]["matrix"][0][0].get<double>() * json["covariance"]["matrix"][1][1].get<double>());
+  json["covariance"]["matrix"][0][1] = json["covariance"]["matrix"][1][0] = 1.01 * largest;
+  try {
+    parse_calibration(json.dump(), "calibration.json");
+    ADD_FAILURE() << "accepted";
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), HasSubstr("a covariance that its two variances allow"));
+  }
+}
+
+}  // namespace
+}  // namespace imulab

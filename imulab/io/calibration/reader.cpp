@@ -1,0 +1,260 @@
+#include "imulab/core/error.hpp"
+#include "imulab/io/calibration/file.hpp"
+#include "imulab/io/text/file.hpp"
+#include "imulab/model/coefficient.hpp"
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <iterator>
+#include <limits>
+
+namespace imulab {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view format_family = "imulab.calibration/", format_name = "imulab.calibration/1";
+
+// ---- reading
+
+/// A value in a JSON file and the path that leads to it, which every message names.
+class Field {
+ public:
+  Field(const Json& value, std::string file, std::string path) : value_(value), file_(std::move(file)), path_(std::move(path)) {}
+
+  [[noreturn]] void fail(const std::string& text) const { throw Error(file_ + ": " + (path_.empty() ? "" : path_ + ": ") + text); }
+  [[noreturn]] void expected(const std::string& what) const {
+    std::string found = value_.dump();
+    if (found.size() > 40) found = found.substr(0, 37) + "...";
+    fail("expected " + what + ", found " + found);
+  }
+
+  bool is_null() const { return value_.is_null(); }
+  bool has(std::string_view key) const { return value_.is_object() && value_.contains(key); }
+  Field operator[](std::string_view key) const {
+    if (!value_.is_object()) expected("an object");
+    const Field field(value_.contains(key) ? value_.at(std::string(key)) : value_, file_, path_ + (path_.empty() ? "" : ".") + std::string(key));
+    if (!value_.contains(key)) field.fail("is missing");
+    return field;
+  }
+  std::size_t size() const {
+    if (!value_.is_array()) expected("a list");
+    return value_.size();
+  }
+  /// Element i of a list of `count` things.
+  Field item(std::size_t i, std::size_t count, const char* things) const {
+    if (!value_.is_array() || value_.size() != count) fail(fmt::format("expected {} {}", count, things));
+    return {value_[i], file_, fmt::format("{}[{}]", path_, i)};
+  }
+
+  double number() const {
+    if (!value_.is_number()) expected("a number");
+    return value_.get<double>();
+  }
+  double number_or_nan() const { return is_null() ? std::numeric_limits<double>::quiet_NaN() : number(); }
+  int whole_number() const {
+    if (!value_.is_number_integer()) expected("a whole number");
+    return value_.get<int>();
+  }
+  bool truth() const {
+    if (!value_.is_boolean()) expected("true or false");
+    return value_.get<bool>();
+  }
+  std::string text() const {
+    if (!value_.is_string()) expected("a text");
+    return value_.get<std::string>();
+  }
+  std::string text_or_empty(std::string_view key) const { return has(key) ? (*this)[key].text() : ""; }
+  template <class Read>
+  auto list(Read read) const {
+    std::vector<decltype(read(*this))> out;
+    for (std::size_t i = 0, n = size(); i < n; ++i) out.push_back(read(item(i, n, "elements")));
+    return out;
+  }
+  std::vector<std::string> texts() const {
+    return list([](const Field& f) { return f.text(); });
+  }
+
+ private:
+  const Json& value_;
+  std::string file_, path_;
+};
+
+/// Where a coefficient sits in `model` and in `standard_uncertainty`.
+Field element(const Field& shaped, Triad triad, Term term, int row, int column) {
+  const auto i = static_cast<std::size_t>(row), j = static_cast<std::size_t>(column);
+  const Field field = shaped[to_string(triad)][to_string(term)];
+  return is_vector(term) ? field.item(i, 3, "numbers") : field.item(i, 3, "rows of 3 numbers").item(j, 3, "numbers");
+}
+
+std::optional<ThermalReading> read_temperature(const Field& triad, const Matrix3d& thermal) {
+  const Field field = triad["temperature"];
+  if (field.is_null()) {
+    if (!thermal.isZero(0)) field.fail("expected a reading with its reference, because the thermal terms are not zero");
+    return std::nullopt;
+  }
+  ThermalReading out;
+  out.unit = field["unit"].text();
+  if (out.unit != "degC" && out.unit != "K" && out.unit != "raw") field["unit"].expected("degC, K or raw");
+  out.reference = field["reference"].number();
+  for (std::size_t i = 0; i < 2; ++i) out.range[i] = field["range"].item(i, 2, "numbers").number();
+  if (out.range[0] > out.range[1]) field["range"].expected("[lowest, highest]");
+  return out;
+}
+
+SensorModel read_model(const Field& field) {
+  SensorModel model;
+  for (const CoefficientIndex i : coefficient_indices()) {
+    const Coefficient& c = coefficient(i);
+    set_coefficient(model, i, element(field, c.triad, c.term, c.row, c.column).number());
+  }
+  for (const Triad triad : {Triad::accel, Triad::gyro}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const Field constant = element(field, triad, Term::thermal, axis, 0);
+      if (constant.number() != 0) constant.expected("0: the constant of the thermal polynomial is zero by definition (it belongs in the offset)");
+    }
+    TriadModel& m = triad == Triad::accel ? model.accel : model.gyro;
+    m.raw_unit = field[to_string(triad)].text_or_empty("raw");
+    m.temperature = read_temperature(field[to_string(triad)], m.thermal);
+  }
+  return model;
+}
+
+std::vector<CoefficientIndex> read_estimated(const Field& names) {
+  std::vector<CoefficientIndex> out;
+  for (std::size_t i = 0, n = names.size(); i < n; ++i) {
+    const Field name = names.item(i, n, "names");
+    CoefficientIndex index;
+    try {
+      index = coefficient_index(name.text());
+    } catch (const Error& e) {
+      name.fail(e.what());
+    }
+    if (std::find(out.begin(), out.end(), index) != out.end()) name.fail(name.text() + " is listed twice");
+    out.push_back(index);
+  }
+  return out;
+}
+
+Eigen::MatrixXd read_covariance(const Field& field, std::size_t n) {
+  const auto at = [&](std::size_t i, std::size_t j) { return field.item(i, n, "rows, one a coefficient").item(j, n, "numbers, one a coefficient"); };
+  if (field.size() != n) field.fail(fmt::format("expected {} rows, one a coefficient", n));
+  const auto size = static_cast<Eigen::Index>(n);
+  Eigen::MatrixXd p(size, size);
+  for (Eigen::Index i = 0; i < size; ++i)
+    for (Eigen::Index j = 0; j < size; ++j) p(i, j) = at(static_cast<std::size_t>(i), static_cast<std::size_t>(j)).number();
+  for (Eigen::Index i = 0; i < size; ++i)
+    if (p(i, i) < 0) at(static_cast<std::size_t>(i), static_cast<std::size_t>(i)).expected("a variance, which is not negative");
+  for (Eigen::Index i = 0; i < size; ++i)
+    for (Eigen::Index j = 0; j < i; ++j) {
+      const double scale = std::sqrt(p(i, i) * p(j, j));
+      const Field element = at(static_cast<std::size_t>(i), static_cast<std::size_t>(j));
+      // A billionth of the scale is far above the rounding of any program that computed the matrix.
+      if (std::abs(p(i, j) - p(j, i)) > 1e-9 * scale) element.expected(fmt::format("{}, as on the other side of the diagonal", p(j, i)));
+      if (std::abs(p(i, j)) > (1 + 1e-9) * scale) element.expected("a covariance that its two variances allow");
+    }
+  return p;
+}
+
+/// The stated uncertainties repeat the covariance's diagonal for readers; a file edited in one place only is refused.
+void check_uncertainties(const Field& field, const Calibration& calibration) {
+  for (const CoefficientIndex i : coefficient_indices()) {
+    const Coefficient& c = coefficient(i);
+    const Field stated = element(field, c.triad, c.term, c.row, c.column);
+    const auto computed = standard_uncertainty(calibration, i);
+    if (!computed && !stated.is_null()) stated.expected("null: the covariance does not hold " + std::string(c.name));
+    if (computed && !(std::abs(stated.number() - *computed) <= 1e-6 * *computed))
+      stated.expected(fmt::format("{}, from the covariance of {}", *computed, c.name));
+  }
+}
+
+Quality read_quality(const Field& field) {
+  Quality q;
+  q.chi2_per_dof = field["chi2_per_dof"].number_or_nan();
+  q.condition = field["condition"].number_or_nan();
+  q.unobservable = field["unobservable"].texts();
+  q.warnings = field["warnings"].texts();
+  q.verdict = field["verdict"].text();
+  if (field.has("degrees_of_freedom")) q.degrees_of_freedom = field["degrees_of_freedom"].whole_number();
+  if (field.has("rotation_residual_deg") && !field["rotation_residual_deg"].is_null())
+    q.rotation_residual_deg = field["rotation_residual_deg"].number();
+  if (field.has("term_tests"))
+    q.term_tests = field["term_tests"].list([](const Field& f) {
+      const auto validation = [&](const char* key) { return f.has(key) && !f[key].is_null() ? f[key].number() : 0.0; };
+      return TermTest{f["term"].text(),  f["statistic"].number_or_nan(),      f["degrees_of_freedom"].whole_number(), f["p_value"].number_or_nan(),
+                      f["kept"].truth(), validation("cross_validation_with"), validation("cross_validation_without")};
+    });
+  if (field.has("fit_residuals"))
+    q.fit_residuals = field["fit_residuals"].list([](const Field& f) {
+      return FitResidual{f["axis"].text(), f["rms"].number_or_nan(), f["largest"].number_or_nan(), f["full_scale"].number_or_nan()};
+    });
+  if (field.has("rig_errors"))
+    q.rig_errors = field["rig_errors"].list([](const Field& f) {
+      return RigErrorEstimate{f["name"].text(), f["declared_sigma"].number_or_nan(), f["value"].number_or_nan(),
+                              f["standard_uncertainty"].number_or_nan()};
+    });
+  if (field.has("sources"))
+    q.sources = field["sources"].list([](const Field& f) {
+      return UncertaintySource{f["name"].text(), f["relative"].number_or_nan(), f["consequence"].text()};
+    });
+  if (field.has("notes")) q.notes = field["notes"].texts();
+  return q;
+}
+
+void check_format(const Field& root) {
+  if (!root.has("format")) root.fail(fmt::format("format: is missing; expected \"{}\"", format_name));
+  const std::string format = root["format"].text();
+  if (format == format_name) return;
+  if (format.starts_with(format_family)) root["format"].fail(fmt::format("{} is a newer format; this program reads {}", format, format_name));
+  root["format"].expected(fmt::format("\"{}\"", format_name));
+}
+
+Json parse_json(std::string_view text, const std::string& file) {
+  try {
+    return Json::parse(text);
+  } catch (const Json::parse_error& e) {
+    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(e.byte, text.size())), '\n');
+    throw Error(fmt::format("{}:{}: not JSON; expected a calibration: {}", file, line,
+                            std::string_view(e.what()).substr(std::string_view(e.what()).find("] ") + 2)));
+  } catch (const Json::exception& e) {
+    throw Error(fmt::format("{}: not a calibration: {}", file, e.what()));
+  }
+}
+
+}  // namespace
+
+Calibration parse_calibration(std::string_view text, const std::string& file) {
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) throw Error(file + ": is empty; expected a calibration");
+  const Json json = parse_json(text, file);
+  const Field root(json, file, "");
+  check_format(root);
+  Calibration c;
+  c.imu = root.text_or_empty("imu");
+  c.method = root.text_or_empty("method");
+  c.created = root.text_or_empty("created");
+  c.software = root.text_or_empty("software");
+  if (root.has("session")) {
+    c.session_file = root["session"].text_or_empty("file");
+    c.session_sha256 = root["session"].text_or_empty("sha256");
+  }
+  c.frame = root["frame"].text();
+  if (c.frame != "accelerometers" && c.frame != "rig") root["frame"].expected("\"accelerometers\" or \"rig\"");
+  c.model = read_model(root["model"]);
+  c.estimated = read_estimated(root["covariance"]["coefficients"]);
+  c.covariance = read_covariance(root["covariance"]["matrix"], c.estimated.size());
+  if (root.has("standard_uncertainty")) check_uncertainties(root["standard_uncertainty"], c);
+  if (root.has("quality")) c.quality = read_quality(root["quality"]);
+  return c;
+}
+
+Calibration read_calibration(const std::filesystem::path& path) {
+  if (path == "-") return parse_calibration(std::string(std::istreambuf_iterator<char>(std::cin), {}), "standard input");
+  return parse_calibration(MappedFile(path).text(), path.string());
+}
+
+}  // namespace imulab

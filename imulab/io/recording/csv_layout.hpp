@@ -1,0 +1,39 @@
+// How a text table is laid out: its delimiter, its header, where its rows begin.
+#pragma once
+
+#include "imulab/recording/session.hpp"
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace imulab::recording_io {
+
+struct TableLayout {
+  std::string file;
+  char delimiter = ' ';  ///< ',' ';' '\t', or ' ' for runs of blanks
+  std::size_t columns = 0;
+  std::vector<std::string> names;  ///< of the header; empty without one
+  std::size_t offset = 0;          ///< where the first row begins
+  std::size_t line = 1;            ///< its line
+
+  bool is_blank(char c) const { return c == ' ' || c == '\r' || (c == '\t' && delimiter != '\t'); }
+  /// "gx" or "column 3", for messages.
+  std::string column_name(std::size_t index) const;
+  /// Index of a column. Throws Error that lists the columns there are.
+  std::size_t find(const Column& column) const;
+};
+
+/// Finds the layout in the text. `named`: columns are asked by name, so that a header is needed.
+TableLayout table_layout(const std::string& file, std::string_view text, bool named);
+/// The same of the beginning of a text: nothing where it ends before the first row.
+std::optional<TableLayout> find_layout(const std::string& file, std::string_view text, bool named);
+/// Whether any of the columns is asked for by its name.
+bool names_a_column(const TimeSource& time, const std::vector<Column>& columns);
+
+/// The fields of one line, without the blanks around them.
+std::vector<std::string_view> fields_of(std::string_view line, const TableLayout& layout);
+
+}  // namespace imulab::recording_io

@@ -1,0 +1,49 @@
+// Rows of a text table, one after the other: the same for a mapped file and for a stream.
+#pragma once
+
+#include "imulab/io/recording/csv_layout.hpp"
+#include "imulab/recording/session.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace imulab::recording_io {
+
+struct Row {
+  std::int64_t time_ns = 0;  ///< less the zero
+  std::vector<double> values;
+};
+
+/// What the fields of a row are for.
+struct RowPlan {
+  TableLayout layout;
+  std::vector<int> fields;
+  int exponent = 9;
+  std::int64_t zero_ns = 0;
+};
+
+class RowReader {
+ public:
+  /// `columns` are what is read beside the time; one may be asked for twice, and is then read once. Throws Error for a column that is not there.
+  RowReader(TableLayout layout, const TimeSource& time, const std::vector<Column>& columns);
+
+  /// Reads the next row, taking it and what stands before it off the front of `text`, which holds whole lines; false where there is none.
+  /// Comments, empty lines and rows equal to the one before are passed over. Throws Error with file, line and column for what is no such row.
+  bool next(std::string_view& text);
+  const Row& row() const { return row_; }
+  std::size_t line() const { return line_; }          ///< of row()
+  std::size_t repeated() const { return repeated_; }  ///< rows passed over because they equal the one before
+  /// For each column asked for, its place in row().values.
+  const std::vector<std::size_t>& places() const { return places_; }
+
+ private:
+  RowPlan plan_;
+  std::vector<std::size_t> places_;
+  Row row_, next_;
+  bool any_ = false;
+  std::size_t line_ = 0, next_line_ = 1, repeated_ = 0;
+};
+
+}  // namespace imulab::recording_io

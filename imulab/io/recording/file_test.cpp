@@ -1,0 +1,278 @@
+#include "imulab/io/recording/file.hpp"
+
+#include "imulab/core/random.hpp"
+#include "imulab/core/units.hpp"
+
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "tests/temporary_folder.hpp"
+#include <bit>
+#include <string>
+
+namespace imulab {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// What write_recording writes, in counts.
+RecordingSource plain_source() {
+  RecordingSource source;
+  source.file = "r.csv";
+  source.time.column = "t";
+  source.gyro.columns = {"gx", "gy", "gz"};
+  source.accel.columns = {"ax", "ay", "az"};
+  return source;
+}
+
+RecordingReading parse(const std::string& text, const RecordingSource& source = plain_source(), const std::string& other = "") {
+  const TemporaryFolder folder;
+  Session session;
+  session.file = (folder / "session.toml").string();
+  folder.write("r.csv", text);
+  if (!other.empty()) folder.write("a.csv", other);
+  return read_recording(session, source);
+}
+
+const std::string header = "t,gx,gy,gz,ax,ay,az\n";
+const std::string two_rows = "0.01,1,2,3,4,5,6\n0.02,7,8,9,10,11,12\n";
+
+/// Rows `t,1,...,6` at the given times.
+std::string rows_at(const std::vector<std::string>& times) {
+  std::string text = header;
+  for (const std::string& t : times) text += t + ",1,2,3,4,5,6\n";
+  return text;
+}
+
+TEST(RecordingFile, ReadsAnyLayoutAlike) {
+  const auto replaced = [](std::string text, char from, const std::string& to) {
+    std::string result;
+    for (const char c : text) result += c == from ? to : std::string(1, c);
+    return result;
+  };
+  const std::string csv = header + two_rows;
+  const struct {
+    const char* layout;
+    std::string text;
+  } cases[] = {
+      {"comma", csv},
+      {"semicolon", replaced(csv, ',', ";")},
+      {"tab", replaced(csv, ',', "\t")},
+      {"blanks", replaced(csv, ',', "  ")},
+      {"leading and trailing blanks", "   " + replaced(replaced(csv, ',', " "), '\n', " \n  ")},
+      {"blanks around commas", replaced(csv, ',', " , ")},
+      {"CRLF", replaced(csv, '\n', "\r\n")},
+      {"no final newline", csv.substr(0, csv.size() - 1)},
+      {"byte order mark", "\xEF\xBB\xBF" + csv},
+      {"comments and empty lines", "# one\n\n" + header + "# two\n0.01,1,2,3,4,5,6\n \n  # three\n0.02,7,8,9,10,11,12\n#four"},
+      {"header in a comment", "# made by a logger\n#" + csv},
+      {"quoted header", "\"t\",\"gx\",\"gy\",\"gz\",\"ax\",\"ay\",\"az\"\n" + two_rows},
+      {"other columns, other order", "name,az,ay,ax,gz,gy,gx,t\nfirst,6,5,4,3,2,1,.01\n,12,11,10,9,8,7,2e-2\n"},
+      {"signs and exponents", header + "+0.01,+1,2.0,3e0,4.,0.5e1,60e-1\n0.02,7,8,9,10,11,12\n"},
+  };
+  for (const auto& c : cases) {
+    const auto [r, warnings] = parse(c.text);
+    EXPECT_THAT(r.time_ns, ElementsAre(10'000'000, 20'000'000)) << c.layout;
+    EXPECT_THAT(r.gyro, ElementsAre(ElementsAre(1, 7), ElementsAre(2, 8), ElementsAre(3, 9))) << c.layout;
+    EXPECT_THAT(r.accel, ElementsAre(ElementsAre(4, 10), ElementsAre(5, 11), ElementsAre(6, 12))) << c.layout;
+    EXPECT_THAT(warnings, IsEmpty()) << c.layout;
+    EXPECT_DOUBLE_EQ(r.interval_s, 0.01) << c.layout;
+  }
+}
+
+TEST(RecordingFile, FindsColumnsByNumberWithAndWithoutHeader) {
+  RecordingSource source = plain_source();
+  source.time.column = 1;
+  source.gyro.columns = {2, 3, 4};
+  source.accel.columns = {5, 6, 7};
+  EXPECT_EQ(parse(two_rows, source).recording.gyro, parse(header + two_rows, source).recording.gyro);
+  EXPECT_EQ(parse(two_rows, source).recording.size(), 2U);
+}
+
+TEST(RecordingFile, ConvertsToSi) {
+  RecordingSource source = plain_source();
+  source.rate_hz = 100;
+  const struct {
+    std::string gyro_unit, accel_unit;
+    Output output;
+    double gyro, accel;  // what 1 becomes
+  } cases[] = {
+      {"count", "count", Output::rate, 1, 1},
+      {"rad/s", "m/s^2", Output::rate, 1, 1},
+      {"deg/s", "g", Output::rate, unit::deg, unit::g},
+      {"deg/h", "g", Output::rate, unit::deg / 3600, 9.80665},
+      {"count", "count", Output::increment, 100, 100},
+      {"rad", "m/s", Output::increment, 100, 100},
+      {"deg", "m/s", Output::increment, 100 * unit::deg, 100},
+  };
+  for (const auto& c : cases) {
+    source.gyro.unit = c.gyro_unit, source.accel.unit = c.accel_unit;
+    source.gyro.output = source.accel.output = c.output;
+    const Recording r = parse(header + "0.01,1,1,1,1,1,1\n0.0201,1,1,1,1,1,1\n", source).recording;
+    for (std::size_t i = 0; i < 2; ++i) {  // also where the stamp jitters: the nominal interval divides
+      EXPECT_DOUBLE_EQ(r.gyro[2][i], c.gyro) << c.gyro_unit;
+      EXPECT_DOUBLE_EQ(r.accel[0][i], c.accel) << c.accel_unit;
+    }
+    EXPECT_EQ(r.gyro_unit, c.gyro_unit == "count" ? "count" : "rad/s");
+    EXPECT_EQ(r.accel_unit, c.accel_unit == "count" ? "count" : "m/s^2");
+    EXPECT_EQ(r.gyro_increment, c.output == Output::increment);
+  }
+}
+
+TEST(RecordingFile, KeepsThermalReadings) {
+  RecordingSource source = plain_source();
+  source.gyro_temperature.emplace().columns = {"tg"};
+  source.gyro_temperature->unit = "K";
+  source.accel_temperature.emplace().columns = {"tg", "t2", "t3"};
+  source.accel_temperature->unit = "raw";
+  const Recording r = parse("t,gx,gy,gz,ax,ay,az,tg,t2,t3\n0,1,2,3,4,5,6,300.5,5001,5002\n1,1,2,3,4,5,6,301.5,5003,5004\n", source).recording;
+  EXPECT_THAT(r.gyro_temperature, ElementsAre(ElementsAre(300.5, 301.5), ElementsAre(300.5, 301.5), ElementsAre(300.5, 301.5)));
+  EXPECT_THAT(r.accel_temperature, ElementsAre(ElementsAre(300.5, 301.5), ElementsAre(5001, 5003), ElementsAre(5002, 5004)));
+}
+
+TEST(RecordingFile, KeepsEveryNanosecondOfUnixStamps) {
+  RecordingSource source = plain_source();
+  const struct {
+    std::string unit, first, second;
+  } cases[] = {
+      {"ns", "1700000000123456789", "1700000000133456790"},
+      {"us", "1700000000123456.789", "1700000000133456.790"},
+      {"ms", "1700000000123.456789", "1.70000000013345679e12"},
+      {"s", "1700000000.123456789", "1700000000.13345679"},
+  };
+  for (const auto& c : cases) {
+    source.time.unit = c.unit;
+    source.time.zero_ns = 1'700'000'000'000'000'000;
+    EXPECT_THAT(parse(rows_at({c.first, c.second}), source).recording.time_ns, ElementsAre(123'456'789, 133'456'790)) << c.unit;
+  }
+}
+
+TEST(RecordingFile, TakesTheDeclaredRateOrTheMedian) {
+  RecordingSource source = plain_source();
+  const std::string text = rows_at({"0", "0.009", "0.020", "0.030", "0.5"});
+  EXPECT_DOUBLE_EQ(parse(text).recording.interval_s, 0.0105);
+  source.rate_hz = 95;
+  EXPECT_DOUBLE_EQ(parse(text, source).recording.interval_s, 1.0 / 95);
+  source.rate_hz = 100;  // 1.9 % off
+  EXPECT_DOUBLE_EQ(parse(rows_at({"0", "0.01019", "0.02038"}), source).recording.interval_s, 0.01);
+  const std::string coarse = rows_at({"0", "0.002", "0.005", "0.007", "0.010", "0.012"});  // 400 Hz in whole milliseconds: median 2, mean 2.4
+  EXPECT_THAT(parse(coarse).warnings, ElementsAre(HasSubstr("uneven (median 0.002 s, mean 0.0024 s)")));
+  source.rate_hz = 1 / 0.0024;
+  EXPECT_DOUBLE_EQ(parse(coarse, source).recording.interval_s, 0.0024);
+  EXPECT_THAT(parse(coarse, source).warnings, IsEmpty());
+}
+
+TEST(RecordingFile, ListsGaps) {
+  const auto [r, warnings] = parse(rows_at({"0", "0.01", "0.02", "0.0351", "0.0451", "0.0551", "0.25", "0.26", "0.27"}));
+  EXPECT_THAT(r.gaps, ElementsAre(3, 6));
+  EXPECT_THAT(warnings, ElementsAre(HasSubstr("r.csv: 2 gaps in time (more than 1.5 of the nominal 0.01 s), the largest of 0.1949 s before 0.25 s "
+                                              "(line 8)")));
+  EXPECT_THAT(parse(rows_at({"0", "0.01", "0.0249", "0.0349"})).recording.gaps, IsEmpty());                       // 1.49 intervals
+  EXPECT_THAT(parse(rows_at({"0", "0.01", "0.02", "0.037", "0.04", "0.05", "0.06"})).recording.gaps, IsEmpty());  // a late stamp
+  EXPECT_THAT(parse(rows_at({"0", "0.01", "0.02", "0.04", "0.05", "0.06"})).recording.gaps, ElementsAre(3));      // a lost row
+}
+
+TEST(RecordingFile, StampsThatAllScatterAreNoGaps) {
+  // Late by 0 .. 6 ms of 10: dozens of differences are beyond 1.5 intervals. The clock is off by 7 % of an interval in sixteen rows. One row is lost.
+  RecordingSource source = plain_source();
+  source.rate_hz = 100;
+  std::vector<std::string> times;
+  const RandomStream draws(5, "late stamps");
+  for (int i = 0; i < 2000; ++i)
+    if (i != 1200) times.push_back(fmt::format("{:.6f}", 0.010045 * i + 0.006 * draws.uniform(static_cast<std::uint64_t>(i))));
+  EXPECT_THAT(parse(rows_at(times), source).recording.gaps, ElementsAre(1200));
+}
+
+TEST(RecordingFile, ListsSaturatedSamples) {
+  RecordingSource source = plain_source();
+  source.gyro.unit = "deg/s";
+  source.gyro.limits = {-100, 100};  // in the file's unit
+  source.accel.limits = {-8, 8};
+  const auto [r, warnings] = parse(header + "0.01,1,2,3,4,5,6\n# x\n0.02,1,2,100,4,5,6\n0.03,-99.9,2,3,4,5,7.9\n0.04,1,-101,3,4,5,9\n", source);
+  EXPECT_THAT(r.saturated, ElementsAre(1, 3));
+  EXPECT_THAT(warnings, ElementsAre(HasSubstr("r.csv: 2 samples at a limit, the first at 0.02 s (line 4)")));
+}
+
+TEST(RecordingFile, DropsRepeatedRows) {
+  const auto [r, warnings] = parse(header + "0.01,1,2,3,4,5,6\n0.01,1,2,3,4,5,6\n0.02,1,2,3,4,5,6\n0.020,1.0,2,3,4,5,6\n0.03,1,2,3,4,5,6\n");
+  EXPECT_EQ(r.size(), 3U);
+  EXPECT_THAT(warnings, ElementsAre(HasSubstr("r.csv: 2 rows equal to the row before dropped")));
+}
+
+TEST(RecordingFile, MatchesATriadOfItsOwnFileByTime) {
+  RecordingSource source = plain_source();
+  source.accel.file = "a.csv";
+  std::string gyro = "t,gx,gy,gz\n", accel = "t,ax,ay,az\n";
+  for (int i = 0; i < 10; ++i) gyro += fmt::format("{},{},0,0\n", 0.01 * i, i);
+  for (int i = -2; i < 8; ++i)
+    if (i != 4) accel += fmt::format("{},0,0,{}\n", 0.01 * i + 0.004, i);  // two too early, one missing, two too few
+  const auto [r, warnings] = parse(gyro, source, accel);
+  EXPECT_THAT(r.gyro[0], ElementsAre(0, 1, 2, 3, 5, 6, 7));
+  EXPECT_THAT(r.accel[2], ElementsAre(0, 1, 2, 3, 5, 6, 7));
+  EXPECT_EQ(r.time_ns[4], 50'000'000) << "the gyro's stamps";
+  EXPECT_THAT(r.gaps, ElementsAre(4));
+  EXPECT_THAT(warnings, ElementsAre(HasSubstr("r.csv: 3 of 10 rows dropped"), HasSubstr("a.csv: 2 of 9 rows dropped"), HasSubstr("(line 7)")));
+}
+
+TEST(RecordingFile, MatchesWhenTheGyroHasItsOwnFile) {
+  RecordingSource source = plain_source();
+  source.gyro.file = "a.csv";
+  const Recording r = parse("t,ax,ay,az\n0,1,2,3\n1,4,5,6\n2,7,8,9\n", source, "t,gx,gy,gz\n1.1,1,2,3\n2.1,4,5,6\n").recording;
+  EXPECT_THAT(r.accel[0], ElementsAre(4, 7));
+  EXPECT_THAT(r.time_ns, ElementsAre(1'100'000'000, 2'100'000'000));
+}
+
+TEST(RecordingFile, WritesATableThatPeopleKnow) {
+  const TemporaryFolder folder;
+  Recording r;
+  r.interval_s = 0.01;
+  r.time_ns = {-5'000'000, 1'700'000'000'123'456'789};
+  r.gyro = {std::vector{0.1, 1e-9}, std::vector{1.0, -2.0}, std::vector{32768.0, 0.0}};
+  r.accel = {std::vector{700.0, 100.0}, std::vector{1.0, 2.0}, std::vector{3.0, 4.0}};
+  r.accel_increment = true;
+  r.gyro_temperature = {std::vector{25.5, 26.0}, std::vector{25.5, 26.0}, std::vector{25.5, 26.0}};
+  r.accel_temperature = {std::vector{1.0, 2.0}, std::vector{3.0, 4.0}, std::vector{5.0, 6.0}};
+  write_recording(folder / "r.csv", r);
+  EXPECT_EQ(MappedFile(folder / "r.csv").text(),
+            "t,gx,gy,gz,ax,ay,az,tg,tax,tay,taz\n"
+            "-0.005,0.1,1,32768,7,0.01,0.03,25.5,1,3,5\n"
+            "1700000000.123456789,1e-09,-2,0,1,0.02,0.04,26,2,4,6\n");
+}
+
+RC_GTEST_PROP(RecordingFile, ReadsBackExactlyWhatItWrites, ()) {
+  const TemporaryFolder folder;
+  RecordingSource source = plain_source();
+  source.rate_hz = *rc::gen::element(10.0, 99.7, 1000.0, 1.0 / 0.003);
+  const bool increment = *rc::gen::arbitrary<bool>();
+  Recording r;
+  r.name = "r.csv";
+  r.interval_s = 1 / *source.rate_hz;
+  r.gyro_increment = increment;
+  source.gyro.output = increment ? Output::increment : Output::rate;
+  const auto count = *rc::gen::inRange<std::size_t>(2, 20);
+  const auto begin = *rc::gen::inRange<std::int64_t>(-2'000'000'000'000'000'000, 2'000'000'000'000'000'000);
+  for (std::size_t i = 0; i < count; ++i) {
+    r.time_ns.push_back(begin + static_cast<std::int64_t>(1e9 * r.interval_s * static_cast<double>(i)));
+    for (auto& column : r.gyro)  // increments are whole counts
+      column.push_back(increment ? *rc::gen::inRange(-40'000, 40'000) / r.interval_s : static_cast<double>(*rc::gen::arbitrary<float>()) * 1.1);
+    for (auto& column : r.accel) {
+      const double any = std::bit_cast<double>(*rc::gen::arbitrary<std::uint64_t>());
+      column.push_back(std::isfinite(any) ? any : 0);
+    }
+  }
+  write_recording(folder / "r.csv", r);
+  Session session;
+  session.file = (folder / "session.toml").string();
+  const Recording back = read_recording(session, source).recording;
+  RC_ASSERT(back.time_ns == r.time_ns);
+  RC_ASSERT(back.gyro == r.gyro);
+  RC_ASSERT(back.accel == r.accel);
+  RC_ASSERT(back.interval_s == r.interval_s);
+}
+
+}  // namespace
+}  // namespace imulab

@@ -1,0 +1,129 @@
+#include "imulab/io/recording/parts.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/io/session/file.hpp"
+#include "imulab/io/text/decimal.hpp"
+#include "imulab/io/text/file.hpp"
+#include "imulab/io/text/names.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace imulab::recording_io {
+namespace {
+
+constexpr auto none = static_cast<std::size_t>(-1);
+
+struct PartRequest {
+  std::string file;
+  std::vector<Column> columns;
+};
+
+PartColumns request(std::vector<PartRequest>& requests, const std::string& file, const std::vector<Column>& columns) {
+  auto part = std::find_if(requests.begin(), requests.end(), [&](const PartRequest& r) { return r.file == file; });
+  if (part == requests.end()) part = requests.insert(requests.end(), {file, {}});
+  PartColumns which{static_cast<std::size_t>(part - requests.begin()), {}};
+  for (const Column& column : columns) {
+    which.columns.push_back(part->columns.size());
+    part->columns.push_back(column);
+  }
+  return which;
+}
+
+const RecordingFormat& format_of(const std::filesystem::path& file, const std::vector<RecordingFormat>& formats) {
+  const MappedFile mapped(file);
+  const std::string_view head = mapped.text().substr(0, 4096);
+  const auto format = std::find_if(formats.begin(), formats.end(), [head](const RecordingFormat& f) { return f.recognizes(head); });
+  if (format != formats.end()) return *format;
+  std::vector<std::string_view> names;
+  for (const RecordingFormat& f : formats) names.push_back(f.name);
+  throw Error(fmt::format("{}: unknown format; expected {}", file.string(), text::listed(names)));
+}
+
+/// For each row of `a` the row of `b` with the nearest stamp, where it is at most `reach` away and `a`'s row is the nearest to it as well.
+std::vector<std::size_t> partners(const std::vector<std::int64_t>& a, const std::vector<std::int64_t>& b, std::int64_t reach) {
+  std::vector<std::size_t> partner(a.size(), none);
+  std::size_t j = 0;
+  for (std::size_t i = 0; i < a.size() && j < b.size(); ++i) {
+    const auto away = [&](std::size_t row_a, std::size_t row_b) { return std::abs(a[row_a] - b[row_b]); };
+    while (j + 1 < b.size() && away(i, j + 1) < away(i, j)) ++j;
+    if (away(i, j) > reach || (i + 1 < a.size() && away(i + 1, j) < away(i, j))) continue;
+    partner[i] = j++;
+  }
+  return partner;
+}
+
+template <class T>
+void gather(std::vector<T>& column, const std::vector<std::size_t>& rows) {  // rows ascend, so a row never moves down
+  for (std::size_t k = 0; k < rows.size(); ++k) column[k] = column[rows[k]];
+  column.resize(rows.size());
+}
+
+void keep_rows(TimedTable& table, const std::vector<std::size_t>& rows) {
+  if (rows.size() == table.time_ns.size()) return;
+  LineNumbers lines;
+  for (std::size_t k = 0; k < rows.size(); ++k) lines.add(k, table.lines[rows[k]]);
+  table.lines = std::move(lines);
+  gather(table.time_ns, rows);
+  for (auto& column : table.values) gather(column, rows);
+}
+
+}  // namespace
+
+RecordingParts read_parts(const Session& session, const RecordingSource& source, const std::vector<RecordingFormat>& formats) {
+  std::vector<PartRequest> requests;
+  RecordingParts parts;
+  parts.gyro = request(requests, source.gyro.file.value_or(source.file), source.gyro.columns);
+  parts.accel = request(requests, source.accel.file.value_or(source.file), source.accel.columns);
+  if (source.gyro_temperature) parts.gyro_temperature = request(requests, source.file, source.gyro_temperature->columns);
+  if (source.accel_temperature) parts.accel_temperature = request(requests, source.file, source.accel_temperature->columns);
+  for (const PartRequest& part : requests) {
+    const std::filesystem::path file = session_path(session, part.file);
+    parts.tables.push_back(format_of(file, formats).read(file, source, part.columns));
+  }
+  return parts;
+}
+
+void match_rows(RecordingParts& parts, double interval_s, std::vector<std::string>& warnings) {
+  TimedTable& reference = parts.tables[parts.gyro.table];
+  const std::size_t rows = reference.time_ns.size();
+  if (parts.tables.size() == 1) return;
+  std::vector<std::vector<std::size_t>> partner(parts.tables.size());
+  for (std::size_t t = 0; t < parts.tables.size(); ++t)
+    if (t != parts.gyro.table) partner[t] = partners(reference.time_ns, parts.tables[t].time_ns, static_cast<std::int64_t>(0.5e9 * interval_s));
+  const auto matched = [&](std::size_t row) {
+    return std::all_of(partner.begin(), partner.end(), [row](const auto& p) { return p.empty() || p[row] != none; });
+  };
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < rows; ++i)
+    if (matched(i)) kept.push_back(i);
+
+  for (std::size_t t = 0; t < parts.tables.size(); ++t) {
+    TimedTable& table = parts.tables[t];
+    if (kept.empty() && t != parts.gyro.table)
+      throw Error(fmt::format("{}: no row within half an interval of a row of {}; expected the same clock ({} to {} s here, {} to {} s there)",
+                              table.file, reference.file, text::seconds_text(table.time_ns.front()), text::seconds_text(table.time_ns.back()),
+                              text::seconds_text(reference.time_ns.front()), text::seconds_text(reference.time_ns.back())));
+    if (const std::size_t dropped = table.time_ns.size() - kept.size(); dropped > 0)
+      warnings.push_back(fmt::format("{}: {} of {} rows dropped, without a row of the recording's other file within half an interval", table.file,
+                                     dropped, table.time_ns.size()));
+  }
+  for (std::size_t t = 0; t < parts.tables.size(); ++t) {
+    if (t == parts.gyro.table) continue;
+    std::vector<std::size_t> own;
+    own.reserve(kept.size());
+    for (const std::size_t row : kept) own.push_back(partner[t][row]);
+    keep_rows(parts.tables[t], own);
+  }
+  keep_rows(reference, kept);
+}
+
+std::vector<std::vector<double>> take_columns(RecordingParts& parts, const PartColumns& which) {
+  std::vector<std::vector<double>> columns;
+  for (const std::size_t c : which.columns) columns.push_back(std::move(parts.tables[which.table].values[c]));
+  return columns;
+}
+
+}  // namespace imulab::recording_io

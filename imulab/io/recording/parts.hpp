@@ -1,0 +1,33 @@
+// The files of one recording: a triad may have one of its own, whose rows are matched by time to the gyro's rows.
+#pragma once
+
+#include "imulab/io/recording/format.hpp"
+#include "imulab/recording/session.hpp"
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace imulab::recording_io {
+
+/// Some columns of one of the tables.
+struct PartColumns {
+  std::size_t table = 0;
+  std::vector<std::size_t> columns;
+};
+
+struct RecordingParts {
+  std::vector<TimedTable> tables;  ///< one a file
+  PartColumns gyro, accel, gyro_temperature, accel_temperature;
+};
+
+RecordingParts read_parts(const Session& session, const RecordingSource& source, const std::vector<RecordingFormat>& formats);
+
+/// Keeps the gyro's rows that have a partner in every other table: mutually nearest stamps at most half an interval apart. The others are
+/// dropped with a warning. Throws Error where nothing matches.
+void match_rows(RecordingParts& parts, double interval_s, std::vector<std::string>& warnings);
+
+/// Moves columns out of their table.
+std::vector<std::vector<double>> take_columns(RecordingParts& parts, const PartColumns& which);
+
+}  // namespace imulab::recording_io

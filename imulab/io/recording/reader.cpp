@@ -1,0 +1,104 @@
+#include "imulab/core/error.hpp"
+#include "imulab/io/recording/file.hpp"
+#include "imulab/io/recording/parts.hpp"
+#include "imulab/io/session/file.hpp"
+#include "imulab/io/text/decimal.hpp"
+#include "imulab/recording/make_recording.hpp"
+#include "imulab/recording/stamps.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <utility>
+
+namespace imulab {
+namespace {
+
+using namespace recording_io;
+
+/// Declared, or the stamps' median.
+double nominal_interval_s(const TimedTable& table, const RecordingSource& source, std::vector<std::string>& warnings) {
+  if (table.time_ns.size() < 2) {
+    if (source.rate_hz) return 1 / *source.rate_hz;
+    throw Error(fmt::format("{}: has one row; expected at least two (or rate_hz in the session)", table.file));
+  }
+  const StampIntervals stamps = stamp_intervals(table.time_ns);
+  if (source.rate_hz) {
+    const double declared = 1 / *source.rate_hz;
+    if (stamps.allow(declared)) return declared;
+    throw Error(fmt::format("{}: rate_hz = {} is declared, but the stamps give {:.6g} Hz (median difference {:.6g} s); expected agreement within 2 %",
+                            table.file, *source.rate_hz, 1 / stamps.median, stamps.median));
+  }
+  if (!same_interval(stamps.median, stamps.mean))
+    warnings.push_back(
+        fmt::format("{}: the stamps' differences are uneven (median {:.6g} s, mean {:.6g} s); the median is taken as the nominal interval, "
+                    "which scales increments: declare rate_hz",
+                    table.file, stamps.median, stamps.mean));
+  return stamps.median;
+}
+
+/// No gap is reported where a recording stops between two of its steps: who records point by point leaves out the time between them.
+bool between_steps(std::span<const Step> steps, double begin_s, double end_s, double interval_s) {
+  const auto next = std::partition_point(steps.begin(), steps.end(), [&](const Step& step) { return step.end <= begin_s + interval_s; });
+  return next != steps.begin() && next != steps.end() && next->start >= end_s - interval_s;
+}
+
+/// Warns of the gaps that the steps do not explain.
+void warn_of_gaps(const Recording& recording, const TimedTable& table, std::span<const Step> steps, std::vector<std::string>& warnings) {
+  const double interval_s = recording.interval_s;
+  std::size_t unexplained = 0, where = 0;
+  std::int64_t largest = 0;
+  for (const std::size_t i : recording.gaps) {
+    if (between_steps(steps, recording.time_s(i - 1), recording.time_s(i) - interval_s, interval_s)) continue;
+    ++unexplained;
+    if (const std::int64_t step = recording.time_ns[i] - recording.time_ns[i - 1]; step > largest) largest = step, where = i;
+  }
+  if (unexplained > 0)
+    warnings.push_back(
+        fmt::format("{}: {} gap{} in time (more than 1.5 of the nominal {:.6g} s), the largest of {} s before {} s ({}); what "
+                    "moved inside a gap is not seen",
+                    table.file, unexplained, unexplained == 1 ? "" : "s", interval_s, text::seconds_text(largest),
+                    text::seconds_text(recording.time_ns[where]), table.place(where)));
+}
+
+void warn_of_saturated(const Recording& recording, const TimedTable& table, std::vector<std::string>& warnings) {
+  const std::vector<std::size_t>& saturated = recording.saturated;
+  if (saturated.empty()) return;
+  warnings.push_back(fmt::format("{}: {} sample{} at a limit, the first at {} s ({}): the true reading lies beyond, such samples are set aside",
+                                 table.file, saturated.size(), saturated.size() == 1 ? "" : "s", text::seconds_text(recording.time_ns[saturated[0]]),
+                                 table.place(saturated[0])));
+}
+
+}  // namespace
+
+RecordingReading read_recording(const Session& session, const RecordingSource& source, const std::vector<RecordingFormat>& formats) {
+  RecordingParts parts = read_parts(session, source, formats);
+  RecordingReading reading;
+  TimedTable& reference = parts.tables[parts.gyro.table];
+  for (const TimedTable& table : parts.tables)
+    if (table.repeated > 0)
+      reading.warnings.push_back(
+          fmt::format("{}: {} row{} equal to the row before dropped", table.file, table.repeated, table.repeated == 1 ? "" : "s"));
+
+  const double interval_s = nominal_interval_s(reference, source, reading.warnings);
+  for (const TimedTable& table : parts.tables) {
+    const double median = stamp_intervals(table.time_ns).median;
+    if (&table != &reference && median > 0 && !same_interval(median, interval_s))
+      throw Error(
+          fmt::format("{}: rows every {:.6g} s; expected every {:.6g} s (within 2 %) as in {}", table.file, median, interval_s, reference.file));
+  }
+  match_rows(parts, interval_s, reading.warnings);
+  RecordingOptions options = recording_options(source);
+  options.interval_s = interval_s;
+  options.gyro.temperature = take_columns(parts, parts.gyro_temperature);
+  options.accel.temperature = take_columns(parts, parts.accel_temperature);
+  Columns3 gyro = three_columns(take_columns(parts, parts.gyro)), accel = three_columns(take_columns(parts, parts.accel));
+  reading.recording = make_recording(std::move(reference.time_ns), std::move(gyro), std::move(accel), std::move(options));
+  warn_of_gaps(reading.recording, reference, session.steps_of(source), reading.warnings);
+  warn_of_saturated(reading.recording, reference, reading.warnings);
+  return reading;
+}
+
+}  // namespace imulab

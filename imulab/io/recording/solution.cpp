@@ -1,0 +1,71 @@
+#include "imulab/io/recording/solution.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/io/recording/csv.hpp"
+#include "imulab/io/text/file.hpp"
+#include "imulab/navigation/integration/attitude.hpp"
+#include "imulab/navigation/navigate.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+
+namespace imulab {
+
+namespace {
+
+const std::vector<Column> columns{"latitude_deg", "longitude_deg", "height_m", "ve", "vn", "vu", "roll_deg", "pitch_deg", "heading_deg"};
+
+}  // namespace
+
+Solution read_solution(const std::filesystem::path& path) {
+  const recording_io::TimedTable table = recording_io::read_csv(path, {.column = "t", .unit = "s", .zero_ns = 0}, columns);
+  const auto& v = table.values;
+  Solution out;
+  for (std::size_t i = 0; i < table.time_ns.size(); ++i) {
+    if (std::abs(v[0][i]) > 90)
+      throw Error(fmt::format("{}:{}: latitude_deg: {} is out of range; expected -90 to 90", table.file, table.lines[i], v[0][i]));
+    NavigationState s;
+    s.latitude = v[0][i] * unit::deg;
+    s.longitude = v[1][i] * unit::deg;
+    s.height = v[2][i];
+    s.velocity = {v[3][i], v[4][i], v[5][i]};
+    s.q_nb = Eigen::Quaterniond(attitude_matrix({v[6][i] * unit::deg, v[7][i] * unit::deg, v[8][i] * unit::deg}));
+    out.time.push_back(1e-9 * static_cast<double>(table.time_ns[i]));
+    out.states.push_back(s);
+  }
+  return out;
+}
+
+HeightRecord read_heights(const std::filesystem::path& path) {
+  recording_io::TimedTable table = recording_io::read_csv(path, {.column = "t", .unit = "s", .zero_ns = 0}, {Column("height_m")});
+  HeightRecord out;
+  for (const std::int64_t ns : table.time_ns) out.time.push_back(1e-9 * static_cast<double>(ns));
+  out.height = std::move(table.values[0]);
+  return out;
+}
+
+void write_solution(const std::filesystem::path& path, const Solution& solution) {
+  WholeFile file(path);
+  file.write("t,latitude_deg,longitude_deg,height_m,ve,vn,vu,roll_deg,pitch_deg,heading_deg\n");
+  fmt::memory_buffer text;
+  for (std::size_t i = 0; i < solution.size(); ++i) {
+    const NavigationState& s = solution.states[i];
+    const EulerAngles angles = euler_angles(s.q_nb.toRotationMatrix());
+    const double heading = angles.heading < 0 ? angles.heading + 2 * std::numbers::pi : angles.heading;  // a compass counts from 0 to 360
+    fmt::format_to(std::back_inserter(text), "{:.9f},{:.12f},{:.12f},{:.6f},{:.8f},{:.8f},{:.8f},{:.9f},{:.9f},{:.9f}\n", solution.time[i],
+                   s.latitude / unit::deg, s.longitude / unit::deg, s.height, s.velocity.x(), s.velocity.y(), s.velocity.z(), angles.roll / unit::deg,
+                   angles.pitch / unit::deg, heading / unit::deg);
+    if (text.size() < 1 << 20) continue;
+    file.write({text.data(), text.size()});
+    text.clear();
+  }
+  file.write({text.data(), text.size()});
+  file.commit();
+}
+
+}  // namespace imulab

@@ -1,0 +1,19 @@
+#include "imulab/io/recording/timed_table.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace imulab::recording_io {
+
+std::size_t LineNumbers::operator[](std::size_t row) const {
+  const auto after = std::upper_bound(jumps_.begin(), jumps_.end(), row, [](std::size_t r, const auto& jump) { return r < jump.first; });
+  if (after == jumps_.begin()) return 0;
+  return row + (std::prev(after)->second - std::prev(after)->first);
+}
+
+std::string TimedTable::place(std::size_t row) const {
+  const std::size_t line = lines[row];
+  return line > 0 ? "line " + std::to_string(line) : "row " + std::to_string(row + 1);
+}
+
+}  // namespace imulab::recording_io

@@ -1,0 +1,27 @@
+// An error budget: CSV over time, JSON and a table at its end.
+#pragma once
+
+#include "imulab/navigation/budget/budget.hpp"
+#include "imulab/navigation/budget/monte_carlo.hpp"
+
+#include <optional>
+#include <string>
+
+namespace imulab {
+
+/// t, then for each of the nine quantities the fixed error and one sigma: pe_fixed,pe_sigma,... (p, v, a: position m, velocity m/s, attitude arcsec;
+/// e, n, u).
+std::string total_csv(const ErrorBudget& budget);
+/// The same by source with its share of each mean square, a row a source and time: source,t,pe_fixed,pe_sigma,pe_share,... The shares of a time add
+/// up to one with the source "correlation between groups".
+std::string sources_csv(const ErrorBudget& budget);
+/// t, then for each quantity and for the horizontal position error (ph) its 5 %, median and 95 %: pe_low,pe_median,pe_high,...
+std::string distribution_csv(const ErrorDistribution& distribution);
+/// Of each run: error at the end and largest size at any output: run,pe_end,pe_peak,...
+std::string runs_csv(const ErrorDistribution& distribution);
+/// The end: {"time_s", "vertical", "total", "sources", "coefficients", "shares", "monte_carlo"}; units are in the keys (docs/budget.md).
+std::string budget_json(const ErrorBudget& budget, const std::optional<ErrorDistribution>& monte_carlo);
+/// The end: a row a source, the largest share of the horizontal position error first.
+std::string budget_table(const ErrorBudget& budget, const std::optional<ErrorDistribution>& monte_carlo);
+
+}  // namespace imulab

@@ -1,0 +1,19 @@
+// A calibration as a table.
+#pragma once
+
+#include "imulab/model/calibration.hpp"
+
+#include <string>
+
+namespace imulab {
+
+struct CalibrationResult;
+
+/// Every estimated coefficient with its standard uncertainty, in SI and in user units (ug, deg/h, ppm, arcsec, ...), then what the fit says of itself
+/// and the verdict. With the model before the estimate, `coarse`: in user units, from what value by what correction to what value.
+std::string calibration_table(const Calibration& calibration, const SensorModel* coarse = nullptr);
+
+/// Convergence curves as CSV: t (s), then for every coefficient NAME,NAME.sigma: its residual and the standard uncertainty of the residual.
+std::string curves_csv(const CalibrationResult& result);
+
+}  // namespace imulab

@@ -1,0 +1,27 @@
+// Results of navigation as JSON and as tables.
+#pragma once
+
+#include "imulab/navigation/navigate.hpp"
+#include "imulab/navigation/navigation_error.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+/// One session navigated; errors where there is a reference.
+struct NavigatedSession {
+  std::string session;  ///< its name on the command line
+  Navigated navigated;
+  std::optional<NavigationErrors> errors;
+};
+
+/// One session as an object; several as {"sessions": [...], "rate_nmi_per_h": {"rms", "cep", "sessions"}}. Units are in the keys
+/// (docs/navigation.md).
+std::string navigation_json(const std::vector<NavigatedSession>& sessions);
+
+/// One session: alignment, end, errors at the end. Several: a row each, and the pure-inertial rate of all.
+std::string navigation_table(const std::vector<NavigatedSession>& sessions);
+
+}  // namespace imulab

@@ -1,0 +1,49 @@
+// Predicted uncertainties and tolerances of a procedure, as JSON and as tables.
+#pragma once
+
+#include "imulab/estimate/hybrid/advice.hpp"
+#include "imulab/estimate/turntable/prediction.hpp"
+#include "imulab/estimate/turntable/tolerance.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+namespace hybrid {
+struct Path;
+}
+
+/// The answer for one knob, with the others as declared and with all else perfect.
+struct KnobAnswer {
+  turntable::Knob knob;
+  turntable::Tolerance declared;
+  std::optional<turntable::Tolerance> alone;
+};
+
+/// Standard uncertainties in SI, the shares of their sources, and the answers to requirements where there are any (docs/predict.md).
+std::string prediction_json(const turntable::Prediction& prediction, const std::optional<turntable::MonteCarloResult>& monte_carlo,
+                            const std::vector<Shortfall>& shortfalls, const std::vector<KnobAnswer>& answers);
+/// Of the hybrid method; the advice where something is undetermined or not within its requirement.
+std::string prediction_json(const hybrid::Prediction& prediction, const std::vector<Shortfall>& shortfalls,
+                            const std::optional<hybrid::Advice>& advice);
+
+/// A row a coefficient: its uncertainty in user units, and the share of each source in its variance. Empty where no coefficient is determined.
+std::string prediction_table(const turntable::Prediction& prediction, const std::optional<turntable::MonteCarloResult>& monte_carlo);
+/// A row a coefficient: its uncertainty in user units, and beside it what is required, if anything is; then what is not determined.
+std::string prediction_table(const hybrid::Prediction& prediction, const std::vector<Requirement>& requirements);
+
+/// Which requirements the plan does not meet as declared, and what table, timing and unit would meet them all.
+std::string tolerance_table(const turntable::Plan& plan, const std::vector<Shortfall>& missed, const std::vector<KnobAnswer>& answers);
+/// The worst determined coefficients, and the turns that help most.
+std::string advice_text(const hybrid::Advice& advice);
+/// The further turns of an advice: "turn by ..., then turn by ..., and rest".
+std::string turns_text(const hybrid::Advice& advice);
+/// "gyro.matrix.xx has 31.2 ppm where 10 ppm is required" or "gyro.matrix.xx is not determined".
+std::string shortfall_text(const Shortfall& shortfall);
+
+/// First rest, then a row a turn and the rest after it.
+std::string path_table(const hybrid::Path& path);
+
+}  // namespace imulab

@@ -1,0 +1,216 @@
+// The tables of a session file, each stated once: key, place, unit, range. transfer(fields, table) reads the table where `fields` is a TomlFields and
+// writes it where it is a TomlText.
+#pragma once
+
+#include "imulab/core/units.hpp"
+#include "imulab/io/text/toml_fields.hpp"
+#include "imulab/recording/session.hpp"
+#include "imulab/recording/unit_names.hpp"
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace imulab {
+
+inline std::string_view to_string(Output output) { return output == Output::rate ? "rate" : "increment"; }
+
+}  // namespace imulab
+
+namespace imulab::session_io {
+
+using namespace text;
+
+inline constexpr std::string_view session_format = "imulab.session/1";
+
+/// A number of at least 0; absent: 0.
+template <class Fields>
+void transfer_size(Fields& f, std::string_view key, double& value, double factor = 1) {
+  std::optional<double> given = value == 0 ? std::nullopt : std::optional(value);
+  f.number(key, given, not_negative(factor));
+  value = given.value_or(0);
+}
+
+/// Noise terms of a triad, except N: the densities have keys of their own.
+template <class Fields>
+void transfer(Fields& f, NoiseModel& noise) {
+  f.spread("turn_on", noise.turn_on, 1);
+  transfer_size(f, "quantization", noise.Q);
+  transfer_size(f, "bias_instability", noise.B);
+  transfer_size(f, "rate_random_walk", noise.K);
+  f.spread("rate_ramp", noise.R, 1);
+  transfer_size(f, "resolution", noise.resolution);
+  transfer_size(f, "range", noise.range);
+}
+
+template <class Fields>
+void transfer(Fields& f, ImuDeclaration& imu) {
+  f.text("name", imu.name);
+  f.text("grade", imu.grade);
+  f.text("truth", imu.truth);
+  f.number("accel_noise_density", imu.accel_noise_density, not_negative());
+  f.number("gyro_noise_density", imu.gyro_noise_density, not_negative());
+  f.choice("noise", imu.noise, std::vector{NoiseTerms::white, NoiseTerms::full}, Presence::optional);
+  f.template table_of<NoiseModel>("accel_noise", imu.accel_noise, [](Fields& t, NoiseModel& n) { transfer(t, n); });
+  f.template table_of<NoiseModel>("gyro_noise", imu.gyro_noise, [](Fields& t, NoiseModel& n) { transfer(t, n); });
+}
+
+template <class Fields>
+void transfer(Fields& f, Site& site) {
+  f.number("latitude_deg", site.latitude, within(-90, 90, unit::deg));
+  f.number("latitude_sigma_deg", site.latitude_sigma, within(0, 90, unit::deg));
+  f.number("longitude_deg", site.longitude, within(-180, 360, unit::deg));
+  f.number("height_m", site.height, within(-12e3, 100e3));
+  f.number("gravity_mps2", site.given_gravity, within(9, 10.5));  // not 1 (g), not 980 (cm/s^2)
+  f.number("gravity_sigma_mps2", site.given_gravity_sigma, not_negative());
+}
+
+/// Of a turntable, or of a hand.
+template <class Fields>
+void transfer_axes(Fields& f, RigDeclaration& rig) {
+  f.spread("angle_sigma_arcsec", rig.angle, unit::arcsec);
+  f.spread("orthogonality_sigma_arcsec", rig.orthogonality, unit::arcsec);
+  f.spread("timing_sigma_ms", rig.timing, 1e-3);
+  const std::vector axes{RigAxis::inner, RigAxis::middle, RigAxis::outer};
+  f.table("orthogonality_arcsec", Presence::optional, [&](Fields& t) {
+    for (const RigAxis a : axes) t.pair(to_string(a), rig.given_orthogonality[static_cast<std::size_t>(a)], any_number(unit::arcsec));
+  });
+  f.table("zero_arcsec", Presence::optional, [&](Fields& t) {
+    for (const RigAxis a : axes) t.number(to_string(a), rig.given_zero[static_cast<std::size_t>(a)], any_number(unit::arcsec));
+  });
+}
+
+/// Of a rate table, centrifuge or chamber.
+template <class Fields>
+void transfer_machine(Fields& f, RigDeclaration& rig) {
+  f.spread("mount_sigma_arcsec", rig.mount, unit::arcsec);
+  if (rig.kind != RigKind::chamber) {
+    f.spread("rate_sigma_ppm", rig.rate, unit::ppm);
+    f.spread("radius_sigma_mm", rig.radius, 1e-3);
+  } else {
+    transfer_size(f, "ramp_K_per_min", rig.ramp, 1.0 / 60);
+    transfer_size(f, "time_constant_s", rig.time_constant);
+    transfer_size(f, "hysteresis_K", rig.hysteresis);
+  }
+}
+
+template <class Fields>
+void transfer(Fields& f, RigDeclaration& rig, bool several) {
+  std::optional<std::string> name = rig.name.empty() ? std::nullopt : std::optional(rig.name);
+  f.text("name", name);
+  rig.name = name.value_or("");
+  f.choice("kind", rig.kind, std::vector{RigKind::turntable, RigKind::rate_table, RigKind::centrifuge, RigKind::chamber, RigKind::none});
+  f.check(!several || name, "name", "is missing; expected because there are several rigs");
+  f.spread("zero_sigma_arcsec", rig.zero, unit::arcsec);
+  if (rig.kind == RigKind::turntable || rig.kind == RigKind::none) {
+    transfer_axes(f, rig);
+  } else {
+    transfer_machine(f, rig);
+  }
+}
+
+template <class Fields>
+void transfer(Fields& f, TimeSource& time) {
+  f.column("column", time.column);
+  f.choice("unit", time.unit, unit_names(Quantity::time, false), Presence::required);
+  f.clock_zero("zero", time.zero_ns, time_exponent(time.unit));
+}
+
+template <class Fields>
+void transfer(Fields& f, TriadSource& triad, Quantity quantity) {
+  f.text("file", triad.file);
+  f.columns("columns", triad.columns, {3});
+  f.choice("output", triad.output, std::vector{Output::rate, Output::increment});
+  f.choice("unit", triad.unit, unit_names(quantity, triad.output == Output::increment), Presence::required);
+  f.pair("limits", triad.limits, any_number());
+  f.check(!triad.limits || (*triad.limits)[0] < (*triad.limits)[1], "limits", "are not in order; expected [lower, upper]");
+}
+
+template <class Fields>
+void transfer(Fields& f, ThermalSource& thermal) {
+  f.columns("columns", thermal.columns, {1, 3});
+  f.choice("unit", thermal.unit, unit_names(Quantity::temperature, false), Presence::required);
+  transfer_size(f, "noise", thermal.noise);
+  f.number("at_25_degC", thermal.at_25_degC, any_number());
+  f.number("per_K", thermal.per_K, any_number());
+  f.check(thermal.at_25_degC.has_value() == thermal.per_K.has_value(), thermal.per_K ? "per_K" : "at_25_degC",
+          "is given alone; expected both at_25_degC and per_K, or neither");
+  f.check(thermal.per_K != 0.0, "per_K", "is 0; expected a reading that changes with temperature");
+}
+
+template <class Fields>
+void transfer(Fields& f, RecordingSource& recording) {
+  f.text("file", recording.file);
+  std::optional<std::string> rig = recording.rig.empty() ? std::nullopt : std::optional(recording.rig);
+  f.text("rig", rig);
+  recording.rig = rig.value_or("");
+  f.number("rate_hz", recording.rate_hz, positive());
+  f.choice("extent", recording.extent, std::vector{Extent::all, Extent::steps}, Presence::optional);
+  f.table("time", Presence::required, [&](Fields& t) { transfer(t, recording.time); });
+  f.table("gyro", Presence::required, [&](Fields& t) { transfer(t, recording.gyro, Quantity::gyro); });
+  f.table("accel", Presence::required, [&](Fields& t) { transfer(t, recording.accel, Quantity::accel); });
+  f.template table_of<ThermalSource>("gyro_temperature", recording.gyro_temperature, [](Fields& t, ThermalSource& s) { transfer(t, s); });
+  f.template table_of<ThermalSource>("accel_temperature", recording.accel_temperature, [](Fields& t, ThermalSource& s) { transfer(t, s); });
+}
+
+/// A step as the file states it: in the file's units; what is absent follows from the step before.
+struct StepText {
+  StepKind kind = StepKind::hold;
+  std::optional<std::string> recording;
+  std::optional<double> start_s, end_s, duration_s, move_s;
+  std::array<std::optional<double>, 3> angles_deg;  // by RigAxis
+  RigAxis axis = RigAxis::outer;
+  double angle_deg = 0, rate_dps = 0;
+  std::optional<double> acceleration_dps2, temperature_degC;
+  std::optional<BodyAxis> up, outward;
+  std::array<double, 3> radius_m{0, 0, 0};
+};
+
+template <class Fields>
+void transfer(Fields& f, StepText& step) {
+  f.choice("kind", step.kind, std::vector{StepKind::hold, StepKind::rotate, StepKind::spin});
+  f.text("recording", step.recording);
+  f.number("start_s", step.start_s, any_number());
+  f.number("end_s", step.end_s, any_number());
+  if (step.kind != StepKind::rotate) {
+    f.number("duration_s", step.duration_s, positive());
+    f.number("move_s", step.move_s, not_negative());
+  }
+  if (step.kind == StepKind::hold) {
+    f.number("outer_deg", step.angles_deg[static_cast<std::size_t>(RigAxis::outer)], any_number());
+    f.number("middle_deg", step.angles_deg[static_cast<std::size_t>(RigAxis::middle)], any_number());
+    f.number("inner_deg", step.angles_deg[static_cast<std::size_t>(RigAxis::inner)], any_number());
+  }
+  if (step.kind == StepKind::rotate) {
+    f.choice("axis", step.axis, std::vector{RigAxis::outer, RigAxis::middle, RigAxis::inner});
+    f.number("angle_deg", step.angle_deg, any_number());
+    f.check(step.angle_deg != 0, "angle_deg", "is 0; expected a turn");
+    f.number("rate_dps", step.rate_dps, positive());
+    f.number("acceleration_dps2", step.acceleration_dps2, positive());
+  } else {
+    f.axis("up", step.up);
+    f.axis("outward", step.outward);
+    f.check(step.up.has_value() == step.outward.has_value(), step.up ? "up" : "outward", "is given alone; expected both up and outward, or neither");
+    f.check(!step.up || step.up->index != step.outward->index, "outward", "is parallel to up; expected a body axis perpendicular to it");
+  }
+  if (step.kind == StepKind::spin) {
+    f.number("rate_dps", step.rate_dps, any_number());
+    f.number_or_numbers("radius_m", step.radius_m, or_default(not_negative()));
+  }
+  f.number("temperature_degC", step.temperature_degC, within(-273.15, 1000));
+}
+
+template <class Fields>
+void transfer(Fields& f, InitialState& initial) {
+  f.number("time_s", initial.time, or_default(any_number()));
+  f.number("latitude_deg", initial.latitude, within(-90, 90, unit::deg));
+  f.number("longitude_deg", initial.longitude, within(-180, 360, unit::deg));
+  f.number("height_m", initial.height, within(-12e3, 1e6));
+  f.numbers("velocity_enu_mps", initial.velocity_enu, any_number());
+  f.number("roll_deg", initial.roll, within(-360, 360, unit::deg));
+  f.number("pitch_deg", initial.pitch, within(-90, 90, unit::deg));
+  f.number("heading_deg", initial.heading, within(-360, 360, unit::deg));
+}
+
+}  // namespace imulab::session_io

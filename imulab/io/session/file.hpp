@@ -1,0 +1,26 @@
+// Session files: TOML <-> Session (docs/formats.md).
+#pragma once
+
+#include "imulab/recording/session.hpp"
+
+#include <filesystem>
+#include <string>
+
+namespace imulab {
+
+/// Reads a session or a procedure: a folder with session.toml, or the file. Units become SI, absent angles are filled in, a procedure's steps are
+/// laid out in time. Throws Error with file, line and key: for unknown keys and units, values out of range, and steps that overlap.
+Session read_session(const std::filesystem::path& path);
+
+/// The session as TOML text that read_session reads back to the same values.
+std::string session_text(const Session& session);
+/// Writes that text, whole or not at all. Throws Error where the file cannot be written.
+void write_session(const std::filesystem::path& path, const Session& session);
+
+/// The same with durations in place of times where read_session computes the same times: the form that a procedure's author edits.
+std::string procedure_text(const Session& session);
+
+/// The path of a file that the session names: relative to the session's own folder.
+std::filesystem::path session_path(const Session& session, const std::string& file);
+
+}  // namespace imulab

@@ -1,0 +1,79 @@
+#include "imulab/core/error.hpp"
+#include "imulab/io/session/fields.hpp"
+#include "imulab/io/session/file.hpp"
+#include "imulab/io/session/step_layout.hpp"
+#include "imulab/io/text/file.hpp"
+#include "imulab/io/text/names.hpp"
+#include "imulab/io/text/toml_fields.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+namespace imulab {
+namespace {
+
+using namespace session_io;
+
+void read_rig(TomlFields& f, Session& session) {
+  RigDeclaration rig;
+  transfer(f, rig, !session.rigs.empty());
+  f.check(std::none_of(session.rigs.begin(), session.rigs.end(), [&](const RigDeclaration& r) { return r.name == rig.name; }), "name",
+          "repeats the name of an earlier rig; expected different names");
+  session.rigs.push_back(rig);
+}
+
+void read_recording_source(TomlFields& f, Session& session) {
+  RecordingSource recording;
+  transfer(f, recording);
+  std::vector<std::string_view> rigs;
+  for (const RigDeclaration& rig : session.rigs) rigs.push_back(rig.name);
+  f.check(rigs.size() < 2 || !recording.rig.empty(), "rig", "is missing; expected one of " + listed(rigs));
+  f.check(recording.rig.empty() || std::find(rigs.begin(), rigs.end(), recording.rig) != rigs.end(), "rig",
+          fmt::format("\"{}\" is not a rig of this session; expected {}", recording.rig, rigs.empty() ? "[[rig]] of that name" : listed(rigs)));
+  f.check(std::none_of(session.recordings.begin(), session.recordings.end(), [&](const RecordingSource& r) { return r.file == recording.file; }),
+          "file", "repeats the file of an earlier recording; expected each file once");
+  session.recordings.push_back(recording);
+}
+
+void read_step(TomlFields& f, Session& session, StepLayout& layout) {
+  StepText text;
+  transfer(f, text);
+  std::vector<std::string_view> files;
+  for (const RecordingSource& recording : session.recordings) files.push_back(recording.file);
+  f.check(files.size() < 2 || text.recording, "recording", "is missing; expected one of " + listed(files));
+  std::string recording = text.recording.value_or(files.size() == 1 ? std::string(files[0]) : "");
+  f.check(files.empty() || std::find(files.begin(), files.end(), recording) != files.end(), "recording",
+          fmt::format("\"{}\" is not a recording of this session; expected {}", recording, listed(files)));
+  Step step;
+  if (const auto problem = layout.place(text, recording, step)) f.check(false, problem->key, problem->message);
+  session.steps.push_back(step);
+}
+
+}  // namespace
+
+Session read_session(const std::filesystem::path& path) {
+  const std::filesystem::path file = std::filesystem::is_directory(path) ? path / "session.toml" : path;
+  const MappedFile mapped(file);
+  Session session;
+  session.file = file.string();
+  session.sha256 = sha256(mapped.text());
+  TomlFields f(session.file, mapped.text());
+  StepLayout layout;
+  f.format(session_format);
+  f.table("imu", Presence::optional, [&](TomlFields& t) { transfer(t, session.imu); });
+  f.table("site", Presence::optional, [&](TomlFields& t) { transfer(t, session.site); });
+  f.tables("rig", [&](TomlFields& t) { read_rig(t, session); });
+  f.tables("recording", [&](TomlFields& t) { read_recording_source(t, session); });
+  f.tables("step", [&](TomlFields& t) { read_step(t, session, layout); });
+  f.table_of<InitialState>("initial", session.initial, [](TomlFields& t, InitialState& initial) { transfer(t, initial); });
+  f.table("truth", Presence::optional, [&](TomlFields& t) { t.text("file", session.truth_file.emplace()); });
+  f.done();
+  return session;
+}
+
+std::filesystem::path session_path(const Session& session, const std::string& file) {
+  return std::filesystem::path(session.file).parent_path() / file;
+}
+
+}  // namespace imulab

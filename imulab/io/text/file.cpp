@@ -1,0 +1,117 @@
+#include "imulab/io/text/file.hpp"
+
+#include "imulab/core/error.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace imulab {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
+  throw Error(path.string() + ": " + what + (errno != 0 ? std::string(": ") + std::strerror(errno) : std::string()));
+}
+
+struct Descriptor {
+  int fd;
+  ~Descriptor() {
+    if (fd >= 0) ::close(fd);
+  }
+};
+
+}  // namespace
+
+MappedFile::MappedFile(const std::filesystem::path& path) {
+  errno = 0;
+  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
+  if (file.fd < 0) fail(path, "cannot be opened");
+  struct stat status {};
+  if (::fstat(file.fd, &status) != 0) fail(path, "cannot be read");
+  if (!S_ISREG(status.st_mode)) throw Error(path.string() + ": is not a regular file");
+  size_ = static_cast<std::size_t>(status.st_size);
+  if (size_ == 0) return;  // nothing to map
+  void* mapped = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.fd, 0);
+  if (mapped == MAP_FAILED) fail(path, "cannot be read");
+  ::madvise(mapped, size_, MADV_SEQUENTIAL);
+  data_ = static_cast<const char*>(mapped);
+}
+
+MappedFile::~MappedFile() {
+  if (data_ != nullptr) ::munmap(const_cast<char*>(data_), size_);
+}
+
+WholeFile::WholeFile(const std::filesystem::path& path) : path_(path), temporary_(path.string() + ".XXXXXX") {
+  // A device or a pipe takes what comes; a file in its place would end it.
+  const fs::file_status status = fs::status(path);
+  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) {
+    temporary_.clear();
+    descriptor_ = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    if (descriptor_ < 0) fail(path, "cannot be written");
+    return;
+  }
+  errno = 0;
+  descriptor_ = ::mkstemp(temporary_.data());  // in the same folder, so that the rename is atomic
+  if (descriptor_ < 0) fail(path_, "cannot be written");
+}
+
+WholeFile::~WholeFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+void WholeFile::write(std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(descriptor_, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail(path_, "cannot be written");
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+void WholeFile::commit() {
+  if (temporary_.empty()) return;
+  const mode_t mask = ::umask(0);  // mkstemp's file is private: give it what the user gives new files
+  ::umask(mask);
+  if (::fchmod(descriptor_, 0666 & ~mask) != 0 || ::rename(temporary_.c_str(), path_.c_str()) != 0) fail(path_, "cannot be written");
+  temporary_.clear();
+}
+
+NewFolder::NewFolder(const fs::path& place) : place_(fs::absolute(place).lexically_normal()) {
+  if (!place_.has_filename()) place_ = place_.parent_path();  // "out/"
+  if (fs::exists(place_) && !(fs::is_directory(place_) && fs::is_empty(place_)))
+    throw Error(place.string() + ": exists; expected a new or an empty folder");
+  filling_ = place_;
+  filling_ += ".part";
+  std::error_code failure;
+  fs::create_directories(place_.parent_path(), failure);
+  if (!failure && !fs::create_directory(filling_, failure) && !failure) failure = std::make_error_code(std::errc::file_exists);
+  if (failure) throw Error(filling_.string() + ": cannot be made: " + failure.message());
+}
+
+NewFolder::~NewFolder() {
+  std::error_code ignored;
+  if (!committed_) fs::remove_all(filling_, ignored);
+}
+
+void NewFolder::commit() {
+  std::error_code failure;
+  fs::rename(filling_, place_, failure);
+  if (failure) throw Error(place_.string() + ": cannot be made: " + failure.message());
+  committed_ = true;
+}
+
+void write_whole(const std::filesystem::path& path, std::string_view text) {
+  WholeFile file(path);
+  file.write(text);
+  file.commit();
+}
+
+}  // namespace imulab

@@ -1,0 +1,63 @@
+// Whole files: mapped for reading, written atomically. All throw Error with the path and the reason of the system.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace imulab {
+
+/// A file mapped into memory for reading. Throws Error where it cannot be opened or is not a regular file; an empty file has an empty text.
+class MappedFile {
+ public:
+  explicit MappedFile(const std::filesystem::path& path);
+  ~MappedFile();
+  MappedFile(const MappedFile&) = delete;
+  MappedFile& operator=(const MappedFile&) = delete;
+  std::string_view text() const { return {data_, size_}; }
+
+ private:
+  const char* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+/// A file being written: a temporary file in the same folder that gets the name at commit(), or is removed. A device or a pipe is written directly.
+class WholeFile {
+ public:
+  explicit WholeFile(const std::filesystem::path& path);
+  ~WholeFile();
+  WholeFile(const WholeFile&) = delete;
+  WholeFile& operator=(const WholeFile&) = delete;
+  void write(std::string_view text);
+  void commit();
+
+ private:
+  std::filesystem::path path_;
+  std::string temporary_;  // empty after commit
+  int descriptor_ = -1;
+};
+
+/// A folder that appears whole or not at all: filled under another name, renamed at commit(), or removed. Throws Error also where the folder exists
+/// and is not empty.
+class NewFolder {
+ public:
+  explicit NewFolder(const std::filesystem::path& place);
+  ~NewFolder();
+  NewFolder(const NewFolder&) = delete;
+  NewFolder& operator=(const NewFolder&) = delete;
+  /// Where to write its files until then.
+  const std::filesystem::path& path() const { return filling_; }
+  void commit();
+
+ private:
+  std::filesystem::path place_, filling_;
+  bool committed_ = false;
+};
+
+/// Writes `text` to `path`, whole or not at all.
+void write_whole(const std::filesystem::path& path, std::string_view text);
+
+/// SHA-256 of `text` as 64 hexadecimal digits.
+std::string sha256(std::string_view text);
+
+}  // namespace imulab

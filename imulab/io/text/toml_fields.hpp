@@ -1,0 +1,96 @@
+// A TOML table, read key by key. Every key of the file must be read, and every value must have the right type and range; whatever is wrong throws
+// Error as `FILE:LINE: KEY: what is wrong; expected WHAT`.
+#pragma once
+
+#include "imulab/recording/session.hpp"
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace imulab::text {
+
+enum class Presence { required, optional };
+
+/// A number's unit and range: multiplied by the factor it is in SI; the range is in the file's unit.
+struct Number {
+  double factor = 1;
+  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+  bool above_low = false;  ///< low itself is excluded
+  Presence presence = Presence::required;
+};
+
+inline Number any_number(double factor = 1) { return {factor}; }
+inline Number positive(double factor = 1) { return {factor, 0, std::numeric_limits<double>::infinity(), true}; }
+inline Number not_negative(double factor = 1) { return {factor, 0}; }
+inline Number within(double low, double high, double factor = 1) { return {factor, low, high}; }
+inline Number or_default(Number number) {
+  number.presence = Presence::optional;
+  return number;
+}
+
+/// Each function reads one key into `value`, numbers converted to SI. A value stays as it is where an optional key is absent; optional are those of
+/// std::optional values and of Presence::optional.
+class TomlFields {
+ public:
+  using Body = std::function<void(TomlFields&)>;
+
+  /// The root table of a file's text.
+  TomlFields(const std::string& file, std::string_view text);
+  ~TomlFields();
+
+  /// Reads the required key `format` and expects `name`, for example "imulab.session/1".
+  void format(std::string_view name);
+  bool has(std::string_view key);
+  void text(std::string_view key, std::string& value);
+  void text(std::string_view key, std::optional<std::string>& value);
+  void number(std::string_view key, double& value, const Number& kind);
+  void number(std::string_view key, std::optional<double>& value, const Number& kind);
+  double number_or(std::string_view key, double otherwise, const Number& kind);  ///< `otherwise` in SI
+  void numbers(std::string_view key, std::span<double> values, const Number& kind);
+  void pair(std::string_view key, std::optional<std::array<double, 2>>& value, const Number& kind);
+  void number_or_numbers(std::string_view key, std::span<double> values, const Number& kind);  ///< one number counts for all
+  void spread(std::string_view key, Spread& value, double factor);                             ///< a number, or { fixed = a number }
+  /// One of `values`, by to_string.
+  template <class Enum>
+  void choice(std::string_view key, Enum& value, const std::vector<Enum>& values, Presence presence = Presence::required) {
+    std::vector<std::string_view> names;
+    names.reserve(values.size());
+    for (const Enum v : values) names.push_back(to_string(v));
+    std::size_t index = names.size();
+    choose(key, names, presence, index);
+    if (index < names.size()) value = values[index];
+  }
+  void choice(std::string_view key, std::string& value, const std::vector<std::string_view>& names, Presence presence);
+  void column(std::string_view key, Column& value);
+  void columns(std::string_view key, std::vector<Column>& value, const std::vector<std::size_t>& counts);  ///< as many as one of `counts`
+  void axis(std::string_view key, std::optional<BodyAxis>& value);
+  void clock_zero(std::string_view key, std::int64_t& zero_ns, int exponent);  ///< in units of 10^exponent ns, exactly
+  bool table(std::string_view key, Presence presence, const Body& body);       ///< false where it is absent
+  template <class T>
+  void table_of(std::string_view key, std::optional<T>& value, const std::function<void(TomlFields&, T&)>& body) {
+    table(key, Presence::optional, [&](TomlFields& fields) { body(fields, value.emplace()); });
+  }
+  void tables(std::string_view key, const Body& body);  ///< [[key]], or one [key]
+
+  /// Throws Error with `message` about the key (at the table's line where the key is absent) unless good. A missing required key goes first.
+  void check(bool good, std::string_view key, const std::string& message) const;
+  /// Throws Error where the file has a key that was not read, or a required one is missing.
+  void done() const;
+
+ private:
+  struct Node;  // hides toml++
+  explicit TomlFields(std::unique_ptr<Node> node);
+  void choose(std::string_view key, const std::vector<std::string_view>& names, Presence presence, std::size_t& index);
+
+  std::unique_ptr<Node> node_;
+};
+
+}  // namespace imulab::text

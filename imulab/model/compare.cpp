@@ -1,0 +1,222 @@
+#include "imulab/model/compare.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/statistics.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/model/coefficient.hpp"
+#include "imulab/model/frame.hpp"
+#include "imulab/model/gauge.hpp"
+#include "imulab/model/user_unit.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+
+namespace imulab {
+
+namespace {
+
+Eigen::VectorXd values(const SensorModel& model) {
+  Eigen::VectorXd v(coefficient_count);
+  for (const CoefficientIndex i : coefficient_indices()) v(i) = coefficient_value(model, i);
+  return v;
+}
+
+/// The covariance over the whole table, zero where nothing was estimated.
+Eigen::MatrixXd table_covariance(const Calibration& c) {
+  Eigen::MatrixXd p = Eigen::MatrixXd::Zero(coefficient_count, coefficient_count);
+  p(c.estimated, c.estimated) = c.covariance;
+  return p;
+}
+
+/// Differences of coefficients -> the same with those of matrices as D = (M_b - M_a) M_a^-1.
+Eigen::MatrixXd to_relative(const SensorModel& a) {
+  Eigen::MatrixXd t = Eigen::MatrixXd::Identity(coefficient_count, coefficient_count);
+  for (const Triad triad : {Triad::accel, Triad::gyro}) {
+    const Matrix3d& matrix = triad == Triad::accel ? a.accel.matrix : a.gyro.matrix;
+    if (!(std::abs(matrix.determinant()) > 0)) throw Error(std::string(to_string(triad)) + ".matrix is singular");
+    for (int row = 0; row < 3; ++row) {
+      const int at = coefficient_index(triad, Term::matrix, row, 0);
+      t.block<3, 3>(at, at) = matrix.inverse().transpose();
+    }
+  }
+  return t;
+}
+
+/// Directions without variance (two coefficients that are one) cannot be tested and do not count.
+Consistency consistency_of(const Eigen::VectorXd& e, const Eigen::MatrixXd& p) {
+  if (e.size() == 0) return {};
+  const Eigen::VectorXd sigma = p.diagonal().cwiseSqrt();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> correlation(sigma.cwiseInverse().asDiagonal() * p * sigma.cwiseInverse().asDiagonal());
+  const Eigen::VectorXd whitened = correlation.eigenvectors().transpose() * e.cwiseQuotient(sigma);
+  Consistency out;
+  for (Eigen::Index i = 0; i < e.size(); ++i) {
+    if (correlation.eigenvalues()(i) < 1e-12 * static_cast<double>(e.size())) continue;  // rounding of the correlations
+    out.chi2 += whitened(i) * whitened(i) / correlation.eigenvalues()(i);
+    ++out.degrees_of_freedom;
+  }
+  if (out.degrees_of_freedom > 0) out.p_value = chi_square_tail(out.chi2, out.degrees_of_freedom);
+  return out;
+}
+
+bool holds(const std::vector<CoefficientIndex>& indices, CoefficientIndex index) {
+  return std::find(indices.begin(), indices.end(), index) != indices.end();
+}
+
+/// Estimated in both, or in one where the other is a truth; a variance of zero states no uncertainty to test.
+std::vector<CoefficientIndex> jointly_estimated(const Calibration& a, const Calibration& b, const Eigen::MatrixXd& p) {
+  std::vector<CoefficientIndex> joint;
+  for (const CoefficientIndex i : coefficient_indices()) {
+    const bool in_a = a.estimated.empty() || holds(a.estimated, i), in_b = b.estimated.empty() || holds(b.estimated, i);
+    if (in_a && in_b && p(i, i) > 0) joint.push_back(i);
+  }
+  return joint;
+}
+
+/// The difference from a of every coefficient of the table: in SI, and with matrices as D.
+struct Differences {
+  Eigen::VectorXd b, e, u, user_e, user_u;
+};
+
+Differences differences(const Eigen::VectorXd& a, const Eigen::MatrixXd& relative, const Calibration& b, const Eigen::MatrixXd& p) {
+  Differences out;
+  out.b = values(b.model);
+  out.e = out.b - a;
+  out.u = p.diagonal().cwiseSqrt();
+  out.user_e = relative * out.e;
+  out.user_u = (relative * p * relative.transpose()).diagonal().cwiseMax(0).cwiseSqrt();
+  return out;
+}
+
+/// The largest of each coefficient's term in any comparison: its axes share a unit.
+Eigen::VectorXd term_sizes(const std::vector<Differences>& all) {
+  Eigen::VectorXd size = Eigen::VectorXd::Zero(coefficient_count);
+  for (const CoefficientIndex i : coefficient_indices())
+    for (const CoefficientIndex k : coefficient_indices())
+      if (coefficient(k).triad == coefficient(i).triad && coefficient(k).term == coefficient(i).term)
+        for (const auto& d : all) size(i) = std::max({size(i), std::abs(d.user_e(k)), d.user_u(k)});
+  return size;
+}
+
+/// A calibration's values and covariance over the whole table.
+struct Estimate {
+  std::vector<CoefficientIndex> estimated;
+  Eigen::VectorXd value;
+  Eigen::MatrixXd covariance;
+};
+
+/// One estimate of a coefficient less the most certain one of the same.
+struct Contrast {
+  CoefficientIndex coefficient;
+  std::size_t estimate, base;
+};
+
+std::vector<Contrast> contrasts(const std::vector<Estimate>& estimates, CoefficientIndex coefficient) {
+  std::vector<std::size_t> of;
+  for (std::size_t k = 0; k < estimates.size(); ++k)
+    if (holds(estimates[k].estimated, coefficient)) of.push_back(k);
+  const auto variance = [&](std::size_t k) { return estimates[k].covariance(coefficient, coefficient); };
+  std::vector<Contrast> out;
+  if (of.empty()) return out;
+  // With another base, a poor one would be common to all contrasts and hide the others' differences in rounding.
+  const std::size_t base = *std::min_element(of.begin(), of.end(), [&](std::size_t k, std::size_t l) { return variance(k) < variance(l); });
+  for (const std::size_t k : of)
+    if (k != base && variance(k) > 0) out.push_back({coefficient, k, base});
+  return out;
+}
+
+/// The contrasts contain all information of the estimates except one common truth, so this is also the estimates' chi-square about their weighted
+/// mean.
+Consistency consistency_of(const std::vector<Estimate>& estimates, const std::vector<Contrast>& all) {
+  const auto n = static_cast<Eigen::Index>(all.size());
+  Eigen::VectorXd e(n);
+  Eigen::MatrixXd p(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Contrast& c = all[static_cast<std::size_t>(i)];
+    e(i) = estimates[c.estimate].value(c.coefficient) - estimates[c.base].value(c.coefficient);
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const Contrast& d = all[static_cast<std::size_t>(j)];
+      const auto shared = [&](std::size_t k, std::size_t l) { return k == l ? estimates[k].covariance(c.coefficient, d.coefficient) : 0.0; };
+      p(i, j) = shared(c.estimate, d.estimate) - shared(c.estimate, d.base) - shared(c.base, d.estimate) + shared(c.base, d.base);
+    }
+  }
+  return consistency_of(e, p);
+}
+
+}  // namespace
+
+std::optional<double> CoefficientDifference::sigmas() const {
+  if (!uncertainty || *uncertainty == 0) return std::nullopt;
+  return difference / *uncertainty;
+}
+
+std::optional<double> CoefficientDifference::user_sigmas() const {
+  if (!user_uncertainty || *user_uncertainty == 0) return std::nullopt;
+  return user_difference / *user_uncertainty;
+}
+
+Comparison compare(const Calibration& a, const Calibration& b) { return compare(a, std::vector<Calibration>{b}).front(); }
+
+std::vector<Comparison> compare(const Calibration& first, const std::vector<Calibration>& others) {
+  const Calibration a = in_accelerometer_frame(first);
+  const Eigen::VectorXd value_a = values(a.model);
+  const Eigen::MatrixXd p_a = table_covariance(a), relative = to_relative(a.model);
+  std::vector<Comparison> out(others.size());
+  std::vector<Calibration> b;
+  std::vector<Differences> all;
+  for (std::size_t k = 0; k < others.size(); ++k) {
+    b.push_back(in_accelerometer_frame(in_gauge_of(first, others[k])));
+    const Eigen::MatrixXd p = p_a + table_covariance(b[k]);
+    all.push_back(differences(value_a, relative, b[k], p));
+    const std::vector<CoefficientIndex> joint = jointly_estimated(a, b[k], p);
+    out[k].consistency = consistency_of(all[k].e(joint), p(joint, joint));
+  }
+  const Eigen::VectorXd size = term_sizes(all);
+  for (const CoefficientIndex i : coefficient_indices()) {
+    bool compared = holds(a.estimated, i);
+    for (std::size_t k = 0; k < b.size(); ++k) compared = compared || holds(b[k].estimated, i) || all[k].e(i) != 0;
+    if (!compared) continue;
+    const UserUnit unit = user_unit(coefficient(i), size(i));
+    for (std::size_t k = 0; k < b.size(); ++k) {
+      const Differences& d = all[k];
+      CoefficientDifference x{i, value_a(i), d.b(i), d.e(i), std::nullopt, d.user_e(i) / unit.size, std::nullopt, unit.name};
+      if (holds(a.estimated, i) || holds(b[k].estimated, i)) {
+        x.uncertainty = d.u(i);
+        x.user_uncertainty = d.user_u(i) / unit.size;
+      }
+      out[k].coefficients.push_back(x);
+    }
+  }
+  return out;
+}
+
+double significant_sigmas(std::size_t tests) {
+  return normal_quantile(1 - 0.5 * table_significance / static_cast<double>(std::max<std::size_t>(tests, 1)));
+}
+
+Agreement agreement(const std::vector<Calibration>& calibrations) {
+  Agreement out;
+  if (calibrations.empty()) return out;
+  const Eigen::MatrixXd relative = to_relative(in_accelerometer_frame(calibrations[0]).model);
+  std::vector<Estimate> si, user;
+  for (const auto& stated : calibrations) {
+    if (stated.estimated.empty()) continue;
+    const Calibration c = in_accelerometer_frame(in_gauge_of(calibrations[0], stated));
+    si.push_back({c.estimated, values(c.model), table_covariance(c)});
+    user.push_back({c.estimated, relative * si.back().value, relative * si.back().covariance * relative.transpose()});
+  }
+  out.calibrations = static_cast<int>(si.size());
+  std::vector<Contrast> all;
+  for (const CoefficientIndex i : coefficient_indices()) {
+    const std::vector<Contrast> of_i = contrasts(si, i);
+    all.insert(all.end(), of_i.begin(), of_i.end());
+    if (!of_i.empty()) out.coefficients.push_back({i, consistency_of(user, contrasts(user, i))});
+  }
+  out.consistency = consistency_of(si, all);
+  for (auto& c : out.coefficients) c.differs = c.consistency.p_value < table_significance / static_cast<double>(out.coefficients.size());
+  return out;
+}
+
+}  // namespace imulab

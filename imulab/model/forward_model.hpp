@@ -1,0 +1,30 @@
+// The sensor model forwards, where it is linear in its coefficients:  Ua = Da + Fa f,  Ug = Dg + Fg w - E f.
+// Then A1 = Fa^-1, A0 = -A1 Da, W1 = Fg^-1, W0 = -W1 Dg, C = W1 E.
+#pragma once
+
+#include "imulab/model/coefficient.hpp"
+#include "imulab/model/sensor_model.hpp"
+
+#include <Eigen/Core>
+
+#include <vector>
+
+namespace imulab {
+
+/// Columns of the forward model; matrices row by row. The last are the difference of the gyros' bias in turns from that at rest.
+struct Forward {
+  static constexpr Eigen::Index accel_offset = 0, accel_matrix = 3, gyro_offset = 12, gyro_matrix = 15, gyro_force = 24, turning_bias = 33, all = 36;
+  /// The column that mainly determines a coefficient of the linear model.
+  static Eigen::Index of(const Coefficient& coefficient);
+};
+
+Eigen::VectorXd forward(const SensorModel& model);
+SensorModel backward(const Eigen::VectorXd& columns);
+
+/// d coefficient / d column where the model is `at`, one row for each of `coefficients` (table indices).
+Eigen::MatrixXd backward_derivatives(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients);
+/// d^2 coefficient / d column^2, one matrix for each; `scale`: the columns' sizes.
+std::vector<Eigen::MatrixXd> backward_curvatures(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients,
+                                                 const Eigen::VectorXd& scale);
+
+}  // namespace imulab

@@ -1,0 +1,68 @@
+#include "imulab/model/requirement.hpp"
+
+#include "imulab/core/error.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace imulab {
+
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  const auto begin = text.find_first_not_of(" \t\n"), end = text.find_last_not_of(" \t\n");
+  return begin == std::string_view::npos ? std::string_view{} : text.substr(begin, end - begin + 1);
+}
+
+/// The unit of this name that all of the coefficients can have: a group may be of scales and misalignments. `stated`: the requirement's text.
+UserUnit unit_of(const Requirement& requirement, const std::string& stated, std::string_view name) {
+  const auto has = [](CoefficientIndex index, std::string_view unit) {
+    const auto units = user_units(coefficient(index));
+    return std::any_of(units.begin(), units.end(), [&](const UserUnit& u) { return u.name == unit; });
+  };
+  std::string names;
+  for (const UserUnit& u : user_units(coefficient(requirement.coefficients.front()))) {
+    if (!std::all_of(requirement.coefficients.begin(), requirement.coefficients.end(), [&](CoefficientIndex i) { return has(i, u.name); })) continue;
+    if (u.name == name) return u;
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", u.name);
+  }
+  if (name.empty()) throw Error(fmt::format("{}: no unit after the number; expected one of {}", stated, names));
+  throw Error(fmt::format("{}: \"{}\" is no unit of {}; expected one of {}", stated, name, requirement.selector, names));
+}
+
+Requirement parse_requirement(std::string_view text) {
+  const auto sign = text.find("<=");
+  if (sign == std::string_view::npos)
+    throw Error(fmt::format("\"{}\": expected COEFFICIENTS <= NUMBER UNIT, as in \"gyro.matrix.off_diagonal <= 5 arcsec\"", trimmed(text)));
+  Requirement out;
+  out.selector = trimmed(text.substr(0, sign));
+  out.coefficients = select_coefficients(out.selector);
+  for (const CoefficientIndex index : out.coefficients)
+    if (const Term term = coefficient(index).term; term != Term::offset && term != Term::matrix && term != Term::g_sensitivity)
+      throw Error(fmt::format("{}: no prediction estimates it; expected coefficients of offset, matrix or g_sensitivity", out.selector));
+  const std::string_view value = trimmed(text.substr(sign + 2));
+  const std::string stated = fmt::format("{} <= {}", out.selector, value);
+  const char* const end = value.data() + value.size();
+  const auto [after, failure] = std::from_chars(value.data(), end, out.limit);
+  if (failure != std::errc() || !(out.limit > 0) || !std::isfinite(out.limit)) throw Error(stated + ": expected a number above 0");
+  out.unit = unit_of(out, stated, trimmed({after, end}));
+  out.limit *= out.unit.size;
+  return out;
+}
+
+}  // namespace
+
+std::vector<Requirement> parse_requirements(std::string_view text) {
+  std::vector<Requirement> out;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    out.push_back(parse_requirement(text.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return out;
+}
+
+}  // namespace imulab

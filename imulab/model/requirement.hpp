@@ -1,0 +1,32 @@
+// Requirements on a calibration: "gyro.matrix.off_diagonal <= 5 arcsec", one sigma of each of these coefficients.
+#pragma once
+
+#include "imulab/model/coefficient.hpp"
+#include "imulab/model/user_unit.hpp"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace imulab {
+
+struct Requirement {
+  std::string selector;
+  std::vector<CoefficientIndex> coefficients;
+  double limit = 0;  ///< SI, above 0
+  UserUnit unit;     ///< in which it was stated
+};
+
+/// Requirements separated by commas. Throws Error for text of another form, an unknown coefficient, one that no prediction estimates (all but offset,
+/// matrix and g_sensitivity), a number that is not above 0, and a unit that the coefficients cannot have.
+std::vector<Requirement> parse_requirements(std::string_view text);
+
+/// A requirement that is not met, by one of its coefficients.
+struct Shortfall {
+  Requirement requirement;
+  CoefficientIndex coefficient;
+  double sigma;        ///< of it, SI; infinite: the procedure does not determine it
+  std::string source;  ///< of most of its variance, where that is known
+};
+
+}  // namespace imulab

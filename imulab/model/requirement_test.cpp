@@ -1,0 +1,64 @@
+#include "imulab/model/requirement.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
+
+#include <gmock/gmock.h>
+
+#include <utility>
+
+namespace imulab {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+TEST(Requirement, IsReadInUserUnits) {
+  const auto r =
+      parse_requirements(" gyro.matrix.off_diagonal <= 5 arcsec,accel.offset<=2.5e1ug , accel.matrix <= 40 ppm, gyro.offset.z <= 1 deg/h ");
+  ASSERT_THAT(r, SizeIs(4));
+  EXPECT_EQ(r[0].selector, "gyro.matrix.off_diagonal");
+  EXPECT_THAT(r[0].coefficients, SizeIs(6));
+  EXPECT_DOUBLE_EQ(r[0].limit, 5 * unit::arcsec);
+  EXPECT_THAT(r[1].coefficients, SizeIs(3));
+  EXPECT_DOUBLE_EQ(r[1].limit, 25e-6 * 9.80665);
+  EXPECT_EQ(r[1].unit.name, "ug");
+  EXPECT_THAT(r[2].coefficients, SizeIs(9));
+  EXPECT_DOUBLE_EQ(r[2].limit, 40e-6);
+  EXPECT_EQ(r[3].coefficients, std::vector{coefficient_index("gyro.offset.z")});
+}
+
+TEST(Requirement, BadTextIsRefused) {
+  for (const auto& [text, message] : std::vector<std::pair<const char*, const char*>>{
+           {"", "\"\": expected COEFFICIENTS <= NUMBER UNIT, as in \"gyro.matrix.off_diagonal <= 5 arcsec\""},
+           {"  ", "\"\": expected COEFFICIENTS <= NUMBER UNIT"},
+           {"accel.offset", "\"accel.offset\": expected COEFFICIENTS <= NUMBER UNIT"},
+           {"accel.offset < 1 ug", "\"accel.offset < 1 ug\": expected COEFFICIENTS <= NUMBER UNIT"},
+           {"accel.offset <= 1 ug,", "\"\": expected COEFFICIENTS <= NUMBER UNIT"},
+           {"accel.ofset <= 1 ug", "unknown coefficient \"accel.ofset\": expected triad.term.element"},
+           {" <= 1 ug", "unknown coefficient \"\""},
+           {"accel.offset <= ", "accel.offset <= : expected a number above 0"},
+           {"accel.offset <= ug", "accel.offset <= ug: expected a number above 0"},
+           {"accel.offset <= 0 ug", "accel.offset <= 0 ug: expected a number above 0"},
+           {"accel.offset <= -1 ug", "accel.offset <= -1 ug: expected a number above 0"},
+           {"accel.offset <= nan ug", "accel.offset <= nan ug: expected a number above 0"},
+           {"accel.offset <= inf ug", "accel.offset <= inf ug: expected a number above 0"},
+           {"accel.offset <= 1e999 ug", "accel.offset <= 1e999 ug: expected a number above 0"},
+           {"accel.offset <= 1", "accel.offset <= 1: no unit after the number; expected one of ug, mg, g, m/s^2"},
+           {"accel.offset <= 1 arcsec", "accel.offset <= 1 arcsec: \"arcsec\" is no unit of accel.offset; expected one of ug, mg, g, m/s^2"},
+           {"gyro.matrix <= 1 deg", "gyro.matrix <= 1 deg: \"deg\" is no unit of gyro.matrix; expected one of ppm, arcsec, rad"},
+           {"gyro.offset <= 1 deg/h <= 2 deg/h", "\"deg/h <= 2 deg/h\" is no unit of gyro.offset"},
+           {"accel.quadratic <= 1 ug", "accel.quadratic: no prediction estimates it; expected coefficients of offset, matrix or g_sensitivity"},
+           {"accel.lever_arm.xx <= 1 mm", "accel.lever_arm.xx: no prediction estimates it"},
+           {"gyro.thermal <= 1 deg/h", "gyro.thermal: no prediction estimates it"}}) {
+    try {
+      parse_requirements(text);
+      ADD_FAILURE() << "accepted: " << text;
+    } catch (const Error& e) {
+      EXPECT_THAT(e.what(), HasSubstr(message));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace imulab

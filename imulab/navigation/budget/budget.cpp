@@ -1,0 +1,200 @@
+#include "imulab/navigation/budget/budget.hpp"
+
+#include "imulab/navigation/budget/growth.hpp"
+#include "imulab/core/error.hpp"
+#include "imulab/model/coefficient.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace imulab {
+namespace {
+
+using namespace budget;
+using motion::NominalMotion;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using At = ErrorIndex;
+
+/// Position, velocity, attitude.
+template <class Columns>
+BudgetRows rows_of(const Columns& x) {
+  BudgetRows out(budget_quantities, x.cols());
+  out << x.template middleRows<3>(At::position), x.template middleRows<3>(At::velocity), x.template middleRows<3>(At::attitude);
+  return out;
+}
+
+/// Sizes of all parameters: what is fixed, the covariance of what is drawn, and the group of each.
+struct Parameters {
+  VectorXd fixed;
+  MatrixXd covariance;
+  std::vector<std::string> group;
+};
+
+std::string group_of(const Coefficient& c) {
+  const std::string triad = c.triad == Triad::gyro ? "gyro " : "accelerometer ";
+  switch (c.term) {
+    case Term::offset:
+      return triad + "bias";
+    case Term::matrix:
+      return triad + (c.row == c.column ? "scale" : "misalignment");
+    case Term::quadratic:
+    case Term::cubic:
+      return triad + "nonlinearity";
+    case Term::thermal:
+      return triad + "temperature";
+    case Term::g_sensitivity:
+      return "g-sensitivity";
+    case Term::lever_arm:
+      break;
+  }
+  return triad + "lever arms";
+}
+
+Parameters parameters_of(const ErrorSources& sources, const SourceColumns& columns) {
+  Parameters p{VectorXd::Zero(columns.count), MatrixXd::Zero(columns.count, columns.count), {}};
+  p.fixed.head(columns.coefficients) = sources.fixed;
+  p.covariance.topLeftCorner(columns.coefficients, columns.coefficients) = sources.covariance;
+  for (const CoefficientIndex index : sources.coefficients) p.group.push_back(group_of(coefficient(index)));
+  const auto add = [&](const Spread& spread, const std::string& group) {
+    const auto at = static_cast<Eigen::Index>(p.group.size());
+    if (spread.fixed)
+      p.fixed[at] = spread.value;
+    else
+      p.covariance(at, at) = spread.value * spread.value;
+    p.group.push_back(group);
+  };
+  const auto add_triad = [&](const Spread& spread, const std::string& group) {
+    for (int k = 0; k < 3; ++k) add(spread, group);
+  };
+  add_triad(sources.gyro_noise.turn_on, "gyro turn-on");
+  add_triad(sources.accel_noise.turn_on, "accelerometer turn-on");
+  add_triad(sources.gyro_noise.R, "gyro ramp");
+  add_triad(sources.accel_noise.R, "accelerometer ramp");
+  for (const Spread& s : sources.start.position) add(s, "start position");
+  for (const Spread& s : sources.start.velocity) add(s, "start velocity");
+  for (std::size_t k = 0; k < 3; ++k)
+    add(sources.start.aligned_over ? Spread{} : sources.start.attitude[k], k < 2 ? "start attitude: level" : "start attitude: heading");
+  add(sources.barometer.bias, "barometer");
+  return p;
+}
+
+/// Strapdown's own error on what a perfect IMU reads, at the outputs (samples' numbers).
+BudgetRows algorithm_error(const NominalMotion& motion, const StrapdownOptions& options, const std::vector<std::size_t>& outputs) {
+  BudgetRows out(budget_quantities, static_cast<Eigen::Index>(outputs.size()));
+  Strapdown strapdown(motion.states.front(), options);
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < motion.increments.size(); ++i) {
+    strapdown.step(motion.increments[i], motion.time[i + 1] - motion.time[i], motion.states[i + 1].height);
+    if (next < outputs.size() && outputs[next] == i + 1)
+      out.col(static_cast<Eigen::Index>(next++)) = rows_of(error_of(strapdown.state(), motion.states[i + 1]));
+  }
+  return out;
+}
+
+Eigen::Index outputs(const ErrorBudget& budget) { return static_cast<Eigen::Index>(budget.time.size()); }
+
+Contribution& added(std::vector<Contribution>& to, const ErrorBudget& budget, const std::string& name) {
+  return to.emplace_back(
+      Contribution{name, BudgetRows::Zero(budget_quantities, outputs(budget)), BudgetRows::Zero(budget_quantities, outputs(budget))});
+}
+
+Contribution& group(ErrorBudget& budget, const std::string& name) {
+  const auto found = std::find_if(budget.groups.begin(), budget.groups.end(), [&](const Contribution& c) { return c.name == name; });
+  return found != budget.groups.end() ? *found : added(budget.groups, budget, name);
+}
+
+void add_coefficients(ErrorBudget& budget, const std::vector<BudgetRows>& sensitivities, const Parameters& p, const ErrorSources& sources) {
+  for (std::size_t k = 0; k < sources.coefficients.size(); ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    const double sigma = std::sqrt(p.covariance(column, column));
+    Contribution& c = added(budget.coefficients, budget, std::string(coefficient(sources.coefficients[k]).name));
+    for (std::size_t i = 0; i < sensitivities.size(); ++i) {
+      c.fixed.col(static_cast<Eigen::Index>(i)) = p.fixed[column] * sensitivities[i].col(column);
+      c.sigma.col(static_cast<Eigen::Index>(i)) = sigma * sensitivities[i].col(column).cwiseAbs();
+    }
+  }
+}
+
+/// A group's own block of the covariance.
+void add_groups(ErrorBudget& budget, const std::vector<BudgetRows>& sensitivities, const Parameters& p) {
+  std::vector<std::string> names;
+  for (const std::string& name : p.group)
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  for (const std::string& name : names) {
+    std::vector<Eigen::Index> of;
+    for (std::size_t k = 0; k < p.group.size(); ++k)
+      if (p.group[k] == name) of.push_back(static_cast<Eigen::Index>(k));
+    const VectorXd fixed = p.fixed(of);
+    const MatrixXd covariance = p.covariance(of, of);
+    if (fixed.isZero(0) && covariance.isZero(0)) continue;
+    Contribution& c = group(budget, name);
+    for (std::size_t i = 0; i < sensitivities.size(); ++i) {
+      const auto at = static_cast<Eigen::Index>(i);
+      const BudgetRows s = sensitivities[i](Eigen::all, of);
+      c.fixed.col(at) = s * fixed;
+      c.sigma.col(at) = (s * covariance).cwiseProduct(s).rowwise().sum().cwiseMax(0.0).cwiseSqrt();
+    }
+  }
+}
+
+/// To a group of this name, where there is one.
+void add_noise(ErrorBudget& budget, const std::string& name, const std::vector<BudgetMatrix>& covariance) {
+  Contribution& c = group(budget, name);
+  for (std::size_t i = 0; i < covariance.size(); ++i) {
+    auto sigma = c.sigma.col(static_cast<Eigen::Index>(i));
+    sigma = (sigma.cwiseAbs2() + covariance[i].diagonal()).cwiseMax(0.0).cwiseSqrt();
+    budget.covariance[i] += covariance[i];
+  }
+}
+
+BudgetMatrix block_of(const ErrorMatrix& P) {
+  const BudgetRows rows = rows_of(P);  // 9 x 10
+  return rows_of(rows.transpose()).transpose();
+}
+
+}  // namespace
+
+std::vector<double> ErrorBudget::shares(int quantity, std::size_t at) const {
+  const auto column = static_cast<Eigen::Index>(at);
+  const double m = mean(quantity, column), variance = covariance[at](quantity, quantity), square = m * m + variance;
+  std::vector<double> out;
+  double rest = variance;
+  for (const Contribution& c : groups) {
+    const double own = c.sigma(quantity, column) * c.sigma(quantity, column);
+    rest -= own;
+    out.push_back(square > 0 ? (own + m * c.fixed(quantity, column)) / square : 0);
+  }
+  out.push_back(square > 0 ? rest / square : 0);
+  return out;
+}
+
+ErrorBudget error_budget(const NominalMotion& motion, const ErrorSources& sources, const BudgetOptions& options) {
+  ErrorGrowth growth(motion, sources, options.strapdown);
+  const Parameters p = parameters_of(sources, growth.columns());
+  ErrorBudget out;
+  out.vertical = options.strapdown.vertical;
+  std::vector<std::size_t> samples;
+  std::vector<BudgetRows> sensitivities;
+  std::vector<std::vector<BudgetMatrix>> noises(growth.noises());
+  follow(growth, motion, options, [&](std::size_t sample) {
+    samples.push_back(sample);
+    out.time.push_back(motion.time[sample]);
+    sensitivities.push_back(rows_of(growth.sensitivities()));
+    for (std::size_t i = 0; i < growth.noises(); ++i) noises[i].push_back(block_of(growth.noise_covariance(i)));
+  });
+
+  for (const BudgetRows& s : sensitivities) out.covariance.emplace_back(s * p.covariance * s.transpose());
+  add_coefficients(out, sensitivities, p, sources);
+  add_groups(out, sensitivities, p);
+  for (std::size_t i = 0; i < growth.noises(); ++i) add_noise(out, growth.noise_name(i), noises[i]);
+  Contribution& algorithm = group(out, "algorithm");
+  algorithm.fixed = algorithm_error(motion, options.strapdown, samples);
+  out.mean = BudgetRows::Zero(budget_quantities, outputs(out));
+  for (const Contribution& c : out.groups) out.mean += c.fixed;
+  return out;
+}
+
+}  // namespace imulab

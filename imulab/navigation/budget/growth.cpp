@@ -1,0 +1,241 @@
+#include "imulab/navigation/budget/growth.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/model/coefficient.hpp"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+namespace imulab::budget {
+
+using motion::NominalMotion;
+
+namespace {
+
+using At = ErrorIndex;
+
+/// Up to rounding, in units of each coefficient's sigma.
+bool positive(const Eigen::MatrixXd& covariance) {
+  if (covariance.rows() == 0) return true;
+  const Eigen::VectorXd scale = covariance.diagonal().unaryExpr([](double v) { return v > 0 ? 1 / std::sqrt(v) : 1; });
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * covariance * scale.asDiagonal();
+  return (scaled - scaled.transpose()).cwiseAbs().maxCoeff() < 1e-9 &&
+         Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues().minCoeff() > -1e-9;
+}
+
+void check(const NominalMotion& motion, const ErrorSources& sources, const StrapdownOptions& options) {
+  const auto n = static_cast<Eigen::Index>(sources.coefficients.size());
+  if (motion.increments.empty() || motion.states.size() != motion.increments.size() + 1 || motion.time.size() != motion.states.size())
+    throw Error("errors along a motion: no samples; expected at least one");
+  if (std::adjacent_find(motion.time.begin(), motion.time.end(), std::greater_equal<>()) != motion.time.end())
+    throw Error("errors along a motion: expected ascending times");
+  if (sources.fixed.size() != n || sources.covariance.rows() != n || sources.covariance.cols() != n)
+    throw Error("errors along a motion: expected a fixed error of each coefficient and their covariance");
+  if (!sources.fixed.allFinite() || !sources.covariance.allFinite() || (n > 0 && sources.covariance.diagonal().minCoeff() < 0))
+    throw Error("errors along a motion: expected finite errors of the coefficients and variances not below zero");
+  if (!positive(sources.covariance)) throw Error("errors along a motion: expected a symmetric, positive semidefinite covariance");
+  if (!(sources.barometer.time_constant > 0)) throw Error("barometer: expected a positive time constant of its noise");
+  if (sources.start.aligned_over && !(*sources.start.aligned_over > 0)) throw Error("alignment: expected a positive time");
+  Strapdown(motion.states.front(), options);  // whether this start can be integrated
+}
+
+std::vector<NoiseSource> noise_sources(const ErrorSources& sources, double interval) {
+  std::vector<NoiseSource> out;
+  const auto add = [&](NoiseSource::Acts acts, std::string name, double size, const NoiseProcesses& processes) {
+    if (size != 0) out.push_back({acts, std::move(name), NoiseGrowth(processes, acts == NoiseSource::Acts::barometer ? 1 : 3)});
+  };
+  using Acts = NoiseSource::Acts;
+  for (const bool gyro : {true, false}) {
+    const NoiseModel& m = gyro ? sources.gyro_noise : sources.accel_noise;
+    const std::string triad = gyro ? "gyro " : "accelerometer ";
+    add(gyro ? Acts::gyro_white : Acts::accel_white, triad + "white noise", m.N, white_noise(m.N));
+    add(gyro ? Acts::gyro : Acts::accel, triad + "flicker", m.B, flicker_noise(m.B, interval));
+    add(gyro ? Acts::gyro : Acts::accel, triad + "random walk", m.K, random_walk(m.K));
+    add(gyro ? Acts::gyro_white : Acts::accel_white, triad + "quantization", m.Q, white_noise(0));
+    if (m.Q != 0) out.back().quantization = m.Q;
+  }
+  const BarometerErrors& b = sources.barometer;
+  add(Acts::barometer, "barometer", b.noise, markov_noise(b.noise, b.time_constant));
+  return out;
+}
+
+Matrix3d middle_attitude(const NavigationState& from, const NavigationState& to) {
+  const double same_way = from.q_nb.dot(to.q_nb) < 0 ? -1 : 1;
+  return Eigen::Quaterniond(Eigen::Vector4d(from.q_nb.coeffs() + same_way * to.q_nb.coeffs())).normalized().toRotationMatrix();
+}
+
+/// White noise is the same in any axes: its interval's turning does not matter.
+ErrorColumns effect(NoiseSource::Acts acts, const ErrorColumns& by_rate, const ErrorColumns& by_force, const Matrix3d& turned, double length,
+                    const ErrorState& by_barometer) {
+  using Acts = NoiseSource::Acts;
+  if (acts == Acts::gyro_white) return length * by_rate;
+  if (acts == Acts::accel_white) return length * by_force;
+  if (acts == Acts::gyro) return by_rate * turned;
+  if (acts == Acts::accel) return by_force * turned;
+  return length * by_barometer;
+}
+
+/// No vertical velocity; and where the height is the barometer's.
+bool fixed(const StrapdownOptions& options) { return options.vertical == VerticalChannel::fixed; }
+bool held(const StrapdownOptions& options) { return options.vertical == VerticalChannel::held; }
+
+}  // namespace
+
+ErrorGrowth::ErrorGrowth(const NominalMotion& motion, const ErrorSources& sources, const StrapdownOptions& options)
+    : motion_(motion),
+      options_(options),
+      effects_(sources.model, sources.coefficients, sources.accel_tau, sources.gyro_tau),
+      columns_{static_cast<Eigen::Index>(sources.coefficients.size())},
+      sensitivity_(ErrorColumns::Zero(At::count, columns_.count)) {
+  check(motion, sources, options);
+  noises_ = noise_sources(sources, motion.time[1] - motion.time[0]);
+  start();
+  if (sources.start.aligned_over) align(*sources.start.aligned_over);
+  for (NoiseSource& n : noises_)
+    if (n.quantization != 0) quantize(n, sources.start.aligned_over);
+}
+
+void ErrorGrowth::block(std::size_t begin, std::size_t end) {
+  const double length = motion_.time[end] - motion_.time[begin], middle = (motion_.time[end] + motion_.time[begin]) / 2;
+  Vector3d pushed = Vector3d::Zero();
+  Matrix3d turned = Matrix3d::Zero();  // integral of C_nb
+  effects_.clear();
+  for (std::size_t i = begin; i < end; ++i) {
+    const double T = motion_.time[i + 1] - motion_.time[i];
+    const Matrix3d C_nb = middle_attitude(motion_.states[i], motion_.states[i + 1]);
+    const Increment& sample = motion_.increments[i];
+    pushed += C_nb * sample.velocity;
+    turned += T * C_nb;
+    effects_.add(C_nb, {sample.velocity / T, sample.angle / T}, T);
+  }
+  const ErrorDynamics d = error_dynamics(motion_.states[(begin + end) / 2], pushed / length, options_);
+  const ErrorMatrix half = error_transition(d.F, length / 2), whole = half * half;
+  const ErrorColumns by_rate = -half.middleCols<3>(At::attitude);
+  ErrorColumns by_force = half.middleCols<3>(At::velocity);
+  if (fixed(options_)) by_force.col(2).setZero();
+
+  sensitivity_ = (whole * sensitivity_).eval();
+  sensitivity_.leftCols(columns_.coefficients) += by_rate * effects_.rate() + by_force * effects_.force();
+  add_unit(by_rate * turned, by_force * turned, aligned_ + middle - motion_.time.front());
+  sensitivity_.col(columns_.barometer) += length * (half * d.b);
+  for (NoiseSource& n : noises_) n.growth.step(whole, effect(n.acts, by_rate, by_force, turned, length, half * d.b), length);
+}
+
+void ErrorGrowth::start() {
+  // In the layout position, velocity, attitude.
+  for (const auto& [column, row] : {std::pair{0, At::position}, {3, At::velocity}, {6, At::attitude}})
+    sensitivity_.block<3, 3>(row, columns_.start + column).setIdentity();
+  if (fixed(options_)) sensitivity_(At::velocity + 2, columns_.start + 5) = 0;  // it starts without vertical velocity
+  if (held(options_)) sensitivity_(At::up, columns_.start + 2) = 0;             // the first barometer height replaces it
+}
+
+/// The mean errors of the sensors over the alignment turn the start.
+void ErrorGrowth::align(double duration) {
+  const NavigationState& s = motion_.states.front();
+  const Eigen::Matrix<double, 3, 6> tilt = alignment_effect(s, options_);
+  const Matrix3d C_nb = s.q_nb.toRotationMatrix();
+  const LocalEarth earth = integration::earth_at(s.latitude, s.height, options_);
+  ErrorColumns by_rate = ErrorColumns::Zero(At::count, 3), by_force = by_rate;
+  by_rate.middleRows<3>(At::attitude) = tilt.leftCols<3>();
+  by_force.middleRows<3>(At::attitude) = tilt.rightCols<3>();
+  effects_.clear();
+  effects_.add(C_nb, {-C_nb.transpose() * earth.gravity, C_nb.transpose() * earth.rate}, 1);
+  sensitivity_.leftCols(columns_.coefficients) += by_rate * effects_.rate() + by_force * effects_.force();
+  add_unit(by_rate * C_nb, by_force * C_nb, duration / 2);
+  for (NoiseSource& n : noises_)
+    n.growth.step(ErrorMatrix::Identity(), effect(n.acts, by_rate / duration, by_force / duration, duration * C_nb, duration, ErrorState::Zero()),
+                  duration);
+  aligned_ = duration;
+}
+
+/// The integral of a triad's output errs by an independent n_k of size Q at each reading k: over the motion by n_k - n_0, in the mean of an alignment
+/// before it by (n_0 - n_-m) / duration. What it does through the n_k between does not add up and is left out.
+void ErrorGrowth::quantize(NoiseSource& noise, std::optional<double> aligned) {
+  const bool gyro = noise.acts == NoiseSource::Acts::gyro_white;
+  ErrorColumns by_first = ErrorColumns::Zero(At::count, 3), by_alignment = by_first;
+  by_first.middleRows<3>(gyro ? At::attitude : At::velocity) = (gyro ? 1 : -1) * Matrix3d::Identity();
+  if (aligned) by_alignment.middleRows<3>(At::attitude) = alignment_effect(motion_.states.front(), options_).middleCols<3>(gyro ? 0 : 3) / *aligned;
+  if (fixed(options_)) by_first.row(At::velocity + 2).setZero();
+  by_first += by_alignment;
+  noise.growth.add(noise.quantization * noise.quantization * (by_first * by_first.transpose() + by_alignment * by_alignment.transpose()));
+}
+
+void ErrorGrowth::add_unit(const ErrorColumns& gyro, const ErrorColumns& accel, double time) {
+  sensitivity_.middleCols<3>(columns_.gyro_unit) += gyro;
+  sensitivity_.middleCols<3>(columns_.accel_unit) += accel;
+  sensitivity_.middleCols<3>(columns_.gyro_ramp) += time * gyro;
+  sensitivity_.middleCols<3>(columns_.accel_ramp) += time * accel;
+}
+
+ErrorColumns ErrorGrowth::sensitivities() const {
+  ErrorColumns out = sensitivity_;
+  if (held(options_)) out(At::up, columns_.barometer) = 1;
+  return out;
+}
+
+ErrorMatrix ErrorGrowth::noise_covariance(std::size_t i) const {
+  const NoiseSource& n = noises_[i];
+  ErrorMatrix out = n.growth.covariance();
+  if (held(options_) && n.acts == NoiseSource::Acts::barometer) {
+    out.row(At::up) = n.growth.with_noise(0).transpose();
+    out.col(At::up) = n.growth.with_noise(0);
+    out(At::up, At::up) = n.growth.noise_variance();
+  }
+  const int integral = n.acts == NoiseSource::Acts::gyro_white ? At::attitude : At::velocity;
+  for (int k = 0; k < 3; ++k)  // of the last reading
+    if (integral + k != At::velocity + 2 || !fixed(options_)) out(integral + k, integral + k) += n.quantization * n.quantization;
+  return out;
+}
+
+std::vector<std::size_t> output_samples(const NominalMotion& motion, double interval) {
+  if (!(interval > 0)) throw Error("errors along a motion: expected a positive time between outputs");
+  std::vector<std::size_t> out;
+  double next = interval;
+  for (std::size_t i = 1; i < motion.time.size(); ++i) {
+    const double t = (motion.time[i] - motion.time.front()) * (1 + 1e-12);  // rounding is no reason to wait for the next sample
+    if (t < next && i + 1 < motion.time.size()) continue;
+    out.push_back(i);
+    next = interval * (std::floor(t / interval) + 1);
+  }
+  return out;
+}
+
+Eigen::Matrix<double, 3, 6> alignment_effect(const NavigationState& start, const StrapdownOptions& options) {
+  const LocalEarth earth = local_earth(start.latitude, start.height);
+  const double g = options.gravity.value_or(earth.gravity.norm()), horizontal = earth.rate.y();
+  Eigen::Matrix<double, 3, 6> out = Eigen::Matrix<double, 3, 6>::Zero();
+  out(1, 3) = 1 / g;   // phi_N = df_E / g
+  out(0, 4) = -1 / g;  // phi_E = -df_N / g
+  out.row(2) = earth.sin_latitude / earth.cos_latitude * out.row(1);
+  out(2, 0) = -1 / horizontal;  // phi_U = phi_N tan L - dw_E / (w_ie cos L)
+  return out;
+}
+
+void follow(ErrorGrowth& growth, const NominalMotion& motion, const BudgetOptions& options, const std::function<void(std::size_t)>& see) {
+  if (!(options.block > 0)) throw Error("error budget: expected a block of positive duration");
+  std::size_t begin = 0;
+  for (const std::size_t output : output_samples(motion, options.output_interval)) {
+    while (begin < output) {
+      const auto first = motion.time.begin() + static_cast<std::ptrdiff_t>(begin) + 1,
+                 last = motion.time.begin() + static_cast<std::ptrdiff_t>(output);
+      const auto after = std::upper_bound(first + 1, last + 1, (motion.time[begin] + options.block) * (1 + 1e-12));  // at least one sample
+      const auto end = static_cast<std::size_t>(after - motion.time.begin()) - 1;
+      growth.block(begin, end);
+      begin = end;
+    }
+    see(output);
+  }
+}
+
+ErrorColumns error_sensitivities(const NominalMotion& motion, const ErrorSources& sources, const BudgetOptions& options) {
+  ErrorGrowth growth(motion, sources, options.strapdown);
+  ErrorColumns out;
+  follow(growth, motion, options, [&](std::size_t) { out = growth.sensitivities(); });
+  return out;
+}
+
+}  // namespace imulab::budget

@@ -1,0 +1,74 @@
+// Sensitivities to every source of error, and the covariance from noise, along a motion.
+#pragma once
+
+#include "imulab/navigation/budget/budget.hpp"
+#include "imulab/navigation/budget/coefficient_effects.hpp"
+#include "imulab/navigation/budget/error_dynamics.hpp"
+#include "imulab/navigation/budget/noise_growth.hpp"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace imulab::budget {
+
+/// First columns of the sensitivities: of the coefficients; of an error at one of each gyro and accelerometer after compensation (turn-on); of one
+/// that grows by one a second; of the start's position, velocity and attitude; of the barometer's bias.
+struct SourceColumns {
+  Eigen::Index coefficients, gyro_unit = coefficients, accel_unit = gyro_unit + 3, gyro_ramp = accel_unit + 3, accel_ramp = gyro_ramp + 3,
+                             start = accel_ramp + 3, barometer = start + 9, count = barometer + 1;
+};
+
+struct NoiseSource {
+  enum class Acts { gyro_white, accel_white, gyro, accel, barometer } acts;
+  std::string name;
+  NoiseGrowth growth;
+  double quantization = 0;  // Q, where it is that
+};
+
+/// Advances by blocks of samples; over each block the sensors' errors are summed, and act in its middle. `motion` must outlive it.
+class ErrorGrowth {
+ public:
+  /// Throws Error for what error_budget refuses.
+  ErrorGrowth(const motion::NominalMotion& motion, const ErrorSources& sources, const StrapdownOptions& options);
+
+  /// From sample `begin` to sample `end`.
+  void block(std::size_t begin, std::size_t end);
+
+  const SourceColumns& columns() const { return columns_; }
+  /// Derivative of the present error state by each source. What a source does through an alignment is in its column.
+  ErrorColumns sensitivities() const;
+  std::size_t noises() const { return noises_.size(); }
+  const std::string& noise_name(std::size_t i) const { return noises_[i].name; }
+  ErrorMatrix noise_covariance(std::size_t i) const;
+
+ private:
+  void start();
+  void align(double duration);
+  void quantize(NoiseSource& noise, std::optional<double> aligned);
+  void add_unit(const ErrorColumns& gyro, const ErrorColumns& accel, double time);
+
+  const motion::NominalMotion& motion_;
+  StrapdownOptions options_;
+  CoefficientEffects effects_;
+  SourceColumns columns_;
+  ErrorColumns sensitivity_;
+  std::vector<NoiseSource> noises_;
+  double aligned_ = 0;  // s before the motion
+};
+
+/// Calls `see` with the number of each sample at which a result is due, when the growth has reached it.
+void follow(ErrorGrowth& growth, const motion::NominalMotion& motion, const BudgetOptions& options, const std::function<void(std::size_t)>& see);
+
+/// Derivative of the error state at the end by each source.
+ErrorColumns error_sensitivities(const motion::NominalMotion& motion, const ErrorSources& sources, const BudgetOptions& options = {});
+
+/// Numbers of the samples at which a result is due: the first at or after each multiple of `interval` [s] from the start, and the last.
+std::vector<std::size_t> output_samples(const motion::NominalMotion& motion, double interval);
+
+/// Of an alignment at rest: derivative of the attitude error at the start by errors of rate and force in east-north-up axes, [d phi / d rate, d phi /
+/// d force].
+Eigen::Matrix<double, 3, 6> alignment_effect(const NavigationState& start, const StrapdownOptions& options);
+
+}  // namespace imulab::budget

@@ -1,0 +1,255 @@
+#include "imulab/navigation/budget/monte_carlo.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/random.hpp"
+#include "imulab/core/rotation.hpp"
+#include "imulab/core/statistics.hpp"
+#include "imulab/model/coefficient.hpp"
+#include "imulab/model/compensate.hpp"
+#include "imulab/model/sensor_noise.hpp"
+#include "imulab/navigation/budget/growth.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <string>
+
+namespace imulab {
+namespace {
+
+using namespace budget;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using integration::earth_at;
+using motion::NominalMotion;
+using Columns = std::array<std::vector<double>, 6>;  // rate x y z, force x y z
+using Errors = Eigen::Matrix<float, budget_quantities, Eigen::Dynamic>;
+
+/// A factor A of a covariance A A^T that may be singular.
+MatrixXd factor(const MatrixXd& covariance) {
+  if (covariance.size() == 0) return covariance;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(covariance);
+  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+}
+
+MotionColumns spans(Columns& columns) {
+  MotionColumns out;
+  for (std::size_t axis = 0; axis < 3; ++axis) out.rate[axis] = columns[axis], out.force[axis] = columns[axis + 3];
+  return out;
+}
+
+/// What is the same in every run.
+struct Plan {
+  const NominalMotion& motion;
+  const ErrorSources& sources;
+  const MonteCarloOptions& options;
+  MatrixXd coefficient_factor;
+  double interval = 0;
+  std::size_t rest = 0;              // samples of the alignment, before the motion's
+  std::vector<std::size_t> outputs;  // samples' numbers
+  bool barometer = false;
+
+  Plan(const NominalMotion& m, const ErrorSources& s, const MonteCarloOptions& o)
+      : motion(m), sources(s), options(o), coefficient_factor(factor(s.covariance)), interval(m.time[1] - m.time[0]) {
+    if (s.start.aligned_over) rest = std::max<std::size_t>(1, static_cast<std::size_t>(std::llround(*s.start.aligned_over / interval)));
+    barometer = o.strapdown.vertical == VerticalChannel::aided || o.strapdown.vertical == VerticalChannel::held;
+    outputs = output_samples(m, o.output_interval);
+  }
+};
+
+/// Mean rate and force of each sample: the alignment's rest, then the motion.
+Columns true_motion(const Plan& plan) {
+  Columns out;
+  for (auto& column : out) column.reserve(plan.rest + plan.motion.increments.size());
+  const auto add = [&](const Vector3d& rate, const Vector3d& force) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      out[axis].push_back(rate[static_cast<Eigen::Index>(axis)]);
+      out[axis + 3].push_back(force[static_cast<Eigen::Index>(axis)]);
+    }
+  };
+  const NavigationState& start = plan.motion.states.front();
+  const LocalEarth earth = earth_at(start.latitude, start.height, plan.options.strapdown);
+  const Eigen::Quaterniond q_bn = start.q_nb.conjugate();
+  for (std::size_t i = 0; i < plan.rest; ++i) add(q_bn * earth.rate, -(q_bn * earth.gravity));
+  for (std::size_t i = 0; i < plan.motion.increments.size(); ++i) {
+    const double T = plan.motion.time[i + 1] - plan.motion.time[i];
+    add(plan.motion.increments[i].angle / T, plan.motion.increments[i].velocity / T);
+  }
+  return out;
+}
+
+double drawn(const Spread& spread, const RandomStream& stream, std::uint64_t index) {
+  return spread.fixed ? spread.value : spread.value * stream.normal(index);
+}
+
+SensorModel drawn_model(const Plan& plan, const std::string& run) {
+  const RandomStream stream(plan.options.seed, "coefficients of " + run);
+  VectorXd normal(plan.coefficient_factor.cols());
+  stream.normals(0, {normal.data(), static_cast<std::size_t>(normal.size())});
+  const VectorXd error = plan.sources.fixed + plan.coefficient_factor * normal;
+  SensorModel model = plan.sources.model;
+  for (std::size_t k = 0; k < plan.sources.coefficients.size(); ++k) {
+    const CoefficientIndex index = plan.sources.coefficients[k];
+    set_coefficient(model, index, coefficient_value(model, index) + error[static_cast<Eigen::Index>(k)]);
+  }
+  return model;
+}
+
+/// True motion + noise -> raw readings of the unit -> what the erring model makes of them.
+Columns compensated(const Plan& plan, const Columns& truth, const std::string& run) {
+  Columns out = truth;
+  for (std::size_t axis = 0; axis < 6; ++axis) {
+    const AxisNoise noise(axis < 3 ? plan.sources.gyro_noise : plan.sources.accel_noise, plan.interval, plan.options.seed,
+                          fmt::format("axis {} of {}", axis, run));
+    if (noise.slow()) noise.add_slow(out[axis]);
+    noise.add_fast(0, out[axis]);
+  }
+  // Thermal readings are constant: their drift is part of the raw reading.
+  const auto thermal = [](const TriadModel& m, const Vector3d& tau) {
+    return Vector3d(m.thermal.col(1).cwiseProduct(tau) + m.thermal.col(2).cwiseProduct(tau.cwiseAbs2()));
+  };
+  const SensorModel erring = drawn_model(plan, run);
+  const auto without_thermal = [&](SensorModel m, const Vector3d& accel, const Vector3d& gyro) {
+    m.accel.thermal.setZero(), m.gyro.thermal.setZero();
+    m.accel.thermal.col(0) = accel, m.gyro.thermal.col(0) = gyro;
+    return m;
+  };
+  const ErrorSources& s = plan.sources;
+  const MotionColumns columns = spans(out);
+  decompensate(without_thermal(s.model, Vector3d::Zero(), Vector3d::Zero()), {}, {}, columns);
+  const SensorModel assumed = without_thermal(erring, thermal(erring.accel, s.accel_tau) - thermal(s.model.accel, s.accel_tau),
+                                              thermal(erring.gyro, s.gyro_tau) - thermal(s.model.gyro, s.gyro_tau));
+  RawColumns raw;
+  for (std::size_t axis = 0; axis < 3; ++axis) raw.gyro[axis] = columns.rate[axis], raw.accel[axis] = columns.force[axis];
+  compensate(assumed, raw, columns);
+  return out;
+}
+
+NavigationState start_of(const Plan& plan, const Columns& seen, const std::string& run) {
+  const StartErrors& s = plan.sources.start;
+  const NavigationState& truth = plan.motion.states.front();
+  const RandomStream stream(plan.options.seed, "start of " + run);
+  ErrorState error = ErrorState::Zero();
+  for (std::uint64_t k = 0; k < 3; ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    error[ErrorIndex::position + i] = drawn(s.position[k], stream, k);
+    error[ErrorIndex::velocity + i] = drawn(s.velocity[k], stream, 3 + k);
+    if (!s.aligned_over) error[ErrorIndex::attitude + i] = drawn(s.attitude[k], stream, 6 + k);
+  }
+  NavigationState start = with_error(truth, error);
+  if (s.aligned_over) {  // gravity gives the level, the Earth's rate the heading
+    Eigen::Matrix<double, 6, 1> mean;
+    for (std::size_t axis = 0; axis < 6; ++axis)
+      mean[static_cast<Eigen::Index>(axis)] = Eigen::Map<const VectorXd>(seen[axis].data(), static_cast<Eigen::Index>(plan.rest)).mean();
+    const LocalEarth earth = earth_at(truth.latitude, truth.height, plan.options.strapdown);
+    start.q_nb = Eigen::Quaterniond(rotation_from_directions(-earth.gravity, earth.rate, mean.tail<3>(), mean.head<3>()));
+  }
+  return start;
+}
+
+/// The sample that brings the motion to state i + 1, as it is seen.
+Increment sample_of(const Plan& plan, const Columns& seen, std::size_t i) {
+  const std::size_t k = plan.rest + i;
+  const double T = plan.motion.time[i + 1] - plan.motion.time[i];
+  return {T * Vector3d(seen[0][k], seen[1][k], seen[2][k]), T * Vector3d(seen[3][k], seen[4][k], seen[5][k])};
+}
+
+/// Errors at the outputs; the last is the end.
+BudgetRows flown(const Plan& plan, const Columns& truth, std::uint64_t number) {
+  const std::string run = fmt::format("run {}", number);
+  const Columns seen = compensated(plan, truth, run);
+  const BarometerErrors& b = plan.sources.barometer;
+  const RandomStream stream(plan.options.seed, "barometer of " + run);
+  const double bias = drawn(b.bias, RandomStream(plan.options.seed, "barometer bias of " + run), 0);
+  const double decay = std::exp(-plan.interval / b.time_constant), fresh = b.noise * std::sqrt(-std::expm1(-2 * plan.interval / b.time_constant));
+  double slow = b.noise * stream.normal(0);
+  BudgetRows out(budget_quantities, static_cast<Eigen::Index>(plan.outputs.size()));
+  Strapdown strapdown(start_of(plan, seen, run), plan.options.strapdown);
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < plan.motion.increments.size(); ++i) {
+    const double T = plan.motion.time[i + 1] - plan.motion.time[i];
+    const Increment sample = sample_of(plan, seen, i);
+    if (plan.barometer) {
+      if (b.noise != 0) slow = decay * slow + fresh * stream.normal(i + 1);
+      strapdown.step(sample, T, plan.motion.states[i + 1].height + bias + slow);
+    } else {
+      strapdown.step(sample, T);
+    }
+    if (plan.outputs[next] != i + 1) continue;
+    const ErrorState error = error_of(strapdown.state(), plan.motion.states[i + 1]);
+    out.col(static_cast<Eigen::Index>(next++)) << error.segment<3>(ErrorIndex::position), error.segment<3>(ErrorIndex::velocity),
+        error.segment<3>(ErrorIndex::attitude);
+  }
+  return out;
+}
+
+void summarise(ErrorDistribution& out, const std::vector<Errors>& runs, double duration) {
+  const auto outputs = static_cast<Eigen::Index>(out.time.size());
+  for (auto* m : {&out.mean, &out.sigma, &out.low, &out.median, &out.high}) m->resize(budget_quantities + 1, outputs);
+  std::vector<double> values(runs.size());
+  for (Eigen::Index at = 0; at < outputs; ++at)
+    for (Eigen::Index row = 0; row <= budget_quantities; ++row) {
+      for (std::size_t k = 0; k < runs.size(); ++k)
+        values[k] = static_cast<double>(row < budget_quantities ? runs[k](row, at) : runs[k].block<2, 1>(0, at).norm());
+      const Eigen::Map<const VectorXd> v(values.data(), static_cast<Eigen::Index>(values.size()));
+      out.mean(row, at) = v.mean();
+      out.sigma(row, at) = std::sqrt((v.array() - v.mean()).square().sum() / std::max<double>(1, static_cast<double>(v.size()) - 1));
+      out.low(row, at) = quantile(values, 0.05);
+      out.median(row, at) = median(values);
+      out.high(row, at) = quantile(values, 0.95);
+    }
+  for (Eigen::Index k = 0; k < out.end.cols(); ++k) out.drift.push_back(out.end.block<2, 1>(0, k).norm() / duration);
+  out.drift_rms = Eigen::Map<const VectorXd>(out.drift.data(), out.end.cols()).norm() / std::sqrt(static_cast<double>(out.drift.size()));
+  out.drift_cep = median(out.drift);
+  out.drift_95 = quantile(out.drift, 0.95);
+}
+
+}  // namespace
+
+ErrorDistribution error_monte_carlo(const NominalMotion& motion, const ErrorSources& sources, const MonteCarloOptions& options,
+                                    const std::function<void(std::uint64_t)>& progress) {
+  ErrorGrowth(motion, sources, options.strapdown);  // checks both
+  if (options.runs == 0) throw Error("Monte Carlo: no runs; expected at least one");
+  const Plan plan(motion, sources, options);
+  const double bytes = static_cast<double>(options.runs) * static_cast<double>(plan.outputs.size()) * budget_quantities * sizeof(float);
+  constexpr double most = 1 << 30;
+  if (bytes > most)
+    throw Error(
+        fmt::format("Monte Carlo: {} runs with {} outputs each would keep {:.3g} GB: expected at most {:.3g} GB; take a longer time between "
+                    "outputs",
+                    options.runs, plan.outputs.size(), bytes / 1e9, most / 1e9));
+  ErrorDistribution out;
+  for (const std::size_t i : plan.outputs) out.time.push_back(motion.time[i]);
+  for (BudgetRows* rows : {&out.end, &out.peak}) rows->resize(budget_quantities, static_cast<Eigen::Index>(options.runs));
+  const Columns truth = true_motion(plan);
+  std::vector<Errors> runs(options.runs);
+  std::atomic<std::uint64_t> done = 0;
+  tbb::parallel_for(std::uint64_t{0}, options.runs, [&](std::uint64_t k) {
+    const auto errors = flown(plan, truth, k);
+    runs[k] = errors.cast<float>();
+    out.end.col(static_cast<Eigen::Index>(k)) = errors.rightCols<1>();
+    out.peak.col(static_cast<Eigen::Index>(k)) = errors.cwiseAbs().rowwise().maxCoeff();
+    if (progress) progress(++done);
+  });
+  summarise(out, runs, motion.time.back() - motion.time.front());
+  return out;
+}
+
+std::vector<Increment> erring_increments(const NominalMotion& motion, const ErrorSources& sources, std::uint64_t seed) {
+  ErrorSources moving = sources;
+  moving.start.aligned_over.reset();  // the rest of an alignment is no part of the motion
+  const MonteCarloOptions options{.seed = seed};
+  const Plan plan(motion, moving, options);
+  const Columns seen = compensated(plan, true_motion(plan), "run 0");
+  std::vector<Increment> out;
+  for (std::size_t i = 0; i < motion.increments.size(); ++i) out.push_back(sample_of(plan, seen, i));
+  return out;
+}
+
+}  // namespace imulab

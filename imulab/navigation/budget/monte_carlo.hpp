@@ -1,0 +1,38 @@
+// Errors of an inertial solution as a distribution: the full integration with drawn sensors, noise, starts and barometers.
+#pragma once
+
+#include "imulab/navigation/budget/budget.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace imulab {
+
+struct MonteCarloOptions {
+  StrapdownOptions strapdown = {};
+  double output_interval = 10;  // s; the end is always among the outputs
+  std::uint64_t runs = 1000;
+  std::uint64_t seed = 1;
+};
+
+/// A column for each output time; rows as in a budget, and last the horizontal position error's length [m].
+struct ErrorDistribution {
+  std::vector<double> time;                                                                     // s
+  Eigen::Matrix<double, budget_quantities + 1, Eigen::Dynamic> mean, sigma, low, median, high;  // low, high: 5 and 95 %
+  std::vector<double> drift;                          // of each run: horizontal error at the end over the motion's time [m/s]
+  double drift_rms = 0, drift_cep = 0, drift_95 = 0;  // of those; CEP: half of the runs stay below
+  BudgetRows end;                                     // errors at the end, a column each run
+  BudgetRows peak;                                    // largest absolute errors at any output, a column each run
+};
+
+/// The result does not depend on the number of threads. `progress` is told how many runs are done, from any thread. The barometer is read at each sample where the
+/// vertical channel uses one. With `aligned_over` each run aligns on its own noisy rest before the motion, at the start's attitude. Throws Error
+/// where runs times outputs would not fit into memory.
+ErrorDistribution error_monte_carlo(const motion::NominalMotion& motion, const ErrorSources& sources, const MonteCarloOptions& options,
+                                    const std::function<void(std::uint64_t)>& progress = {});
+
+/// The compensated output of one such unit on the motion.
+std::vector<Increment> erring_increments(const motion::NominalMotion& motion, const ErrorSources& sources, std::uint64_t seed);
+
+}  // namespace imulab

@@ -1,0 +1,78 @@
+#include "imulab/navigation/inertial_samples.hpp"
+
+#include "imulab/recording/stamps.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace imulab {
+namespace {
+
+using Eigen::Vector3d;
+
+Vector3d row(const Columns3& columns, std::size_t i) { return {columns[0][i], columns[1][i], columns[2][i]}; }
+
+/// Length of what is missing between sample i - 1 and sample i.
+double missing_before(const Recording& r, std::size_t i) { return r.time_s(i) - r.time_s(i - 1) - r.interval_s; }
+
+/// Whole samples that are missing before sample i, where a gap is: the two stamps alone may be late, the rows up to the next gaps on either side are
+/// counted against the clock.
+std::size_t rows_before(const Recording& r, std::size_t i, double clock_interval_s) {
+  const auto gap = std::lower_bound(r.gaps.begin(), r.gaps.end(), i);
+  const std::size_t begin = gap == r.gaps.begin() ? 0 : *std::prev(gap), end = std::next(gap) == r.gaps.end() ? r.size() : *std::next(gap);
+  return static_cast<std::size_t>(std::max(0., std::round(clock_step(r.time_ns, i, clock_interval_s, begin, end))));
+}
+
+/// Samples in place of those that are missing before sample i. A rate lasts for the time that is missing, increments are those of whole samples.
+void bridge(InertialSamples& out, const Recording& r, std::size_t i, std::size_t rows) {
+  const std::size_t count = std::max<std::size_t>(1, rows);
+  const double n = static_cast<double>(count), begin = r.time_s(i - 1), interval = missing_before(r, i) / n;
+  const double whole = r.interval_s * static_cast<double>(rows) / n;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double part = (static_cast<double>(k) + 1) / (n + 1);
+    const Vector3d rate = (1 - part) * row(r.gyro, i - 1) + part * row(r.gyro, i);
+    const Vector3d force = (1 - part) * row(r.accel, i - 1) + part * row(r.accel, i);
+    out.steps.push_back({{(r.gyro_increment ? whole : interval) * rate, (r.accel_increment ? whole : interval) * force}, interval});
+    out.time.push_back(begin + interval * (static_cast<double>(k) + 1));
+  }
+}
+
+}  // namespace
+
+std::vector<MissingTime> missing_time(const Recording& r, const Range& range) {
+  std::vector<MissingTime> out;
+  for (const std::size_t i : r.gaps)
+    if (i > range.begin && i < range.end) out.push_back({r.time_s(i - 1), missing_before(r, i)});
+  return out;
+}
+
+InertialSamples inertial_samples(const Recording& r, const Range& range) {
+  InertialSamples out;
+  out.gaps = missing_time(r, range);
+  out.steps.reserve(range.size());
+  out.time.reserve(range.size());
+  out.begin = r.time_s(range.begin) - r.interval(range.begin, false);
+  const double clock = r.gaps.empty() ? r.interval_s : clock_interval(r.time_ns, r.interval_s);
+  for (std::size_t i = range.begin; i < range.end; ++i) {
+    if (i > range.begin && r.follows_gap(i)) bridge(out, r, i, rows_before(r, i, clock));
+    const Increment increment{r.interval(i, r.gyro_increment) * row(r.gyro, i), r.interval(i, r.accel_increment) * row(r.accel, i)};
+    out.steps.push_back({increment, r.interval(i, false)});
+    out.time.push_back(r.time_s(i));
+  }
+  return out;
+}
+
+double stamp_jitter(const Recording& r) {
+  double square = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 1; i < r.size(); ++i) {
+    if (r.follows_gap(i)) continue;
+    const double off = r.interval(i, false) / r.interval_s - 1;
+    square += off * off;
+    ++count;
+  }
+  return count > 0 ? std::sqrt(square / static_cast<double>(count)) : 0;
+}
+
+}  // namespace imulab

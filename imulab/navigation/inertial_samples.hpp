@@ -1,0 +1,33 @@
+// A compensated recording as increments for a navigator, one after the other without gaps.
+#pragma once
+
+#include "imulab/navigation/integration/increment.hpp"
+#include "imulab/recording/recording.hpp"
+
+#include <vector>
+
+namespace imulab {
+
+/// A time without samples.
+struct MissingTime {
+  double begin = 0, length = 0;  // s
+};
+
+struct InertialSamples {
+  double begin = 0;  // of the first sample's interval [s]
+  std::vector<TimedIncrement> steps;
+  std::vector<double> time;       // end of each [s]
+  std::vector<MissingTime> gaps;  // bridged: rate and force are linear in time from the sample before to the one after
+};
+
+/// The samples of `range`. A rate [rad/s], force [m/s^2] is integrated over the difference of the stamps, an increment output is taken as it is; both
+/// advance time by the stamps' difference. In a gap increments are bridged by whole samples, as many as the clock says, rates by the missing time.
+InertialSamples inertial_samples(const Recording& recording, const Range& range);
+
+/// The gaps inside the range that inertial_samples would bridge.
+std::vector<MissingTime> missing_time(const Recording& recording, const Range& range);
+
+/// Standard deviation of the stamps' differences, gaps left out, over the nominal interval.
+double stamp_jitter(const Recording& recording);
+
+}  // namespace imulab

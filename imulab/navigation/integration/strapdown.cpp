@@ -1,0 +1,150 @@
+#include "imulab/navigation/integration/strapdown.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace imulab {
+
+using integration::BodyStep;
+using integration::body_step;
+using integration::earth_at;
+
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+/// Quaternion of a rotation vector.
+Quaterniond rotation_quaternion(const Vector3d& r) {
+  const double x2 = r.squaredNorm() / 4;  // square of half the angle
+  double c, s;                            // cosine, half the sine over half the angle
+  if (x2 < 0.0025) {                      // the series leave 1e-16
+    c = 1 - x2 * (1. / 2 - x2 * (1. / 24 - x2 * (1. / 720 - x2 * (1. / 40320))));
+    s = 0.5 - x2 * (1. / 12 - x2 * (1. / 240 - x2 * (1. / 10080)));
+  } else {
+    const double x = std::sqrt(x2);
+    c = std::cos(x);
+    s = 0.5 * std::sin(x) / x;
+  }
+  return {c, s * r.x(), s * r.y(), s * r.z()};
+}
+
+void check(const NavigationState& start, const StrapdownOptions& options) {
+  const bool finite = start.q_nb.coeffs().allFinite() && start.velocity.allFinite() && std::isfinite(start.latitude + start.longitude + start.height);
+  if (!finite) throw Error("start of navigation: expected finite numbers");
+  if (std::abs(start.q_nb.norm() - 1) > 1e-6) throw Error("start of navigation: expected an attitude quaternion of length one");
+  if (!(options.latitude_limit > 0 && options.latitude_limit < 90 * unit::deg)) throw Error("latitude limit: expected between 0 and 90 deg");
+  if (!(options.barometer_time_constant > 0)) throw Error("time constant of the barometer loop: expected a positive number of seconds");
+  integration::expect_latitude(start.latitude, options.latitude_limit);
+}
+
+}  // namespace
+
+std::string_view to_string(VerticalChannel vertical) {
+  switch (vertical) {
+    case VerticalChannel::free:
+      return "free";
+    case VerticalChannel::fixed:
+      return "fixed";
+    case VerticalChannel::aided:
+      return "aided";
+    case VerticalChannel::held:
+      break;
+  }
+  return "held";
+}
+
+Strapdown::Strapdown(const NavigationState& start, const StrapdownOptions& options) : state_(start), options_(options) {
+  check(start, options);
+  state_.q_nb.normalize();
+  if (options_.vertical == VerticalChannel::fixed) state_.velocity.z() = 0;
+  earth_ = earth_at(state_.latitude, state_.height, options_);
+  slow_ = earth_.gravity - (2 * earth_.rate + earth_.transport_rate(state_.velocity)).cross(state_.velocity);
+}
+
+LocalEarth integration::earth_at(double latitude, double height, const StrapdownOptions& options) {
+  LocalEarth earth = local_earth(latitude, height);
+  if (options.gravity) earth.gravity = {0, 0, -*options.gravity};
+  return earth;
+}
+
+void integration::expect_latitude(double latitude, double limit) {
+  if (std::abs(latitude) <= limit) return;
+  throw Error(fmt::format("latitude {:.6f} deg: expected at most {:.6f} deg from the equator, where east-north-up axes can be followed",
+                          latitude / unit::deg, limit / unit::deg));
+}
+
+void Strapdown::step(const Increment& sample, double interval, std::optional<double> barometer) {
+  const BodyStep alone = body_step({&sample, 1});
+  if (!options_.previous_sample || !previous_) {
+    advance(alone, interval);
+    lacking_ = options_.previous_sample;
+  } else {
+    BodyStep body = body_step(sample, *previous_);
+    if (lacking_) {  // what the first step lacked, had its rate changed as it does now; the vertical channel would make millimetres of it
+      body.rotation += body.rotation - alone.rotation;
+      body.velocity += body.velocity - alone.velocity;
+      lacking_ = false;
+    }
+    advance(body, interval);
+  }
+  previous_ = sample;
+  if (barometer) aid(*barometer, interval);
+}
+
+void Strapdown::step(std::span<const Increment> samples, double interval, std::optional<double> barometer) {
+  if (samples.size() == 1) return step(samples.front(), interval, barometer);
+  advance(body_step(samples), interval);
+  previous_.reset();
+  if (barometer) aid(*barometer, interval);
+}
+
+/// Everything that varies slowly (Earth, gravity, transport rate, Coriolis) is taken at the middle of the step. The middle is found from the
+/// increments themselves and the last step's middle: what is left of its velocity is 1e-7 m/s at 100 Hz.
+void Strapdown::advance(const BodyStep& body, double interval) {
+  NavigationState& s = state_;
+  const double half = interval / 2;
+  const Eigen::Matrix3d C_nb = s.q_nb.toRotationMatrix();
+  const Vector3d pushed = C_nb * body.velocity;  // in the axes of the start
+
+  // The middle.
+  Vector3d middle = s.velocity + half * slow_ + pushed / 2;
+  if (options_.vertical == VerticalChannel::fixed) middle.z() = 0;
+  earth_ = earth_at(s.latitude + half * s.velocity.y() / earth_.meridian_radius, s.height + half * s.velocity.z(), options_);
+  const Vector3d transport = earth_.transport_rate(middle);
+  const Vector3d turn = interval * (earth_.rate + transport);  // of east-north-up against inertial space
+
+  // Velocity: n turns while the force acts, by half of its turn on the average; a force that turns with the body weighs the later part more.
+  const Vector3d turned = turn.cross(pushed / 2 + (C_nb * body.rotation - 2 * turn).cross(pushed) / 12);
+  slow_ = earth_.gravity - (2 * earth_.rate + transport).cross(middle);
+  Vector3d end = s.velocity + pushed - turned + interval * slow_;
+  if (options_.vertical == VerticalChannel::fixed) end.z() = 0;
+
+  // Position with the mean velocity; attitude C_nb <- exp(-turn) C_nb exp(rotation).
+  const Vector3d path = half * (s.velocity + end);
+  s.latitude += path.y() / earth_.meridian_radius;
+  s.longitude += path.x() / (earth_.transverse_radius * earth_.cos_latitude);
+  s.height += path.z();
+  s.velocity = end;
+  s.q_nb = rotation_quaternion(-turn) * s.q_nb * rotation_quaternion(body.rotation);
+  s.q_nb.coeffs() *= 1.5 - s.q_nb.squaredNorm() / 2;  // keeps the length at one against rounding
+  integration::expect_latitude(s.latitude, options_.latitude_limit);
+}
+
+/// Aided: three equal poles at -1/T; the third state carries the accelerometer's bias.
+void Strapdown::aid(double barometer, double interval) {
+  if (options_.vertical == VerticalChannel::held) state_.height = barometer;
+  if (options_.vertical != VerticalChannel::aided) return;
+  const double pole = 1 / options_.barometer_time_constant;
+  const double curvature = 2 * earth_.gravity.norm() / earth_.transverse_radius;  // what a free channel feeds back: h'' = 2 g/R h
+  const double error = state_.height - barometer;
+  barometer_integral_ += interval * pole * pole * pole * error;
+  state_.velocity.z() -= interval * ((3 * pole * pole + curvature) * error + barometer_integral_);
+  state_.height -= interval * 3 * pole * error;
+}
+
+}  // namespace imulab

@@ -1,0 +1,159 @@
+#include "imulab/navigation/navigate.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/rotation.hpp"
+#include "imulab/core/statistics.hpp"
+#include "imulab/navigation/start.hpp"
+#include "imulab/recording/compensate_recording.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace imulab {
+namespace {
+
+/// The samples after `time`, the first one from there on.
+InertialSamples samples_from(const Recording& r, double time, const NavigateOptions& options) {
+  const double begin = r.time_s(0) - r.interval(0, false), end = r.time_s(r.size() - 1), tolerance = 1e-3 * r.interval_s;
+  const bool at_begin = std::abs(time - begin) < r.interval_s / 2;  // the first stamp may be late or early: its sample is whole
+  if ((time < begin && !at_begin) || time >= end - tolerance)
+    throw Error(fmt::format("{}: navigation starts at {:.6f} s, expected inside the recording, {:.6f} s to {:.6f} s, and before its end", r.name,
+                            time, begin, end));
+  Range range{0, r.size()};
+  while (r.time_s(range.begin) <= time + tolerance) ++range.begin;
+  const bool inside_gap = r.time_s(range.begin) - r.interval(range.begin, false) > time + tolerance;
+  if (inside_gap && range.begin > 0) --range.begin;  // whose end is before the start: bridged from there
+  if (const auto gaps = missing_time(r, range); options.gaps == GapTreatment::refuse && !gaps.empty())
+    throw Error(fmt::format("{}: {:.6f} s are missing after {:.6f} s, and gaps are to be refused", r.name, gaps.front().length, gaps.front().begin));
+  InertialSamples samples = inertial_samples(r, range);
+  const auto first = static_cast<std::ptrdiff_t>(std::upper_bound(samples.time.begin(), samples.time.end(), time + tolerance) - samples.time.begin());
+  samples.steps.erase(samples.steps.begin(), samples.steps.begin() + first);
+  samples.time.erase(samples.time.begin(), samples.time.begin() + first);
+  TimedIncrement& step = samples.steps.front();
+  const double left = samples.time.front() - time, part = left / step.interval;
+  if (at_begin) step.interval = left;
+  else if (std::abs(left - step.interval) > tolerance) step = {{part * step.increment.angle, part * step.increment.velocity}, left};
+  samples.begin = time;
+  return samples;
+}
+
+/// Linear between the heights.
+double height_at(const HeightRecord& record, double time) {
+  const auto after = std::upper_bound(record.time.begin(), record.time.end(), time);
+  if (after == record.time.begin()) return record.height.front();
+  if (after == record.time.end()) return record.height.back();
+  const auto i = static_cast<std::size_t>(after - record.time.begin());
+  const double part = (time - record.time[i - 1]) / (record.time[i] - record.time[i - 1]);
+  return (1 - part) * record.height[i - 1] + part * record.height[i];
+}
+
+void check_barometer(const NavigateOptions& options, double begin, double end) {
+  const bool needed = options.vertical == VerticalChannel::aided || options.vertical == VerticalChannel::held;
+  if (!needed) return;
+  if (!options.barometer)
+    throw Error(fmt::format("vertical channel {}: no barometer's heights; expected them, or the vertical channel free or fixed", to_string(options.vertical)));
+  const auto& time = options.barometer->time;
+  if (time.empty() || time.front() > begin + 1 || time.back() < end - 1)
+    throw Error(fmt::format("barometer: runs from {:.3f} s to {:.3f} s, expected all of {:.3f} s to {:.3f} s", time.empty() ? 0 : time.front(),
+                            time.empty() ? 0 : time.back(), begin, end));
+}
+
+/// On the ground and in the air the specific force is about g most of the time; half or twice of it means another unit of readings, or a calibration of
+/// another IMU.
+void warn_of_force(const InertialSamples& samples, const std::string& name, std::vector<std::string>& warnings) {
+  std::vector<double> forces;
+  forces.reserve(samples.steps.size());
+  for (const TimedIncrement& step : samples.steps) forces.push_back(step.increment.velocity.norm() / step.interval);
+  const double middle = median(std::move(forces));
+  if (middle > 0.5 * unit::g && middle < 2 * unit::g) return;
+  warnings.push_back(fmt::format("{}: the compensated specific force is {:.3g} m/s^2 (median), expected about g: is the calibration that of this unit, "
+                                 "and are the session's units right? The solution is invalid otherwise",
+                                 name, middle));
+}
+
+void integrate(const navigation::Start& start, const InertialSamples& samples, const Session& session, const Recording& recording, const NavigateOptions& options,
+               Navigated& out) {
+  check_barometer(options, samples.begin, samples.time.back());
+  warn_of_force(samples, recording.name, out.warnings);
+  Strapdown strapdown(start.state, {.vertical = options.vertical, .gravity = session.site.given_gravity});
+  out.solution.time.push_back(start.time);
+  out.solution.states.push_back(strapdown.state());
+  for (std::size_t i = 0; i < samples.steps.size(); ++i) {
+    const TimedIncrement& step = samples.steps[i];
+    std::optional<double> height;
+    if (options.barometer) height = height_at(*options.barometer, samples.time[i]);
+    if (!(step.increment.angle.norm() < 1e3 && step.increment.velocity.norm() < 1e6))  // far beyond any motion, and still to be integrated
+      throw Error(fmt::format("{}: the sample at {:.6f} s has increments of {:.3g} rad and {:.3g} m/s, beyond any motion; expected readings of a unit",
+                              recording.name, samples.time[i], step.increment.angle.norm(), step.increment.velocity.norm()));
+    strapdown.step(step.increment, step.interval, height);
+    out.solution.time.push_back(samples.time[i]);
+    out.solution.states.push_back(strapdown.state());
+  }
+}
+
+void warn_of_samples(const Recording& r, Navigated& out) {
+  if (!out.gaps.empty()) {
+    double sum = 0;
+    for (const MissingTime& gap : out.gaps) sum += gap.length;
+    out.warnings.push_back(
+        fmt::format("{}: {} gap{} of {:.6g} s altogether, the first after {:.6f} s: integrated with rate and force linear in time from the "
+                    "sample before to the one after; the true motion in between is not known",
+                    r.name, out.gaps.size(), out.gaps.size() == 1 ? "" : "s", sum, out.gaps.front().begin));
+  }
+  const double start = out.solution.time.front();
+  std::optional<double> first;
+  for (const std::size_t i : r.saturated) {
+    if (r.time_s(i) <= start) continue;
+    if (!first) first = r.time_s(i);
+    ++out.saturated;
+  }
+  if (first)
+    out.warnings.push_back(
+        fmt::format("{}: {} saturated sample{} integrated as read, the first at {:.6f} s: the true motion was larger, from "
+                    "there on the solution is doubtful",
+                    r.name, out.saturated, out.saturated == 1 ? "" : "s", *first));
+  const bool rates = !r.gyro_increment || !r.accel_increment;
+  if (const double jitter = stamp_jitter(r); jitter > 0.1)
+    out.warnings.push_back(
+        fmt::format("{}: the stamps' differences scatter by {:.0f} % of the interval; {}", r.name, 100 * jitter,
+                    rates ? "rates are integrated over these differences. Where the stamps are late and the sampling is even, every rotation and every "
+                            "force is wrong by as much: give increments, or even stamps"
+                          : "increments are taken as they are, gravity by the stamps: each state is as late as its stamp"));
+}
+
+}  // namespace
+
+Navigated navigate(const Calibration& calibration, const Session& session, const Recording& raw, const NavigateOptions& options) {
+  Navigated out;
+  out.vertical = options.vertical;
+  CompensatedRecording compensated = compensate(calibration.model, raw);
+  Recording& recording = compensated.recording;
+  if (const std::size_t count = compensated.out_of_range.size(); count > 0)
+    out.warnings.push_back(fmt::format("{}: {} of {} samples are outside the temperatures the calibration saw", raw.name, count, raw.size()));
+  if (!calibration.model.lever_arm.isZero(0)) remove_lever_arms(recording, calibration.model.lever_arm);
+  const navigation::Start start = navigation::start_of(calibration, session, raw, recording, options);
+  out.aligned = start.aligned;
+  out.warnings.insert(out.warnings.end(), start.warnings.begin(), start.warnings.end());
+  const InertialSamples samples = samples_from(recording, start.time, options);
+  out.gaps = samples.gaps;
+  integrate(start, samples, session, recording, options, out);
+  warn_of_samples(recording, out);
+  return out;
+}
+
+Eigen::Vector3d angle_sigmas(const Alignment& a) {
+  const double step = 1e-6;
+  const auto angles = [&](int axis, double phi) {
+    const EulerAngles e = euler_angles(rotation_exp(phi * Vector3d::Unit(axis)) * a.C_nb);
+    return Vector3d(e.roll, e.pitch, e.heading);
+  };
+  Matrix3d jacobian;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int k = 0; k < 3; ++k) jacobian(k, axis) = std::remainder(angles(axis, step)[k] - angles(axis, -step)[k], 2 * std::numbers::pi) / (2 * step);
+  return (jacobian * a.covariance * jacobian.transpose()).diagonal().cwiseSqrt();
+}
+
+}  // namespace imulab

@@ -1,0 +1,117 @@
+#include "imulab/recording/make_recording.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/recording/stamps.hpp"
+#include "imulab/recording/unit_names.hpp"
+#include "imulab/recording/validate.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+namespace imulab {
+namespace {
+
+/// Checks the options of a triad and fills in SI where they name no unit.
+void check_options(ReadingOptions& triad, Quantity quantity, const std::string& name) {
+  const std::vector<std::string_view> known = unit_names(quantity, triad.increment);
+  if (triad.unit.empty()) triad.unit = quantity == Quantity::gyro ? (triad.increment ? "rad" : "rad/s") : (triad.increment ? "m/s" : "m/s^2");
+  if (std::find(known.begin(), known.end(), triad.unit) == known.end())
+    throw Error(fmt::format("{}: the unit is \"{}\"; expected one of {}", name, triad.unit, fmt::join(known, ", ")));
+  if (triad.limits && !((*triad.limits)[0] < (*triad.limits)[1]))
+    throw Error(fmt::format("{}: the limits are {} and {}; expected the lower one first", name, (*triad.limits)[0], (*triad.limits)[1]));
+  if (const std::size_t columns = triad.temperature.size(); columns != 0 && columns != 1 && columns != 3)
+    throw Error(fmt::format("{}: {} temperature columns; expected none, one or three", name, columns));
+}
+
+/// Declared, or the stamps' median.
+double nominal_interval(const std::vector<std::int64_t>& time_ns, const RecordingOptions& options) {
+  if (options.interval_s) return *options.interval_s;
+  if (time_ns.size() < 2) throw Error(fmt::format("{}: {} samples; expected at least two, or the interval", options.name, time_ns.size()));
+  const StampIntervals stamps = stamp_intervals(time_ns);
+  if ((options.gyro.increment || options.accel.increment) && !same_interval(stamps.median, stamps.mean))
+    throw Error(fmt::format("{}: the stamps' differences are uneven (median {:.6g} s, mean {:.6g} s); expected the interval, which scales increments",
+                            options.name, stamps.median, stamps.mean));
+  return stamps.median;
+}
+
+/// Marks the samples at or beyond the limits.
+void mark_saturated(const Columns3& triad, const ReadingOptions& options, std::vector<bool>& saturated) {
+  if (!options.limits) return;
+  const auto [low, high] = *options.limits;
+  for (const auto& column : triad) {
+    saturated.resize(std::max(saturated.size(), column.size()));
+    for (std::size_t i = 0; i < column.size(); ++i)
+      if (column[i] <= low || column[i] >= high) saturated[i] = true;
+  }
+}
+
+void to_si(Columns3& triad, const ReadingOptions& options, double interval_s) {
+  const double factor = si_factor(options.unit);
+  if (factor == 1 && !options.increment) return;
+  for (auto& column : triad)
+    for (double& value : column) value = options.increment ? value * factor / interval_s : value * factor;
+}
+
+}  // namespace
+
+RecordingOptions recording_options(const RecordingSource& source) {
+  const auto triad = [](const TriadSource& from) { return ReadingOptions{from.unit, from.output == Output::increment, from.limits, {}}; };
+  return {source.file, source.rate_hz ? std::optional(1 / *source.rate_hz) : std::nullopt, triad(source.gyro), triad(source.accel)};
+}
+
+Columns3 three_columns(std::vector<std::vector<double>> columns) {
+  if (columns.empty()) return {};
+  if (columns.size() == 1) return {columns[0], columns[0], columns[0]};
+  return {std::move(columns[0]), std::move(columns[1]), std::move(columns[2])};
+}
+
+Recording convert_readings(Columns3 gyro, Columns3 accel, RecordingOptions options) {
+  Recording recording;
+  recording.name = std::move(options.name);
+  recording.interval_s = options.interval_s.value_or(0);
+  recording.gyro = std::move(gyro);
+  recording.accel = std::move(accel);
+  recording.gyro_temperature = three_columns(std::move(options.gyro.temperature));
+  recording.accel_temperature = three_columns(std::move(options.accel.temperature));
+  std::vector<bool> saturated;
+  mark_saturated(recording.gyro, options.gyro, saturated);
+  mark_saturated(recording.accel, options.accel, saturated);
+  for (std::size_t i = 0; i < saturated.size(); ++i)
+    if (saturated[i]) recording.saturated.push_back(i);
+  recording.gyro_increment = options.gyro.increment;
+  recording.accel_increment = options.accel.increment;
+  recording.gyro_unit = options.gyro.unit == "count" ? "count" : "rad/s";
+  recording.accel_unit = options.accel.unit == "count" ? "count" : "m/s^2";
+  to_si(recording.gyro, options.gyro, recording.interval_s);
+  to_si(recording.accel, options.accel, recording.interval_s);
+  return recording;
+}
+
+Recording make_recording(std::vector<std::int64_t> time_ns, Columns3 gyro, Columns3 accel, RecordingOptions options) {
+  check_options(options.gyro, Quantity::gyro, options.name + ": gyro");
+  check_options(options.accel, Quantity::accel, options.name + ": accel");
+  expect_increasing(options.name, time_ns);
+  options.interval_s = nominal_interval(time_ns, options);
+  Recording recording = convert_readings(std::move(gyro), std::move(accel), std::move(options));
+  recording.time_ns = std::move(time_ns);
+  validate(recording);
+  recording.gaps = find_gaps(recording.time_ns, recording.interval_s);
+  return recording;
+}
+
+Recording make_recording(const std::vector<double>& t, Columns3 gyro, Columns3 accel, RecordingOptions options) {
+  constexpr double longest_s = 9e9;  // of 64 bits of nanoseconds
+  std::vector<std::int64_t> time_ns;
+  time_ns.reserve(t.size());
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    if (!(std::abs(t[i]) < longest_s)) throw Error(fmt::format("{}: time: sample {} is {}; expected seconds", options.name, i, t[i]));
+    time_ns.push_back(std::llround(1e9 * t[i]));
+  }
+  return make_recording(std::move(time_ns), std::move(gyro), std::move(accel), std::move(options));
+}
+
+}  // namespace imulab

@@ -1,0 +1,45 @@
+// A recording from arrays in memory: from a driver, a ROS bag, your own simulation.
+#pragma once
+
+#include "imulab/recording/recording.hpp"
+#include "imulab/recording/session.hpp"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+/// How the readings of a triad are given.
+struct ReadingOptions {
+  std::string unit{};      ///< "rad/s", "deg/s", "deg/h"; "m/s^2", "g"; of increments "rad", "deg"; "m/s"; or "count"; empty: SI
+  bool increment = false;  ///< each reading is the integral over its interval (delta angle, delta velocity)
+  std::optional<std::array<double, 2>> limits{};   ///< readings at or beyond them are saturated; in `unit`
+  std::vector<std::vector<double>> temperature{};  ///< none, one column for the three axes, or three; degC, K or raw
+};
+
+struct RecordingOptions {
+  std::string name = "recording";      ///< used in messages
+  std::optional<double> interval_s{};  ///< nominal, which increments are divided by; absent: the median difference of the stamps
+  ReadingOptions gyro{}, accel{};
+};
+
+/// The declaration of a session, without the temperatures.
+RecordingOptions recording_options(const RecordingSource& source);
+
+/// The recording of readings `gyro` and `accel` at times `t` [s], each time the end of the interval over which its reading is a mean or an integral.
+/// All columns have one length. Readings become SI (counts stay), increments means; gaps and saturated samples are found. Throws Error for what
+/// `validate` refuses, for an unknown unit, and where the interval of increments does not follow from uneven stamps.
+Recording make_recording(const std::vector<double>& t, Columns3 gyro, Columns3 accel, RecordingOptions options = {});
+/// The same with exact times [ns].
+Recording make_recording(std::vector<std::int64_t> time_ns, Columns3 gyro, Columns3 accel, RecordingOptions options = {});
+
+/// One column for three axes, three, or none.
+Columns3 three_columns(std::vector<std::vector<double>> columns);
+
+/// The readings alone, without stamps, gaps and checks: for pieces of a recording. `interval_s` counts for increments only.
+Recording convert_readings(Columns3 gyro, Columns3 accel, RecordingOptions options);
+
+}  // namespace imulab

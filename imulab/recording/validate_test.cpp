@@ -1,0 +1,83 @@
+#include "imulab/recording/validate.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/recording/rest_detection.hpp"
+
+#include <gmock/gmock.h>
+
+#include <functional>
+#include <limits>
+
+namespace imulab {
+namespace {
+
+Recording any_recording() {
+  Recording r;
+  r.name = "r";
+  r.interval_s = 0.01;
+  for (int i = 0; i < 40; ++i) r.time_ns.push_back(10'000'000 * (i < 20 ? i : i + 5));
+  r.gaps = {20};
+  r.saturated = {0, 39};
+  for (Columns3* triad : {&r.gyro, &r.accel, &r.accel_temperature})
+    for (auto& column : *triad) column.assign(40, 1);
+  return r;
+}
+
+std::string refusal(const std::function<void(Recording&)>& change) {
+  Recording r = any_recording();
+  change(r);
+  try {
+    validate(r);
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(Validate, AcceptsARecording) {
+  EXPECT_EQ(refusal([](Recording&) {}), "");
+  EXPECT_EQ(refusal([](Recording& r) { r.gyro_unit = "rad/s", r.accel_unit = "m/s^2"; }), "");
+  EXPECT_EQ(refusal([](Recording& r) { r.interval_s = 0.0101; }), "");
+  EXPECT_EQ(refusal([](Recording& r) { r.time_ns[7] += 9'999'999; }), "") << "a late stamp";
+}
+
+TEST(Validate, NamesColumnSampleAndExpectation) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
+  const std::vector<std::pair<std::function<void(Recording&)>, std::string>> cases{
+      {[](Recording& r) { r = {}, r.name = "r"; }, "r: no samples; expected at least one"},
+      {[](Recording& r) { r.gyro[1].pop_back(); }, "r: gyro y: 39 samples; expected 40, one for each stamp"},
+      {[](Recording& r) { r.accel[2].clear(); }, "r: accel z: 0 samples; expected 40, one for each stamp"},
+      {[](Recording& r) { r.gyro_temperature[0].assign(40, 1); }, "r: gyro temperature y: 0 samples; expected 40, one for each stamp"},
+      {[](Recording& r) { r.time_ns[3] = r.time_ns[2]; },
+       "r: time: sample 3 is at 0.02 s, the previous one at 0.02 s; expected stamps that increase"},
+      {[](Recording& r) { r.time_ns[3] = 0; }, "r: time: sample 3 is at 0 s, the previous one at 0.02 s; expected stamps that increase"},
+      {[](Recording& r) { r.interval_s = 0; }, "r: the interval is 0 s; expected a positive number"},
+      {[](Recording& r) { r.interval_s = nan; }, "r: the interval is nan s; expected a positive number"},
+      {[](Recording& r) { r.interval_s = 0.1; },
+       "r: the interval is 0.1 s, but the stamps' differences are 0.01 s (median); expected agreement within 2 %"},
+      {[](Recording& r) { r.gyro[0][5] = nan; }, "r: gyro x: sample 5 at 0.05 s is nan; expected a finite number"},
+      {[](Recording& r) { r.accel[1][39] = -infinite; }, "r: accel y: sample 39 at 0.44 s is -inf; expected a finite number"},
+      {[](Recording& r) { r.accel_temperature[2][0] = nan; }, "r: accel temperature z: sample 0 at 0 s is nan; expected a finite number"},
+      {[](Recording& r) { r.gyro_unit = "deg/s"; }, "r: gyro: the unit is \"deg/s\"; expected \"count\" or \"rad/s\""},
+      {[](Recording& r) { r.accel_unit = ""; }, "r: accel: the unit is \"\"; expected \"count\" or \"m/s^2\""},
+      {[](Recording& r) { r.gaps = {0}; }, "r: gaps: entry 0 is sample 0; expected ascending samples from 1 to 39"},
+      {[](Recording& r) {
+         r.gaps = {20, 40};
+       },
+       "r: gaps: entry 1 is sample 40; expected ascending samples from 1 to 39"},
+      {[](Recording& r) {
+         r.saturated = {5, 5};
+       },
+       "r: saturated: entry 1 is sample 5; expected ascending samples from 0 to 39"},
+  };
+  for (const auto& [change, expected] : cases) EXPECT_EQ(refusal(change), expected);
+}
+
+TEST(Validate, TheSearchForRestsAsksIt) {
+  Recording r = any_recording();
+  r.interval_s = 0;
+  EXPECT_THROW(detect_rests(r), Error);
+}
+
+}  // namespace
+}  // namespace imulab

@@ -1,0 +1,229 @@
+#include "imulab/rig/table_motion.hpp"
+
+#include "imulab/earth/earth.hpp"
+#include "imulab/rig/rig_errors.hpp"
+#include "imulab/rig/table_attitude.hpp"
+
+#include <Eigen/LU>
+#include <ceres/jet.h>
+#include <fmt/core.h>
+
+#include <algorithm>
+
+namespace imulab::rig {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr int none = RigErrorIndex::none;
+
+ErrorSource::Kind kind_of(RigErrorKind kind) {
+  switch (kind) {
+    case RigErrorKind::orthogonality:
+      return ErrorSource::Kind::orthogonality;
+    case RigErrorKind::angle:
+      return ErrorSource::Kind::angle;
+    case RigErrorKind::timing:
+      return ErrorSource::Kind::timing;
+    default:
+      return ErrorSource::Kind::zero;  // the table's tilt is a leveling error too
+  }
+}
+
+}  // namespace
+
+TableMotion::TableMotion(const TablePlan& plan, const RigDeclaration& rig, const Site& site)
+    : steps_(plan.steps), latitude_known_(site.latitude.has_value()), holds_(plan.holds.size()) {
+  const std::vector<RigErrorSource> rig_sources = table_error_sources(rig, steps_);
+  const RigErrorIndex index = index_of(rig_sources, steps_.size());
+  for (const RigErrorSource& source : rig_sources) sources_.push_back({kind_of(source.kind), source.name(), source.known, source.sigma});
+  const int site_at = static_cast<int>(sources_.size());
+  sources_.push_back({ErrorSource::Kind::gravity, "gravity", site.gravity(), site.gravity_sigma()});
+  if (latitude_known_) {
+    sources_.push_back({ErrorSource::Kind::latitude, "latitude", *site.latitude, site.latitude_sigma.value_or(0)});
+  } else {
+    for (const char* direction : {"north", "up"})
+      sources_.push_back({ErrorSource::Kind::earth, fmt::format("earth_rate.{}", direction), 0, earth_rate});
+  }
+
+  const auto add = [&](std::size_t step, double begin, double end) {
+    Part part{step, begin, end, {}, {}};
+    part.first.fill(none);
+    part.second.fill(none);
+    const bool turns = steps_[step].kind == StepKind::rotate;
+    for (std::size_t a = 0; a < 3; ++a) {
+      for (std::size_t element = 0; element < 2; ++element) part.first[orthogonality + 2 * a + element] = index.orthogonality[a][element];
+      part.first[angle_error + a] = (turns ? index.angle_before : index.angle_after)[step][a];
+      part.second[angle_error + a] = index.zero[a];
+    }
+    for (std::size_t k = 0; k < 2; ++k) part.first[tilt + k] = index.tilt[k];
+    if (turns) {
+      const auto axis = static_cast<std::size_t>(steps_[step].axis);
+      part.first[end_error] = index.angle_after[step][axis];
+      part.second[end_error] = index.zero[axis];
+      part.first[timing] = index.timing[step];
+    }
+    part.first[gravity] = site_at;
+    if (latitude_known_) {
+      part.first[latitude] = site_at + 1;
+    } else {
+      part.first[earth] = site_at + 1;
+      part.first[earth + 1] = site_at + 2;
+    }
+    parts_.push_back(part);
+  };
+  for (const TablePart& hold : plan.holds) add(hold.step, hold.begin, hold.end);
+  for (const TablePart& turn : plan.turns) add(turn.step, turn.begin, turn.end);
+}
+
+VectorXd TableMotion::nominal() const {
+  VectorXd v(static_cast<Index>(sources_.size()));
+  for (std::size_t k = 0; k < sources_.size(); ++k) v[static_cast<Index>(k)] = sources_[k].nominal;
+  return v;
+}
+
+VectorXd TableMotion::sigma() const {
+  VectorXd v(static_cast<Index>(sources_.size()));
+  for (std::size_t k = 0; k < sources_.size(); ++k) v[static_cast<Index>(k)] = sources_[k].sigma;
+  return v;
+}
+
+template <class T>
+struct TableMotion::Surroundings {
+  TableAxes<T> axes;
+  Eigen::Vector3<T> force, rate_ie;  ///< in the table's frame
+};
+
+template <class T>
+TableMotion::Surroundings<T> TableMotion::surroundings_of(const std::array<T, locals>& e) const {
+  using std::cos, std::sin;
+  const double w_ie = latitude_known_ ? earth_rate : 0;
+  const TableTilt<T> lean = table_tilt_of<T>(e[tilt], e[tilt + 1]);
+  return {table_axes<T>({{{e[0], e[1]}, {e[2], e[3]}, {e[4], e[5]}}}), seen_by_table<T>(lean, {T(0), T(0), e[gravity]}),
+          seen_by_table<T>(lean, {T(0), w_ie * cos(e[latitude]) + e[earth], w_ie * sin(e[latitude]) + e[earth + 1]})};
+}
+
+template <class T>
+Eigen::Matrix<T, 6, 1> TableMotion::truth_of(const Part& part, const Surroundings<T>& surroundings, const std::array<T, locals>& e) const {
+  const Step& step = steps_[part.step];
+  std::array<T, 3> angles;
+  for (std::size_t a = 0; a < 3; ++a) angles[a] = step.angles[a] + e[angle_error + a];
+  const TablePose<T> pose = table_pose<T>(surroundings.axes, angles);
+  const Eigen::Vector3<T> force = seen_in_body<T>(pose, surroundings.force), rate_ie = seen_in_body<T>(pose, surroundings.rate_ie);
+  Eigen::Matrix<T, 6, 1> out;
+  if (step.kind == StepKind::hold) {
+    out << force, rate_ie;
+    return out;
+  }
+  const TurnProfile profile = turn_profile(step);
+  TurnInterval<T> turn;
+  turn.axis_b = axis_in_body<T>(pose, step.axis);
+  turn.angle = step.angle + e[end_error] - e[angle_error + static_cast<std::size_t>(step.axis)];
+  turn.before = T(step.start - part.begin);
+  turn.duration = profile.duration + e[timing];
+  turn.after = T(part.end - part.begin) - turn.before - turn.duration;
+  turn.ramp = profile.ramp;
+  const Eigen::Vector3<T> rate = turn.axis_b * turn.angle + integral_in_body<T>(turn, rate_ie);
+  out << integral_in_body<T>(turn, force), rate;
+  return out;
+}
+
+std::array<double, TableMotion::locals> TableMotion::local(const Part& part, const VectorXd& errors) const {
+  std::array<double, locals> e{};
+  for (std::size_t k = 0; k < locals; ++k) {
+    if (part.first[k] >= 0) e[k] += errors[part.first[k]];
+    if (part.second[k] >= 0) e[k] += errors[part.second[k]];
+  }
+  return e;
+}
+
+VectorXd TableMotion::truth(const VectorXd& errors) const {
+  VectorXd out(static_cast<Index>(6 * parts_.size()));
+  if (parts_.empty()) return out;
+  const auto surroundings = surroundings_of<double>(local(parts_.front(), errors));
+  for (std::size_t k = 0; k < parts_.size(); ++k)
+    out.segment<6>(static_cast<Index>(6 * k)) = truth_of<double>(parts_[k], surroundings, local(parts_[k], errors));
+  return out;
+}
+
+Eigen::Matrix<double, 6, TableMotion::locals> TableMotion::local_jacobian(const Part& part, const std::array<double, locals>& value) const {
+  using Jet = ceres::Jet<double, locals>;
+  std::array<Jet, locals> e;
+  for (std::size_t l = 0; l < locals; ++l) e[l] = Jet(value[l], static_cast<int>(l));
+  const Eigen::Matrix<Jet, 6, 1> truth = truth_of<Jet>(part, surroundings_of<Jet>(e), e);
+  Eigen::Matrix<double, 6, locals> out;
+  for (Index row = 0; row < 6; ++row) out.row(row) = truth[row].v;
+  return out;
+}
+
+MatrixXd TableMotion::jacobian(const VectorXd& errors) const {
+  MatrixXd out = MatrixXd::Zero(static_cast<Index>(6 * parts_.size()), errors.size());
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    const auto derivatives = local_jacobian(parts_[k], local(parts_[k], errors));
+    for (std::size_t l = 0; l < locals; ++l)
+      for (const int source : {parts_[k].first[l], parts_[k].second[l]})
+        if (source != none) out.col(source).segment<6>(static_cast<Index>(6 * k)) += derivatives.col(static_cast<Index>(l));
+  }
+  return out;
+}
+
+std::vector<MatrixXd> TableMotion::curvatures(const VectorXd& errors, const MatrixXd& weights) const {
+  // Central differences of the exact derivatives. The truth's higher derivatives are as large as its second: errors are step^2 and rounding / step.
+  constexpr double step = 1e-4;
+  std::vector<MatrixXd> out(static_cast<std::size_t>(weights.rows()), MatrixXd::Zero(errors.size(), errors.size()));
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    const Part& part = parts_[k];
+    const auto weight = weights.middleCols<6>(static_cast<Index>(6 * k));
+    for (std::size_t l = 0; l < locals; ++l) {
+      if (part.first[l] == none && part.second[l] == none) continue;
+      auto more = local(part, errors), less = more;
+      more[l] += step, less[l] -= step;
+      const MatrixXd second = weight * (local_jacobian(part, more) - local_jacobian(part, less)) / (2 * step);
+      for (const int source : {part.first[l], part.second[l]})
+        for (std::size_t m = 0; m < locals && source != none; ++m)
+          for (const int other : {part.first[m], part.second[m]})
+            for (std::size_t sum = 0; sum < out.size() && other != none; ++sum)
+              out[sum](source, other) += second(static_cast<Index>(sum), static_cast<Index>(m));
+    }
+  }
+  return out;
+}
+
+VectorXd readings(const TableMotion& motion, const SensorModel& model, const VectorXd& truth) {
+  const Matrix3d accel = model.accel.matrix.inverse(), gyro = model.gyro.matrix.inverse();
+  VectorXd out(motion.rows());
+  for (std::size_t k = 0; k < motion.parts(); ++k) {
+    const Vector3d force = truth.segment<3>(static_cast<Index>(6 * k)), rate = truth.segment<3>(static_cast<Index>(6 * k + 3));
+    if (motion.is_hold(k)) out.segment<3>(motion.row(k)) = accel * (force - model.accel.offset);
+    out.segment<3>(motion.gyro_row(k)) = gyro * (rate - model.gyro.offset * motion.gain(k) - model.g_sensitivity * force);
+  }
+  return out;
+}
+
+MatrixXd noise_covariance(const TableMotion& motion, const Matrix3d& accel_density, const Matrix3d& gyro_density) {
+  MatrixXd out = MatrixXd::Zero(motion.rows(), motion.rows());
+  for (std::size_t k = 0; k < motion.parts(); ++k) {
+    const double duration = motion.end(k) - motion.begin(k);
+    const Index row = motion.gyro_row(k);
+    if (motion.is_hold(k)) {
+      out.block<3, 3>(motion.row(k), motion.row(k)) = accel_density / duration;
+      out.block<3, 3>(row, row) = gyro_density / duration;
+      continue;
+    }
+    out.block<3, 3>(row, row) = gyro_density * duration;
+    for (std::size_t other = 0; other < k; ++other) {  // samples that are in a hold's mean, too, or shared with a turn that follows without a rest
+      const double shared = std::min(motion.end(k), motion.end(other)) - std::max(motion.begin(k), motion.begin(other));
+      if (shared <= 0) continue;
+      const double weight = motion.is_hold(other) ? shared / (motion.end(other) - motion.begin(other)) : shared;
+      const Index other_row = motion.gyro_row(other);
+      out.block<3, 3>(row, other_row) = gyro_density * weight;
+      out.block<3, 3>(other_row, row) = out.block<3, 3>(row, other_row).transpose();
+    }
+  }
+  return out;
+}
+
+}  // namespace imulab::rig

@@ -1,0 +1,90 @@
+// The true inputs of an IMU during a table's steps, as a function of every error of the table and of the site, with exact derivatives.
+#pragma once
+
+#include "imulab/core/rotation.hpp"
+#include "imulab/model/sensor_model.hpp"
+#include "imulab/rig/table_plan.hpp"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace imulab::rig {
+
+/// A quantity that the true motion depends on and that is not known exactly.
+struct ErrorSource {
+  enum class Kind { orthogonality, zero, angle, timing, gravity, latitude, earth };
+  Kind kind;
+  std::string name;  ///< of the rig's as RigErrorSource::name; "gravity", "latitude", "earth_rate.north"
+  double nominal;    ///< its known value: rad, s, m/s^2, rad/s
+  double sigma;      ///< its standard deviation; 0: known exactly
+};
+
+class TableMotion {
+ public:
+  TableMotion(const TablePlan& plan, const RigDeclaration& rig, const Site& site);
+
+  /// The rig's error sources, then gravity, then latitude, or where there is none Earth's rate north and up.
+  const std::vector<ErrorSource>& sources() const { return sources_; }
+  Eigen::VectorXd nominal() const;
+  Eigen::VectorXd sigma() const;
+
+  /// Six rows a part, holds first: specific force and rate of a hold, their integrals over a turn.
+  Eigen::VectorXd truth(const Eigen::VectorXd& errors) const;
+  Eigen::MatrixXd jacobian(const Eigen::VectorXd& errors) const;  ///< d truth / d errors
+  /// d^2 / d errors^2 of weighted sums of the truth, one for each row of `weights`.
+  std::vector<Eigen::MatrixXd> curvatures(const Eigen::VectorXd& errors, const Eigen::MatrixXd& weights) const;
+
+  std::size_t holds() const { return holds_; }
+  std::size_t parts() const { return parts_.size(); }
+  std::size_t turns() const { return parts() - holds_; }
+  bool is_hold(std::size_t part) const { return part < holds_; }
+  Eigen::Index rows() const { return row(parts()); }
+  /// Of a part among the readings: its first row, how many rows it has, and the first of its gyros.
+  Eigen::Index row(std::size_t part) const { return static_cast<Eigen::Index>(is_hold(part) ? 6 * part : 3 * (part + holds_)); }
+  Eigen::Index size(std::size_t part) const { return is_hold(part) ? 6 : 3; }
+  Eigen::Index gyro_row(std::size_t part) const { return row(part) + (is_hold(part) ? 3 : 0); }
+  /// What a constant input of 1 reads in a part: 1 in a hold's means, the duration in a turn's sums [s].
+  double gain(std::size_t part) const { return is_hold(part) ? 1 : end(part) - begin(part); }
+  double begin(std::size_t part) const { return parts_[part].begin; }
+  double end(std::size_t part) const { return parts_[part].end; }
+  std::size_t step(std::size_t part) const { return parts_[part].step; }
+
+ private:
+  /// The dependence of a part's truth: each local variable is the sum of up to two sources.
+  enum Local { orthogonality = 0, tilt = 6, angle_error = 8, end_error = 11, timing = 12, gravity = 13, latitude = 14, earth = 15, locals = 17 };
+  struct Part {
+    std::size_t step;
+    double begin, end;
+    std::array<int, locals> first, second;  ///< the sources whose sum it is; RigErrorIndex::none
+  };
+  /// What all parts share.
+  template <class T>
+  struct Surroundings;
+  template <class T>
+  Surroundings<T> surroundings_of(const std::array<T, locals>& e) const;
+  template <class T>
+  Eigen::Matrix<T, 6, 1> truth_of(const Part& part, const Surroundings<T>& surroundings, const std::array<T, locals>& e) const;
+  std::array<double, locals> local(const Part& part, const Eigen::VectorXd& errors) const;
+  Eigen::Matrix<double, 6, locals> local_jacobian(const Part& part, const std::array<double, locals>& e) const;
+
+  std::vector<Step> steps_;
+  bool latitude_known_;
+  std::vector<ErrorSource> sources_;
+  std::vector<Part> parts_;  ///< holds, then turns
+  std::size_t holds_ = 0;
+};
+
+/// Readings of an IMU at these errors, without noise: six rows per hold, three per turn. `truth` as TableMotion gives it.
+Eigen::VectorXd readings(const TableMotion& motion, const SensorModel& model, const Eigen::VectorXd& truth);
+
+/// Covariance of the readings from white noise with these raw covariance densities, including the samples that a hold and a turn share.
+Eigen::MatrixXd noise_covariance(const TableMotion& motion, const Matrix3d& accel_density, const Matrix3d& gyro_density);
+
+}  // namespace imulab::rig
+
+namespace imulab {
+using namespace rig;  // until all callers say rig::
+}  // namespace imulab

@@ -1,0 +1,36 @@
+// The times of a turntable's steps that a calibration uses: the middle of each hold, and each turn with parts of the rests around it.
+#pragma once
+
+#include "imulab/recording/session.hpp"
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace imulab::rig {
+
+/// An interval of the recording's clock, of one step. For a turn it reaches from the rest before it into the rest after it.
+struct TablePart {
+  std::size_t step = 0;       ///< index into the plan's steps
+  double begin = 0, end = 0;  ///< s
+};
+
+/// A procedure's parts, in the order of the steps.
+struct TablePlan {
+  std::vector<Step> steps;  ///< of one recording
+  std::vector<TablePart> holds, turns;
+  std::vector<std::string> warnings;  ///< turns that are left out, and why
+};
+
+/// `guard` [s] is left out at both ends of a hold (at most a quarter of it); a turn needs rest for that long before and after it, or is left out with
+/// a warning. Throws Error for a spin, for steps that overlap or do not end after they begin, and for a turn that does not fit into its time
+/// with its rate and acceleration.
+TablePlan table_plan(const std::vector<Step>& steps, double guard);
+/// With the guard that the table's declared timing requires: five sigmas.
+TablePlan table_plan(const std::vector<Step>& steps, const RigDeclaration& rig);
+
+}  // namespace imulab::rig
+
+namespace imulab {
+using namespace rig;  // until all callers say rig::
+}  // namespace imulab

@@ -1,0 +1,144 @@
+// docs/architecture.md, "Extending": a method, a recording format and an export target for this test alone, each a row more in a copy of its table.
+// The page shows this code.
+#include "imulab/core/error.hpp"
+#include "imulab/estimate/kernel/input.hpp"
+#include "imulab/estimate/method.hpp"
+#include "imulab/io/export/target.hpp"
+#include "imulab/io/recording/file.hpp"
+#include "imulab/io/text/file.hpp"
+
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+
+#include "tests/run_command.hpp"
+#include <cmath>
+#include <cstring>
+#include <regex>
+
+namespace imulab {
+
+// imulab/estimate/zeros/zeros.cpp
+namespace zeros {
+
+/// The gyros' offsets from one rest: minus the mean of each axis.
+CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOptions&) {
+  const Recording& recording = kernel::only_recording(input, "zeros");
+  CalibrationResult result;
+  Calibration& c = result.calibration;
+  c.method = "zeros";
+  c.estimated = select_coefficients("gyro.offset");
+  c.covariance.setZero(3, 3);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto column = Eigen::Map<const Eigen::ArrayXd>(recording.gyro[axis].data(), static_cast<Eigen::Index>(recording.size()));
+    const auto i = static_cast<Eigen::Index>(axis);
+    c.model.gyro.offset[i] = -column.mean();
+    c.covariance(i, i) = (column - column.mean()).square().mean() / static_cast<double>(recording.size());
+  }
+  c.quality.verdict = "good";
+  return result;
+}
+
+}  // namespace zeros
+
+// imulab/io/recording/imu7.cpp
+namespace recording_io {
+
+/// Rows of seven doubles, seconds first, after the four bytes "IMU7"; a session names its columns by number.
+bool is_imu7(std::string_view head) { return head.starts_with("IMU7"); }
+
+TimedTable read_imu7(const std::filesystem::path& path, const RecordingSource&, const std::vector<Column>& columns) {
+  const MappedFile file(path);
+  TimedTable table;
+  table.file = path.string();
+  table.values.resize(columns.size());
+  std::array<double, 7> row;
+  for (std::string_view rows = file.text().substr(4); rows.size() >= sizeof row; rows.remove_prefix(sizeof row)) {
+    std::memcpy(row.data(), rows.data(), sizeof row);
+    table.time_ns.push_back(std::llround(1e9 * row[0]));
+    for (std::size_t k = 0; k < columns.size(); ++k) table.values[k].push_back(row.at(static_cast<std::size_t>(std::get<int>(columns[k]) - 1)));
+  }
+  return table;
+}
+
+}  // namespace recording_io
+
+// imulab/io/export/offsets.cpp
+namespace export_io {
+
+std::string offsets_text(const Calibration& c) {
+  return fmt::format("{} {} {}\n", c.model.gyro.offset[0], c.model.gyro.offset[1], c.model.gyro.offset[2]);
+}
+std::vector<std::string> left_out_of_offsets(const Calibration&) { return {"everything but the gyros' offsets"}; }
+
+}  // namespace export_io
+
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+template <class Row>
+std::vector<Row> with(const auto& table, Row row) {
+  std::vector<Row> rows(table.begin(), table.end());
+  rows.insert(rows.begin(), row);
+  return rows;
+}
+
+const std::array<std::array<double, 7>, 3> rows{{{0, 0.1, 0.2, 0.3, 0, 0, 9.8}, {0.01, 0.1, 0.4, 0.3, 0, 0, 9.8}, {0.02, 0.1, 0.3, 0.6, 0, 0, 9.8}}};
+
+/// A session with one recording in the new format, and what is read of it.
+Recording read_imu7_session(const TemporaryFolder& folder, const std::vector<RecordingFormat>& formats) {
+  std::string bytes = "IMU7";
+  bytes.append(reinterpret_cast<const char*>(rows.data()), sizeof rows);
+  folder.write("unit.imu7", bytes);
+  Session session;
+  session.file = folder / "session.toml";
+  session.recordings = {{.file = "unit.imu7", .gyro = {.columns = {2, 3, 4}, .unit = "rad/s"}, .accel = {.columns = {5, 6, 7}, .unit = "m/s^2"}}};
+  return read_recording(session, session.recordings.front(), formats).recording;
+}
+
+TEST(Extension, ThePageShowsThisCode) {
+  const std::string page = read_text(IMULAB_SOURCE "/docs/architecture.md"), code = read_text(IMULAB_SOURCE "/tests/extension_test.cpp");
+  const std::regex excerpt("```cpp\n([^`]*)\n```");
+  std::size_t shown = 0;
+  for (std::sregex_iterator i(page.begin(), page.end(), excerpt), end; i != end; ++i, ++shown) EXPECT_THAT(code, HasSubstr((*i)[1].str()));
+  EXPECT_EQ(shown, 6u);
+}
+
+TEST(Extension, ARecordingFormatIsAFileAndARow) {
+  const TemporaryFolder folder;
+  const auto formats = with<RecordingFormat>(recording_formats(), {"rows of seven doubles", recording_io::is_imu7, recording_io::read_imu7});
+  const Recording recording = read_imu7_session(folder, formats);
+  EXPECT_EQ(recording.size(), 3u);
+  EXPECT_DOUBLE_EQ(recording.interval_s, 0.01);
+  EXPECT_EQ(recording.gyro[1], (std::vector{0.2, 0.4, 0.3}));
+  EXPECT_THROW(read_imu7_session(folder, recording_formats()), Error) << "not without its row";
+}
+
+TEST(Extension, AnExportTargetIsAFileAndARow) {
+  const auto targets =
+      with<ExportTarget>(export_targets(), {"offsets", "the gyros' offsets [rad/s]", export_io::offsets_text, export_io::left_out_of_offsets});
+  Calibration c;
+  c.model.gyro.offset = {1, 2, 0.5};
+  EXPECT_EQ(export_target("offsets", targets).text(c), "1 2 0.5\n");
+  EXPECT_THAT([&] { export_target("magic", targets); }, ThrowsMessage<Error>("magic is not an export target; expected one of offsets, c-header"));
+}
+
+TEST(Extension, AMethodIsAFolderAndARow) {
+  const auto table = with<Method>(methods(), {.name = "zeros", .summary = "the gyros' offsets from one rest", .calibrate = zeros::calibrate});
+  const TemporaryFolder folder;
+  const Recording recording = read_imu7_session(
+      folder, with<RecordingFormat>(recording_formats(), {"rows of seven doubles", recording_io::is_imu7, recording_io::read_imu7}));
+  const Calibration c = method("zeros", table).calibrate({Session{}, {&recording, 1}}, {}).calibration;
+  EXPECT_NEAR(c.model.gyro.offset[1], -0.3, 1e-15);
+  EXPECT_NEAR(*standard_uncertainty(c, coefficient_index("gyro.offset.y")), std::sqrt(0.02 / 9), 1e-12);
+  try {
+    method("magic", table);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), HasSubstr("zeros"));
+  }
+}
+
+}  // namespace
+}  // namespace imulab

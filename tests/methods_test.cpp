@@ -1,0 +1,123 @@
+// What every method in the table of methods keeps.
+#include "imulab/core/error.hpp"
+#include "imulab/estimate/method.hpp"
+#include "imulab/rig/procedure.hpp"
+#include "imulab/simulate/simulate.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace imulab {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+struct Example {
+  Session session;
+  std::vector<Recording> recordings;
+};
+
+Example simulated(Session session) {
+  Example e{std::move(session), {}};
+  const Truth truth = draw_truth(e.session, 1);
+  for (const RecordingSource& source : e.session.recordings)
+    e.recordings.push_back(simulate_recording(e.session, source, truth, 1, draw_rig_errors(e.session, source, 1)));
+  return e;
+}
+
+/// A short session that a method can work on. A new method needs one here.
+const Example& example(std::string_view method) {
+  static const std::map<std::string_view, Example> examples = [] {
+    HandHeldOptions hand;
+    hand.poses = 20;
+    TableProcedureOptions table;
+    table.rest = 15, table.rate_hz = 20;
+    DaiUnitOptions unit;
+    unit.record = 1;
+    Session turntable = zhang_24_procedure(table), hybrid = cheng_path_procedure(table);
+    turntable.imu.grade = hybrid.imu.grade = "navigation";
+    return std::map<std::string_view, Example>{{"handheld", simulated(hand_held_procedure(hand, 1))},
+                                               {"static", simulated(hand_held_procedure(hand, 1))},
+                                               {"turntable", simulated(turntable)},
+                                               {"hybrid", simulated(hybrid)},
+                                               {"whole-unit", simulated(dai_unit_procedure(unit))}};
+  }();
+  return examples.at(method);
+}
+
+std::string error_of(const Method& method, const CalibrationInput& input, const CalibrationOptions& options = {}) {
+  try {
+    method.calibrate(input, options);
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+TEST(Methods, EveryOneGivesACalibrationWithItsCovarianceAndVerdict) {
+  for (const Method& method : methods()) {
+    SCOPED_TRACE(method.name);
+    const Example& e = example(method.name);
+    const Calibration c = calibrate(method.name, {e.session, e.recordings}).calibration;
+    EXPECT_THAT(c.method, StartsWith(std::string(method.name)));
+    EXPECT_GT(c.estimated.size(), 0u);
+    EXPECT_EQ(c.covariance.rows(), static_cast<Eigen::Index>(c.estimated.size()));
+    EXPECT_TRUE(c.covariance.allFinite());
+    EXPECT_GT(c.covariance.diagonal().minCoeff(), 0);
+    EXPECT_GT(c.quality.degrees_of_freedom, 0);
+    EXPECT_FALSE(c.quality.verdict.empty());
+    EXPECT_EQ(c.quality.sources.front().name, "gravity");
+    EXPECT_FALSE(method.summary.empty());
+  }
+}
+
+TEST(Methods, EveryOneTakesAllRecordingsOrSaysWhyNot) {
+  for (const Method& method : methods()) {
+    SCOPED_TRACE(method.name);
+    Example e = example(method.name);
+    if (method.takes_several) continue;
+    e.session.recordings.push_back(e.session.recordings.front());
+    e.session.recordings.back().file = "second.csv";
+    e.recordings.push_back(e.recordings.front());
+    e.recordings.back().name = "second.csv";
+    EXPECT_THAT(error_of(method, {e.session, e.recordings}), HasSubstr("second.csv"));
+  }
+}
+
+TEST(Methods, EveryOneRefusesWhatIsNoRecording) {
+  for (const Method& method : methods()) {
+    SCOPED_TRACE(method.name);
+    Example e = example(method.name);
+    e.recordings.front().gyro[1][100] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THAT(error_of(method, {e.session, e.recordings}), HasSubstr("gyro"));
+    EXPECT_NE(error_of(method, {e.session, {}}), "no error");
+  }
+}
+
+TEST(Methods, EveryOneNamesATermItDoesNotEstimate) {
+  for (const Method& method : methods()) {
+    SCOPED_TRACE(method.name);
+    const Example& e = example(method.name);
+    const CoefficientIndex foreign = coefficient_index(method.name == "whole-unit" ? "accel.lever_arm.xx" : "gyro.cubic.x");
+    CalibrationOptions options;
+    options.terms = {foreign};
+    EXPECT_THROW(method.calibrate({e.session, e.recordings}, options), TermsError);
+    EXPECT_THAT(error_of(method, {e.session, e.recordings}, options), HasSubstr(std::string(coefficient(foreign).name)));
+  }
+}
+
+TEST(Methods, AnUnknownOneIsAnsweredWithTheKnown) {
+  try {
+    method("magic");
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), HasSubstr("handheld, hybrid, static, turntable, whole-unit"));
+  }
+}
+
+}  // namespace
+}  // namespace imulab
