@@ -11,7 +11,7 @@ TEST(DemoCommand, RunsFromNothingAndAgain) {
   const CommandResult first = run_imulab(folder, "demo -o d");
   ASSERT_EQ(first.exit_code, 0) << first.errors;
   EXPECT_THAT(first.output, testing::HasSubstr("0 of 21 coefficients differ significantly"));
-  EXPECT_THAT(first.output, testing::HasSubstr("and by the hybrid one:"));
+  EXPECT_THAT(first.output, testing::HasSubstr("and with the hybrid one:"));
   folder.write("d/path/mine.txt", "kept");
   const CommandResult blocked = run_imulab(folder, "demo -o d");
   EXPECT_EQ(blocked.exit_code, 2);  // a folder that holds something of somebody else's
