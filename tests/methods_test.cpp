@@ -3,9 +3,11 @@
 #include "imulab/estimate/method.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/simulate/simulate.hpp"
+#include "tests/acceptance/acceptance.hpp"
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -72,6 +74,13 @@ TEST(Methods, EveryOneGivesACalibrationWithItsCovarianceAndVerdict) {
     EXPECT_FALSE(c.quality.verdict.empty());
     EXPECT_EQ(c.quality.sources.front().name, "gravity");
     EXPECT_FALSE(method.summary.empty());
+  }
+}
+
+TEST(Methods, EveryOneHasAnAcceptanceCase) {
+  for (const Method& method : methods()) {
+    const auto of_method = [&](const acceptance::Case& c) { return c.method == method.name; };
+    EXPECT_TRUE(std::ranges::any_of(acceptance::cases(), of_method)) << method.name;
   }
 }
 

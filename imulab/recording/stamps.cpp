@@ -13,6 +13,7 @@ namespace imulab {
 
 namespace {
 
+constexpr double interval_tolerance = 0.02;
 constexpr std::size_t rows = 16;  // stamps that scatter by a fifth of an interval leave a twelfth on the difference of two medians
 
 /// Reorders the differences.
@@ -38,7 +39,18 @@ bool samples_are_missing(const std::vector<std::int64_t>& time_ns, std::size_t i
 
 }  // namespace
 
-bool same_interval(double a_s, double b_s) { return std::abs(a_s - b_s) <= 0.02 * b_s; }
+bool same_interval(double a_s, double b_s) { return std::abs(a_s - b_s) <= interval_tolerance * b_s; }
+
+bool mostly_spaced(const std::vector<std::int64_t>& time_ns, double interval_s) {
+  const auto least_ns = static_cast<std::int64_t>(std::ceil((1 - interval_tolerance) * 1e9 * interval_s));
+  const auto most_ns = static_cast<std::int64_t>(std::floor((1 + interval_tolerance) * 1e9 * interval_s));
+  std::size_t spaced = 0;
+  for (std::size_t i = 1; i < time_ns.size(); ++i) {
+    const std::int64_t difference = time_ns[i] - time_ns[i - 1];
+    spaced += difference >= least_ns && difference <= most_ns;
+  }
+  return 2 * spaced + 1 > time_ns.size();
+}
 
 void expect_increasing(const std::string& name, const std::vector<std::int64_t>& time_ns) {
   const auto seconds = [](std::int64_t ns) { return 1e-9 * static_cast<double>(ns); };

@@ -13,6 +13,9 @@ namespace imulab {
 /// (unit, decimation, another logger setting) differs by a tenth or more.
 bool same_interval(double a_s, double b_s);
 
+/// Whether more than half of the stamps' differences, so also their median, agree with the interval.
+bool mostly_spaced(const std::vector<std::int64_t>& time_ns, double interval_s);
+
 /// Throws Error, naming the sample, where stamps go back or repeat. `name` stands for the recording.
 void expect_increasing(const std::string& name, const std::vector<std::int64_t>& time_ns);
 

@@ -9,7 +9,10 @@
 
 #include <Eigen/Core>
 
+#include <cstdint>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace imulab::acceptance {
@@ -51,6 +54,14 @@ Run whole_unit_run(std::uint64_t seed);
 Run short_whole_unit_run(std::uint64_t seed);
 /// Compensated samples anywhere in the range against the covariance propagated to them, and the stepwise estimate's RMS errors over the joint one's.
 std::vector<Check> whole_unit_outputs(int runs);
+
+/// What the acceptance test runs for a method. Every method of the table has at least one.
+struct Case {
+  std::string_view method, name;
+  Run (*run)(std::uint64_t seed);
+  int count;  ///< of sessions at full size
+};
+std::span<const Case> cases();
 
 /// Of a turntable session whose readings have this white noise.
 Eigen::MatrixXd turntable_information(const TableMotion& motion, const SensorModel& truth, const turntable::RawNoise& noise,
