@@ -98,7 +98,7 @@ void expect_partly_determined(const TemporaryFolder& folder, const CommandResult
   EXPECT_THAT(result.errors + result.output, Not(HasSubstr("nan")));
   const Calibration calibration = read_calibration(folder / "c.json");
   EXPECT_THAT(calibration.quality.unobservable, Not(testing::IsEmpty()));
-  EXPECT_THAT(calibration.quality.verdict, testing::StartsWith("doubtful, because "));
+  EXPECT_THAT(verdict_text(calibration.quality), testing::StartsWith("doubtful, because "));
 }
 
 TEST(BadData, TooFewRests) {

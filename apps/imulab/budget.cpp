@@ -3,6 +3,7 @@
 
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/error_sources.hpp"
+#include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/io/calibration/file.hpp"
@@ -39,7 +40,7 @@ struct Options {
   std::optional<std::string> grade, system, calibration;
   std::uint64_t runs = 200, seed = 1;
   double every = 10;
-  bool catalogue = false, json = false;
+  bool catalogue = false, json = false, allow_undetermined = false;
 };
 
 /// Above a tenth of a radian, products of errors are some percent of the errors.
@@ -75,6 +76,10 @@ void run(const Options& o) {
   if (!(o.every > 0)) throw Error("--every: expected a positive number of seconds");
   const MissionFile file = read_mission(o.mission);
   const ErrorSpecification specification = specification_of(o, file);
+  if (const auto& name = specification.calibration) {
+    const std::filesystem::path path = std::filesystem::path(o.mission).parent_path() / *name;
+    expect_usable(read_calibration(path), path.string(), o.allow_undetermined);
+  }
   const ErrorSources sources = mission_errors(specification, o.mission);
   const motion::NominalMotion motion = nominal_motion(trajectory_of(file.mission), 1 / file.mission.rate);
   StrapdownOptions strapdown;
@@ -118,6 +123,7 @@ void add_budget(Verb app) {
   verb.option("--every", o->every, "seconds between rows of the files").show_default();
   verb.option("-o,--output", o->folder, "the folder to create: total.csv, sources.csv, monte_carlo.csv over time, runs.csv");
   verb.flag("--catalogue", o->catalogue, "list the available grades and systems");
+  add_allow_undetermined(verb, o->allow_undetermined);
   verb.flag("--json", o->json, "print the errors at the end as JSON");
   verb.does([o] { run(*o); });
 }

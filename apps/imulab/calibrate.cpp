@@ -8,10 +8,13 @@
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/model/coefficient.hpp"
+#include "imulab/model/requirement.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <map>
 #include <memory>
 
 namespace imulab::command {
@@ -20,7 +23,8 @@ namespace {
 
 struct CalibrateArguments {
   std::string session, method, output, terms = "auto", recording, curves;
-  bool json = false, stepwise = false;
+  std::string require;
+  bool json = false, stepwise = false, force = false;
 };
 
 /// "auto" and "full" are empty; else selectors separated by commas.
@@ -65,11 +69,28 @@ CalibrationOptions options_of(const CalibrateArguments& arguments, const Method&
   return options;
 }
 
+/// The options that shape the result, as they were given.
+std::map<std::string, std::string> options_used(const CalibrateArguments& arguments) {
+  std::map<std::string, std::string> used{{"terms", arguments.terms}};
+  if (!arguments.recording.empty()) used["recording"] = arguments.recording;
+  if (arguments.stepwise) used["stepwise"] = "true";
+  return used;
+}
+
+/// A calibration is the work of hours: it is not replaced by accident.
+void expect_free(const std::string& output, bool force) {
+  if (output.empty() || output == "-" || force || !std::filesystem::is_regular_file(output)) return;
+  throw Error(fmt::format("-o {}: exists; expected a new file, or --force to replace it", output));
+}
+
 /// Calibrates a session and writes the files that are named. Throws as the estimators do. For a method other than hybrid the result is the
 /// calibration alone.
 CalibrationResult calibrate(const CalibrateArguments& arguments) {
   const Method& chosen = method(arguments.method);
   options_of(arguments, chosen, {});  // errors of the command are reported before anything is read
+  const std::vector<Requirement> requirements =
+      arguments.require.empty() ? std::vector<Requirement>{} : errors_at("--require", [&] { return parse_requirements(arguments.require); });
+  expect_free(arguments.output, arguments.force);
   Session session = read_session(arguments.session);
   for (const std::string& output : {arguments.output, arguments.curves}) expect_inputs_stay(output, session);
   errors_at(session.file + ": [site]", [&] { session.site.gravity(); });  // if neither gravity nor the latitude is known
@@ -77,13 +98,15 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
   const std::vector<Recording> recordings = read_recordings(session, chosen, arguments.recording, warnings);
   CalibrationResult result;
   try {
-    result = chosen.calibrate({session, recordings}, options_of(arguments, chosen, recordings));
+    result = imulab::calibrate(chosen, {session, recordings}, options_of(arguments, chosen, recordings));
   } catch (const TermsError& e) {
     throw Error(fmt::format("--terms: {}", e.what()));
   }
   Calibration& calibration = result.calibration;
-  add_provenance(calibration, session);
+  add_provenance(calibration, session, recordings);
+  calibration.options = options_used(arguments);
   Quality& quality = calibration.quality;
+  for (const Requirement& requirement : requirements) quality.requirements.push_back(assess(calibration, requirement));
   for (const std::string& text : quality.warnings) warn(text);
   quality.warnings.insert(quality.warnings.begin(), warnings.begin(), warnings.end());
   if (!arguments.output.empty()) {
@@ -95,6 +118,16 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
   }
   if (!arguments.curves.empty()) write_whole(arguments.curves, curves_csv(result));
   return result;
+}
+
+/// Throws Unsupported, exit code 1, where the result is not what was asked for; it has been written all the same.
+void expect_supported(const Quality& quality) {
+  std::string list;
+  for (const std::string& name : quality.unobservable) list += " " + name;
+  if (!list.empty()) throw Unsupported(fmt::format("the data do not determine:{}; they keep their starting values", list));
+  for (const RequirementResult& r : quality.requirements)
+    if (!r.met) list += fmt::format("{}{}", list.empty() ? "" : ", ", r.text);
+  if (!list.empty()) throw Unsupported("not reached: " + list);
 }
 
 }  // namespace
@@ -119,17 +152,17 @@ void add_calibrate(Verb app) {
   verb.option("--recording", a->recording, "the recording to use, if the session has several");
   verb.flag("--stepwise", a->stepwise, "whole-unit: Dai's three steps in sequence instead of the joint estimate");
   verb.option("--curves", a->curves, "hybrid: a CSV file with the convergence of each coefficient and its standard uncertainty");
+  verb.option("--require", a->require,
+              "what the calibration is for, as in \"gyro.matrix.diagonal <= 100 ppm, accel.offset <= 200 ug\"; exit code 1 where it is not reached");
+  verb.flag("--force", a->force, "replace the calibration file if there is one");
   verb.flag("--json", a->json, "print the calibration file instead of the table");
   verb.does([a] {
     const CalibrationResult result = calibrate(*a);
     const Calibration& calibration = result.calibration;
     if (a->json && a->output != "-") fmt::print("{}", calibration_text(calibration));
     if (!a->json && a->output != "-") fmt::print("{}", calibration_table(calibration, result.coarse ? &*result.coarse : nullptr));
-    if (!a->output.empty() && a->output != "-" && !a->json) fmt::print("\nwritten: {}\n", a->output);
-    if (calibration.quality.unobservable.empty()) return;
-    std::string list;
-    for (const std::string& name : calibration.quality.unobservable) list += " " + name;
-    throw Unsupported(fmt::format("the data do not determine:{}; they keep their starting values", list));
+    if (!a->json && a->output != "-") fmt::print("\n{}\n", a->output.empty() ? "not saved: no -o FILE was given" : "written: " + a->output);
+    expect_supported(calibration.quality);
   });
 }
 

@@ -59,6 +59,7 @@ void add_simulate(Verb app);
 void add_calibrate(Verb app);
 void add_compensate(Verb app);
 void add_compare(Verb app);
+void add_verify(Verb app);
 void add_predict(Verb app);
 void add_plan(Verb app);
 void add_trajectory(Verb app);

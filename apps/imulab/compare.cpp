@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::vector<std::string> files;
-  bool json = false;
+  bool json = false, different_imus = false;
 };
 
 /// The accelerometers' frame follows from their matrix.
@@ -64,18 +64,28 @@ void check_same_raw_units(const NamedCalibration& a, const NamedCalibration& b) 
       throw Error(fmt::format("{}: {} was calibrated from {}, expected {} as in {}", b.name, triad, b_unit, a_unit, a.name));
 }
 
-std::vector<NamedCalibration> read_all(const std::vector<std::string>& files) {
+void check_same_imu(const NamedCalibration& a, const NamedCalibration& b) {
+  const std::string &of_a = a.calibration.serial, &of_b = b.calibration.serial;
+  if (!of_a.empty() && !of_b.empty() && of_a != of_b)
+    throw Error(fmt::format("{}: is of serial number {}, and {} is of {}; expected calibrations of one IMU, or --different-imus", b.name, of_b, a.name,
+                            of_a));
+}
+
+std::vector<NamedCalibration> read_all(const std::vector<std::string>& files, bool different_imus) {
   check_files_differ(files);
   std::vector<NamedCalibration> inputs;
   for (const auto& file : files) {
     inputs.push_back(read(file));
-    for (std::size_t k = 0; k + 1 < inputs.size(); ++k) check_same_raw_units(inputs[k], inputs.back());
+    for (std::size_t k = 0; k + 1 < inputs.size(); ++k) {
+      check_same_raw_units(inputs[k], inputs.back());
+      if (!different_imus) check_same_imu(inputs[k], inputs.back());
+    }
   }
   return inputs;
 }
 
 void run(const Options& options) {
-  const std::vector<NamedCalibration> inputs = read_all(options.files);
+  const std::vector<NamedCalibration> inputs = read_all(options.files, options.different_imus);
   std::vector<Calibration> calibrations;
   for (const auto& input : inputs) calibrations.push_back(input.calibration);
   const std::vector<Comparison> comparisons = compare(calibrations[0], std::vector<Calibration>(calibrations.begin() + 1, calibrations.end()));
@@ -94,6 +104,7 @@ void add_compare(Verb app) {
                    "errors count as independent; a file without uncertainties counts as the truth")
       .required()
       .takes_several(2);
+  verb.flag("--different-imus", options->different_imus, "compare calibrations of different serial numbers");
   verb.flag("--json", options->json, "print the result as JSON");
   verb.does([options] { run(*options); });
 }

@@ -3,8 +3,8 @@
 
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/session_recording.hpp"
+#include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/io/calibration/file.hpp"
 #include "imulab/io/recording/file.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/file.hpp"
@@ -62,7 +62,7 @@ void write(const fs::path& file, const CompensatedRecording& c, Outliers outlier
 void compensate_files(const CompensateOptions& options) {
   if (!options.stream_session.empty() || !options.recording.empty())
     throw Error("--session and --recording belong to standard input; expected - in place of the session");
-  const Calibration calibration = read_calibration(options.calibration);
+  const Calibration calibration = read_usable(options.calibration, options.allow_undetermined);
   const Session session = read_session(options.session);
   if (session.recordings.empty()) throw Error(session.file + ": has no recordings; expected at least one");
   const std::vector<fs::path> files = output_files(session, options.output);
@@ -91,6 +91,7 @@ void add_compensate(Verb app) {
   verb.option("SESSION", options->session, "a session folder or its session.toml; - for rows from standard input, as --session declares them")
       .required();
   verb.option("-o,--output", options->output, "a folder; for one recording also a .csv file, or - for standard output").required();
+  add_allow_undetermined(verb, options->allow_undetermined);
   verb.flag("--reject-outliers", options->reject_outliers, "replace spikes of one or two samples first");
   verb.option("--session", options->stream_session, "the session that describes the recording on standard input");
   verb.option("--recording", options->recording, "the file of the recording to use, if that session has several");

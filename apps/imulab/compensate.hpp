@@ -12,7 +12,7 @@ namespace imulab::command {
 struct CompensateOptions {
   std::string calibration, session, output;
   Outliers outliers = Outliers::keep;
-  bool reject_outliers = false;
+  bool reject_outliers = false, allow_undetermined = false;
   std::string stream_session, recording;  ///< of a stream
 };
 

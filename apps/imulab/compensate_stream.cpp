@@ -3,7 +3,7 @@
 #include "apps/imulab/compensate.hpp"
 #include "apps/imulab/session_recording.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/io/calibration/file.hpp"
+#include "apps/imulab/usable.hpp"
 #include "imulab/io/recording/file.hpp"
 #include "imulab/io/recording/stream.hpp"
 #include "imulab/io/session/file.hpp"
@@ -55,7 +55,7 @@ void compensate_stream(const CompensateOptions& options) {
   if (options.stream_session.empty()) throw Error("the columns of standard input are not known; expected --session");
   if (options.output != "-" && std::filesystem::path(options.output).extension() != ".csv")
     throw Error(fmt::format("-o {}: expected a .csv file, or - for standard output", options.output));
-  const Calibration calibration = read_calibration(options.calibration);
+  const Calibration calibration = read_usable(options.calibration, options.allow_undetermined);
   const Session session = read_session(options.stream_session);
   const RecordingSource& source = choose_recording(session, options.recording);
   expect_inputs_stay(options.output, session, {options.calibration});

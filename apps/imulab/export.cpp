@@ -1,7 +1,7 @@
 // imulab export CALIBRATION --to TARGET
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/io/calibration/file.hpp"
 #include "imulab/io/export/target.hpp"
 #include "imulab/io/text/file.hpp"
 
@@ -17,10 +17,11 @@ namespace {
 
 struct Options {
   std::string calibration, target, output = "-";
+  bool allow_undetermined = false;
 };
 
 void run(const Options& o) {
-  const Calibration calibration = read_calibration(o.calibration);
+  const Calibration calibration = read_usable(o.calibration, o.allow_undetermined);
   const ExportTarget& target = export_target(o.target);
   const std::string text = errors_at(o.calibration, [&] { return target.text(calibration); });
   for (const std::string& left_out : target.left_out(calibration)) warn(o.calibration + ": " + left_out);
@@ -43,6 +44,7 @@ void add_export(Verb app) {
   verb.option("CALIBRATION", o->calibration, "calibration.json").required();
   verb.option("--to", o->target, fmt::format("{}", fmt::join(help, "; "))).required().one_of(names);
   verb.option("-o,--output", o->output, "the file to write; - for standard output").show_default();
+  add_allow_undetermined(verb, o->allow_undetermined);
   verb.does([o] { run(*o); });
 }
 

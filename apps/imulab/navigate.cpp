@@ -3,9 +3,9 @@
 
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/session_recording.hpp"
+#include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/io/calibration/file.hpp"
 #include "imulab/io/recording/solution.hpp"
 #include "imulab/io/result/navigation.hpp"
 #include "imulab/io/session/file.hpp"
@@ -30,15 +30,15 @@ struct Options {
   std::vector<std::string> sessions;
   std::optional<double> heading_deg, heading_sigma_deg;
   NavigateOptions navigate;
-  bool json = false;
+  bool json = false, allow_undetermined = false;
 };
 
 const std::map<std::string, VerticalChannel> vertical_channels{
     {"free", VerticalChannel::free}, {"fixed", VerticalChannel::fixed}, {"aided", VerticalChannel::aided}, {"held", VerticalChannel::held}};
 
 /// The word none: an IMU whose recordings are in SI already.
-Calibration calibration_of(const std::string& name) {
-  if (name != "none") return read_calibration(name);
+Calibration calibration_of(const std::string& name, bool allow_undetermined) {
+  if (name != "none") return read_usable(name, allow_undetermined);
   Calibration ideal;
   ideal.model.gyro.raw_unit = "rad/s";
   ideal.model.accel.raw_unit = "m/s^2";
@@ -87,7 +87,7 @@ void run(Options options) {
   options.navigate.vertical = vertical_channels.at(options.vertical);
   options.navigate.gaps = options.gaps == "refuse" ? GapTreatment::refuse : GapTreatment::integrate;
   check(options);
-  const Calibration calibration = calibration_of(options.calibration);
+  const Calibration calibration = calibration_of(options.calibration, options.allow_undetermined);
   if (!options.barometer.empty()) options.navigate.barometer = read_heights(options.barometer);
   if (options.heading_deg) options.navigate.heading = {*options.heading_deg * unit::deg, options.heading_sigma_deg.value_or(0) * unit::deg};
   std::vector<NavigatedSession> sessions;
@@ -117,6 +117,7 @@ void add_navigate(Verb app) {
   verb.option("--gaps", o->gaps, "what to do at missing samples").one_of({"integrate", "refuse"}).show_default();
   verb.option("--truth", o->truth, "reference solution; the session's [truth] if absent");
   verb.option("-o,--output", o->output, "write the whole solution to this CSV file");
+  add_allow_undetermined(verb, o->allow_undetermined);
   verb.flag("--json", o->json, "print the result as JSON");
   verb.does([o] { run(*o); });
 }

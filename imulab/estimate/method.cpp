@@ -3,12 +3,14 @@
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/hybrid/hybrid.hpp"
 #include "imulab/estimate/hybrid/prediction.hpp"
+#include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/estimate/rests/rests.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
 #include "imulab/estimate/turntable/turntable.hpp"
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
 
 #include <array>
+#include <utility>
 
 namespace imulab {
 
@@ -44,8 +46,19 @@ const Method& method(std::string_view name, std::span<const Method> table) {
   throw Error("no method " + std::string(name) + "; expected one of " + names);
 }
 
+CalibrationResult calibrate(const Method& method, const CalibrationInput& input, const CalibrationOptions& options) {
+  for (const Recording& recording : input.recordings) kernel::expect_different_channels(recording);
+  CalibrationResult result = method.calibrate(input, options);
+  Quality& quality = result.calibration.quality;
+  for (std::string& contradiction : kernel::contradictions(result.calibration.model, input.recordings.front())) {
+    quality.verdict = "doubtful";
+    quality.because.push_back(std::move(contradiction));
+  }
+  return result;
+}
+
 CalibrationResult calibrate(std::string_view name, const CalibrationInput& input, const CalibrationOptions& options) {
-  return method(name).calibrate(input, options);
+  return calibrate(method(name), input, options);
 }
 
 }  // namespace imulab

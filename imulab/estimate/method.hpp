@@ -76,7 +76,9 @@ std::span<const Method> methods();
 /// Throws Error that lists the known ones.
 const Method& method(std::string_view name, std::span<const Method> table = methods());
 
-/// By a method's name. Throws as the method does.
+/// Calibrates, and asks of the result what holds for every method: are scales and axes those that were declared? Throws as the method does.
+CalibrationResult calibrate(const Method& method, const CalibrationInput& input, const CalibrationOptions& options = {});
+/// By a method's name.
 CalibrationResult calibrate(std::string_view method, const CalibrationInput& input, const CalibrationOptions& options = {});
 
 }  // namespace imulab

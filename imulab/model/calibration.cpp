@@ -8,6 +8,27 @@
 
 namespace imulab {
 
+std::string verdict_text(const Quality& quality) {
+  std::string text = quality.verdict;
+  for (std::size_t i = 0; i < quality.because.size(); ++i) text += (i == 0 ? ", because " : "; ") + quality.because[i];
+  return text;
+}
+
+std::vector<std::string> unusable(const Calibration& calibration) {
+  const std::vector<std::string>& undetermined = calibration.quality.unobservable;
+  std::vector<std::string> names;
+  for (const CoefficientIndex index : coefficient_indices()) {
+    const Coefficient& c = coefficient(index);
+    if (c.term != Term::offset && c.term != Term::matrix) continue;
+    const TriadModel& triad = c.triad == Triad::accel ? calibration.model.accel : calibration.model.gyro;
+    // Counts have no scale of their own that could stand for the one that was not estimated.
+    const bool needed = triad.raw_unit == "count" && c.row == c.column && !calibration.estimated.empty();
+    const bool estimated = standard_uncertainty(calibration, index).has_value();
+    if (std::find(undetermined.begin(), undetermined.end(), c.name) != undetermined.end() || (needed && !estimated)) names.emplace_back(c.name);
+  }
+  return names;
+}
+
 std::optional<double> standard_uncertainty(const Calibration& calibration, CoefficientIndex index) {
   const auto& estimated = calibration.estimated;
   const auto found = std::find(estimated.begin(), estimated.end(), index);

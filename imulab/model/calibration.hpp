@@ -4,6 +4,9 @@
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/sensor_model.hpp"
 
+#include <array>
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +18,7 @@ struct UncertaintySource {
   std::string name;         ///< "gravity"
   double relative = 0;      ///< its size relative to the quantity itself (sigma_g / g)
   std::string consequence;  ///< its effect, in words
+  bool operator==(const UncertaintySource&) const = default;
 };
 
 /// A term that was tested for significance: kept, or fixed at its starting value.
@@ -25,12 +29,32 @@ struct TermTest {
   double p_value = 1;
   bool kept = false;
   double cross_validation_with = 0, cross_validation_without = 0;  ///< RMS of left-out points in sigmas of their noise; 0: not done
+  bool operator==(const TermTest&) const = default;
 };
 
 /// Residuals of one axis relative to the full scale that the data reached.
 struct FitResidual {
   std::string axis;                             ///< "gyro.x"
   double rms = 0, largest = 0, full_scale = 0;  ///< m/s^2 or rad/s
+  bool operator==(const FitResidual&) const = default;
+};
+
+/// A rest or a rotation of the recording, and how it agrees with the calibration.
+struct PartResidual {
+  double begin_s = 0, end_s = 0;  ///< of the recording's clock
+  double residual = 0;            ///< RMS over its equations, in the sigmas with which they enter the fit
+  bool used = true;               ///< false: dropped as an outlier
+  bool operator==(const PartResidual&) const = default;
+};
+
+/// A required uncertainty, and what was reached.
+struct RequirementResult {
+  std::string text;         ///< "gyro.matrix.diagonal <= 100 ppm"
+  std::string coefficient;  ///< the worst of them
+  double limit = 0;         ///< SI
+  double reached = 0;       ///< its standard uncertainty, SI; infinite: not determined
+  bool met = false;
+  bool operator==(const RequirementResult&) const = default;
 };
 
 /// An error of the rig that was estimated jointly with the coefficients: its difference from the declaration. SI.
@@ -38,6 +62,7 @@ struct RigErrorEstimate {
   std::string name;  ///< "centrifuge: radius.+z+x"
   double declared_sigma = 0;
   double value = 0, uncertainty = 0;
+  bool operator==(const RigErrorEstimate&) const = default;
 };
 
 struct Quality {
@@ -46,18 +71,39 @@ struct Quality {
   double condition = 0;  ///< of the scaled normal equations
   std::vector<std::string> unobservable;
   std::vector<std::string> warnings;
-  std::string verdict;                          ///< "good" or "doubtful: because ..."
+  std::string verdict;                          ///< "good", or "doubtful" for the reasons in `because`
+  std::vector<std::string> because;
+  std::vector<std::string> considered;          ///< coefficients that keep their prior value; its uncertainty counts in the others'
   std::optional<double> rotation_residual_deg;  ///< cross-validated, RMS over rotations left out of the fit (hand-held)
   std::vector<TermTest> term_tests;
   std::vector<FitResidual> fit_residuals;    ///< whole-unit
   std::vector<RigErrorEstimate> rig_errors;  ///< whole-unit
   std::vector<UncertaintySource> sources;
   std::vector<std::string> notes;  ///< what was used: rests, thresholds, spreads
+  std::vector<PartResidual> rests, rotations;
+  std::vector<RequirementResult> requirements;
+  bool operator==(const Quality&) const = default;
+};
+
+/// "good", or "doubtful, because ...; ...".
+std::string verdict_text(const Quality& quality);
+
+/// A recording's file as it was when it was used.
+struct SourceFile {
+  std::string file;  ///< as the session names it
+  std::string sha256;
+  std::uint64_t bytes = 0;
+  double first_s = 0, last_s = 0;                                              ///< first and last stamp
+  std::optional<std::array<double, 2>> accel_temperature, gyro_temperature;  ///< least and largest thermal reading
+  bool operator==(const SourceFile&) const = default;
 };
 
 struct Calibration {
-  std::string imu, method, created, software;
+  std::string imu, serial, method, created, software;
+  std::string operated_by;  ///< who took the data
   std::string session_file, session_sha256;
+  std::vector<SourceFile> sources;
+  std::map<std::string, std::string> options;  ///< of the calibration, as they were given
   std::string frame = "accelerometers";  ///< or "rig"
   SensorModel model;
   std::vector<CoefficientIndex> estimated;  ///< table indices of the coefficients in `covariance`, in its order
@@ -71,6 +117,9 @@ struct RawZero {
   Vector3d value, uncertainty;
 };
 RawZero raw_zero(const Calibration& calibration, Triad triad);
+
+/// The coefficients of offsets and matrices that the data did not determine: they keep starting values, which compensate nothing.
+std::vector<std::string> unusable(const Calibration& calibration);
 
 /// Standard uncertainty of a table coefficient; absent where it was not estimated or is fixed by the frame.
 std::optional<double> standard_uncertainty(const Calibration& calibration, CoefficientIndex index);

@@ -182,7 +182,9 @@ std::vector<Comparison> compare(const Calibration& first, const std::vector<Cali
     for (std::size_t k = 0; k < b.size(); ++k) {
       const Differences& d = all[k];
       CoefficientDifference x{i, value_a(i), d.b(i), d.e(i), std::nullopt, d.user_e(i) / unit.size, std::nullopt, unit.name};
-      if (holds(a.estimated, i) || holds(b[k].estimated, i)) {
+      // A starting value of one side says nothing about the other; a calibration without uncertainties is the truth.
+      const bool in_a = a.estimated.empty() || holds(a.estimated, i), in_b = b[k].estimated.empty() || holds(b[k].estimated, i);
+      if (in_a && in_b && d.u(i) > 0) {
         x.uncertainty = d.u(i);
         x.user_uncertainty = d.user_u(i) / unit.size;
       }

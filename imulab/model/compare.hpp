@@ -18,7 +18,7 @@ struct CoefficientDifference {
   CoefficientIndex index;  ///< in the coefficient table
   double a = 0, b = 0;
   double difference = 0;              ///< b - a
-  std::optional<double> uncertainty;  ///< standard uncertainty of the difference; absent where neither calibration states one
+  std::optional<double> uncertainty;  ///< standard uncertainty of the difference; absent where one of the two did not determine the coefficient
   /// The same in user units. For matrices this is an element of D = M_b M_a^-1 - I, which does not depend on the raw unit: the difference of a
   /// scale factor in ppm on the diagonal, of a misalignment in arcsec off it.
   double user_difference = 0;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 namespace imulab {
 
@@ -53,7 +54,35 @@ Requirement parse_requirement(std::string_view text) {
   return out;
 }
 
+/// Zero by the choice of the frame, so nothing to be determined.
+bool fixed_by_frame(const Calibration& calibration, const Coefficient& c) {
+  return calibration.frame == "accelerometers" && c.triad == Triad::accel && c.term == Term::matrix && c.column > c.row;
+}
+
 }  // namespace
+
+std::string to_string(const Requirement& r) { return fmt::format("{} <= {:g} {}", r.selector, r.limit / r.unit.size, r.unit.name); }
+
+double relative_uncertainty(const Calibration& calibration, CoefficientIndex index) {
+  const std::optional<double> sigma = standard_uncertainty(calibration, index);
+  if (!sigma) return std::numeric_limits<double>::infinity();
+  const Coefficient& c = coefficient(index);
+  if (c.term != Term::matrix) return *sigma;
+  return *sigma / std::abs((c.triad == Triad::accel ? calibration.model.accel : calibration.model.gyro).matrix(c.row, c.row));
+}
+
+RequirementResult assess(const Calibration& calibration, const Requirement& requirement) {
+  RequirementResult out{to_string(requirement), "", requirement.limit, -1, false};
+  for (const CoefficientIndex index : requirement.coefficients) {
+    const Coefficient& c = coefficient(index);
+    const double reached = relative_uncertainty(calibration, index);
+    if (fixed_by_frame(calibration, c) || !(reached > out.reached)) continue;
+    out.coefficient = c.name;
+    out.reached = reached;
+  }
+  out.met = out.reached <= out.limit;
+  return out;
+}
 
 std::vector<Requirement> parse_requirements(std::string_view text) {
   std::vector<Requirement> out;

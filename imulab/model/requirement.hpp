@@ -1,6 +1,7 @@
 // Requirements on a calibration: "gyro.matrix.off_diagonal <= 5 arcsec", one sigma of each of these coefficients.
 #pragma once
 
+#include "imulab/model/calibration.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/user_unit.hpp"
 
@@ -17,9 +18,19 @@ struct Requirement {
   UserUnit unit;     ///< in which it was stated
 };
 
+/// "gyro.matrix.off_diagonal <= 5 arcsec"
+std::string to_string(const Requirement& requirement);
+
 /// Requirements separated by commas. Throws Error for text of another form, an unknown coefficient, one that no prediction estimates (all but offset,
 /// matrix and g_sensitivity), a number that is not above 0, and a unit that the coefficients cannot have.
 std::vector<Requirement> parse_requirements(std::string_view text);
+
+/// Standard uncertainty of a coefficient, SI; of matrices relative to the row's scale; infinite where it was not estimated.
+double relative_uncertainty(const Calibration& calibration, CoefficientIndex index);
+
+/// What a calibration reaches of a requirement: the standard uncertainty of its worst coefficient, of matrices relative to the row's scale. A
+/// coefficient that was not estimated is as uncertain as can be; those fixed by the frame do not count.
+RequirementResult assess(const Calibration& calibration, const Requirement& requirement);
 
 /// A requirement that is not met, by one of its coefficients.
 struct Shortfall {

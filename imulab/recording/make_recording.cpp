@@ -1,6 +1,7 @@
 #include "imulab/recording/make_recording.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/recording/clipping.hpp"
 #include "imulab/recording/stamps.hpp"
 #include "imulab/recording/unit_names.hpp"
 #include "imulab/recording/validate.hpp"
@@ -49,6 +50,24 @@ void mark_saturated(const Columns3& triad, const ReadingOptions& options, std::v
   }
 }
 
+std::vector<std::size_t> marked(const std::vector<bool>& marks) {
+  std::vector<std::size_t> samples;
+  for (std::size_t i = 0; i < marks.size(); ++i)
+    if (marks[i]) samples.push_back(i);
+  return samples;
+}
+
+/// Adds the samples of channels that clip although no limits are declared.
+void add_clipped(Recording& recording, const RecordingOptions& options) {
+  std::vector<bool> saturated(recording.size());
+  for (const std::size_t i : recording.saturated) saturated[i] = true;
+  for (const auto& [triad, declared] : {std::pair{&recording.gyro, options.gyro.limits}, std::pair{&recording.accel, options.accel.limits}})
+    if (!declared)
+      for (const auto& channel : *triad)
+        for (const std::size_t i : clipped_samples(channel)) saturated[i] = true;
+  recording.saturated = marked(saturated);
+}
+
 void to_si(Columns3& triad, const ReadingOptions& options, double interval_s) {
   const double factor = si_factor(options.unit);
   if (factor == 1 && !options.increment) return;
@@ -80,8 +99,7 @@ Recording convert_readings(Columns3 gyro, Columns3 accel, RecordingOptions optio
   std::vector<bool> saturated;
   mark_saturated(recording.gyro, options.gyro, saturated);
   mark_saturated(recording.accel, options.accel, saturated);
-  for (std::size_t i = 0; i < saturated.size(); ++i)
-    if (saturated[i]) recording.saturated.push_back(i);
+  recording.saturated = marked(saturated);
   recording.gyro_increment = options.gyro.increment;
   recording.accel_increment = options.accel.increment;
   recording.gyro_unit = options.gyro.unit == "count" ? "count" : "rad/s";
@@ -96,9 +114,10 @@ Recording make_recording(std::vector<std::int64_t> time_ns, Columns3 gyro, Colum
   check_options(options.accel, Quantity::accel, options.name + ": accel");
   expect_increasing(options.name, time_ns);
   options.interval_s = nominal_interval(time_ns, options);
-  Recording recording = convert_readings(std::move(gyro), std::move(accel), std::move(options));
+  Recording recording = convert_readings(std::move(gyro), std::move(accel), options);
   recording.time_ns = std::move(time_ns);
   validate(recording);
+  add_clipped(recording, options);
   recording.gaps = find_gaps(recording.time_ns, recording.interval_s);
   return recording;
 }

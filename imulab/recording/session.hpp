@@ -22,6 +22,7 @@ std::string_view to_string(NoiseTerms terms);
 
 struct ImuDeclaration {
   std::string name;
+  std::optional<std::string> serial;          ///< number of this one
   std::optional<std::string> grade;           ///< priors, and what simulate draws from
   std::optional<std::string> truth;           ///< file of the exact IMU to simulate
   std::optional<double> accel_noise_density;  ///< m/s^2/sqrt(Hz)
@@ -156,6 +157,7 @@ struct InitialState {
 struct Session {
   std::string file;    ///< the TOML file
   std::string sha256;  ///< of its text
+  std::optional<std::string> operated_by;  ///< who took the data
   ImuDeclaration imu;
   Site site;
   std::vector<RigDeclaration> rigs;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -19,13 +20,15 @@ void check_length(const Recording& r, std::string_view name, const Columns3& col
       throw Error(fmt::format("{}: {} {}: {} samples; expected {}, one for each stamp", r.name, name, "xyz"[axis], columns[axis].size(), r.size()));
 }
 
-void check_finite(const Recording& r, std::string_view name, const Columns3& columns) {
-  const auto not_finite = [](double value) { return !std::isfinite(value); };
+/// Finite readings no larger than `largest`.
+void check_readings(const Recording& r, std::string_view name, const Columns3& columns, double largest) {
+  const auto wrong = [&](double value) { return !(std::abs(value) <= largest); };
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (std::count_if(columns[axis].begin(), columns[axis].end(), not_finite) == 0) continue;  // without a branch a sample
-    const auto bad = std::find_if(columns[axis].begin(), columns[axis].end(), not_finite);
+    if (std::count_if(columns[axis].begin(), columns[axis].end(), wrong) == 0) continue;  // without a branch a sample
+    const auto bad = std::find_if(columns[axis].begin(), columns[axis].end(), wrong);
     const auto i = static_cast<std::size_t>(bad - columns[axis].begin());
-    throw Error(fmt::format("{}: {} {}: sample {} at {:.9g} s is {}; expected a finite number", r.name, name, "xyz"[axis], i, r.time_s(i), *bad));
+    throw Error(fmt::format("{}: {} {}: sample {} at {:.9g} s is {}; expected a {}", r.name, name, "xyz"[axis], i, r.time_s(i), *bad,
+                            std::isfinite(*bad) ? "reading that a sensor can give" : "finite number"));
   }
 }
 
@@ -51,6 +54,8 @@ void check_interval(const Recording& r) {
 
 }  // namespace
 
+double largest_reading(std::string_view unit) { return unit == "m/s^2" ? 1e5 : unit == "rad/s" ? 1e4 : 3e14; }
+
 void validate(const Recording& r) {
   if (r.size() == 0) throw Error(fmt::format("{}: no samples; expected at least one", r.name));
   check_length(r, "gyro", r.gyro);
@@ -58,12 +63,12 @@ void validate(const Recording& r) {
   expect_increasing(r.name, r.time_ns);
   if (!(r.interval_s > 0 && std::isfinite(r.interval_s)))
     throw Error(fmt::format("{}: the interval is {} s; expected a positive number", r.name, r.interval_s));
-  check_finite(r, "gyro", r.gyro);
-  check_finite(r, "accel", r.accel);
+  check_readings(r, "gyro", r.gyro, largest_reading(r.gyro_unit));
+  check_readings(r, "accel", r.accel, largest_reading(r.accel_unit));
   for (const auto& [name, columns] : {std::pair{"gyro temperature", &r.gyro_temperature}, std::pair{"accel temperature", &r.accel_temperature}}) {
     if (std::all_of(columns->begin(), columns->end(), [](const auto& column) { return column.empty(); })) continue;  // no thermal readings
     check_length(r, name, *columns);
-    check_finite(r, name, *columns);
+    check_readings(r, name, *columns, std::numeric_limits<double>::max());
   }
   check_unit(r, "gyro", r.gyro_unit, "rad/s");
   check_unit(r, "accel", r.accel_unit, "m/s^2");

@@ -3,10 +3,15 @@
 
 #include "imulab/recording/recording.hpp"
 
+#include <string_view>
+
 namespace imulab {
 
+/// No sensor gives more: 10,000 g, a thousand turns a second, or counts of 48 bits. `unit`: "m/s^2", "rad/s" or "count".
+double largest_reading(std::string_view unit);
+
 /// Throws Error, naming the column, the sample and what was expected, for: no samples; columns of another length than the stamps; stamps that go back
-/// or repeat; a reading or temperature that is NaN or infinite; units other than "count", "rad/s" (gyro) and "m/s^2" (accel); an interval that is not
+/// or repeat; a reading or temperature that is NaN or infinite; a reading beyond largest_reading; units other than "count", "rad/s" (gyro) and "m/s^2" (accel); an interval that is not
 /// positive, or that differs from the stamps' differences outside gaps by more than 2 % (in median and mean); gaps or saturated samples that are out
 /// of range or not ascending. One pass over the columns.
 void validate(const Recording& recording);

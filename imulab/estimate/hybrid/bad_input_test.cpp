@@ -132,7 +132,7 @@ TEST(HybridBadInput, AWrongLatitudeIsCorrectedFromTheEarthsRate) {
   const Calibration c = calibrated(s, base_terms()).calibration;
   EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("the gyros measure the Earth's rate of latitude 45.0")));
   EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("deg, not 55.000")));
-  EXPECT_THAT(c.quality.verdict, HasSubstr("the latitude seems to be wrong"));
+  EXPECT_THAT(verdict_text(c.quality), HasSubstr("the latitude seems to be wrong"));
   EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5);
 }
 
@@ -142,7 +142,7 @@ TEST(HybridBadInput, ALatitudeOfTheWrongSignIsNamed) {
   const Calibration c = calibrated(s).calibration;
   EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("the g-sensitivity is the same on all axes, as a latitude of ")));
   EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("deg instead of -45.0")));
-  EXPECT_THAT(c.quality.verdict, HasSubstr("the latitude seems to be wrong"));
+  EXPECT_THAT(verdict_text(c.quality), HasSubstr("the latitude seems to be wrong"));
 }
 
 TEST(HybridBadInput, WrongAxesAreNamed) {

@@ -71,9 +71,8 @@ std::string_view mistaken_unit(Triad triad, double scale) {
 
 void conclude(Calibration& calibration, const Findings& findings) {
   append(calibration.quality.notes, findings.notes), append(calibration.quality.warnings, findings.warnings);
-  std::string& verdict = calibration.quality.verdict;
-  verdict = findings.doubts.empty() ? "good" : "doubtful, because ";
-  for (std::size_t i = 0; i < findings.doubts.size(); ++i) verdict += (i > 0 ? "; " : "") + findings.doubts[i];
+  calibration.quality.verdict = findings.doubts.empty() ? "good" : "doubtful";
+  calibration.quality.because = findings.doubts;
 }
 
 }  // namespace imulab::kernel

@@ -193,7 +193,7 @@ TEST(Handheld, TooLittleDataSayWhatIsMissing) {
   // Three rests: the declared units start the fit, and most coefficients are named as undetermined.
   const Calibration c = calibrated("handheld", s.recording, {s.rests[0], s.rests[1], s.rests[2]}, {}, s.site());
   EXPECT_GT(c.quality.unobservable.size(), 5u);
-  EXPECT_THAT(c.quality.verdict, HasSubstr("doubtful, because"));
+  EXPECT_THAT(verdict_text(c.quality), HasSubstr("doubtful, because"));
   for (const std::string& name : c.quality.unobservable) {
     const CoefficientIndex index = coefficient_index(name);
     EXPECT_FALSE(standard_uncertainty(c, index)) << name;

@@ -59,7 +59,7 @@ TEST(Static, SixFacesGiveScalesAndOffsetsAndNameTheRest) {
   EXPECT_THAT(c.quality.unobservable, testing::ElementsAre("accel.matrix.yx", "accel.matrix.zx", "accel.matrix.zy"));
   EXPECT_EQ(c.estimated.size(), 6u);
   EXPECT_EQ(c.model.accel.matrix(1, 0), 0);
-  EXPECT_THAT(c.quality.verdict, HasSubstr("doubtful, because 3 coefficients are not determined"));
+  EXPECT_THAT(verdict_text(c.quality), HasSubstr("doubtful, because 3 coefficients are not determined"));
   // The faces are those of the true body axes, the misalignment of 1 % (one sigma) is unknown: what it does to scale and offset is of second order,
   // below g (3 x 1e-2)^2 = 9 mm/s^2.
   for (int j = 0; j < 3; ++j) {
@@ -185,7 +185,7 @@ TEST(Static, AGravityThatIsNotOfThePlaceIsDoubted) {
   const SimulatedSession s = simulate_session(mems(20), 8);
   Site wrong = s.site();
   wrong.given_gravity = 9.0;
-  EXPECT_THAT(calibrated("static", s.recording, s.rests, {}, wrong).quality.verdict,
+  EXPECT_THAT(verdict_text(calibrated("static", s.recording, s.rests, {}, wrong).quality),
               HasSubstr("the given gravity of 9 m/s^2 is not that of the given latitude"));
 }
 

@@ -84,7 +84,7 @@ TEST(WholeUnitBadInput, ARadiusThatContradictsTheRateIsFound) {
   });
   const Calibration c = calibration_of(good().recordings, session);
   EXPECT_THAT(c.quality.warnings, Contains(AllOf(HasSubstr("centrifuge: every radius"), HasSubstr("-20"), HasSubstr("mm"))));
-  EXPECT_THAT(c.quality.verdict, HasSubstr("doubtful, because"));
+  EXPECT_THAT(verdict_text(c.quality), HasSubstr("doubtful, because"));
 }
 
 TEST(WholeUnitBadInput, WhatAMachineCannotDoIsNamed) {

@@ -2,10 +2,12 @@
 #pragma once
 
 #include "imulab/model/calibration.hpp"
+#include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"
 #include "imulab/rig/rig_errors.hpp"
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,8 +26,20 @@ std::string calibration_text(const Calibration& calibration);
 /// Writes that text, whole or not at all. Throws Error also where the file cannot be written.
 void write_calibration(const std::filesystem::path& path, const Calibration& calibration);
 
-/// Fills in where the calibration comes from: the time now (UTC), this software's version, the session's file and the SHA-256 of its text.
-void add_provenance(Calibration& calibration, const Session& session);
+/// Fills in where the calibration comes from: the IMU's name and serial number, who took the data, the time now (UTC), this software's version, the
+/// session's file and its SHA-256, and each recording's file with SHA-256, size, stamps and range of thermal readings. `recordings`: one for each of
+/// the session's. Throws Error where a file cannot be read.
+void add_provenance(Calibration& calibration, const Session& session, std::span<const Recording> recordings);
+
+/// Whether a file is still the one that a calibration was made from.
+enum class FileState { unchanged, changed, missing };
+struct VerifiedFile {
+  std::filesystem::path file;
+  FileState state;
+};
+/// The session's file, where it is now, and the recordings beside it.
+std::vector<VerifiedFile> verify_sources(const Calibration& calibration, const std::filesystem::path& session);
+
 /// "imulab 0.1.0"
 std::string software();
 

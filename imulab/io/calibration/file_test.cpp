@@ -39,18 +39,28 @@ Calibration any_calibration() {
   Eigen::Matrix3d l;
   l << 1e-7, 0, 0, 3e-4, 1.0 / 3, 0, -2e-9, 1e-9, 7e-9;
   c.covariance = l * l.transpose();
-  c.quality = {1.02,
-               123,
-               812.7,
-               {"accel.matrix.xy"},
-               {"a warning"},
-               "good",
-               0.071,
-               {{"gyro.g_sensitivity", 103.5, 9, 1e-18, true, 1.02, 17.7}},
-               {{"gyro.x", 1e-5, 3e-5, 6.98}},
-               {{"centrifuge: radius.+z+x", 1e-4, -2.5e-5, 3e-6}},
-               {{"gravity", 3e-5, "scales accel.matrix"}},
-               {"24 rests"}};
+  c.quality = {.chi2_per_dof = 1.02,
+               .degrees_of_freedom = 123,
+               .condition = 812.7,
+               .unobservable = {"accel.matrix.xy"},
+               .warnings = {"a warning"},
+               .verdict = "doubtful",
+               .because = {"few rests", "a large residual"},
+               .considered = {"accel.quadratic.x"},
+               .rotation_residual_deg = 0.071,
+               .term_tests = {{"gyro.g_sensitivity", 103.5, 9, 1e-18, true, 1.02, 17.7}},
+               .fit_residuals = {{"gyro.x", 1e-5, 3e-5, 6.98}},
+               .rig_errors = {{"centrifuge: radius.+z+x", 1e-4, -2.5e-5, 3e-6}},
+               .sources = {{"gravity", 3e-5, "scales accel.matrix"}},
+               .notes = {"24 rests"},
+               .rests = {{0.5, 31.25, 0.98, true}, {40, 71, 12.5, false}},
+               .rotations = {{31.25, 40, 1.7, true}},
+               .requirements = {{"accel.offset <= 20 ug", "accel.offset.y", 2e-4, 1.5e-4, true},
+                                {"gyro.offset <= 1 deg/h", "gyro.offset.x", 5e-6, std::numeric_limits<double>::infinity(), false}}};
+  c.serial = "012";
+  c.operated_by = "A. N. Other";
+  c.sources = {{"recording.csv", std::string(64, 'a'), 123456789012, -0.5, 511.7, std::array{20.5, 31.0}, std::nullopt}};
+  c.options = {{"terms", "auto"}};
   return c;
 }
 
@@ -65,27 +75,9 @@ void expect_equal(const Calibration& a, const Calibration& b) {
   EXPECT_EQ(a.model.gyro.temperature, b.model.gyro.temperature);
   EXPECT_EQ(a.estimated, b.estimated);
   EXPECT_EQ(a.covariance, b.covariance);
-  const Quality &p = a.quality, &q = b.quality;
-  EXPECT_EQ(std::tie(p.chi2_per_dof, p.degrees_of_freedom, p.condition, p.unobservable, p.warnings, p.verdict, p.rotation_residual_deg, p.notes),
-            std::tie(q.chi2_per_dof, q.degrees_of_freedom, q.condition, q.unobservable, q.warnings, q.verdict, q.rotation_residual_deg, q.notes));
-  ASSERT_EQ(p.term_tests.size(), q.term_tests.size());
-  for (std::size_t i = 0; i < p.term_tests.size(); ++i) {
-    const TermTest &s = p.term_tests[i], &t = q.term_tests[i];
-    EXPECT_EQ(std::tie(s.term, s.statistic, s.degrees_of_freedom, s.p_value, s.kept, s.cross_validation_with, s.cross_validation_without),
-              std::tie(t.term, t.statistic, t.degrees_of_freedom, t.p_value, t.kept, t.cross_validation_with, t.cross_validation_without));
-  }
-  ASSERT_EQ(p.fit_residuals.size(), q.fit_residuals.size());
-  for (std::size_t i = 0; i < p.fit_residuals.size(); ++i)
-    EXPECT_EQ(std::tie(p.fit_residuals[i].axis, p.fit_residuals[i].rms, p.fit_residuals[i].largest, p.fit_residuals[i].full_scale),
-              std::tie(q.fit_residuals[i].axis, q.fit_residuals[i].rms, q.fit_residuals[i].largest, q.fit_residuals[i].full_scale));
-  ASSERT_EQ(p.rig_errors.size(), q.rig_errors.size());
-  for (std::size_t i = 0; i < p.rig_errors.size(); ++i)
-    EXPECT_EQ(std::tie(p.rig_errors[i].name, p.rig_errors[i].declared_sigma, p.rig_errors[i].value, p.rig_errors[i].uncertainty),
-              std::tie(q.rig_errors[i].name, q.rig_errors[i].declared_sigma, q.rig_errors[i].value, q.rig_errors[i].uncertainty));
-  ASSERT_EQ(p.sources.size(), q.sources.size());
-  for (std::size_t i = 0; i < p.sources.size(); ++i)
-    EXPECT_EQ(std::tie(p.sources[i].name, p.sources[i].relative, p.sources[i].consequence),
-              std::tie(q.sources[i].name, q.sources[i].relative, q.sources[i].consequence));
+  EXPECT_TRUE(a.quality == b.quality);
+  EXPECT_EQ(std::tie(a.serial, a.operated_by, a.options), std::tie(b.serial, b.operated_by, b.options));
+  EXPECT_TRUE(a.sources == b.sources);
 }
 
 TEST(CalibrationFile, ReadsBackBitForBit) {

@@ -1,20 +1,73 @@
 #include "imulab/io/calibration/file.hpp"
+#include "imulab/io/session/file.hpp"
+#include "imulab/io/text/file.hpp"
 
+#include <algorithm>
 #include <array>
 #include <ctime>
+#include <limits>
+#include <set>
+#include <system_error>
 
 namespace imulab {
+namespace {
 
-std::string software() { return "imulab " IMULAB_VERSION; }
-
-void add_provenance(Calibration& calibration, const Session& session) {
+std::string utc_now() {
   const std::time_t now = std::time(nullptr);
   std::array<char, 32> text;
   const std::size_t size = std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", std::gmtime(&now));
-  calibration.created.assign(text.data(), size);
+  return {text.data(), size};
+}
+
+std::optional<std::array<double, 2>> range_of(const Columns3& columns) {
+  std::array<double, 2> range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (const auto& column : columns)
+    for (const double value : column) range = {std::min(range[0], value), std::max(range[1], value)};
+  return range[0] <= range[1] ? std::optional(range) : std::nullopt;
+}
+
+/// The files that a recording's columns are in: its own, and those that its triads name.
+std::set<std::string> files_of(const RecordingSource& source) {
+  std::set<std::string> files{source.gyro.file.value_or(source.file), source.accel.file.value_or(source.file)};
+  if (source.gyro_temperature || source.accel_temperature) files.insert(source.file);
+  return files;
+}
+
+}  // namespace
+
+std::string software() { return "imulab " IMULAB_VERSION; }
+
+void add_provenance(Calibration& calibration, const Session& session, std::span<const Recording> recordings) {
+  calibration.serial = session.imu.serial.value_or("");
+  calibration.operated_by = session.operated_by.value_or("");
+  calibration.created = utc_now();
   calibration.software = software();
   calibration.session_file = session.file;
   calibration.session_sha256 = session.sha256;
+  calibration.sources.clear();
+  for (std::size_t k = 0; k < recordings.size(); ++k) {
+    const Recording& r = recordings[k];
+    for (const std::string& file : files_of(session.recordings[k])) {
+      const MappedFile mapped(session_path(session, file));
+      calibration.sources.push_back({file, sha256(mapped.text()), mapped.text().size(), r.time_s(0), r.time_s(r.size() - 1),
+                                     range_of(r.accel_temperature), range_of(r.gyro_temperature)});
+    }
+  }
+}
+
+std::vector<VerifiedFile> verify_sources(const Calibration& calibration, const std::filesystem::path& session) {
+  std::vector<VerifiedFile> out;
+  const auto check = [&](const std::filesystem::path& file, const std::string& recorded) {
+    std::error_code none;
+    if (!std::filesystem::exists(file, none)) {
+      out.push_back({file, FileState::missing});
+      return;
+    }
+    out.push_back({file, sha256(MappedFile(file).text()) == recorded ? FileState::unchanged : FileState::changed});
+  };
+  check(session, calibration.session_sha256);
+  for (const SourceFile& source : calibration.sources) check(session.parent_path() / source.file, source.sha256);
+  return out;
 }
 
 }  // namespace imulab

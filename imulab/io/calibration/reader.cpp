@@ -61,6 +61,10 @@ class Field {
     if (!value_.is_number_integer()) expected("a whole number");
     return value_.get<int>();
   }
+  std::uint64_t size_in_bytes() const {
+    if (!value_.is_number_unsigned()) expected("a whole number from 0 on");
+    return value_.get<std::uint64_t>();
+  }
   bool truth() const {
     if (!value_.is_boolean()) expected("true or false");
     return value_.get<bool>();
@@ -69,15 +73,32 @@ class Field {
     if (!value_.is_string()) expected("a text");
     return value_.get<std::string>();
   }
-  std::string text_or_empty(std::string_view key) const { return has(key) ? (*this)[key].text() : ""; }
+  std::string text_or_empty(std::string_view key) const { return has(key) && !(*this)[key].is_null() ? (*this)[key].text() : ""; }
+  double number_or_infinity() const { return is_null() ? std::numeric_limits<double>::infinity() : number(); }
   template <class Read>
   auto list(Read read) const {
     std::vector<decltype(read(*this))> out;
     for (std::size_t i = 0, n = size(); i < n; ++i) out.push_back(read(item(i, n, "elements")));
     return out;
   }
+  /// An absent list is empty.
+  template <class Read>
+  auto list(std::string_view key, Read read) const {
+    return has(key) ? (*this)[key].list(read) : std::vector<decltype(read(*this))>{};
+  }
   std::vector<std::string> texts() const {
     return list([](const Field& f) { return f.text(); });
+  }
+  std::vector<std::string> texts(std::string_view key) const {
+    return list(key, [](const Field& f) { return f.text(); });
+  }
+  std::map<std::string, std::string> text_map(std::string_view key) const {
+    std::map<std::string, std::string> out;
+    if (!has(key)) return out;
+    const Field field = (*this)[key];
+    if (!field.value_.is_object()) field.expected("an object");
+    for (const auto& item : field.value_.items()) out[item.key()] = field[item.key()].text();
+    return out;
   }
 
  private:
@@ -173,6 +194,14 @@ void check_uncertainties(const Field& field, const Calibration& calibration) {
   }
 }
 
+PartResidual read_part(const Field& f) {
+  return {f["begin_s"].number(), f["end_s"].number(), f["residual"].number_or_nan(), f["used"].truth()};
+}
+
+RequirementResult read_requirement(const Field& f) {
+  return {f["requirement"].text(), f["coefficient"].text(), f["limit"].number(), f["reached"].number_or_infinity(), f["met"].truth()};
+}
+
 Quality read_quality(const Field& field) {
   Quality q;
   q.chi2_per_dof = field["chi2_per_dof"].number_or_nan();
@@ -180,30 +209,40 @@ Quality read_quality(const Field& field) {
   q.unobservable = field["unobservable"].texts();
   q.warnings = field["warnings"].texts();
   q.verdict = field["verdict"].text();
+  q.because = field.texts("because");
+  q.considered = field.texts("considered");
   if (field.has("degrees_of_freedom")) q.degrees_of_freedom = field["degrees_of_freedom"].whole_number();
   if (field.has("rotation_residual_deg") && !field["rotation_residual_deg"].is_null())
     q.rotation_residual_deg = field["rotation_residual_deg"].number();
-  if (field.has("term_tests"))
-    q.term_tests = field["term_tests"].list([](const Field& f) {
-      const auto validation = [&](const char* key) { return f.has(key) && !f[key].is_null() ? f[key].number() : 0.0; };
-      return TermTest{f["term"].text(),  f["statistic"].number_or_nan(),      f["degrees_of_freedom"].whole_number(), f["p_value"].number_or_nan(),
-                      f["kept"].truth(), validation("cross_validation_with"), validation("cross_validation_without")};
-    });
-  if (field.has("fit_residuals"))
-    q.fit_residuals = field["fit_residuals"].list([](const Field& f) {
-      return FitResidual{f["axis"].text(), f["rms"].number_or_nan(), f["largest"].number_or_nan(), f["full_scale"].number_or_nan()};
-    });
-  if (field.has("rig_errors"))
-    q.rig_errors = field["rig_errors"].list([](const Field& f) {
-      return RigErrorEstimate{f["name"].text(), f["declared_sigma"].number_or_nan(), f["value"].number_or_nan(),
-                              f["standard_uncertainty"].number_or_nan()};
-    });
-  if (field.has("sources"))
-    q.sources = field["sources"].list([](const Field& f) {
-      return UncertaintySource{f["name"].text(), f["relative"].number_or_nan(), f["consequence"].text()};
-    });
-  if (field.has("notes")) q.notes = field["notes"].texts();
+  q.term_tests = field.list("term_tests", [](const Field& f) {
+    const auto validation = [&](const char* key) { return f.has(key) && !f[key].is_null() ? f[key].number() : 0.0; };
+    return TermTest{f["term"].text(),  f["statistic"].number_or_nan(),      f["degrees_of_freedom"].whole_number(), f["p_value"].number_or_nan(),
+                    f["kept"].truth(), validation("cross_validation_with"), validation("cross_validation_without")};
+  });
+  q.fit_residuals = field.list("fit_residuals", [](const Field& f) {
+    return FitResidual{f["axis"].text(), f["rms"].number_or_nan(), f["largest"].number_or_nan(), f["full_scale"].number_or_nan()};
+  });
+  q.rig_errors = field.list("rig_errors", [](const Field& f) {
+    return RigErrorEstimate{f["name"].text(), f["declared_sigma"].number_or_nan(), f["value"].number_or_nan(),
+                            f["standard_uncertainty"].number_or_nan()};
+  });
+  q.sources = field.list("sources", [](const Field& f) {
+    return UncertaintySource{f["name"].text(), f["relative"].number_or_nan(), f["consequence"].text()};
+  });
+  q.notes = field.texts("notes");
+  q.rests = field.list("rests", read_part);
+  q.rotations = field.list("rotations", read_part);
+  q.requirements = field.list("requirements", read_requirement);
   return q;
+}
+
+SourceFile read_source(const Field& f) {
+  const auto range = [&](const char* key) -> std::optional<std::array<double, 2>> {
+    if (!f.has(key) || f[key].is_null()) return std::nullopt;
+    return std::array{f[key].item(0, 2, "numbers").number(), f[key].item(1, 2, "numbers").number()};
+  };
+  return {f["file"].text(),       f["sha256"].text(),         f["bytes"].size_in_bytes(), f["first_s"].number(),
+          f["last_s"].number(), range("accel_temperature"), range("gyro_temperature")};
 }
 
 void check_format(const Field& root) {
@@ -242,6 +281,10 @@ Calibration parse_calibration(std::string_view text, const std::string& file) {
     c.session_file = root["session"].text_or_empty("file");
     c.session_sha256 = root["session"].text_or_empty("sha256");
   }
+  c.serial = root.text_or_empty("serial");
+  c.operated_by = root.text_or_empty("operator");
+  c.sources = root.list("sources", read_source);
+  c.options = root.text_map("options");
   c.frame = root["frame"].text();
   if (c.frame != "accelerometers" && c.frame != "rig") root["frame"].expected("\"accelerometers\" or \"rig\"");
   c.model = read_model(root["model"]);

@@ -67,6 +67,39 @@ Json covariance_json(const Calibration& calibration) {
   return {{"coefficients", std::move(names)}, {"matrix", std::move(matrix)}};
 }
 
+template <class Value>
+Json or_null(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+Json parts_json(const std::vector<PartResidual>& parts) {
+  Json out = Json::array();
+  for (const PartResidual& p : parts) out.push_back({{"begin_s", p.begin_s}, {"end_s", p.end_s}, {"residual", p.residual}, {"used", p.used}});
+  return out;
+}
+
+Json requirements_json(const std::vector<RequirementResult>& requirements) {
+  Json out = Json::array();
+  for (const RequirementResult& r : requirements)  // an infinite number is null
+    out.push_back({{"requirement", r.text}, {"coefficient", r.coefficient}, {"limit", r.limit}, {"reached", r.reached}, {"met", r.met}});
+  return out;
+}
+
+Json sources_json(const std::vector<SourceFile>& sources) {
+  Json out = Json::array();
+  for (const SourceFile& s : sources)
+    out.push_back({{"file", s.file},
+                   {"sha256", s.sha256},
+                   {"bytes", s.bytes},
+                   {"first_s", s.first_s},
+                   {"last_s", s.last_s},
+                   {"accel_temperature", or_null(s.accel_temperature)},
+                   {"gyro_temperature", or_null(s.gyro_temperature)}});
+  return out;
+}
+
 Json number_or_null(double value) { return value == 0 ? Json(nullptr) : Json(value); }
 
 Json quality_json(const Quality& q) {
@@ -90,11 +123,16 @@ Json quality_json(const Quality& q) {
           {"unobservable", q.unobservable},
           {"warnings", q.warnings},
           {"verdict", q.verdict},
-          {"rotation_residual_deg", q.rotation_residual_deg ? Json(*q.rotation_residual_deg) : Json(nullptr)},
+          {"because", q.because},
+          {"requirements", requirements_json(q.requirements)},
+          {"considered", q.considered},
+          {"rotation_residual_deg", or_null(q.rotation_residual_deg)},
           {"term_tests", std::move(tests)},
           {"sources", std::move(sources)},
           {"fit_residuals", std::move(residuals)},
           {"rig_errors", std::move(rig)},
+          {"rests", parts_json(q.rests)},
+          {"rotations", parts_json(q.rotations)},
           {"notes", q.notes}};
 }
 
@@ -118,10 +156,14 @@ std::string layout(const Json& value, const std::string& indent) {
 Json calibration_json(const Calibration& c) {
   return {{"format", "imulab.calibration/1"},
           {"imu", c.imu},
+          {"serial", text_or_null(c.serial)},
+          {"operator", text_or_null(c.operated_by)},
           {"method", c.method},
           {"created", c.created},
           {"software", c.software},
           {"session", {{"file", c.session_file}, {"sha256", c.session_sha256}}},
+          {"sources", sources_json(c.sources)},
+          {"options", c.options},
           {"frame", c.frame},
           {"model", model_json(c.model)},
           {"standard_uncertainty", uncertainty_json(c)},

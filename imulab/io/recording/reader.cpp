@@ -5,11 +5,14 @@
 #include "imulab/io/text/decimal.hpp"
 #include "imulab/recording/make_recording.hpp"
 #include "imulab/recording/stamps.hpp"
+#include "imulab/recording/unit_names.hpp"
+#include "imulab/recording/validate.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 #include <utility>
 
@@ -66,9 +69,40 @@ void warn_of_gaps(const Recording& recording, const TimedTable& table, std::span
 void warn_of_saturated(const Recording& recording, const TimedTable& table, std::vector<std::string>& warnings) {
   const std::vector<std::size_t>& saturated = recording.saturated;
   if (saturated.empty()) return;
-  warnings.push_back(fmt::format("{}: {} sample{} at a limit, the first at {} s ({}): the true reading lies beyond, such samples are set aside",
+  warnings.push_back(fmt::format("{}: {} sample{} at a limit, the first at {} s ({}): the true reading lies beyond, such samples are not used",
                                  table.file, saturated.size(), saturated.size() == 1 ? "" : "s", text::seconds_text(recording.time_ns[saturated[0]]),
                                  table.place(saturated[0])));
+}
+
+/// A reading that no sensor gives, named by its line.
+void expect_plausible(const Columns3& triad, const ReadingOptions& options, Quantity quantity, double interval_s, const TimedTable& table) {
+  const char* const name = quantity == Quantity::gyro ? "gyro" : "accel";
+  const std::string_view si = options.unit == "count" ? "count" : quantity == Quantity::gyro ? "rad/s" : "m/s^2";
+  const double largest = largest_reading(si) / si_factor(options.unit) * (options.increment ? interval_s : 1);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (std::size_t i = 0; i < triad[axis].size(); ++i)
+      if (!(std::abs(triad[axis][i]) <= largest))
+        throw Error(fmt::format("{}: {}: {} {} is {:g} {}; expected a reading that a sensor can give", table.file, table.place(i), name, "xyz"[axis], triad[axis][i], options.unit));
+}
+
+void expect_above_absolute_zero(const std::optional<ThermalSource>& source, const Columns3& readings, const TimedTable& table) {
+  if (!source || source->unit == "raw") return;
+  const double zero = source->unit == "K" ? 0 : -273.15;
+  for (const auto& column : readings)
+    for (std::size_t i = 0; i < column.size(); ++i)
+      if (!(column[i] >= zero))
+        throw Error(fmt::format("{}: {}: the temperature is {:g} {}; expected one above absolute zero, or unit = \"raw\"", table.file, table.place(i),
+                                column[i], source->unit));
+}
+
+/// Increments become rates by the declared interval, so a wrong one scales them.
+void warn_of_rate(const RecordingSource& source, const Recording& recording, const TimedTable& table, std::vector<std::string>& warnings) {
+  if (!source.rate_hz || !(recording.gyro_increment || recording.accel_increment)) return;
+  const double by_stamps = 1 / clock_interval(recording.time_ns, recording.interval_s), error = *source.rate_hz / by_stamps - 1;
+  if (std::abs(error) > 1e-3)  // oscillators agree to 1e-4
+    warnings.push_back(fmt::format("{}: rate_hz = {} is declared, the stamps give {:.6g} Hz; increments are divided by the declared interval, so scales "
+                                   "are {:.2g} % off if the stamps are right",
+                                   table.file, *source.rate_hz, by_stamps, 100 * error));
 }
 
 }  // namespace
@@ -95,7 +129,12 @@ RecordingReading read_recording(const Session& session, const RecordingSource& s
   options.gyro.temperature = take_columns(parts, parts.gyro_temperature);
   options.accel.temperature = take_columns(parts, parts.accel_temperature);
   Columns3 gyro = three_columns(take_columns(parts, parts.gyro)), accel = three_columns(take_columns(parts, parts.accel));
+  expect_plausible(gyro, options.gyro, Quantity::gyro, interval_s, reference);
+  expect_plausible(accel, options.accel, Quantity::accel, interval_s, parts.tables[parts.accel.table]);
   reading.recording = make_recording(std::move(reference.time_ns), std::move(gyro), std::move(accel), std::move(options));
+  expect_above_absolute_zero(source.gyro_temperature, reading.recording.gyro_temperature, reference);
+  expect_above_absolute_zero(source.accel_temperature, reading.recording.accel_temperature, reference);
+  warn_of_rate(source, reading.recording, reference, reading.warnings);
   warn_of_gaps(reading.recording, reference, session.steps_of(source), reading.warnings);
   warn_of_saturated(reading.recording, reference, reading.warnings);
   return reading;

@@ -3,10 +3,13 @@
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/model/coefficient.hpp"
+#include "imulab/model/requirement.hpp"
+#include "imulab/model/user_unit.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 namespace imulab {
 namespace {
@@ -94,6 +97,43 @@ std::string term_test_text(const TermTest& test) {
                      validation);
 }
 
+/// The worst standard uncertainty of a group of coefficients, in user units; empty where none of them was estimated.
+std::string worst_of(const Calibration& calibration, const char* selector) {
+  double worst = -1;
+  UserUnit unit{};
+  for (const CoefficientIndex index : select_coefficients(selector)) {
+    const double sigma = relative_uncertainty(calibration, index);
+    if (!std::isfinite(sigma) || sigma <= worst) continue;
+    worst = sigma;
+    unit = user_unit(coefficient(index), sigma);
+  }
+  return worst < 0 ? "" : fmt::format("{:.2g} {}", worst / unit.size, unit.name);
+}
+
+/// What the calibration is good for, in a line a triad.
+std::string reached_text(const Calibration& calibration) {
+  std::string text;
+  for (const auto& [name, triad] : {std::pair{"accelerometers", "accel"}, std::pair{"gyros", "gyro"}}) {
+    std::string line;
+    for (const auto& [what, term] : {std::pair{"scale", ".matrix.diagonal"}, {"misalignment", ".matrix.off_diagonal"}, {"offset", ".offset"}})
+      if (const std::string worst = worst_of(calibration, (std::string(triad) + term).c_str()); !worst.empty())
+        line += fmt::format("{}{} {}", line.empty() ? "" : ", ", what, worst);
+    if (!line.empty()) text += fmt::format("  {} known to (worst axis, 1 sigma): {}\n", name, line);
+  }
+  return text;
+}
+
+std::string requirements_text(const Calibration& calibration) {
+  std::string text;
+  for (const RequirementResult& r : calibration.quality.requirements) {
+    const CoefficientIndex index = coefficient_index(r.coefficient);
+    const UserUnit unit = user_unit(coefficient(index), r.limit);
+    const std::string reached = std::isfinite(r.reached) ? fmt::format("{:.3g} {}", r.reached / unit.size, unit.name) : "not determined";
+    text += fmt::format("  {}: {} ({}: {})\n", r.text, r.met ? "reached" : "not reached", r.coefficient, reached);
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string curves_csv(const CalibrationResult& result) {
@@ -116,11 +156,12 @@ std::string calibration_table(const Calibration& calibration, const SensorModel*
   for (const std::string& note : quality.notes) text += fmt::format("  {}\n", note);
   for (const UncertaintySource& source : quality.sources) text += fmt::format("  {}\n", source.consequence);
   for (const TermTest& test : quality.term_tests) text += term_test_text(test);
+  text += reached_text(calibration) + requirements_text(calibration);
   return text + fmt::format("  residuals: chi2 per degree of freedom {:.3g} against {} ({} degrees of freedom); condition {:.3g}\n\n{}\n",
                             quality.chi2_per_dof,
                             calibration.method == "turntable" || calibration.frame == "rig" ? "the noise and the declared rig errors"
                                                                                             : "the sample noise alone",
-                            quality.degrees_of_freedom, quality.condition, quality.verdict);
+                            quality.degrees_of_freedom, quality.condition, verdict_text(quality));
 }
 
 }  // namespace imulab

@@ -47,6 +47,7 @@ void transfer(Fields& f, NoiseModel& noise) {
 template <class Fields>
 void transfer(Fields& f, ImuDeclaration& imu) {
   f.text("name", imu.name);
+  f.text("serial", imu.serial);
   f.text("grade", imu.grade);
   f.text("truth", imu.truth);
   f.number("accel_noise_density", imu.accel_noise_density, not_negative());

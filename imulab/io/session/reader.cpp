@@ -61,6 +61,7 @@ Session read_session(const std::filesystem::path& path) {
   TomlFields f(session.file, mapped.text());
   StepLayout layout;
   f.format(session_format);
+  f.text("operator", session.operated_by);
   f.table("imu", Presence::optional, [&](TomlFields& t) { transfer(t, session.imu); });
   f.table("site", Presence::optional, [&](TomlFields& t) { transfer(t, session.site); });
   f.tables("rig", [&](TomlFields& t) { read_rig(t, session); });

@@ -173,6 +173,7 @@ std::optional<StepText> in_durations(const StepText& timed, const Step& step, do
 
 std::string text_of(const Session& session, bool durations) {
   std::string text = fmt::format("format = {}\n", toml_string(session_format));
+  if (session.operated_by) text += fmt::format("operator = {}\n", toml_string(*session.operated_by));
   if (session.imu != ImuDeclaration{}) text += section("[imu]", session.imu);
   if (session.site != Site{}) text += section("[site]", session.site);
   const bool several = session.rigs.size() > 1;

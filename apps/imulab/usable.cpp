@@ -1,0 +1,30 @@
+#include "apps/imulab/usable.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/io/calibration/file.hpp"
+
+#include <fmt/format.h>
+
+#include <vector>
+
+namespace imulab::command {
+
+void add_allow_undetermined(Verb& verb, bool& allowed) {
+  verb.flag("--allow-undetermined", allowed, "use a calibration though the data did not determine some of its offsets or matrices");
+}
+
+void expect_usable(const Calibration& calibration, const std::string& file, bool allowed) {
+  const std::vector<std::string> names = unusable(calibration);
+  if (names.empty()) return;
+  const std::string text = fmt::format("{}: the data did not determine {}: starting values, which compensate nothing", file, fmt::join(names, ", "));
+  if (!allowed) throw Unsupported(text + "; expected a calibration from more data, or --allow-undetermined");
+  warn(text);
+}
+
+Calibration read_usable(const std::string& file, bool allowed) {
+  Calibration calibration = read_calibration(file);
+  expect_usable(calibration, file, allowed);
+  return calibration;
+}
+
+}  // namespace imulab::command

@@ -1,0 +1,20 @@
+// Is a calibration that of an IMU as it was declared? A wrong unit, axis or kind of output fits as well as the right one and shows in the result alone.
+#pragma once
+
+#include "imulab/model/sensor_model.hpp"
+#include "imulab/recording/recording.hpp"
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace imulab::kernel {
+
+/// What speaks against the model, each with its likely cause and what to change in the session: a scale more than 20 % from its declared unit, axes
+/// that are exchanged or reversed. Empty where all is as declared; for readings in counts only the axes are judged.
+std::vector<std::string> contradictions(const SensorModel& model, const Recording& recording);
+
+/// Throws Error where two channels of a triad have the same reading in every sample.
+void expect_different_channels(const Recording& recording);
+
+}  // namespace imulab::kernel
