@@ -1,6 +1,7 @@
 // Is a calibration that of an IMU as it was declared? A wrong unit, axis or kind of output fits as well as the right one and shows in the result alone.
 #pragma once
 
+#include "imulab/model/coefficient.hpp"
 #include "imulab/model/sensor_model.hpp"
 #include "imulab/recording/recording.hpp"
 
