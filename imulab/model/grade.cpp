@@ -13,6 +13,12 @@ namespace {
 using namespace unit;
 constexpr double sqrt_hour = 60;  // sqrt(s)
 
+/// ug/g^2, ug/g^3, ppm/(deg/s), ppb/(deg/s)^2, deg/h/g
+constexpr TermSizes terms(double accel_quadratic, double accel_cubic, double gyro_quadratic, double gyro_cubic, double g_sensitivity) {
+  return {accel_quadratic * ug / (g * g), accel_cubic * ug / (g * g * g), gyro_quadratic * ppm / deg, gyro_cubic * 1e-9 / (deg * deg),
+          g_sensitivity * deg_per_h / g};
+}
+
 // Biases, scales and misalignments lie inside the ranges of Xu 2024 table 1; docs/simulate.md gives those ranges and the source of every number.
 constexpr std::array<Grade, 5> catalogue{{
     {.name = "strategic",
@@ -23,6 +29,7 @@ constexpr std::array<Grade, 5> catalogue{{
      .gyro_misalignment = 0.5 * arcsec,
      .accel_misalignment = 0.5 * arcsec,
      .g_sensitivity = 0,
+     .terms = terms(5, 1, 0.0001, 1e-05, 0.0001),
      .gyro_noise = {.Q = 0.02 * arcsec,
                     .N = 1e-4 * deg_per_sqrt_h,
                     .B = 1e-4 * deg_per_h,
@@ -38,6 +45,7 @@ constexpr std::array<Grade, 5> catalogue{{
      .gyro_misalignment = 10 * arcsec,
      .accel_misalignment = 10 * arcsec,
      .g_sensitivity = 0,
+     .terms = terms(20, 5, 0.001, 0.0001, 0.01),
      .gyro_noise = {.Q = 0.2 * arcsec,
                     .N = 1e-3 * deg_per_sqrt_h,
                     .B = 1e-3 * deg_per_h,
@@ -53,6 +61,7 @@ constexpr std::array<Grade, 5> catalogue{{
      .gyro_misalignment = 60 * arcsec,
      .accel_misalignment = 60 * arcsec,
      .g_sensitivity = 0,
+     .terms = terms(50, 20, 0.02, 0.01, 0.3),
      .gyro_noise = {.Q = 1 * arcsec,
                     .N = 0.1 * deg_per_sqrt_h,
                     .B = 0.3 * deg_per_h,
@@ -68,6 +77,7 @@ constexpr std::array<Grade, 5> catalogue{{
      .gyro_misalignment = 0.01,
      .accel_misalignment = 0.01,
      .g_sensitivity = 0.05 * deg / g,
+     .terms = terms(500, 200, 1, 1, 180),
      .gyro_noise = {.Q = 0,
                     .N = 0.3 * deg_per_sqrt_h,
                     .B = 10 * deg_per_h,
@@ -94,6 +104,7 @@ constexpr std::array<Grade, 5> catalogue{{
      .gyro_misalignment = 3.2e-3,
      .accel_misalignment = 12e-3,
      .g_sensitivity = 0.026 * deg / g,
+     .terms = terms(65, 13, 200, 0.7, 95),  // RMS of the ranges below
      .gyro_noise = {.Q = 0, .N = 0.02 * deg, .B = 30 * deg_per_h, .K = 0, .R = {}, .turn_on = {}, .resolution = 0, .range = 550 * deg},
      .accel_noise = {.Q = 0, .N = 100 * ug_per_sqrt_hz, .B = 0, .K = 0, .R = {1e-3 * g / hour}, .turn_on = {}, .resolution = 0, .range = 36 * g},
      .ranges = NonlinearRanges{.gyro_misalignment = {0.1e-2, 0.5e-2},

@@ -27,6 +27,13 @@ struct NonlinearRanges {
 inline constexpr double drawn_reference = 25;
 inline constexpr std::array<double, 2> drawn_temperatures{0, 70};
 
+/// One sigma of the terms that an IMU of a grade may have and that are not drawn, SI: a calibration's priors (docs/priors.md has the sources).
+struct TermSizes {
+  double accel_quadratic, accel_cubic;  ///< 1/(m/s^2), 1/(m/s^2)^2
+  double gyro_quadratic, gyro_cubic;    ///< 1/(rad/s), 1/(rad/s)^2
+  double g_sensitivity;                 ///< (rad/s)/(m/s^2)
+};
+
 /// One-sigma spreads, SI; each coefficient of an IMU is drawn independently.
 struct Grade {
   std::string_view name;
@@ -34,6 +41,7 @@ struct Grade {
   double gyro_scale, accel_scale;                ///< relative
   double gyro_misalignment, accel_misalignment;  ///< rad; gyros: all six; accelerometers: the three non-orthogonalities
   double g_sensitivity;                          ///< (rad/s)/(m/s^2)
+  TermSizes terms;
   NoiseModel gyro_noise, accel_noise;            ///< resolution and range in SI: the raw unit of a drawn IMU
   std::optional<NonlinearRanges> ranges{};       ///< drawn from these in place of the misalignments and g-sensitivity above, which are their RMS
 };

@@ -20,6 +20,16 @@ namespace imulab {
 enum class NoiseTerms { white, full };
 std::string_view to_string(NoiseTerms terms);
 
+/// One sigma of the terms that an IMU may have beyond offsets and matrices, SI: the priors of a calibration. Absent: by the grade, or the IMU's offsets.
+struct TermSigmas {
+  std::optional<double> accel_quadratic, accel_cubic;  ///< 1/(m/s^2), 1/(m/s^2)^2
+  std::optional<double> gyro_quadratic, gyro_cubic;    ///< 1/(rad/s), 1/(rad/s)^2
+  std::optional<double> g_sensitivity;                 ///< (rad/s)/(m/s^2)
+  std::optional<double> lever_arm;                     ///< m
+  std::optional<double> delay;                         ///< s: of the accelerometers behind the gyros
+  bool operator==(const TermSigmas&) const = default;
+};
+
 struct ImuDeclaration {
   std::string name;
   std::optional<std::string> serial;          ///< number of this one
@@ -28,6 +38,7 @@ struct ImuDeclaration {
   std::optional<double> accel_noise_density;  ///< m/s^2/sqrt(Hz)
   std::optional<double> gyro_noise_density;   ///< rad/s/sqrt(Hz)
   NoiseTerms noise = NoiseTerms::white;
+  TermSigmas term_sigmas;
   std::optional<NoiseModel> accel_noise, gyro_noise;  ///< in place of the grade's, except N, which the densities above give
   bool operator==(const ImuDeclaration&) const = default;
 };
