@@ -2,6 +2,7 @@
 // they agree with the stated covariance?
 #pragma once
 
+#include "imulab/estimate/method.hpp"
 #include "imulab/estimate/turntable/estimator.hpp"
 #include "imulab/model/calibration.hpp"
 #include "imulab/model/coefficient.hpp"
@@ -62,6 +63,10 @@ struct Case {
   int count;  ///< of sessions at full size
 };
 std::span<const Case> cases();
+
+/// A method with its defaults on IMUs and data that are not ideal: coverage within 93 to 97 % and consistency within the chi-square band, apart for
+/// the sessions with the verdict good and the others. Prints the sessions that a method refuses.
+std::vector<Check> misspecified(const Method& method, int sessions);
 
 /// Of a turntable session whose readings have this white noise.
 Eigen::MatrixXd turntable_information(const TableMotion& motion, const SensorModel& truth, const turntable::RawNoise& noise,

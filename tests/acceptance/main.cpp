@@ -1,4 +1,4 @@
-// imulab_accept [COUNT] [METHOD or CASE]: the acceptance test at full size; docs/validation.md has its figures.
+// imulab_accept [COUNT] [NAME] [METHOD]: the acceptance test at full size; docs/validation.md has its figures.
 #include "imulab/estimate/method.hpp"
 #include "tests/acceptance/acceptance.hpp"
 
@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace {
 
@@ -24,8 +25,10 @@ bool report(const std::string& title, const std::vector<Check>& checks) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int wanted = argc > 1 ? std::atoi(argv[1]) : 0;
-  const std::string only = argc > 2 ? argv[2] : "";
+  std::vector<std::string> names(argv + 1, argv + argc);
+  const int wanted = names.empty() ? 0 : std::atoi(names[0].c_str());
+  if (wanted > 0) names.erase(names.begin());
+  const std::string only = names.empty() ? "" : names[0], of_method = names.size() > 1 ? names[1] : "";
   const auto chosen = [&](std::string_view name) { return only.empty() || only == name; };
   const auto count = [&](int usual) { return wanted > 0 ? wanted : usual; };
   bool passed = true;
@@ -33,6 +36,11 @@ int main(int argc, char** argv) {
     for (const Case& c : cases())
       if (c.method == method.name && (chosen(c.name) || only == method.name))
         passed &= report(fmt::format("{}: {} sessions, seeds 1..{}", c.name, count(c.count), count(c.count)), judge(run_all(c.run, count(c.count))));
+  if (chosen("misspecified"))
+    for (const imulab::Method& method : imulab::methods())
+      if (of_method.empty() || of_method == method.name)
+        passed &= report(fmt::format("misspecified {}: {} sessions, seeds 1..{}", method.name, count(500), count(500)),
+                         misspecified(method, count(500)));
   if (chosen("error-growth")) passed &= report(fmt::format("error-growth: {} runs, seed 1", count(2000)), error_growth(count(2000)));
   if (chosen("whole-unit"))
     passed &= report(fmt::format("whole-unit outputs: {} sessions, seeds 1..{}", count(200), count(200)), whole_unit_outputs(count(200)));
