@@ -85,10 +85,15 @@ enum class Output { rate, increment };
 /// A column by its header name or its 1-based number.
 using Column = std::variant<std::string, int>;
 
+/// Which stamps a calibration takes: the file's, an even clock's, or the latter where the file's scatter.
+enum class Stamps { automatic, recorded, uniform };
+std::string_view to_string(Stamps stamps);
+
 struct TimeSource {
   Column column = 1;
   std::string unit = "s";  ///< s, ms, us, ns
   std::int64_t zero_ns = 0;
+  Stamps stamps = Stamps::automatic;
   bool operator==(const TimeSource&) const = default;
 };
 

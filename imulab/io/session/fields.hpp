@@ -124,6 +124,7 @@ void transfer(Fields& f, TimeSource& time) {
   f.column("column", time.column);
   f.choice("unit", time.unit, unit_names(Quantity::time, false), Presence::required);
   f.clock_zero("zero", time.zero_ns, time_exponent(time.unit));
+  f.choice("stamps", time.stamps, std::vector{Stamps::automatic, Stamps::recorded, Stamps::uniform}, Presence::optional);
 }
 
 template <class Fields>
