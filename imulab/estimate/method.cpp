@@ -8,8 +8,13 @@
 #include "imulab/estimate/turntable/prediction.hpp"
 #include "imulab/estimate/turntable/turntable.hpp"
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
+#include "imulab/rig/clock_offset.hpp"
 
+#include <fmt/core.h>
+
+#include <algorithm>
 #include <array>
+#include <optional>
 #include <utility>
 
 namespace imulab {
@@ -33,6 +38,24 @@ constexpr std::array all{
            .calibrate = whole_unit::calibrate},
 };
 
+/// Moves the steps of recordings whose rig's log has another clock; says so.
+std::vector<std::string> correct_clocks(Session& session, std::span<const Recording> recordings) {
+  std::vector<std::string> said;
+  for (std::size_t k = 0; k < recordings.size(); ++k) {
+    const RecordingSource source = session.recordings.size() > k ? session.recordings[k] : RecordingSource{};
+    const std::optional<ClockOffset> offset = clock_offset(recordings[k], session.steps_of(source));
+    // Turns in the plan that are not in the data correlate with nothing: that is another recording, not another clock.
+    if (!offset || offset->correlation < 0.8 || offset->correlation < offset->uncorrected + 0.02) continue;
+    for (Step& step : session.steps)
+      if (session.recordings.size() < 2 || step.recording == source.file) step.start += offset->offset_s, step.end += offset->offset_s;
+    said.push_back(
+        fmt::format("{}: the steps' clock is {:.2f} +/- {:.2f} s off the recording's: their times were moved (correlation of the rate with the "
+                    "commanded turns {:.2f}, before {:.2f})",
+                    recordings[k].name, offset->offset_s, std::max(offset->sigma_s, 0.01), offset->correlation, offset->uncorrected));
+  }
+  return said;
+}
+
 }  // namespace
 
 std::span<const Method> methods() { return all; }
@@ -48,8 +71,11 @@ const Method& method(std::string_view name, std::span<const Method> table) {
 
 CalibrationResult calibrate(const Method& method, const CalibrationInput& input, const CalibrationOptions& options) {
   for (const Recording& recording : input.recordings) kernel::expect_different_channels(recording);
-  CalibrationResult result = method.calibrate(input, options);
+  Session session = input.session;
+  const std::vector<std::string> clocks = correct_clocks(session, input.recordings);
+  CalibrationResult result = method.calibrate({session, input.recordings, input.rests}, options);
   Quality& quality = result.calibration.quality;
+  quality.warnings.insert(quality.warnings.begin(), clocks.begin(), clocks.end());
   for (std::string& contradiction : kernel::contradictions(result.calibration.model, input.recordings.front())) {
     quality.verdict = "doubtful";
     quality.because.push_back(std::move(contradiction));

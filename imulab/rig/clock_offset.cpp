@@ -1,0 +1,106 @@
+#include "imulab/rig/clock_offset.hpp"
+
+#include "imulab/core/rotation.hpp"
+#include "imulab/core/statistics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace imulab {
+
+namespace {
+
+constexpr double agreeing = 0.97;  // turns of some seconds that are off by less than a tenth of their length
+
+/// A signal on an even grid of its own.
+struct Signal {
+  double begin_s = 0, step_s = 0;
+  std::vector<double> value;
+};
+
+/// The size of the rate, less what a triad reads most of the time.
+Signal turning(const Recording& r, double step_s) {
+  Vector3d usual;
+  for (std::size_t k = 0; k < 3; ++k) usual[static_cast<Eigen::Index>(k)] = median(r.gyro[k]);
+  Signal out{r.time_s(0) - r.interval_s, step_s, {}};
+  const auto cells = static_cast<std::size_t>((r.time_s(r.size() - 1) - out.begin_s) / step_s);
+  out.value.assign(cells, 0);
+  std::vector<double> count(cells, 0);
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    const auto cell = static_cast<std::size_t>(std::max(0.0, (r.time_s(i) - 0.5 * r.interval_s - out.begin_s) / step_s));
+    if (cell >= cells) continue;
+    out.value[cell] += (Vector3d(r.gyro[0][i], r.gyro[1][i], r.gyro[2][i]) - usual).norm();
+    ++count[cell];
+  }
+  for (std::size_t c = 0; c < cells; ++c)
+    if (count[c] > 0) out.value[c] /= count[c];
+  return out;
+}
+
+/// The same as commanded: a turn's mean rate from its start to its end.
+Signal commanded(std::span<const Step> steps, double step_s) {
+  Signal out{steps.front().start, step_s, {}};
+  out.value.assign(static_cast<std::size_t>(std::max(1.0, (steps.back().end - out.begin_s) / step_s)), 0);
+  for (const Step& step : steps) {
+    const double rate = step.kind == StepKind::rotate ? std::abs(step.angle) / (step.end - step.start)
+                        : step.kind == StepKind::spin ? std::abs(step.rate)
+                                                      : 0;
+    for (std::size_t c = 0; c < out.value.size(); ++c) {
+      const double from = out.begin_s + step_s * static_cast<double>(c);
+      const double inside = std::min(from + step_s, step.end) - std::max(from, step.start);
+      if (rate > 0 && inside > 0) out.value[c] += rate * inside / step_s;
+    }
+  }
+  return out;
+}
+
+/// Correlation of two signals over their common time where the second is moved by `offset_s`.
+double correlation(const Signal& a, const Signal& b, double offset_s) {
+  double n = 0, ma = 0, mb = 0, saa = 0, sbb = 0, sab = 0;
+  for (std::size_t c = 0; c < b.value.size(); ++c) {
+    const double at = (b.begin_s + offset_s - a.begin_s) / a.step_s + static_cast<double>(c);
+    const double x = at >= 0 && at + 1 < static_cast<double>(a.value.size()) ? a.value[static_cast<std::size_t>(at)] * (1 - (at - std::floor(at))) +
+                                                                                   a.value[static_cast<std::size_t>(at) + 1] * (at - std::floor(at))
+                                                                             : 0;  // outside the recording nothing turns
+    const double y = b.value[c];
+    n += 1, ma += x, mb += y, saa += x * x, sbb += y * y, sab += x * y;
+  }
+  const double va = saa - ma * ma / n, vb = sbb - mb * mb / n;
+  return va > 0 && vb > 0 ? (sab - ma * mb / n) / std::sqrt(va * vb) : 0;
+}
+
+/// The best of the offsets from `low` to `high`.
+double best_offset(const Signal& a, const Signal& b, double low, double high) {
+  double best = low, most = -2;
+  for (double offset = low; offset <= high; offset += a.step_s)
+    if (const double c = correlation(a, b, offset); c > most) most = c, best = offset;
+  return best;
+}
+
+}  // namespace
+
+std::optional<ClockOffset> clock_offset(const Recording& r, std::span<const Step> steps) {
+  const auto turns = std::count_if(steps.begin(), steps.end(), [](const Step& s) { return s.kind == StepKind::rotate && s.end > s.start; });
+  if (turns < 3 || r.size() < 100 || !r.gaps.empty()) return std::nullopt;
+  const double length = r.time_s(r.size() - 1) - r.time_s(0), duration = steps.back().end - steps.front().start;
+  const double coarse_s = std::max({0.25, length / 4000, duration / 4000}), fine_s = std::max(r.interval_s, coarse_s / 16);
+  const Signal rough = turning(r, coarse_s), plan = commanded(steps, coarse_s);
+  if (correlation(rough, plan, 0) > agreeing) return std::nullopt;
+  // The log and the recording share at least half of the shorter one.
+  const double first = rough.begin_s - plan.begin_s - 0.5 * std::min(length, duration),
+               last = rough.begin_s + length - plan.begin_s - 0.5 * std::min(length, duration);
+  const double near = best_offset(rough, plan, first, last);
+  const Signal sharp = turning(r, fine_s), sharp_plan = commanded(steps, fine_s);
+  const double at = best_offset(sharp, sharp_plan, near - 2 * coarse_s, near + 2 * coarse_s);
+  const double before = correlation(sharp, sharp_plan, at - fine_s), peak = correlation(sharp, sharp_plan, at),
+               after = correlation(sharp, sharp_plan, at + fine_s);
+  const double curvature = (before - 2 * peak + after) / (fine_s * fine_s);
+  if (!(curvature < 0) || !(peak > 0)) return std::nullopt;
+  // Of n values with residual variance 1 - peak^2: the correlation falls by peak (offset / sigma)^2 / (2 n) ...
+  const double n = static_cast<double>(sharp_plan.value.size());
+  return ClockOffset{at + 0.5 * fine_s * (before - after) / (before - 2 * peak + after), std::sqrt((1 - peak * peak) / (n * peak * -curvature)), peak,
+                     correlation(sharp, sharp_plan, 0)};
+}
+
+}  // namespace imulab

@@ -1,0 +1,53 @@
+#include "imulab/rig/clock_offset.hpp"
+
+#include "imulab/rig/procedure.hpp"
+#include "imulab/simulate/simulate.hpp"
+
+#include <gtest/gtest.h>
+
+namespace imulab {
+namespace {
+
+struct Example {
+  Session session;
+  Recording recording;
+};
+
+Example table_session() {
+  TableProcedureOptions options;
+  options.rest = 15, options.rate_hz = 50;
+  Example e{zhang_24_procedure(options), {}};
+  e.session.imu.grade = "navigation";
+  const RecordingSource& source = e.session.recordings.front();
+  e.recording = simulate_recording(e.session, source, draw_truth(e.session, 1), 1, draw_rig_errors(e.session, source, 1));
+  return e;
+}
+
+TEST(ClockOffset, OfClocksThatAgreeIsNone) {
+  const Example e = table_session();
+  EXPECT_FALSE(clock_offset(e.recording, e.session.steps));
+}
+
+TEST(ClockOffset, IsFoundToAHundredthOfASecond) {
+  const Example e = table_session();
+  for (const double offset : {33.7, -12.34, 1.0, 250.0}) {
+    std::vector<Step> steps = e.session.steps;
+    for (Step& step : steps) step.start -= offset, step.end -= offset;
+    const auto found = clock_offset(e.recording, steps);
+    ASSERT_TRUE(found) << offset;
+    // Turns begin and end with the table's timing errors of 10 ms; over the procedure's turns they average out.
+    EXPECT_NEAR(found->offset_s, offset, 0.02);
+    EXPECT_GT(found->correlation, 0.95);
+  }
+}
+
+TEST(ClockOffset, OfAnotherRecordingIsNotBelieved) {
+  const Example e = table_session();
+  std::vector<Step> other = e.session.steps;
+  for (std::size_t k = 0; k < other.size(); ++k) other[k].kind = k % 7 == 0 ? StepKind::rotate : StepKind::hold, other[k].angle = 1;
+  const auto found = clock_offset(e.recording, other);
+  EXPECT_TRUE(!found || found->correlation < 0.8) << found->correlation;
+}
+
+}  // namespace
+}  // namespace imulab
