@@ -1,0 +1,97 @@
+// A session that declares something else than the recording holds: never "good", and the likely cause is named.
+#include <gmock/gmock.h>
+
+#include "tests/recorded_session.hpp"
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace imulab {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+struct Case {
+  const char* name;
+  std::function<void(SessionText&)> damage;
+  std::string cause;
+  std::string method = "handheld";
+};
+
+using Row = std::vector<double>;
+
+std::function<void(SessionText&)> rows(const std::function<void(Row&)>& change) {
+  return [change](SessionText& s) { s.for_rows(change); };
+}
+
+std::function<void(SessionText&)> times(std::size_t begin, std::size_t end, double factor) {
+  return rows([=](Row& row) {
+    for (std::size_t k = begin; k < end; ++k) row[k] *= factor;
+  });
+}
+
+const char* const gyro_rate = "output = \"rate\", unit = \"rad/s\"";
+
+TEST(WrongDeclaration, IsNeverGood) {
+  for (const Case& c : {
+           Case{"deg/h for rad/s", [](SessionText& s) { s.declare("unit = \"rad/s\"", "unit = \"deg/h\""); }, "the readings are in rad/s"},
+           Case{"deg/s for rad/s", [](SessionText& s) { s.declare("unit = \"rad/s\"", "unit = \"deg/s\""); }, "the readings are in rad/s"},
+           Case{"rad/s for deg/s", times(1, 4, 180 / 3.14159265), "the readings are in deg/s"},
+           Case{"rad/s for deg/h", times(1, 4, 3600 * 180 / 3.14159265), "the readings are in deg/h"},
+           Case{"g for m/s^2", [](SessionText& s) { s.declare("unit = \"m/s^2\"", "unit = \"g\""); }, "look like m/s^2"},
+           Case{"m/s^2 for g", times(4, 7, 1 / 9.8), "look like g"},
+           Case{"stamps in ms as s",
+                [](SessionText& s) {
+                  s.for_rows([](Row& row) { row[0] *= 1000; });
+                  s.declare("rate_hz = 100\n", "");
+                },
+                "the unit of the stamps is smaller than declared"},
+           Case{"increments for rates", [](SessionText& s) { s.declare(gyro_rate, "output = \"increment\", unit = \"rad\""); }, "the readings are rates"},
+           Case{"rates for increments", times(1, 4, 0.01), "the readings are increments"},
+           Case{"half of the gyros' reading", times(1, 4, 0.5), "the gyros' scale is 2 in the declared unit"},
+           Case{"a thousandth", times(1, 4, 1000), "thousandths of the declared unit"},
+           Case{"one axis twice", times(1, 2, 2), "the gyros' x scale is 0.5"},
+           Case{"gyros' axes exchanged", rows([](Row& row) { std::swap(row[1], row[2]); }), "the gyros' axes are not as declared"},
+           Case{"a gyro reversed", times(1, 2, -1), "(left-handed)"},
+           Case{"an accelerometer reversed", times(4, 5, -1), "the gyros' axes are not as declared"},
+           Case{"all gyros reversed", times(1, 4, -1), "x is along the -x reading, y is along the -y reading"},
+           Case{"a column twice", rows([](Row& row) { row[2] = row[1]; }), "gyro x and y are equal in every sample"},
+           Case{"clipped", rows([](Row& row) {
+                  for (std::size_t k = 4; k < 7; ++k) row[k] = std::clamp(row[k], -9.0, 9.0);
+                }),
+                "at a limit", "static"},
+           Case{"a reading of 1e300", [](SessionText& s) { s.set(778, 4, "1e300"); }, "line 778: accel x is 1e+300 m/s^2"},
+           Case{"absolute zero",
+                [](SessionText& s) {
+                  for (std::size_t line = 1; line <= s.lines.size(); ++line) s.lines[line - 1] += line == 1 ? ",T" : ",-300";
+                  s.session += "\ngyro_temperature = { columns = [\"T\"], unit = \"degC\" }\n";
+                },
+                "the temperature is -300 degC"},
+       }) {
+    SCOPED_TRACE(c.name);
+    const TemporaryFolder folder;
+    SessionText text = hand_held_session();
+    c.damage(text);
+    text.write(folder);
+    const CommandResult result = run_imulab(folder, "calibrate session --method " + c.method);
+    EXPECT_THAT(result.output + "\n", Not(HasSubstr("\ngood\n")));
+    EXPECT_THAT(result.errors + result.output, HasSubstr(c.cause));
+  }
+}
+
+TEST(WrongDeclaration, ARateThatTheStampsContradictIsSaid) {
+  const TemporaryFolder folder;
+  SessionText text = hand_held_session();
+  text.for_rows([](Row& row) {
+    for (std::size_t k = 1; k < 7; ++k) row[k] *= 0.01;
+  });
+  text.declare("rate_hz = 100\n", "rate_hz = 101.9\n");
+  text.declare(gyro_rate, "output = \"increment\", unit = \"rad\"");
+  text.declare("output = \"rate\", unit = \"m/s^2\"", "output = \"increment\", unit = \"m/s\"");
+  text.write(folder);
+  EXPECT_THAT(run_imulab(folder, "calibrate session --method handheld").errors, HasSubstr("rate_hz = 101.9 is declared, the stamps give 100 Hz"));
+}
+
+}  // namespace
+}  // namespace imulab
