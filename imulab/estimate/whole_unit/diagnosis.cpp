@@ -1,7 +1,6 @@
-#include "imulab/estimate/whole_unit/diagnosis.hpp"
-
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/estimate/whole_unit/quality.hpp"
 
 #include <fmt/core.h>
 
@@ -32,8 +31,8 @@ bool warn_unsettled(kernel::Findings& findings, const Problem& problem) {
   const ThermalRange& thermal = problem.points.thermal[thermometer(problem)];
   const bool raw = thermal.unit == "raw";
   const double kelvin = raw ? thermal.size() / 70 : 1;
-  for (const Point& p : problem.points.all) {
-    if (problem.kind(p) != RigKind::chamber || !p.drift || std::abs(*p.drift) <= settled * kelvin) continue;
+  for (const MachinePoint& p : problem.points.all) {
+    if (p.machine != RigKind::chamber || !p.drift || std::abs(*p.drift) <= settled * kelvin) continue;
     if (many++ == 0) first = p.name(*problem.session);
     largest = std::max(largest, std::abs(*p.drift));
   }
@@ -54,14 +53,14 @@ struct Directions {
 bool warn_hysteresis(kernel::Findings& findings, const Problem& problem) {
   std::map<long, Directions> by_temperature;
   const std::size_t triad = thermometer(problem);
-  const auto reading = [&](const Point& p) { return p.temperature[static_cast<Index>(3 * triad)]; };
+  const auto reading = [&](const MachinePoint& p) { return p.temperature[static_cast<Index>(3 * triad)]; };
   // Visits to one set point; without set points, readings within a fortieth of the range.
-  const auto visit = [&](const Point& p) {
+  const auto visit = [&](const MachinePoint& p) {
     return p.step.temperature ? std::lround(100 * *p.step.temperature) : std::lround(40 * reading(p) / problem.points.thermal[triad].size());
   };
-  const Point* before = nullptr;
-  for (const Point& p : problem.points.all) {
-    if (problem.kind(p) != RigKind::chamber) continue;
+  const MachinePoint* before = nullptr;
+  for (const MachinePoint& p : problem.points.all) {
+    if (p.machine != RigKind::chamber) continue;
     if (before && before->recording == p.recording) {
       Directions& directions = by_temperature[visit(p)];
       const std::size_t warmer = reading(p) > reading(*before) ? 1 : 0;

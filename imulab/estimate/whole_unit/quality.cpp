@@ -19,7 +19,7 @@ std::string count_of_levels(const Problem& problem, const Coefficient& c) {
   if (order == 0) return "";
   const bool accel = c.triad == Triad::accel;
   std::vector<double> levels;
-  for (const Point& p : problem.points.all) {
+  for (const MachinePoint& p : problem.points.all) {
     const Motion m = problem.motion(p);
     const double level = accel ? m.force[c.row] : m.rate[c.row], same = accel ? 0.05 * unit::g : 0.1 * unit::deg;
     if (std::none_of(levels.begin(), levels.end(), [&](double l) { return std::abs(l - level) < same; })) levels.push_back(level);
@@ -34,8 +34,8 @@ std::vector<FitResidual> fit_residuals(const Problem& problem) {
   for (int channel = 0; channel < 6; ++channel) {
     FitResidual r{fmt::format("{}.{}", channel < 3 ? "accel" : "gyro", "xyz"[channel % 3]), 0, 0, full_scale[channel < 3 ? 0 : 1]};
     double n = 0;
-    for (const Point& p : problem.points.all) {
-      if (problem.kind(p) == RigKind::chamber) continue;
+    for (const MachinePoint& p : problem.points.all) {
+      if (p.machine == RigKind::chamber) continue;
       const double e = problem.equations(p).residual[channel];
       r.rms += e * e, r.largest = std::max(r.largest, std::abs(e)), n += 1;
     }
@@ -57,7 +57,7 @@ std::vector<RigErrorEstimate> rig_errors(const Problem& problem, const Eigen::Ma
 
 void note_points(Quality& quality, const Problem& problem) {
   const auto many = [&](RigKind kind) {
-    return std::count_if(problem.points.all.begin(), problem.points.all.end(), [&](const Point& p) { return problem.kind(p) == kind; });
+    return std::count_if(problem.points.all.begin(), problem.points.all.end(), [&](const MachinePoint& p) { return p.machine == kind; });
   };
   quality.notes.push_back(fmt::format("{} points were used: {} in the chamber, {} on the rate table, {} on the centrifuge", problem.points.all.size(),
                                       many(RigKind::chamber), many(RigKind::rate_table), many(RigKind::centrifuge)));
