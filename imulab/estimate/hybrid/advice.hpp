@@ -2,10 +2,7 @@
 #pragma once
 
 #include "imulab/estimate/hybrid/prediction.hpp"
-#include "imulab/model/requirement.hpp"
-#include "imulab/rig/procedure.hpp"
 
-#include <span>
 #include <string>
 #include <vector>
 
@@ -16,17 +13,9 @@ namespace imulab::hybrid {
 struct Advice {
   std::vector<CoefficientIndex> coefficients;  ///< with a large part in it, the largest first
   double ratio = 0;                            ///< sigma along it, in those units
-  std::vector<std::string> turns;              ///< "turn by 180 deg about the unit's z axis while it is horizontal"; each with a rest after it
+  std::vector<std::string> turns;              ///< "turn by 180 deg about the IMU's z axis while it is horizontal"; each with a rest after it
   double ratio_after = 0;                      ///< the largest ratio with them
 };
 Advice advise(const Plan& plan, const Prediction& prediction, const std::vector<Requirement>& requirements = {});
-
-/// Turns of a table from zero angles in the IMU's own terms, as above.
-std::vector<std::string> in_words(std::span<const TableTurn> turns);
-
-/// In the order of the requirements: the coefficients that exceed them, each once; sigma is infinite if not determined.
-std::vector<Shortfall> shortfalls(const Prediction& prediction, const std::vector<Requirement>& requirements);
-/// Throws Error where a required coefficient is not among those that the method estimates.
-void expect_estimated(const std::vector<Requirement>& requirements, const Plan& plan);
 
 }  // namespace imulab::hybrid

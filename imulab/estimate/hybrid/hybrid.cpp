@@ -32,7 +32,7 @@ void warn_of_short_rests(const std::vector<Range>& rests, const std::vector<Rang
     findings.warn(
         fmt::format("{} of {} rests are no longer than {:g} s; settling transients at their ends cannot be cut off, and the Earth's rate hardly "
                     "shows in them; use rests of 30 s or more",
-                    n, rests.size(), 5 * settling_time));
+                    n, rests.size(), 5 * in_place::settling_time));
 }
 
 /// White noise of the calibrated output from the samples' or the declared noise; random walks of the offsets and quantization of the velocity as
@@ -108,7 +108,7 @@ void report(const Data& data, const Converged& result, const Site& site, Calibra
   calibration.quality.term_tests = result.tests;
   calibration.quality.sources.push_back(kernel::gravity_source(site));
   if (result.left_out > 0)
-    findings.warn(fmt::format("{} of {} velocities do not fit: the unit was bumped, shaken, or displaced; they are not used", result.left_out,
+    findings.warn(fmt::format("{} of {} velocities do not fit: the IMU was bumped, shaken, or displaced; they are not used", result.left_out,
                               data.blocks.size()));
   findings.note(fmt::format("{} iterations over {} blocks", last.iterations, data.blocks.size()));
   if (const double heading = sigma(last.states.first(Group::start) + 2); last.terms.contains(Group::g_sensitivity) && heading > 3 * unit::deg)
@@ -151,9 +151,9 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
   std::vector<CoefficientIndex> wanted;
   if (!options.terms.empty()) wanted = kernel::chosen_coefficients(options.terms, all_coefficients(), "hybrid");
   kernel::expect_alive(recording.gyro, recording.name, "gyro", "the method needs all gyros");
-  const std::vector<Range> still = still_parts(recording, rests);
+  const std::vector<Range> still = in_place::still_parts(recording, rests);
   const kernel::RestStart start = coarse_start(recording, still, session.imu, place.latitude, place.gravity);
-  Blocks cut = cut_into_blocks(recording, still, turntable);
+  in_place::Blocks cut = in_place::cut_into_blocks(recording, still, turntable);
   const SensorModel coarse = to_raw(start.model, start.scaling);
   Data data{recording, std::move(cut.blocks), place, noise_of(start.noise, coarse, recording, session.imu), coarse, wanted};
 

@@ -115,7 +115,7 @@ Iterate converged(const Data& data, Iterate c) {
   return c;
 }
 
-/// Blocks whose velocity the converged solution cannot explain: the unit was bumped or shaken. None where so many are that the model is in doubt.
+/// Blocks whose velocity the converged solution cannot explain: the IMU was bumped or shaken. None where so many are that the model is in doubt.
 /// A wide prior would let the states wander between the first turns, so the look back is by a narrow one.
 std::vector<std::size_t> outlying_blocks(const Data& data, const Iterate& c) {
   constexpr double unlikely = 40;  // chi-square with three degrees of freedom: probability 1e-8

@@ -1,14 +1,31 @@
-// A path compared with the requirements, from its parts.
+// A path of quarter turns compared with the requirements, from its parts: rests at 24 attitudes, and the turns between them, as information.
 #pragma once
 
+#include "imulab/estimate/hybrid/motion_information.hpp"
 #include "imulab/estimate/hybrid/path_design.hpp"
-#include "imulab/estimate/hybrid/path_parts.hpp"
 
+#include <array>
 #include <vector>
 
 namespace imulab::hybrid {
 
 inline constexpr int shortest_rest = 10, longest_rest = 300;  ///< s, where rests are chosen
+
+/// A table's angles in quarter turns, 0..3, by RigAxis.
+using QuarterPose = std::array<int, 3>;
+
+struct QuarterTurn {
+  RigAxis axis;
+  int quarters;  ///< 1, 2, -1, -2
+  bool operator==(const QuarterTurn&) const = default;
+};
+QuarterPose turned(QuarterPose pose, const QuarterTurn& turn);
+
+/// A path with rests in quanta; rests[0] is before the first turn.
+struct QuarterPath {
+  std::vector<QuarterTurn> turns;
+  std::vector<int> rests;
+};
 
 /// Of the part of sigma that data can make smaller, sqrt(sigma^2 - floor^2), to its requirement: the worst ratio, at most 1 where every sigma
 /// is within its limit, and the sum of the logarithms, a measure of progress while most coefficients are undetermined.
@@ -20,27 +37,39 @@ class PathJudge {
  public:
   explicit PathJudge(const PathQuestion& question);
 
+  const int quantum;  ///< of a rest, s
+
   Knowledge start() const { return prior_knowledge(model_); }
+  const MotionInformation& turn(const QuarterPose& pose, const QuarterTurn& turn) const;
+  /// `outermost`: the session's first or last one, the end of which is not used.
+  const MotionInformation& rest(const QuarterPose& pose, int quanta, bool outermost) const;
+  double duration(const QuarterTurn& turn) const;  ///< s
+  double duration(const QuarterPath& path) const;  ///< s
+
   Knowledge knowledge(const QuarterPath& path) const;
   Score score(const Knowledge& knowledge) const;
   double worst(const QuarterPath& path) const { return score(knowledge(path)).worst; }
-  double duration(const QuarterPath& path) const;  ///< s
   std::size_t limits() const { return limits_.size(); }
   /// With the coefficient whose sigma is the largest of its limit.
   Path described(const QuarterPath& path) const;
 
  private:
+  static std::size_t place(const QuarterPose& pose) { return static_cast<std::size_t>(16 * pose[0] + 4 * pose[1] + pose[2]); }
+  void find_limits(const PathQuestion& question);
+  std::vector<Matrix3d> find_attitudes();
+
   struct Limit {
     Eigen::Index row;
     CoefficientIndex coefficient;
     double limit, floor;
   };
   InformationModel model_;
+  double turn_rate_;
   std::vector<Limit> limits_;
-
- public:
-  const int quantum;  ///< of a rest, s
-  const PathParts parts;
+  std::array<std::size_t, 64> attitude_;                               // of a pose: one of 24
+  std::array<std::array<std::array<std::size_t, 2>, 3>, 64> axis_;     // of a pose's axes: which of n's, and 1 where opposite
+  std::vector<std::array<std::array<MotionInformation, 4>, 3>> turn_;  // by attitude, axis of n, and angle
+  std::vector<std::array<std::vector<MotionInformation>, 2>> rest_;    // by attitude, outermost and quanta
 };
 
 }  // namespace imulab::hybrid

@@ -2,9 +2,10 @@
 // It is the Cramer-Rao bound of the method's linear model.
 #pragma once
 
-#include "imulab/estimate/hybrid/error_equations.hpp"
+#include "imulab/estimate/hybrid/states.hpp"
 #include "imulab/estimate/method.hpp"
-#include "imulab/rig/turntable.hpp"
+#include "imulab/model/requirement.hpp"
+#include "imulab/rig/table_pose.hpp"
 
 #include <Eigen/Core>
 
@@ -19,7 +20,7 @@ struct Plan {
   bool observe_motion = false;  ///< on a turntable the velocity is zero while it turns, too
 };
 
-/// Of a procedure with one recording. Throws Error where the latitude or the unit's noise is not declared.
+/// Of a procedure with one recording. Throws Error where the latitude or the IMU's noise is not declared.
 Plan plan_of(const Session& procedure);
 
 /// Determined and undetermined coefficients as in `calibrate`; `cramer_rao` is sigma where nothing is left undetermined.
@@ -27,8 +28,7 @@ struct Prediction : imulab::Prediction {
   Eigen::VectorXd remaining;  ///< the remaining sigma of each of `undetermined`, SI
   States states;
   Eigen::MatrixXd covariance;  ///< of the filter's states at the end
-  Matrix3d C_nb;               ///< attitude there, and
-  RigAxes axes;                ///< the directions of the table's axes in n
+  TablePose end;               ///< there
 };
 
 /// Throws Error where the procedure's steps are wrong or include no hold.
@@ -36,5 +36,10 @@ Prediction predict(const Plan& plan);
 
 /// The same, for the table of methods.
 imulab::Prediction predict(const Session& procedure);
+
+/// In the order of the requirements: the coefficients that exceed them, each once; sigma is infinite if not determined.
+std::vector<Shortfall> shortfalls(const Prediction& prediction, const std::vector<Requirement>& requirements);
+/// Throws Error where a required coefficient is not among those that the method estimates.
+void expect_estimated(const std::vector<Requirement>& requirements, const Plan& plan);
 
 }  // namespace imulab::hybrid

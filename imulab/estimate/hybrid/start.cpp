@@ -38,8 +38,7 @@ void start_gyro(RestStart& start, const Recording& recording, double latitude) {
   if (counts) {
     const auto in_motion = coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
     if (!in_motion)
-      throw Unsupported(recording.name +
-                        ": gyro: the motion does not turn the unit about all its axes; readings in counts need that for their scale");
+      throw Unsupported(recording.name + ": gyro: the motion does not turn the IMU about all its axes; readings in counts need that for their scale");
     gyro.matrix = *in_motion;
   }
   const Vector3d mean = gyro.matrix * start.scaling.gyro(start.mean_gyro());
@@ -78,7 +77,7 @@ void check_axes(const Recording& recording, const RestStart& start) {
   const auto in_motion = coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
   if (!in_motion || !(std::abs(in_motion->determinant()) > 0)) return;
   if (const std::string wrong = wrong_axes(*in_motion); !wrong.empty())
-    throw Error(recording.name + ": " + wrong + ", as gravity turns in the unit; expected right-handed axes, the same for both triads");
+    throw Error(recording.name + ": " + wrong + ", as gravity turns in the IMU; expected right-handed axes, the same for both triads");
 }
 
 /// Standard deviation of one axis's samples in the median second of the rests, so that disturbances of some do not count.

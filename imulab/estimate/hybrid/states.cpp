@@ -93,6 +93,8 @@ Groups States::groups() const {
   return out;
 }
 
+in_place::OptionalSums States::sums() const { return {has(Group::g_sensitivity), has(Group::quadratic), has(Group::lever_arm), has(Group::delay)}; }
+
 std::vector<Index> States::corrections() const {
   std::vector<Index> out;
   for (Index s = 0; s < constants(); ++s)
@@ -150,6 +152,18 @@ SensorModel corrected(const SensorModel& model, const VectorXd& x, const States&
     out.accel.quadratic[i] -= q * a1 * a1;
   }
   return out;
+}
+
+Eigen::Matrix<double, 6, Eigen::Dynamic> transition(const in_place::BlockSums& sums, const States& states, const Place& place) {
+  Eigen::Matrix<double, 6, Eigen::Dynamic> t(6, states.size());
+  t.leftCols(states.constants()).setZero();
+  t.rightCols<6>() = sums.by_errors_before(place.latitude);
+  for (Index k = 0; k < states.constants(); ++k)
+    if (states.corrects(k) >= 0) t.col(k) = sums.by_coefficient(coefficient(states.corrects(k)));
+  t.col(states.first(Group::gravity)) = sums.by_gravity(place.gravity);
+  if (states.has(Group::latitude)) t.col(states.first(Group::latitude)) = sums.by_latitude(place.latitude);
+  if (states.has(Group::delay)) t.col(states.first(Group::delay)) = sums.by_delay();
+  return t;
 }
 
 MatrixXd correction_jacobian(const SensorModel& model, const std::vector<CoefficientIndex>& indices, const States& states) {
