@@ -189,4 +189,21 @@ MachinePoints machine_points(std::span<const Recording> recordings, const Sessio
   return points;
 }
 
+std::string unsettled_points(const MachinePoints& points, const Session& session) {
+  constexpr double settled = 0.05 / 60;  // K/s: 9 mK over a record of ten seconds, below what thermal readings agree to
+  const ThermalRange& thermal = points.thermal[points.thermometer()];
+  const bool raw = thermal.unit == "raw";
+  const double kelvin = raw ? thermal.size() / 70 : 1;  // readings in raw count as if their range were 70 K
+  std::size_t many = 0;
+  std::string first;
+  double largest = 0;
+  for (const MachinePoint& p : points.all) {
+    if (p.machine != RigKind::chamber || !p.drift || std::abs(*p.drift) <= settled * kelvin) continue;
+    if (many++ == 0) first = p.name(session);
+    largest = std::max(largest, std::abs(*p.drift));
+  }
+  if (many == 0) return "";
+  return fmt::format("{} of the chamber's points had not settled (up to {:.2g} {}/min; the first: {})", many, largest * 60, raw ? "raw" : "K", first);
+}
+
 }  // namespace imulab::rig

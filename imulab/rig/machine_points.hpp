@@ -50,12 +50,18 @@ struct MachinePoints {
   Vector6d correlation;                 ///< variance of block means of holds over that of independent samples, where it is larger; else 1
   std::array<ThermalRange, 2> thermal;  ///< accelerometers, gyros
   std::vector<std::string> warnings;
+
+  /// The triad whose thermal readings a chamber is judged by.
+  std::size_t thermometer() const { return thermal[0].known ? 0 : 1; }
 };
 
 /// Saturated points and those without samples are left out with a warning. Throws Error where there is not one recording for each of the session's,
 /// where a recording's rig is not a machine or cannot do its steps, where units or rates differ between recordings, Unsupported where nothing is
 /// left.
 MachinePoints machine_points(std::span<const Recording> recordings, const Session& session);
+
+/// "3 of the chamber's points had not settled (up to 0.2 K/min; the first: NAME)"; empty where all had.
+std::string unsettled_points(const MachinePoints& points, const Session& session);
 
 }  // namespace imulab::rig
 

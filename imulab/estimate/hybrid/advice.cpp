@@ -1,8 +1,7 @@
-#include "imulab/estimate/hybrid/advice.hpp"
-
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/hybrid/motion_information.hpp"
+#include "imulab/estimate/hybrid/prediction.hpp"
 #include "imulab/recording/turn.hpp"
 
 #include <fmt/core.h>
@@ -74,7 +73,7 @@ Advice advise(const Plan& plan, const Prediction& prediction, const std::vector<
     if (step.kind == StepKind::rotate) rate = step.rate, acceleration = step.acceleration.value_or(acceleration);
     if (step.kind == StepKind::hold) rest = std::max(5.0, step.end - step.start);
   }
-  const auto with = [&](const Knowledge& before, const TablePose& pose, const TableTurn& turn) {
+  const auto with = [&](const Knowledge& before, const PoseOnTable& pose, const TableTurn& turn) {
     const Turn motion{pose.axis(turn), turn.angle_deg * unit::deg, rate, acceleration};
     return outcome(after(after(before, turn_information(model, pose.C_nb, motion)),
                          rest_information(model, turned(pose, turn).C_nb, static_cast<int>(std::lround(rest)))),
@@ -83,7 +82,7 @@ Advice advise(const Plan& plan, const Prediction& prediction, const std::vector<
   std::vector<TableTurn> turns;
   for (const RigAxis axis : {RigAxis::outer, RigAxis::middle, RigAxis::inner})
     for (const double angle : {90, 180, -90, -180}) turns.push_back({axis, angle, rest});
-  const TablePose& here = prediction.end;
+  const PoseOnTable& here = prediction.end;
   const std::size_t n = turns.size();
   std::vector<Outcome> single(n), pair(n * n);
   tbb::parallel_for(std::size_t{0}, n, [&](std::size_t k) {

@@ -1,7 +1,6 @@
-#include "imulab/estimate/hybrid/advice.hpp"
-
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/estimate/hybrid/prediction.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <gmock/gmock.h>

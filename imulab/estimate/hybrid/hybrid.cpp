@@ -6,10 +6,13 @@
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
 #include "imulab/estimate/hybrid/iteration.hpp"
-#include "imulab/estimate/hybrid/start.hpp"
+#include "imulab/estimate/kernel/coarse.hpp"
 #include "imulab/estimate/kernel/input.hpp"
-#include "imulab/model/grade.hpp"
+#include "imulab/estimate/kernel/rest_start.hpp"
+#include "imulab/model/triad_axes.hpp"
+#include "imulab/recording/quiet_noise.hpp"
 
+#include <Eigen/LU>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -26,6 +29,68 @@ using Eigen::VectorXd;
 
 constexpr const char* wrong_latitude = "the latitude seems to be wrong";
 
+/// Coarse gyros: from the Earth's rate at rest where the rests allow it, else the declared unit or, for counts, the motion of gravity; offset from
+/// the rests.
+void start_gyro(kernel::RestStart& start, const Recording& recording, double latitude) {
+  TriadModel& gyro = start.model.gyro;
+  std::vector<Vector3d> readings, up;
+  for (const kernel::Rest& rest : start.rests) readings.push_back(start.gyro(rest)), up.push_back(start.up(rest));
+  const bool counts = recording.gyro_unit == "count";
+  const auto at_rest = kernel::coarse_gyro_at_rest(readings, up, earth_rate * std::sin(latitude));
+  if (at_rest && !counts && (at_rest->matrix - Matrix3d::Identity()).cwiseAbs().maxCoeff() < 0.05) {
+    gyro.matrix = at_rest->matrix;
+    gyro.offset = at_rest->offset;
+    start.findings.note("gyros started from the Earth's rate at rest");
+    return;
+  }
+  if (counts) {
+    const auto in_motion = kernel::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
+    if (!in_motion)
+      throw Unsupported(recording.name + ": gyro: the motion does not turn the IMU about all its axes; readings in counts need that for their scale");
+    gyro.matrix = *in_motion;
+  }
+  const Vector3d mean = gyro.matrix * start.scaling.gyro(start.mean_gyro());
+  if (mean.norm() > 2 * earth_rate) gyro.offset = -mean;  // a smaller mean is largely the Earth's rate
+  start.findings.note(counts ? "gyros started from the motion of gravity between the rests" : "gyros started from the declared unit");
+}
+
+void check_axes(const Recording& recording, const kernel::RestStart& start) {
+  const auto in_motion = kernel::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
+  if (!in_motion || !(std::abs(in_motion->determinant()) > 0)) return;
+  if (const std::string wrong = wrong_axes(*in_motion); !wrong.empty())
+    throw Error(recording.name + ": " + wrong + ", as gravity turns in the IMU; expected right-handed axes, the same for both triads");
+}
+
+void use_quiet_noise(kernel::RestStart& start, const Recording& recording, const std::vector<Range>& rests, const ImuDeclaration& imu) {
+  const std::size_t second = std::max<std::size_t>(5, static_cast<std::size_t>(std::lround(1 / recording.interval_s)));
+  for (std::size_t j = 0; j < 3; ++j) {
+    const auto axis = static_cast<Index>(j);
+    if (!imu.accel_noise_density) start.noise.accel[axis] = std::min(start.noise.accel[axis], quiet_noise(recording.accel[j], rests, second));
+    start.noise.gyro[axis] = std::min(start.noise.gyro[axis], quiet_noise(recording.gyro[j], rests, second));
+  }
+  kernel::limit_noise(start);
+}
+
+/// Rests, their noise, and a coarse solution of both triads (Cheng 2014 sec 1.2). Throws as kernel::start_from_rests does, and Error for axes that
+/// are swapped, reversed or left-handed.
+kernel::RestStart coarse_start(const Recording& recording, const std::vector<Range>& rests, const ImuDeclaration& imu, double latitude,
+                               double gravity) {
+  kernel::RestStart start = kernel::start_from_rests(recording, rests, imu, gravity);
+  use_quiet_noise(start, recording, rests, imu);
+  start_gyro(start, recording, latitude);
+  kernel::use_declared_gyro_noise(start, recording, imu);
+  check_axes(recording, start);
+  return start;
+}
+
+/// White noise of the calibrated output from the samples' or the declared noise; the other terms as declared.
+Noise noise_of(const kernel::SampleNoise& raw, const SensorModel& coarse, const Recording& recording, const ImuDeclaration& imu) {
+  const auto density = [&](const TriadModel& triad, const Vector3d& sigma) {
+    return Vector3d(std::sqrt(recording.interval_s) * (triad.matrix.cwiseAbs2() * sigma.cwiseAbs2()).cwiseSqrt());
+  };
+  return in_place::noise_of(density(coarse.gyro, raw.gyro), density(coarse.accel, raw.accel), declared_terms(imu));
+}
+
 void warn_of_short_rests(const std::vector<Range>& rests, const std::vector<Range>& still, kernel::Findings& findings) {
   const auto n = std::inner_product(rests.begin(), rests.end(), still.begin(), std::size_t{0}, std::plus<>(), std::equal_to<>());
   if (2 * n > rests.size())
@@ -35,34 +100,16 @@ void warn_of_short_rests(const std::vector<Range>& rests, const std::vector<Rang
                     n, rests.size(), 5 * in_place::settling_time));
 }
 
-/// White noise of the calibrated output from the samples' or the declared noise; random walks of the offsets and quantization of the velocity as
-/// declared.
-Noise noise_of(const kernel::SampleNoise& raw, const SensorModel& coarse, const Recording& recording, const ImuDeclaration& imu) {
-  const double root = std::sqrt(recording.interval_s);
-  Noise noise{root * (coarse.gyro.matrix.cwiseAbs2() * raw.gyro.cwiseAbs2()).cwiseSqrt(),
-              root * (coarse.accel.matrix.cwiseAbs2() * raw.accel.cwiseAbs2()).cwiseSqrt()};
-  const Grade none{}, &full = imu.noise == NoiseTerms::full && imu.grade ? grade(*imu.grade) : none;
-  const NoiseModel gyro = imu.gyro_noise.value_or(full.gyro_noise), accel = imu.accel_noise.value_or(full.accel_noise);
-  noise.gyro_walk.setConstant(gyro.K);
-  noise.accel_walk.setConstant(accel.K);
-  noise.velocity = accel.Q;
-  return noise;
-}
-
 /// The determined coefficients of the table; the others stay at the coarse solution and are named.
 Calibration calibration_of(const Data& data, const Iterate& iterate) {
   const Errors errors = determined_errors(iterate);
   Calibration c;
   c.method = "hybrid";
   c.model = iterate.about.model;
-  for (const Index s : iterate.states.corrections()) {
-    const CoefficientIndex index = iterate.states.corrects(s);
-    if (std::find(errors.undetermined.begin(), errors.undetermined.end(), s) == errors.undetermined.end()) {
-      c.estimated.push_back(index);
-    } else {
-      c.quality.unobservable.emplace_back(coefficient(index).name);
-      set_coefficient(c.model, index, coefficient_value(data.coarse, index));
-    }
+  c.estimated = errors.coefficients;
+  for (const CoefficientIndex index : errors.open) {
+    c.quality.unobservable.emplace_back(coefficient(index).name);
+    set_coefficient(c.model, index, coefficient_value(data.coarse, index));
   }
   const MatrixXd jacobian = correction_jacobian(iterate.about.model, c.estimated, iterate.states);
   c.covariance = jacobian * errors.covariance * jacobian.transpose();

@@ -24,10 +24,12 @@ Iterate first_iterate(const Data& data, const Groups& terms) {
 
 Errors determined_errors(const Iterate& iterate) {
   const Index n = iterate.states.constants();
-  Errors out{iterate.pass.x.head(n), iterate.pass.covariance.topLeftCorner(n, n), {}};
+  Errors out{iterate.pass.x.head(n), iterate.pass.covariance.topLeftCorner(n, n), {}, {}, {}};
   kernel::Parameters parameters = iterate.states.parameters(iterate.total);
   out.undetermined = kernel::undetermined(out.covariance, parameters, iterate.states.needed());
   for (const Index i : out.undetermined) parameters.role[static_cast<std::size_t>(i)] = kernel::Role::considered;
+  for (const Index i : iterate.states.corrections())
+    (parameters.role[static_cast<std::size_t>(i)] == kernel::Role::considered ? out.open : out.coefficients).push_back(iterate.states.corrects(i));
   kernel::consider(out.mean, out.covariance, parameters);
   return out;
 }

@@ -34,13 +34,6 @@ struct Candidate {
   bool within;   ///< the limits
 };
 
-std::vector<QuarterTurn> moves_of(const std::vector<RigAxis>& axes) {
-  std::vector<QuarterTurn> moves;
-  for (const RigAxis axis : axes)
-    for (const int quarters : {1, 2, -1, -2}) moves.push_back({axis, quarters});
-  return moves;
-}
-
 /// The best of each kind: half of them by the sum of the logarithms, half by the worst ratio, each times the effect of the time spent on the noise.
 std::vector<Beginning> best_of(std::vector<Beginning> all, std::size_t most, std::size_t limits) {
   std::vector<Beginning> out;
@@ -226,7 +219,7 @@ Path design_path(const PathQuestion& q, const std::function<void(int)>& progress
     if (progress) progress(static_cast<int>(100 * part));
   };
   const PathJudge judge(q);
-  const std::vector<QuarterTurn> moves = moves_of(q.axes);
+  const std::vector<QuarterTurn> moves = quarter_turns(q.axes);
   const double longest = q.time.value_or(longest_path);
   const std::vector<int> rests = q.rest ? std::vector<int>{1} : std::vector<int>{2, 4, 8, 16};
   std::vector<Candidate> found;

@@ -1,7 +1,6 @@
 #include "imulab/estimate/hybrid/path_judge.hpp"
 
 #include "imulab/recording/turn.hpp"
-#include "imulab/rig/table_pose.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -21,16 +20,10 @@ constexpr std::array<int, 4> turns{1, 2, -1, -2};
 
 }  // namespace
 
-QuarterPose turned(QuarterPose pose, const QuarterTurn& turn) {
-  int& angle = pose[static_cast<std::size_t>(turn.axis)];
-  angle = (angle + turn.quarters + 4) % 4;
-  return pose;
-}
-
 PathJudge::PathJudge(const PathQuestion& q)
     : quantum(q.rest ? static_cast<int>(std::lround(*q.rest)) : usual_quantum), model_(q.unit), turn_rate_(q.turn_rate) {
   find_limits(q);
-  const std::vector<Matrix3d> attitudes = find_attitudes();
+  const std::vector<Matrix3d>& attitudes = table_.attitudes();
   const int most = q.rest ? 1 : longest_rest / usual_quantum;  // quanta
   turn_.resize(attitudes.size());
   rest_.resize(attitudes.size());
@@ -60,34 +53,14 @@ void PathJudge::find_limits(const PathQuestion& q) {
       }
 }
 
-std::vector<Matrix3d> PathJudge::find_attitudes() {
-  std::vector<Matrix3d> attitudes;
-  for (int p = 0; p < 64; ++p) {
-    const QuarterPose angles{p / 16, p / 4 % 4, p % 4};
-    TablePose pose;
-    for (const RigAxis axis : {RigAxis::outer, RigAxis::middle, RigAxis::inner})
-      pose = turned(pose, TableTurn{axis, 90.0 * angles[static_cast<std::size_t>(axis)], 0});
-    for (std::size_t a = 0; a < 3; ++a) {
-      Index along;
-      pose.axes[a].cwiseAbs().maxCoeff(&along);
-      axis_[place(angles)][a] = {static_cast<std::size_t>(along), pose.axes[a][along] < 0 ? 1u : 0u};
-    }
-    const Matrix3d C_nb = pose.C_nb.array().round();  // exactly one of 24
-    const auto found = std::find(attitudes.begin(), attitudes.end(), C_nb);
-    attitude_[place(angles)] = static_cast<std::size_t>(found - attitudes.begin());
-    if (found == attitudes.end()) attitudes.push_back(C_nb);
-  }
-  return attitudes;
-}
-
 const MotionInformation& PathJudge::turn(const QuarterPose& pose, const QuarterTurn& turn) const {
-  const auto [along, opposite] = axis_[place(pose)][static_cast<std::size_t>(turn.axis)];
-  const auto angle = std::find(turns.begin(), turns.end(), opposite == 1 ? -turn.quarters : turn.quarters) - turns.begin();
-  return turn_[attitude_[place(pose)]][along][static_cast<std::size_t>(angle)];
+  const auto [along, opposite] = table_.axis(pose, turn.axis);
+  const auto angle = std::find(turns.begin(), turns.end(), opposite ? -turn.quarters : turn.quarters) - turns.begin();
+  return turn_[table_.attitude(pose)][along][static_cast<std::size_t>(angle)];
 }
 
 const MotionInformation& PathJudge::rest(const QuarterPose& pose, int quanta, bool outermost) const {
-  return rest_[attitude_[place(pose)]][outermost ? 1 : 0][static_cast<std::size_t>(quanta - 1)];
+  return rest_[table_.attitude(pose)][outermost ? 1 : 0][static_cast<std::size_t>(quanta - 1)];
 }
 
 double PathJudge::duration(const QuarterTurn& turn) const { return turn_duration(turn.quarters * quarter, turn_rate_, acceleration); }

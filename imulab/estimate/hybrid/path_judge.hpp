@@ -3,6 +3,7 @@
 
 #include "imulab/estimate/hybrid/motion_information.hpp"
 #include "imulab/estimate/hybrid/path_design.hpp"
+#include "imulab/rig/quarter_table.hpp"
 
 #include <array>
 #include <vector>
@@ -10,22 +11,6 @@
 namespace imulab::hybrid {
 
 inline constexpr int shortest_rest = 10, longest_rest = 300;  ///< s, where rests are chosen
-
-/// A table's angles in quarter turns, 0..3, by RigAxis.
-using QuarterPose = std::array<int, 3>;
-
-struct QuarterTurn {
-  RigAxis axis;
-  int quarters;  ///< 1, 2, -1, -2
-  bool operator==(const QuarterTurn&) const = default;
-};
-QuarterPose turned(QuarterPose pose, const QuarterTurn& turn);
-
-/// A path with rests in quanta; rests[0] is before the first turn.
-struct QuarterPath {
-  std::vector<QuarterTurn> turns;
-  std::vector<int> rests;
-};
 
 /// Of the part of sigma that data can make smaller, sqrt(sigma^2 - floor^2), to its requirement: the worst ratio, at most 1 where every sigma
 /// is within its limit, and the sum of the logarithms, a measure of progress while most coefficients are undetermined.
@@ -54,9 +39,7 @@ class PathJudge {
   Path described(const QuarterPath& path) const;
 
  private:
-  static std::size_t place(const QuarterPose& pose) { return static_cast<std::size_t>(16 * pose[0] + 4 * pose[1] + pose[2]); }
   void find_limits(const PathQuestion& question);
-  std::vector<Matrix3d> find_attitudes();
 
   struct Limit {
     Eigen::Index row;
@@ -66,8 +49,7 @@ class PathJudge {
   InformationModel model_;
   double turn_rate_;
   std::vector<Limit> limits_;
-  std::array<std::size_t, 64> attitude_;                               // of a pose: one of 24
-  std::array<std::array<std::array<std::size_t, 2>, 3>, 64> axis_;     // of a pose's axes: which of n's, and 1 where opposite
+  QuarterTable table_;
   std::vector<std::array<std::array<MotionInformation, 4>, 3>> turn_;  // by attitude, axis of n, and angle
   std::vector<std::array<std::vector<MotionInformation>, 2>> rest_;    // by attitude, outermost and quanta
 };

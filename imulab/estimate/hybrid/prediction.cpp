@@ -27,12 +27,11 @@ Plan plan_of(const Session& procedure) {
   const DeclaredNoise noise = errors_at(file, [&] { return declared_noise(procedure.imu); });
   if (!(noise.accel.N > 0 && noise.gyro.N > 0))
     throw Error(file + ": a noise density of 0; expected densities above 0, since the uncertainties follow from them");
-  Plan plan{procedure, errors_at(file, [&] { return place_of(procedure.site); }), {}, {}, on_turntable(procedure)};
-  plan.noise.gyro.setConstant(noise.gyro.N);
-  plan.noise.accel.setConstant(noise.accel.N);
-  plan.noise.gyro_walk.setConstant(noise.gyro.K);
-  plan.noise.accel_walk.setConstant(noise.accel.K);
-  plan.noise.velocity = noise.accel.Q;
+  Plan plan{procedure,
+            errors_at(file, [&] { return place_of(procedure.site); }),
+            in_place::noise_of(Vector3d::Constant(noise.gyro.N), Vector3d::Constant(noise.accel.N), noise),
+            {},
+            on_turntable(procedure)};
   if (procedure.imu.grade && grade(*procedure.imu.grade).g_sensitivity > 0) plan.terms = {Group::g_sensitivity};
   return plan;
 }
@@ -46,11 +45,7 @@ Prediction predict(const Plan& plan) {
   const Iterate pass = repeated(data, first_iterate(data, plan.terms));
   const Errors errors = determined_errors(pass);
 
-  Prediction out{{}, {}, pass.states, pass.pass.covariance, pose_at_end(plan.procedure.steps)};
-  for (const Index s : pass.states.corrections()) {
-    const bool open = std::find(errors.undetermined.begin(), errors.undetermined.end(), s) != errors.undetermined.end();
-    (open ? out.undetermined : out.coefficients).push_back(pass.states.corrects(s));
-  }
+  Prediction out{{errors.coefficients, errors.open, {}, {}}, {}, pass.states, pass.pass.covariance, pose_at_end(plan.procedure.steps)};
   const MatrixXd jacobian = correction_jacobian(SensorModel{}, out.coefficients, out.states);
   const Index n = out.states.constants();
   out.sigma = (jacobian * errors.covariance * jacobian.transpose()).diagonal().cwiseSqrt();

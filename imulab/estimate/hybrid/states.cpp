@@ -3,6 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
+#include "imulab/model/output_error.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -136,22 +137,7 @@ SensorModel corrected(const SensorModel& model, const VectorXd& x, const States&
   error.accel.matrix.setZero(), error.gyro.matrix.setZero();
   for (Index s = 0; s < states.constants(); ++s)
     if (const CoefficientIndex index = states.corrects(s); index >= 0) set_coefficient(error, index, x[s]);
-  const Matrix3d one = Matrix3d::Identity(), keep_accel = one - error.accel.matrix, keep_gyro = one - error.gyro.matrix;
-  SensorModel out = model;
-  out.accel.offset = keep_accel * model.accel.offset - error.accel.offset;
-  out.accel.matrix = keep_accel * model.accel.matrix;
-  // The g-sensitivity is fed with the corrected force.
-  out.gyro.offset = keep_gyro * (model.gyro.offset + model.g_sensitivity * error.accel.offset) - error.gyro.offset;
-  out.gyro.matrix = keep_gyro * model.gyro.matrix;
-  out.g_sensitivity = keep_gyro * model.g_sensitivity * (one + error.accel.matrix) - error.g_sensitivity;
-  out.lever_arm += error.lever_arm;
-  for (Index i = 0; i < 3; ++i) {  // q (a0 + a1 V)^2
-    const double q = error.accel.quadratic[i], a0 = model.accel.offset[i], a1 = model.accel.matrix(i, i);
-    out.accel.offset[i] -= q * a0 * a0;
-    out.accel.matrix(i, i) -= 2 * q * a0 * a1;
-    out.accel.quadratic[i] -= q * a1 * a1;
-  }
-  return out;
+  return without_error(model, error);
 }
 
 Eigen::Matrix<double, 6, Eigen::Dynamic> transition(const in_place::BlockSums& sums, const States& states, const Place& place) {

@@ -77,7 +77,7 @@ class States {
 std::vector<CoefficientIndex> all_coefficients();
 Groups optional_groups(const std::vector<CoefficientIndex>& coefficients);
 
-/// The model whose output is that of `model` less the errors x: A0 <- (I - Ma) A0 - ba, A1 <- (I - Ma) A1, gyros likewise.
+/// The model whose output is that of `model` less the errors x (model/output_error.hpp).
 SensorModel corrected(const SensorModel& model, const Eigen::VectorXd& x, const States& states);
 
 /// Errors of attitude (first three rows) and velocity after a block from all states before it.

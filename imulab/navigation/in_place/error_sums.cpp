@@ -6,6 +6,10 @@
 
 namespace imulab::in_place {
 
+Noise noise_of(const Vector3d& gyro, const Vector3d& accel, const DeclaredNoise& declared) {
+  return {gyro, accel, Vector3d::Constant(declared.gyro.K), Vector3d::Constant(declared.accel.K), declared.accel.Q};
+}
+
 BlockSums::BlockSums() {
   gyro.fill(Matrix3d::Zero());
   gyro_velocity.fill(Matrix3d::Zero());

@@ -6,6 +6,7 @@
 
 #include "imulab/core/rotation.hpp"
 #include "imulab/model/coefficient.hpp"
+#include "imulab/recording/declared_noise.hpp"
 
 #include <Eigen/Core>
 
@@ -20,6 +21,9 @@ struct Noise {
   Vector3d gyro_walk = Vector3d::Zero(), accel_walk = Vector3d::Zero();  ///< rad/s/sqrt(s), m/s^2/sqrt(s)
   double velocity = 0;                                                   ///< m/s
 };
+
+/// With these densities, and the random walks and quantization as declared.
+Noise noise_of(const Vector3d& gyro, const Vector3d& accel, const DeclaredNoise& declared);
 
 /// Errors of attitude [rad] and velocity [m/s].
 using Errors6 = Eigen::Matrix<double, 6, 1>;

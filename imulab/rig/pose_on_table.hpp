@@ -11,20 +11,20 @@
 namespace imulab::rig {
 
 /// Attitude, and the directions of the table's axes in n; by default at zero angles.
-struct TablePose {
+struct PoseOnTable {
   Matrix3d C_nb = Matrix3d::Identity();
   RigAxes axes = ideal_axes();
   const Vector3d& axis(const TableTurn& turn) const { return axes[static_cast<std::size_t>(turn.axis)]; }
 };
 
 /// After a turn: the outer axis carries the middle one, and that the inner one.
-TablePose turned(TablePose pose, const TableTurn& turn);
+PoseOnTable turned(PoseOnTable pose, const TableTurn& turn);
 
 /// At the end of these steps (of one recording).
-TablePose pose_at_end(std::span<const Step> steps);
+PoseOnTable pose_at_end(std::span<const Step> steps);
 
 /// "turn by 180 deg about the IMU's z axis while it is horizontal"
-std::string in_words(const TablePose& pose, const TableTurn& turn);
+std::string in_words(const PoseOnTable& pose, const TableTurn& turn);
 /// Turns from zero angles.
 std::vector<std::string> in_words(std::span<const TableTurn> turns);
 

@@ -1,4 +1,4 @@
-#include "imulab/rig/table_pose.hpp"
+#include "imulab/rig/pose_on_table.hpp"
 
 #include "imulab/rig/motion.hpp"
 
@@ -8,16 +8,16 @@
 
 namespace imulab::rig {
 
-TablePose turned(TablePose pose, const TableTurn& turn) {
+PoseOnTable turned(PoseOnTable pose, const TableTurn& turn) {
   const Matrix3d rotation = rotation_about(pose.axis(turn), turn.angle_deg * unit::deg);
   for (auto a = static_cast<std::size_t>(turn.axis); a < 3; ++a) pose.axes[a] = rotation * pose.axes[a];
   pose.C_nb = rotation * pose.C_nb;
   return pose;
 }
 
-TablePose pose_at_end(std::span<const Step> steps) {
+PoseOnTable pose_at_end(std::span<const Step> steps) {
   const RigMotion motion = rig_motion(steps);
-  TablePose end;
+  PoseOnTable end;
   for (std::size_t a = 0; a < 3; ++a) {
     AxisStates states = axis_states(motion.pieces.back(), motion.end());
     for (AxisState& state : states) state.rate = 0;
@@ -29,7 +29,7 @@ TablePose pose_at_end(std::span<const Step> steps) {
   return end;
 }
 
-std::string in_words(const TablePose& pose, const TableTurn& turn) {
+std::string in_words(const PoseOnTable& pose, const TableTurn& turn) {
   const Vector3d axis = pose.axis(turn), body = pose.C_nb.transpose() * axis;
   Eigen::Index along;
   const bool of_body = body.cwiseAbs().maxCoeff(&along) > 0.999;
@@ -41,7 +41,7 @@ std::string in_words(const TablePose& pose, const TableTurn& turn) {
 }
 
 std::vector<std::string> in_words(std::span<const TableTurn> turns) {
-  TablePose pose;
+  PoseOnTable pose;
   std::vector<std::string> out;
   for (const TableTurn& turn : turns) {
     out.push_back(in_words(pose, turn));
