@@ -39,7 +39,7 @@ const Example& example() {
 void hybrid_one_pass(benchmark::State& state) {
   const Example& e = example();
   const hybrid::Data data{e.recording,
-                          hybrid::cut_into_blocks(e.recording, e.rests, true).blocks,
+                          in_place::cut_into_blocks(e.recording, e.rests, true).blocks,
                           hybrid::place_of(e.session.site),
                           {Vector3d::Constant(2.9e-7), Vector3d::Constant(5e-5)},
                           {},

@@ -26,7 +26,7 @@ TEST_F(PlanCommand, WritesAProcedureThatPredictConfirms) {
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_EQ(result.errors, "");  // no terminal, no progress
   EXPECT_THAT(result.output, HasSubstr(" turns in "));
-  EXPECT_THAT(result.output, HasSubstr("about the unit's"));
+  EXPECT_THAT(result.output, HasSubstr("about the IMU's"));
   const Session session = read_session(folder / "p.toml");
   for (const Step& step : session.steps)
     if (step.kind == StepKind::rotate) {

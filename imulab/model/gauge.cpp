@@ -19,6 +19,12 @@ TriadModel of_shifted_readings(TriadModel m, const Vector3d& shift) {
   return m;
 }
 
+SensorModel of_shifted_readings(SensorModel model, const Vector3d& accel_shift, const Vector3d& gyro_shift) {
+  model.accel = of_shifted_readings(model.accel, accel_shift);
+  model.gyro = of_shifted_readings(model.gyro, gyro_shift);
+  return model;
+}
+
 namespace {
 
 /// c1 tau + c2 tau^2 with tau = tau' + by: its constant part moves to the polynomial.

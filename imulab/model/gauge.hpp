@@ -21,6 +21,7 @@ Eigen::MatrixXd covariance_after(const ModelChange& linear_change, const std::ve
 
 /// Q with Q(V + shift) = P(V) for the polynomial P of `model`; linear in the coefficients.
 TriadModel of_shifted_readings(TriadModel model, const Vector3d& shift);
+SensorModel of_shifted_readings(SensorModel model, const Vector3d& accel_shift, const Vector3d& gyro_shift);
 
 /// The same compensation with other reference temperatures, in the units of the thermal readings. A triad without a reading stays as it is.
 SensorModel with_references(const SensorModel& model, double accel_reference, double gyro_reference);

@@ -5,26 +5,18 @@
 
 namespace imulab {
 
-namespace {
-
-NoiseModel noise_of(const std::optional<NoiseModel>& declared, const NoiseModel* of_grade, const std::optional<double>& density, NoiseTerms terms) {
-  NoiseModel noise;
-  if (declared)
-    noise = *declared;
-  else if (of_grade != nullptr && terms == NoiseTerms::full)
-    noise = *of_grade;
-  noise.N = density ? *density : of_grade->N;
-  return noise;
+DeclaredNoise declared_terms(const ImuDeclaration& imu) {
+  const Grade none{}, &of = imu.noise == NoiseTerms::full && imu.grade ? grade(*imu.grade) : none;
+  return {imu.accel_noise.value_or(of.accel_noise), imu.gyro_noise.value_or(of.gyro_noise)};
 }
 
-}  // namespace
-
 DeclaredNoise declared_noise(const ImuDeclaration& imu) {
-  const Grade* const of = imu.grade ? &grade(*imu.grade) : nullptr;
-  if (of == nullptr && !(imu.accel_noise_density && imu.gyro_noise_density))
+  if (!imu.grade && !(imu.accel_noise_density && imu.gyro_noise_density))
     throw Error("the IMU's noise is not declared; expected the noise densities of accelerometers and gyros, or a grade");
-  return {noise_of(imu.accel_noise, of ? &of->accel_noise : nullptr, imu.accel_noise_density, imu.noise),
-          noise_of(imu.gyro_noise, of ? &of->gyro_noise : nullptr, imu.gyro_noise_density, imu.noise)};
+  DeclaredNoise noise = declared_terms(imu);
+  noise.accel.N = imu.accel_noise_density ? *imu.accel_noise_density : grade(*imu.grade).accel_noise.N;
+  noise.gyro.N = imu.gyro_noise_density ? *imu.gyro_noise_density : grade(*imu.grade).gyro_noise.N;
+  return noise;
 }
 
 }  // namespace imulab

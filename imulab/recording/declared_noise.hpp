@@ -11,8 +11,11 @@ struct DeclaredNoise {
   NoiseModel accel, gyro;
 };
 
-/// For each triad: the declared terms (`accel_noise`), else the grade's, of which only white noise is taken where `imu.noise` is NoiseTerms::white;
-/// the white noise N is the declared density (`accel_noise_density`), else the grade's. Throws Error where there is neither a density nor a grade.
+/// For each triad: the declared terms (`accel_noise`), else the grade's where `imu.noise` is NoiseTerms::full, else none. N does not count.
+DeclaredNoise declared_terms(const ImuDeclaration& imu);
+
+/// The same with the white noise N, which is the declared density (`accel_noise_density`), else the grade's. Throws Error where there is neither a
+/// density nor a grade.
 DeclaredNoise declared_noise(const ImuDeclaration& imu);
 
 }  // namespace imulab

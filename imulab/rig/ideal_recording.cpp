@@ -102,4 +102,18 @@ Recording ideal_recording(const Session& procedure, const RecordingSource& sourc
   return recording;
 }
 
+Recording coarse_recording(const Session& procedure, const Surroundings& surroundings) {
+  constexpr double slowest = 20, fastest = 320, turned = 0.05;  // Hz, Hz, rad
+  RecordingSource source;
+  if (!procedure.recordings.empty()) source.file = procedure.recordings.front().file, source.rig = procedure.recordings.front().rig;
+  for (double rate = slowest;; rate *= 2) {
+    source.rate_hz = rate;
+    Recording recording = ideal_recording(procedure, source, surroundings);
+    double largest = 0;
+    for (const std::vector<double>& column : recording.gyro)
+      for (const double x : column) largest = std::max(largest, std::abs(x));
+    if (largest * recording.interval_s < turned || rate >= fastest) return recording;
+  }
+}
+
 }  // namespace imulab::rig

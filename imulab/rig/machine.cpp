@@ -1,6 +1,7 @@
 #include "imulab/rig/machine.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/earth/earth.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/core.h>
@@ -59,15 +60,8 @@ std::vector<RigErrorSource> machine_error_sources(const RigDeclaration& rig, std
 
 MachineErrors<double> errors_at(const RigErrors& errors, const Mount& mount) {
   MachineErrors<double> at;
-  for (std::size_t i = 0; i < errors.sources.size(); ++i) {
-    const RigErrorSource& source = errors.sources[i];
-    const auto axis = static_cast<Eigen::Index>(source.axis);
-    const bool here = source.place == mount;
-    if (source.kind == RigErrorKind::tilt) at.tilt[axis] = errors.values[i];
-    if (source.kind == RigErrorKind::rate) at.rate = errors.values[i];
-    if (source.kind == RigErrorKind::mount && here) at.mount[axis] = errors.values[i];
-    if (source.kind == RigErrorKind::radius && here) at.radius = errors.values[i];
-  }
+  for (std::size_t i = 0; i < errors.sources.size(); ++i)
+    if (double* const element = element_of(at, errors.sources[i], mount)) *element = errors.values[i];
   return at;
 }
 
@@ -95,10 +89,30 @@ void expect_possible(const RigDeclaration& rig, std::span<const Step> steps) {
   }
 }
 
+Place<double> place_of(const Site& site) { return {site.gravity(), site.latitude ? earth_rate_enu(*site.latitude) : Vector3d::Zero()}; }
+
+Motion steady_motion(const Step& step, const Site& site) {
+  const SteadyMotion<double> m = steady_motion<double>(step, {}, place_of(site));
+  return {m.force, m.rate};
+}
+
 double horizontal_remainder(const Step& step) {
   if (step.kind != StepKind::spin) return 0;
   const double half = 0.5 * step.rate * (step.end - step.start);
   return (half == 0 ? 1 : std::abs(std::sin(half) / half)) / std::numbers::sqrt2;
+}
+
+Eigen::Matrix<double, 6, 6> spin_noise(const Step& step, double tilt, const Place<double>& place) {
+  Eigen::Matrix<double, 6, 6> noise = Eigen::Matrix<double, 6, 6>::Zero();
+  const double kept = horizontal_remainder(step);
+  if (!(kept > 0)) return noise;
+  const Vector3d up = mount_attitude(mount_of(step)).row(2);
+  const Matrix3d vertical = up * up.transpose(), horizontal = Matrix3d::Identity() - vertical;
+  const double earth = place.rate_ie_n.head<2>().norm(), radius = *std::max_element(step.radius.begin(), step.radius.end());
+  const double tilted = kept * place.gravity * tilt * std::numbers::sqrt2, coriolis = kept * 2 * step.rate * radius * earth;
+  noise.topLeftCorner<3, 3>() = tilted * tilted * horizontal + coriolis * coriolis * vertical;
+  noise.bottomRightCorner<3, 3>() = kept * kept * earth * earth * horizontal;
+  return noise;
 }
 
 }  // namespace imulab::rig

@@ -9,6 +9,7 @@
 #pragma once
 
 #include "imulab/core/rotation.hpp"
+#include "imulab/model/compensate.hpp"
 #include "imulab/rig/rig_errors.hpp"
 
 #include <Eigen/Core>
@@ -41,6 +42,17 @@ struct MachineErrors {
   T radius = T(0);                                      ///< m
 };
 
+/// The element that a source gives at a mount; null where it does not act there.
+template <class T>
+T* element_of(MachineErrors<T>& errors, const RigErrorSource& source, const Mount& mount) {
+  const auto axis = static_cast<Eigen::Index>(source.axis);
+  if (source.kind == RigErrorKind::tilt) return &errors.tilt[axis];
+  if (source.kind == RigErrorKind::rate) return &errors.rate;
+  if (source.place != mount) return nullptr;
+  if (source.kind == RigErrorKind::mount) return &errors.mount[axis];
+  return source.kind == RigErrorKind::radius ? &errors.radius : nullptr;
+}
+
 /// Those of one mount.
 MachineErrors<double> errors_at(const RigErrors& errors, const Mount& mount);
 
@@ -56,6 +68,9 @@ struct Place {
   T gravity;           ///< m/s^2
   Vector3d rate_ie_n;  ///< rad/s
 };
+
+/// Gravity and the Earth's rate there; no rate without a latitude.
+Place<double> place_of(const Site& site);
 
 template <class T>
 struct SteadyMotion {
@@ -90,9 +105,16 @@ SteadyMotion<T> steady_motion(const Step& step, const MachineErrors<T>& errors, 
   return {force, axis_b * rate};
 }
 
+/// The same without errors.
+Motion steady_motion(const Step& step, const Site& site);
+
 /// What remains of a horizontal vector in the mean over a spin, one sigma along each horizontal axis, if the angle at its begin is not known:
 /// |sin(W T / 2) / (W T / 2)| / sqrt(2). Zero for a hold.
 double horizontal_remainder(const Step& step);
+
+/// What such a remainder adds to the covariance of the means of force and rate over a spin, on an axis tilted by `tilt` [rad, one sigma about east
+/// and about north]; zero for a hold.
+Eigen::Matrix<double, 6, 6> spin_noise(const Step& step, double tilt, const Place<double>& place);
 
 }  // namespace imulab::rig
 

@@ -47,8 +47,8 @@ double spin_rate(const Step& step, const RigErrors& errors) {
 State reached(const State& from, const Step& step, double rate) {
   const double natural = from.angle + 0.5 * (from.rate + rate) * (step.start - from.time);
   const bool spins = step.kind == StepKind::spin;
-  return {step.start, spins ? natural : step.angles[outer] + 2 * std::numbers::pi * std::round((natural - step.angles[outer]) / (2 * std::numbers::pi)),
-          rate};
+  return {step.start,
+          spins ? natural : step.angles[outer] + 2 * std::numbers::pi * std::round((natural - step.angles[outer]) / (2 * std::numbers::pi)), rate};
 }
 
 void expect_gap(const State& from, const State& to, bool mounted_anew, std::size_t index, const Step& step) {

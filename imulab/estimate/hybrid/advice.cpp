@@ -1,9 +1,7 @@
-#include "imulab/estimate/hybrid/advice.hpp"
-
 #include "imulab/core/decomposition.hpp"
-#include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/hybrid/motion_information.hpp"
+#include "imulab/estimate/hybrid/prediction.hpp"
 #include "imulab/recording/turn.hpp"
 
 #include <fmt/core.h>
@@ -23,12 +21,11 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double unlimited = std::numeric_limits<double>::infinity();
-
-/// The limits of the model's constants; unlimited: none.
+/// The limits of the model's constants; infinite: none.
 VectorXd targets(const InformationModel& model, const std::vector<Requirement>& requirements) {
   VectorXd out = model.states.needed()(model.constants);
   if (requirements.empty()) return out;
+  constexpr double unlimited = std::numeric_limits<double>::infinity();
   for (Index i = 0; i < model.size(); ++i) {
     double limit = unlimited;
     for (const Requirement& r : requirements)
@@ -36,32 +33,6 @@ VectorXd targets(const InformationModel& model, const std::vector<Requirement>& 
     out[i] = limit < unlimited ? std::min(out[i], limit) : unlimited;
   }
   return out;
-}
-
-/// An IMU on a table: its attitude, and the directions of the axes in n.
-struct Pose {
-  Matrix3d C_nb;
-  RigAxes axes;
-  const Vector3d& axis(const TableTurn& turn) const { return axes[static_cast<std::size_t>(turn.axis)]; }
-};
-
-/// The outer axis carries the middle one, and that the inner one.
-Pose turned(Pose pose, const TableTurn& turn) {
-  const Matrix3d rotation = rotation_about(pose.axis(turn), turn.angle_deg * unit::deg);
-  for (auto a = static_cast<std::size_t>(turn.axis); a < 3; ++a) pose.axes[a] = rotation * pose.axes[a];
-  pose.C_nb = rotation * pose.C_nb;
-  return pose;
-}
-
-std::string in_words(const Pose& pose, const TableTurn& turn) {
-  const Vector3d axis = pose.axis(turn), body = pose.C_nb.transpose() * axis;
-  Index along;
-  const bool of_body = body.cwiseAbs().maxCoeff(&along) > 0.999;
-  const double up = std::abs(axis.z());
-  const char* stands = up > 0.999 ? "vertical" : (up < 0.045 ? "horizontal" : "inclined");
-  if (!of_body) return fmt::format("turn by {:g} deg about the {} axis, which is {} then", turn.angle_deg, to_string(turn.axis), stands);
-  return fmt::format("turn by {:g} deg about the unit's {} axis while it is {}", body[along] < 0 ? -turn.angle_deg : turn.angle_deg, "xyz"[along],
-                     stands);
 }
 
 struct Outcome {
@@ -102,7 +73,7 @@ Advice advise(const Plan& plan, const Prediction& prediction, const std::vector<
     if (step.kind == StepKind::rotate) rate = step.rate, acceleration = step.acceleration.value_or(acceleration);
     if (step.kind == StepKind::hold) rest = std::max(5.0, step.end - step.start);
   }
-  const auto with = [&](const Knowledge& before, const Pose& pose, const TableTurn& turn) {
+  const auto with = [&](const Knowledge& before, const PoseOnTable& pose, const TableTurn& turn) {
     const Turn motion{pose.axis(turn), turn.angle_deg * unit::deg, rate, acceleration};
     return outcome(after(after(before, turn_information(model, pose.C_nb, motion)),
                          rest_information(model, turned(pose, turn).C_nb, static_cast<int>(std::lround(rest)))),
@@ -111,7 +82,7 @@ Advice advise(const Plan& plan, const Prediction& prediction, const std::vector<
   std::vector<TableTurn> turns;
   for (const RigAxis axis : {RigAxis::outer, RigAxis::middle, RigAxis::inner})
     for (const double angle : {90, 180, -90, -180}) turns.push_back({axis, angle, rest});
-  const Pose here{prediction.C_nb, prediction.axes};
+  const PoseOnTable& here = prediction.end;
   const std::size_t n = turns.size();
   std::vector<Outcome> single(n), pair(n * n);
   tbb::parallel_for(std::size_t{0}, n, [&](std::size_t k) {
@@ -128,47 +99,6 @@ Advice advise(const Plan& plan, const Prediction& prediction, const std::vector<
   if (!enough) out.turns.push_back(in_words(turned(here, first), turns[best_pair % n]));
   out.ratio_after = enough ? one->worst : two->worst;
   return out;
-}
-
-std::vector<std::string> in_words(std::span<const TableTurn> turns) {
-  Pose pose{Matrix3d::Identity(), ideal_axes()};
-  std::vector<std::string> out;
-  for (const TableTurn& turn : turns) {
-    out.push_back(in_words(pose, turn));
-    pose = turned(pose, turn);
-  }
-  return out;
-}
-
-std::vector<Shortfall> shortfalls(const Prediction& p, const std::vector<Requirement>& requirements) {
-  std::vector<Shortfall> out;
-  std::vector<CoefficientIndex> named;
-  for (const Requirement& r : requirements)
-    for (const CoefficientIndex index : r.coefficients) {
-      if (contains(named, index)) continue;
-      const auto found = std::find(p.coefficients.begin(), p.coefficients.end(), index);
-      const double sigma = found != p.coefficients.end() ? p.sigma[found - p.coefficients.begin()] : contains(p.undetermined, index) ? unlimited : 0;
-      if (sigma <= r.limit) continue;
-      out.push_back({r, index, sigma, std::isinf(sigma) ? "the procedure does not determine it" : ""});
-      named.push_back(index);
-    }
-  return out;
-}
-
-void expect_estimated(const std::vector<Requirement>& requirements, const Plan& plan) {
-  for (const Requirement& r : requirements) {
-    bool any = false;
-    for (const CoefficientIndex index : r.coefficients) {
-      const Coefficient& c = coefficient(index);
-      any = any || c.triad == Triad::gyro || c.term != Term::matrix || c.column <= c.row;
-      if (c.term == Term::g_sensitivity && !plan.terms.contains(Group::g_sensitivity))
-        throw Error(
-            fmt::format("{}: this unit's calibration does not estimate it; g-sensitivity is that of a grade that has it, such as mems", r.selector));
-    }
-    if (!any)
-      throw Error(
-          fmt::format("{}: it is zero in the accelerometers' frame, which the method calibrates in: their matrix is lower triangular", r.selector));
-  }
 }
 
 }  // namespace imulab::hybrid

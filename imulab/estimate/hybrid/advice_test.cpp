@@ -1,7 +1,6 @@
-#include "imulab/estimate/hybrid/advice.hpp"
-
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/estimate/hybrid/prediction.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <gmock/gmock.h>
@@ -29,7 +28,7 @@ TEST(HybridAdvice, NamesTheAxisThatWasNeverTurned) {
     const Advice advice = advise(plan, p, parse_requirements(std::string(name) + " <= 20 ppm"));
     EXPECT_EQ(advice.coefficients.front(), coefficient_index(name));
     EXPECT_GT(advice.ratio, 1);
-    const std::string axis = std::string("about the unit's ") + name[12] + " axis while it is horizontal";
+    const std::string axis = std::string("about the IMU's ") + name[12] + " axis while it is horizontal";
     EXPECT_THAT(advice.turns.back(), testing::HasSubstr(axis));
   }
 }

@@ -2,14 +2,16 @@
 // sec 2). The only reference is that the IMU stays there; a table's angles are not used.
 #pragma once
 
-#include "imulab/estimate/hybrid/blocks.hpp"
-#include "imulab/estimate/hybrid/error_equations.hpp"
+#include "imulab/estimate/hybrid/states.hpp"
+#include "imulab/navigation/in_place/blocks.hpp"
 
 #include <limits>
 #include <optional>
 #include <vector>
 
 namespace imulab::hybrid {
+
+using in_place::Block;
 
 /// The data that are the same in every pass.
 struct Data {
@@ -48,7 +50,6 @@ struct Pass {
 };
 
 /// One pass over the blocks; the errors stay small states beside the model that they are linearized about. `known`: the prior of the constants.
-/// The covariance is carried as its Cholesky factor: exactly known velocities after wide priors destroy a covariance numerically.
 Pass filter_pass(const Data& data, const Linearization& about, const States& states, const kernel::Parameters& known,
                  const PassOptions& options = {});
 

@@ -1,6 +1,6 @@
 #include "imulab/estimate/hybrid/filter.hpp"
 
-#include "imulab/estimate/hybrid/navigator.hpp"
+#include "imulab/navigation/in_place/navigator.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,6 +11,9 @@ namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
+using in_place::compensated;
+using in_place::cut_into_blocks;
+using in_place::Navigator;
 
 struct Navigated {
   Matrix3d C_nb;
@@ -19,7 +22,7 @@ struct Navigated {
 
 Navigated navigate(const Data& data, const SensorModel& model, const Place& place, const States& states, const Matrix3d& start) {
   const Recording readings = compensated(data.recording, data.blocks, model);
-  Navigator navigator(readings, place, states);
+  Navigator navigator(readings, place.latitude, place.gravity, states.sums());
   navigator.C_nb = start;
   Navigated out;
   for (const Block& block : data.blocks) out.velocity += navigator.over(block, data.blocks.front().samples.begin).velocity;
@@ -48,7 +51,7 @@ TEST(HybridFilter, ItsDerivativesAreThoseOfTheNavigation) {
             model,       {}};
   for (Block& block : data.blocks) block.observed = false;  // nothing but the transition
   const Recording readings = compensated(s.recording, data.blocks, model);
-  Navigator navigator(readings, place, states);
+  Navigator navigator(readings, place.latitude, place.gravity, states.sums());
   navigator.align(data.blocks.front().samples);
   const Linearization about{model, place, navigator.C_nb};
 

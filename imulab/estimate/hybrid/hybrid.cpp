@@ -6,10 +6,13 @@
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
 #include "imulab/estimate/hybrid/iteration.hpp"
-#include "imulab/estimate/hybrid/start.hpp"
+#include "imulab/estimate/kernel/coarse.hpp"
 #include "imulab/estimate/kernel/input.hpp"
-#include "imulab/model/grade.hpp"
+#include "imulab/estimate/kernel/rest_start.hpp"
+#include "imulab/model/triad_axes.hpp"
+#include "imulab/recording/quiet_noise.hpp"
 
+#include <Eigen/LU>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -26,27 +29,75 @@ using Eigen::VectorXd;
 
 constexpr const char* wrong_latitude = "the latitude seems to be wrong";
 
+/// Coarse gyros: from the Earth's rate at rest where the rests allow it, else the declared unit or, for counts, the motion of gravity; offset from
+/// the rests.
+void start_gyro(kernel::RestStart& start, const Recording& recording, double latitude) {
+  TriadModel& gyro = start.model.gyro;
+  std::vector<Vector3d> readings, up;
+  for (const kernel::Rest& rest : start.rests) readings.push_back(start.gyro(rest)), up.push_back(start.up(rest));
+  const bool counts = recording.gyro_unit == "count";
+  const auto at_rest = kernel::coarse_gyro_at_rest(readings, up, earth_rate * std::sin(latitude));
+  if (at_rest && !counts && (at_rest->matrix - Matrix3d::Identity()).cwiseAbs().maxCoeff() < 0.05) {
+    gyro.matrix = at_rest->matrix;
+    gyro.offset = at_rest->offset;
+    start.findings.note("gyros started from the Earth's rate at rest");
+    return;
+  }
+  if (counts) {
+    const auto in_motion = kernel::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
+    if (!in_motion)
+      throw Unsupported(recording.name + ": gyro: the motion does not turn the IMU about all its axes; readings in counts need that for their scale");
+    gyro.matrix = *in_motion;
+  }
+  const Vector3d mean = gyro.matrix * start.scaling.gyro(start.mean_gyro());
+  if (mean.norm() > 2 * earth_rate) gyro.offset = -mean;  // a smaller mean is largely the Earth's rate
+  start.findings.note(counts ? "gyros started from the motion of gravity between the rests" : "gyros started from the declared unit");
+}
+
+void check_axes(const Recording& recording, const kernel::RestStart& start) {
+  const auto in_motion = kernel::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
+  if (!in_motion || !(std::abs(in_motion->determinant()) > 0)) return;
+  if (const std::string wrong = wrong_axes(*in_motion); !wrong.empty())
+    throw Error(recording.name + ": " + wrong + ", as gravity turns in the IMU; expected right-handed axes, the same for both triads");
+}
+
+void use_quiet_noise(kernel::RestStart& start, const Recording& recording, const std::vector<Range>& rests, const ImuDeclaration& imu) {
+  const std::size_t second = std::max<std::size_t>(5, static_cast<std::size_t>(std::lround(1 / recording.interval_s)));
+  for (std::size_t j = 0; j < 3; ++j) {
+    const auto axis = static_cast<Index>(j);
+    if (!imu.accel_noise_density) start.noise.accel[axis] = std::min(start.noise.accel[axis], quiet_noise(recording.accel[j], rests, second));
+    start.noise.gyro[axis] = std::min(start.noise.gyro[axis], quiet_noise(recording.gyro[j], rests, second));
+  }
+  kernel::limit_noise(start);
+}
+
+/// Rests, their noise, and a coarse solution of both triads (Cheng 2014 sec 1.2). Throws as kernel::start_from_rests does, and Error for axes that
+/// are swapped, reversed or left-handed.
+kernel::RestStart coarse_start(const Recording& recording, const std::vector<Range>& rests, const ImuDeclaration& imu, double latitude,
+                               double gravity) {
+  kernel::RestStart start = kernel::start_from_rests(recording, rests, imu, gravity);
+  use_quiet_noise(start, recording, rests, imu);
+  start_gyro(start, recording, latitude);
+  kernel::use_declared_gyro_noise(start, recording, imu);
+  check_axes(recording, start);
+  return start;
+}
+
+/// White noise of the calibrated output from the samples' or the declared noise; the other terms as declared.
+Noise noise_of(const kernel::SampleNoise& raw, const SensorModel& coarse, const Recording& recording, const ImuDeclaration& imu) {
+  const auto density = [&](const TriadModel& triad, const Vector3d& sigma) {
+    return Vector3d(std::sqrt(recording.interval_s) * (triad.matrix.cwiseAbs2() * sigma.cwiseAbs2()).cwiseSqrt());
+  };
+  return in_place::noise_of(density(coarse.gyro, raw.gyro), density(coarse.accel, raw.accel), declared_terms(imu));
+}
+
 void warn_of_short_rests(const std::vector<Range>& rests, const std::vector<Range>& still, kernel::Findings& findings) {
   const auto n = std::inner_product(rests.begin(), rests.end(), still.begin(), std::size_t{0}, std::plus<>(), std::equal_to<>());
   if (2 * n > rests.size())
     findings.warn(
         fmt::format("{} of {} rests are no longer than {:g} s; settling transients at their ends cannot be cut off, and the Earth's rate hardly "
                     "shows in them; use rests of 30 s or more",
-                    n, rests.size(), 5 * settling_time));
-}
-
-/// White noise of the calibrated output from the samples' or the declared noise; random walks of the offsets and quantization of the velocity as
-/// declared.
-Noise noise_of(const kernel::SampleNoise& raw, const SensorModel& coarse, const Recording& recording, const ImuDeclaration& imu) {
-  const double root = std::sqrt(recording.interval_s);
-  Noise noise{root * (coarse.gyro.matrix.cwiseAbs2() * raw.gyro.cwiseAbs2()).cwiseSqrt(),
-              root * (coarse.accel.matrix.cwiseAbs2() * raw.accel.cwiseAbs2()).cwiseSqrt()};
-  const Grade none{}, &full = imu.noise == NoiseTerms::full && imu.grade ? grade(*imu.grade) : none;
-  const NoiseModel gyro = imu.gyro_noise.value_or(full.gyro_noise), accel = imu.accel_noise.value_or(full.accel_noise);
-  noise.gyro_walk.setConstant(gyro.K);
-  noise.accel_walk.setConstant(accel.K);
-  noise.velocity = accel.Q;
-  return noise;
+                    n, rests.size(), 5 * in_place::settling_time));
 }
 
 /// The determined coefficients of the table; the others stay at the coarse solution and are named.
@@ -55,14 +106,10 @@ Calibration calibration_of(const Data& data, const Iterate& iterate) {
   Calibration c;
   c.method = "hybrid";
   c.model = iterate.about.model;
-  for (const Index s : iterate.states.corrections()) {
-    const CoefficientIndex index = iterate.states.corrects(s);
-    if (std::find(errors.undetermined.begin(), errors.undetermined.end(), s) == errors.undetermined.end()) {
-      c.estimated.push_back(index);
-    } else {
-      c.quality.unobservable.emplace_back(coefficient(index).name);
-      set_coefficient(c.model, index, coefficient_value(data.coarse, index));
-    }
+  c.estimated = errors.coefficients;
+  for (const CoefficientIndex index : errors.open) {
+    c.quality.unobservable.emplace_back(coefficient(index).name);
+    set_coefficient(c.model, index, coefficient_value(data.coarse, index));
   }
   const MatrixXd jacobian = correction_jacobian(iterate.about.model, c.estimated, iterate.states);
   c.covariance = jacobian * errors.covariance * jacobian.transpose();
@@ -108,7 +155,7 @@ void report(const Data& data, const Converged& result, const Site& site, Calibra
   calibration.quality.term_tests = result.tests;
   calibration.quality.sources.push_back(kernel::gravity_source(site));
   if (result.left_out > 0)
-    findings.warn(fmt::format("{} of {} velocities do not fit: the unit was bumped, shaken, or displaced; they are not used", result.left_out,
+    findings.warn(fmt::format("{} of {} velocities do not fit: the IMU was bumped, shaken, or displaced; they are not used", result.left_out,
                               data.blocks.size()));
   findings.note(fmt::format("{} iterations over {} blocks", last.iterations, data.blocks.size()));
   if (const double heading = sigma(last.states.first(Group::start) + 2); last.terms.contains(Group::g_sensitivity) && heading > 3 * unit::deg)
@@ -151,9 +198,9 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
   std::vector<CoefficientIndex> wanted;
   if (!options.terms.empty()) wanted = kernel::chosen_coefficients(options.terms, all_coefficients(), "hybrid");
   kernel::expect_alive(recording.gyro, recording.name, "gyro", "the method needs all gyros");
-  const std::vector<Range> still = still_parts(recording, rests);
+  const std::vector<Range> still = in_place::still_parts(recording, rests);
   const kernel::RestStart start = coarse_start(recording, still, session.imu, place.latitude, place.gravity);
-  Blocks cut = cut_into_blocks(recording, still, turntable);
+  in_place::Blocks cut = in_place::cut_into_blocks(recording, still, turntable);
   const SensorModel coarse = to_raw(start.model, start.scaling);
   Data data{recording, std::move(cut.blocks), place, noise_of(start.noise, coarse, recording, session.imu), coarse, wanted};
 

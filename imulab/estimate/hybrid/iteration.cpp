@@ -24,10 +24,12 @@ Iterate first_iterate(const Data& data, const Groups& terms) {
 
 Errors determined_errors(const Iterate& iterate) {
   const Index n = iterate.states.constants();
-  Errors out{iterate.pass.x.head(n), iterate.pass.covariance.topLeftCorner(n, n), {}};
+  Errors out{iterate.pass.x.head(n), iterate.pass.covariance.topLeftCorner(n, n), {}, {}, {}};
   kernel::Parameters parameters = iterate.states.parameters(iterate.total);
   out.undetermined = kernel::undetermined(out.covariance, parameters, iterate.states.needed());
   for (const Index i : out.undetermined) parameters.role[static_cast<std::size_t>(i)] = kernel::Role::considered;
+  for (const Index i : iterate.states.corrections())
+    (parameters.role[static_cast<std::size_t>(i)] == kernel::Role::considered ? out.open : out.coefficients).push_back(iterate.states.corrects(i));
   kernel::consider(out.mean, out.covariance, parameters);
   return out;
 }
@@ -115,7 +117,7 @@ Iterate converged(const Data& data, Iterate c) {
   return c;
 }
 
-/// Blocks whose velocity the converged solution cannot explain: the unit was bumped or shaken. None where so many are that the model is in doubt.
+/// Blocks whose velocity the converged solution cannot explain: the IMU was bumped or shaken. None where so many are that the model is in doubt.
 /// A wide prior would let the states wander between the first turns, so the look back is by a narrow one.
 std::vector<std::size_t> outlying_blocks(const Data& data, const Iterate& c) {
   constexpr double unlikely = 40;  // chi-square with three degrees of freedom: probability 1e-8

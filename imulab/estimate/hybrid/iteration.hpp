@@ -32,6 +32,7 @@ struct Errors {
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;
   std::vector<Eigen::Index> undetermined;
+  std::vector<CoefficientIndex> coefficients, open;  ///< determined, and not
 };
 Errors determined_errors(const Iterate& iterate);
 

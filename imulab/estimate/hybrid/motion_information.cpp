@@ -1,7 +1,6 @@
 #include "imulab/estimate/hybrid/motion_information.hpp"
 
 #include "imulab/core/decomposition.hpp"
-#include "imulab/earth/earth.hpp"
 #include "imulab/recording/turn.hpp"
 
 #include <Eigen/Cholesky>
@@ -9,53 +8,25 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 namespace imulab::hybrid {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using in_place::Attitude;
+using in_place::AttitudeAt;
 
 namespace {
-
-/// Attitude of the body and its rate against n.
-struct Attitude {
-  Matrix3d C_nb;
-  Vector3d rate_n = Vector3d::Zero();
-};
-using AttitudeAt = std::function<Attitude(double time)>;
-
-/// By midpoints of short steps.
-BlockSums sums_of(const InformationModel& m, const AttitudeAt& attitude, double begin, double end) {
-  const auto steps = static_cast<int>(std::ceil((end - begin) / 0.05));
-  const double h = (end - begin) / steps, g = m.place.gravity;
-  const Vector3d earth = earth_rate_enu(m.place.latitude);
-  const Matrix3d across = g * skew<double>(Vector3d(Vector3d::UnitZ()));  // [f_n x]
-  BlockSums s;
-  for (int k = 0; k < steps; ++k) {
-    const Attitude a = attitude(begin + (k + 0.5) * h);
-    const Vector3d w = a.C_nb.transpose() * (a.rate_n + earth), f = g * a.C_nb.row(2).transpose();
-    const std::array<double, 7> basis{1, w.x(), w.y(), w.z(), f.x(), f.y(), f.z()};
-    for (std::size_t b = 0; b < basis.size(); ++b) {
-      s.gyro_velocity[b] += h * across * (s.gyro[b] + 0.5 * h * basis[b] * a.C_nb);
-      s.gyro[b] += h * basis[b] * a.C_nb;
-    }
-  }
-  s.accel = {s.gyro[0], s.gyro[4], s.gyro[5], s.gyro[6]};
-  s.duration = end - begin;
-  s.force = s.duration * across;
-  return s;
-}
 
 /// The residuals (phi1 - what the states before make of it, 0 - velocity) are white noise's.
 MotionInformation block_information(const InformationModel& m, const AttitudeAt& attitude, double begin, double end) {
   const Index n = m.size();
-  const BlockSums sums = sums_of(m, attitude, begin, end);
+  const in_place::BlockSums sums = in_place::sums_of(attitude, begin, end, m.place.latitude, m.place.gravity);
   const MatrixXd t = transition(sums, m.states, m.place);
   MatrixXd residual(6, n + 6);
   residual << -t(Eigen::all, m.constants), -t.middleCols<3>(m.states.attitude()), MatrixXd::Identity(6, 3);
-  const MatrixXd white = process_noise(sums, m.noise, attitude(0.5 * (begin + end)).C_nb).llt().matrixL().solve(residual);
+  const MatrixXd white = sums.covariance(m.noise, attitude(0.5 * (begin + end)).C_nb).llt().matrixL().solve(residual);
   return white.transpose() * white;
 }
 
@@ -92,21 +63,10 @@ MotionInformation rest_information(const InformationModel& model, const Matrix3d
 }
 
 MotionInformation turn_information(const InformationModel& model, const Matrix3d& C_nb, const Turn& turn) {
-  const double whole = std::abs(turn.angle), duration = turn_duration(whole, turn.rate, turn.acceleration);
-  const double ramp = std::min(turn.rate / turn.acceleration, std::sqrt(whole / turn.acceleration)), top = ramp * turn.acceleration;
+  const double duration = turn_duration(turn.angle, turn.rate, turn.acceleration);
   const auto attitude = [&](double t) {
-    const double from_end = duration - t;
-    double angle = whole, rate = 0;
-    if (t <= 0)
-      angle = 0;
-    else if (t < ramp)
-      angle = 0.5 * turn.acceleration * t * t, rate = turn.acceleration * t;
-    else if (from_end >= ramp)
-      angle = top * (t - 0.5 * ramp), rate = top;
-    else if (from_end > 0)
-      angle = whole - 0.5 * turn.acceleration * from_end * from_end, rate = turn.acceleration * from_end;
-    const double sign = turn.angle < 0 ? -1 : 1;
-    return Attitude{rotation_about(turn.axis, sign * angle) * C_nb, sign * rate * turn.axis};
+    const TurnState now = turn_state(turn.angle, turn.rate, turn.acceleration, t);
+    return Attitude{rotation_about(turn.axis, now.angle) * C_nb, now.rate * turn.axis};
   };
   if (!model.observe_motion) return block_information(model, attitude, -unseen_before, duration + unseen_after);
   const auto blocks = std::max(1, static_cast<int>(std::lround(duration / 0.2)));

@@ -5,8 +5,8 @@
 //   0    = int f_n x phi + int C df            the velocity is zero at both ends
 #pragma once
 
-#include "imulab/estimate/hybrid/blocks.hpp"
 #include "imulab/estimate/hybrid/prediction.hpp"
+#include "imulab/navigation/in_place/blocks.hpp"
 
 #include <Eigen/Core>
 
@@ -33,7 +33,7 @@ using Knowledge = Eigen::MatrixXd;
 
 /// Of the rests before and after a turn by hand, what belongs to it [s]: their settling, and the first second after which the velocity is seen again.
 inline constexpr int unseen_before = 1, unseen_after = 2;
-static_assert(unseen_before == settling_time && unseen_after == settling_time + 1);
+static_assert(unseen_before == in_place::settling_time && unseen_after == in_place::settling_time + 1);
 
 /// A turn from rest to rest about an axis that is fixed in n, in a trapezoid of rate.
 struct Turn {

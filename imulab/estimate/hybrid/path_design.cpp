@@ -34,13 +34,6 @@ struct Candidate {
   bool within;   ///< the limits
 };
 
-std::vector<QuarterTurn> moves_of(const std::vector<RigAxis>& axes) {
-  std::vector<QuarterTurn> moves;
-  for (const RigAxis axis : axes)
-    for (const int quarters : {1, 2, -1, -2}) moves.push_back({axis, quarters});
-  return moves;
-}
-
 /// The best of each kind: half of them by the sum of the logarithms, half by the worst ratio, each times the effect of the time spent on the noise.
 std::vector<Beginning> best_of(std::vector<Beginning> all, std::size_t most, std::size_t limits) {
   std::vector<Beginning> out;
@@ -68,10 +61,10 @@ std::vector<Beginning> continued(const PathJudge& judge, const std::vector<Begin
   tbb::parallel_for(std::size_t{0}, next.size(), [&](std::size_t k) {
     const Beginning& b = beam[k / moves.size()];
     const QuarterTurn& move = moves[k % moves.size()];
-    const double duration = b.duration + judge.parts.duration(move) + rest * judge.quantum;
+    const double duration = b.duration + judge.duration(move) + rest * judge.quantum;
     if (duration > longest) return;
-    const QuarterPose pose = judge.parts.turned(b.pose, move);
-    next[k] = {after(after(b.knowledge, judge.parts.turn(b.pose, move)), judge.parts.rest(pose, rest, false)), pose, b.turns, duration, {}};
+    const QuarterPose pose = turned(b.pose, move);
+    next[k] = {after(after(b.knowledge, judge.turn(b.pose, move)), judge.rest(pose, rest, false)), pose, b.turns, duration, {}};
     next[k].turns.push_back(move);
     next[k].score = judge.score(next[k].knowledge);
   });
@@ -82,7 +75,7 @@ std::vector<Beginning> continued(const PathJudge& judge, const std::vector<Begin
 /// Beam search over turns, with every rest `rest` quanta long.
 void search(const PathJudge& judge, const std::vector<QuarterTurn>& moves, int rest, double longest, std::vector<Candidate>& found,
             const std::function<void(double)>& progress) {
-  std::vector<Beginning> beam{{after(judge.start(), judge.parts.rest({}, rest, true)), {}, {}, static_cast<double>(rest * judge.quantum), {}}};
+  std::vector<Beginning> beam{{after(judge.start(), judge.rest({}, rest, true)), {}, {}, static_cast<double>(rest * judge.quantum), {}}};
   double best = infinite, least = infinite, enough = infinite;
   for (std::size_t depth = 0, of_least = 0; !beam.empty() && depth < of_least + patience; ++depth) {
     beam = best_of(continued(judge, beam, moves, rest, longest), depth < first_turns ? width : width / 4, judge.limits());
@@ -226,7 +219,7 @@ Path design_path(const PathQuestion& q, const std::function<void(int)>& progress
     if (progress) progress(static_cast<int>(100 * part));
   };
   const PathJudge judge(q);
-  const std::vector<QuarterTurn> moves = moves_of(q.axes);
+  const std::vector<QuarterTurn> moves = quarter_turns(q.axes);
   const double longest = q.time.value_or(longest_path);
   const std::vector<int> rests = q.rest ? std::vector<int>{1} : std::vector<int>{2, 4, 8, 16};
   std::vector<Candidate> found;

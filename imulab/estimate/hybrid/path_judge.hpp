@@ -1,9 +1,11 @@
-// A path compared with the requirements, from its parts.
+// A path of quarter turns compared with the requirements, from its parts: rests at 24 attitudes, and the turns between them, as information.
 #pragma once
 
+#include "imulab/estimate/hybrid/motion_information.hpp"
 #include "imulab/estimate/hybrid/path_design.hpp"
-#include "imulab/estimate/hybrid/path_parts.hpp"
+#include "imulab/rig/quarter_table.hpp"
 
+#include <array>
 #include <vector>
 
 namespace imulab::hybrid {
@@ -20,27 +22,36 @@ class PathJudge {
  public:
   explicit PathJudge(const PathQuestion& question);
 
+  const int quantum;  ///< of a rest, s
+
   Knowledge start() const { return prior_knowledge(model_); }
+  const MotionInformation& turn(const QuarterPose& pose, const QuarterTurn& turn) const;
+  /// `outermost`: the session's first or last one, the end of which is not used.
+  const MotionInformation& rest(const QuarterPose& pose, int quanta, bool outermost) const;
+  double duration(const QuarterTurn& turn) const;  ///< s
+  double duration(const QuarterPath& path) const;  ///< s
+
   Knowledge knowledge(const QuarterPath& path) const;
   Score score(const Knowledge& knowledge) const;
   double worst(const QuarterPath& path) const { return score(knowledge(path)).worst; }
-  double duration(const QuarterPath& path) const;  ///< s
   std::size_t limits() const { return limits_.size(); }
   /// With the coefficient whose sigma is the largest of its limit.
   Path described(const QuarterPath& path) const;
 
  private:
+  void find_limits(const PathQuestion& question);
+
   struct Limit {
     Eigen::Index row;
     CoefficientIndex coefficient;
     double limit, floor;
   };
   InformationModel model_;
+  double turn_rate_;
   std::vector<Limit> limits_;
-
- public:
-  const int quantum;  ///< of a rest, s
-  const PathParts parts;
+  QuarterTable table_;
+  std::vector<std::array<std::array<MotionInformation, 4>, 3>> turn_;  // by attitude, axis of n, and angle
+  std::vector<std::array<std::vector<MotionInformation>, 2>> rest_;    // by attitude, outermost and quanta
 };
 
 }  // namespace imulab::hybrid

@@ -3,6 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
+#include "imulab/model/output_error.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -93,6 +94,8 @@ Groups States::groups() const {
   return out;
 }
 
+in_place::OptionalSums States::sums() const { return {has(Group::g_sensitivity), has(Group::quadratic), has(Group::lever_arm), has(Group::delay)}; }
+
 std::vector<Index> States::corrections() const {
   std::vector<Index> out;
   for (Index s = 0; s < constants(); ++s)
@@ -134,22 +137,19 @@ SensorModel corrected(const SensorModel& model, const VectorXd& x, const States&
   error.accel.matrix.setZero(), error.gyro.matrix.setZero();
   for (Index s = 0; s < states.constants(); ++s)
     if (const CoefficientIndex index = states.corrects(s); index >= 0) set_coefficient(error, index, x[s]);
-  const Matrix3d one = Matrix3d::Identity(), keep_accel = one - error.accel.matrix, keep_gyro = one - error.gyro.matrix;
-  SensorModel out = model;
-  out.accel.offset = keep_accel * model.accel.offset - error.accel.offset;
-  out.accel.matrix = keep_accel * model.accel.matrix;
-  // The g-sensitivity is fed with the corrected force.
-  out.gyro.offset = keep_gyro * (model.gyro.offset + model.g_sensitivity * error.accel.offset) - error.gyro.offset;
-  out.gyro.matrix = keep_gyro * model.gyro.matrix;
-  out.g_sensitivity = keep_gyro * model.g_sensitivity * (one + error.accel.matrix) - error.g_sensitivity;
-  out.lever_arm += error.lever_arm;
-  for (Index i = 0; i < 3; ++i) {  // q (a0 + a1 V)^2
-    const double q = error.accel.quadratic[i], a0 = model.accel.offset[i], a1 = model.accel.matrix(i, i);
-    out.accel.offset[i] -= q * a0 * a0;
-    out.accel.matrix(i, i) -= 2 * q * a0 * a1;
-    out.accel.quadratic[i] -= q * a1 * a1;
-  }
-  return out;
+  return without_error(model, error);
+}
+
+Eigen::Matrix<double, 6, Eigen::Dynamic> transition(const in_place::BlockSums& sums, const States& states, const Place& place) {
+  Eigen::Matrix<double, 6, Eigen::Dynamic> t(6, states.size());
+  t.leftCols(states.constants()).setZero();
+  t.rightCols<6>() = sums.by_errors_before(place.latitude);
+  for (Index k = 0; k < states.constants(); ++k)
+    if (states.corrects(k) >= 0) t.col(k) = sums.by_coefficient(coefficient(states.corrects(k)));
+  t.col(states.first(Group::gravity)) = sums.by_gravity(place.gravity);
+  if (states.has(Group::latitude)) t.col(states.first(Group::latitude)) = sums.by_latitude(place.latitude);
+  if (states.has(Group::delay)) t.col(states.first(Group::delay)) = sums.by_delay();
+  return t;
 }
 
 MatrixXd correction_jacobian(const SensorModel& model, const std::vector<CoefficientIndex>& indices, const States& states) {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "imulab/estimate/kernel/information.hpp"
-#include "imulab/model/coefficient.hpp"
+#include "imulab/navigation/in_place/navigator.hpp"
 #include "imulab/recording/session.hpp"
 
 #include <Eigen/Core>
@@ -14,6 +14,8 @@
 #include <vector>
 
 namespace imulab::hybrid {
+
+using in_place::Noise;
 
 /// The place of the IMU.
 struct Place {
@@ -46,7 +48,8 @@ class States {
   Eigen::VectorXd prior;  ///< by constant: standard deviation about the coarse solution; 0: fixed there
   CoefficientIndex corrects(Eigen::Index constant) const { return corrects_[static_cast<std::size_t>(constant)]; }  ///< -1: none
 
-  Groups groups() const;  ///< that are in the model
+  Groups groups() const;                ///< that are in the model
+  in_place::OptionalSums sums() const;  ///< that its terms need
   bool has(Group group) const { return first(group) >= 0; }
   Eigen::Index first(Group group) const { return places_[static_cast<std::size_t>(group)].first; }  ///< place of its first state; -1: absent
   Eigen::Index size(Group group) const { return places_[static_cast<std::size_t>(group)].size; }
@@ -74,8 +77,11 @@ class States {
 std::vector<CoefficientIndex> all_coefficients();
 Groups optional_groups(const std::vector<CoefficientIndex>& coefficients);
 
-/// The model whose output is that of `model` less the errors x: A0 <- (I - Ma) A0 - ba, A1 <- (I - Ma) A1, gyros likewise.
+/// The model whose output is that of `model` less the errors x (model/output_error.hpp).
 SensorModel corrected(const SensorModel& model, const Eigen::VectorXd& x, const States& states);
+
+/// Errors of attitude (first three rows) and velocity after a block from all states before it.
+Eigen::Matrix<double, 6, Eigen::Dynamic> transition(const in_place::BlockSums& sums, const States& states, const Place& place);
 
 /// Derivatives of the table coefficients `indices` of the corrected model by the constants, at x = 0.
 Eigen::MatrixXd correction_jacobian(const SensorModel& model, const std::vector<CoefficientIndex>& indices, const States& states);

@@ -31,7 +31,7 @@ kernel::PriorSizes prior_sizes(double force, double rate) {
 }
 
 /// The coefficients that the points can determine.
-std::vector<CoefficientIndex> candidates(const Points& points) {
+std::vector<CoefficientIndex> candidates(const MachinePoints& points) {
   std::vector<CoefficientIndex> indices;
   for (const CoefficientIndex k : coefficient_indices()) {
     const Coefficient& c = coefficient(k);
@@ -56,29 +56,13 @@ void set_priors(Problem& problem) {
   }
 }
 
-bool same_source(const RigErrorSource& a, const RigErrorSource& b) { return a.kind == b.kind && a.axis == b.axis && a.place == b.place; }
-
-/// What part of a turn leaves of horizontal vectors in the means of a spin.
-Matrix6 spin_noise(const Point& point, const RigDeclaration& rig, const Place<double>& place) {
-  Matrix6 noise = Matrix6::Zero();
-  const double kept = horizontal_remainder(point.step);
-  if (!(kept > 0)) return noise;
-  const Vector3d up = mount_attitude(mount_of(point.step)).row(2);
-  const Matrix3d vertical = up * up.transpose(), horizontal = Matrix3d::Identity() - vertical;
-  const double earth = place.rate_ie_n.head<2>().norm(), radius = *std::max_element(point.step.radius.begin(), point.step.radius.end());
-  const double tilted = kept * place.gravity * rig.zero.value * std::sqrt(2.0), coriolis = kept * 2 * point.step.rate * radius * earth;
-  noise.topLeftCorner<3, 3>() = tilted * tilted * horizontal + coriolis * coriolis * vertical;
-  noise.bottomRightCorner<3, 3>() = kept * kept * earth * earth * horizontal;
-  return noise;
-}
-
 }  // namespace
 
 std::string CommonError::name() const {
   return rig.empty() && source.kind == RigErrorKind::zero ? "gravity" : (rig.empty() ? "" : rig + ": ") + source.name();
 }
 
-Problem::Problem(Points used, const Session& declared, const SensorModel& starting_model, const Vector6d& reading_center)
+Problem::Problem(MachinePoints used, const Session& declared, const SensorModel& starting_model, const Vector6d& reading_center)
     : points(std::move(used)),
       session(&declared),
       start(starting_model),
@@ -94,8 +78,7 @@ Problem::Problem(Points used, const Session& declared, const SensorModel& starti
     const RigDeclaration& rig = *declared.rig_of(source);
     std::vector<std::size_t>& acting = acting_.emplace_back();
     for (const RigErrorSource& error : rig_error_sources(declared, source)) {
-      const auto known =
-          std::find_if(common.begin() + 1, common.end(), [&](const CommonError& c) { return c.rig == rig.name && same_source(c.source, error); });
+      const auto known = std::find_if(common.begin() + 1, common.end(), [&](const CommonError& c) { return c.rig == rig.name && c.source == error; });
       acting.push_back(static_cast<std::size_t>(known - common.begin()));
       if (known == common.end()) common.push_back({rig.name, error, error.sigma, 0});
     }
@@ -106,7 +89,7 @@ Problem::Problem(Points used, const Session& declared, const SensorModel& starti
 
 Vector6d Problem::measured_noise() const {
   Vector6d variance = Vector6d::Zero();
-  for (const Point& point : points.all) {
+  for (const MachinePoint& point : points.all) {
     const Matrix6 slope = compensation_derivatives(model, sample(point)).raw;
     variance += slope.cwiseAbs2() * point.variance / static_cast<double>(points.all.size());
   }
@@ -124,7 +107,7 @@ void Problem::update_noise() {
 
 std::array<double, 2> Problem::full_scale() const {
   std::array<double, 2> full{};
-  for (const Point& point : points.all) {
+  for (const MachinePoint& point : points.all) {
     const Motion m = motion(point);
     full[0] = std::max(full[0], m.force.cwiseAbs().maxCoeff());
     full[1] = std::max(full[1], m.rate.cwiseAbs().maxCoeff());
@@ -132,51 +115,36 @@ std::array<double, 2> Problem::full_scale() const {
   return full;
 }
 
-RawSample Problem::sample(const Point& point) const {
+RawSample Problem::sample(const MachinePoint& point) const {
   RawSample raw{point.raw.head<3>() - center.head<3>(), point.raw.tail<3>() - center.tail<3>()};
   if (model.accel.temperature) raw.accel_tau = point.temperature.head<3>().array() - model.accel.temperature->reference;
   if (model.gyro.temperature) raw.gyro_tau = point.temperature.tail<3>().array() - model.gyro.temperature->reference;
   return raw;
 }
 
-Motion Problem::motion(const Point& point, Rows* by_common) const {
+Motion Problem::motion(const MachinePoint& point, Rows* by_common) const {
   using T = ceres::Jet<double, 8>;  // gravity, tilt, rate, mount, radius
-  std::array<std::size_t, 8> index{};
-  std::array<T, 8> value;
-  for (int k = 0; k < 8; ++k) value[static_cast<std::size_t>(k)] = T(0, k);
-  value[0].a = common[0].value;
-  const Mount mount = mount_of(point.step);
-  for (const std::size_t i : acting_[point.recording]) {
-    const RigErrorSource& source = common[i].source;
-    std::size_t slot = 0;
-    if (source.kind == RigErrorKind::tilt) slot = 1 + source.axis;
-    if (source.kind == RigErrorKind::rate) slot = 3;
-    if (source.kind == RigErrorKind::mount && source.place == mount) slot = 4 + source.axis;
-    if (source.kind == RigErrorKind::radius && source.place == mount) slot = 7;
-    if (slot == 0) continue;
-    index[slot] = i;
-    value[slot].a = source.known + common[i].value;
-  }
+  std::vector<Index> index{0};      // of eta, by derivative
   MachineErrors<T> errors;
-  errors.tilt << value[1], value[2];
-  errors.rate = value[3];
-  errors.mount << value[4], value[5], value[6];
-  errors.radius = value[7];
-  const SteadyMotion<T> m = steady_motion<T>(point.step, errors, {place_.gravity + value[0], place_.rate_ie_n});
+  for (const std::size_t i : acting_[point.recording])
+    if (T* const element = element_of(errors, common[i].source, mount_of(point.step))) {
+      *element = T(common[i].source.known + common[i].value, static_cast<int>(index.size()));
+      index.push_back(static_cast<Index>(i));
+    }
+  const SteadyMotion<T> m = steady_motion<T>(point.step, errors, {place_.gravity + T(common[0].value, 0), place_.rate_ie_n});
   Motion motion;
   if (by_common) *by_common = Rows::Zero(6, std::ssize(common));
   for (int i = 0; i < 3; ++i) {
     motion.force[i] = m.force[i].a, motion.rate[i] = m.rate[i].a;
-    for (int k = 0; by_common && k < 8; ++k) {
-      const auto at = static_cast<Index>(index[static_cast<std::size_t>(k)]);
-      if (k > 0 && at == 0) continue;
-      (*by_common)(i, at) = m.force[i].v[k], (*by_common)(3 + i, at) = m.rate[i].v[k];
+    for (int k = 0; const Index column : index) {
+      if (by_common) (*by_common)(i, column) = m.force[i].v[k], (*by_common)(3 + i, column) = m.rate[i].v[k];
+      ++k;
     }
   }
   return motion;
 }
 
-PointEquations Problem::equations(const Point& point) const {
+PointEquations Problem::equations(const MachinePoint& point) const {
   const CompensationDerivatives d = compensation_derivatives(model, sample(point));
   Rows by_common;
   const Motion truth = motion(point, &by_common);
@@ -187,7 +155,7 @@ PointEquations Problem::equations(const Point& point) const {
   Matrix6 variance = (thermal + Matrix6(noise.asDiagonal())) / static_cast<double>(point.samples);
   // A coarsely quantized or dead channel shows none; a part in 1e8 of the full range keeps the weights finite.
   variance.diagonal() += 1e-16 * (Vector6d() << Vector3d::Constant(place_.gravity * place_.gravity), Vector3d::Ones()).finished();
-  variance += spin_noise(point, *session->rig_of(session->recordings[point.recording]), place_);
+  variance += spin_noise(point.step, session->rig_of(session->recordings[point.recording])->zero.value, place_);
   const Eigen::LLT<Matrix6> factor(noise_factor * noise_factor * variance);
   out.jacobian.resize(6, size());
   out.jacobian << d.coefficients(Eigen::all, coefficients), -by_common;

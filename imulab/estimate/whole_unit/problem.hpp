@@ -7,8 +7,8 @@
 #pragma once
 
 #include "imulab/estimate/kernel/information.hpp"
-#include "imulab/estimate/whole_unit/points.hpp"
 #include "imulab/model/coefficient.hpp"
+#include "imulab/rig/machine_points.hpp"
 #include "imulab/rig/rig_errors.hpp"
 
 #include <Eigen/Core>
@@ -45,9 +45,9 @@ enum class Priors {
 
 struct Problem {
   /// `starting_model`: of readings less `reading_center`.
-  Problem(Points used, const Session& declared, const SensorModel& starting_model, const Vector6d& reading_center);
+  Problem(MachinePoints used, const Session& declared, const SensorModel& starting_model, const Vector6d& reading_center);
 
-  Points points;
+  MachinePoints points;
   const Session* session;
   SensorModel start, model;                    ///< of readings less `center`: the prior value, and the present one
   Vector6d center;                             ///< raw
@@ -60,16 +60,15 @@ struct Problem {
   double noise_factor = 1;                    ///< of the standard deviations
 
   Eigen::Index size() const { return static_cast<Eigen::Index>(coefficients.size() + common.size()); }
-  RigKind kind(const Point& point) const { return session->rig_of(session->recordings[point.recording])->kind; }
-  RawSample sample(const Point& point) const;
+  RawSample sample(const MachinePoint& point) const;
   /// The machine's motion at this point, and its derivative by eta.
-  Motion motion(const Point& point, Eigen::Matrix<double, 6, Eigen::Dynamic>* by_common = nullptr) const;
+  Motion motion(const MachinePoint& point, Eigen::Matrix<double, 6, Eigen::Dynamic>* by_common = nullptr) const;
   std::array<double, 2> full_scale() const;  ///< the largest force and rate along an axis that the machines made, m/s^2 and rad/s
   /// Variance of one sample of force and rate within the points, with the slopes of the present model.
   Vector6d measured_noise() const;
   /// Sets `noise`: the declared densities, else as measured; larger where the noise is correlated.
   void update_noise();
-  PointEquations equations(const Point& point) const;
+  PointEquations equations(const MachinePoint& point) const;
   /// Of the points p with p % parts == part.
   kernel::Information information(std::size_t part = 0, std::size_t parts = 1) const;
   kernel::Parameters parameters(Priors priors = Priors::offsets) const;

@@ -1,15 +1,19 @@
 #include "imulab/estimate/whole_unit/quality.hpp"
 
+#include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/rig/error_in_words.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace imulab::whole_unit {
 
 using Eigen::Index;
+using Eigen::VectorXd;
 
 namespace {
 
@@ -19,7 +23,7 @@ std::string count_of_levels(const Problem& problem, const Coefficient& c) {
   if (order == 0) return "";
   const bool accel = c.triad == Triad::accel;
   std::vector<double> levels;
-  for (const Point& p : problem.points.all) {
+  for (const MachinePoint& p : problem.points.all) {
     const Motion m = problem.motion(p);
     const double level = accel ? m.force[c.row] : m.rate[c.row], same = accel ? 0.05 * unit::g : 0.1 * unit::deg;
     if (std::none_of(levels.begin(), levels.end(), [&](double l) { return std::abs(l - level) < same; })) levels.push_back(level);
@@ -34,8 +38,8 @@ std::vector<FitResidual> fit_residuals(const Problem& problem) {
   for (int channel = 0; channel < 6; ++channel) {
     FitResidual r{fmt::format("{}.{}", channel < 3 ? "accel" : "gyro", "xyz"[channel % 3]), 0, 0, full_scale[channel < 3 ? 0 : 1]};
     double n = 0;
-    for (const Point& p : problem.points.all) {
-      if (problem.kind(p) == RigKind::chamber) continue;
+    for (const MachinePoint& p : problem.points.all) {
+      if (p.machine == RigKind::chamber) continue;
       const double e = problem.equations(p).residual[channel];
       r.rms += e * e, r.largest = std::max(r.largest, std::abs(e)), n += 1;
     }
@@ -57,7 +61,7 @@ std::vector<RigErrorEstimate> rig_errors(const Problem& problem, const Eigen::Ma
 
 void note_points(Quality& quality, const Problem& problem) {
   const auto many = [&](RigKind kind) {
-    return std::count_if(problem.points.all.begin(), problem.points.all.end(), [&](const Point& p) { return problem.kind(p) == kind; });
+    return std::count_if(problem.points.all.begin(), problem.points.all.end(), [&](const MachinePoint& p) { return p.machine == kind; });
   };
   quality.notes.push_back(fmt::format("{} points were used: {} in the chamber, {} on the rate table, {} on the centrifuge", problem.points.all.size(),
                                       many(RigKind::chamber), many(RigKind::rate_table), many(RigKind::centrifuge)));
@@ -94,6 +98,77 @@ void note_rig_errors(Quality& quality) {
                                         std::sqrt(square / static_cast<double>(angles)) / unit::arcsec));
 }
 
+/// Probability of a warning in a good session, shared among all tests of a kind.
+constexpr double level = 1e-3;
+
+/// The chamber's points at one temperature, reached by warming and by cooling.
+struct Directions {
+  Vector6d sum[2] = {Vector6d::Zero(), Vector6d::Zero()};
+  int n[2] = {0, 0};
+};
+
+bool warn_hysteresis(kernel::Findings& findings, const Problem& problem) {
+  std::map<long, Directions> by_temperature;
+  const std::size_t triad = problem.points.thermometer();
+  const auto reading = [&](const MachinePoint& p) { return p.temperature[static_cast<Index>(3 * triad)]; };
+  // Visits to one set point; without set points, readings within a fortieth of the range.
+  const auto visit = [&](const MachinePoint& p) {
+    return p.step.temperature ? std::lround(100 * *p.step.temperature) : std::lround(40 * reading(p) / problem.points.thermal[triad].size());
+  };
+  const MachinePoint* before = nullptr;
+  for (const MachinePoint& p : problem.points.all) {
+    if (p.machine != RigKind::chamber) continue;
+    if (before && before->recording == p.recording) {
+      Directions& directions = by_temperature[visit(p)];
+      const std::size_t warmer = reading(p) > reading(*before) ? 1 : 0;
+      directions.sum[warmer] += problem.equations(p).residual, ++directions.n[warmer];
+    }
+    before = &p;
+  }
+  Vector6d difference = Vector6d::Zero(), square = Vector6d::Zero();
+  double n = 0;
+  for (const auto& [temperature, directions] : by_temperature) {
+    if (directions.n[0] == 0 || directions.n[1] == 0) continue;
+    const Vector6d d = directions.sum[1] / directions.n[1] - directions.sum[0] / directions.n[0];
+    difference += d, square += d.cwiseAbs2(), n += 1;
+  }
+  if (n < 3) return false;
+  bool found = false;
+  for (Index k = 0; k < 6; ++k) {
+    const double mean = difference[k] / n, sigma = std::sqrt(std::max(square[k] / n - mean * mean, 1e-300) / (n - 1));
+    if (std::abs(mean) < normal_quantile(1 - level / 12) * sigma * (1 + 4 / n)) continue;  // a little more for Student's few degrees
+    found = true;
+    findings.warn(fmt::format("{} {} differs by {:.2g} {} between warming and cooling: hysteresis, which the model does not have",
+                              k < 3 ? "accel" : "gyro", "xyz"[k % 3], k < 3 ? mean / unit::ug : mean / unit::deg_per_h, k < 3 ? "ug" : "deg/h"));
+  }
+  return found;
+}
+
+/// Errors of a machine that change together.
+struct Hypothesis {
+  rig::ErrorInWords error;
+  VectorXd direction;  ///< among the parameters
+};
+
+std::vector<Hypothesis> hypotheses(const Problem& problem) {
+  std::map<std::string, Hypothesis> by_name;
+  for (std::size_t k = 0; k < problem.common.size(); ++k) {
+    const auto add = [&](rig::ErrorInWords error, const std::string& name) {
+      error.name = name;
+      Hypothesis& h = by_name.try_emplace(name, Hypothesis{error, VectorXd::Zero(problem.size())}).first->second;
+      h.direction[static_cast<Index>(problem.coefficients.size() + k)] = 1;
+    };
+    const CommonError& common = problem.common[k];
+    const std::string machine = common.rig.empty() ? "the rig: " : common.rig + ": ";
+    const rig::ErrorInWords error = k == 0 ? rig::ErrorInWords{"gravity", 1e-3, "mm/s^2", 0.05} : rig::in_words(common.source);
+    add(error, k == 0 ? error.name : machine + error.name);
+    if (common.source.kind == RigErrorKind::radius) add(error, machine + "every radius");
+  }
+  std::vector<Hypothesis> all;
+  for (auto& [name, h] : by_name) all.push_back(std::move(h));
+  return all;
+}
+
 }  // namespace
 
 Quality quality_of(const Problem& problem, const JointEstimate& estimate) {
@@ -116,6 +191,41 @@ Quality quality_of(const Problem& problem, const JointEstimate& estimate) {
   note_residuals(quality);
   note_rig_errors(quality);
   return quality;
+}
+
+std::string wrong_machine(const Problem& problem) {
+  const kernel::Information data = problem.information();
+  const kernel::Solution s = kernel::solve(data, problem.parameters(), "the points");
+  const VectorXd slope = data.g + data.N * s.x;  // half of that of the sum of squares, at the solution
+  const std::vector<Hypothesis> all = hypotheses(problem);
+  const Hypothesis* worst = nullptr;
+  double most = 0, by = 0;
+  for (const Hypothesis& h : all) {
+    // One more direction to move in: its curvature less what the free parameters explain of it, whose own slope and that of their priors cancel.
+    const VectorXd nd = data.N * h.direction;
+    const double curvature = h.direction.dot(nd) - nd.dot(s.covariance * nd), gradient = h.direction.dot(slope);
+    // Directions that the estimate follows anyway say nothing.
+    if (!(curvature > 1e-9 * h.direction.dot(nd)) || !(h.direction.dot(nd) > 0)) continue;
+    const double saved = gradient * gradient / curvature;
+    if (std::abs(gradient / curvature) > h.error.largest) continue;
+    if (saved > most) most = saved, by = -gradient / curvature, worst = &h;
+  }
+  if (!worst || log_chi_square_tail(most, 1) > std::log(level / static_cast<double>(all.size()))) return "";
+  // In points that scatter more than they should, the one thing to name is what explains a good part of that.
+  const double excess = s.chi2 - s.degrees_of_freedom / (problem.noise_factor * problem.noise_factor);
+  if (most < 0.3 * excess) return "";
+  return fmt::format(
+      "{}: not as declared; the data fit best with {:+.3g} {} (chi2 falls by {:.3g}): what depends on it is biased beyond the stated uncertainties",
+      worst->error.name, by / worst->error.unit, worst->error.unit_name, most);
+}
+
+void check_chamber(kernel::Findings& findings, const Problem& problem) {
+  const std::string unsettled = unsettled_points(problem.points, *problem.session);
+  if (!unsettled.empty())
+    findings.warn(unsettled +
+                  ": the sensors lag behind their thermal readings, and the thermal coefficients are biased beyond the stated "
+                  "uncertainties; wait longer at each temperature");
+  if (warn_hysteresis(findings, problem) || !unsettled.empty()) findings.doubt("the chamber's points do not settle or do not repeat");
 }
 
 }  // namespace imulab::whole_unit

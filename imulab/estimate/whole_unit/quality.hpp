@@ -1,24 +1,20 @@
-// The quality of a whole-unit calibration: residuals, coefficients that are not determined and why, estimated errors of the machines.
+// The quality of a whole-unit calibration: residuals, coefficients that are not determined and why, estimated errors of the machines. And faults of a
+// session that could be calibrated: machines that are not as declared, a chamber whose points had not settled, hysteresis.
 #pragma once
 
-#include "imulab/estimate/kernel/findings.hpp"
-#include "imulab/estimate/whole_unit/problem.hpp"
-#include "imulab/model/calibration.hpp"
+#include "imulab/estimate/whole_unit/joint_estimate.hpp"
 
-#include <vector>
+#include <string>
 
 namespace imulab::whole_unit {
 
-/// The joint estimate of coefficients and errors of the machines, at the problem's model.
-struct JointEstimate {
-  kernel::Solution solution;  ///< covariance of theta and eta; chi2 against the noise as measured
-  double condition = 0;
-  double scatter = 1;  ///< by which the uncertainties are enlarged
-  std::vector<TermTest> tests;
-  kernel::Findings findings;
-};
-
 /// All but the findings of the estimate and the verdict.
 Quality quality_of(const Problem& problem, const JointEstimate& estimate);
+
+/// The one error of a machine that explains most of the points' excess scatter, with its consequence; empty where there is none.
+std::string wrong_machine(const Problem& problem);
+
+/// Warns of chamber points that had not settled, and of hysteresis.
+void check_chamber(kernel::Findings& findings, const Problem& problem);
 
 }  // namespace imulab::whole_unit

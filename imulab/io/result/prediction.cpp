@@ -146,7 +146,7 @@ std::string shortfall_text(const Shortfall& s) {
 }
 
 std::string path_table(const hybrid::Path& path) {
-  const std::vector<std::string> words = hybrid::in_words(path.turns);
+  const std::vector<std::string> words = rig::in_words(path.turns);
   std::string text = fmt::format("rest {:g} s\n", path.first_rest);
   for (std::size_t k = 0; k < path.turns.size(); ++k)
     text += fmt::format("{:>3}  {:<6} {:>+5g} deg  rest {:>3g} s   {}\n", k + 1, to_string(path.turns[k].axis), path.turns[k].angle_deg,

@@ -1,7 +1,7 @@
 // Predicted uncertainties and tolerances of a procedure, as JSON and as tables.
 #pragma once
 
-#include "imulab/estimate/hybrid/advice.hpp"
+#include "imulab/estimate/hybrid/prediction.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
 #include "imulab/estimate/turntable/tolerance.hpp"
 

@@ -1,8 +1,7 @@
-#include "imulab/estimate/whole_unit/points.hpp"
+#include "imulab/rig/machine_points.hpp"
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
 
 #include <fmt/core.h>
 
@@ -10,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-namespace imulab::whole_unit {
+namespace imulab::rig {
 
 using Eigen::Index;
 
@@ -83,7 +82,7 @@ std::vector<Step> machine_steps(const Session& session, const RecordingSource& s
 }
 
 /// Means and noise of the inertial readings, and of the thermal readings or the set point.
-void read_samples(Point& point, const Recording& recording, const Range& range, NoiseSums& raw, NoiseSums& temperature) {
+void read_samples(MachinePoint& point, const Recording& recording, const Range& range, NoiseSums& raw, NoiseSums& temperature) {
   for (Index channel = 0; channel < 6; ++channel) {
     const auto axis = static_cast<std::size_t>(channel % 3);
     const auto samples = std::span(channel < 3 ? recording.accel[axis] : recording.gyro[axis]).subspan(range.begin, range.size());
@@ -105,9 +104,9 @@ void read_samples(Point& point, const Recording& recording, const Range& range, 
 }
 
 /// Why a step gives no point; empty where it does.
-std::string obstacle(const Points& points, const Point& point, const Recording& recording, const Range& range) {
+std::string obstacle(const MachinePoints& points, const MachinePoint& point, const Recording& recording, const Range& range) {
   if (range.size() < 2) return fmt::format("{} samples in it, left out", range.size());
-  const auto overlaps = [&](const Point& p) {
+  const auto overlaps = [&](const MachinePoint& p) {
     return p.recording == point.recording && p.step.start < point.step.end && point.step.start < p.step.end;
   };
   if (std::any_of(points.all.begin(), points.all.end(), overlaps))
@@ -116,11 +115,12 @@ std::string obstacle(const Points& points, const Point& point, const Recording& 
 }
 
 /// Where a triad has no thermal reading in any point, there is none; where some points have one, the others must have it, too.
-void find_thermal_ranges(Points& points, const Session& session) {
+void find_thermal_ranges(MachinePoints& points, const Session& session) {
   for (std::size_t triad = 0; triad < 2; ++triad) {
     ThermalRange& thermal = points.thermal[triad];
     const auto channels = [&](const Vector6d& v) { return v.segment<3>(static_cast<Index>(3 * triad)); };
-    const auto unknown = std::count_if(points.all.begin(), points.all.end(), [&](const Point& p) { return !channels(p.temperature).allFinite(); });
+    const auto unknown =
+        std::count_if(points.all.begin(), points.all.end(), [&](const MachinePoint& p) { return !channels(p.temperature).allFinite(); });
     if (unknown == std::ssize(points.all)) continue;
     if (unknown > 0)
       throw Error(fmt::format("{}: {} of {} points have neither a thermal reading of the {} nor a set point; expected one in all points or in none",
@@ -129,7 +129,7 @@ void find_thermal_ranges(Points& points, const Session& session) {
     const auto& source = triad == 0 ? session.recordings.front().accel_temperature : session.recordings.front().gyro_temperature;
     thermal.unit = source ? source->unit : "degC";
     double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const Point& p : points.all)
+    for (const MachinePoint& p : points.all)
       low = std::min(low, channels(p.temperature).minCoeff()), high = std::max(high, channels(p.temperature).maxCoeff());
     const double noise = std::sqrt(channels(points.thermal_variance).maxCoeff());
     thermal.excited =
@@ -139,7 +139,7 @@ void find_thermal_ranges(Points& points, const Session& session) {
 }
 
 /// Where block means of holds scatter more than independent samples explain, theirs is the noise.
-void compare_blocks(Points& points, const NoiseSums& raw) {
+void compare_blocks(MachinePoints& points, const NoiseSums& raw) {
   points.correlation.setOnes();
   const double limit = 1 + 3 / std::sqrt(2.0 * (blocks - 1) * std::max(raw.points, 1.0)) + 0.1;
   for (Index k = 0; k < 6; ++k) {
@@ -154,26 +154,26 @@ void compare_blocks(Points& points, const NoiseSums& raw) {
 
 }  // namespace
 
-std::string Point::name(const Session& session) const {
+std::string MachinePoint::name(const Session& session) const {
   std::string what = fmt::format("{} {}", to_string(step.kind), mount_name(mount_of(step)));
   if (step.kind == StepKind::spin) what += fmt::format(" at {:g} deg/s", step.rate / unit::deg);
   if (step.temperature) what += fmt::format(", {:g} degC", *step.temperature);
   return fmt::format("{}, step {} ({})", session.recordings[recording].file, number, what);
 }
 
-Points points_of(std::span<const Recording> recordings, const Session& session) {
+MachinePoints machine_points(std::span<const Recording> recordings, const Session& session) {
   if (recordings.empty() || recordings.size() != session.recordings.size())
     throw Error(
         fmt::format("{}: got {} recordings; expected one for each of the {} declared", session.file, recordings.size(), session.recordings.size()));
   expect_equal_units(recordings, session);
-  Points points;
+  MachinePoints points;
   points.interval_s = recordings.front().interval_s;
   NoiseSums raw, temperature;
   for (std::size_t r = 0; r < recordings.size(); ++r) {
     std::size_t number = 0;
     for (const Step& step : machine_steps(session, session.recordings[r])) {
       const Range range = recordings[r].samples_in(step.start, step.end);
-      Point point{r, ++number, step, range.size(), {}, {}, {}, {}};
+      MachinePoint point{r, ++number, session.rig_of(session.recordings[r])->kind, step, range.size(), {}, {}, {}, {}};
       if (const std::string why = obstacle(points, point, recordings[r], range); !why.empty()) {
         points.warnings.push_back(point.name(session) + ": " + why);
         continue;
@@ -189,6 +189,21 @@ Points points_of(std::span<const Recording> recordings, const Session& session) 
   return points;
 }
 
-Place<double> place_of(const Site& site) { return {site.gravity(), site.latitude ? earth_rate_enu(*site.latitude) : Vector3d::Zero()}; }
+std::string unsettled_points(const MachinePoints& points, const Session& session) {
+  constexpr double settled = 0.05 / 60;  // K/s: 9 mK over a record of ten seconds, below what thermal readings agree to
+  const ThermalRange& thermal = points.thermal[points.thermometer()];
+  const bool raw = thermal.unit == "raw";
+  const double kelvin = raw ? thermal.size() / 70 : 1;  // readings in raw count as if their range were 70 K
+  std::size_t many = 0;
+  std::string first;
+  double largest = 0;
+  for (const MachinePoint& p : points.all) {
+    if (p.machine != RigKind::chamber || !p.drift || std::abs(*p.drift) <= settled * kelvin) continue;
+    if (many++ == 0) first = p.name(session);
+    largest = std::max(largest, std::abs(*p.drift));
+  }
+  if (many == 0) return "";
+  return fmt::format("{} of the chamber's points had not settled (up to {:.2g} {}/min; the first: {})", many, largest * 60, raw ? "raw" : "K", first);
+}
 
-}  // namespace imulab::whole_unit
+}  // namespace imulab::rig

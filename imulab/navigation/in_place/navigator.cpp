@@ -1,4 +1,4 @@
-#include "imulab/estimate/hybrid/navigator.hpp"
+#include "imulab/navigation/in_place/navigator.hpp"
 
 #include "imulab/earth/earth.hpp"
 #include "imulab/model/lever_arm.hpp"
@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-namespace imulab::hybrid {
+namespace imulab::in_place {
 
 using Eigen::Index;
 
@@ -22,7 +22,7 @@ Vector3d angular_acceleration(const Recording& r, std::size_t i) {
   return (row(r.gyro, after) - row(r.gyro, before)) / (static_cast<double>(after - before) * r.interval_s);
 }
 
-/// A unit that rests on both sides of a gap rested inside it, too.
+/// An IMU that rests on both sides of a gap rested inside it, too.
 double interval(const Recording& r, std::size_t i, const Block& block) {
   if (block.at_rest && i > 0 && r.follows_gap(i)) return r.time_s(i) - r.time_s(i - 1);
   return r.interval(i, r.gyro_increment);
@@ -41,8 +41,8 @@ Recording compensated(const Recording& recording, const std::vector<Block>& bloc
   return r;
 }
 
-Navigator::Navigator(const Recording& compensated, const Place& place, const States& states)
-    : recording_(compensated), states_(states), earth_rate_(earth_rate_enu(place.latitude)), gravity_(0, 0, -place.gravity) {}
+Navigator::Navigator(const Recording& compensated, double latitude, double gravity, const OptionalSums& optional)
+    : recording_(compensated), optional_(optional), earth_rate_(earth_rate_enu(latitude)), gravity_(0, 0, -gravity) {}
 
 void Navigator::align(const Range& range) {
   Vector3d force = Vector3d::Zero(), rate = Vector3d::Zero();
@@ -81,7 +81,7 @@ void Navigator::add(BlockSums& sum, std::size_t i, std::size_t first, const Bloc
   const Vector3d w = block.at_rest ? Vector3d(half.transpose() * earth_rate_) : rate;
   const Vector3d f = block.observed ? Vector3d(half.transpose() * -gravity_) : force;
   const std::array<double, 7> basis{1, w.x(), w.y(), w.z(), f.x(), f.y(), f.z()};
-  const std::size_t used = states_.has(Group::g_sensitivity) ? 7 : 4;
+  const std::size_t used = optional_.g_sensitivity ? 7 : 4;
   for (std::size_t b = 0; b < used; ++b) {
     sum.gyro_velocity[b].noalias() += across * (dt * sum.gyro[b] + basis[b] * inner);
     sum.gyro[b] += basis[b] * middle;
@@ -95,12 +95,12 @@ void Navigator::add(BlockSums& sum, std::size_t i, std::size_t first, const Bloc
     else
       accel += force[b] * middle;
   }
-  if (states_.has(Group::quadratic)) sum.quadratic += middle * f.cwiseAbs2().asDiagonal();
+  if (optional_.quadratic) sum.quadratic += middle * f.cwiseAbs2().asDiagonal();
   if (block.at_rest) return;
-  if (states_.has(Group::delay)) sum.delay += middle * rate.cross(force);
-  if (!states_.has(Group::lever_arm)) return;
+  if (optional_.delay) sum.delay += middle * rate.cross(force);
+  if (!optional_.lever_arm) return;
   const Matrix3d effect = size_effect(rate, angular_acceleration(recording_, i));
   for (Index a = 0; a < 3; ++a) sum.lever_arm.middleCols<3>(3 * a) += middle.col(a) * effect.row(a);
 }
 
-}  // namespace imulab::hybrid
+}  // namespace imulab::in_place

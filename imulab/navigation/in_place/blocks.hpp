@@ -1,4 +1,4 @@
-// A recording cut into blocks; after each the filter observes the velocity.
+// A recording of an IMU that turns in one place, cut into blocks: at the end of each its velocity is known to be zero.
 #pragma once
 
 #include "imulab/recording/recording.hpp"
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace imulab::hybrid {
+namespace imulab::in_place {
 
 struct Block {
   Range samples;
@@ -29,4 +29,4 @@ struct Blocks {
 /// stays in one place while it turns, too. A motion with a gap or a saturated sample is left out.
 Blocks cut_into_blocks(const Recording& recording, const std::vector<Range>& rests, bool observe_motion);
 
-}  // namespace imulab::hybrid
+}  // namespace imulab::in_place

@@ -1,4 +1,4 @@
-// The points of whole-unit calibration: each step of a chamber, rate table or centrifuge gives one, the means of its samples.
+// The points that a session's machines give: each step of a chamber, rate table or centrifuge one, the means of its samples with their noise.
 #pragma once
 
 #include "imulab/model/compensate.hpp"
@@ -14,14 +14,15 @@
 #include <string>
 #include <vector>
 
-namespace imulab::whole_unit {
+namespace imulab::rig {
 
 /// Accelerometers x y z, then gyros x y z.
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-struct Point {
+struct MachinePoint {
   std::size_t recording = 0;  ///< index in the session
   std::size_t number = 0;     ///< of its step in that recording, from 1
+  RigKind machine = RigKind::none;
   Step step;
   std::size_t samples = 0;
   Vector6d raw;                 ///< means of the readings
@@ -42,21 +43,28 @@ struct ThermalRange {
   double size() const { return high - low; }
 };
 
-struct Points {
-  std::vector<Point> all;
+struct MachinePoints {
+  std::vector<MachinePoint> all;
   double interval_s = 0;                ///< of a sample
   Vector6d thermal_variance;            ///< of one thermal reading
   Vector6d correlation;                 ///< variance of block means of holds over that of independent samples, where it is larger; else 1
   std::array<ThermalRange, 2> thermal;  ///< accelerometers, gyros
   std::vector<std::string> warnings;
+
+  /// The triad whose thermal readings a chamber is judged by.
+  std::size_t thermometer() const { return thermal[0].known ? 0 : 1; }
 };
 
 /// Saturated points and those without samples are left out with a warning. Throws Error where there is not one recording for each of the session's,
 /// where a recording's rig is not a machine or cannot do its steps, where units or rates differ between recordings, Unsupported where nothing is
 /// left.
-Points points_of(std::span<const Recording> recordings, const Session& session);
+MachinePoints machine_points(std::span<const Recording> recordings, const Session& session);
 
-/// Gravity and the Earth's rate there; no rate without a latitude.
-Place<double> place_of(const Site& site);
+/// "3 of the chamber's points had not settled (up to 0.2 K/min; the first: NAME)"; empty where all had.
+std::string unsettled_points(const MachinePoints& points, const Session& session);
 
-}  // namespace imulab::whole_unit
+}  // namespace imulab::rig
+
+namespace imulab {
+using namespace rig;  // until all callers say rig::
+}  // namespace imulab

@@ -1,4 +1,4 @@
-#include "imulab/estimate/hybrid/blocks.hpp"
+#include "imulab/navigation/in_place/blocks.hpp"
 
 #include <fmt/core.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-namespace imulab::hybrid {
+namespace imulab::in_place {
 
 namespace {
 
@@ -74,4 +74,4 @@ Blocks cut_into_blocks(const Recording& recording, const std::vector<Range>& res
   return out;
 }
 
-}  // namespace imulab::hybrid
+}  // namespace imulab::in_place

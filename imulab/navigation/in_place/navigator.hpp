@@ -1,19 +1,25 @@
-// Velocity and attitude of a unit by its compensated readings, block by block, with the integrals that the error equations need.
+// Velocity and attitude of an IMU that turns in one place, by its compensated readings block by block, with the sums that the error equations need.
 #pragma once
 
-#include "imulab/estimate/hybrid/blocks.hpp"
-#include "imulab/estimate/hybrid/error_equations.hpp"
+#include "imulab/navigation/in_place/blocks.hpp"
+#include "imulab/navigation/in_place/error_sums.hpp"
 #include "imulab/navigation/integration/increment.hpp"
 
-namespace imulab::hybrid {
+namespace imulab::in_place {
 
 /// The recording without its model's errors. Lever arms are removed from the motions; at rest there is no size effect, and what the gyros' noise
 /// would make of one is correlated with what it does to the attitude.
 Recording compensated(const Recording& recording, const std::vector<Block>& blocks, const SensorModel& model);
 
+/// The sums that only some error models need.
+struct OptionalSums {
+  bool g_sensitivity = false, quadratic = false, lever_arm = false, delay = false;
+};
+
 class Navigator {
  public:
-  Navigator(const Recording& compensated, const Place& place, const States& states);
+  /// `latitude` [rad], `gravity` [m/s^2].
+  Navigator(const Recording& compensated, double latitude, double gravity, const OptionalSums& optional);
 
   Matrix3d C_nb = Matrix3d::Identity();
 
@@ -27,9 +33,9 @@ class Navigator {
   void add(BlockSums& sum, std::size_t i, std::size_t first, const Block& block);
 
   const Recording& recording_;
-  const States& states_;
+  OptionalSums optional_;
   Vector3d earth_rate_, gravity_;
   Increment previous_;
 };
 
-}  // namespace imulab::hybrid
+}  // namespace imulab::in_place

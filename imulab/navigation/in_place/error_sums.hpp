@@ -5,13 +5,15 @@
 #pragma once
 
 #include "imulab/core/rotation.hpp"
-#include "imulab/estimate/hybrid/states.hpp"
+#include "imulab/model/coefficient.hpp"
+#include "imulab/recording/declared_noise.hpp"
 
 #include <Eigen/Core>
 
 #include <array>
+#include <functional>
 
-namespace imulab::hybrid {
+namespace imulab::in_place {
 
 /// White noise densities of the calibrated output and random walks of its offsets, per axis; the standard deviation of the velocity after a block.
 struct Noise {
@@ -19,6 +21,13 @@ struct Noise {
   Vector3d gyro_walk = Vector3d::Zero(), accel_walk = Vector3d::Zero();  ///< rad/s/sqrt(s), m/s^2/sqrt(s)
   double velocity = 0;                                                   ///< m/s
 };
+
+/// With these densities, and the random walks and quantization as declared.
+Noise noise_of(const Vector3d& gyro, const Vector3d& accel, const DeclaredNoise& declared);
+
+/// Errors of attitude [rad] and velocity [m/s].
+using Errors6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 /// Integrals over a block, C being C_nb.
 struct BlockSums {
@@ -33,12 +42,26 @@ struct BlockSums {
   Vector3d delay = Vector3d::Zero();                                            ///< of C (w x f)
 
   BlockSums();
+
+  /// The errors after the block, by those before it; by an error of a coefficient's calibrated output, of g (relative), of the latitude [rad] and of
+  /// the accelerometers' time [s]. `latitude` [rad], `gravity` [m/s^2].
+  Matrix6 by_errors_before(double latitude) const;
+  Errors6 by_coefficient(const Coefficient& coefficient) const;
+  Errors6 by_gravity(double gravity) const;
+  Errors6 by_latitude(double latitude) const;
+  Errors6 by_delay() const;
+  /// Their covariance from the noise; C_nb in the middle of the block.
+  Matrix6 covariance(const Noise& noise, const Matrix3d& C_nb) const;
 };
 
-/// Errors of attitude (first three rows) and velocity after a block from all states before it.
-Eigen::MatrixXd transition(const BlockSums& sums, const States& states, const Place& place);
+/// Attitude of the body, and its rate against n in n.
+struct Attitude {
+  Matrix3d C_nb;
+  Vector3d rate_n = Vector3d::Zero();
+};
+using AttitudeAt = std::function<Attitude(double time)>;
 
-/// Covariance that the noise gives attitude and velocity in a block; C_nb in its middle.
-Eigen::Matrix<double, 6, 6> process_noise(const BlockSums& sums, const Noise& noise, const Matrix3d& C_nb);
+/// The sums along a known motion, by midpoints of short steps; without those of quadratic terms, lever arms and delay.
+BlockSums sums_of(const AttitudeAt& attitude, double begin, double end, double latitude, double gravity);
 
-}  // namespace imulab::hybrid
+}  // namespace imulab::in_place

@@ -1,0 +1,85 @@
+#include "imulab/navigation/in_place/error_sums.hpp"
+
+#include "imulab/earth/earth.hpp"
+
+#include <cmath>
+
+namespace imulab::in_place {
+
+Noise noise_of(const Vector3d& gyro, const Vector3d& accel, const DeclaredNoise& declared) {
+  return {gyro, accel, Vector3d::Constant(declared.gyro.K), Vector3d::Constant(declared.accel.K), declared.accel.Q};
+}
+
+BlockSums::BlockSums() {
+  gyro.fill(Matrix3d::Zero());
+  gyro_velocity.fill(Matrix3d::Zero());
+  accel.fill(Matrix3d::Zero());
+}
+
+Matrix6 BlockSums::by_errors_before(double latitude) const {
+  Matrix6 t = Matrix6::Identity();
+  t.topLeftCorner<3, 3>() -= duration * skew<double>(earth_rate_enu(latitude));
+  t.bottomLeftCorner<3, 3>() = force;
+  return t;
+}
+
+Errors6 BlockSums::by_coefficient(const Coefficient& c) const {
+  const auto input = static_cast<std::size_t>(c.column);
+  const auto of_gyro = [&](std::size_t basis) { return (Errors6() << -gyro[basis].col(c.row), -gyro_velocity[basis].col(c.row)).finished(); };
+  const auto of_accel = [&](const auto& column) { return (Errors6() << Vector3d::Zero(), column).finished(); };
+  switch (c.term) {
+    case Term::offset:
+      return c.triad == Triad::gyro ? of_gyro(0) : of_accel(accel[0].col(c.row));
+    case Term::matrix:
+      return c.triad == Triad::gyro ? of_gyro(1 + input) : of_accel(accel[1 + input].col(c.row));
+    case Term::g_sensitivity:
+      return of_gyro(4 + input);
+    case Term::lever_arm:
+      return of_accel(lever_arm.col(3 * c.row + c.column));
+    default:
+      return of_accel(quadratic.col(c.row));
+  }
+}
+
+Errors6 BlockSums::by_gravity(double gravity) const { return gravity * duration * Errors6::Unit(5); }
+
+Errors6 BlockSums::by_latitude(double latitude) const {
+  const Vector3d rate(0, -earth_rate * std::sin(latitude), earth_rate * std::cos(latitude));
+  return (Errors6() << duration * rate, 0.5 * duration * (force * rate)).finished();
+}
+
+Errors6 BlockSums::by_delay() const { return (Errors6() << Vector3d::Zero(), delay).finished(); }
+
+Matrix6 BlockSums::covariance(const Noise& noise, const Matrix3d& C) const {
+  const Matrix3d of_gyro = C * noise.gyro.cwiseAbs2().asDiagonal() * C.transpose(),
+                 of_accel = C * noise.accel.cwiseAbs2().asDiagonal() * C.transpose();
+  const double T = duration;
+  const Matrix3d across = force / T;  // [f_n x], constant within the block
+  const Matrix3d cross = (T * T / 2) * across * of_gyro;
+  Matrix6 q;
+  q << T * of_gyro, cross.transpose(), cross, T * of_accel + (T * T * T / 3) * across * of_gyro * across.transpose();
+  return q;
+}
+
+BlockSums sums_of(const AttitudeAt& attitude, double begin, double end, double latitude, double gravity) {
+  const auto steps = static_cast<int>(std::ceil((end - begin) / 0.05));
+  const double h = (end - begin) / steps;
+  const Vector3d earth = earth_rate_enu(latitude);
+  const Matrix3d across = gravity * skew<double>(Vector3d(Vector3d::UnitZ()));  // [f_n x]
+  BlockSums s;
+  for (int k = 0; k < steps; ++k) {
+    const Attitude a = attitude(begin + (k + 0.5) * h);
+    const Vector3d w = a.C_nb.transpose() * (a.rate_n + earth), f = gravity * a.C_nb.row(2).transpose();
+    const std::array<double, 7> basis{1, w.x(), w.y(), w.z(), f.x(), f.y(), f.z()};
+    for (std::size_t b = 0; b < basis.size(); ++b) {
+      s.gyro_velocity[b] += h * across * (s.gyro[b] + 0.5 * h * basis[b] * a.C_nb);
+      s.gyro[b] += h * basis[b] * a.C_nb;
+    }
+  }
+  s.accel = {s.gyro[0], s.gyro[4], s.gyro[5], s.gyro[6]};
+  s.duration = end - begin;
+  s.force = s.duration * across;
+  return s;
+}
+
+}  // namespace imulab::in_place
