@@ -98,7 +98,7 @@ kernel::Information Conditions::information() const {
 }
 
 Adjustment adjust(const Conditions& conditions, kernel::Parameters parameters) {
-  std::replace(parameters.role.begin(), parameters.role.end(), kernel::Role::considered, kernel::Role::held);
+  std::replace(parameters.role.begin(), parameters.role.end(), kernel::Role::considered, kernel::Role::fixed);
   Adjustment out{kernel::solve(conditions.information(), parameters, "the rests"), {}, conditions.variance(), {}};
   out.residual = conditions.value + conditions.jacobian * out.solution.x;
   const VectorXd fitted = (conditions.jacobian * out.solution.covariance).cwiseProduct(conditions.jacobian).rowwise().sum();

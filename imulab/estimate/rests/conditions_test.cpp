@@ -69,9 +69,9 @@ TEST(Adjustment, EqualsGeneralizedLeastSquares) {
 
 TEST(Adjustment, WhatIsConsideredDoesNotShrinkTheResidualsItIsNotFittedTo) {
   const Example e = example(8, 5);
-  kernel::Parameters parameters = loose(), held = parameters;
-  parameters.role[3] = kernel::Role::considered, held.role[3] = kernel::Role::held;
-  EXPECT_EQ(adjust(e.conditions, parameters).residual_variance, adjust(e.conditions, held).residual_variance);
+  kernel::Parameters parameters = loose(), fixed = parameters;
+  parameters.role[3] = kernel::Role::considered, fixed.role[3] = kernel::Role::fixed;
+  EXPECT_EQ(adjust(e.conditions, parameters).residual_variance, adjust(e.conditions, fixed).residual_variance);
 }
 
 TEST(Adjustment, DeviationIsTheChiSquareSavedByLeavingRowsOut) {

@@ -125,7 +125,7 @@ void Estimator::set_gains() {
   const VectorXd wanted = needed_part * parameters.sigma;
   const std::vector<Index> open = kernel::undetermined(kernel::solve(information, parameters).covariance, parameters, wanted);
   parameters.sigma.setConstant(kernel::no_prior);
-  for (const Index i : open) parameters.role[static_cast<std::size_t>(i)] = kernel::Role::held;
+  for (const Index i : open) parameters.role[static_cast<std::size_t>(i)] = kernel::Role::fixed;
   const std::vector<Index> known = parameters.with(kernel::Role::estimated);
   free_covariance_ = kernel::solve(information, parameters, "the holds and turns").covariance(known, known);
   for (const Index i : open) {

@@ -92,7 +92,7 @@ std::vector<TermTest> choose_terms(Problem& problem, double significance) {
     for (const TermGroup& group : groups) {
       TermTest& t = tests.emplace_back(kernel::wald(group, values, s.covariance, significance));
       kernel::Parameters without = parameters;
-      for (const Index i : group.members) without.role[static_cast<std::size_t>(i)] = Role::held;
+      for (const Index i : group.members) without.role[static_cast<std::size_t>(i)] = Role::fixed;
       t.cross_validation_with = with;
       t.cross_validation_without = kernel::cross_validation(parts, all, without);
       t.kept = t.kept || t.cross_validation_without > (1 + chance) * with;
@@ -100,7 +100,7 @@ std::vector<TermTest> choose_terms(Problem& problem, double significance) {
     return tests;
   };
   return kernel::choose_terms(optional_terms(problem), test, [&](const TermGroup& group) {
-    for (const Index i : group.members) problem.role[static_cast<std::size_t>(i)] = Role::held;
+    for (const Index i : group.members) problem.role[static_cast<std::size_t>(i)] = Role::fixed;
   });
 }
 

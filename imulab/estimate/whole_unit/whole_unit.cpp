@@ -28,7 +28,7 @@ namespace {
 void hold_others(Problem& problem, const std::vector<CoefficientIndex>& terms) {
   const std::vector<CoefficientIndex> chosen = kernel::chosen_coefficients(terms, problem.coefficients, "whole-unit");
   for (std::size_t k = 0; k < problem.role.size(); ++k)
-    if (std::find(chosen.begin(), chosen.end(), problem.coefficients[k]) == chosen.end()) problem.role[k] = Role::held;
+    if (std::find(chosen.begin(), chosen.end(), problem.coefficients[k]) == chosen.end()) problem.role[k] = Role::fixed;
 }
 
 /// Everything under its prior: from Dai's three steps where the machines did them, else from the linear model.
