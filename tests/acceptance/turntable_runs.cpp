@@ -5,6 +5,7 @@
 #include "imulab/estimate/turntable/turntable.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/rig/procedure.hpp"
+#include "imulab/rig/table_readings.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

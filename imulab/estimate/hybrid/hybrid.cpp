@@ -37,7 +37,7 @@ void warn_of_short_rests(const std::vector<Range>& rests, const std::vector<Rang
 
 /// White noise of the calibrated output from the samples' or the declared noise; random walks of the offsets and quantization of the velocity as
 /// declared.
-Noise noise_of(const kernel::SampleNoise& raw, const SensorModel& coarse, const Recording& recording, const ImuDeclaration& imu) {
+Noise noise_of(const SampleNoise& raw, const SensorModel& coarse, const Recording& recording, const ImuDeclaration& imu) {
   const double root = std::sqrt(recording.interval_s);
   Noise noise{root * (coarse.gyro.matrix.cwiseAbs2() * raw.gyro.cwiseAbs2()).cwiseSqrt(),
               root * (coarse.accel.matrix.cwiseAbs2() * raw.accel.cwiseAbs2()).cwiseSqrt()};

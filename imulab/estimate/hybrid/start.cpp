@@ -26,7 +26,7 @@ namespace {
 void start_gyro(RestStart& start, const Recording& recording, double latitude) {
   TriadModel& gyro = start.model.gyro;
   std::vector<Vector3d> readings, up;
-  for (const Rest& rest : start.rests) readings.push_back(start.gyro(rest)), up.push_back(start.up(rest));
+  for (const RestMeans& rest : start.rests) readings.push_back(start.gyro(rest)), up.push_back(start.up(rest));
   const bool counts = recording.gyro_unit == "count";
   const auto at_rest = coarse_gyro_at_rest(readings, up, earth_rate * std::sin(latitude));
   if (at_rest && !counts && (at_rest->matrix - Matrix3d::Identity()).cwiseAbs().maxCoeff() < 0.05) {
@@ -42,7 +42,7 @@ void start_gyro(RestStart& start, const Recording& recording, double latitude) {
                         ": gyro: the motion does not turn the unit about all its axes; readings in counts need that for their scale");
     gyro.matrix = *in_motion;
   }
-  const Vector3d mean = gyro.matrix * start.scaling.gyro(start.mean_gyro());
+  const Vector3d mean = gyro.matrix * start.scaling.gyro(mean_gyro(start.rests));
   if (mean.norm() > 2 * earth_rate) gyro.offset = -mean;  // a smaller mean is largely the Earth's rate
   start.findings.note(counts ? "gyros started from the motion of gravity between the rests" : "gyros started from the declared unit");
 }
@@ -82,9 +82,9 @@ void check_axes(const Recording& recording, const RestStart& start) {
 }
 
 /// Standard deviation of one axis's samples in the median second of the rests, so that disturbances of some do not count.
-double quiet_noise(const std::vector<double>& readings, const std::vector<Rest>& rests, std::size_t second) {
+double quiet_noise(const std::vector<double>& readings, const std::vector<RestMeans>& rests, std::size_t second) {
   std::vector<double> variances;
-  for (const Rest& rest : rests)
+  for (const RestMeans& rest : rests)
     for (std::size_t begin = rest.range.begin; begin + second <= rest.range.end; begin += second) {
       double mean = 0, squares = 0;
       for (std::size_t i = begin; i < begin + second; ++i) mean += readings[i] / static_cast<double>(second);

@@ -61,6 +61,7 @@ std::optional<CoarseAccel> coarse_accel(const std::vector<Vector3d>& readings, d
 }
 
 std::optional<CoarseGyro> coarse_gyro_at_rest(const std::vector<Vector3d>& readings, const std::vector<Vector3d>& up, double earth_rate_vertical) {
+  if (earth_rate_vertical == 0) return {};  // homogeneous: the scale is lost
   const auto n = static_cast<Eigen::Index>(readings.size());
   Eigen::MatrixXd a(n, 12);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -69,7 +70,6 @@ std::optional<CoarseGyro> coarse_gyro_at_rest(const std::vector<Vector3d>& readi
     for (int r = 0; r < 3; ++r) a.row(i).segment<3>(3 * r) = f[r] * u.transpose();
     a.row(i).tail<3>() = f;
   }
-  if (earth_rate_vertical == 0) return {};  // homogeneous: the scale is lost
   const auto x = solve_full_rank(a, Eigen::VectorXd::Constant(n, earth_rate_vertical));
   if (!x) return {};
   CoarseGyro gyro;
@@ -78,17 +78,16 @@ std::optional<CoarseGyro> coarse_gyro_at_rest(const std::vector<Vector3d>& readi
   return gyro;
 }
 
-std::optional<Matrix3d> coarse_gyro_in_motion(const Recording& recording, const std::vector<Rest>& rests, const SensorModel& model,
+std::optional<Matrix3d> coarse_gyro_in_motion(const Recording& recording, const std::vector<RestMeans>& rests, const SensorModel& model,
                                               const Scaling& scaling) {
   // Over each quarter of a second: up(end) - up(begin) = sum over samples of (up x W1 v) dt, v the gyro reading less its mean at rest.
   const double quarter = std::min(std::round(0.25 / recording.interval_s), static_cast<double>(recording.size()));  // an interval of 0 gives all
   const auto chunk = static_cast<std::size_t>(std::max(2.0, quarter));
-  Vector3d at_rest = Vector3d::Zero();
-  for (const Rest& rest : rests) at_rest += rest.gyro / static_cast<double>(rests.size());
+  const Vector3d at_rest = mean_gyro(rests);
   const auto up_at = [&](std::size_t i) {
     Vector3d sum = Vector3d::Zero();
-    for (std::size_t k = i - chunk / 4; k <= i + chunk / 4; ++k) sum += Vector3d(recording.accel[0][k], recording.accel[1][k], recording.accel[2][k]);
-    return Vector3d(linear(model.accel, scaling.accel(sum / static_cast<double>(2 * (chunk / 4) + 1))).normalized());
+    for (std::size_t k = i - chunk / 4; k <= i + chunk / 4; ++k) sum += reading_at(recording.accel, k);
+    return Vector3d(linear_output(model.accel, scaling.accel(sum / static_cast<double>(2 * (chunk / 4) + 1))).normalized());
   };
   Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
   Eigen::Matrix<double, 9, 1> right = Eigen::Matrix<double, 9, 1>::Zero();
@@ -97,8 +96,7 @@ std::optional<Matrix3d> coarse_gyro_in_motion(const Recording& recording, const 
       const Vector3d begin = up_at(i), end = up_at(i + chunk);
       Vector3d angle = Vector3d::Zero();
       for (std::size_t s = i; s < i + chunk; ++s)
-        angle += (Vector3d(recording.gyro[0][s], recording.gyro[1][s], recording.gyro[2][s]) - at_rest).cwiseQuotient(scaling.gyro_scale) *
-                 recording.interval_s;
+        angle += (reading_at(recording.gyro, s) - at_rest).cwiseQuotient(scaling.gyro_scale) * recording.interval_s;
       const Matrix3d up = skew<double>(0.5 * (begin + end));
       Eigen::Matrix<double, 3, 9> row;
       for (int j = 0; j < 3; ++j) row.middleCols<3>(3 * j) = up * angle[j];

@@ -1,5 +1,6 @@
 // The derivatives of both methods' conditions against differences of the conditions themselves.
 #include "imulab/core/units.hpp"
+#include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/rests/handheld_problem.hpp"
 #include "imulab/estimate/rests/static_problem.hpp"
 #include "tests/simulated_session.hpp"
@@ -18,8 +19,8 @@ std::vector<CoefficientIndex> all_coefficients() {
 
 kernel::RestStart start_at_truth(const SimulatedSession& s) {
   kernel::RestStart start;
-  start.rests = kernel::summarize_rests(s.recording, s.rests);
-  start.noise = kernel::measure_noise(s.recording, start.rests);
+  start.rests = summarize_rests(s.recording, s.rests);
+  start.noise = measure_noise(s.recording, start.rests);
   start.model = s.truth.model;
   return start;
 }

@@ -25,13 +25,7 @@ struct Observations {
   std::vector<std::string> notes, warnings;
 };
 
-/// The declaration of a recording's table. Throws Error where its rig is not a turntable.
-const RigDeclaration& turntable_of(const Session& session, const std::string& recording);
-
-/// The parts of a recording on a turntable. Throws Error where its rig is none, or it has no steps.
-TablePlan parts_of(const Session& session, const std::string& recording);
-
-/// Throws Error as parts_of does, Unsupported where no sample falls into the steps.
+/// Throws Error as table_plan does, Unsupported where no sample falls into the steps.
 Observations observe(const Recording& recording, const Session& session);
 
 }  // namespace imulab::turntable

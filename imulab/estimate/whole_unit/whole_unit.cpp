@@ -2,7 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/estimate/kernel/rest_start.hpp"
+#include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/whole_unit/diagnosis.hpp"
 #include "imulab/estimate/whole_unit/quality.hpp"
 #include "imulab/estimate/whole_unit/selection.hpp"
