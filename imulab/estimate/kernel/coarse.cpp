@@ -1,8 +1,8 @@
 #include "imulab/estimate/kernel/coarse.hpp"
 
-#include <Eigen/Cholesky>
+#include "imulab/core/decomposition.hpp"
+
 #include <Eigen/LU>
-#include <Eigen/SVD>
 
 #include <cmath>
 
@@ -13,23 +13,7 @@ namespace {
 /// Below this ratio of singular values (columns normalized) the data do not determine a combination: directions set by hand are off by a few percent.
 constexpr double rank_threshold = 1e-2;
 
-/// Least squares with a rank test; empty where the columns are dependent.
-std::optional<Eigen::VectorXd> solve_full_rank(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
-  if (a.rows() < a.cols()) return {};
-  const Eigen::VectorXd norm = a.colwise().norm();
-  if (!(norm.minCoeff() > 1e-6 * norm.maxCoeff())) return {};
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(a * norm.cwiseInverse().asDiagonal(), Eigen::ComputeThinU | Eigen::ComputeThinV);
-  if (svd.singularValues().minCoeff() < rank_threshold * svd.singularValues().maxCoeff()) return {};
-  return norm.cwiseInverse().cwiseProduct(svd.solve(b));
-}
-
-/// L lower triangular with Q = L^T L: the Cholesky factor taken from the last row upwards.
-std::optional<Matrix3d> reverse_cholesky(const Matrix3d& q) {
-  const Matrix3d reversed = q.reverse();  // rows and columns
-  const Eigen::LLT<Matrix3d> factor(reversed);
-  if (factor.info() != Eigen::Success) return {};
-  return Matrix3d(Matrix3d(factor.matrixL()).transpose().reverse());
-}
+std::optional<Eigen::VectorXd> solve(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) { return solve_full_rank(a, b, rank_threshold); }
 
 }  // namespace
 
@@ -44,7 +28,7 @@ std::optional<CoarseAccel> coarse_accel(const std::vector<Vector3d>& readings, d
       a.row(i).head<6>() << u.x() * u.x(), u.y() * u.y(), u.z() * u.z(), u.x(), u.y(), u.z();
       if (cross_terms) a.row(i).tail<3>() << 2 * u.x() * u.y(), 2 * u.x() * u.z(), 2 * u.y() * u.z();
     }
-    const auto x = solve_full_rank(a, ones);
+    const auto x = solve(a, ones);
     if (!x) continue;
     Matrix3d m = Vector3d(x->head<3>()).asDiagonal();
     if (cross_terms) {
@@ -54,8 +38,10 @@ std::optional<CoarseAccel> coarse_accel(const std::vector<Vector3d>& readings, d
     }
     const Vector3d bias = -0.5 * m.inverse() * x->segment<3>(3);
     const double k = gravity * gravity / (1 + bias.dot(m * bias));
-    const auto matrix = reverse_cholesky(k * m);
-    if (matrix) return CoarseAccel{-*matrix * bias, *matrix, cross_terms};
+    const auto factor = reverse_cholesky(k * m);
+    if (!factor) continue;
+    const Matrix3d matrix = *factor;
+    return CoarseAccel{-matrix * bias, matrix, cross_terms};
   }
   return {};
 }
@@ -70,7 +56,7 @@ std::optional<CoarseGyro> coarse_gyro_at_rest(const std::vector<Vector3d>& readi
     for (int r = 0; r < 3; ++r) a.row(i).segment<3>(3 * r) = f[r] * u.transpose();
     a.row(i).tail<3>() = f;
   }
-  const auto x = solve_full_rank(a, Eigen::VectorXd::Constant(n, earth_rate_vertical));
+  const auto x = solve(a, Eigen::VectorXd::Constant(n, earth_rate_vertical));
   if (!x) return {};
   CoarseGyro gyro;
   for (int r = 0; r < 3; ++r) gyro.matrix.row(r) = x->segment<3>(3 * r);
@@ -106,7 +92,7 @@ std::optional<Matrix3d> coarse_gyro_in_motion(const Recording& recording, const 
   }
   // Squares: an axis that turns less than 3 % of the most turned one shows its noise rather than its scale.
   if (!(normal.diagonal().minCoeff() > 1e-3 * normal.diagonal().maxCoeff())) return {};
-  const auto x = solve_full_rank(normal, right);
+  const auto x = solve(normal, right);
   if (!x) return {};
   Matrix3d matrix;
   for (int j = 0; j < 3; ++j) matrix.col(j) = x->segment<3>(3 * j);

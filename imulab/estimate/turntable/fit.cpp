@@ -54,7 +54,7 @@ bool left_handed(const SensorModel& model) { return model.accel.matrix.determina
 
 /// The steps with the sense of one axis reversed.
 Problem reversed(const Problem& problem, std::size_t axis) {
-  Observations seen = problem.seen;
+  TableObservations seen = problem.seen;
   for (Step& step : seen.parts.steps) {
     step.angles[axis] = -step.angles[axis];
     if (step.kind == StepKind::rotate && static_cast<std::size_t>(step.axis) == axis) step.angle = -step.angle;
@@ -64,7 +64,7 @@ Problem reversed(const Problem& problem, std::size_t axis) {
 
 }  // namespace
 
-Problem::Problem(Observations observations, RigDeclaration table, ImuDeclaration unit, Site place)
+Problem::Problem(TableObservations observations, RigDeclaration table, ImuDeclaration unit, Site place)
     : seen(std::move(observations)), rig(std::move(table)), imu(std::move(unit)), site(std::move(place)), motion(seen.parts, rig, site) {}
 
 double Fit::log_probability() const { return log_chi_square_tail(chi2, std::max(1, estimator.degrees_of_freedom())); }

@@ -2,7 +2,6 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/turntable/estimator.hpp"
-#include "imulab/estimate/turntable/observations.hpp"
 #include "imulab/model/forward_model.hpp"
 #include "imulab/model/grade.hpp"
 #include "imulab/recording/declared_noise.hpp"

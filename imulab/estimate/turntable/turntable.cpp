@@ -26,7 +26,7 @@ using kernel::Findings;
 namespace {
 
 /// The forward model keeps a matrix whole or diagonal, and the other terms whole.
-std::vector<CoefficientIndex> chosen_coefficients(const std::vector<CoefficientIndex>& wanted, const Observations& seen) {
+std::vector<CoefficientIndex> chosen_coefficients(const std::vector<CoefficientIndex>& wanted, const TableObservations& seen) {
   const std::vector<CoefficientIndex> chosen = kernel::chosen_coefficients(
       wanted, select_each({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix", "gyro.g_sensitivity"}), "turntable");
   enum class Share { none, some, all };
@@ -165,7 +165,7 @@ Calibration calibration_of(const Fit& fit) {
 
 }  // namespace
 
-Calibration calibrate(const Observations& seen, const RigDeclaration& rig, const ImuDeclaration& imu, const Site& site,
+Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, const ImuDeclaration& imu, const Site& site,
                       const CalibrationOptions& options) {
   if (!seen.noise_measured && !(imu.accel_noise_density && imu.gyro_noise_density))
     throw Unsupported("the holds are too short to measure the sensors' noise; declare the noise densities of accelerometers and gyros");
@@ -209,7 +209,7 @@ Calibration calibrate(const Observations& seen, const RigDeclaration& rig, const
 CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOptions& options) {
   const Recording& recording = kernel::only_recording(input, "turntable");
   const Session& session = input.session;
-  const Observations seen = observe(recording, session);
+  const TableObservations seen = observe(recording, session);
   return {.calibration = calibrate(seen, turntable_of(session, recording.name), session.imu, session.site, options)};
 }
 

@@ -1,4 +1,4 @@
-#include "imulab/estimate/turntable/observations.hpp"
+#include "imulab/rig/table_observations.hpp"
 
 #include "imulab/core/error.hpp"
 #include "imulab/recording/pieces.hpp"
@@ -9,12 +9,12 @@
 #include <algorithm>
 #include <cmath>
 
-namespace imulab::turntable {
+namespace imulab::rig {
 
-Observations observe(const Recording& recording, const Session& session) {
+TableObservations observe(const Recording& recording, const Session& session) {
   const TablePlan plan = table_plan(session, recording.name);
   const auto name = [&](const TablePart& part) { return step_name(plan.steps[part.step], part.step); };
-  Observations seen;
+  TableObservations seen;
   seen.warnings = plan.warnings;
   std::vector<RestMeans> rests;
   std::vector<double> readings;
@@ -67,4 +67,4 @@ Observations observe(const Recording& recording, const Session& session) {
   return seen;
 }
 
-}  // namespace imulab::turntable
+}  // namespace imulab::rig
