@@ -81,20 +81,16 @@ struct CrossValidation {
 };
 
 CrossValidation cross_validate(const HandheldProblem& problem, const Fit& fit) {
-  std::vector<std::array<Index, 2>> rotations;
-  for (const auto& rotation : problem.rotation_rows(fit.conditions))
-    if (rotation.angle > 10 * unit::deg) rotations.push_back(rotation.rows);
+  std::vector<HandheldProblem::RotationRows> rotations = problem.rotation_rows(fit.conditions);
+  std::erase_if(rotations, [](const auto& rotation) { return !(rotation.angle > 10 * unit::deg); });
   const std::size_t folds = std::min<std::size_t>(10, rotations.size());
   double squares = 0;
   for (std::size_t fold = 0; fold < folds; ++fold) {
     Conditions held_out = fit.conditions;
-    for (CovarianceBlock& block : held_out.blocks)
-      for (std::size_t i = fold; i < rotations.size(); i += folds)
-        for (const Index row : rotations[i])
-          if (row >= block.first && row < block.first + block.size) block.covariance(row - block.first, row - block.first) *= 1e10;  // no weight
-    const Adjustment without = adjust(held_out, fit.parameters);
     for (std::size_t i = fold; i < rotations.size(); i += folds)
-      for (const Index row : rotations[i]) squares += without.residual[row] * without.residual[row];
+      held_out.blocks[rotations[i].block].covariance.diagonal().tail<2>() *= 1e10;  // no weight
+    const Eigen::VectorXd residual = adjust(held_out, fit.parameters).residual;
+    for (std::size_t i = fold; i < rotations.size(); i += folds) squares += residual.segment<2>(rotations[i].first).squaredNorm();
   }
   return {std::sqrt(squares / static_cast<double>(std::max<std::size_t>(rotations.size(), 1))) / unit::deg, rotations.size()};
 }

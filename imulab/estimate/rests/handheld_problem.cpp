@@ -185,7 +185,7 @@ void HandheldProblem::correct(const Eigen::VectorXd& correction) {
 std::vector<HandheldProblem::RotationRows> HandheldProblem::rotation_rows(const Conditions& conditions) const {
   std::vector<RotationRows> rows;
   for (std::size_t k = 0; k < links_.size(); ++k)
-    if (linked(k)) rows.push_back({{conditions.blocks[k].first + 4, conditions.blocks[k].first + 5}, rotation_log(links_[k].now.C).norm()});
+    if (linked(k)) rows.push_back({k, conditions.blocks[k].first + 4, rotation_log(links_[k].now.C).norm()});
   return rows;
 }
 

@@ -4,7 +4,6 @@
 #include "imulab/estimate/rests/problem.hpp"
 #include "imulab/navigation/integration/integrated_rotation.hpp"
 
-#include <array>
 #include <optional>
 #include <vector>
 
@@ -29,8 +28,9 @@ class HandheldProblem : public RestProblem {
 
   std::size_t rotations() const;
   struct RotationRows {
-    std::array<Eigen::Index, 2> rows;
-    double angle;  ///< by which the unit turned, rad
+    std::size_t block;   ///< of the rest before it
+    Eigen::Index first;  ///< of its two rows, the last of the block
+    double angle;        ///< by which the unit turned, rad
   };
   /// Of each rotation in `conditions`, in time order.
   std::vector<RotationRows> rotation_rows(const Conditions& conditions) const;
