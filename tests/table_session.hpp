@@ -5,6 +5,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/turntable/estimator.hpp"
 #include "imulab/estimate/turntable/turntable.hpp"
+#include "imulab/rig/table_readings.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <Eigen/Cholesky>
@@ -61,14 +62,14 @@ inline std::vector<CoefficientIndex> linear_terms() {
 
 /// A procedure's readings, with the noise of the IMU times `noise`.
 struct TableRun {
-  turntable::Observations seen;
+  TableObservations seen;
   TableMotion motion;
   SensorModel truth;
 };
 
 inline TableRun run_of(const std::vector<Step>& steps, const RigDeclaration& rig, std::uint64_t seed, double noise,
                        const Eigen::VectorXd& table_errors = {}) {
-  turntable::Observations seen;
+  TableObservations seen;
   seen.parts = table_plan(steps, 5 * rig.timing.value);
   TableMotion motion(seen.parts, rig, table_site());
   const SensorModel truth = drawn_unit(seed);

@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 
 Run odd_run(std::uint64_t seed) {
   const RigDeclaration rig = table_of(20 * unit::arcsec);
-  turntable::Observations seen;
+  TableObservations seen;
   seen.parts = table_plan(odd_steps(), rig);
   const TableMotion motion(seen.parts, rig, table_site());
   const SensorModel truth = drawn_unit(seed);

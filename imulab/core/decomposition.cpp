@@ -52,4 +52,19 @@ LeastSquares least_squares(const MatrixXd& a, const MatrixXd& b, std::optional<d
   return {qr.solve(b), qr.rank()};
 }
 
+std::optional<VectorXd> solve_full_rank(const MatrixXd& a, const VectorXd& b, double threshold) {
+  if (a.rows() < a.cols()) return {};
+  const VectorXd norm = a.colwise().norm();
+  if (!(norm.minCoeff() > 1e-6 * norm.maxCoeff())) return {};
+  const Eigen::JacobiSVD<MatrixXd> svd(a * norm.cwiseInverse().asDiagonal(), Eigen::ComputeThinU | Eigen::ComputeThinV);
+  if (svd.singularValues().minCoeff() < threshold * svd.singularValues().maxCoeff()) return {};
+  return norm.cwiseInverse().cwiseProduct(svd.solve(b));
+}
+
+std::optional<MatrixXd> reverse_cholesky(const MatrixXd& a) {
+  const Cholesky factor(a.reverse());  // rows and columns
+  if (!factor.positive_definite()) return {};
+  return MatrixXd(factor.lower().transpose().reverse());
+}
+
 }  // namespace imulab

@@ -79,4 +79,11 @@ struct LeastSquares {
 /// Without a threshold: rounding decides.
 LeastSquares least_squares(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, std::optional<double> threshold = {});
 
+/// Least squares with a rank test: empty where the least singular value of A with columns of unit length is below `threshold` times the largest, or a
+/// column vanishes beside another.
+std::optional<Eigen::VectorXd> solve_full_rank(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, double threshold);
+
+/// L lower triangular with A = L^T L: the Cholesky factor taken from the last row upwards. Empty where A is not positive definite.
+std::optional<Eigen::MatrixXd> reverse_cholesky(const Eigen::MatrixXd& a);
+
 }  // namespace imulab

@@ -71,5 +71,26 @@ TEST(Decomposition, LeastSquaresSayWhatTheDataDetermine) {
   EXPECT_EQ(least_squares(a, a * x, 1e-3).rank, 3);
 }
 
+TEST(Decomposition, ARankTestRefusesDependentColumns) {
+  const MatrixXd a = drawn(8, 3);
+  const VectorXd x = drawn(3, 1);
+  const auto found = solve_full_rank(a, a * x, 1e-2);
+  ASSERT_TRUE(found);
+  EXPECT_LT((*found - x).norm(), 1e-12);  // rounding
+  MatrixXd dependent = a;
+  dependent.col(2) = 2 * a.col(0) - a.col(1);
+  EXPECT_FALSE(solve_full_rank(dependent, a * x, 1e-2));
+  EXPECT_FALSE(solve_full_rank(a.topRows(2), x.head(2), 1e-2)) << "fewer rows than columns";
+}
+
+TEST(Decomposition, ReverseCholeskyIsOfTheOtherOrder) {
+  const MatrixXd mixed = drawn(4, 4), a = mixed * mixed.transpose() + MatrixXd::Identity(4, 4);
+  const auto lower = reverse_cholesky(a);
+  ASSERT_TRUE(lower);
+  EXPECT_LT((lower->transpose() * *lower - a).norm(), 1e-12);  // rounding
+  EXPECT_TRUE(lower->isLowerTriangular());
+  EXPECT_FALSE(reverse_cholesky(-a));
+}
+
 }  // namespace
 }  // namespace imulab

@@ -32,4 +32,15 @@ Matrix3d orthonormalized(const Matrix3d& c) {
   return svd.matrixU() * svd.matrixV().transpose();
 }
 
+Matrix3d shortest_rotation(const Vector3d& a, const Vector3d& b) { return Eigen::Quaterniond::FromTwoVectors(a, b).toRotationMatrix(); }
+
+Eigen::Matrix<double, 2, 3> tangent_basis(const Vector3d& direction) {
+  Eigen::Index smallest;
+  direction.cwiseAbs().minCoeff(&smallest);
+  const Vector3d first = direction.cross(Vector3d::Unit(smallest)).normalized();
+  Eigen::Matrix<double, 2, 3> basis;
+  basis << first.transpose(), direction.cross(first).transpose();
+  return basis;
+}
+
 }  // namespace imulab

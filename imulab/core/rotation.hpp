@@ -57,4 +57,16 @@ Matrix3d orthonormalized(const Matrix3d& c);
 /// directions must not be parallel.
 Matrix3d rotation_from_directions(const Vector3d& first_a, const Vector3d& second_a, const Vector3d& first_b, const Vector3d& second_b);
 
+/// The rotation by the smallest angle that takes unit vector a to unit vector b.
+Matrix3d shortest_rotation(const Vector3d& a, const Vector3d& b);
+
+/// Rows: two unit vectors that complete the unit vector `direction` to a right-handed triad.
+Eigen::Matrix<double, 2, 3> tangent_basis(const Vector3d& direction);
+
+/// d (v / |v|) / d v
+inline Matrix3d direction_derivative(const Vector3d& v) {
+  const Vector3d unit = v.normalized();
+  return (Matrix3d::Identity() - unit * unit.transpose()) / v.norm();
+}
+
 }  // namespace imulab

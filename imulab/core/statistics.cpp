@@ -34,6 +34,22 @@ double robust_sigma(const std::vector<double>& values) {
   return 1.4826 * median(std::move(deviations));
 }
 
+double mean_ratio(const std::vector<double>& squares, const std::vector<double>& variances, double additional) {
+  double sum = 0;
+  for (std::size_t i = 0; i < squares.size(); ++i) sum += squares[i] / (variances[i] + additional);
+  return sum / static_cast<double>(squares.size());
+}
+
+double additional_variance(const std::vector<double>& squares, const std::vector<double>& variances) {
+  if (!(mean_ratio(squares, variances) > 1)) return 0;
+  double low = 0, high = 10 * *std::max_element(squares.begin(), squares.end());
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (mean_ratio(squares, variances, middle) > 1 ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
 double normal_quantile(double p) { return bm::quantile(bm::normal(), p); }
 double chi_square_quantile(double p, double dof) { return bm::quantile(bm::chi_squared(dof), p); }
 double chi_square_tail(double x, double dof) { return bm::cdf(bm::complement(bm::chi_squared(dof), std::max(x, 0.0))); }

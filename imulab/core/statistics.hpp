@@ -11,6 +11,11 @@ double robust_sigma(const std::vector<double>& values);
 /// The p quantile of a sample (linear interpolation between order statistics).
 double quantile(std::vector<double> values, double p);
 
+/// Mean of square / (variance + additional): 1 on average where these are the variances of what was squared.
+double mean_ratio(const std::vector<double>& squares, const std::vector<double>& variances, double additional = 0);
+/// The additional variance, common to all, with which that mean is 1; 0 where it is smaller without any.
+double additional_variance(const std::vector<double>& squares, const std::vector<double>& variances);
+
 double normal_quantile(double p);
 double chi_square_quantile(double p, double degrees_of_freedom);
 double chi_square_tail(double x, double degrees_of_freedom);                        ///< P(X > x)

@@ -47,9 +47,9 @@ struct ConvergenceCurve {
 
 struct CalibrationResult {
   Calibration calibration;
-  std::optional<SensorModel> coarse;  ///< the start of the fit, if that is a result of its own (hybrid: Cheng 2014 table 1)
-  std::vector<double> curve_time;     ///< s of the recording's clock
-  std::vector<ConvergenceCurve> curves;
+  std::optional<SensorModel> coarse = {};  ///< the start of the fit, if that is a result of its own (hybrid: Cheng 2014 table 1)
+  std::vector<double> curve_time = {};     ///< s of the recording's clock
+  std::vector<ConvergenceCurve> curves = {};
   int iterations = 0;
 };
 

@@ -140,6 +140,13 @@ std::vector<CoefficientIndex> select_coefficients(std::string_view selector) {
   return selected;
 }
 
+std::vector<CoefficientIndex> select_each(std::initializer_list<std::string_view> selectors) {
+  std::vector<CoefficientIndex> indices;
+  for (const std::string_view selector : selectors)
+    for (const CoefficientIndex index : select_coefficients(selector)) indices.push_back(index);
+  return indices;
+}
+
 bool contains(const std::vector<CoefficientIndex>& indices, CoefficientIndex index) {
   return std::find(indices.begin(), indices.end(), index) != indices.end();
 }

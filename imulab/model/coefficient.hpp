@@ -3,6 +3,7 @@
 
 #include "imulab/model/sensor_model.hpp"
 
+#include <initializer_list>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -40,6 +41,8 @@ CoefficientIndex coefficient_index(Triad triad, Term term, int row, int column);
 CoefficientIndex coefficient_index(std::string_view name);
 /// Places of a selector: a name ("gyro.matrix.xy"), a term ("accel.offset") or a group ("gyro.matrix.diagonal", "gyro.matrix.off_diagonal").
 std::vector<CoefficientIndex> select_coefficients(std::string_view selector);
+/// Of several selectors, in their order.
+std::vector<CoefficientIndex> select_each(std::initializer_list<std::string_view> selectors);
 
 bool contains(const std::vector<CoefficientIndex>& indices, CoefficientIndex index);
 

@@ -75,11 +75,6 @@ Coefficients<T> rotated(Coefficients<T> c) {
   return c;
 }
 
-bool above_diagonal(CoefficientIndex index) {
-  const Coefficient& c = coefficient(index);
-  return c.triad == Triad::accel && c.term == Term::matrix && c.column > c.row;
-}
-
 /// d rotated / d coefficients.
 Eigen::MatrixXd rotation_jacobian(const SensorModel& model) {
   Coefficients<Jet> x;
@@ -91,6 +86,11 @@ Eigen::MatrixXd rotation_jacobian(const SensorModel& model) {
 }
 
 }  // namespace
+
+bool zero_by_frame(CoefficientIndex index) {
+  const Coefficient& c = coefficient(index);
+  return c.triad == Triad::accel && c.term == Term::matrix && c.column > c.row;
+}
 
 Matrix3d accelerometer_frame(const Matrix3d& a1) {
   const double size = a1.col(0).norm() * a1.col(1).norm() * a1.col(2).norm();
@@ -106,8 +106,8 @@ Calibration in_accelerometer_frame(const Calibration& calibration) {
 
   Calibration out = calibration;
   out.frame = "accelerometers";
-  for (const CoefficientIndex i : coefficient_indices()) set_coefficient(out.model, i, above_diagonal(i) ? 0.0 : values[static_cast<std::size_t>(i)]);
-  std::erase_if(out.estimated, above_diagonal);
+  for (const CoefficientIndex i : coefficient_indices()) set_coefficient(out.model, i, zero_by_frame(i) ? 0.0 : values[static_cast<std::size_t>(i)]);
+  std::erase_if(out.estimated, zero_by_frame);
   const Eigen::MatrixXd jacobian = rotation_jacobian(calibration.model)(out.estimated, calibration.estimated);
   out.covariance = jacobian * calibration.covariance * jacobian.transpose();
   return out;

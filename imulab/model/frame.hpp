@@ -11,6 +11,9 @@ namespace imulab {
 /// R, the rotation from the frame of `accel_matrix` (A1) to the accelerometers' frame: R A1 is lower triangular. Throws Error for a singular A1.
 Matrix3d accelerometer_frame(const Matrix3d& accel_matrix);
 
+/// An element of accel.matrix above the diagonal: zero by the choice of this frame.
+bool zero_by_frame(CoefficientIndex index);
+
 /// The calibration in the accelerometers' frame, a' = R a and w' = R w: offsets and matrices R x, lever arms R r_i, g-sensitivity R C R^T; the
 /// thermal terms belong to the raw outputs and stay. The quadratic and cubic terms stay as they are too: rotated, they would no longer be diagonal.
 /// The covariance follows, R's own dependence on A1 included; the three elements of accel.matrix above the diagonal are zero by definition and

@@ -202,28 +202,6 @@ bool quiet_is_motion(const Recording& recording, const std::vector<char>& quiet,
 
 }  // namespace
 
-std::vector<Range> without_interruptions(const Recording& recording, Range range, double shortest_gap_s) {
-  std::vector<Range> pieces;
-  auto gap = std::lower_bound(recording.gaps.begin(), recording.gaps.end(), range.begin + 1);
-  auto saturated = std::lower_bound(recording.saturated.begin(), recording.saturated.end(), range.begin);
-  const auto is_short = [&](std::size_t i) { return shortest_gap_s > 0 && recording.time_s(i) - recording.time_s(i - 1) < shortest_gap_s; };
-  while (range.begin < range.end) {
-    while (gap != recording.gaps.end() && *gap < range.end && is_short(*gap)) ++gap;
-    const std::size_t next_gap = gap != recording.gaps.end() ? *gap : range.end;
-    const std::size_t next_saturated = saturated != recording.saturated.end() ? *saturated : range.end;
-    const std::size_t cut = std::min({next_gap, next_saturated, range.end});
-    if (cut > range.begin) pieces.push_back({range.begin, cut});
-    range.begin = cut;
-    if (next_saturated == cut && cut < range.end) {  // the sample itself is lost
-      ++range.begin;
-      ++saturated;
-    }
-    if (next_gap == cut && gap != recording.gaps.end()) ++gap;
-    if (cut == range.end) break;
-  }
-  return pieces;
-}
-
 RestDetection detect_rests(const Recording& recording, const RestOptions& options) {
   validate(recording);
   RestDetection found;

@@ -6,7 +6,7 @@
 // other rests, so that a steady rotation is not taken for a rest.
 #pragma once
 
-#include "imulab/recording/recording.hpp"
+#include "imulab/recording/pieces.hpp"
 
 #include <array>
 #include <string>
@@ -28,9 +28,6 @@ struct RestDetection {
   std::size_t turning = 0;                            ///< quiet runs rejected because the IMU was turning steadily
   std::vector<std::string> notes;                     ///< the same in words
 };
-
-/// The parts of a range between its gaps of at least `shortest_gap_s` and its saturated samples.
-std::vector<Range> without_interruptions(const Recording& recording, Range range, double shortest_gap_s = 0);
 
 /// An IMU at rest on both sides of a shorter gap was at rest inside it.
 inline constexpr double still_s = 0.25;

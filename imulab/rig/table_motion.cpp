@@ -4,7 +4,6 @@
 #include "imulab/rig/rig_errors.hpp"
 #include "imulab/rig/table_attitude.hpp"
 
-#include <Eigen/LU>
 #include <ceres/jet.h>
 #include <fmt/core.h>
 
@@ -187,40 +186,6 @@ std::vector<MatrixXd> TableMotion::curvatures(const VectorXd& errors, const Matr
           for (const int other : {part.first[m], part.second[m]})
             for (std::size_t sum = 0; sum < out.size() && other != none; ++sum)
               out[sum](source, other) += second(static_cast<Index>(sum), static_cast<Index>(m));
-    }
-  }
-  return out;
-}
-
-VectorXd readings(const TableMotion& motion, const SensorModel& model, const VectorXd& truth) {
-  const Matrix3d accel = model.accel.matrix.inverse(), gyro = model.gyro.matrix.inverse();
-  VectorXd out(motion.rows());
-  for (std::size_t k = 0; k < motion.parts(); ++k) {
-    const Vector3d force = truth.segment<3>(static_cast<Index>(6 * k)), rate = truth.segment<3>(static_cast<Index>(6 * k + 3));
-    if (motion.is_hold(k)) out.segment<3>(motion.row(k)) = accel * (force - model.accel.offset);
-    out.segment<3>(motion.gyro_row(k)) = gyro * (rate - model.gyro.offset * motion.gain(k) - model.g_sensitivity * force);
-  }
-  return out;
-}
-
-MatrixXd noise_covariance(const TableMotion& motion, const Matrix3d& accel_density, const Matrix3d& gyro_density) {
-  MatrixXd out = MatrixXd::Zero(motion.rows(), motion.rows());
-  for (std::size_t k = 0; k < motion.parts(); ++k) {
-    const double duration = motion.end(k) - motion.begin(k);
-    const Index row = motion.gyro_row(k);
-    if (motion.is_hold(k)) {
-      out.block<3, 3>(motion.row(k), motion.row(k)) = accel_density / duration;
-      out.block<3, 3>(row, row) = gyro_density / duration;
-      continue;
-    }
-    out.block<3, 3>(row, row) = gyro_density * duration;
-    for (std::size_t other = 0; other < k; ++other) {  // samples that are in a hold's mean, too, or shared with a turn that follows without a rest
-      const double shared = std::min(motion.end(k), motion.end(other)) - std::max(motion.begin(k), motion.begin(other));
-      if (shared <= 0) continue;
-      const double weight = motion.is_hold(other) ? shared / (motion.end(other) - motion.begin(other)) : shared;
-      const Index other_row = motion.gyro_row(other);
-      out.block<3, 3>(row, other_row) = gyro_density * weight;
-      out.block<3, 3>(other_row, row) = out.block<3, 3>(row, other_row).transpose();
     }
   }
   return out;

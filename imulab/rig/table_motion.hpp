@@ -2,7 +2,6 @@
 #pragma once
 
 #include "imulab/core/rotation.hpp"
-#include "imulab/model/sensor_model.hpp"
 #include "imulab/rig/table_plan.hpp"
 
 #include <Eigen/Core>
@@ -76,12 +75,6 @@ class TableMotion {
   std::vector<Part> parts_;  ///< holds, then turns
   std::size_t holds_ = 0;
 };
-
-/// Readings of an IMU at these errors, without noise: six rows per hold, three per turn. `truth` as TableMotion gives it.
-Eigen::VectorXd readings(const TableMotion& motion, const SensorModel& model, const Eigen::VectorXd& truth);
-
-/// Covariance of the readings from white noise with these raw covariance densities, including the samples that a hold and a turn share.
-Eigen::MatrixXd noise_covariance(const TableMotion& motion, const Matrix3d& accel_density, const Matrix3d& gyro_density);
 
 }  // namespace imulab::rig
 

@@ -81,4 +81,19 @@ TablePlan table_plan(const std::vector<Step>& steps, double guard) {
 
 TablePlan table_plan(const std::vector<Step>& steps, const RigDeclaration& rig) { return table_plan(steps, guard_sigmas * rig.timing.value); }
 
+const RigDeclaration& turntable_of(const Session& session, const std::string& recording) {
+  const RigDeclaration* const rig = session.rig_of(session.source_of(recording));
+  if (rig == nullptr) throw Error(session.file + ": no rig; the method turntable expects the declared accuracy of a turntable");
+  if (rig->kind != RigKind::turntable)
+    throw Error(fmt::format("{}: the rig is of kind \"{}\"; the method turntable expects \"turntable\"", session.file, to_string(rig->kind)));
+  return *rig;
+}
+
+TablePlan table_plan(const Session& session, const std::string& recording) {
+  const RigDeclaration& rig = turntable_of(session, recording);
+  const std::vector<Step> steps = session.steps_of(session.source_of(recording));
+  if (steps.empty()) throw Error(session.file + ": no steps; expected what the table does");
+  return table_plan(steps, rig);
+}
+
 }  // namespace imulab::rig

@@ -29,6 +29,12 @@ TablePlan table_plan(const std::vector<Step>& steps, double guard);
 /// With the guard that the table's declared timing requires: five sigmas.
 TablePlan table_plan(const std::vector<Step>& steps, const RigDeclaration& rig);
 
+/// The declaration of a recording's table. Throws Error where its rig is not a turntable.
+const RigDeclaration& turntable_of(const Session& session, const std::string& recording);
+
+/// The parts of a recording on a turntable. Throws Error where its rig is none, or it has no steps.
+TablePlan table_plan(const Session& session, const std::string& recording);
+
 }  // namespace imulab::rig
 
 namespace imulab {

@@ -5,6 +5,7 @@
 #include "imulab/estimate/turntable/turntable.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/rig/procedure.hpp"
+#include "imulab/rig/table_readings.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -72,7 +73,7 @@ Run turntable_run(std::uint64_t seed, double table_sigma) {
   const Calibration c = turntable::calibrate(input_of(session, recording), chosen).calibration;
   if (c.estimated.size() != chosen.terms.size())
     throw std::runtime_error(fmt::format("seed {}: {} coefficients were found undetermined", seed, c.quality.unobservable.size()));
-  const TableMotion motion(turntable::observe(recording, session).parts, rig, session.site);
+  const TableMotion motion(observe(recording, session).parts, rig, session.site);
   const turntable::RawNoise noise{turntable::raw_density(truth.accel_noise.N, truth.model.accel.matrix),
                                   turntable::raw_density(truth.gyro_noise.N, truth.model.gyro.matrix)};
   Run result{c.estimated, VectorXd(c.estimated.size()), c.covariance, turntable_information(motion, truth.model, noise, c.estimated)};

@@ -34,7 +34,7 @@ constexpr const char* wrong_latitude = "the latitude seems to be wrong";
 void start_gyro(kernel::RestStart& start, const Recording& recording, double latitude) {
   TriadModel& gyro = start.model.gyro;
   std::vector<Vector3d> readings, up;
-  for (const kernel::Rest& rest : start.rests) readings.push_back(start.gyro(rest)), up.push_back(start.up(rest));
+  for (const RestMeans& rest : start.rests) readings.push_back(start.gyro(rest)), up.push_back(start.up(rest));
   const bool counts = recording.gyro_unit == "count";
   const auto at_rest = kernel::coarse_gyro_at_rest(readings, up, earth_rate * std::sin(latitude));
   if (at_rest && !counts && (at_rest->matrix - Matrix3d::Identity()).cwiseAbs().maxCoeff() < 0.05) {
@@ -49,7 +49,7 @@ void start_gyro(kernel::RestStart& start, const Recording& recording, double lat
       throw Unsupported(recording.name + ": gyro: the motion does not turn the IMU about all its axes; readings in counts need that for their scale");
     gyro.matrix = *in_motion;
   }
-  const Vector3d mean = gyro.matrix * start.scaling.gyro(start.mean_gyro());
+  const Vector3d mean = gyro.matrix * start.scaling.gyro(mean_gyro(start.rests));
   if (mean.norm() > 2 * earth_rate) gyro.offset = -mean;  // a smaller mean is largely the Earth's rate
   start.findings.note(counts ? "gyros started from the motion of gravity between the rests" : "gyros started from the declared unit");
 }
@@ -84,7 +84,7 @@ kernel::RestStart coarse_start(const Recording& recording, const std::vector<Ran
 }
 
 /// White noise of the calibrated output from the samples' or the declared noise; the other terms as declared.
-Noise noise_of(const kernel::SampleNoise& raw, const SensorModel& coarse, const Recording& recording, const ImuDeclaration& imu) {
+Noise noise_of(const SampleNoise& raw, const SensorModel& coarse, const Recording& recording, const ImuDeclaration& imu) {
   const auto density = [&](const TriadModel& triad, const Vector3d& sigma) {
     return Vector3d(std::sqrt(recording.interval_s) * (triad.matrix.cwiseAbs2() * sigma.cwiseAbs2()).cwiseSqrt());
   };

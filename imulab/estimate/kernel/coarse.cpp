@@ -1,8 +1,8 @@
 #include "imulab/estimate/kernel/coarse.hpp"
 
-#include <Eigen/Cholesky>
+#include "imulab/core/decomposition.hpp"
+
 #include <Eigen/LU>
-#include <Eigen/SVD>
 
 #include <cmath>
 
@@ -13,23 +13,7 @@ namespace {
 /// Below this ratio of singular values (columns normalized) the data do not determine a combination: directions set by hand are off by a few percent.
 constexpr double rank_threshold = 1e-2;
 
-/// Least squares with a rank test; empty where the columns are dependent.
-std::optional<Eigen::VectorXd> solve_full_rank(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
-  if (a.rows() < a.cols()) return {};
-  const Eigen::VectorXd norm = a.colwise().norm();
-  if (!(norm.minCoeff() > 1e-6 * norm.maxCoeff())) return {};
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(a * norm.cwiseInverse().asDiagonal(), Eigen::ComputeThinU | Eigen::ComputeThinV);
-  if (svd.singularValues().minCoeff() < rank_threshold * svd.singularValues().maxCoeff()) return {};
-  return norm.cwiseInverse().cwiseProduct(svd.solve(b));
-}
-
-/// L lower triangular with Q = L^T L: the Cholesky factor taken from the last row upwards.
-std::optional<Matrix3d> reverse_cholesky(const Matrix3d& q) {
-  const Matrix3d reversed = q.reverse();  // rows and columns
-  const Eigen::LLT<Matrix3d> factor(reversed);
-  if (factor.info() != Eigen::Success) return {};
-  return Matrix3d(Matrix3d(factor.matrixL()).transpose().reverse());
-}
+std::optional<Eigen::VectorXd> solve(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) { return solve_full_rank(a, b, rank_threshold); }
 
 }  // namespace
 
@@ -44,7 +28,7 @@ std::optional<CoarseAccel> coarse_accel(const std::vector<Vector3d>& readings, d
       a.row(i).head<6>() << u.x() * u.x(), u.y() * u.y(), u.z() * u.z(), u.x(), u.y(), u.z();
       if (cross_terms) a.row(i).tail<3>() << 2 * u.x() * u.y(), 2 * u.x() * u.z(), 2 * u.y() * u.z();
     }
-    const auto x = solve_full_rank(a, ones);
+    const auto x = solve(a, ones);
     if (!x) continue;
     Matrix3d m = Vector3d(x->head<3>()).asDiagonal();
     if (cross_terms) {
@@ -54,13 +38,16 @@ std::optional<CoarseAccel> coarse_accel(const std::vector<Vector3d>& readings, d
     }
     const Vector3d bias = -0.5 * m.inverse() * x->segment<3>(3);
     const double k = gravity * gravity / (1 + bias.dot(m * bias));
-    const auto matrix = reverse_cholesky(k * m);
-    if (matrix) return CoarseAccel{-*matrix * bias, *matrix, cross_terms};
+    const auto factor = reverse_cholesky(k * m);
+    if (!factor) continue;
+    const Matrix3d matrix = *factor;
+    return CoarseAccel{-matrix * bias, matrix, cross_terms};
   }
   return {};
 }
 
 std::optional<CoarseGyro> coarse_gyro_at_rest(const std::vector<Vector3d>& readings, const std::vector<Vector3d>& up, double earth_rate_vertical) {
+  if (earth_rate_vertical == 0) return {};  // homogeneous: the scale is lost
   const auto n = static_cast<Eigen::Index>(readings.size());
   Eigen::MatrixXd a(n, 12);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -69,8 +56,7 @@ std::optional<CoarseGyro> coarse_gyro_at_rest(const std::vector<Vector3d>& readi
     for (int r = 0; r < 3; ++r) a.row(i).segment<3>(3 * r) = f[r] * u.transpose();
     a.row(i).tail<3>() = f;
   }
-  if (earth_rate_vertical == 0) return {};  // homogeneous: the scale is lost
-  const auto x = solve_full_rank(a, Eigen::VectorXd::Constant(n, earth_rate_vertical));
+  const auto x = solve(a, Eigen::VectorXd::Constant(n, earth_rate_vertical));
   if (!x) return {};
   CoarseGyro gyro;
   for (int r = 0; r < 3; ++r) gyro.matrix.row(r) = x->segment<3>(3 * r);
@@ -78,17 +64,16 @@ std::optional<CoarseGyro> coarse_gyro_at_rest(const std::vector<Vector3d>& readi
   return gyro;
 }
 
-std::optional<Matrix3d> coarse_gyro_in_motion(const Recording& recording, const std::vector<Rest>& rests, const SensorModel& model,
+std::optional<Matrix3d> coarse_gyro_in_motion(const Recording& recording, const std::vector<RestMeans>& rests, const SensorModel& model,
                                               const Scaling& scaling) {
   // Over each quarter of a second: up(end) - up(begin) = sum over samples of (up x W1 v) dt, v the gyro reading less its mean at rest.
   const double quarter = std::min(std::round(0.25 / recording.interval_s), static_cast<double>(recording.size()));  // an interval of 0 gives all
   const auto chunk = static_cast<std::size_t>(std::max(2.0, quarter));
-  Vector3d at_rest = Vector3d::Zero();
-  for (const Rest& rest : rests) at_rest += rest.gyro / static_cast<double>(rests.size());
+  const Vector3d at_rest = mean_gyro(rests);
   const auto up_at = [&](std::size_t i) {
     Vector3d sum = Vector3d::Zero();
-    for (std::size_t k = i - chunk / 4; k <= i + chunk / 4; ++k) sum += Vector3d(recording.accel[0][k], recording.accel[1][k], recording.accel[2][k]);
-    return Vector3d(linear(model.accel, scaling.accel(sum / static_cast<double>(2 * (chunk / 4) + 1))).normalized());
+    for (std::size_t k = i - chunk / 4; k <= i + chunk / 4; ++k) sum += reading_at(recording.accel, k);
+    return Vector3d(linear_output(model.accel, scaling.accel(sum / static_cast<double>(2 * (chunk / 4) + 1))).normalized());
   };
   Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
   Eigen::Matrix<double, 9, 1> right = Eigen::Matrix<double, 9, 1>::Zero();
@@ -97,8 +82,7 @@ std::optional<Matrix3d> coarse_gyro_in_motion(const Recording& recording, const 
       const Vector3d begin = up_at(i), end = up_at(i + chunk);
       Vector3d angle = Vector3d::Zero();
       for (std::size_t s = i; s < i + chunk; ++s)
-        angle += (Vector3d(recording.gyro[0][s], recording.gyro[1][s], recording.gyro[2][s]) - at_rest).cwiseQuotient(scaling.gyro_scale) *
-                 recording.interval_s;
+        angle += (reading_at(recording.gyro, s) - at_rest).cwiseQuotient(scaling.gyro_scale) * recording.interval_s;
       const Matrix3d up = skew<double>(0.5 * (begin + end));
       Eigen::Matrix<double, 3, 9> row;
       for (int j = 0; j < 3; ++j) row.middleCols<3>(3 * j) = up * angle[j];
@@ -108,7 +92,7 @@ std::optional<Matrix3d> coarse_gyro_in_motion(const Recording& recording, const 
   }
   // Squares: an axis that turns less than 3 % of the most turned one shows its noise rather than its scale.
   if (!(normal.diagonal().minCoeff() > 1e-3 * normal.diagonal().maxCoeff())) return {};
-  const auto x = solve_full_rank(normal, right);
+  const auto x = solve(normal, right);
   if (!x) return {};
   Matrix3d matrix;
   for (int j = 0; j < 3; ++j) matrix.col(j) = x->segment<3>(3 * j);

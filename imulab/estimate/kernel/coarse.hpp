@@ -1,7 +1,7 @@
 // Coarse solutions without a rig, all linear: the start of the maximum-likelihood refinements (Cheng 2014 sec 1.2, "shape from motion").
 #pragma once
 
-#include "imulab/estimate/kernel/scaling.hpp"
+#include "imulab/recording/scaling.hpp"
 
 #include <optional>
 
@@ -27,7 +27,7 @@ std::optional<CoarseGyro> coarse_gyro_at_rest(const std::vector<Vector3d>& readi
 
 /// Gyro matrix from the motion between the rests: the direction of gravity that the accelerometers see turns at -w x f. Linear in nine unknowns and
 /// good to some percent for any acceleration of the hand. Empty where the motion does not turn the unit about all axes.
-std::optional<Matrix3d> coarse_gyro_in_motion(const Recording& recording, const std::vector<Rest>& rests, const SensorModel& scaled_model,
+std::optional<Matrix3d> coarse_gyro_in_motion(const Recording& recording, const std::vector<RestMeans>& rests, const SensorModel& scaled_model,
                                               const Scaling& scaling);
 
 }  // namespace imulab::kernel

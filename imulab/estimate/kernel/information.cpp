@@ -46,7 +46,7 @@ Solution solve(const Information& data, const Parameters& parameters, std::strin
   Solution s;
   s.x = VectorXd::Zero(parameters.size());
   for (Index i = 0; i < parameters.size(); ++i) {
-    if (parameters.role[static_cast<std::size_t>(i)] == Role::held)
+    if (parameters.role[static_cast<std::size_t>(i)] == Role::fixed)
       s.x[i] = parameters.offset[i];
     else
       loose.push_back(i);
@@ -58,7 +58,7 @@ Solution solve(const Information& data, const Parameters& parameters, std::strin
     weight[k] = 1 / (parameters.sigma[i] * parameters.sigma[i]);  // zero without a prior
     pull[k] = weight[k] > 0 ? weight[k] * parameters.offset[i] : 0;
   }
-  const VectorXd gradient = data.g + data.N * s.x;  // with the held ones at their values
+  const VectorXd gradient = data.g + data.N * s.x;  // with the fixed ones at their values
   MatrixXd normal = data.N(loose, loose);
   normal.diagonal() += weight;
   const VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();

@@ -13,7 +13,7 @@ namespace imulab::kernel {
 enum class Role : char {
   estimated,   ///< by the data, under its prior where it has one
   considered,  ///< stays at its prior value; its prior sigma counts in the covariance of the others
-  held,        ///< stays at its prior value, which is taken as exact
+  fixed,       ///< stays at its prior value, which is taken as exact
 };
 
 /// The prior sigma of a parameter without a prior.
@@ -50,7 +50,7 @@ struct Information {
 
 struct Solution {
   Eigen::VectorXd x;              ///< correction of the parameters
-  Eigen::MatrixXd covariance;     ///< of all parameters; zero for those held
+  Eigen::MatrixXd covariance;     ///< of all parameters; zero for the fixed ones
   double chi2 = 0;                ///< of the data at x
   double degrees_of_freedom = 0;  ///< rows less what the data determine of the estimated parameters
 };

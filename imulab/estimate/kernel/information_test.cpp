@@ -42,7 +42,7 @@ TEST(Solve, WhatIsHeldTakesItsPriorValueAsExact) {
   const MatrixXd j = random_matrix(30, 4, 3);
   const VectorXd e = random_matrix(30, 1, 4);
   Parameters parameters(4);
-  parameters.role[2] = Role::held, parameters.offset[2] = 0.7;
+  parameters.role[2] = Role::fixed, parameters.offset[2] = 0.7;
   const Solution s = solve(Information(j, e), parameters);
   EXPECT_EQ(s.x[2], 0.7);
   EXPECT_EQ(s.covariance.row(2).norm(), 0);
@@ -54,10 +54,10 @@ TEST(Solve, WhatIsHeldTakesItsPriorValueAsExact) {
 TEST(Solve, WhatIsConsideredCountsAsNoiseOfTheData) {
   const MatrixXd j = random_matrix(30, 4, 5);
   const VectorXd e = random_matrix(30, 1, 6);
-  Parameters parameters(4), held(4);
-  parameters.role[3] = Role::considered, held.role[3] = Role::held;
-  parameters.sigma[3] = 0.4, parameters.offset[3] = held.offset[3] = 0.2;
-  const Solution s = solve(Information(j, e), parameters), exact = solve(Information(j, e), held);
+  Parameters parameters(4), fixed(4);
+  parameters.role[3] = Role::considered, fixed.role[3] = Role::fixed;
+  parameters.sigma[3] = 0.4, parameters.offset[3] = fixed.offset[3] = 0.2;
+  const Solution s = solve(Information(j, e), parameters), exact = solve(Information(j, e), fixed);
   EXPECT_LT((s.x - exact.x).norm(), 1e-12) << "the estimate is that with the parameter at its prior value";
   EXPECT_NEAR(s.covariance(3, 3), 0.16, 1e-12);
   // The estimate's errors from noise of the data and from the considered parameter: P (J^T J + J^T j3 0.16 j3^T J) P.

@@ -1,9 +1,12 @@
 #include "imulab/estimate/kernel/input.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/model/frame.hpp"
 #include "imulab/recording/validate.hpp"
 
 #include <fmt/core.h>
+
+#include <algorithm>
 
 namespace imulab::kernel {
 
@@ -18,8 +21,32 @@ const Recording& only_recording(const CalibrationInput& input, std::string_view 
 }
 
 Rests rests_of(const CalibrationInput& input, const Recording& recording) {
-  if (input.rests) return {*input.rests, {}};
-  return imulab::rests_of(recording, input.session);
+  return input.rests ? Rests{*input.rests, {}} : imulab::rests_of(recording, input.session);
+}
+
+void expect_alive(const Columns3& triad, std::string_view file, std::string_view name, std::string_view consequence) {
+  for (std::size_t j = 0; j < 3; ++j)
+    if (!triad[j].empty() && std::all_of(triad[j].begin(), triad[j].end(), [&](double v) { return v == triad[j].front(); }))
+      throw Unsupported(fmt::format("{}: {} {} reads {:g} in every sample: {}", file, name, "xyz"[j], triad[j].front(), consequence));
+}
+
+std::vector<CoefficientIndex> accel_coefficients() {
+  std::vector<CoefficientIndex> indices = select_each({"accel.offset", "accel.matrix"});
+  std::erase_if(indices, zero_by_frame);
+  return indices;
+}
+
+std::vector<CoefficientIndex> chosen_coefficients(const std::vector<CoefficientIndex>& wanted, const std::vector<CoefficientIndex>& supplied,
+                                                  std::string_view method) {
+  if (wanted.empty()) return supplied;
+  for (const CoefficientIndex index : wanted)
+    if (!zero_by_frame(index) && !contains(supplied, index))
+      throw TermsError(fmt::format("{} is not a coefficient that the method {} estimates", coefficient(index).name, method));
+  std::vector<CoefficientIndex> chosen = supplied;
+  std::erase_if(chosen, [&](CoefficientIndex index) { return !contains(wanted, index); });
+  if (chosen.empty())
+    throw TermsError(fmt::format("the terms select no coefficient of the method {}; the accelerometer matrix is lower triangular", method));
+  return chosen;
 }
 
 }  // namespace imulab::kernel

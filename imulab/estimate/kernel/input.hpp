@@ -1,4 +1,4 @@
-// The input of a method with one recording.
+// The input of a method with one recording, and the coefficients that it was asked for.
 #pragma once
 
 #include "imulab/estimate/method.hpp"
@@ -13,5 +13,15 @@ const Recording& only_recording(const CalibrationInput& input, std::string_view 
 
 /// The rests of that recording: those given, else the session's holds, else those found in the data, with a note of their source.
 Rests rests_of(const CalibrationInput& input, const Recording& recording);
+
+/// Throws Unsupported where an axis reads the same in every sample.
+void expect_alive(const Columns3& triad, std::string_view file, std::string_view name, std::string_view consequence);
+
+/// The accelerometer coefficients in the accelerometers' frame: offsets and the lower triangle of the matrix.
+std::vector<CoefficientIndex> accel_coefficients();
+
+/// Those of `supplied` that are `wanted`, all of them where none is named. Throws TermsError naming one that the method does not estimate.
+std::vector<CoefficientIndex> chosen_coefficients(const std::vector<CoefficientIndex>& wanted, const std::vector<CoefficientIndex>& supplied,
+                                                  std::string_view method);
 
 }  // namespace imulab::kernel

@@ -3,6 +3,8 @@
 
 #include "imulab/model/coefficient.hpp"
 
+#include <cmath>
+
 namespace imulab::kernel {
 
 /// Of a triad, on the calibrated side: u is m/s^2 or rad/s. Zero: the method has no such term.
@@ -22,10 +24,21 @@ struct PriorSizes {
 };
 
 /// One sigma of a table coefficient. `scale`: u per raw unit of the input axis; `thermal_range`: of the thermal readings, in their unit.
-double prior_sigma(const PriorSizes& sizes, const Coefficient& coefficient, double scale, double thermal_range = 1);
+inline double prior_sigma(const PriorSizes& sizes, const Coefficient& c, double scale, double thermal_range = 1) {
+  const TriadPrior& t = c.triad == Triad::accel ? sizes.accel : sizes.gyro;
+  if (c.term == Term::offset) return t.offset;
+  if (c.term == Term::matrix) return (c.row == c.column ? t.scale : t.misalignment) * scale;
+  if (c.term == Term::quadratic) return t.quadratic * scale * scale;
+  if (c.term == Term::cubic) return t.cubic * scale * scale * scale;
+  if (c.term == Term::thermal) return t.drift / scale / std::pow(thermal_range, c.column);
+  return c.term == Term::g_sensitivity ? sizes.g_sensitivity : sizes.lever_arm;
+}
 
 /// The data determine a coefficient if they bring its sigma below this: offsets and scales below a twentieth of the prior (less certain ones are no
 /// calibration, and make the equations nonlinear), other terms below half of it.
-double needed_sigma(const Coefficient& coefficient, double prior);
+inline double needed_sigma(const Coefficient& c, double prior) {
+  const bool basic = c.term == Term::offset || (c.term == Term::matrix && c.row == c.column);
+  return (basic ? 0.05 : 0.5) * prior;
+}
 
 }  // namespace imulab::kernel

@@ -1,9 +1,7 @@
 #include "imulab/estimate/kernel/suspects.hpp"
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
-
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 namespace imulab::kernel {
 
@@ -11,17 +9,21 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-double Deviation::log_probability() const { return degrees_of_freedom == 0 ? 0 : log_chi_square_tail(chi2, degrees_of_freedom); }
+double Deviation::log_probability(double residual_degrees) const {
+  if (degrees_of_freedom == 0) return 0;
+  if (std::isinf(residual_degrees)) return log_chi_square_tail(chi2, degrees_of_freedom);
+  return std::log(std::max(f_tail(chi2 / degrees_of_freedom, degrees_of_freedom, residual_degrees), 1e-300));
+}
 
 Deviation deviation(const VectorXd& residual, const MatrixXd& covariance, const MatrixXd& unfitted) {
   Deviation out;
-  const Eigen::LLT<MatrixXd> unit(unfitted);
-  const MatrixXd left = unit.matrixL().solve(covariance);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> spectrum(MatrixXd(unit.matrixL().solve(left.transpose())));
-  const VectorXd along = spectrum.eigenvectors().transpose() * unit.matrixL().solve(residual);
+  if (residual.size() == 0) return out;
+  const Cholesky unit(unfitted);
+  const SymmetricEigen spectrum = symmetric_eigen(unit.solve_lower(MatrixXd(unit.solve_lower(covariance).transpose())));
+  const VectorXd along = spectrum.vectors.transpose() * unit.solve_lower(residual);
   for (Index i = 0; i < along.size(); ++i) {
-    if (spectrum.eigenvalues()[i] < 1e-6) continue;
-    out.chi2 += along[i] * along[i] / spectrum.eigenvalues()[i];
+    if (spectrum.values[i] < 1e-6) continue;
+    out.chi2 += along[i] * along[i] / spectrum.values[i];
     ++out.degrees_of_freedom;
   }
   return out;

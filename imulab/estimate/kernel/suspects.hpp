@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,9 @@ struct Suspect {
 struct Deviation {
   double chi2 = 0;
   int degrees_of_freedom = 0;
-  /// Natural logarithm of the probability that chance does as much.
-  double log_probability() const;
+  /// Natural logarithm of the probability that chance does as much; where the size of the residuals was itself estimated from a finite number of
+  /// `residual_degrees`, by the F distribution.
+  double log_probability(double residual_degrees = std::numeric_limits<double>::infinity()) const;
 };
 
 /// From a part's residuals after the fit (or any linear map of them), their covariance, and the covariance that they would have if the fit did not

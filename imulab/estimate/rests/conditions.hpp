@@ -3,7 +3,9 @@
 // rests eliminated.
 #pragma once
 
+#include "imulab/core/block_tridiagonal.hpp"
 #include "imulab/estimate/kernel/information.hpp"
+#include "imulab/estimate/kernel/suspects.hpp"
 
 #include <Eigen/Core>
 
@@ -18,19 +20,13 @@ inline constexpr int kinds = 3;
 using Spreads = std::array<double, kinds>;  ///< additional standard deviation by kind: m/s^2, rad/s, rad
 
 struct Conditions {
-  /// Rows first .. first + size - 1; `covariance` of them, `coupling` with the rows of the block before (empty for none).
-  struct Block {
-    Eigen::Index first = 0, size = 0;
-    Eigen::MatrixXd covariance, coupling;
-  };
   Eigen::VectorXd value;     ///< w at the current parameters
   Eigen::MatrixXd jacobian;  ///< dw / dtheta
   std::vector<Kind> kind;    ///< by row; its variance grows by the square of its kind's spread
-  std::vector<Block> blocks;
+  BlockTridiagonal blocks;   ///< covariance of w, a block a rest
 
   Conditions(Eigen::Index rows, Eigen::Index parameters)
       : value(Eigen::VectorXd::Zero(rows)), jacobian(Eigen::MatrixXd::Zero(rows, parameters)), kind(static_cast<std::size_t>(rows), Kind::gravity) {}
-  Eigen::VectorXd variance() const;  ///< of each row
   kernel::Information information() const;
 };
 
@@ -53,13 +49,7 @@ bool spread_is_significant(const Conditions& conditions, const Adjustment& adjus
 /// that is in the conditions' covariance.
 double estimate_spread(const Conditions& conditions, const Adjustment& adjustment, Kind kind, double current);
 
-/// How much rows deviate: the chi-square that leaving them out saves, and its degrees of freedom.
-struct Deviation {
-  double statistic = 0, degrees_of_freedom = 0;
-  /// Natural logarithm of the probability that chance does as much; where the size of the residuals was itself estimated from a finite number of
-  /// `residual_degrees`, by the F distribution.
-  double log_probability(double residual_degrees) const;
-};
-Deviation deviation_of(const Conditions& conditions, const Adjustment& adjustment, const std::vector<Eigen::Index>& rows);
+/// How much rows deviate.
+kernel::Deviation deviation_of(const Conditions& conditions, const Adjustment& adjustment, const std::vector<Eigen::Index>& rows);
 
 }  // namespace imulab::rests

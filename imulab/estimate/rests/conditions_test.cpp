@@ -69,9 +69,9 @@ TEST(Adjustment, EqualsGeneralizedLeastSquares) {
 
 TEST(Adjustment, WhatIsConsideredDoesNotShrinkTheResidualsItIsNotFittedTo) {
   const Example e = example(8, 5);
-  kernel::Parameters parameters = loose(), held = parameters;
-  parameters.role[3] = kernel::Role::considered, held.role[3] = kernel::Role::held;
-  EXPECT_EQ(adjust(e.conditions, parameters).residual_variance, adjust(e.conditions, held).residual_variance);
+  kernel::Parameters parameters = loose(), fixed = parameters;
+  parameters.role[3] = kernel::Role::considered, fixed.role[3] = kernel::Role::fixed;
+  EXPECT_EQ(adjust(e.conditions, parameters).residual_variance, adjust(e.conditions, fixed).residual_variance);
 }
 
 TEST(Adjustment, DeviationIsTheChiSquareSavedByLeavingRowsOut) {
@@ -86,11 +86,11 @@ TEST(Adjustment, DeviationIsTheChiSquareSavedByLeavingRowsOut) {
     without.value[28] += shift;
     const Adjustment all = adjust(with, loose());
     const double saved = total(all) - total(adjust(without, loose()));
-    const Deviation deviation = deviation_of(with, all, {27, 28, 29});
+    const kernel::Deviation deviation = deviation_of(with, all, {27, 28, 29});
     EXPECT_EQ(deviation.degrees_of_freedom, 3);
-    EXPECT_NEAR(deviation.statistic, saved, 1e-6 * saved);  // the weight of 1e-12 that remains
+    EXPECT_NEAR(deviation.chi2, saved, 1e-6 * saved);  // the weight of 1e-12 that remains
     // chi-square with 3 degrees of freedom: P(X > x) = erfc(sqrt(x/2)) + sqrt(2x/pi) exp(-x/2); the second term alone far out
-    const double x = deviation.statistic;
+    const double x = deviation.chi2;
     const double log_tail = shift == 0 ? std::log(std::erfc(std::sqrt(x / 2)) + std::sqrt(2 * x / M_PI) * std::exp(-x / 2)) : 0.5 * std::log(2 * x / M_PI) - x / 2;
     EXPECT_NEAR(deviation.log_probability(endless), log_tail, 1e-9 * std::abs(log_tail) + 1e-9);
   }
@@ -98,7 +98,7 @@ TEST(Adjustment, DeviationIsTheChiSquareSavedByLeavingRowsOut) {
 }
 
 TEST(Adjustment, ASpreadFromFewResidualsMakesOutliersLessSure) {
-  const Deviation deviation{20, 2};
+  const kernel::Deviation deviation{20, 2};
   EXPECT_NEAR(deviation.log_probability(endless), -10, 1e-12);  // exp(-x/2)
   // F with (2, d) degrees of freedom: P(F > f) = (1 + 2 f / d)^(-d/2)
   EXPECT_NEAR(deviation.log_probability(10), -5 * std::log(1 + 2.0 * 10 / 10), 1e-9);

@@ -1,4 +1,5 @@
-// Fit iteration: to convergence, with the spread that the residuals show beyond the sample noise; without suspects that chance does not explain.
+// Fit iteration, and the calibration that a fit gives: to convergence, with the spread that the residuals show beyond the sample noise; without
+// suspects that chance does not explain.
 //
 // A Problem is a RestProblem with conditions(spreads), parameters(), longest_step(), correct(correction), suspects(conditions) and drop(suspect).
 #pragma once
@@ -10,6 +11,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <string_view>
 #include <utility>
 
 namespace imulab::rests {
@@ -18,6 +20,7 @@ struct Fit {
   Conditions conditions{0, 0};
   kernel::Parameters parameters;
   Adjustment adjustment;
+  Adjustment under_noise{};  ///< by the sample noise alone, of what `fit_determined` arrives at
   Spreads spreads{};
   bool converged = false;
 
@@ -68,12 +71,13 @@ Fit converge(Problem& problem, const Spreads& start = {}) {
 template <class Problem>
 Fit fit_determined(Problem& problem) {
   Fit fit = converge(problem);
-  for (;;) {
-    const std::vector<Eigen::Index> undetermined = kernel::undetermined(fit.covariance(), fit.parameters, problem.needed_sigma());
-    if (undetermined.empty()) return fit;
-    problem.hold(undetermined);
+  const auto undetermined = [&] { return kernel::undetermined(fit.covariance(), fit.parameters, problem.needed_sigma()); };
+  for (std::vector<Eigen::Index> open = undetermined(); !open.empty(); open = undetermined()) {
+    problem.hold(open);
     fit = converge(problem, fit.spreads);
   }
+  fit.under_noise = adjust(problem.conditions({}), problem.parameters());
+  return fit;
 }
 
 /// A problem and its fit, for kernel::drop_suspects.
@@ -112,5 +116,13 @@ struct SuspectFit {
   bool may_drop(std::size_t) const { return true; }
   SuspectFit without(std::size_t) const { return *next; }
 };
+
+/// Model, covariance and quality of a fit: raw units, g's uncertainty added, undetermined coefficients named.
+Calibration calibration_of(std::string_view method, const kernel::RestStart& start, const RestProblem& problem, const Fit& fit,
+                           const Session& session);
+
+/// The findings of a fit: spreads, dropped parts of `all`, and what makes it doubtful.
+void add_findings(kernel::Findings& findings, const Calibration& calibration, const Fit& fit, const Site& site,
+                  const std::vector<std::string>& dropped, std::size_t all);
 
 }  // namespace imulab::rests

@@ -3,9 +3,9 @@
 #include "imulab/estimate/kernel/coarse.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/terms.hpp"
+#include "imulab/estimate/rests/fit.hpp"
 #include "imulab/estimate/rests/handheld_problem.hpp"
 #include "imulab/estimate/rests/rests.hpp"
-#include "imulab/estimate/rests/summary.hpp"
 
 #include <Eigen/LU>
 #include <fmt/core.h>
@@ -20,13 +20,6 @@ namespace {
 using Eigen::Index;
 using kernel::RestStart;
 
-std::vector<CoefficientIndex> supplied_coefficients() {
-  std::vector<CoefficientIndex> indices = kernel::accel_coefficients();
-  for (const char* selector : {"gyro.offset", "gyro.matrix", "gyro.g_sensitivity"})
-    for (const CoefficientIndex index : select_coefficients(selector)) indices.push_back(index);
-  return indices;
-}
-
 bool near_diagonal(const Matrix3d& matrix) {
   return (matrix.rowwise().norm() - matrix.diagonal().cwiseAbs()).cwiseQuotient(matrix.rowwise().norm()).maxCoeff() < 0.1;
 }
@@ -38,13 +31,14 @@ void start_gyro(RestStart& start, const Recording& recording) {
   TriadModel& gyro = start.model.gyro;
   if (coarse) gyro.matrix = *coarse;
   if (!coarse && counts)
-    throw Unsupported(fmt::format("{}: the motion between the rests does not turn the unit about all three axes: the gyros' scales cannot be determined",
-                                  recording.name));
+    throw Unsupported(fmt::format(
+        "{}: the motion between the rests does not turn the unit about all three axes: the gyros' scales cannot be determined", recording.name));
   const double scale = std::cbrt(std::abs(gyro.matrix.determinant()));
   if (const std::string_view looks = kernel::mistaken_unit(Triad::gyro, scale); !counts && !looks.empty())
-    throw Error(fmt::format("{}: gyro: the rotations between the rests are {:.3g} times what the readings say with the declared unit {}: they look like {}",
-                            recording.name, scale, recording.gyro_unit, looks));
-  gyro.offset = -gyro.matrix * start.scaling.gyro(start.mean_gyro());
+    throw Error(
+        fmt::format("{}: gyro: the rotations between the rests are {:.3g} times what the readings say with the declared unit {}: they look like {}",
+                    recording.name, scale, recording.gyro_unit, looks));
+  gyro.offset = -gyro.matrix * start.scaling.gyro(mean_gyro(start.rests));
   // Axes that are not as declared (swapped, turned) and counts have no better prior than the coarse solution itself.
   if (counts) {
     start.prior.gyro.offset = gyro.offset;
@@ -65,47 +59,38 @@ void warn_of_other_axes(const SensorModel& model, kernel::Findings& findings) {
   }
 }
 
-/// The g-sensitivity stays in the model where the data show it.
-std::vector<TermTest> choose_g_sensitivity(HandheldProblem& problem, const Fit& fit, double significance) {
+/// Do the data show the g-sensitivity? Tested are those of its coefficients that they determine.
+TermTest test_g_sensitivity(const HandheldProblem& problem, const Fit& fit, double significance) {
   const Eigen::VectorXd needed = problem.needed_sigma();
+  const Eigen::MatrixXd& covariance = fit.adjustment.solution.covariance;
   kernel::TermGroup group{"gyro.g_sensitivity", {}};
-  std::vector<CoefficientIndex> others;
-  Eigen::VectorXd values(static_cast<Index>(problem.indices().size()));
-  for (std::size_t i = 0; i < problem.indices().size(); ++i) {
-    const CoefficientIndex index = problem.indices()[i];
-    const auto at = static_cast<Index>(i);
-    values[at] = coefficient_value(problem.model(), index);
-    if (coefficient(index).term != Term::g_sensitivity)
-      others.push_back(index);
-    else if (fit.adjustment.solution.covariance(at, at) < needed[at] * needed[at])
-      group.members.push_back(at);
+  Eigen::VectorXd values(needed.size());
+  for (Index i = 0; i < values.size(); ++i) {
+    const CoefficientIndex index = problem.indices()[static_cast<std::size_t>(i)];
+    values[i] = coefficient_value(problem.model(), index);
+    if (coefficient(index).term == Term::g_sensitivity && covariance(i, i) < needed[i] * needed[i]) group.members.push_back(i);
   }
-  return kernel::choose_terms({group}, [&](const auto& groups) { return std::vector{kernel::wald(groups.front(), values, fit.adjustment.solution.covariance, significance)}; },
-                              [&](const auto&) { problem.estimate_only(others); });
+  return kernel::wald(group, values, covariance, significance);
 }
 
-/// Gravity as the gyros carry it across a rotation against gravity as it is found after it, each tenth of the rotations predicted without it. Rotations
-/// of less than 10 deg do not count: any gyro would predict them well.
+/// Gravity as the gyros carry it across a rotation against gravity as it is found after it, each tenth of the rotations predicted without it.
+/// Rotations of less than 10 deg do not count: any gyro would predict them well.
 struct CrossValidation {
   double rms_deg = 0;
   std::size_t rotations = 0;
 };
 
 CrossValidation cross_validate(const HandheldProblem& problem, const Fit& fit) {
-  std::vector<std::array<Index, 2>> rotations;
-  for (const auto& rotation : problem.rotation_rows(fit.conditions))
-    if (rotation.angle > 10 * unit::deg) rotations.push_back(rotation.rows);
+  std::vector<HandheldProblem::RotationRows> rotations = problem.rotation_rows(fit.conditions);
+  std::erase_if(rotations, [](const auto& rotation) { return !(rotation.angle > 10 * unit::deg); });
   const std::size_t folds = std::min<std::size_t>(10, rotations.size());
   double squares = 0;
   for (std::size_t fold = 0; fold < folds; ++fold) {
     Conditions held_out = fit.conditions;
-    for (Conditions::Block& block : held_out.blocks)
-      for (std::size_t i = fold; i < rotations.size(); i += folds)
-        for (const Index row : rotations[i])
-          if (row >= block.first && row < block.first + block.size) block.covariance(row - block.first, row - block.first) *= 1e10;  // no weight
-    const Adjustment without = adjust(held_out, fit.parameters);
     for (std::size_t i = fold; i < rotations.size(); i += folds)
-      for (const Index row : rotations[i]) squares += without.residual[row] * without.residual[row];
+      held_out.blocks[rotations[i].block].covariance.diagonal().tail<2>() *= 1e10;  // no weight
+    const Eigen::VectorXd residual = adjust(held_out, fit.parameters).residual;
+    for (std::size_t i = fold; i < rotations.size(); i += folds) squares += residual.segment<2>(rotations[i].first).squaredNorm();
   }
   return {std::sqrt(squares / static_cast<double>(std::max<std::size_t>(rotations.size(), 1))) / unit::deg, rotations.size()};
 }
@@ -113,29 +98,31 @@ CrossValidation cross_validate(const HandheldProblem& problem, const Fit& fit) {
 }  // namespace
 
 CalibrationResult calibrate_handheld(const CalibrationInput& input, const CalibrationOptions& options) {
-  const Recording& recording = kernel::only_recording(input, "handheld");
-  const Rests rests = kernel::rests_of(input, recording);
+  RestStart start = kernel::start_from_rests(input, "handheld");
+  const Recording& recording = input.recordings.front();
   const Session& session = input.session;
-  RestStart start = kernel::start_from_rests(recording, rests.ranges, session.imu, session.site.gravity());
   kernel::expect_alive(recording.gyro, recording.name, "gyro", "the method static calibrates the accelerometers alone");
   start_gyro(start, recording);
   kernel::use_declared_gyro_noise(start, recording, session.imu);
-  const std::vector<CoefficientIndex> supplied = supplied_coefficients();
-  const std::vector<CoefficientIndex> indices = kernel::chosen_coefficients(options.terms, supplied, "handheld");
-  kernel::keep_prior_of_others(start, indices, supplied);
+  std::vector<CoefficientIndex> supplied = kernel::accel_coefficients();
+  for (const CoefficientIndex index : select_each({"gyro.offset", "gyro.matrix", "gyro.g_sensitivity"})) supplied.push_back(index);
+
+  const std::vector<CoefficientIndex> indices = kernel::choose_coefficients(start, options.terms, supplied, "handheld");
 
   const HandheldProblem whole(recording, start, session.site, indices);
   auto cleaned = kernel::drop_suspects(SuspectFit(whole), options.outlier_level);
   HandheldProblem& problem = cleaned.fit.problem;
   std::vector<TermTest> tests;
-  if (options.terms.empty()) tests = choose_g_sensitivity(problem, converge(problem), options.significance);
+  if (options.terms.empty()) {
+    tests.push_back(test_g_sensitivity(problem, converge(problem), options.significance));
+    if (!tests.back().kept) problem.leave_out(Term::g_sensitivity);
+  }
   const Fit fit = fit_determined(problem);
 
-  CalibrationResult result{calibration_of("handheld", start, problem, fit, session), {}, {}, {}, 0};
+  CalibrationResult result{.calibration = calibration_of("handheld", start, problem, fit, session)};
   Quality& quality = result.calibration.quality;
   quality.term_tests = tests;
-  kernel::Findings findings{rests.notes, {}, {}};
-  findings.add(start.findings);
+  kernel::Findings& findings = start.findings;
   warn_of_other_axes(result.calibration.model, findings);
   findings.note(fmt::format("{} rests and {} rotations between them were used", problem.rests().size(), problem.rotations()));
   if (const CrossValidation check = cross_validate(problem, fit); check.rotations >= 10) {  // a tenth of fewer is not a rotation
@@ -143,10 +130,8 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
     findings.note(fmt::format("held-out rotations are predicted to {:.3f} deg RMS (10-fold cross-validation over {} rotations of more than 10 deg)",
                               check.rms_deg, check.rotations));
   }
-  if (!session.site.latitude)
-    findings.note("no latitude: Earth's rate is unknown but for its size (15 deg/h); the gyros' uncertainties contain it");
-  add_findings(findings, result.calibration, fit, adjust(problem.conditions({}), problem.parameters()), session, cleaned.dropped,
-               start.rests.size() + whole.rotations());
+  if (!session.site.latitude) findings.note("no latitude: Earth's rate is unknown but for its size (15 deg/h); the gyros' uncertainties contain it");
+  add_findings(findings, result.calibration, fit, session.site, cleaned.dropped, start.rests.size() + whole.rotations());
   // An uncalibrated gyro of 2 % predicts turns of a right angle to about 1 deg.
   if (quality.rotation_residual_deg.value_or(0) > 1)
     findings.doubt(fmt::format("held-out rotations are predicted no better than to {:.2g} deg", *quality.rotation_residual_deg));

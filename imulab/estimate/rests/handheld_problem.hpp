@@ -2,9 +2,8 @@
 #pragma once
 
 #include "imulab/estimate/rests/problem.hpp"
-#include "imulab/estimate/rests/rotation.hpp"
+#include "imulab/navigation/integration/integrated_rotation.hpp"
 
-#include <array>
 #include <optional>
 #include <vector>
 
@@ -24,13 +23,14 @@ class HandheldProblem : public RestProblem {
   std::vector<SuspectRows> suspects(const Conditions& conditions) const;
   /// Leaves out a rest (the rotations before and after it become one) or a rotation.
   void drop(std::size_t suspect);
-  /// Other coefficients, from the present model; those no longer estimated return to zero.
-  void estimate_only(std::vector<CoefficientIndex> indices);
+  /// Takes all coefficients of a term out of the model: they return to zero, and all others are estimated again.
+  void leave_out(Term term);
 
   std::size_t rotations() const;
   struct RotationRows {
-    std::array<Eigen::Index, 2> rows;
-    double angle;  ///< by which the unit turned, rad
+    std::size_t block;   ///< of the rest before it
+    Eigen::Index first;  ///< of its two rows, the last of the block
+    double angle;        ///< by which the unit turned, rad
   };
   /// Of each rotation in `conditions`, in time order.
   std::vector<RotationRows> rotation_rows(const Conditions& conditions) const;
@@ -38,27 +38,32 @@ class HandheldProblem : public RestProblem {
  private:
   struct Link {  ///< from a rest to the next
     bool usable = false;
-    bool refused = false;             ///< dropped as an outlier
+    bool refused = false;  ///< dropped as an outlier
     IntegratedRotation rotation{};
     std::optional<SensorModel> at{};  ///< the model `rotation` was integrated with
     IntegratedRotation now{};         ///< at the present model
   };
+  /// Up before a rotation, carried by the gyros, less up after it: in the plane of `basis`, across the latter. The derivatives are by the force
+  /// before and after it, and by the rotation.
+  struct Carried {
+    Vector3d difference;
+    Eigen::Matrix<double, 2, 3> basis, by_force, by_next, by_rotation;
+  };
   void relink();
   void integrate();
   void follow_attitudes();
-  void set_stretches();
+  bool linked(std::size_t rest) const { return rest < links_.size() && links_[rest].usable; }  ///< to the next
   Vector3d earth_rate_of(std::size_t rest) const;
-  void add_gravity_row(Conditions& c, Eigen::Index row, std::size_t k) const;
-  void add_gyro_rows(Conditions& c, Eigen::Index row, std::size_t k) const;
+  Carried carried(std::size_t k) const;
+  void add_rest_rows(Conditions& c, Eigen::Index row, std::size_t k) const;
   void add_rotation_rows(Conditions& c, Eigen::Index row, std::size_t k) const;
-  Conditions::Block block_of(Eigen::Index row, std::size_t k, const Spreads& spreads) const;
-  Eigen::Matrix<double, 2, 3> by_next_force(std::size_t k) const;
+  CovarianceBlock block_of(Eigen::Index row, std::size_t k, const Spreads& spreads) const;
   Eigen::Index earth_column(std::size_t stretch) const;
 
   const Recording* recording_;
-  std::vector<Link> links_;            ///< links_[k] leads from rest k to rest k + 1
-  std::vector<std::size_t> stretch_;   ///< of each rest
-  std::vector<Matrix3d> C_nb_;         ///< attitude of each rest; heading relative to the stretch's first
+  std::vector<Link> links_;           ///< links_[k] leads from rest k to rest k + 1
+  std::vector<std::size_t> stretch_;  ///< of each rest
+  std::vector<Matrix3d> C_nb_;        ///< attitude of each rest; heading relative to the stretch's first
   double earth_up_ = 0;
   std::vector<Eigen::Vector2d> earth_horizontal_;  ///< east, north, by stretch
 };

@@ -2,6 +2,8 @@
 
 #include "imulab/estimate/kernel/prior.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <utility>
 
@@ -63,12 +65,33 @@ void RestProblem::correct_coefficients(const VectorXd& correction) {
     set_coefficient(model_, indices_[i], coefficient_value(model_, indices_[i]) + correction[static_cast<Index>(i)]);
 }
 
-Matrix3d RestProblem::force_covariance(const kernel::Rest& rest, double spread) const {
+Vector3d RestProblem::rate_at(const RestMeans& rest) const {
+  return linear_output(model_.gyro, scaling_.gyro(rest.gyro)) + model_.g_sensitivity * force_at(rest);
+}
+
+Matrix3d RestProblem::force_covariance(const RestMeans& rest, double spread) const {
   return mean_covariance(model_.accel, noise_.accel, rest.range.size(), spread);
 }
 
-Matrix3d RestProblem::rate_covariance(const kernel::Rest& rest, double spread) const {
+Matrix3d RestProblem::rate_covariance(const RestMeans& rest, double spread) const {
   return mean_covariance(model_.gyro, noise_.gyro, rest.range.size(), spread);
+}
+
+void RestProblem::add_derivatives(Conditions& c, Index row, Triad triad, const RestMeans& rest, const Eigen::MatrixXd& by_output) const {
+  const Vector3d reading = triad == Triad::accel ? scaling_.accel(rest.accel) : scaling_.gyro(rest.gyro), force = force_at(rest);
+  for (std::size_t i = 0; i < indices_.size(); ++i) {
+    const Coefficient& term = coefficient(indices_[i]);
+    if (term.triad != triad) continue;
+    const double input = term.term == Term::offset ? 1.0 : term.term == Term::matrix ? reading[term.column] : force[term.column];
+    c.jacobian.col(static_cast<Index>(i)).segment(row, by_output.rows()) += input * by_output.col(term.row);
+  }
+}
+
+SuspectRows RestProblem::rest_suspect(const Conditions& conditions, std::size_t k) const {
+  SuspectRows suspect{fmt::format("the rest at {:.1f} s", rests_[k].mid_s), {}};
+  const CovarianceBlock& block = conditions.blocks[k];
+  for (Index row = block.first; row < block.first + block.size; ++row) suspect.rows.push_back(row);
+  return suspect;
 }
 
 }  // namespace imulab::rests

@@ -22,7 +22,7 @@ class RestProblem {
   void hold(const std::vector<Eigen::Index>& undetermined);
   Eigen::VectorXd needed_sigma() const;
 
-  const std::vector<kernel::Rest>& rests() const { return rests_; }
+  const std::vector<RestMeans>& rests() const { return rests_; }
   const std::vector<CoefficientIndex>& indices() const { return indices_; }
   const SensorModel& model() const { return model_; }  ///< of scaled readings
   const SensorModel& prior() const { return prior_; }
@@ -32,15 +32,21 @@ class RestProblem {
   /// The coefficients, then `nuisances` estimated without a prior.
   kernel::Parameters parameters(Eigen::Index nuisances) const;
   void correct_coefficients(const Eigen::VectorXd& correction);
-  Vector3d force_at(const kernel::Rest& rest) const { return kernel::linear(model_.accel, scaling_.accel(rest.accel)); }
-  Matrix3d force_covariance(const kernel::Rest& rest, double spread) const;
-  Matrix3d rate_covariance(const kernel::Rest& rest, double spread) const;
+  /// Specific force and rate that the model gives at a rest.
+  Vector3d force_at(const RestMeans& rest) const { return linear_output(model_.accel, scaling_.accel(rest.accel)); }
+  Vector3d rate_at(const RestMeans& rest) const;
+  Matrix3d force_covariance(const RestMeans& rest, double spread) const;
+  Matrix3d rate_covariance(const RestMeans& rest, double spread) const;
+  /// Adds the derivatives of rows by the coefficients of a triad, from those by the force (accelerometers) or the rate (gyros) at a rest.
+  void add_derivatives(Conditions& c, Eigen::Index row, Triad triad, const RestMeans& rest, const Eigen::MatrixXd& by_output) const;
+  /// The k-th rest with the rows of its own block.
+  SuspectRows rest_suspect(const Conditions& conditions, std::size_t k) const;
 
-  std::vector<kernel::Rest> rests_;
+  std::vector<RestMeans> rests_;
   double gravity_;
   std::optional<double> latitude_;
-  kernel::Scaling scaling_;
-  kernel::SampleNoise noise_;  ///< scaled
+  Scaling scaling_;
+  SampleNoise noise_;  ///< scaled
   SensorModel model_, prior_;
   std::vector<CoefficientIndex> indices_;
   std::vector<kernel::Role> roles_;  ///< of the coefficients

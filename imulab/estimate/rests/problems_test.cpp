@@ -1,10 +1,12 @@
 // The derivatives of both methods' conditions against differences of the conditions themselves.
 #include "imulab/core/units.hpp"
+#include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/rests/handheld_problem.hpp"
 #include "imulab/estimate/rests/static_problem.hpp"
-#include "tests/simulated_session.hpp"
 
 #include <gtest/gtest.h>
+
+#include "tests/simulated_session.hpp"
 
 namespace imulab::rests {
 namespace {
@@ -18,8 +20,8 @@ std::vector<CoefficientIndex> all_coefficients() {
 
 kernel::RestStart start_at_truth(const SimulatedSession& s) {
   kernel::RestStart start;
-  start.rests = kernel::summarize_rests(s.recording, s.rests);
-  start.noise = kernel::measure_noise(s.recording, start.rests);
+  start.rests = summarize_rests(s.recording, s.rests);
+  start.noise = measure_noise(s.recording, start.rests);
   start.model = s.truth.model;
   return start;
 }
@@ -55,9 +57,10 @@ TEST(HandheldProblem, DerivativesEqualDifferences) {
       if (!latitude) site.latitude.reset();
       return HandheldProblem(s.recording, start, site, all_coefficients());
     };
-    // What the derivatives leave out is stated there: the force's part in C f (1e-3) and in the direction of Earth's rate (1e-4), the integrals' midpoint
-    // rule and the coning term ((rate dt)^2, 1e-4).
-    expect_jacobian(make, [](Eigen::Index) { return 1e-6; }, 3e-3);
+    // What the derivatives leave out is stated there: the force's part in C f (1e-3) and in the direction of Earth's rate (1e-4), the integrals'
+    // midpoint rule and the coning term ((rate dt)^2, 1e-4).
+    expect_jacobian(
+        make, [](Eigen::Index) { return 1e-6; }, 3e-3);
   }
 }
 

@@ -6,8 +6,8 @@
 namespace imulab::rests {
 
 /// Static calibration (docs/static.md): Cheng's coarse solution from the rests alone (Cheng 2014 sec 1.2), then its maximum-likelihood refinement.
-/// Accelerometers from |f| = g. Gyros, where they resolve Earth's rate at a known latitude, from the angle between Earth's rate and gravity and from its
-/// size. One recording. Throws Unsupported where nothing can be determined, Error where the declared units contradict the data.
+/// Accelerometers from |f| = g. Gyros, where they resolve Earth's rate at a known latitude, from the angle between Earth's rate and gravity and from
+/// its size. One recording. Throws Unsupported where nothing can be determined, Error where the declared units contradict the data.
 CalibrationResult calibrate_static(const CalibrationInput& input, const CalibrationOptions& options);
 
 /// Hand-held calibration (docs/handheld.md): accelerometers from the rests, gyros with their g-sensitivity from the rests and the rotations between

@@ -2,9 +2,9 @@
 #include "imulab/earth/earth.hpp"
 #include "imulab/estimate/kernel/coarse.hpp"
 #include "imulab/estimate/kernel/input.hpp"
+#include "imulab/estimate/rests/fit.hpp"
 #include "imulab/estimate/rests/rests.hpp"
 #include "imulab/estimate/rests/static_problem.hpp"
-#include "imulab/estimate/rests/summary.hpp"
 
 #include <fmt/core.h>
 
@@ -15,17 +15,10 @@ namespace imulab::rests {
 
 namespace {
 
-using kernel::Rest;
 using kernel::RestStart;
 
 /// A gyro resolves Earth's rate if its rest means are good to a tenth of it.
 constexpr double resolvable_part = 0.1;
-
-std::vector<CoefficientIndex> gyro_coefficients() {
-  std::vector<CoefficientIndex> indices = select_coefficients("gyro.offset");
-  for (const CoefficientIndex index : select_coefficients("gyro.matrix")) indices.push_back(index);
-  return indices;
-}
 
 /// Cheng's linear gyro solution where the gyros resolve Earth's rate; else why not.
 struct GyroStart {
@@ -36,14 +29,17 @@ struct GyroStart {
 /// How far the rests' means may be off through the samples' noise [rad/s], with a matrix of scaled readings.
 double mean_noise(const RestStart& start, const Matrix3d& matrix) {
   double worst = 0;
-  for (const Rest& rest : start.rests)
-    worst = std::max(worst, (matrix * start.noise.gyro.cwiseQuotient(start.scaling.gyro_scale)).norm() / std::sqrt(3.0 * static_cast<double>(rest.range.size())));
+  for (const RestMeans& rest : start.rests)
+    worst = std::max(
+        worst, (matrix * start.noise.gyro.cwiseQuotient(start.scaling.gyro_scale)).norm() / std::sqrt(3.0 * static_cast<double>(rest.range.size())));
   return worst;
 }
 
 GyroStart start_gyro(const RestStart& start, const Recording& recording, const Site& site) {
   const auto not_resolved = [](double error) {
-    return GyroStart{{}, fmt::format("they do not resolve Earth's rate: the rests' means miss it by {:.2g} deg/h, more than a tenth of it", error / unit::deg_per_h)};
+    return GyroStart{
+        {},
+        fmt::format("they do not resolve Earth's rate: the rests' means miss it by {:.2g} deg/h, more than a tenth of it", error / unit::deg_per_h)};
   };
   const bool counts = recording.gyro_unit == "count";
   if (!site.latitude) return {{}, "the site gives no latitude, and Earth's rate is the gyros' only reference at rest"};
@@ -51,7 +47,7 @@ GyroStart start_gyro(const RestStart& start, const Recording& recording, const S
   // The headings are found from the horizontal part, which vanishes at a pole.
   if (std::cos(*site.latitude) < resolvable_part) return {{}, "the latitude is too near a pole for the horizontal part of Earth's rate to be seen"};
   std::vector<Vector3d> readings, up;
-  for (const Rest& rest : start.rests) readings.push_back(start.gyro(rest)), up.push_back(start.up(rest));
+  for (const RestMeans& rest : start.rests) readings.push_back(start.gyro(rest)), up.push_back(start.up(rest));
   const auto coarse = kernel::coarse_gyro_at_rest(readings, up, earth_rate * std::sin(*site.latitude));
   if (!coarse) return {{}, "twelve or more rests in different directions away from the equator are needed for the gyros"};
   if (!counts && !kernel::near_identity(coarse->matrix))
@@ -74,7 +70,7 @@ void use_gyro_start(RestStart& start, const GyroStart& gyro, const Recording& re
     // The scaled model must give back the starting value, one, when it returns to raw readings.
     SensorModel unit;
     unit.gyro.raw_unit = recording.gyro_unit;
-    start.model.gyro = kernel::to_scaled(unit, start.scaling).gyro;
+    start.model.gyro = to_scaled(unit, start.scaling).gyro;
     start.findings.note("the gyros were not calibrated: " + gyro.reason);
   }
 }
@@ -82,28 +78,23 @@ void use_gyro_start(RestStart& start, const GyroStart& gyro, const Recording& re
 }  // namespace
 
 CalibrationResult calibrate_static(const CalibrationInput& input, const CalibrationOptions& options) {
-  const Recording& recording = kernel::only_recording(input, "static");
-  const Rests rests = kernel::rests_of(input, recording);
+  RestStart start = kernel::start_from_rests(input, "static");
+  const Recording& recording = input.recordings.front();
   const Session& session = input.session;
-  RestStart start = kernel::start_from_rests(recording, rests.ranges, session.imu, session.site.gravity());
   const GyroStart gyro = start_gyro(start, recording, session.site);
   use_gyro_start(start, gyro, recording, session.imu);
   std::vector<CoefficientIndex> supplied = kernel::accel_coefficients();
   if (gyro.coarse)
-    for (const CoefficientIndex index : gyro_coefficients()) supplied.push_back(index);
-  const std::vector<CoefficientIndex> indices = kernel::chosen_coefficients(options.terms, supplied, "static");
-  kernel::keep_prior_of_others(start, indices, supplied);
+    for (const CoefficientIndex index : select_each({"gyro.offset", "gyro.matrix"})) supplied.push_back(index);
+  const std::vector<CoefficientIndex> indices = kernel::choose_coefficients(start, options.terms, supplied, "static");
 
   auto cleaned = kernel::drop_suspects(SuspectFit(StaticProblem(start, session.site, indices, gyro.coarse.has_value())), options.outlier_level);
-  StaticProblem& problem = cleaned.fit.problem;
-  const Fit fit = fit_determined(problem);
+  const Fit fit = fit_determined(cleaned.fit.problem);
 
-  CalibrationResult result{calibration_of("static", start, problem, fit, session), {}, {}, {}, 0};
-  kernel::Findings findings{rests.notes, {}, {}};
-  findings.add(start.findings);
-  findings.note(fmt::format("{} rests were used", problem.rests().size()));
-  add_findings(findings, result.calibration, fit, adjust(problem.conditions({}), problem.parameters()), session, cleaned.dropped, start.rests.size());
-  kernel::conclude(result.calibration, findings);
+  CalibrationResult result{.calibration = calibration_of("static", start, cleaned.fit.problem, fit, session)};
+  start.findings.note(fmt::format("{} rests were used", cleaned.fit.problem.rests().size()));
+  add_findings(start.findings, result.calibration, fit, session.site, cleaned.dropped, start.rests.size());
+  kernel::conclude(result.calibration, start.findings);
   return result;
 }
 

@@ -2,9 +2,7 @@
 
 #include "imulab/earth/earth.hpp"
 
-#include <Eigen/Geometry>
-#include <fmt/core.h>
-
+#include <algorithm>
 #include <cmath>
 
 namespace imulab::rests {
@@ -22,19 +20,19 @@ Conditions StaticProblem::conditions(const Spreads& spreads) const {
   return c;
 }
 
-void StaticProblem::add_rest(Conditions& c, Index row, const kernel::Rest& rest, const Spreads& spreads) const {
+void StaticProblem::add_rest(Conditions& c, Index row, const RestMeans& rest, const Spreads& spreads) const {
   const Index rows = with_gyros_ ? 3 : 1;
-  const Vector3d va = scaling_.accel(rest.accel), vg = scaling_.gyro(rest.gyro), force = force_at(rest), up = force.normalized();
+  const Vector3d force = force_at(rest), up = force.normalized();
   // What an error of the rest's force and of its rate does to its rows.
   MatrixXd by_force = MatrixXd::Zero(rows, 3), by_rate = MatrixXd::Zero(rows, 3);
   by_force.row(0) = up.transpose();
   c.value[row] = force.norm() - gravity_;
   Matrix3d rate_noise = Matrix3d::Zero();
   if (with_gyros_) {
-    const Vector3d rate = kernel::linear(model_.gyro, vg) + model_.g_sensitivity * force;
+    const Vector3d rate = rate_at(rest);
     const double vertical = up.dot(rate);
     const Vector3d across = rate - vertical * up, north = across.normalized(), east = north.cross(up);
-    const Matrix3d turn_up = (Matrix3d::Identity() - up * up.transpose()) / force.norm();
+    const Matrix3d turn_up = direction_derivative(force);
     rate_noise = rate_covariance(rest, spreads[1]);
     by_rate.row(1) = up.transpose();
     by_force.row(1) = rate.transpose() * turn_up;
@@ -43,24 +41,17 @@ void StaticProblem::add_rest(Conditions& c, Index row, const kernel::Rest& rest,
     c.value[row + 1] = vertical - earth_rate * std::sin(*latitude_);
     // Noise across north lengthens the horizontal part by var / (2 |w|) on average.
     c.value[row + 2] = across.norm() - east.dot(rate_noise * east) / (2 * across.norm()) - earth_rate * std::cos(*latitude_);
-    c.kind[static_cast<std::size_t>(row + 1)] = c.kind[static_cast<std::size_t>(row + 2)] = Kind::gyro_rest;
+    std::fill_n(c.kind.begin() + row + 1, 2, Kind::gyro_rest);
   }
-  for (std::size_t i = 0; i < indices_.size(); ++i) {
-    const Coefficient& term = coefficient(indices_[i]);
-    const bool accel = term.triad == Triad::accel;
-    const double basis = term.term == Term::offset ? 1.0 : (accel ? va : vg)[term.column];
-    c.jacobian.col(static_cast<Index>(i)).segment(row, rows) = basis * (accel ? by_force : by_rate).col(term.row);
-  }
+  add_derivatives(c, row, Triad::accel, rest, by_force);
+  add_derivatives(c, row, Triad::gyro, rest, by_rate);
   c.blocks.push_back(
       {row, rows, by_force * force_covariance(rest, spreads[0]) * by_force.transpose() + by_rate * rate_noise * by_rate.transpose(), {}});
 }
 
 std::vector<SuspectRows> StaticProblem::suspects(const Conditions& conditions) const {
   std::vector<SuspectRows> all;
-  for (std::size_t k = 0; k < rests_.size(); ++k) {
-    SuspectRows& suspect = all.emplace_back(SuspectRows{fmt::format("the rest at {:.1f} s", rests_[k].mid_s), {}});
-    for (Index r = 0; r < conditions.blocks[k].size; ++r) suspect.rows.push_back(conditions.blocks[k].first + r);
-  }
+  for (std::size_t k = 0; k < rests_.size(); ++k) all.push_back(rest_suspect(conditions, k));
   return all;
 }
 

@@ -20,7 +20,7 @@ class StaticProblem : public RestProblem {
   void drop(std::size_t suspect) { rests_.erase(rests_.begin() + static_cast<std::ptrdiff_t>(suspect)); }
 
  private:
-  void add_rest(Conditions& c, Eigen::Index row, const kernel::Rest& rest, const Spreads& spreads) const;
+  void add_rest(Conditions& c, Eigen::Index row, const RestMeans& rest, const Spreads& spreads) const;
   bool with_gyros_;
 };
 

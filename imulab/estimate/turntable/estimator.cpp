@@ -5,11 +5,12 @@
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/kernel/suspects.hpp"
 #include "imulab/model/forward_model.hpp"
+#include "imulab/rig/table_readings.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include <cmath>
+#include <utility>
 
 namespace imulab::turntable {
 
@@ -36,42 +37,6 @@ VectorXd prior_sigmas(const SensorModel& nominal) {
   return v;
 }
 
-/// d reading / d column of the forward model, where the table's motion is `truth`.
-MatrixXd design_matrix(const TableMotion& motion, const VectorXd& truth) {
-  MatrixXd x = MatrixXd::Zero(motion.rows(), Forward::all);
-  for (std::size_t k = 0; k < motion.parts(); ++k) {
-    const auto force = truth.segment<3>(static_cast<Index>(6 * k)).transpose(), rate = truth.segment<3>(static_cast<Index>(6 * k + 3)).transpose();
-    for (Index i = 0; i < 3; ++i) {
-      const Index row = motion.row(k) + i, gyro_row = motion.gyro_row(k) + i;
-      if (motion.is_hold(k)) {
-        x(row, Forward::accel_offset + i) = 1;
-        x.block<1, 3>(row, Forward::accel_matrix + 3 * i) = force;
-      } else {
-        x(gyro_row, Forward::turning_bias + i) = motion.gain(k);
-      }
-      x(gyro_row, Forward::gyro_offset + i) = motion.gain(k);
-      x.block<1, 3>(gyro_row, Forward::gyro_matrix + 3 * i) = rate;
-      x.block<1, 3>(gyro_row, Forward::gyro_force + 3 * i) = -force;
-    }
-  }
-  return x;
-}
-
-/// The readings' linear part alone.
-SensorModel without_offsets(SensorModel model) {
-  model.accel.offset.setZero();
-  model.gyro.offset.setZero();
-  return model;
-}
-
-/// d readings / d errors of the rig and the site, from d truth / d errors.
-MatrixXd reading_jacobian(const TableMotion& motion, const SensorModel& model, const MatrixXd& truth) {
-  const SensorModel linear = without_offsets(model);
-  MatrixXd out(motion.rows(), truth.cols());
-  for (Index c = 0; c < truth.cols(); ++c) out.col(c) = readings(motion, linear, truth.col(c));
-  return out;
-}
-
 }  // namespace
 
 Matrix3d raw_density(double density, const Matrix3d& matrix) {
@@ -88,8 +53,8 @@ Estimator::Estimator(const TableMotion& motion, const SensorModel& nominal, cons
       around_(options.around.size() > 0 ? options.around : nominal_errors_),
       truth_(motion.truth(around_)),
       truth_jacobian_(motion.jacobian(around_)),
-      table_jacobian_(reading_jacobian(motion, nominal, truth_jacobian_)),
-      design_(design_matrix(motion, truth_)),
+      table_jacobian_(reading_changes(motion, nominal, truth_jacobian_)),
+      design_(by_forward_columns(motion, truth_)),
       noise_(noise_covariance(motion, noise.accel, noise.gyro)) {
   for (const CoefficientIndex index : terms_) columns_.push_back(Forward::of(coefficient(index)));
   if (options.bias_while_turning && motion.turns() > 0)
@@ -108,13 +73,11 @@ void Estimator::set_weights(const EstimatorOptions& options) {
   MatrixXd covariance = weight_.asDiagonal() * (noise_ + table * table.transpose()) * weight_.asDiagonal();
   for (Index row = 0; row < weight_.size(); ++row)
     if (weight_[row] == 0) covariance(row, row) = 1;
-  factor_ = covariance.llt().matrixL();
-  error_gain_ = sigma.asDiagonal() * factor_.triangularView<Eigen::Lower>().transpose().solve(whitened(table)).transpose() * weight_.asDiagonal();
+  factor_ = Cholesky(covariance);
+  error_gain_ = sigma.asDiagonal() * factor_.solve_upper(whitened(table)).transpose() * weight_.asDiagonal();
 }
 
-MatrixXd Estimator::whitened(const MatrixXd& readings) const {
-  return factor_.triangularView<Eigen::Lower>().solve(MatrixXd(weight_.asDiagonal() * readings));
-}
+MatrixXd Estimator::whitened(const MatrixXd& readings) const { return factor_.solve_lower(MatrixXd(weight_.asDiagonal() * readings)); }
 
 /// x = (X^T S^-1 X)^-1 X^T S^-1 (y - X_held v_held) for the columns that the readings determine; the others are held at their start, and considered.
 void Estimator::set_gains() {
@@ -125,7 +88,7 @@ void Estimator::set_gains() {
   const VectorXd wanted = needed_part * parameters.sigma;
   const std::vector<Index> open = kernel::undetermined(kernel::solve(information, parameters).covariance, parameters, wanted);
   parameters.sigma.setConstant(kernel::no_prior);
-  for (const Index i : open) parameters.role[static_cast<std::size_t>(i)] = kernel::Role::held;
+  for (const Index i : open) parameters.role[static_cast<std::size_t>(i)] = kernel::Role::fixed;
   const std::vector<Index> known = parameters.with(kernel::Role::estimated);
   free_covariance_ = kernel::solve(information, parameters, "the holds and turns").covariance(known, known);
   for (const Index i : open) {
@@ -136,10 +99,9 @@ void Estimator::set_gains() {
   covariance_(columns_, columns_) = kernel::solve(information, parameters, "the holds and turns").covariance;
 
   for (const Index i : known) known_.push_back(columns_[static_cast<std::size_t>(i)]);
-  for (const Index i : open) unknown_.push_back(columns_[static_cast<std::size_t>(i)]);
   white_ = white(Eigen::all, known);
   if (!known.empty()) condition_ = kernel::condition_number(information.N(known, known));
-  const MatrixXd half = factor_.triangularView<Eigen::Lower>().transpose().solve(white_);  // S^-1 X
+  const MatrixXd half = factor_.solve_upper(white_);  // S^-1 X
   gain_ = free_covariance_ * half.transpose() * weight_.asDiagonal();
   VectorXd held = start_;
   held(known_).setZero();
@@ -165,7 +127,7 @@ MatrixXd Estimator::linearized(const MatrixXd& measured) const {
   MatrixXd out = measured;
   out.noalias() += table_jacobian_ * (errors.colwise() - nominal_errors_);
   for (Index run = 0; run < measured.cols(); ++run)
-    out.col(run) -= readings(motion_, without_offsets(backward(columns.col(run))), motion_.truth(errors.col(run)) - truth_);
+    out.col(run) -= reading_changes(motion_, backward(columns.col(run)), motion_.truth(errors.col(run)) - truth_);
   return out;
 }
 
@@ -194,7 +156,7 @@ int Estimator::degrees_of_freedom() const { return static_cast<int>((weight_.arr
 
 std::vector<double> Estimator::log_probabilities(const VectorXd& readings) const {
   // z = S^-1 residual, with covariance B = S^-1 - S^-1 X P X^T S^-1. Leaving rows out lowers chi-square by z^T B^-1 z of these rows.
-  const MatrixXd inverse = factor_.triangularView<Eigen::Lower>().solve(MatrixXd::Identity(factor_.rows(), factor_.cols()));
+  const MatrixXd inverse = factor_.solve_lower(MatrixXd(MatrixXd::Identity(weight_.size(), weight_.size())));
   const VectorXd z = inverse.transpose() * whitened(readings - design_ * solve(readings));
   const MatrixXd unfitted = inverse.transpose() * inverse, projected = inverse.transpose() * white_;
   const MatrixXd covariance = unfitted - projected * free_covariance_ * projected.transpose();
@@ -205,6 +167,46 @@ std::vector<double> Estimator::log_probabilities(const VectorXd& readings) const
                       ? 0
                       : kernel::deviation(z.segment(row, size), covariance.block(row, row, size, size), unfitted.block(row, row, size, size))
                             .log_probability());
+  }
+  return out;
+}
+
+/// With d the table's errors, d^ what is found of them, dv the first-order errors of the forward model's columns, t the truth, J and T its first and
+/// second derivatives by d and M the model, linearized readings depart from a linear model by
+///   q = M (T(d, d) - T(d^, d^)) / 2 - dM J d^
+/// and a coefficient c(v) departs by  c' gain q + c''(dv, dv) / 2: a quadratic form of normal variables, z^T Q z / 2 with z = (d, d^, dv).
+Estimator::SecondOrder Estimator::second_order(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const {
+  const Index sources = nominal_errors_.size(), size = 2 * sources + Forward::all;
+  MatrixXd column_gain = MatrixXd::Zero(Forward::all, motion_.rows());
+  column_gain(known_, Eigen::all) = gain_;
+
+  // Covariance of z: its parts by the table's errors themselves and by the noise.
+  const VectorXd sigma = motion_.sigma();
+  MatrixXd by_errors(size, sources), by_noise(size, motion_.rows());
+  by_errors << MatrixXd::Identity(sources, sources), error_gain_ * table_jacobian_, column_gain * table_jacobian_;
+  by_noise << MatrixXd::Zero(sources, motion_.rows()), error_gain_, column_gain;
+  by_errors *= sigma.asDiagonal();
+  const MatrixXd covariance = by_errors * by_errors.transpose() + by_noise * noise_ * by_noise.transpose();
+
+  const MatrixXd weights = backward_derivatives(at, coefficients) * column_gain;
+  const std::vector<MatrixXd> table = motion_.curvatures(around_, by_truth(motion_, at, weights));
+  const std::vector<MatrixXd> model = backward_curvatures(at, coefficients, prior_);
+  SecondOrder out{VectorXd(static_cast<Index>(coefficients.size())), MatrixXd(coefficients.size(), coefficients.size())};
+  std::vector<MatrixXd> products;  // Q x covariance
+  for (std::size_t c = 0; c < coefficients.size(); ++c) {
+    const auto row = static_cast<Index>(c);
+    const MatrixXd mixed = -mixed_curvature(motion_, truth_jacobian_, weights.row(row));
+    MatrixXd product(size, size);
+    product.topRows(sources) = table[c] * covariance.topRows(sources);
+    product.middleRows(sources, sources) =
+        mixed.transpose() * covariance.bottomRows(Forward::all) - table[c] * covariance.middleRows(sources, sources);
+    product.bottomRows(Forward::all) = mixed * covariance.middleRows(sources, sources) + model[c] * covariance.bottomRows(Forward::all);
+    products.push_back(std::move(product));
+    out.bias[row] = 0.5 * products.back().trace();
+    for (std::size_t other = 0; other <= c; ++other) {
+      const double shared = 0.5 * products[c].cwiseProduct(products[other].transpose()).sum();
+      out.covariance(row, static_cast<Index>(other)) = out.covariance(static_cast<Index>(other), row) = shared;
+    }
   }
   return out;
 }

@@ -2,6 +2,7 @@
 // a matrix with the readings.
 #pragma once
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/rig/table_motion.hpp"
 
@@ -80,14 +81,14 @@ class Estimator {
   TableMotion motion_;
   std::vector<CoefficientIndex> terms_;
   std::vector<Eigen::Index> columns_;                ///< of the forward model: those asked for
-  std::vector<Eigen::Index> known_, unknown_;        ///< of these: determined or not
+  std::vector<Eigen::Index> known_;                  ///< of these: determined
   Eigen::VectorXd start_, prior_;                    ///< values and prior sigmas of all columns
   Eigen::VectorXd nominal_errors_, around_, truth_;  ///< the latter at `around_`
   Eigen::MatrixXd truth_jacobian_, table_jacobian_;  ///< truth and readings x sources, at `around_`
   Eigen::MatrixXd design_;                           ///< rows x all columns
   Eigen::MatrixXd noise_;                            ///< covariance of the readings without the table's errors
   Eigen::VectorXd weight_;                           ///< by row: 1 / noise, 0 where left out
-  Eigen::MatrixXd factor_;                           ///< Cholesky factor of the weighted covariance with the table's errors
+  Cholesky factor_{Eigen::MatrixXd()};               ///< of the weighted covariance with the table's errors
   Eigen::MatrixXd white_, free_covariance_;          ///< whitened design of known_, and the inverse of its normal equations
   Eigen::MatrixXd gain_;                             ///< known_ x rows
   Eigen::VectorXd base_;                             ///< gain_ x what the columns held at their start explain

@@ -18,31 +18,24 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Root of the sum of squares about the mean of vectors at these rows.
-double spread(const VectorXd& v, const std::vector<Index>& rows) {
-  Vector3d mean = Vector3d::Zero();
-  for (const Index row : rows) mean += v.segment<3>(row) / static_cast<double>(rows.size());
-  double squares = 0;
-  for (const Index row : rows) squares += (v.segment<3>(row) - mean).squaredNorm();
-  return std::sqrt(squares);
-}
+/// Root of the sum of squares of columns about their mean.
+double spread(const Eigen::MatrixXd& columns) { return columns.size() == 0 ? 0 : (columns.colwise() - columns.rowwise().mean().eval()).norm(); }
 
 /// Readings in counts start from the size of what they read; SI readings from themselves.
 SensorModel starting_model(const Problem& problem) {
   const TableMotion& motion = problem.motion;
+  const auto holds = static_cast<Index>(motion.holds()), turns = static_cast<Index>(motion.turns());
   const VectorXd truth = motion.truth(motion.nominal());
-  std::vector<Index> force, force_reading, rate, rate_reading;  // rows of the holds' forces and the turns' rates
-  for (std::size_t k = 0; k < motion.parts(); ++k) {
-    (motion.is_hold(k) ? force : rate).push_back(static_cast<Index>(6 * k + (motion.is_hold(k) ? 0 : 3)));
-    (motion.is_hold(k) ? force_reading : rate_reading).push_back(motion.row(k));
-  }
-  const auto scale = [&](const std::vector<Index>& rows, const std::vector<Index>& reading_rows) {
-    const double input = spread(truth, rows), reading = spread(problem.seen.readings, reading_rows);
-    return input > 0 && reading > 0 ? input / reading : 1;
+  const VectorXd& readings = problem.seen.readings;
+  const auto motions = truth.reshaped(6, holds + turns);  // forces, then rates
+  const auto scale = [](const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs) {
+    const double input = spread(inputs), output = spread(outputs);
+    return input > 0 && output > 0 ? input / output : 1;
   };
   SensorModel start;
-  if (problem.seen.accel_unit == "count") start.accel.matrix *= scale(force, force_reading);
-  if (problem.seen.gyro_unit == "count") start.gyro.matrix *= scale(rate, rate_reading);
+  if (problem.seen.accel_unit == "count")
+    start.accel.matrix *= scale(motions.topLeftCorner(3, holds), readings.head(6 * holds).reshaped(6, holds).topRows(3));
+  if (problem.seen.gyro_unit == "count") start.gyro.matrix *= scale(motions.bottomRightCorner(3, turns), readings.tail(3 * turns).reshaped(3, turns));
   return start;
 }
 
@@ -61,7 +54,7 @@ bool left_handed(const SensorModel& model) { return model.accel.matrix.determina
 
 /// The steps with the sense of one axis reversed.
 Problem reversed(const Problem& problem, std::size_t axis) {
-  Observations seen = problem.seen;
+  TableObservations seen = problem.seen;
   for (Step& step : seen.parts.steps) {
     step.angles[axis] = -step.angles[axis];
     if (step.kind == StepKind::rotate && static_cast<std::size_t>(step.axis) == axis) step.angle = -step.angle;
@@ -71,7 +64,7 @@ Problem reversed(const Problem& problem, std::size_t axis) {
 
 }  // namespace
 
-Problem::Problem(Observations observations, RigDeclaration table, ImuDeclaration unit, Site place)
+Problem::Problem(TableObservations observations, RigDeclaration table, ImuDeclaration unit, Site place)
     : seen(std::move(observations)), rig(std::move(table)), imu(std::move(unit)), site(std::move(place)), motion(seen.parts, rig, site) {}
 
 double Fit::log_probability() const { return log_chi_square_tail(chi2, std::max(1, estimator.degrees_of_freedom())); }

@@ -3,7 +3,7 @@
 
 #include "imulab/estimate/kernel/suspects.hpp"
 #include "imulab/estimate/turntable/estimator.hpp"
-#include "imulab/estimate/turntable/observations.hpp"
+#include "imulab/rig/table_observations.hpp"
 
 #include <string>
 #include <vector>
@@ -14,8 +14,8 @@ inline constexpr double unlikely = 1e-3;  ///< probability below which a deviati
 
 /// The data to fit, and the declarations.
 struct Problem {
-  Problem(Observations seen, RigDeclaration rig, ImuDeclaration imu, Site site);
-  Observations seen;
+  Problem(TableObservations seen, RigDeclaration rig, ImuDeclaration imu, Site site);
+  TableObservations seen;
   RigDeclaration rig;
   ImuDeclaration imu;
   Site site;

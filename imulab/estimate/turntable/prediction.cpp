@@ -1,15 +1,12 @@
 #include "imulab/estimate/turntable/prediction.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/core/random.hpp"
 #include "imulab/estimate/turntable/estimator.hpp"
-#include "imulab/estimate/turntable/observations.hpp"
 #include "imulab/model/forward_model.hpp"
 #include "imulab/model/grade.hpp"
 #include "imulab/recording/declared_noise.hpp"
+#include "imulab/rig/table_readings.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/SparseCore>
 #include <fmt/core.h>
 #include <tbb/parallel_for.h>
 
@@ -57,16 +54,6 @@ Estimator estimator_of(const Plan& plan, const TableMotion& motion) {
   return {motion, {}, {raw_density(plan.accel_noise.N, identity), raw_density(plan.gyro_noise.N, identity)}, options};
 }
 
-/// What a constant bias of each axis (accelerometers, then gyros) does to the readings.
-MatrixXd turn_on_readings(const TableMotion& motion) {
-  MatrixXd out = MatrixXd::Zero(motion.rows(), 6);
-  for (std::size_t k = 0; k < motion.parts(); ++k) {
-    if (motion.is_hold(k)) out.block<3, 3>(motion.row(k), 0).setIdentity();
-    out.block<3, 3>(motion.gyro_row(k), 3) = motion.gain(k) * Matrix3d::Identity();
-  }
-  return out;
-}
-
 /// Variance of the coefficients from what a constant bias does to them, one column an axis.
 VectorXd of_turn_on(const Spread& turn_on, const Eigen::MatrixX3d& by_axis) {
   const VectorXd effect = turn_on.fixed ? VectorXd(by_axis.rowwise().sum().cwiseAbs2()) : VectorXd(by_axis.rowwise().squaredNorm());
@@ -105,14 +92,14 @@ void add_sources(Prediction& out, const Plan& plan, const TableMotion& motion, c
       if (motion.sources()[k].kind == kind) variance += by_source.col(static_cast<Index>(k)).cwiseAbs2();
     add(name, variance);
   }
-  const MatrixXd turn_on = turn_on_readings(motion);
+  const MatrixXd bias = by_bias(motion);
   const auto noise_of = [&](const MatrixXd& s) { return VectorXd((s * estimator.noise()).cwiseProduct(s).rowwise().sum()); };
-  const VectorXd accel_rows = turn_on.leftCols<3>().rowwise().sum(), gyro_rows = VectorXd::Ones(motion.rows()) - accel_rows;
+  const VectorXd accel_rows = bias.leftCols<3>().rowwise().sum(), gyro_rows = VectorXd::Ones(motion.rows()) - accel_rows;
   add("gyro noise", noise_of(sensitivity * gyro_rows.asDiagonal()));
   add("accelerometer noise", noise_of(sensitivity * accel_rows.asDiagonal()));
-  const MatrixXd by_bias = sensitivity * turn_on;
-  add("gyro turn-on", of_turn_on(plan.gyro_noise.turn_on, by_bias.rightCols<3>()));
-  add("accelerometer turn-on", of_turn_on(plan.accel_noise.turn_on, by_bias.leftCols<3>()));
+  const MatrixXd by_turn_on = sensitivity * bias;
+  add("gyro turn-on", of_turn_on(plan.gyro_noise.turn_on, by_turn_on.rightCols<3>()));
+  add("accelerometer turn-on", of_turn_on(plan.accel_noise.turn_on, by_turn_on.leftCols<3>()));
   // What is asked for but not determined stays at its start, and may be off by its prior. Classical weights' stated covariance does not know the
   // table.
   if (out.undetermined.empty()) return;
@@ -120,55 +107,8 @@ void add_sources(Prediction& out, const Plan& plan, const TableMotion& motion, c
   add(undetermined_source, plan.classical ? VectorXd::Zero(rest.size()) : VectorXd(rest.cwiseMax(0.0)));
 }
 
-/// The readings of whole procedures, with drawn errors.
-struct Sampler {
-  Sampler(const Plan& plan, const TableMotion& table_motion, const Estimator& estimator, std::uint64_t seed)
-      : motion(table_motion),
-        turn_on{plan.accel_noise.turn_on, plan.gyro_noise.turn_on},
-        turn_on_gain(turn_on_readings(motion)),
-        noise_factor(MatrixXd(Eigen::LLT<MatrixXd>(estimator.noise()).matrixL()).sparseView()),
-        table(seed, "predict: table errors"),
-        noise(seed, "predict: noise"),
-        biases(seed, "predict: turn-on") {}
-
-  /// A run each column, from run `begin` on.
-  MatrixXd draw(std::uint64_t begin, Index runs) const {
-    const auto normals = [&](const RandomStream& stream, Index rows) {
-      MatrixXd out(rows, runs);
-      stream.normals(begin * static_cast<std::uint64_t>(rows), {out.data(), static_cast<std::size_t>(out.size())});
-      return out;
-    };
-    const MatrixXd errors = (motion.sigma().asDiagonal() * normals(table, motion.sigma().size())).colwise() + motion.nominal();
-    MatrixXd bias = normals(biases, 6);
-    for (Index axis = 0; axis < 6; ++axis) {
-      const Spread& spread = turn_on[axis < 3 ? 0 : 1];
-      if (spread.fixed) bias.row(axis).setOnes();
-      bias.row(axis) *= spread.value;
-    }
-    MatrixXd seen = noise_factor * normals(noise, motion.rows());
-    seen.noalias() += turn_on_gain * bias;
-    for (Index run = 0; run < runs; ++run) seen.col(run) += readings(motion, {}, motion.truth(errors.col(run)));
-    return seen;
-  }
-
-  const TableMotion& motion;
-  std::array<Spread, 2> turn_on;  ///< accelerometers, gyros
-  MatrixXd turn_on_gain;
-  Eigen::SparseMatrix<double> noise_factor;
-  RandomStream table, noise, biases;
-};
-
-/// Sums of the errors' powers.
-struct Moments {
-  VectorXd first, second, fourth;
-  explicit Moments(Index n) : first(VectorXd::Zero(n)), second(first), fourth(first) {}
-  void add(const VectorXd& error) {
-    first += error;
-    second += error.cwiseAbs2();
-    fourth += error.cwiseAbs2().cwiseAbs2();
-  }
-  void add(const Moments& more) { first += more.first, second += more.second, fourth += more.fourth; }
-};
+/// Sums of the first, second and fourth powers of the coefficients' errors.
+using Moments = Eigen::MatrixX3d;
 
 }  // namespace
 
@@ -178,7 +118,7 @@ Plan plan_of(const Session& procedure) {
   const RecordingSource source = procedure.recordings.empty() ? RecordingSource{} : procedure.recordings.front();
   Plan plan;
   plan.rig = turntable_of(procedure, source.file);
-  plan.parts = parts_of(procedure, source.file);
+  plan.parts = table_plan(procedure, source.file);
   plan.site = procedure.site;
   for (const TablePart& hold : plan.parts.holds)
     if (const double samples = (hold.end - hold.begin) * source.rate_hz.value_or(INFINITY); samples < 2)
@@ -196,10 +136,9 @@ Plan plan_of(const Session& procedure) {
   if (!(noise.accel.N > 0) || !(noise.gyro.N > 0))
     throw Error(fmt::format("{}: the {} noise density is 0; expected one above 0, since the readings are weighted by their noise", procedure.file,
                             noise.accel.N > 0 ? "gyro" : "accelerometer"));
-  std::vector<const char*> selectors{"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"};
-  if (procedure.imu.grade && grade(*procedure.imu.grade).g_sensitivity > 0) selectors.push_back("gyro.g_sensitivity");
-  for (const char* selector : selectors)
-    for (const CoefficientIndex index : select_coefficients(selector)) plan.terms.push_back(index);
+  const bool with_g = procedure.imu.grade && grade(*procedure.imu.grade).g_sensitivity > 0;
+  plan.terms = select_each({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"});
+  if (with_g) plan.terms = select_each({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix", "gyro.g_sensitivity"});
   return plan;
 }
 
@@ -225,7 +164,7 @@ imulab::Prediction predict(const Session& procedure) { return predict(plan_of(pr
 MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t seed, const std::function<void(std::uint64_t)>& progress) {
   const TableMotion motion(plan.parts, plan.rig, plan.site);
   const Estimator estimator = estimator_of(plan, motion);
-  const Sampler sampler(plan, motion, estimator, seed);
+  const ReadingsSampler sampler(motion, {plan.accel_noise.turn_on, plan.gyro_noise.turn_on}, estimator.noise(), seed);
   const std::vector<CoefficientIndex> coefficients = estimator.uncertainty({}).determined;
   const auto n = static_cast<Index>(coefficients.size());
   const auto values = [&](const SensorModel& model) {
@@ -236,20 +175,22 @@ MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t
   const VectorXd expected = values({}) + estimator.second_order({}, coefficients).bias;
 
   constexpr std::uint64_t block = 128;
-  std::vector<Moments> moments((runs + block - 1) / block, Moments(n));
+  std::vector<Moments> moments((runs + block - 1) / block, Moments::Zero(n, 3));
   std::atomic<std::uint64_t> done = 0;
   tbb::parallel_for(std::size_t{0}, moments.size(), [&](std::size_t b) {
     const std::uint64_t begin = b * block, count = std::min(block, runs - begin);
     const MatrixXd found = estimator.solve(estimator.linearized(sampler.draw(begin, static_cast<Index>(count))));
-    for (Index run = 0; run < found.cols(); ++run) moments[b].add(values(backward(found.col(run))) - expected);
+    for (Index run = 0; run < found.cols(); ++run) {
+      const VectorXd error = values(backward(found.col(run))) - expected, square = error.cwiseAbs2();
+      moments[b].col(0) += error, moments[b].col(1) += square, moments[b].col(2) += square.cwiseAbs2();
+    }
     if (progress) progress(done += count);
   });
-  Moments sum(n);
-  for (const Moments& m : moments) sum.add(m);  // in order: the same bits on any number of threads
-  const auto count = static_cast<double>(runs);
-  const VectorXd square = sum.second / count;
-  return {coefficients, runs, sum.first / count, square.cwiseSqrt(),
-          ((sum.fourth / count).cwiseQuotient(square.cwiseAbs2()).array() - 1).cwiseMax(0.0).sqrt() / (2 * std::sqrt(count))};
+  Moments mean = Moments::Zero(n, 3);
+  for (const Moments& m : moments) mean += m;  // in order: the same bits on any number of threads
+  mean /= static_cast<double>(runs);
+  return {coefficients, runs, mean.col(0), mean.col(1).cwiseSqrt(),
+          (mean.col(2).cwiseQuotient(mean.col(1).cwiseAbs2()).array() - 1).cwiseMax(0.0).sqrt() / (2 * std::sqrt(static_cast<double>(runs)))};
 }
 
 }  // namespace imulab::turntable

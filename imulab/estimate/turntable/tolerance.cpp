@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -72,7 +73,7 @@ std::optional<Shortfall> shortfall(const Prediction& prediction, const Requireme
 void expect_estimated(const std::vector<Requirement>& requirements, const Plan& plan) {
   for (const Requirement& requirement : requirements)
     for (const CoefficientIndex index : requirement.coefficients)
-      if (std::find(plan.terms.begin(), plan.terms.end(), index) == plan.terms.end())
+      if (!contains(plan.terms, index))
         throw Error(fmt::format("{}: this unit's calibration does not estimate it; g-sensitivity is that of a grade that has it, such as mems",
                                 requirement.selector));
 }
@@ -86,17 +87,8 @@ std::vector<Shortfall> shortfalls(const Plan& plan, const std::vector<Requiremen
 }
 
 std::string_view to_string(Knob knob) {
-  switch (knob) {
-    case Knob::table:
-      return "table";
-    case Knob::timing:
-      return "timing";
-    case Knob::imu:
-      return "imu";
-    case Knob::all:
-      break;
-  }
-  return "all";
+  constexpr std::array<std::string_view, 4> names{"table", "timing", "imu", "all"};
+  return names[static_cast<std::size_t>(knob)];
 }
 
 ErrorSizes error_sizes(const Plan& plan) {
@@ -136,17 +128,8 @@ double largest_factor(const Plan& plan, Knob knob) {
   // What is declared is taken as it is, even beyond.
   const double table = std::max(1.0, 600 * unit::arcsec / std::max({s.angle, s.orthogonality, s.zero}));
   const double timing = std::max(1.0, std::min(10.0, 0.05 * shortest_hold(plan)) / s.timing), imu = 1e6;
-  switch (knob) {
-    case Knob::table:
-      return table;
-    case Knob::timing:
-      return timing;
-    case Knob::imu:
-      return imu;
-    case Knob::all:
-      break;
-  }
-  return std::min({table, timing, imu});
+  if (knob == Knob::all) return std::min({table, timing, imu});
+  return knob == Knob::table ? table : knob == Knob::timing ? timing : imu;
 }
 
 Tolerance tolerance(const Plan& plan, Knob knob, const std::vector<Requirement>& requirements) {

@@ -6,7 +6,6 @@
 #include "imulab/earth/earth.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/input.hpp"
-#include "imulab/estimate/kernel/rest_start.hpp"
 #include "imulab/estimate/kernel/terms.hpp"
 #include "imulab/estimate/turntable/fit.hpp"
 
@@ -14,7 +13,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <tuple>
 
 namespace imulab::turntable {
 
@@ -24,21 +25,15 @@ using kernel::Findings;
 
 namespace {
 
-std::vector<CoefficientIndex> supplied_coefficients() {
-  std::vector<CoefficientIndex> indices;
-  for (const char* selector : {"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix", "gyro.g_sensitivity"})
-    for (const CoefficientIndex index : select_coefficients(selector)) indices.push_back(index);
-  return indices;
-}
-
 /// The forward model keeps a matrix whole or diagonal, and the other terms whole.
-std::vector<CoefficientIndex> chosen_coefficients(const std::vector<CoefficientIndex>& wanted, const Observations& seen) {
-  const std::vector<CoefficientIndex> chosen = kernel::chosen_coefficients(wanted, supplied_coefficients(), "turntable");
+std::vector<CoefficientIndex> chosen_coefficients(const std::vector<CoefficientIndex>& wanted, const TableObservations& seen) {
+  const std::vector<CoefficientIndex> chosen = kernel::chosen_coefficients(
+      wanted, select_each({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix", "gyro.g_sensitivity"}), "turntable");
   enum class Share { none, some, all };
   const auto share = [&](const std::string& selector) {
     const std::vector<CoefficientIndex> whole = select_coefficients(selector);
-    const auto in = [&](CoefficientIndex index) { return std::find(chosen.begin(), chosen.end(), index) != chosen.end(); };
-    return std::all_of(whole.begin(), whole.end(), in) ? Share::all : std::any_of(whole.begin(), whole.end(), in) ? Share::some : Share::none;
+    const auto n = std::count_if(whole.begin(), whole.end(), [&](CoefficientIndex index) { return contains(chosen, index); });
+    return n == std::ssize(whole) ? Share::all : n > 0 ? Share::some : Share::none;
   };
   for (const auto& [triad, unit] : {std::pair{std::string("accel"), seen.accel_unit}, {std::string("gyro"), seen.gyro_unit}}) {
     const Share diagonal = share(triad + ".matrix.diagonal"), others = share(triad + ".matrix.off_diagonal");
@@ -52,36 +47,49 @@ std::vector<CoefficientIndex> chosen_coefficients(const std::vector<CoefficientI
   return chosen;
 }
 
-/// Mean scale of readings in SI; none of counts.
-std::optional<double> scale_of(const std::string& unit, const TriadModel& triad) {
-  if (unit == "count") return {};
-  return std::cbrt(std::abs(triad.matrix.determinant()));
+/// What is declared and observed of a triad, and what was found.
+struct TriadView {
+  Triad triad;
+  std::string_view sensors;
+  const std::string& unit;
+  const std::optional<double>& declared_density;
+  const Vector3d& density;
+  const Matrix3d& matrix;
+
+  /// Mean scale of readings in SI; none of counts.
+  std::optional<double> scale() const { return unit == "count" ? std::nullopt : std::optional(std::cbrt(std::abs(matrix.determinant()))); }
+};
+
+std::array<TriadView, 2> triads(const Problem& problem, const SensorModel& model) {
+  const auto& [seen, imu] = std::tie(problem.seen, problem.imu);
+  return {{{Triad::accel, "accelerometers", seen.accel_unit, imu.accel_noise_density, seen.accel_density, model.accel.matrix},
+           {Triad::gyro, "gyros", seen.gyro_unit, imu.gyro_noise_density, seen.gyro_density, model.gyro.matrix}}};
 }
 
 /// Throws Error where a declared unit was mistaken for another.
-void expect_units(const Observations& seen, const SensorModel& model) {
-  const auto check = [](Triad triad, std::optional<double> scale) {
-    const std::string_view looks = scale ? kernel::mistaken_unit(triad, *scale) : "";
-    if (!looks.empty())
-      throw Error(fmt::format("{}: the table's motion is {:.3g} times what the readings say; they look like {}; correct their unit", to_string(triad),
-                              *scale, looks));
-  };
-  check(Triad::accel, scale_of(seen.accel_unit, model.accel));
-  check(Triad::gyro, scale_of(seen.gyro_unit, model.gyro));
+void expect_units(const Problem& problem, const SensorModel& model) {
+  for (const TriadView& view : triads(problem, model))
+    if (const std::string_view looks = view.scale() ? kernel::mistaken_unit(view.triad, *view.scale()) : ""; !looks.empty())
+      throw Error(fmt::format("{}: the table's motion is {:.3g} times what the readings say; they look like {}; correct their unit",
+                              to_string(view.triad), *view.scale(), looks));
 }
 
 /// A scale that no sensor read in SI has: another unit, increments declared as rates or rates as increments.
-void doubt_scales(Findings& findings, const Observations& seen, const SensorModel& model) {
-  const auto check = [&](const char* triad, std::optional<double> scale) {
-    if (!scale || std::abs(*scale - 1) < 0.2) return;
+void doubt_scales(Findings& findings, const Problem& problem, const SensorModel& model) {
+  for (const TriadView& view : triads(problem, model)) {
+    if (std::abs(view.scale().value_or(1) - 1) < 0.2) continue;
     findings.warn(
         fmt::format("{}: the table's motion is {:.4g} times what the readings say; the scale is implausible for an IMU; check the declared "
                     "unit and whether the readings are rates or increments",
-                    triad, *scale));
-    findings.doubt(fmt::format("the {}'s scale is far from its declared unit's", triad));
-  };
-  check("accel", scale_of(seen.accel_unit, model.accel));
-  check("gyro", scale_of(seen.gyro_unit, model.gyro));
+                    to_string(view.triad), *view.scale()));
+    findings.doubt(fmt::format("the {}'s scale is far from its declared unit's", to_string(view.triad)));
+  }
+}
+
+void check_noise(Findings& findings, const Problem& problem, const SensorModel& model) {
+  for (const TriadView& view : triads(problem, model))
+    if (view.declared_density && view.density.norm() > 0)
+      kernel::check_declared_noise(findings, view.sensors, view.density.norm() / std::sqrt(raw_density(*view.declared_density, view.matrix).trace()));
 }
 
 /// Up is along the force in every position, so an error of the vertical Earth rate looks exactly like the same g-sensitivity of all axes.
@@ -107,15 +115,6 @@ TermTest test_g_sensitivity(const Fit& fit, double significance) {
     if (coefficient(index).term == Term::g_sensitivity) group.members.push_back(i);
   }
   return kernel::wald(group, values, uncertainty.covariance, significance);
-}
-
-void check_noise(Findings& findings, const Problem& problem, const SensorModel& model) {
-  const auto check = [&](std::string_view triad, const std::optional<double>& declared, const Vector3d& measured, const Matrix3d& matrix) {
-    if (declared && measured.norm() > 0)
-      kernel::check_declared_noise(findings, triad, measured.norm() / std::sqrt(raw_density(*declared, matrix).trace()));
-  };
-  check("accelerometers", problem.imu.accel_noise_density, problem.seen.accel_density, model.accel.matrix);
-  check("gyros", problem.imu.gyro_noise_density, problem.seen.gyro_density, model.gyro.matrix);
 }
 
 /// Residuals against the declared noise and table.
@@ -166,7 +165,7 @@ Calibration calibration_of(const Fit& fit) {
 
 }  // namespace
 
-Calibration calibrate(const Observations& seen, const RigDeclaration& rig, const ImuDeclaration& imu, const Site& site,
+Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, const ImuDeclaration& imu, const Site& site,
                       const CalibrationOptions& options) {
   if (!seen.noise_measured && !(imu.accel_noise_density && imu.gyro_noise_density))
     throw Unsupported("the holds are too short to measure the sensors' noise; declare the noise densities of accelerometers and gyros");
@@ -175,7 +174,7 @@ Calibration calibrate(const Observations& seen, const RigDeclaration& rig, const
   asked.terms = chosen_coefficients(options.terms, seen);
   asked.bias_while_turning = options.turntable.bias_while_turning;
   const Fit whole = fit(problem, asked);
-  expect_units(seen, whole.model);
+  expect_units(problem, whole.model);
 
   const std::string reversal = reversed_axis(whole);
   kernel::Cleaned<Fit> cleaned{whole, {}, {}, true};
@@ -199,7 +198,7 @@ Calibration calibrate(const Observations& seen, const RigDeclaration& rig, const
     findings.doubt("the sign of an axis seems to be wrong");
   }
   kernel::add_dropped(findings, cleaned.dropped, problem.motion.parts());
-  doubt_scales(findings, seen, calibration.model);
+  doubt_scales(findings, problem, calibration.model);
   doubt_latitude(findings, calibration.model, site);
   judge_residuals(findings, cleaned.fit, cleaned.worst, calibration.quality);
   kernel::add_common_doubts(findings, calibration, site);
@@ -210,7 +209,7 @@ Calibration calibrate(const Observations& seen, const RigDeclaration& rig, const
 CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOptions& options) {
   const Recording& recording = kernel::only_recording(input, "turntable");
   const Session& session = input.session;
-  const Observations seen = observe(recording, session);
+  const TableObservations seen = observe(recording, session);
   return {.calibration = calibrate(seen, turntable_of(session, recording.name), session.imu, session.site, options)};
 }
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "imulab/estimate/method.hpp"
-#include "imulab/estimate/turntable/observations.hpp"
+#include "imulab/rig/table_observations.hpp"
 
 namespace imulab::turntable {
 
@@ -11,7 +11,7 @@ namespace imulab::turntable {
 /// declares no turntable, its steps are wrong, or readings are in another unit than declared; Unsupported where nothing can be determined.
 CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOptions& options = {});
 /// Of observations in memory.
-Calibration calibrate(const Observations& seen, const RigDeclaration& rig, const ImuDeclaration& imu, const Site& site,
+Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, const ImuDeclaration& imu, const Site& site,
                       const CalibrationOptions& options = {});
 
 }  // namespace imulab::turntable

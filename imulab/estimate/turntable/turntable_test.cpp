@@ -162,7 +162,7 @@ TEST(Turntable, TermsByHand) {
   EXPECT_EQ(calibrate(run.seen, rig, table_imu(), table_site(), options).estimated, options.terms);
   options.terms = {coefficient_index("gyro.matrix.xy")};
   EXPECT_THROW(calibrate(run.seen, rig, table_imu(), table_site(), options), Error);
-  Observations counts = run.seen;
+  TableObservations counts = run.seen;
   counts.gyro_unit = "count";
   options.terms = select_coefficients("accel.matrix.diagonal");
   EXPECT_THROW(calibrate(counts, rig, table_imu(), table_site(), options), Error);

@@ -14,7 +14,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 /// Zhang's formulas (2010, eqs 6, 9, 10) on the readings of his procedure: three axes forward and back, then 24 positions.
-SensorModel zhang_formulas(const Observations& seen, double gravity) {
+SensorModel zhang_formulas(const TableObservations& seen, double gravity) {
   SensorModel model;
   Matrix3d sums;
   const auto holds = static_cast<Index>(seen.parts.holds.size());
@@ -45,7 +45,7 @@ SensorModel zhang_formulas(const Observations& seen, double gravity) {
 }
 
 /// Only the 24 positions give Zhang's bias and accelerometers: the rests around the turns get no weight here.
-std::vector<std::size_t> rests_of_turns(const Observations& seen) {
+std::vector<std::size_t> rests_of_turns(const TableObservations& seen) {
   std::vector<std::size_t> parts;
   for (std::size_t k = 0; k + 24 < seen.parts.holds.size(); ++k) parts.push_back(k);
   return parts;

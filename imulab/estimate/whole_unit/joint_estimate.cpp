@@ -2,7 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/estimate/kernel/rest_start.hpp"
+#include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/suspects.hpp"
 #include "imulab/estimate/kernel/terms.hpp"
 #include "imulab/estimate/whole_unit/quality.hpp"
@@ -89,7 +89,7 @@ std::vector<TermTest> choose_terms(Problem& problem, double significance) {
     for (const TermGroup& group : groups) {
       TermTest& t = tests.emplace_back(kernel::wald(group, values, s.covariance, significance));
       kernel::Parameters without = parameters;
-      for (const Index i : group.members) without.role[static_cast<std::size_t>(i)] = Role::held;
+      for (const Index i : group.members) without.role[static_cast<std::size_t>(i)] = Role::fixed;
       t.cross_validation_with = with;
       t.cross_validation_without = kernel::cross_validation(parts, all, without);
       t.kept = t.kept || t.cross_validation_without > (1 + chance) * with;
@@ -97,7 +97,7 @@ std::vector<TermTest> choose_terms(Problem& problem, double significance) {
     return tests;
   };
   return kernel::choose_terms(optional_terms(problem), test, [&](const TermGroup& group) {
-    for (const Index i : group.members) problem.role[static_cast<std::size_t>(i)] = Role::held;
+    for (const Index i : group.members) problem.role[static_cast<std::size_t>(i)] = Role::fixed;
   });
 }
 
@@ -112,7 +112,7 @@ std::vector<std::string> drop_bad_points(Problem& problem, double level) {
 void hold_others(Problem& problem, const std::vector<CoefficientIndex>& terms) {
   const std::vector<CoefficientIndex> chosen = kernel::chosen_coefficients(terms, problem.coefficients, "whole-unit");
   for (std::size_t k = 0; k < problem.role.size(); ++k)
-    if (!contains(chosen, problem.coefficients[k])) problem.role[k] = Role::held;
+    if (!contains(chosen, problem.coefficients[k])) problem.role[k] = Role::fixed;
 }
 
 /// Everything under its prior: from Dai's three steps where the machines did them, else from the linear model.

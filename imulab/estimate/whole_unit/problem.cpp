@@ -183,16 +183,16 @@ kernel::Parameters Problem::parameters(Priors priors) const {
     const auto i = static_cast<Index>(k);
     out.offset[i] = coefficient_value(start, coefficients[k]) - coefficient_value(model, coefficients[k]);
     if (role[k] == Role::estimated && priors != Priors::all) continue;
-    const bool free = role[k] != Role::held && (priors != Priors::offsets || coefficient(coefficients[k]).term == Term::offset);
+    const bool free = role[k] != Role::fixed && (priors != Priors::offsets || coefficient(coefficients[k]).term == Term::offset);
     if (free)
       out.sigma[i] = prior_sigma[i];
     else
-      out.role[k] = Role::held;
+      out.role[k] = Role::fixed;
   }
   for (std::size_t k = coefficients.size(); const CommonError& error : common) {
     out.offset[static_cast<Index>(k)] = -error.value;
     out.sigma[static_cast<Index>(k)] = error.sigma;
-    if (!(error.sigma > 0)) out.role[k] = Role::held;
+    if (!(error.sigma > 0)) out.role[k] = Role::fixed;
     ++k;
   }
   return out;

@@ -2,7 +2,7 @@
 
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/estimate/kernel/scaling.hpp"
+#include "imulab/recording/scaling.hpp"
 #include "imulab/rig/mount_check.hpp"
 
 #include <fmt/core.h>
@@ -92,7 +92,7 @@ void check_mounts(const MachinePoints& points, const Session& session, const Sen
     std::vector<Motion> measured;
     for (std::size_t k = here.begin; k < here.end; ++k) {
       const Vector6d raw = all[k].raw - center;
-      measured.push_back({kernel::linear(accel, raw.head<3>()), kernel::linear(gyro, raw.tail<3>())});
+      measured.push_back({linear_output(accel, raw.head<3>()), linear_output(gyro, raw.tail<3>())});
     }
     expect_declared_mount(std::span(all).subspan(here.begin, here.size()), measured, session);
   }

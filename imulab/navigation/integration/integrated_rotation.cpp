@@ -1,8 +1,8 @@
-#include "imulab/estimate/rests/rotation.hpp"
+#include "imulab/navigation/integration/integrated_rotation.hpp"
 
 #include <Eigen/Geometry>
 
-namespace imulab::rests {
+namespace imulab {
 
 Vector3d IntegratedRotation::change(const TriadModel& from, const Matrix3d& from_g, const TriadModel& to, const Matrix3d& to_g) const {
   Vector3d dphi = phi[0] * (to.offset - from.offset);
@@ -13,7 +13,7 @@ Vector3d IntegratedRotation::change(const TriadModel& from, const Matrix3d& from
   return dphi;
 }
 
-IntegratedRotation integrate_rotation(const Recording& recording, Range range, const SensorModel& model, const kernel::Scaling& scaling,
+IntegratedRotation integrate_rotation(const Recording& recording, Range range, const SensorModel& model, const Scaling& scaling,
                                       const Vector3d& gyro_sigma) {
   IntegratedRotation sum;
   sum.C.setIdentity();
@@ -24,11 +24,12 @@ IntegratedRotation integrate_rotation(const Recording& recording, Range range, c
   const Matrix3d noise = model.gyro.matrix * gyro_sigma.cwiseAbs2().asDiagonal() * model.gyro.matrix.transpose();
   Vector3d previous = Vector3d::Zero();
   for (std::size_t i = range.begin; i < range.end; ++i) {
-    const Vector3d va = scaling.accel(Vector3d(recording.accel[0][i], recording.accel[1][i], recording.accel[2][i]));
-    const Vector3d vg = scaling.gyro(Vector3d(recording.gyro[0][i], recording.gyro[1][i], recording.gyro[2][i]));
-    const Vector3d force = kernel::linear(model.accel, va);
-    const Vector3d rate = kernel::linear(model.gyro, vg) + model.g_sensitivity * force;
-    const double dt = recording.gyro_increment || i == 0 ? recording.interval_s : 1e-9 * static_cast<double>(recording.time_ns[i] - recording.time_ns[i - 1]);
+    const Vector3d va = scaling.accel(reading_at(recording.accel, i));
+    const Vector3d vg = scaling.gyro(reading_at(recording.gyro, i));
+    const Vector3d force = linear_output(model.accel, va);
+    const Vector3d rate = linear_output(model.gyro, vg) + model.g_sensitivity * force;
+    const double dt =
+        recording.gyro_increment || i == 0 ? recording.interval_s : 1e-9 * static_cast<double>(recording.time_ns[i] - recording.time_ns[i - 1]);
     const Vector3d angle = rate * dt;
     const Matrix3d before = sum.C;
     sum.C = before * rotation_exp(angle + previous.cross(angle) / 12);  // coning, one interval plus the previous
@@ -45,4 +46,4 @@ IntegratedRotation integrate_rotation(const Recording& recording, Range range, c
   return sum;
 }
 
-}  // namespace imulab::rests
+}  // namespace imulab

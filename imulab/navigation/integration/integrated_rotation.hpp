@@ -1,16 +1,16 @@
 // The rotation between two rests as the gyros integrate it, with its derivatives.
 #pragma once
 
-#include "imulab/estimate/kernel/scaling.hpp"
+#include "imulab/recording/scaling.hpp"
 
 #include <array>
 
-namespace imulab::rests {
+namespace imulab {
 
 /// The rotation a range of gyro samples integrates to, with its derivatives.
 /// `C` takes the body axes at the end to those at the beginning: C = prod exp(w dt), the rates as means over their intervals, coning from each
-/// interval and the one before. `phi` are first-order integrals of C(t) b(t) dt for b = 1, gyro x, y, z, force x, y, z: an error dW0 + dW1 V + dC f of
-/// the rate turns C into (I + [dphi x]) C with dphi = phi[0] dW0 + sum_j phi[1 + j] dW1.col(j) + sum_j phi[4 + j] dC.col(j).
+/// interval and the one before. `phi` are first-order integrals of C(t) b(t) dt for b = 1, gyro x, y, z, force x, y, z: an error dW0 + dW1 V + dC f
+/// of the rate turns C into (I + [dphi x]) C with dphi = phi[0] dW0 + sum_j phi[1 + j] dW1.col(j) + sum_j phi[4 + j] dC.col(j).
 struct IntegratedRotation {
   Matrix3d C;
   std::array<Matrix3d, 7> phi;
@@ -22,7 +22,7 @@ struct IntegratedRotation {
 };
 
 /// Integrates the samples of `range`, which has no gap inside. The model is linear (offset, matrix, g-sensitivity) in scaled readings.
-IntegratedRotation integrate_rotation(const Recording& recording, Range range, const SensorModel& scaled_model, const kernel::Scaling& scaling,
+IntegratedRotation integrate_rotation(const Recording& recording, Range range, const SensorModel& scaled_model, const Scaling& scaling,
                                       const Vector3d& gyro_sigma_scaled);
 
-}  // namespace imulab::rests
+}  // namespace imulab

@@ -1,14 +1,14 @@
 // Readings centered and scaled, so that the equations are well conditioned whatever the raw unit, and the sensor model of such readings.
 #pragma once
 
-#include "imulab/estimate/kernel/rest_means.hpp"
 #include "imulab/model/sensor_model.hpp"
+#include "imulab/recording/rest_means.hpp"
 
 #include <Eigen/Core>
 
 #include <vector>
 
-namespace imulab::kernel {
+namespace imulab {
 
 /// v = (reading - center) / scale, per axis.
 struct Scaling {
@@ -20,13 +20,13 @@ struct Scaling {
 };
 
 /// Readings in counts are centered on the rests and scaled by gravity and by the motion; readings in SI stay as they are.
-Scaling choose_scaling(const Recording& recording, const std::vector<Rest>& rests);
+Scaling choose_scaling(const Recording& recording, const std::vector<RestMeans>& rests);
 
 /// Specific force and angular rate of scaled readings, by the linear terms of a model.
-inline Vector3d linear(const TriadModel& triad, const Vector3d& scaled) { return triad.offset + triad.matrix * scaled; }
+inline Vector3d linear_output(const TriadModel& triad, const Vector3d& scaled) { return triad.offset + triad.matrix * scaled; }
 
 /// The linear model of scaled readings, of raw readings: a = A0 + A1 (U - center) / scale.
 SensorModel to_raw(const SensorModel& scaled, const Scaling& scaling);
 SensorModel to_scaled(const SensorModel& raw, const Scaling& scaling);
 
-}  // namespace imulab::kernel
+}  // namespace imulab

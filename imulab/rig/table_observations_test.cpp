@@ -1,5 +1,5 @@
 // From a recording to the means and sums of its steps, and to a calibration.
-#include "imulab/estimate/turntable/observations.hpp"
+#include "imulab/rig/table_observations.hpp"
 
 #include "imulab/core/error.hpp"
 #include "imulab/simulate/simulate.hpp"
@@ -53,7 +53,7 @@ TEST(TurntableObservations, ARecordingGivesTheMeansAndSumsOfItsSteps) {
   truth.accel_noise.N = truth.gyro_noise.N = 0;
   const RigErrors table = draw_rig_errors(session, session.recordings.front(), 15);
   const Recording recording = simulate_recording(session, session.recordings.front(), truth, 15, table);
-  const Observations seen = observe(recording, session);
+  const TableObservations seen = observe(recording, session);
   ASSERT_EQ(seen.parts.holds.size(), 15u);
   ASSERT_EQ(seen.parts.turns.size(), 6u);
   EXPECT_THAT(seen.warnings, IsEmpty());
@@ -90,7 +90,7 @@ TEST(TurntableObservations, ATurnThatIsInterruptedOrHasNoRestAroundItIsLeftOut) 
   const Session session = table_session(steps.steps(), 2 * unit::arcsec);
   const Truth truth = draw_truth(session, 17);
   Recording recording = simulate_recording(session, session.recordings.front(), truth, 17);
-  const Observations seen = observe(recording, session);
+  const TableObservations seen = observe(recording, session);
   EXPECT_EQ(seen.parts.turns.size(), 1u);
   EXPECT_THAT(seen.warnings, ElementsAre(HasSubstr("step 2 (rotate at 10 s): no rest of 0.1 s after it"),
                                          HasSubstr("step 3 (rotate at 19.2 s): no rest of 0.1 s before it")));
@@ -98,14 +98,14 @@ TEST(TurntableObservations, ATurnThatIsInterruptedOrHasNoRestAroundItIsLeftOut) 
   EXPECT_THAT(observe(recording, session).warnings, Contains(HasSubstr("step 5 (rotate at 38.4 s): the recording is interrupted")));
   Session exact = session;
   exact.rigs.front().timing.value = 0;  // then nothing is lost without rests
-  EXPECT_EQ(parts_of(exact, recording.name).turns.size(), 3u);
+  EXPECT_EQ(table_plan(exact, recording.name).turns.size(), 3u);
 }
 
 TEST(TurntableObservations, AHoldAtALimitIsLeftOut) {
   const Session session = table_session(short_steps(), 2 * unit::arcsec);
   Recording recording = simulate_recording(session, session.recordings.front(), draw_truth(session, 19), 19);
   for (std::size_t i = 100; i < 900; i += 7) recording.saturated.push_back(i);  // in the first hold, which ends at 10 s
-  const Observations seen = observe(recording, session);
+  const TableObservations seen = observe(recording, session);
   EXPECT_EQ(seen.parts.holds.size(), 14u);
   EXPECT_THAT(seen.warnings, Contains(HasSubstr("step 1 (hold at 0 s): 115 of 990 samples are saturated, left out")));
 }

@@ -1,21 +1,17 @@
-#include "imulab/estimate/kernel/scaling.hpp"
+#include "imulab/recording/scaling.hpp"
 
 #include "imulab/core/statistics.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace imulab::kernel {
+namespace imulab {
 
-Scaling choose_scaling(const Recording& recording, const std::vector<Rest>& rests) {
+Scaling choose_scaling(const Recording& recording, const std::vector<RestMeans>& rests) {
   Scaling scaling;
   if (recording.accel_unit == "count") {
     // Midrange and half range of the rests: gravity up and down.
-    Vector3d low = rests.front().accel, high = low;
-    for (const Rest& rest : rests) {
-      low = low.cwiseMin(rest.accel);
-      high = high.cwiseMax(rest.accel);
-    }
+    const auto [low, high] = accel_extremes(rests);
     scaling.accel_center = 0.5 * (low + high);
     const double scale = 0.5 * (high - low).maxCoeff();
     scaling.accel_scale.setConstant(scale > 0 ? scale : 1.0);
@@ -23,7 +19,7 @@ Scaling choose_scaling(const Recording& recording, const std::vector<Rest>& rest
   if (recording.gyro_unit == "count") {
     for (int j = 0; j < 3; ++j) {
       std::vector<double> means, samples;
-      for (const Rest& rest : rests) means.push_back(rest.gyro[j]);
+      for (const RestMeans& rest : rests) means.push_back(rest.gyro[j]);
       scaling.gyro_center[j] = median(means);
       const std::size_t stride = std::max<std::size_t>(1, recording.size() / 4096);
       for (std::size_t i = 0; i < recording.size(); i += stride) samples.push_back(std::abs(recording.gyro[j][i] - scaling.gyro_center[j]));
@@ -66,4 +62,4 @@ SensorModel to_scaled(const SensorModel& raw, const Scaling& scaling) {
   return scaled;
 }
 
-}  // namespace imulab::kernel
+}  // namespace imulab

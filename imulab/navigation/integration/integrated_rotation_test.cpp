@@ -1,4 +1,4 @@
-#include "imulab/estimate/rests/rotation.hpp"
+#include "imulab/navigation/integration/integrated_rotation.hpp"
 
 #include "imulab/core/units.hpp"
 #include "imulab/model/coefficient.hpp"
@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace imulab::rests {
+namespace imulab {
 namespace {
 
 /// Rates and forces from functions of time, as means over the intervals (fine midpoint sums).
@@ -46,7 +46,7 @@ SensorModel some_model() {
   return m;
 }
 
-TEST(Rest, SteadyTurnIntegratesExactly) {
+TEST(IntegratedRotation, SteadyTurnIntegratesExactly) {
   const Vector3d rate(0.3, -0.5, 0.7);
   const Recording r = record([&](double) { return rate; }, some_force, 4, 0.01);
   const IntegratedRotation turn = integrate_rotation(r, {0, r.size()}, SensorModel{}, {}, Vector3d::Zero());
@@ -54,7 +54,7 @@ TEST(Rest, SteadyTurnIntegratesExactly) {
   EXPECT_NEAR(turn.duration_s, 4, 1e-12);
 }
 
-TEST(Rest, ConingIsCompensated) {
+TEST(IntegratedRotation, ConingIsCompensated) {
   // Classical coning: the axis of a small cone of half angle a at angular frequency b turns the body about the cone's axis by about pi a^2 a cycle.
   const double a = 0.02, b = 2 * M_PI * 2;
   const auto attitude = [&](double t) { return rotation_exp(a * Vector3d(std::cos(b * t), std::sin(b * t), 0)); };
@@ -73,7 +73,7 @@ TEST(Rest, ConingIsCompensated) {
   EXPECT_LT(error, 0.1 * error_without);
 }
 
-TEST(Rest, DerivativesOfTheRotationEqualDifferences) {
+TEST(IntegratedRotation, DerivativesOfTheRotationEqualDifferences) {
   const Recording r = record(some_rate, some_force, 3, 0.002);
   const SensorModel model = some_model();
   const Range all{0, r.size()};
@@ -95,7 +95,7 @@ TEST(Rest, DerivativesOfTheRotationEqualDifferences) {
   }
 }
 
-TEST(Rest, NoiseOfTheRotationIsThatOfItsSamples) {
+TEST(IntegratedRotation, NoiseOfTheRotationIsThatOfItsSamples) {
   // Equal axes: sigma^2 dt^2 on each component for each sample, however the unit turns.
   const Recording r = record(some_rate, some_force, 3, 0.01);
   const Matrix3d p = integrate_rotation(r, {0, r.size()}, SensorModel{}, {}, Vector3d::Constant(1e-3)).covariance;
@@ -104,24 +104,5 @@ TEST(Rest, NoiseOfTheRotationIsThatOfItsSamples) {
   EXPECT_LT((p - expected * Matrix3d::Identity()).norm(), 1e-3 * expected);
 }
 
-TEST(Rest, MeansAndNoiseOfCountsFarFromZero) {
-  Recording r;
-  r.interval_s = 0.01;
-  for (int i = 0; i < 400; ++i) {
-    r.time_ns.push_back(10'000'000LL * (i + 1));
-    for (std::size_t j = 0; j < 3; ++j) {
-      r.gyro[j].push_back(1e9 + (i % 2 == 0 ? 1 : -1));
-      r.accel[j].push_back(2e9 + static_cast<double>(j) + (i % 2 == 0 ? 3 : -3));
-    }
-  }
-  const auto rests = kernel::summarize_rests(r, {{0, 200}, {200, 400}});
-  EXPECT_EQ(rests[1].gyro, Vector3d::Constant(1e9));
-  EXPECT_EQ(rests[0].accel, Vector3d(2e9, 2e9 + 1, 2e9 + 2));
-  EXPECT_DOUBLE_EQ(rests[1].mid_s, 3.005);
-  const kernel::SampleNoise noise = kernel::measure_noise(r, rests);
-  EXPECT_NEAR(noise.gyro.x(), std::sqrt(400.0 / 398), 1e-12);
-  EXPECT_NEAR(noise.accel.z(), 3 * std::sqrt(400.0 / 398), 1e-12);
-}
-
 }  // namespace
-}  // namespace imulab::rests
+}  // namespace imulab

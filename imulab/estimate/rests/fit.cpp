@@ -1,4 +1,4 @@
-#include "imulab/estimate/rests/summary.hpp"
+#include "imulab/estimate/rests/fit.hpp"
 
 #include "imulab/core/units.hpp"
 #include "imulab/model/gauge.hpp"
@@ -56,10 +56,10 @@ Calibration calibration_of(std::string_view method, const kernel::RestStart& sta
   SensorModel scaled = problem.model();
   for (std::size_t i = 0; i < indices.size(); ++i)
     if (!kept[i]) set_coefficient(scaled, indices[i], coefficient_value(problem.prior(), indices[i]));
-  out.model = kernel::to_raw(scaled, start.scaling);
+  out.model = to_raw(scaled, start.scaling);
   const auto n = static_cast<Index>(indices.size());
   Eigen::MatrixXd covariance =
-      covariance_after([&](const SensorModel& m) { return kernel::to_raw(m, start.scaling); }, indices, fit.covariance().topLeftCorner(n, n));
+      covariance_after([&](const SensorModel& m) { return to_raw(m, start.scaling); }, indices, fit.covariance().topLeftCorner(n, n));
 
   // g is the scale: accelerations are proportional to it, g-sensitivity inversely.
   const UncertaintySource gravity = kernel::gravity_source(session.site);
@@ -78,20 +78,21 @@ Calibration calibration_of(std::string_view method, const kernel::RestStart& sta
   }
   covariance += gravity.relative * gravity.relative * by_gravity * by_gravity.transpose();
   out.covariance = covariance(at, at);
+  const kernel::Solution& under_noise = fit.under_noise.solution;
+  out.quality.degrees_of_freedom = static_cast<int>(std::lround(under_noise.degrees_of_freedom));
+  out.quality.chi2_per_dof = under_noise.chi2 / std::max(1.0, under_noise.degrees_of_freedom);
   out.quality.condition = kernel::condition_number(fit.conditions.information(), fit.parameters);
   out.quality.sources.push_back(gravity);
   return out;
 }
 
-void add_findings(kernel::Findings& findings, Calibration& calibration, const Fit& fit, const Adjustment& under_noise, const Session& session,
+void add_findings(kernel::Findings& findings, const Calibration& calibration, const Fit& fit, const Site& site,
                   const std::vector<std::string>& dropped, std::size_t all) {
-  calibration.quality.degrees_of_freedom = static_cast<int>(std::lround(under_noise.solution.degrees_of_freedom));
-  calibration.quality.chi2_per_dof = under_noise.solution.chi2 / std::max(1.0, under_noise.solution.degrees_of_freedom);
   kernel::note_spread(findings, "the rests' accelerometer means", fit.spreads[0] / unit::ug, "ug");
   kernel::note_spread(findings, "the rests' gyro means", fit.spreads[1] / unit::deg_per_h, "deg/h");
   kernel::note_spread(findings, "the rotations", fit.spreads[2] / unit::deg, "deg");
   if (!fit.converged) findings.doubt("the fit did not converge");
-  kernel::add_common_doubts(findings, calibration, session.site);
+  kernel::add_common_doubts(findings, calibration, site);
   kernel::add_dropped(findings, dropped, all);
   // A spread from ten residuals is good to a quarter; from fewer the uncertainties may be far too small.
   if (const double degrees = fit.spread_degrees(); degrees < 10)

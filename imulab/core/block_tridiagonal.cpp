@@ -1,0 +1,58 @@
+#include "imulab/core/block_tridiagonal.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <utility>
+
+namespace imulab {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+namespace {
+
+double element(const BlockTridiagonal& blocks, Index a, Index b) {
+  if (a < b) std::swap(a, b);
+  for (std::size_t k = 0; k < blocks.size(); ++k) {
+    const CovarianceBlock& block = blocks[k];
+    if (a < block.first || a >= block.first + block.size) continue;
+    if (b >= block.first) return block.covariance(a - block.first, b - block.first);
+    if (block.coupling.size() > 0 && b >= blocks[k - 1].first) return block.coupling(a - block.first, b - blocks[k - 1].first);
+  }
+  return 0;
+}
+
+}  // namespace
+
+Eigen::VectorXd variances(const BlockTridiagonal& blocks) {
+  Eigen::VectorXd out(blocks.empty() ? 0 : blocks.back().first + blocks.back().size);
+  for (const CovarianceBlock& block : blocks) out.segment(block.first, block.size) = block.covariance.diagonal();
+  return out;
+}
+
+MatrixXd part_of(const BlockTridiagonal& blocks, const std::vector<Index>& rows) {
+  const auto n = static_cast<Index>(rows.size());
+  const auto place = [&](Index i) { return rows[static_cast<std::size_t>(i)]; };
+  return MatrixXd::NullaryExpr(n, n, [&](Index a, Index b) { return element(blocks, place(a), place(b)); });
+}
+
+MatrixXd whitened(const BlockTridiagonal& blocks, const MatrixXd& x) {
+  MatrixXd white(x.rows(), x.cols());
+  MatrixXd factor;  // of the block before
+  Index first = 0, size = 0;
+  for (const CovarianceBlock& block : blocks) {
+    MatrixXd own = block.covariance;
+    MatrixXd right = x.middleRows(block.first, block.size);
+    if (block.coupling.size() > 0) {
+      const MatrixXd coupled = factor.triangularView<Eigen::Lower>().solve(block.coupling.transpose()).transpose();
+      own -= coupled * coupled.transpose();
+      right -= coupled * white.middleRows(first, size);
+    }
+    factor = own.llt().matrixL();
+    first = block.first, size = block.size;
+    white.middleRows(first, size) = factor.triangularView<Eigen::Lower>().solve(right);
+  }
+  return white;
+}
+
+}  // namespace imulab

@@ -1,0 +1,40 @@
+// The means of a recording's rests, and the noise of its samples there.
+#pragma once
+
+#include "imulab/core/rotation.hpp"
+#include "imulab/recording/recording.hpp"
+
+#include <vector>
+
+namespace imulab {
+
+/// The readings of one sample.
+inline Vector3d reading_at(const Columns3& triad, std::size_t i) { return {triad[0][i], triad[1][i], triad[2][i]}; }
+
+/// One rest: means of the raw readings.
+struct RestMeans {
+  Range range;
+  double mid_s = 0;  ///< middle of the rest, s of the recording's clock
+  Vector3d accel, gyro;
+};
+
+std::vector<RestMeans> summarize_rests(const Recording& recording, const std::vector<Range>& ranges);
+
+/// Mean of all rests' gyro readings.
+Vector3d mean_gyro(const std::vector<RestMeans>& rests);
+
+/// The least and the largest accelerometer reading of each axis.
+struct Extremes {
+  Vector3d low, high;
+};
+Extremes accel_extremes(const std::vector<RestMeans>& rests);
+
+/// Standard deviation of one sample at rest, per axis, raw.
+struct SampleNoise {
+  Vector3d accel, gyro;
+};
+
+/// Pooled over the rests, about each rest's own mean.
+SampleNoise measure_noise(const Recording& recording, const std::vector<RestMeans>& rests);
+
+}  // namespace imulab

@@ -1,0 +1,144 @@
+#include "imulab/rig/table_readings.hpp"
+
+#include "imulab/core/decomposition.hpp"
+#include "imulab/model/forward_model.hpp"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+
+namespace imulab::rig {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+VectorXd readings(const TableMotion& motion, const SensorModel& model, const VectorXd& truth) {
+  const Matrix3d accel = model.accel.matrix.inverse(), gyro = model.gyro.matrix.inverse();
+  VectorXd out(motion.rows());
+  for (std::size_t k = 0; k < motion.parts(); ++k) {
+    const Vector3d force = truth.segment<3>(static_cast<Index>(6 * k)), rate = truth.segment<3>(static_cast<Index>(6 * k + 3));
+    if (motion.is_hold(k)) out.segment<3>(motion.row(k)) = accel * (force - model.accel.offset);
+    out.segment<3>(motion.gyro_row(k)) = gyro * (rate - model.gyro.offset * motion.gain(k) - model.g_sensitivity * force);
+  }
+  return out;
+}
+
+MatrixXd by_forward_columns(const TableMotion& motion, const VectorXd& truth) {
+  MatrixXd x = MatrixXd::Zero(motion.rows(), Forward::all);
+  for (std::size_t k = 0; k < motion.parts(); ++k) {
+    const auto force = truth.segment<3>(static_cast<Index>(6 * k)).transpose(), rate = truth.segment<3>(static_cast<Index>(6 * k + 3)).transpose();
+    for (Index i = 0; i < 3; ++i) {
+      const Index row = motion.row(k) + i, gyro_row = motion.gyro_row(k) + i;
+      if (motion.is_hold(k)) {
+        x(row, Forward::accel_offset + i) = 1;
+        x.block<1, 3>(row, Forward::accel_matrix + 3 * i) = force;
+      } else {
+        x(gyro_row, Forward::turning_bias + i) = motion.gain(k);
+      }
+      x(gyro_row, Forward::gyro_offset + i) = motion.gain(k);
+      x.block<1, 3>(gyro_row, Forward::gyro_matrix + 3 * i) = rate;
+      x.block<1, 3>(gyro_row, Forward::gyro_force + 3 * i) = -force;
+    }
+  }
+  return x;
+}
+
+MatrixXd reading_changes(const TableMotion& motion, const SensorModel& model, const MatrixXd& truth_changes) {
+  SensorModel linear = model;
+  linear.accel.offset.setZero();
+  linear.gyro.offset.setZero();
+  MatrixXd out(motion.rows(), truth_changes.cols());
+  for (Index c = 0; c < out.cols(); ++c) out.col(c) = readings(motion, linear, truth_changes.col(c));
+  return out;
+}
+
+MatrixXd by_bias(const TableMotion& motion) {
+  MatrixXd out = MatrixXd::Zero(motion.rows(), 6);
+  for (std::size_t k = 0; k < motion.parts(); ++k) {
+    if (motion.is_hold(k)) out.block<3, 3>(motion.row(k), 0).setIdentity();
+    out.block<3, 3>(motion.gyro_row(k), 3) = motion.gain(k) * Matrix3d::Identity();
+  }
+  return out;
+}
+
+MatrixXd by_truth(const TableMotion& motion, const SensorModel& model, const MatrixXd& weights) {
+  const Matrix3d accel = model.accel.matrix.inverse(), gyro = model.gyro.matrix.inverse(), force = gyro * model.g_sensitivity;
+  MatrixXd out(weights.rows(), static_cast<Index>(6 * motion.parts()));
+  for (std::size_t k = 0; k < motion.parts(); ++k) {
+    const auto of_gyro = weights.middleCols<3>(motion.gyro_row(k));
+    auto of_force = out.middleCols<3>(static_cast<Index>(6 * k)), of_rate = out.middleCols<3>(static_cast<Index>(6 * k + 3));
+    of_rate = of_gyro * gyro;
+    of_force = -of_gyro * force;
+    if (motion.is_hold(k)) of_force += weights.middleCols<3>(motion.row(k)) * accel;
+  }
+  return out;
+}
+
+MatrixXd mixed_curvature(const TableMotion& motion, const MatrixXd& truth_jacobian, const Eigen::RowVectorXd& weights) {
+  MatrixXd out = MatrixXd::Zero(Forward::all, truth_jacobian.cols());
+  for (std::size_t k = 0; k < motion.parts(); ++k) {
+    const auto force = truth_jacobian.middleRows<3>(static_cast<Index>(6 * k)), rate = truth_jacobian.middleRows<3>(static_cast<Index>(6 * k + 3));
+    for (Index i = 0; i < 3; ++i) {
+      if (motion.is_hold(k)) out.middleRows<3>(Forward::accel_matrix + 3 * i) += weights[motion.row(k) + i] * force;
+      out.middleRows<3>(Forward::gyro_matrix + 3 * i) += weights[motion.gyro_row(k) + i] * rate;
+      out.middleRows<3>(Forward::gyro_force + 3 * i) -= weights[motion.gyro_row(k) + i] * force;
+    }
+  }
+  return out;
+}
+
+MatrixXd noise_covariance(const TableMotion& motion, const Matrix3d& accel_density, const Matrix3d& gyro_density) {
+  MatrixXd out = MatrixXd::Zero(motion.rows(), motion.rows());
+  for (std::size_t k = 0; k < motion.parts(); ++k) {
+    const double duration = motion.end(k) - motion.begin(k);
+    const Index row = motion.gyro_row(k);
+    if (motion.is_hold(k)) {
+      out.block<3, 3>(motion.row(k), motion.row(k)) = accel_density / duration;
+      out.block<3, 3>(row, row) = gyro_density / duration;
+      continue;
+    }
+    out.block<3, 3>(row, row) = gyro_density * duration;
+    for (std::size_t other = 0; other < k; ++other) {  // samples that are in a hold's mean, too, or shared with a turn that follows without a rest
+      const double shared = std::min(motion.end(k), motion.end(other)) - std::max(motion.begin(k), motion.begin(other));
+      if (shared <= 0) continue;
+      const double weight = motion.is_hold(other) ? shared / (motion.end(other) - motion.begin(other)) : shared;
+      const Index other_row = motion.gyro_row(other);
+      out.block<3, 3>(row, other_row) = gyro_density * weight;
+      out.block<3, 3>(other_row, row) = out.block<3, 3>(row, other_row).transpose();
+    }
+  }
+  return out;
+}
+
+ReadingsSampler::ReadingsSampler(const TableMotion& motion, const std::array<Spread, 2>& turn_on, const MatrixXd& noise_covariance,
+                                 std::uint64_t seed)
+    : motion_(motion),
+      turn_on_(turn_on),
+      by_bias_(by_bias(motion)),
+      noise_factor_(Cholesky(noise_covariance).lower().sparseView()),
+      table_(seed, "predict: table errors"),
+      noise_(seed, "predict: noise"),
+      biases_(seed, "predict: turn-on") {}
+
+MatrixXd ReadingsSampler::draw(std::uint64_t begin, Index procedures) const {
+  const auto normals = [&](const RandomStream& stream, Index rows) {
+    MatrixXd out(rows, procedures);
+    stream.normals(begin * static_cast<std::uint64_t>(rows), {out.data(), static_cast<std::size_t>(out.size())});
+    return out;
+  };
+  const VectorXd sigma = motion_.sigma();
+  const MatrixXd errors = (sigma.asDiagonal() * normals(table_, sigma.size())).colwise() + motion_.nominal();
+  MatrixXd bias = normals(biases_, 6);
+  for (Index axis = 0; axis < 6; ++axis) {
+    const Spread& spread = turn_on_[axis < 3 ? 0 : 1];
+    if (spread.fixed) bias.row(axis).setOnes();
+    bias.row(axis) *= spread.value;
+  }
+  MatrixXd seen = noise_factor_ * normals(noise_, motion_.rows());
+  seen.noalias() += by_bias_ * bias;
+  for (Index k = 0; k < procedures; ++k) seen.col(k) += readings(motion_, {}, motion_.truth(errors.col(k)));
+  return seen;
+}
+
+}  // namespace imulab::rig

@@ -1,0 +1,55 @@
+// The readings of an IMU on a turntable, raw: six rows for the means of a hold, three for the sums of a turn. Each reading is linear in the columns
+// of the forward model and in the table's truth.
+#pragma once
+
+#include "imulab/core/random.hpp"
+#include "imulab/core/spread.hpp"
+#include "imulab/model/sensor_model.hpp"
+#include "imulab/rig/table_motion.hpp"
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include <array>
+#include <cstdint>
+
+namespace imulab::rig {
+
+/// Without noise. `truth` as TableMotion gives it.
+Eigen::VectorXd readings(const TableMotion& motion, const SensorModel& model, const Eigen::VectorXd& truth);
+
+/// d reading / d column of the forward model.
+Eigen::MatrixXd by_forward_columns(const TableMotion& motion, const Eigen::VectorXd& truth);
+/// Changes of the readings where the truth changes by each of the columns.
+Eigen::MatrixXd reading_changes(const TableMotion& motion, const SensorModel& model, const Eigen::MatrixXd& truth_changes);
+/// d reading / d bias of each axis: accelerometers, then gyros.
+Eigen::MatrixXd by_bias(const TableMotion& motion);
+/// d weighted reading / d truth, a row for each of `weights`.
+Eigen::MatrixXd by_truth(const TableMotion& motion, const SensorModel& model, const Eigen::MatrixXd& weights);
+/// d^2 weighted reading / d (column of the forward model, error of the table and the site).
+Eigen::MatrixXd mixed_curvature(const TableMotion& motion, const Eigen::MatrixXd& truth_jacobian, const Eigen::RowVectorXd& weights);
+
+/// Covariance of the readings from white noise with these raw covariance densities, including the samples that a hold and a turn share.
+Eigen::MatrixXd noise_covariance(const TableMotion& motion, const Matrix3d& accel_density, const Matrix3d& gyro_density);
+
+/// Readings of an ideal IMU in whole procedures, with drawn errors of the table, biases and noise.
+class ReadingsSampler {
+ public:
+  /// `turn_on`: biases of accelerometers and gyros. `motion` outlives the sampler.
+  ReadingsSampler(const TableMotion& motion, const std::array<Spread, 2>& turn_on, const Eigen::MatrixXd& noise_covariance, std::uint64_t seed);
+  /// A procedure each column, from number `begin` on: the same for any split into calls.
+  Eigen::MatrixXd draw(std::uint64_t begin, Eigen::Index procedures) const;
+
+ private:
+  const TableMotion& motion_;
+  std::array<Spread, 2> turn_on_;
+  Eigen::MatrixXd by_bias_;
+  Eigen::SparseMatrix<double> noise_factor_;
+  RandomStream table_, noise_, biases_;
+};
+
+}  // namespace imulab::rig
+
+namespace imulab {
+using namespace rig;  // until all callers say rig::
+}  // namespace imulab
