@@ -1,6 +1,7 @@
 #include "imulab/recording/scaling.hpp"
 
 #include "imulab/core/statistics.hpp"
+#include "imulab/model/gauge.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -32,18 +33,20 @@ Scaling choose_scaling(const Recording& recording, const std::vector<RestMeans>&
 
 namespace {
 
+TriadModel rescaled(TriadModel model, const Vector3d& by) {
+  const Vector3d square = by.cwiseAbs2();
+  model.matrix = model.matrix * by.asDiagonal();
+  model.quadratic = model.quadratic.cwiseProduct(square);
+  model.cubic = model.cubic.cwiseProduct(square.cwiseProduct(by));
+  return model;
+}
+
 TriadModel to_raw(const TriadModel& scaled, const Vector3d& center, const Vector3d& scale) {
-  TriadModel raw = scaled;
-  raw.matrix = scaled.matrix * scale.cwiseInverse().asDiagonal();
-  raw.offset = scaled.offset - raw.matrix * center;
-  return raw;
+  return of_shifted_readings(rescaled(scaled, scale.cwiseInverse()), center);
 }
 
 TriadModel to_scaled(const TriadModel& raw, const Vector3d& center, const Vector3d& scale) {
-  TriadModel scaled = raw;
-  scaled.matrix = raw.matrix * scale.asDiagonal();
-  scaled.offset = raw.offset + raw.matrix * center;
-  return scaled;
+  return rescaled(of_shifted_readings(raw, -center), scale);
 }
 
 }  // namespace

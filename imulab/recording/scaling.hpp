@@ -24,8 +24,13 @@ Scaling choose_scaling(const Recording& recording, const std::vector<RestMeans>&
 
 /// Specific force and angular rate of scaled readings, by the linear terms of a model.
 inline Vector3d linear_output(const TriadModel& triad, const Vector3d& scaled) { return triad.offset + triad.matrix * scaled; }
+/// With the quadratic and the cubic ones.
+inline Vector3d output(const TriadModel& triad, const Vector3d& scaled) {
+  const Vector3d square = scaled.cwiseAbs2();
+  return linear_output(triad, scaled) + triad.quadratic.cwiseProduct(square) + triad.cubic.cwiseProduct(square.cwiseProduct(scaled));
+}
 
-/// The linear model of scaled readings, of raw readings: a = A0 + A1 (U - center) / scale.
+/// The model of scaled readings, of raw readings: a = A0 + A1 V + A2 V^2 + A3 V^3 with V = (U - center) / scale.
 SensorModel to_raw(const SensorModel& scaled, const Scaling& scaling);
 SensorModel to_scaled(const SensorModel& raw, const Scaling& scaling);
 

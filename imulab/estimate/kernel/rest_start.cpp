@@ -5,6 +5,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/coarse.hpp"
 #include "imulab/estimate/kernel/input.hpp"
+#include "imulab/estimate/kernel/optional_terms.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <fmt/core.h>
@@ -119,6 +120,15 @@ RestStart start_from_rests(const CalibrationInput& input, std::string_view metho
 }
 
 bool near_identity(const Matrix3d& matrix) { return (matrix - Matrix3d::Identity()).cwiseAbs().maxCoeff() < 0.2; }
+
+void expect_terms(RestStart& start, const ImuDeclaration& imu, double gravity) {
+  const SensorModel raw = to_raw(start.model, start.scaling);
+  // MEMS sensors, the least that counts can be of without a grade; the limits are those of the offsets' priors.
+  const auto plausible = [](const Vector3d& offset, double limit, double usual) {
+    return offset.cwiseAbs().maxCoeff() < limit ? offset : Vector3d(Vector3d::Constant(usual));
+  };
+  start.terms = optional_priors(imu, plausible(raw.accel.offset, 0.2 * gravity, 0.03 * unit::g), plausible(raw.gyro.offset, 1.0, 1 * unit::deg));
+}
 
 void limit_noise(RestStart& start) {
   start.noise.accel = start.noise.accel.cwiseMax(1e-8 * start.scaling.accel_scale);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "imulab/estimate/kernel/findings.hpp"
+#include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/recording/scaling.hpp"
 
@@ -16,6 +17,7 @@ struct RestStart {
   Scaling scaling;
   SensorModel model;  ///< of scaled readings: the accelerometers from the rests, the gyros as declared
   SensorModel prior;  ///< likewise, the prior: the declared IMU; for counts the coarse solution
+  PriorSizes terms;   ///< of the optional terms, once `expect_terms` has set them
   Findings findings;
 
   Vector3d accel(const RestMeans& rest) const { return scaling.accel(rest.accel); }
@@ -33,6 +35,10 @@ bool near_identity(const Matrix3d& matrix);
 
 /// Puts the declared gyro noise density in place of the measured noise, once `start.model` has the gyros' matrix.
 void use_declared_gyro_noise(RestStart& start, const Recording& recording, const ImuDeclaration& imu);
+
+/// Sets `start.terms` by the declaration, or by the offsets at zero readings, once `start.model` has both triads. Readings in counts may have their
+/// zero anywhere: offsets beyond those of any IMU are that, and tell nothing.
+void expect_terms(RestStart& start, const ImuDeclaration& imu, double gravity);
 
 /// A stuck or coarsely quantized axis shows no noise; a hundred-millionth of the scale keeps the weights finite.
 void limit_noise(RestStart& start);

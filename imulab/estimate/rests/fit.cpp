@@ -1,6 +1,7 @@
 #include "imulab/estimate/rests/fit.hpp"
 
 #include "imulab/core/units.hpp"
+#include "imulab/estimate/kernel/terms.hpp"
 #include "imulab/model/gauge.hpp"
 
 #include <fmt/core.h>
@@ -23,15 +24,17 @@ const Coefficient* implausible_scale(const RestProblem& problem, const Fit& fit,
     const Coefficient& c = coefficient(index);
     if (c.triad != triad || c.term != Term::matrix || c.row != c.column) continue;
     const double moved = coefficient_value(problem.model(), index) - coefficient_value(problem.prior(), index);
-    if (!(std::abs(moved) <= prior_sigma(problem.prior(), c, 1.0))) return &c;
+    if (!(std::abs(moved) <= problem.prior_sigma(c))) return &c;
   }
   return nullptr;
 }
 
-/// Which of the problem's coefficients the fit determines. An implausible triad is not determined; without the accelerometers nothing is.
-std::vector<char> determined(const RestProblem& problem, const Fit& fit, std::vector<std::string>& warnings) {
+/// Which of the problem's coefficients the result states: those that the fit determines, and the optional ones with at least their prior. An
+/// implausible triad is not stated; without the accelerometers nothing is.
+std::vector<char> stated(const RestProblem& problem, const Fit& fit, std::vector<std::string>& warnings) {
   std::vector<char> out;
-  for (std::size_t i = 0; i < problem.indices().size(); ++i) out.push_back(fit.parameters.role[i] == kernel::Role::estimated);
+  for (std::size_t i = 0; i < problem.indices().size(); ++i)
+    out.push_back(fit.parameters.role[i] == kernel::Role::estimated || is_optional(coefficient(problem.indices()[i]).term));
   for (const Triad triad : {Triad::accel, Triad::gyro}) {
     const Coefficient* c = implausible_scale(problem, fit, triad);
     if (!c) continue;
@@ -52,7 +55,7 @@ Calibration calibration_of(std::string_view method, const kernel::RestStart& sta
   out.imu = session.imu.name;
   out.method = method;
   const std::vector<CoefficientIndex>& indices = problem.indices();
-  const std::vector<char> kept = determined(problem, fit, out.quality.warnings);
+  const std::vector<char> kept = stated(problem, fit, out.quality.warnings);
   SensorModel scaled = problem.model();
   for (std::size_t i = 0; i < indices.size(); ++i)
     if (!kept[i]) set_coefficient(scaled, indices[i], coefficient_value(problem.prior(), indices[i]));
@@ -69,10 +72,11 @@ Calibration calibration_of(std::string_view method, const kernel::RestStart& sta
     const Coefficient& c = coefficient(indices[i]);
     const double value = coefficient_value(out.model, indices[i]);
     by_gravity[static_cast<Index>(i)] = c.triad == Triad::accel ? value : c.term == Term::g_sensitivity ? -value : 0;
+    if (is_optional(c.term) && (!kept[i] || fit.parameters.role[i] == kernel::Role::considered)) out.quality.considered.emplace_back(c.name);
     if (kept[i]) {
       at.push_back(static_cast<Index>(i));
       out.estimated.push_back(indices[i]);
-    } else {
+    } else if (!is_optional(c.term)) {
       out.quality.unobservable.emplace_back(c.name);
     }
   }
@@ -84,6 +88,26 @@ Calibration calibration_of(std::string_view method, const kernel::RestStart& sta
   out.quality.condition = kernel::condition_number(fit.conditions.information(), fit.parameters);
   out.quality.sources.push_back(gravity);
   return out;
+}
+
+std::vector<TermTest> test_terms(const RestProblem& problem, const Fit& fit, double significance) {
+  std::vector<TermTest> tests;
+  const Eigen::MatrixXd covariance = fit.covariance();
+  for (const char* name : {"accel.quadratic", "accel.cubic", "gyro.quadratic", "gyro.cubic", "gyro.g_sensitivity"}) {
+    const std::vector<CoefficientIndex> term = select_coefficients(name);
+    std::vector<Index> members;
+    bool asked = false;
+    for (const Index i : fit.parameters.with(kernel::Role::estimated))
+      if (i < std::ssize(problem.indices()) && contains(term, problem.indices()[static_cast<std::size_t>(i)])) members.push_back(i);
+    for (const CoefficientIndex index : term) asked = asked || contains(problem.indices(), index);
+    if (!asked) continue;
+    VectorXd value(std::ssize(members));
+    for (Index k = 0; k < value.size(); ++k)
+      value[k] = coefficient_value(problem.model(), problem.indices()[static_cast<std::size_t>(members[static_cast<std::size_t>(k)])]);
+    const Eigen::MatrixXd of_term = covariance(members, members);
+    tests.push_back(kernel::wald_without_prior(name, value, of_term, fit.parameters.sigma(members), significance));
+  }
+  return tests;
 }
 
 void add_findings(kernel::Findings& findings, const Calibration& calibration, const Fit& fit, const Site& site,

@@ -39,11 +39,11 @@ struct Fit {
 /// large (or its spread was given), with that kind's spread, until the spreads converge. Longer steps than `longest_step` are shortened: poor data
 /// would be linearized far from the solution.
 template <class Problem>
-Fit converge(Problem& problem, const Spreads& start = {}) {
+Fit converge(Problem& problem, const Spreads& start = {}, bool keep_spreads = false) {
   constexpr int most_iterations = 30, most_before_spreads = 8;
   Fit fit;
   fit.spreads = start;
-  bool decided = false;
+  bool decided = keep_spreads;
   for (int iteration = 0; iteration < most_iterations && !fit.converged; ++iteration) {
     fit.conditions = problem.conditions(fit.spreads);
     fit.parameters = problem.parameters();
@@ -53,7 +53,7 @@ Fit converge(Problem& problem, const Spreads& start = {}) {
     const Eigen::VectorXd sigma = fit.adjustment.solution.covariance.diagonal().cwiseSqrt();
     bool still = (sigma.array() > 0).select(x.cwiseAbs() - 0.01 * sigma, 0).maxCoeff() <= 0;  // fixed ones arrive at once
     if (!decided && !still && iteration < most_before_spreads) continue;
-    for (int k = 0; k < kinds; ++k) {
+    for (int k = 0; k < kinds && !keep_spreads; ++k) {
       const auto kind = static_cast<Kind>(k);
       double& spread = fit.spreads[static_cast<std::size_t>(k)];
       if (spread == 0 && (decided || !spread_is_significant(fit.conditions, fit.adjustment, kind))) continue;
@@ -66,15 +66,15 @@ Fit converge(Problem& problem, const Spreads& start = {}) {
   return fit;
 }
 
-/// Coefficients that the data do not determine go back to their prior value, and the others are fitted again, until those that remain are determined
-/// although the others may be off by their prior.
+/// Coefficients that the data do not determine go back to their prior value and the others are fitted again, until those that remain are determined
+/// although the others may be off by their prior. The spreads are those of the fit with all of them: with some held the residuals show those as well.
 template <class Problem>
 Fit fit_determined(Problem& problem) {
   Fit fit = converge(problem);
-  const auto undetermined = [&] { return kernel::undetermined(fit.covariance(), fit.parameters, problem.needed_sigma()); };
-  for (std::vector<Eigen::Index> open = undetermined(); !open.empty(); open = undetermined()) {
-    problem.hold(open);
-    fit = converge(problem, fit.spreads);
+  const auto open = [&] { return problem.not_determined(fit.parameters, fit.covariance()); };
+  for (std::vector<Eigen::Index> hold = open(); !hold.empty(); hold = open()) {
+    problem.hold(hold);
+    fit = converge(problem, fit.spreads, true);
   }
   fit.under_noise = adjust(problem.conditions({}), problem.parameters());
   return fit;
@@ -120,6 +120,9 @@ struct SuspectFit {
 /// Model, covariance and quality of a fit: raw units, g's uncertainty added, undetermined coefficients named.
 Calibration calibration_of(std::string_view method, const kernel::RestStart& start, const RestProblem& problem, const Fit& fit,
                            const Session& session);
+
+/// Which optional terms do the data show? Wald's test of each term's coefficients, without those of which the data say nothing.
+std::vector<TermTest> test_terms(const RestProblem& problem, const Fit& fit, double significance);
 
 /// The findings of a fit: spreads, dropped parts of `all`, and what makes it doubtful.
 void add_findings(kernel::Findings& findings, const Calibration& calibration, const Fit& fit, const Site& site,

@@ -2,7 +2,6 @@
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/coarse.hpp"
 #include "imulab/estimate/kernel/input.hpp"
-#include "imulab/estimate/kernel/terms.hpp"
 #include "imulab/estimate/rests/fit.hpp"
 #include "imulab/estimate/rests/handheld_problem.hpp"
 #include "imulab/estimate/rests/rests.hpp"
@@ -59,20 +58,6 @@ void warn_of_other_axes(const SensorModel& model, kernel::Findings& findings) {
   }
 }
 
-/// Do the data show the g-sensitivity? Tested are those of its coefficients that they determine.
-TermTest test_g_sensitivity(const HandheldProblem& problem, const Fit& fit, double significance) {
-  const Eigen::VectorXd needed = problem.needed_sigma();
-  const Eigen::MatrixXd& covariance = fit.adjustment.solution.covariance;
-  kernel::TermGroup group{"gyro.g_sensitivity", {}};
-  Eigen::VectorXd values(needed.size());
-  for (Index i = 0; i < values.size(); ++i) {
-    const CoefficientIndex index = problem.indices()[static_cast<std::size_t>(i)];
-    values[i] = coefficient_value(problem.model(), index);
-    if (coefficient(index).term == Term::g_sensitivity && covariance(i, i) < needed[i] * needed[i]) group.members.push_back(i);
-  }
-  return kernel::wald(group, values, covariance, significance);
-}
-
 /// Gravity as the gyros carry it across a rotation against gravity as it is found after it, each tenth of the rotations predicted without it.
 /// Rotations of less than 10 deg do not count: any gyro would predict them well.
 struct CrossValidation {
@@ -104,24 +89,21 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   kernel::expect_alive(recording.gyro, recording.name, "gyro", "the method static calibrates the accelerometers alone");
   start_gyro(start, recording);
   kernel::use_declared_gyro_noise(start, recording, session.imu);
+  kernel::expect_terms(start, session.imu, session.site.gravity());
   std::vector<CoefficientIndex> supplied = kernel::accel_coefficients();
-  for (const CoefficientIndex index : select_each({"gyro.offset", "gyro.matrix", "gyro.g_sensitivity"})) supplied.push_back(index);
-
+  for (const CoefficientIndex index :
+       select_each({"accel.quadratic", "accel.cubic", "gyro.offset", "gyro.matrix", "gyro.quadratic", "gyro.cubic", "gyro.g_sensitivity"}))
+    supplied.push_back(index);
   const std::vector<CoefficientIndex> indices = kernel::choose_coefficients(start, options.terms, supplied, "handheld");
 
   const HandheldProblem whole(recording, start, session.site, indices);
   auto cleaned = kernel::drop_suspects(SuspectFit(whole), options.outlier_level);
   HandheldProblem& problem = cleaned.fit.problem;
-  std::vector<TermTest> tests;
-  if (options.terms.empty()) {
-    tests.push_back(test_g_sensitivity(problem, converge(problem), options.significance));
-    if (!tests.back().kept) problem.leave_out(Term::g_sensitivity);
-  }
   const Fit fit = fit_determined(problem);
 
   CalibrationResult result{.calibration = calibration_of("handheld", start, problem, fit, session)};
   Quality& quality = result.calibration.quality;
-  quality.term_tests = tests;
+  quality.term_tests = test_terms(problem, fit, options.significance);
   kernel::Findings& findings = start.findings;
   warn_of_other_axes(result.calibration.model, findings);
   findings.note(fmt::format("{} rests and {} rotations between them were used", problem.rests().size(), problem.rotations()));

@@ -18,6 +18,12 @@ using Matrix23 = Eigen::Matrix<double, 2, 3>;
 
 const Vector3d up_n = Vector3d::UnitZ();
 
+/// Which of a rotation's integrals is its derivative by a gyro coefficient.
+std::size_t integral_of(const Coefficient& c) {
+  if (c.term == Term::quadratic || c.term == Term::cubic) return c.term == Term::quadratic ? 7 : 8;
+  return static_cast<std::size_t>(c.term == Term::offset ? 0 : c.term == Term::matrix ? 1 + c.column : 4 + c.column);
+}
+
 }  // namespace
 
 HandheldProblem::HandheldProblem(const Recording& recording, const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices)
@@ -89,7 +95,7 @@ kernel::Parameters HandheldProblem::parameters() const {
 }
 
 Eigen::VectorXd HandheldProblem::longest_step() const {
-  Eigen::VectorXd longest = parameters().sigma;
+  Eigen::VectorXd longest = longest_coefficient_step(parameters().size());
   longest.tail(longest.size() - static_cast<Index>(indices_.size())).setConstant(earth_rate);
   return longest;
 }
@@ -168,8 +174,7 @@ void HandheldProblem::add_rotation_rows(Conditions& c, Index row, std::size_t k)
   for (std::size_t i = 0; i < indices_.size(); ++i) {
     const Coefficient& term = coefficient(indices_[i]);
     if (term.triad != Triad::gyro) continue;
-    const int integral = term.term == Term::offset ? 0 : term.term == Term::matrix ? 1 + term.column : 4 + term.column;
-    c.jacobian.col(static_cast<Index>(i)).segment<2>(row) = up.by_rotation * rotation.phi[static_cast<std::size_t>(integral)].col(term.row);
+    c.jacobian.col(static_cast<Index>(i)).segment<2>(row) = up.by_rotation * rotation.phi[integral_of(term)].col(term.row);
   }
   const Matrix23 by_earth = -rotation.duration_s * up.basis * rotation.C.transpose() * C_nb_[k].transpose() * skew<double>(up_n);
   if (!latitude_) c.jacobian.block<2, 1>(row, static_cast<Index>(indices_.size())) = by_earth.col(2);
@@ -212,14 +217,6 @@ void HandheldProblem::drop(std::size_t k) {
     if (k > 0 && k - 1 < links_.size()) links_[k - 1] = {};  // a new, longer rotation
   }
   relink();
-}
-
-void HandheldProblem::leave_out(Term term) {
-  const auto left_out = [&](CoefficientIndex index) { return coefficient(index).term == term; };
-  for (const CoefficientIndex index : indices_)
-    if (left_out(index)) set_coefficient(model_, index, 0.0);
-  std::erase_if(indices_, left_out);
-  roles_.assign(indices_.size(), kernel::Role::estimated);
 }
 
 }  // namespace imulab::rests

@@ -23,8 +23,6 @@ class HandheldProblem : public RestProblem {
   std::vector<SuspectRows> suspects(const Conditions& conditions) const;
   /// Leaves out a rest (the rotations before and after it become one) or a rotation.
   void drop(std::size_t suspect);
-  /// Takes all coefficients of a term out of the model: they return to zero, and all others are estimated again.
-  void leave_out(Term term);
 
   std::size_t rotations() const;
   struct RotationRows {

@@ -1,7 +1,5 @@
 #include "imulab/estimate/rests/problem.hpp"
 
-#include "imulab/estimate/kernel/prior.hpp"
-
 #include <fmt/core.h>
 
 #include <cmath>
@@ -19,14 +17,14 @@ Matrix3d mean_covariance(const TriadModel& model, const Vector3d& sample_sigma, 
          spread * spread * Matrix3d::Identity();
 }
 
-}  // namespace
-
-double prior_sigma(const SensorModel& prior, const Coefficient& c, double gravity) {
-  kernel::PriorSizes sizes{{0.2 * gravity, 0.2, 1e-2}, {1.0, 0.2, 1e-2}};
-  const auto row = (c.triad == Triad::accel ? prior.accel : prior.gyro).matrix.row(c.row);
-  if (std::abs(row[c.row]) <= 0.9 * row.norm()) sizes.accel.misalignment = sizes.gyro.misalignment = 0.2;
-  return kernel::prior_sigma(sizes, c, row.norm());
+/// What a coefficient is multiplied with.
+double input_of(const Coefficient& c, const Vector3d& reading, const Vector3d& force) {
+  if (c.term == Term::g_sensitivity) return force[c.column];
+  if (c.term == Term::matrix) return reading[c.column];
+  return c.term == Term::offset ? 1 : std::pow(reading[c.row], c.term == Term::quadratic ? 2 : 3);
 }
+
+}  // namespace
 
 RestProblem::RestProblem(const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices)
     : rests_(start.rests),
@@ -36,24 +34,53 @@ RestProblem::RestProblem(const kernel::RestStart& start, const Site& site, std::
       noise_{start.noise.accel.cwiseQuotient(scaling_.accel_scale), start.noise.gyro.cwiseQuotient(scaling_.gyro_scale)},
       model_(start.model),
       prior_(start.prior),
+      sizes_(start.terms),
       indices_(std::move(indices)),
-      roles_(indices_.size(), kernel::Role::estimated) {}
+      roles_(indices_.size(), kernel::Role::estimated) {
+  sizes_.accel.offset = 0.2 * gravity_, sizes_.gyro.offset = 1.0;
+  for (kernel::TriadPrior* triad : {&sizes_.accel, &sizes_.gyro}) triad->scale = 0.2, triad->misalignment = 1e-2;
+}
+
+double RestProblem::prior_sigma(const Coefficient& c) const {
+  kernel::PriorSizes sizes = sizes_;
+  const auto row = (c.triad == Triad::accel ? prior_.accel : prior_.gyro).matrix.row(c.row);
+  if (std::abs(row[c.row]) <= 0.9 * row.norm()) sizes.accel.misalignment = sizes.gyro.misalignment = 0.2;
+  return kernel::prior_sigma(sizes, c, row.norm());
+}
 
 kernel::Parameters RestProblem::parameters(Index nuisances) const {
   kernel::Parameters out(static_cast<Index>(indices_.size()) + nuisances);
   for (std::size_t i = 0; i < indices_.size(); ++i) {
     out.role[i] = roles_[i];
     out.offset[static_cast<Index>(i)] = coefficient_value(prior_, indices_[i]) - coefficient_value(model_, indices_[i]);
-    out.sigma[static_cast<Index>(i)] = prior_sigma(prior_, coefficient(indices_[i]), gravity_);
+    out.sigma[static_cast<Index>(i)] = prior_sigma(coefficient(indices_[i]));
   }
   return out;
 }
 
-VectorXd RestProblem::needed_sigma() const {
-  VectorXd needed = parameters(0).sigma;
+std::vector<Index> RestProblem::not_determined(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const {
+  constexpr double nothing = 0.9;  // of the prior sigma: the data say less than a quarter of what the prior says
+  std::vector<Index> optional, least;
+  double least_known = 0;
+  for (std::size_t k = 0; k < indices_.size(); ++k) {
+    if (parameters.role[k] != kernel::Role::estimated) continue;
+    const auto i = static_cast<Index>(k);
+    const Coefficient& c = coefficient(indices_[k]);
+    const double prior = parameters.sigma[i], sigma = std::sqrt(covariance(i, i));
+    if (is_optional(c.term)) {
+      if (!(sigma <= nothing * prior)) optional.push_back(i);
+    } else if (!(sigma < kernel::needed_sigma(c, prior)) && !(sigma / prior <= least_known)) {
+      least = {i}, least_known = sigma / prior;
+    }
+  }
+  return optional.empty() ? least : optional;
+}
+
+VectorXd RestProblem::longest_coefficient_step(Index size) const {
+  VectorXd longest = VectorXd::Constant(size, kernel::no_prior);
   for (std::size_t i = 0; i < indices_.size(); ++i)
-    needed[static_cast<Index>(i)] = kernel::needed_sigma(coefficient(indices_[i]), needed[static_cast<Index>(i)]);
-  return needed;
+    if (const Coefficient& c = coefficient(indices_[i]); !is_optional(c.term)) longest[static_cast<Index>(i)] = prior_sigma(c);
+  return longest;
 }
 
 void RestProblem::hold(const std::vector<Index>& undetermined) {
@@ -66,7 +93,7 @@ void RestProblem::correct_coefficients(const VectorXd& correction) {
 }
 
 Vector3d RestProblem::rate_at(const RestMeans& rest) const {
-  return linear_output(model_.gyro, scaling_.gyro(rest.gyro)) + model_.g_sensitivity * force_at(rest);
+  return output(model_.gyro, scaling_.gyro(rest.gyro)) + model_.g_sensitivity * force_at(rest);
 }
 
 Matrix3d RestProblem::force_covariance(const RestMeans& rest, double spread) const {
@@ -82,8 +109,7 @@ void RestProblem::add_derivatives(Conditions& c, Index row, Triad triad, const R
   for (std::size_t i = 0; i < indices_.size(); ++i) {
     const Coefficient& term = coefficient(indices_[i]);
     if (term.triad != triad) continue;
-    const double input = term.term == Term::offset ? 1.0 : term.term == Term::matrix ? reading[term.column] : force[term.column];
-    c.jacobian.col(static_cast<Index>(i)).segment(row, by_output.rows()) += input * by_output.col(term.row);
+    c.jacobian.col(static_cast<Index>(i)).segment(row, by_output.rows()) += input_of(term, reading, force) * by_output.col(term.row);
   }
 }
 

@@ -20,7 +20,12 @@ class RestProblem {
  public:
   /// Coefficients that the data do not determine go back to their prior value and stay there.
   void hold(const std::vector<Eigen::Index>& undetermined);
-  Eigen::VectorXd needed_sigma() const;
+  /// Of a coefficient of scaled readings: offsets 20 % of g and 1 rad/s, scales 20 %, misalignments 1e-2 (20 % where the row does not point along its
+  /// axis: axes swapped), which contain uncalibrated units; optional terms by kernel::optional_priors.
+  double prior_sigma(const Coefficient& c) const;
+  /// Estimated coefficients to hold: the optional terms of which the data say nothing, else the one that they determine least of those that they do
+  /// not determine. One at a time: a weak one makes others look undetermined.
+  std::vector<Eigen::Index> not_determined(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const;
 
   const std::vector<RestMeans>& rests() const { return rests_; }
   const std::vector<CoefficientIndex>& indices() const { return indices_; }
@@ -31,9 +36,11 @@ class RestProblem {
   RestProblem(const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices);
   /// The coefficients, then `nuisances` estimated without a prior.
   kernel::Parameters parameters(Eigen::Index nuisances) const;
+  /// A correction's elements: up to the prior of those that all IMUs have; the equations are straight in the optional terms, which are small.
+  Eigen::VectorXd longest_coefficient_step(Eigen::Index parameters) const;
   void correct_coefficients(const Eigen::VectorXd& correction);
   /// Specific force and rate that the model gives at a rest.
-  Vector3d force_at(const RestMeans& rest) const { return linear_output(model_.accel, scaling_.accel(rest.accel)); }
+  Vector3d force_at(const RestMeans& rest) const { return output(model_.accel, scaling_.accel(rest.accel)); }
   Vector3d rate_at(const RestMeans& rest) const;
   Matrix3d force_covariance(const RestMeans& rest, double spread) const;
   Matrix3d rate_covariance(const RestMeans& rest, double spread) const;
@@ -48,12 +55,9 @@ class RestProblem {
   Scaling scaling_;
   SampleNoise noise_;  ///< scaled
   SensorModel model_, prior_;
+  kernel::PriorSizes sizes_;
   std::vector<CoefficientIndex> indices_;
   std::vector<kernel::Role> roles_;  ///< of the coefficients
 };
-
-/// Prior sigma of a coefficient of scaled readings: offsets 20 % of g and 1 rad/s, scales 20 %, misalignments 1e-2 (20 %
-/// where the row does not point along its axis: axes swapped), g-sensitivity 1e-3 (rad/s)/(m/s^2). Uncalibrated units are within these.
-double prior_sigma(const SensorModel& prior, const Coefficient& coefficient, double gravity);
 
 }  // namespace imulab::rests

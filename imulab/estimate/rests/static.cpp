@@ -83,15 +83,18 @@ CalibrationResult calibrate_static(const CalibrationInput& input, const Calibrat
   const Session& session = input.session;
   const GyroStart gyro = start_gyro(start, recording, session.site);
   use_gyro_start(start, gyro, recording, session.imu);
+  kernel::expect_terms(start, session.imu, session.site.gravity());
   std::vector<CoefficientIndex> supplied = kernel::accel_coefficients();
-  if (gyro.coarse)
-    for (const CoefficientIndex index : select_each({"gyro.offset", "gyro.matrix"})) supplied.push_back(index);
+  for (const CoefficientIndex index : select_each({"accel.quadratic", "accel.cubic"})) supplied.push_back(index);
+  if (gyro.coarse)  // Earth's rate is far too small to show their nonlinearity
+    for (const CoefficientIndex index : select_each({"gyro.offset", "gyro.matrix", "gyro.g_sensitivity"})) supplied.push_back(index);
   const std::vector<CoefficientIndex> indices = kernel::choose_coefficients(start, options.terms, supplied, "static");
 
   auto cleaned = kernel::drop_suspects(SuspectFit(StaticProblem(start, session.site, indices, gyro.coarse.has_value())), options.outlier_level);
   const Fit fit = fit_determined(cleaned.fit.problem);
 
   CalibrationResult result{.calibration = calibration_of("static", start, cleaned.fit.problem, fit, session)};
+  result.calibration.quality.term_tests = test_terms(cleaned.fit.problem, fit, options.significance);
   start.findings.note(fmt::format("{} rests were used", cleaned.fit.problem.rests().size()));
   add_findings(start.findings, result.calibration, fit, session.site, cleaned.dropped, start.rests.size());
   kernel::conclude(result.calibration, start.findings);

@@ -10,7 +10,7 @@ Vector3d IntegratedRotation::change(const TriadModel& from, const Matrix3d& from
     dphi += phi[static_cast<std::size_t>(1 + j)] * (to.matrix.col(j) - from.matrix.col(j));
     dphi += phi[static_cast<std::size_t>(4 + j)] * (to_g.col(j) - from_g.col(j));
   }
-  return dphi;
+  return dphi + phi[7] * (to.quadratic - from.quadratic) + phi[8] * (to.cubic - from.cubic);
 }
 
 IntegratedRotation integrate_rotation(const Recording& recording, Range range, const SensorModel& model, const Scaling& scaling,
@@ -26,8 +26,8 @@ IntegratedRotation integrate_rotation(const Recording& recording, Range range, c
   for (std::size_t i = range.begin; i < range.end; ++i) {
     const Vector3d va = scaling.accel(reading_at(recording.accel, i));
     const Vector3d vg = scaling.gyro(reading_at(recording.gyro, i));
-    const Vector3d force = linear_output(model.accel, va);
-    const Vector3d rate = linear_output(model.gyro, vg) + model.g_sensitivity * force;
+    const Vector3d force = output(model.accel, va);
+    const Vector3d rate = output(model.gyro, vg) + model.g_sensitivity * force;
     const double dt =
         recording.gyro_increment || i == 0 ? recording.interval_s : 1e-9 * static_cast<double>(recording.time_ns[i] - recording.time_ns[i - 1]);
     const Vector3d angle = rate * dt;
@@ -40,6 +40,9 @@ IntegratedRotation integrate_rotation(const Recording& recording, Range range, c
       sum.phi[1 + j] += middle * vg[j];
       sum.phi[4 + j] += middle * force[j];
     }
+    const Vector3d square = vg.cwiseAbs2();
+    sum.phi[7] += middle * square.asDiagonal();
+    sum.phi[8] += middle * square.cwiseProduct(vg).asDiagonal();
     sum.covariance += middle * noise * middle.transpose();
     sum.duration_s += dt;
   }

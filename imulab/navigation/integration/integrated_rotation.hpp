@@ -9,19 +9,20 @@ namespace imulab {
 
 /// The rotation a range of gyro samples integrates to, with its derivatives.
 /// `C` takes the body axes at the end to those at the beginning: C = prod exp(w dt), the rates as means over their intervals, coning from each
-/// interval and the one before. `phi` are first-order integrals of C(t) b(t) dt for b = 1, gyro x, y, z, force x, y, z: an error dW0 + dW1 V + dC f
-/// of the rate turns C into (I + [dphi x]) C with dphi = phi[0] dW0 + sum_j phi[1 + j] dW1.col(j) + sum_j phi[4 + j] dC.col(j).
+/// interval and the one before. `phi` are first-order integrals of C(t) b(t) dt for b = 1, gyro x, y, z, force x, y, z, and for the diagonal matrices
+/// b = gyro^2, gyro^3: an error dW0 + dW1 V + dC f + dW2 V^2 + dW3 V^3 of the rate turns C into (I + [dphi x]) C with
+/// dphi = phi[0] dW0 + sum_j phi[1 + j] dW1.col(j) + sum_j phi[4 + j] dC.col(j) + phi[7] dW2 + phi[8] dW3.
 struct IntegratedRotation {
   Matrix3d C;
-  std::array<Matrix3d, 7> phi;
+  std::array<Matrix3d, 9> phi;
   Matrix3d covariance;  ///< of dphi from the gyros' sample noise, rad^2
   double duration_s;
 
-  /// dphi from one linear gyro model to another.
+  /// dphi from one gyro model to another.
   Vector3d change(const TriadModel& from, const Matrix3d& from_g, const TriadModel& to, const Matrix3d& to_g) const;
 };
 
-/// Integrates the samples of `range`, which has no gap inside. The model is linear (offset, matrix, g-sensitivity) in scaled readings.
+/// Integrates the samples of `range`, which has no gap inside. The model is of scaled readings, without thermal terms.
 IntegratedRotation integrate_rotation(const Recording& recording, Range range, const SensorModel& scaled_model, const Scaling& scaling,
                                       const Vector3d& gyro_sigma_scaled);
 
