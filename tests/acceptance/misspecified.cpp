@@ -80,6 +80,25 @@ void bump(Recording& r, const Step& rest, const Truth& truth, const RandomStream
   }
 }
 
+Truth without_slow_noise(Truth truth) {
+  for (NoiseModel* noise : {&truth.accel_noise, &truth.gyro_noise}) noise->B = noise->K = 0, noise->R = noise->turn_on = {};
+  return truth;
+}
+
+/// One recording cannot tell the bias of its turn-on and of that time from the offset: the offset that a calibration of it has to find contains their
+/// mean. `quiet`: the same recording, white noise and all, without them.
+SensorModel as_recorded(SensorModel model, const Recording& recording, const Recording& quiet) {
+  const auto mean = [](const Columns3& a, const Columns3& b) {
+    Vector3d sum = Vector3d::Zero();
+    for (std::size_t j = 0; j < 3; ++j)
+      for (std::size_t i = 0; i < a[j].size(); ++i) sum[static_cast<Index>(j)] += (a[j][i] - b[j][i]) / static_cast<double>(a[j].size());
+    return sum;
+  };
+  model.accel.offset -= model.accel.matrix * mean(recording.accel, quiet.accel);
+  model.gyro.offset -= model.gyro.matrix * mean(recording.gyro, quiet.gyro);
+  return model;
+}
+
 struct MisspecifiedRun {
   bool determined = false, good = false;
   std::vector<CoefficientIndex> indices;
@@ -93,10 +112,14 @@ MisspecifiedRun run(const Method& method, std::uint64_t seed) {
   const RandomStream random(seed, "misspecified");
   Truth truth = draw_truth(session, seed);
   add_optional_terms(truth.model, session.imu, random);
+  truth.accel_noise.turn_on = truth.gyro_noise.turn_on = {};  // part of this recording's offsets, not of the truth
+  SensorModel model = truth.model;
   std::vector<Recording> recordings;
   for (std::size_t k = 0; k < session.recordings.size(); ++k) {
     const RecordingSource& source = session.recordings[k];
-    Recording r = simulate_recording(session, source, truth, seed, draw_rig_errors(session, source, seed));
+    const RigErrors rig = draw_rig_errors(session, source, seed);
+    Recording r = simulate_recording(session, source, truth, seed, rig);
+    if (!method.takes_several) model = as_recorded(truth.model, r, simulate_recording(session, source, without_slow_noise(truth), seed, rig));
     const std::vector<Step> steps = session.steps_of(source);
     const Step& bumped = steps[static_cast<std::size_t>(random.uniform(2000 + k) * static_cast<double>(steps.size()))];
     if (!method.takes_several) {
@@ -110,7 +133,7 @@ MisspecifiedRun run(const Method& method, std::uint64_t seed) {
   const Calibration c = calibrate(method, {session, recordings}).calibration;
   MisspecifiedRun out{true, c.quality.verdict == "good", c.estimated, Eigen::VectorXd(c.estimated.size()), c.covariance};
   for (std::size_t i = 0; i < c.estimated.size(); ++i)
-    out.error[static_cast<Index>(i)] = coefficient_value(c.model, c.estimated[i]) - coefficient_value(truth.model, c.estimated[i]);
+    out.error[static_cast<Index>(i)] = coefficient_value(c.model, c.estimated[i]) - coefficient_value(model, c.estimated[i]);
   return out;
 }
 
