@@ -32,7 +32,7 @@ std::vector<RestMeans> summarize_rests(const Recording& recording, const std::ve
   std::vector<RestMeans> rests;
   for (const Range& range : ranges)
     rests.push_back({range, 0.5 * (recording.time_s(range.begin) + recording.time_s(range.end - 1)), mean_of(recording.accel, range),
-                     mean_of(recording.gyro, range)});
+                     mean_of(recording.gyro, range), recording.time_s(range.begin) - recording.interval_s, recording.time_s(range.end - 1)});
   return rests;
 }
 

@@ -16,6 +16,7 @@ struct RestMeans {
   Range range;
   double mid_s = 0;  ///< middle of the rest, s of the recording's clock
   Vector3d accel, gyro;
+  double begin_s = 0, end_s = 0;  ///< of its first and last sample
 };
 
 std::vector<RestMeans> summarize_rests(const Recording& recording, const std::vector<Range>& ranges);

@@ -6,18 +6,20 @@
 #include "imulab/estimate/kernel/optional_terms.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/model/coefficient.hpp"
+#include "imulab/model/sensor_noise.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/simulate/simulate.hpp"
-#include "tests/acceptance/acceptance.hpp"
 
 #include <Eigen/Cholesky>
 #include <fmt/core.h>
 #include <tbb/parallel_for.h>
 
+#include "tests/acceptance/acceptance.hpp"
 #include <cmath>
 #include <map>
 #include <mutex>
 #include <numbers>
+#include <numeric>
 
 namespace imulab::acceptance {
 
@@ -80,22 +82,17 @@ void bump(Recording& r, const Step& rest, const Truth& truth, const RandomStream
   }
 }
 
-Truth without_slow_noise(Truth truth) {
-  for (NoiseModel* noise : {&truth.accel_noise, &truth.gyro_noise}) noise->B = noise->K = 0, noise->R = noise->turn_on = {};
-  return truth;
-}
-
-/// One recording cannot tell the bias of its turn-on and of that time from the offset: the offset that a calibration of it has to find contains their
-/// mean. `quiet`: the same recording, white noise and all, without them.
-SensorModel as_recorded(SensorModel model, const Recording& recording, const Recording& quiet) {
-  const auto mean = [](const Columns3& a, const Columns3& b) {
-    Vector3d sum = Vector3d::Zero();
-    for (std::size_t j = 0; j < 3; ++j)
-      for (std::size_t i = 0; i < a[j].size(); ++i) sum[static_cast<Index>(j)] += (a[j][i] - b[j][i]) / static_cast<double>(a[j].size());
-    return sum;
-  };
-  model.accel.offset -= model.accel.matrix * mean(recording.accel, quiet.accel);
-  model.gyro.offset -= model.gyro.matrix * mean(recording.gyro, quiet.gyro);
+/// The model with the offsets that this recording has: those of its end, which the hybrid method states, or their mean.
+SensorModel with_recorded_offsets(const Truth& truth, const Recording& r, std::uint64_t seed, bool at_end) {
+  SensorModel model = truth.model;
+  for (const Triad triad : {Triad::accel, Triad::gyro})
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<double> slow(r.size(), 0.0);
+      const std::string purpose = fmt::format("{}.{} noise of {}", to_string(triad), "xyz"[axis], r.name);
+      AxisNoise(triad == Triad::accel ? truth.accel_noise : truth.gyro_noise, r.interval_s, seed, purpose).add_slow(slow);
+      const double mean = std::accumulate(slow.begin(), slow.end(), 0.0) / static_cast<double>(slow.size());
+      (triad == Triad::accel ? model.accel : model.gyro).offset[axis] -= at_end ? slow.back() : mean;
+    }
   return model;
 }
 
@@ -113,13 +110,10 @@ MisspecifiedRun run(const Method& method, std::uint64_t seed) {
   Truth truth = draw_truth(session, seed);
   add_optional_terms(truth.model, session.imu, random);
   truth.accel_noise.turn_on = truth.gyro_noise.turn_on = {};  // part of this recording's offsets, not of the truth
-  SensorModel model = truth.model;
   std::vector<Recording> recordings;
   for (std::size_t k = 0; k < session.recordings.size(); ++k) {
     const RecordingSource& source = session.recordings[k];
-    const RigErrors rig = draw_rig_errors(session, source, seed);
-    Recording r = simulate_recording(session, source, truth, seed, rig);
-    if (!method.takes_several) model = as_recorded(truth.model, r, simulate_recording(session, source, without_slow_noise(truth), seed, rig));
+    Recording r = simulate_recording(session, source, truth, seed, draw_rig_errors(session, source, seed));
     const std::vector<Step> steps = session.steps_of(source);
     const Step& bumped = steps[static_cast<std::size_t>(random.uniform(2000 + k) * static_cast<double>(steps.size()))];
     if (!method.takes_several) {
@@ -131,9 +125,10 @@ MisspecifiedRun run(const Method& method, std::uint64_t seed) {
   }
   if (method.name == "handheld" || method.name == "static") session.steps.clear();
   const Calibration c = calibrate(method, {session, recordings}).calibration;
+  const SensorModel exact = method.takes_several ? truth.model : with_recorded_offsets(truth, recordings.front(), seed, method.name == "hybrid");
   MisspecifiedRun out{true, c.quality.verdict == "good", c.estimated, Eigen::VectorXd(c.estimated.size()), c.covariance};
   for (std::size_t i = 0; i < c.estimated.size(); ++i)
-    out.error[static_cast<Index>(i)] = coefficient_value(c.model, c.estimated[i]) - coefficient_value(model, c.estimated[i]);
+    out.error[static_cast<Index>(i)] = coefficient_value(c.model, c.estimated[i]) - coefficient_value(exact, c.estimated[i]);
   return out;
 }
 

@@ -98,6 +98,7 @@ RestStart start_from_rests(const Recording& recording, const std::vector<Range>&
   check_accel_unit(recording, start.rests, gravity);
   start.scaling = choose_scaling(recording, start.rests);
   start.noise = measure_noise(recording, start.rests);
+  start.means = measure_mean_noise(recording, start.rests);
   for (SensorModel* model : {&start.model, &start.prior}) {
     model->accel.raw_unit = recording.accel_unit;
     model->gyro.raw_unit = recording.gyro_unit;
@@ -105,8 +106,9 @@ RestStart start_from_rests(const Recording& recording, const std::vector<Range>&
   start_accel(start, recording, gravity);
   warn_of_poor_rests(start);
   if (imu.accel_noise_density)
-    start.noise.accel = declared_sigma("accelerometers", *imu.accel_noise_density, to_raw(start.model, start.scaling).accel.matrix,
-                                       recording.interval_s, start.noise.accel, start.findings);
+    start.means.sample.accel = start.noise.accel =
+        declared_sigma("accelerometers", *imu.accel_noise_density, to_raw(start.model, start.scaling).accel.matrix, recording.interval_s,
+                       start.noise.accel, start.findings);
   limit_noise(start);
   return start;
 }
@@ -131,19 +133,22 @@ void expect_terms(RestStart& start, const ImuDeclaration& imu, double gravity) {
 }
 
 void limit_noise(RestStart& start) {
-  start.noise.accel = start.noise.accel.cwiseMax(1e-8 * start.scaling.accel_scale);
-  start.noise.gyro = start.noise.gyro.cwiseMax(1e-8 * start.scaling.gyro_scale);
+  for (SampleNoise* noise : {&start.noise, &start.means.sample}) {
+    noise->accel = noise->accel.cwiseMax(1e-8 * start.scaling.accel_scale);
+    noise->gyro = noise->gyro.cwiseMax(1e-8 * start.scaling.gyro_scale);
+  }
 }
 
 void use_declared_gyro_noise(RestStart& start, const Recording& recording, const ImuDeclaration& imu) {
   if (!imu.gyro_noise_density) return;
-  start.noise.gyro = declared_sigma("gyros", *imu.gyro_noise_density, to_raw(start.model, start.scaling).gyro.matrix, recording.interval_s,
-                                    start.noise.gyro, start.findings);
+  start.means.sample.gyro = start.noise.gyro = declared_sigma("gyros", *imu.gyro_noise_density, to_raw(start.model, start.scaling).gyro.matrix,
+                                                              recording.interval_s, start.noise.gyro, start.findings);
 }
 
 std::vector<CoefficientIndex> choose_coefficients(RestStart& start, const std::vector<CoefficientIndex>& wanted,
                                                   const std::vector<CoefficientIndex>& supplied, std::string_view method) {
   const std::vector<CoefficientIndex> chosen = chosen_coefficients(wanted, supplied, method);
+  start.named = !wanted.empty();
   for (const CoefficientIndex index : supplied) {
     if (contains(chosen, index)) continue;
     const Coefficient& c = coefficient(index);

@@ -4,6 +4,7 @@
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/method.hpp"
+#include "imulab/recording/mean_noise.hpp"
 #include "imulab/recording/scaling.hpp"
 
 #include <string_view>
@@ -14,10 +15,12 @@ namespace imulab::kernel {
 struct RestStart {
   std::vector<RestMeans> rests;
   SampleNoise noise;  ///< raw
+  MeanNoise means;    ///< of the rests' means, raw
   Scaling scaling;
-  SensorModel model;  ///< of scaled readings: the accelerometers from the rests, the gyros as declared
-  SensorModel prior;  ///< likewise, the prior: the declared IMU; for counts the coarse solution
-  PriorSizes terms;   ///< of the optional terms, once `expect_terms` has set them
+  SensorModel model;   ///< of scaled readings: the accelerometers from the rests, the gyros as declared
+  SensorModel prior;   ///< likewise, the prior: the declared IMU; for counts the coarse solution
+  PriorSizes terms;    ///< of the optional terms, once `expect_terms` has set them
+  bool named = false;  ///< the user named the coefficients to estimate
   Findings findings;
 
   Vector3d accel(const RestMeans& rest) const { return scaling.accel(rest.accel); }

@@ -42,11 +42,11 @@ Adjustment adjust(const Conditions& conditions, kernel::Parameters parameters);
 /// Degrees of freedom that the residuals of one kind keep.
 double redundancy(const Conditions& conditions, const Adjustment& adjustment, Kind kind);
 
-/// Does a kind's spread exceed what the conditions' covariance explains (1 % level)?
+/// Does a kind's spread exceed what the conditions' covariance explains, as far as chance does not do that once in six times?
 bool spread_is_significant(const Conditions& conditions, const Adjustment& adjustment, Kind kind);
 
-/// The additional spread of a kind with which its residuals have their expected size; zero where they are smaller without any. `current`: the one
-/// that is in the conditions' covariance.
+/// The additional spread of a kind with which its residuals have their expected size, larger where few degrees of freedom show it; zero where they
+/// are smaller without any. `current`: the one that is in the conditions' covariance.
 double estimate_spread(const Conditions& conditions, const Adjustment& adjustment, Kind kind, double current);
 
 /// How much rows deviate.

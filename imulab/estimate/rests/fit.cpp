@@ -16,13 +16,13 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// A triad's scale farther from its prior than an IMU can be: the rests are too similar, and the fit has moved along what they do not determine.
-const Coefficient* implausible_scale(const RestProblem& problem, const Fit& fit, Triad triad) {
-  for (const Index i : fit.parameters.with(kernel::Role::estimated)) {
-    if (i >= static_cast<Index>(problem.indices().size())) continue;
-    const CoefficientIndex index = problem.indices()[static_cast<std::size_t>(i)];
+/// A triad's scale farther from its prior than an IMU can be, of those that the fit `determined`: the rests are too similar, and the fit has moved
+/// along what they do not determine.
+const Coefficient* implausible_scale(const RestProblem& problem, const std::vector<char>& determined, Triad triad) {
+  for (std::size_t i = 0; i < determined.size(); ++i) {
+    const CoefficientIndex index = problem.indices()[i];
     const Coefficient& c = coefficient(index);
-    if (c.triad != triad || c.term != Term::matrix || c.row != c.column) continue;
+    if (!determined[i] || c.triad != triad || c.term != Term::matrix || c.row != c.column) continue;
     const double moved = coefficient_value(problem.model(), index) - coefficient_value(problem.prior(), index);
     if (!(std::abs(moved) <= problem.prior_sigma(c))) return &c;
   }
@@ -31,12 +31,16 @@ const Coefficient* implausible_scale(const RestProblem& problem, const Fit& fit,
 
 /// Which of the problem's coefficients the result states: those that the fit determines, and the optional ones with at least their prior. An
 /// implausible triad is not stated; without the accelerometers nothing is.
-std::vector<char> stated(const RestProblem& problem, const Fit& fit, std::vector<std::string>& warnings) {
+std::vector<char> stated(const RestProblem& problem, const Eigen::MatrixXd& covariance, std::vector<std::string>& warnings) {
   std::vector<char> out;
-  for (std::size_t i = 0; i < problem.indices().size(); ++i)
-    out.push_back(fit.parameters.role[i] == kernel::Role::estimated || is_optional(coefficient(problem.indices()[i]).term));
+  for (std::size_t i = 0; i < problem.indices().size(); ++i) {
+    const Coefficient& c = coefficient(problem.indices()[i]);
+    const auto at = static_cast<Index>(i);
+    const bool determined = std::sqrt(covariance(at, at)) < kernel::needed_sigma(c, problem.prior_sigma(c));
+    out.push_back(is_optional(c.term) ? !problem.unstated(i) : determined);
+  }
   for (const Triad triad : {Triad::accel, Triad::gyro}) {
-    const Coefficient* c = implausible_scale(problem, fit, triad);
+    const Coefficient* c = implausible_scale(problem, out, triad);
     if (!c) continue;
     warnings.push_back(fmt::format("{} is implausible for an IMU: the rests are too similar; {}", c->name,
                                    triad == Triad::accel ? "nothing of the fit is used" : "nothing of the gyros' fit is used"));
@@ -55,14 +59,16 @@ Calibration calibration_of(std::string_view method, const kernel::RestStart& sta
   out.imu = session.imu.name;
   out.method = method;
   const std::vector<CoefficientIndex>& indices = problem.indices();
-  const std::vector<char> kept = stated(problem, fit, out.quality.warnings);
+  const auto n = static_cast<Index>(indices.size());
+  Eigen::MatrixXd covariance = fit.excess * fit.excess * fit.covariance().topLeftCorner(n, n);
+  const std::vector<char> kept = stated(problem, covariance, out.quality.warnings);
   SensorModel scaled = problem.model();
   for (std::size_t i = 0; i < indices.size(); ++i)
     if (!kept[i]) set_coefficient(scaled, indices[i], coefficient_value(problem.prior(), indices[i]));
   out.model = to_raw(scaled, start.scaling);
-  const auto n = static_cast<Index>(indices.size());
-  Eigen::MatrixXd covariance =
-      covariance_after([&](const SensorModel& m) { return to_raw(m, start.scaling); }, indices, fit.covariance().topLeftCorner(n, n));
+  for (Index i = 0; i < n; ++i)  // about the center of the readings, and nothing that a shift to their zero could carry along
+    if (problem.unstated(static_cast<std::size_t>(i))) covariance.row(i).setZero(), covariance.col(i).setZero();
+  covariance = covariance_after([&](const SensorModel& m) { return to_raw(m, start.scaling); }, indices, covariance);
 
   // g is the scale: accelerations are proportional to it, g-sensitivity inversely.
   const UncertaintySource gravity = kernel::gravity_source(session.site);
@@ -90,6 +96,26 @@ Calibration calibration_of(std::string_view method, const kernel::RestStart& sta
   return out;
 }
 
+PartResidual part_residual(const SuspectRows& part, const Conditions& conditions, const Adjustment& adjustment) {
+  PartResidual out{part.begin_s, part.end_s, 0, true};
+  int rows = 0;
+  for (const Index i : part.rows) {  // a rest is suspected with the rotation before it, which is a part of its own
+    if ((conditions.kind[static_cast<std::size_t>(i)] == Kind::rotation) != part.rotation) continue;
+    out.residual += adjustment.residual[i] * adjustment.residual[i] / adjustment.variance[i];
+    ++rows;
+  }
+  out.residual = std::sqrt(out.residual / std::max(rows, 1));
+  return out;
+}
+
+void add_parts(Quality& quality, const std::vector<SuspectRows>& parts, const Fit& fit, const std::vector<DroppedPart>& dropped) {
+  for (const SuspectRows& part : parts)
+    if (!part.rows.empty()) (part.rotation ? quality.rotations : quality.rests).push_back(part_residual(part, fit.conditions, fit.adjustment));
+  for (const DroppedPart& part : dropped) (part.rotation ? quality.rotations : quality.rests).push_back(part.residual);
+  for (std::vector<PartResidual>* all : {&quality.rests, &quality.rotations})
+    std::sort(all->begin(), all->end(), [](const PartResidual& a, const PartResidual& b) { return a.begin_s < b.begin_s; });
+}
+
 std::vector<TermTest> test_terms(const RestProblem& problem, const Fit& fit, double significance) {
   std::vector<TermTest> tests;
   const Eigen::MatrixXd covariance = fit.covariance();
@@ -115,11 +141,12 @@ void add_findings(kernel::Findings& findings, const Calibration& calibration, co
   kernel::note_spread(findings, "the rests' accelerometer means", fit.spreads[0] / unit::ug, "ug");
   kernel::note_spread(findings, "the rests' gyro means", fit.spreads[1] / unit::deg_per_h, "deg/h");
   kernel::note_spread(findings, "the rotations", fit.spreads[2] / unit::deg, "deg");
+  kernel::add_scatter(findings, "residuals", fit.excess);
   if (!fit.converged) findings.doubt("the fit did not converge");
   kernel::add_common_doubts(findings, calibration, site);
   kernel::add_dropped(findings, dropped, all);
-  // A spread from ten residuals is good to a quarter; from fewer the uncertainties may be far too small.
-  if (const double degrees = fit.spread_degrees(); degrees < 10)
+  // The spread is enlarged for its few degrees of freedom, but from fewer than five errors of five sigmas happen (once in 500).
+  if (const double degrees = fit.spread_degrees(); degrees < 5)
     findings.doubt(fmt::format("the spread beyond the sample noise rests on {:.0f} degrees of freedom", degrees));
 }
 

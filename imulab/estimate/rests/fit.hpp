@@ -22,6 +22,7 @@ struct Fit {
   Adjustment adjustment;
   Adjustment under_noise{};  ///< by the sample noise alone, of what `fit_determined` arrives at
   Spreads spreads{};
+  double excess = 1;  ///< of the residuals over their size with the spreads, where chance does not explain it
   bool converged = false;
 
   /// With the effect of the considered parameters on the others.
@@ -66,19 +67,26 @@ Fit converge(Problem& problem, const Spreads& start = {}, bool keep_spreads = fa
   return fit;
 }
 
-/// Coefficients that the data do not determine go back to their prior value and the others are fitted again, until those that remain are determined
-/// although the others may be off by their prior. The spreads are those of the fit with all of them: with some held the residuals show those as well.
+/// Optional terms of which the data say nothing go back to zero, and the others are fitted again. The spreads are those of the fit with all of them.
+/// Other coefficients stay in the fit under their prior, determined or not: a weak one does not spoil those that it has little to do with.
 template <class Problem>
 Fit fit_determined(Problem& problem) {
   Fit fit = converge(problem);
-  const auto open = [&] { return problem.not_determined(fit.parameters, fit.covariance()); };
-  for (std::vector<Eigen::Index> hold = open(); !hold.empty(); hold = open()) {
+  const auto unseen = [&] { return problem.unseen_terms(fit.parameters, fit.covariance()); };
+  for (std::vector<Eigen::Index> hold = unseen(); !hold.empty(); hold = unseen()) {
     problem.hold(hold);
     fit = converge(problem, fit.spreads, true);
   }
   fit.under_noise = adjust(problem.conditions({}), problem.parameters());
+  fit.excess = kernel::excess(fit.adjustment.solution.chi2, fit.adjustment.solution.degrees_of_freedom);
   return fit;
 }
+
+/// A rest or a rotation that is left out.
+struct DroppedPart {
+  bool rotation;
+  PartResidual residual;
+};
 
 /// A problem and its fit, for kernel::drop_suspects.
 template <class Problem>
@@ -87,6 +95,7 @@ struct SuspectFit {
   Fit fit;
   std::size_t most;                    ///< that may still be dropped
   std::shared_ptr<SuspectFit> next{};  ///< without the worst suspect
+  std::vector<DroppedPart> dropped{};
 
   explicit SuspectFit(const Problem& p) : problem(p), fit(converge(problem)), most(p.rests().size() / 3) {}
 
@@ -109,8 +118,11 @@ struct SuspectFit {
     // With fewer degrees of freedom left nothing can be called an outlier.
     if (next->fit.adjustment.solution.degrees_of_freedom < 5) return all;
     const Conditions judged = problem.conditions(next->fit.spreads);
-    all[worst].log_probability =
-        deviation_of(judged, adjust(judged, problem.parameters()), problem.suspects(judged)[worst].rows).log_probability(next->fit.spread_degrees());
+    const SuspectRows part = problem.suspects(judged)[worst];
+    const kernel::Deviation deviation = deviation_of(judged, adjust(judged, problem.parameters()), part.rows);
+    all[worst].log_probability = deviation.log_probability(next->fit.spread_degrees());
+    const double residual = std::sqrt(deviation.chi2 / std::max(deviation.degrees_of_freedom, 1));
+    next->dropped.push_back({part.rotation, {part.begin_s, part.end_s, residual, false}});
     return all;
   }
   bool may_drop(std::size_t) const { return true; }
@@ -120,6 +132,9 @@ struct SuspectFit {
 /// Model, covariance and quality of a fit: raw units, g's uncertainty added, undetermined coefficients named.
 Calibration calibration_of(std::string_view method, const kernel::RestStart& start, const RestProblem& problem, const Fit& fit,
                            const Session& session);
+
+/// How each rest and each rotation agrees with the fit; those left out by what they deviate from the others.
+void add_parts(Quality& quality, const std::vector<SuspectRows>& parts, const Fit& fit, const std::vector<DroppedPart>& dropped);
 
 /// Which optional terms do the data show? Wald's test of each term's coefficients, without those of which the data say nothing.
 std::vector<TermTest> test_terms(const RestProblem& problem, const Fit& fit, double significance);

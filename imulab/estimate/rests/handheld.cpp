@@ -7,6 +7,7 @@
 #include "imulab/estimate/rests/rests.hpp"
 
 #include <Eigen/LU>
+#include <Eigen/SVD>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -23,6 +24,12 @@ bool near_diagonal(const Matrix3d& matrix) {
   return (matrix.rowwise().norm() - matrix.diagonal().cwiseAbs()).cwiseQuotient(matrix.rowwise().norm()).maxCoeff() < 0.1;
 }
 
+/// Axes may be swapped or turned, but the gyros of a unit in SI are as long as declared and at right angles. Motion about too few axes gives any matrix.
+bool possible(const Matrix3d& matrix) {
+  const Vector3d lengths = matrix.jacobiSvd().singularValues();
+  return lengths.minCoeff() > 0.8 && lengths.maxCoeff() < 1.2;  // 20 % as elsewhere: scales are off by a few percent
+}
+
 /// Gyro offset and matrix for the start: from the motion where it determines them, else as the declared unit says.
 void start_gyro(RestStart& start, const Recording& recording) {
   const auto coarse = kernel::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
@@ -37,6 +44,7 @@ void start_gyro(RestStart& start, const Recording& recording) {
     throw Error(
         fmt::format("{}: gyro: the rotations between the rests are {:.3g} times what the readings say with the declared unit {}: they look like {}",
                     recording.name, scale, recording.gyro_unit, looks));
+  if (!counts && !possible(gyro.matrix)) gyro.matrix.setIdentity();
   gyro.offset = -gyro.matrix * start.scaling.gyro(mean_gyro(start.rests));
   // Axes that are not as declared (swapped, turned) and counts have no better prior than the coarse solution itself.
   if (counts) {
@@ -103,6 +111,7 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
 
   CalibrationResult result{.calibration = calibration_of("handheld", start, problem, fit, session)};
   Quality& quality = result.calibration.quality;
+  add_parts(quality, problem.suspects(fit.conditions), fit, cleaned.fit.dropped);
   quality.term_tests = test_terms(problem, fit, options.significance);
   kernel::Findings& findings = start.findings;
   warn_of_other_axes(result.calibration.model, findings);

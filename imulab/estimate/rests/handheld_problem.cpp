@@ -29,7 +29,17 @@ std::size_t integral_of(const Coefficient& c) {
 HandheldProblem::HandheldProblem(const Recording& recording, const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices)
     : RestProblem(start, site, std::move(indices)), recording_(&recording), links_(rests_.empty() ? 0 : rests_.size() - 1) {
   if (latitude_) earth_up_ = earth_rate * std::sin(*latitude_);
+  turning_sigma_ = (noise_.sample.gyro.cwiseAbs2() + noise_.rounding.gyro.cwiseAbs2()).cwiseSqrt();
+  common_rounding_ = rounding_in_common();
   relink();
+}
+
+Vector3d HandheldProblem::rounding_in_common() const {
+  Vector3d common = Vector3d::Zero(), low = Vector3d::Constant(HUGE_VAL), high = -low;
+  for (const RestMeans& rest : rests_) low = low.cwiseMin(scaling_.gyro(rest.gyro)), high = high.cwiseMax(scaling_.gyro(rest.gyro));
+  for (Index j = 0; j < 3; ++j)  // means within a step of each other: the true values are, too
+    if (high[j] - low[j] <= noise_.step.gyro[j]) common[j] = noise_.rounding.gyro[j];
+  return common;
 }
 
 void HandheldProblem::relink() {
@@ -64,7 +74,7 @@ void HandheldProblem::integrate() {
         continue;
       }
     }
-    link.rotation = link.now = integrate_rotation(*recording_, {rests_[k].range.end, rests_[k + 1].range.begin}, model_, scaling_, noise_.gyro);
+    link.rotation = link.now = integrate_rotation(*recording_, {rests_[k].range.end, rests_[k + 1].range.begin}, model_, scaling_, turning_sigma_);
     link.at = model_;
   }
 }
@@ -80,30 +90,34 @@ void HandheldProblem::follow_attitudes() {
   }
 }
 
-// Places of the unknowns: coefficients, then (without latitude) the vertical Earth rate, then two for each stretch.
+// Places of the unknowns: coefficients, then (without latitude) the vertical Earth rate, then two for each stretch, then three of the rounding.
 Index HandheldProblem::earth_column(std::size_t stretch) const { return static_cast<Index>(indices_.size() + (latitude_ ? 0 : 1) + 2 * stretch); }
 
 /// Without a usable heading the horizontal Earth rate is a vector of known length and unknown direction; without a latitude only its size is known.
 kernel::Parameters HandheldProblem::parameters() const {
   const auto first = static_cast<Index>(indices_.size());
-  kernel::Parameters out = RestProblem::parameters(earth_column(earth_horizontal_.size()) - first);
+  kernel::Parameters out = RestProblem::parameters(rounding_column() + 3 - first);
   const double sigma = latitude_ ? std::max(earth_rate * std::cos(*latitude_) / std::sqrt(2.0), 1e-3 * earth_rate) : earth_rate / std::sqrt(3.0);
   out.sigma.tail(out.size() - first).setConstant(sigma);
   if (!latitude_) out.offset[first] = -earth_up_;
   for (std::size_t s = 0; s < earth_horizontal_.size(); ++s) out.offset.segment<2>(earth_column(s)) = -earth_horizontal_[s];
+  out.sigma.tail<3>() = common_rounding_, out.offset.tail<3>() = -rounding_;
+  for (Index j = 0; j < 3; ++j)
+    if (common_rounding_[j] == 0) out.role[static_cast<std::size_t>(rounding_column() + j)] = kernel::Role::fixed;
   return out;
 }
 
 Eigen::VectorXd HandheldProblem::longest_step() const {
   Eigen::VectorXd longest = longest_coefficient_step(parameters().size());
   longest.tail(longest.size() - static_cast<Index>(indices_.size())).setConstant(earth_rate);
+  longest.tail<3>().setConstant(kernel::no_prior);
   return longest;
 }
 
 Conditions HandheldProblem::conditions(const Spreads& spreads) {
   integrate();
   follow_attitudes();
-  Conditions c(static_cast<Index>(4 * rests_.size() + 2 * rotations()), earth_column(earth_horizontal_.size()));
+  Conditions c(static_cast<Index>(4 * rests_.size() + 2 * rotations()), rounding_column() + 3);
   Index row = 0;
   for (std::size_t k = 0; k < rests_.size(); ++k) {
     c.blocks.push_back(block_of(row, k, spreads));
@@ -150,18 +164,20 @@ CovarianceBlock HandheldProblem::block_of(Index row, std::size_t k, const Spread
   return block;
 }
 
-/// |f| - g = 0, and W0 + W1 v + C f - C_bn w_ie = 0. That the force turns C_bn and enters C f is of second order: w_ie and C are small.
+/// |f| - g = 0, and W0 + W1 (v - r) + C f - C_bn w_ie = 0 with the part r of the rounding that all rests share. That the force turns C_bn and enters
+/// C f is of second order: w_ie and C are small.
 void HandheldProblem::add_rest_rows(Conditions& c, Index row, std::size_t k) const {
   const RestMeans& rest = rests_[k];
   const Vector3d force = force_at(rest);
   const Matrix3d C_bn = C_nb_[k].transpose();
   c.value[row] = force.norm() - gravity_;
-  c.value.segment<3>(row + 1) = rate_at(rest) - C_bn * earth_rate_of(k);
+  c.value.segment<3>(row + 1) = rate_at(rest) - model_.gyro.matrix * rounding_ - C_bn * earth_rate_of(k);
   std::fill_n(c.kind.begin() + row + 1, 3, Kind::gyro_rest);
   add_derivatives(c, row, Triad::accel, rest, force.normalized().transpose());
   add_derivatives(c, row + 1, Triad::gyro, rest, Matrix3d::Identity());
   if (!latitude_) c.jacobian.block<3, 1>(row + 1, static_cast<Index>(indices_.size())) = -C_bn.col(2);
   c.jacobian.block<3, 2>(row + 1, earth_column(stretch_[k])) = -C_bn.leftCols<2>();
+  c.jacobian.block<3, 3>(row + 1, rounding_column()) = -model_.gyro.matrix;
 }
 
 void HandheldProblem::add_rotation_rows(Conditions& c, Index row, std::size_t k) const {
@@ -185,6 +201,7 @@ void HandheldProblem::correct(const Eigen::VectorXd& correction) {
   correct_coefficients(correction);
   if (!latitude_) earth_up_ += correction[static_cast<Index>(indices_.size())];
   for (std::size_t s = 0; s < earth_horizontal_.size(); ++s) earth_horizontal_[s] += correction.segment<2>(earth_column(s));
+  rounding_ += correction.tail<3>();
 }
 
 std::vector<HandheldProblem::RotationRows> HandheldProblem::rotation_rows(const Conditions& conditions) const {
@@ -198,7 +215,11 @@ std::vector<SuspectRows> HandheldProblem::suspects(const Conditions& conditions)
   std::vector<SuspectRows> all;
   for (std::size_t k = 0; k < rests_.size(); ++k) all.push_back(rest_suspect(conditions, k));
   for (std::size_t k = 0; k < links_.size(); ++k) {
-    SuspectRows suspect{fmt::format("the rotation between {:.1f} s and {:.1f} s", rests_[k].mid_s, rests_[k + 1].mid_s), {}};
+    SuspectRows suspect{fmt::format("the rotation between {:.1f} s and {:.1f} s", rests_[k].mid_s, rests_[k + 1].mid_s),
+                        {},
+                        rests_[k].end_s,
+                        rests_[k + 1].begin_s,
+                        true};
     if (linked(k)) suspect.rows = {conditions.blocks[k].first + 4, conditions.blocks[k].first + 5};
     std::vector<Index>& next_rest = all[k + 1].rows;  // its force is in the rotation, too
     next_rest.insert(next_rest.end(), suspect.rows.begin(), suspect.rows.end());

@@ -10,7 +10,8 @@
 namespace imulab::rests {
 
 /// Unknowns: the coefficients `indices` of the scaled model, then Earth's rate in east-north-up axes: its vertical part where the latitude is
-/// unknown, and for each stretch of rests linked by rotations its horizontal part, relative to an arbitrary heading of the stretch's first rest.
+/// unknown, and for each stretch of rests linked by rotations its horizontal part, relative to an arbitrary heading of the stretch's first rest. Then
+/// the gyros' rounding where all rests share it: the same rate to within a step, rounded the same way, does not average out over the rests.
 class HandheldProblem : public RestProblem {
  public:
   HandheldProblem(const Recording& recording, const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices);
@@ -57,11 +58,16 @@ class HandheldProblem : public RestProblem {
   void add_rotation_rows(Conditions& c, Eigen::Index row, std::size_t k) const;
   CovarianceBlock block_of(Eigen::Index row, std::size_t k, const Spreads& spreads) const;
   Eigen::Index earth_column(std::size_t stretch) const;
+  Eigen::Index rounding_column() const { return earth_column(earth_horizontal_.size()); }
+  Vector3d rounding_in_common() const;
 
   const Recording* recording_;
-  std::vector<Link> links_;           ///< links_[k] leads from rest k to rest k + 1
-  std::vector<std::size_t> stretch_;  ///< of each rest
-  std::vector<Matrix3d> C_nb_;        ///< attitude of each rest; heading relative to the stretch's first
+  std::vector<Link> links_;               ///< links_[k] leads from rest k to rest k + 1
+  std::vector<std::size_t> stretch_;      ///< of each rest
+  std::vector<Matrix3d> C_nb_;            ///< attitude of each rest; heading relative to the stretch's first
+  Vector3d turning_sigma_;                ///< of a gyro sample while the unit turns: its rounding errors are independent then
+  Vector3d common_rounding_;              ///< standard deviation; zero where the rests do not share it
+  Vector3d rounding_ = Vector3d::Zero();  ///< the shared one
   double earth_up_ = 0;
   std::vector<Eigen::Vector2d> earth_horizontal_;  ///< east, north, by stretch
 };

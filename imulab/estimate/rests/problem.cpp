@@ -12,9 +12,13 @@ using Eigen::VectorXd;
 
 namespace {
 
-Matrix3d mean_covariance(const TriadModel& model, const Vector3d& sample_sigma, std::size_t samples, double spread) {
-  return Matrix3d(model.matrix * sample_sigma.cwiseAbs2().asDiagonal() * model.matrix.transpose()) / static_cast<double>(samples) +
-         spread * spread * Matrix3d::Identity();
+Matrix3d mean_covariance(const TriadModel& model, const Vector3d& sample_sigma, const Vector3d& rounding, std::size_t samples, double spread) {
+  const Vector3d variance = sample_sigma.cwiseAbs2() / static_cast<double>(samples) + rounding.cwiseAbs2();
+  return model.matrix * variance.asDiagonal() * model.matrix.transpose() + spread * spread * Matrix3d::Identity();
+}
+
+SampleNoise scaled(const SampleNoise& raw, const Scaling& scaling) {
+  return {raw.accel.cwiseQuotient(scaling.accel_scale), raw.gyro.cwiseQuotient(scaling.gyro_scale)};
 }
 
 /// What a coefficient is multiplied with.
@@ -24,6 +28,13 @@ double input_of(const Coefficient& c, const Vector3d& reading, const Vector3d& f
   return c.term == Term::offset ? 1 : std::pow(reading[c.row], c.term == Term::quadratic ? 2 : 3);
 }
 
+bool bends_far_from_zero(const Coefficient& c, const Scaling& scaling) {
+  if (c.term != Term::quadratic && c.term != Term::cubic) return false;
+  const bool accel = c.triad == Triad::accel;
+  const Vector3d zero = (accel ? scaling.accel_center : scaling.gyro_center).cwiseQuotient(accel ? scaling.accel_scale : scaling.gyro_scale);
+  return zero.cwiseAbs().maxCoeff() > 1;  // in half ranges
+}
+
 }  // namespace
 
 RestProblem::RestProblem(const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices)
@@ -31,7 +42,7 @@ RestProblem::RestProblem(const kernel::RestStart& start, const Site& site, std::
       gravity_(site.gravity()),
       latitude_(site.latitude),
       scaling_(start.scaling),
-      noise_{start.noise.accel.cwiseQuotient(scaling_.accel_scale), start.noise.gyro.cwiseQuotient(scaling_.gyro_scale)},
+      noise_{scaled(start.means.sample, scaling_), scaled(start.means.rounding, scaling_), scaled(start.means.step, scaling_)},
       model_(start.model),
       prior_(start.prior),
       sizes_(start.terms),
@@ -39,6 +50,10 @@ RestProblem::RestProblem(const kernel::RestStart& start, const Site& site, std::
       roles_(indices_.size(), kernel::Role::estimated) {
   sizes_.accel.offset = 0.2 * gravity_, sizes_.gyro.offset = 1.0;
   for (kernel::TriadPrior* triad : {&sizes_.accel, &sizes_.gyro}) triad->scale = 0.2, triad->misalignment = 1e-2;
+  for (std::size_t i = 0; i < indices_.size(); ++i) {
+    unstated_.push_back(!start.named && bends_far_from_zero(coefficient(indices_[i]), scaling_));
+    if (unstated_.back()) roles_[i] = kernel::Role::considered;
+  }
 }
 
 double RestProblem::prior_sigma(const Coefficient& c) const {
@@ -58,22 +73,14 @@ kernel::Parameters RestProblem::parameters(Index nuisances) const {
   return out;
 }
 
-std::vector<Index> RestProblem::not_determined(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const {
+std::vector<Index> RestProblem::unseen_terms(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const {
   constexpr double nothing = 0.9;  // of the prior sigma: the data say less than a quarter of what the prior says
-  std::vector<Index> optional, least;
-  double least_known = 0;
-  for (std::size_t k = 0; k < indices_.size(); ++k) {
-    if (parameters.role[k] != kernel::Role::estimated) continue;
-    const auto i = static_cast<Index>(k);
-    const Coefficient& c = coefficient(indices_[k]);
-    const double prior = parameters.sigma[i], sigma = std::sqrt(covariance(i, i));
-    if (is_optional(c.term)) {
-      if (!(sigma <= nothing * prior)) optional.push_back(i);
-    } else if (!(sigma < kernel::needed_sigma(c, prior)) && !(sigma / prior <= least_known)) {
-      least = {i}, least_known = sigma / prior;
-    }
-  }
-  return optional.empty() ? least : optional;
+  std::vector<Index> unseen;
+  for (const Index i : parameters.with(kernel::Role::estimated))
+    if (i < std::ssize(indices_) && is_optional(coefficient(indices_[static_cast<std::size_t>(i)]).term) &&
+        !(std::sqrt(covariance(i, i)) <= nothing * parameters.sigma[i]))
+      unseen.push_back(i);
+  return unseen;
 }
 
 VectorXd RestProblem::longest_coefficient_step(Index size) const {
@@ -83,8 +90,8 @@ VectorXd RestProblem::longest_coefficient_step(Index size) const {
   return longest;
 }
 
-void RestProblem::hold(const std::vector<Index>& undetermined) {
-  for (const Index i : undetermined) roles_[static_cast<std::size_t>(i)] = kernel::Role::considered;
+void RestProblem::hold(const std::vector<Index>& unseen) {
+  for (const Index i : unseen) roles_[static_cast<std::size_t>(i)] = kernel::Role::considered;
 }
 
 void RestProblem::correct_coefficients(const VectorXd& correction) {
@@ -97,11 +104,11 @@ Vector3d RestProblem::rate_at(const RestMeans& rest) const {
 }
 
 Matrix3d RestProblem::force_covariance(const RestMeans& rest, double spread) const {
-  return mean_covariance(model_.accel, noise_.accel, rest.range.size(), spread);
+  return mean_covariance(model_.accel, noise_.sample.accel, noise_.rounding.accel, rest.range.size(), spread);
 }
 
 Matrix3d RestProblem::rate_covariance(const RestMeans& rest, double spread) const {
-  return mean_covariance(model_.gyro, noise_.gyro, rest.range.size(), spread);
+  return mean_covariance(model_.gyro, noise_.sample.gyro, noise_.rounding.gyro, rest.range.size(), spread);
 }
 
 void RestProblem::add_derivatives(Conditions& c, Index row, Triad triad, const RestMeans& rest, const Eigen::MatrixXd& by_output) const {
@@ -114,7 +121,7 @@ void RestProblem::add_derivatives(Conditions& c, Index row, Triad triad, const R
 }
 
 SuspectRows RestProblem::rest_suspect(const Conditions& conditions, std::size_t k) const {
-  SuspectRows suspect{fmt::format("the rest at {:.1f} s", rests_[k].mid_s), {}};
+  SuspectRows suspect{fmt::format("the rest at {:.1f} s", rests_[k].mid_s), {}, rests_[k].begin_s, rests_[k].end_s};
   const CovarianceBlock& block = conditions.blocks[k];
   for (Index row = block.first; row < block.first + block.size; ++row) suspect.rows.push_back(row);
   return suspect;

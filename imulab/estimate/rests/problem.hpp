@@ -14,18 +14,22 @@ namespace imulab::rests {
 struct SuspectRows {
   std::string name;
   std::vector<Eigen::Index> rows;
+  double begin_s = 0, end_s = 0;
+  bool rotation = false;
 };
 
 class RestProblem {
  public:
-  /// Coefficients that the data do not determine go back to their prior value and stay there.
-  void hold(const std::vector<Eigen::Index>& undetermined);
+  /// These terms go back to their prior value and stay there: considered.
+  void hold(const std::vector<Eigen::Index>& unseen);
   /// Of a coefficient of scaled readings: offsets 20 % of g and 1 rad/s, scales 20 %, misalignments 1e-2 (20 % where the row does not point along its
   /// axis: axes swapped), which contain uncalibrated units; optional terms by kernel::optional_priors.
   double prior_sigma(const Coefficient& c) const;
-  /// Estimated coefficients to hold: the optional terms of which the data say nothing, else the one that they determine least of those that they do
-  /// not determine. One at a time: a weak one makes others look undetermined.
-  std::vector<Eigen::Index> not_determined(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const;
+  /// Nonlinearity of counts whose zero is far outside the readings: about their center it counts in the uncertainties, but a polynomial about zero
+  /// would only blur the offset and the scale there.
+  bool unstated(std::size_t coefficient) const { return unstated_[coefficient]; }
+  /// Optional terms that are estimated although the data say nothing of them.
+  std::vector<Eigen::Index> unseen_terms(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const;
 
   const std::vector<RestMeans>& rests() const { return rests_; }
   const std::vector<CoefficientIndex>& indices() const { return indices_; }
@@ -53,11 +57,12 @@ class RestProblem {
   double gravity_;
   std::optional<double> latitude_;
   Scaling scaling_;
-  SampleNoise noise_;  ///< scaled
+  MeanNoise noise_;  ///< scaled
   SensorModel model_, prior_;
   kernel::PriorSizes sizes_;
   std::vector<CoefficientIndex> indices_;
   std::vector<kernel::Role> roles_;  ///< of the coefficients
+  std::vector<char> unstated_;       ///< considered, but not in the result: nonlinearity of counts
 };
 
 }  // namespace imulab::rests

@@ -21,7 +21,7 @@ std::vector<CoefficientIndex> all_coefficients() {
 kernel::RestStart start_at_truth(const SimulatedSession& s) {
   kernel::RestStart start;
   start.rests = summarize_rests(s.recording, s.rests);
-  start.noise = measure_noise(s.recording, start.rests);
+  start.means = measure_mean_noise(s.recording, start.rests);
   start.model = s.truth.model;
   return start;
 }

@@ -1,0 +1,116 @@
+#include "imulab/recording/mean_noise.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace imulab {
+
+namespace {
+
+/// Variance of the means of blocks of a rest about the rest's own mean, times the blocks' length, pooled over the rests.
+struct BlockVariance {
+  double value = 0, degrees = 0;
+};
+
+BlockVariance block_variance(const std::vector<double>& column, const std::vector<RestMeans>& rests, std::size_t length) {
+  BlockVariance out;
+  std::vector<double> means;
+  for (const RestMeans& rest : rests) {
+    means.clear();
+    for (std::size_t begin = rest.range.begin; begin + length <= rest.range.end; begin += length) {
+      double sum = 0;
+      for (std::size_t i = begin; i < begin + length; ++i) sum += column[i] - column[rest.range.begin];
+      means.push_back(sum / static_cast<double>(length));
+    }
+    if (means.size() < 2) continue;
+    double mean = 0;
+    for (const double m : means) mean += m / static_cast<double>(means.size());
+    for (const double m : means) out.value += (m - mean) * (m - mean);
+    out.degrees += static_cast<double>(means.size()) - 1;
+  }
+  out.value *= static_cast<double>(length) / std::max(out.degrees, 1.0);
+  return out;
+}
+
+/// By the longest blocks that differ from shorter ones by more than chance: three standard deviations of a variance, 2 / degrees. With fewer than
+/// 20 degrees of freedom they would say nothing below a factor of two.
+double sample_sigma(const std::vector<double>& column, const std::vector<RestMeans>& rests) {
+  constexpr double least_degrees = 20;
+  double variance = block_variance(column, rests, 1).value;
+  for (std::size_t length = 2;; length *= 2) {
+    const BlockVariance blocks = block_variance(column, rests, length);
+    if (blocks.degrees < least_degrees) return std::sqrt(variance);
+    if (std::abs(blocks.value - variance) > 3 * std::sqrt(2 / blocks.degrees) * variance) variance = blocks.value;
+  }
+}
+
+/// The smallest difference between distinct readings if all readings are whole multiples of it apart; else 0.
+double rounding_step(const std::vector<double>& column, const RestMeans& longest) {
+  // Among hundreds of readings at rest two are equal unless the step is far below the noise, where it does not matter.
+  const auto begin = column.begin() + static_cast<std::ptrdiff_t>(longest.range.begin);
+  std::vector<double> values(begin, begin + static_cast<std::ptrdiff_t>(std::min<std::size_t>(longest.range.size(), 500)));
+  std::sort(values.begin(), values.end());
+  if (std::adjacent_find(values.begin(), values.end()) == values.end()) return 0;
+  values = column;
+  std::sort(values.begin(), values.end());
+  const double rounding = 1e-12 * std::max(std::abs(values.front()), std::abs(values.back()));  // of the numbers themselves
+  double step = 0;
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (const double apart = values[i] - values[i - 1]; apart > rounding && (step == 0 || apart < step)) step = apart;
+  if (step == 0) return 0;
+  // Readings are written with some five digits; a hundredth of a step is more than they lose.
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    const double steps = (values[i] - values[i - 1]) / step;
+    if (std::abs(steps - std::round(steps)) > 0.01 * std::max(1.0, steps)) return 0;
+  }
+  return step;
+}
+
+}  // namespace
+
+double rounding_variance(double step, double sigma) {
+  if (step == 0) return 0;
+  const double pi = std::numbers::pi, ratio = sigma / step;
+  double sum = 0, rest = 1.0 / 6 * pi * pi;  // of sum 1 / k^2: what the terms not yet added would be without noise
+  for (int k = 1; k <= 1000; ++k) {
+    const double term = std::exp(-4 * pi * pi * k * k * ratio * ratio) / (k * k);
+    sum += term, rest -= 1.0 / (k * k);
+    if (term < 1e-9 * sum) return 0.5 * std::pow(step / pi, 2) * sum;
+  }
+  return 0.5 * std::pow(step / pi, 2) * (sum + rest);
+}
+
+double sigma_before_rounding(double step, double rounded_sigma) {
+  // s^2 = sigma^2 + q^2 / 12 - b^2 grows with sigma; no rounded reading scatters less than the noise by more than the step.
+  double low = 0, high = rounded_sigma + step;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    const double variance = middle * middle + step * step / 12 - rounding_variance(step, middle);
+    (variance < rounded_sigma * rounded_sigma ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+MeanNoise measure_mean_noise(const Recording& recording, const std::vector<RestMeans>& rests) {
+  MeanNoise out;
+  if (rests.empty()) return out;
+  const auto shorter = [](const RestMeans& a, const RestMeans& b) { return a.range.size() < b.range.size(); };
+  const RestMeans& longest = *std::max_element(rests.begin(), rests.end(), shorter);
+  const SampleNoise single = measure_noise(recording, rests);
+  const auto measure = [&](const Columns3& triad, Vector3d SampleNoise::*of) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      const auto axis = static_cast<Eigen::Index>(j);
+      const double step = rounding_step(triad[j], longest);
+      (out.sample.*of)[axis] = sample_sigma(triad[j], rests);
+      (out.step.*of)[axis] = step;
+      (out.rounding.*of)[axis] = std::sqrt(rounding_variance(step, sigma_before_rounding(step, (single.*of)[axis])));
+    }
+  };
+  out.sample.accel = out.sample.gyro = out.rounding.accel = out.rounding.gyro = out.step.accel = out.step.gyro = Vector3d::Zero();
+  measure(recording.accel, &SampleNoise::accel);
+  measure(recording.gyro, &SampleNoise::gyro);
+  return out;
+}
+
+}  // namespace imulab
