@@ -93,6 +93,7 @@ MisspecifiedRun run(const Method& method, std::uint64_t seed) {
   const RandomStream random(seed, "misspecified");
   Truth truth = draw_truth(session, seed);
   add_optional_terms(truth.model, session.imu, random);
+  truth.accel_noise.turn_on = truth.gyro_noise.turn_on = {};  // part of this recording's offsets, not of the truth
   std::vector<Recording> recordings;
   for (std::size_t k = 0; k < session.recordings.size(); ++k) {
     const RecordingSource& source = session.recordings[k];
