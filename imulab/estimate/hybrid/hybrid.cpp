@@ -85,11 +85,12 @@ kernel::RestStart coarse_start(const Recording& recording, const std::vector<Ran
 }
 
 /// White noise of the calibrated output from the samples' or the declared noise; the other terms as declared.
-Noise noise_of(const SampleNoise& raw, const SensorModel& coarse, const Recording& recording, const ImuDeclaration& imu) {
+Noise noise_of(const SampleNoise& raw, const SensorModel& coarse, const Recording& recording, const ImuDeclaration& imu, std::size_t rests) {
   const auto density = [&](const TriadModel& triad, const Vector3d& sigma) {
     return Vector3d(std::sqrt(recording.interval_s) * (triad.matrix.cwiseAbs2() * sigma.cwiseAbs2()).cwiseSqrt());
   };
-  return in_place::noise_of(density(coarse.gyro, raw.gyro), density(coarse.accel, raw.accel), declared_terms(imu));
+  return in_place::noise_of(density(coarse.gyro, raw.gyro), density(coarse.accel, raw.accel), declared_terms(imu),
+                            recording.interval_s * static_cast<double>(recording.size()) / static_cast<double>(rests));
 }
 
 void warn_of_short_rests(const std::vector<Range>& rests, const std::vector<Range>& still, kernel::Findings& findings) {
@@ -117,6 +118,34 @@ Calibration calibration_of(const Data& data, const Iterate& iterate) {
   c.covariance = jacobian * errors.covariance * jacobian.transpose();
   if (!c.estimated.empty()) c.quality.condition = kernel::condition_number(c.covariance);
   return c;
+}
+
+/// Coefficients of which the data say nothing: cubic terms look like scales at the force and the rate that the data have, and quadratic terms of the
+/// gyros, which turns in both directions tell from scales, like nothing that they can be told from. They count in the scales' covariance.
+void consider_nonlinearity(const Data& data, Calibration& c) {
+  std::vector<double> rates;
+  for (const Block& block : data.blocks)
+    if (!block.at_rest)
+      for (std::size_t k = 0; k < 3; ++k) rates.push_back(std::abs(data.recording.gyro[k][block.samples.begin]));
+  const double force = data.place.gravity, rate = rates.empty() ? 0 : quantile(rates, 0.9) * std::cbrt(std::abs(c.model.gyro.matrix.determinant()));
+  for (const char* selector : {"accel.cubic", "gyro.quadratic", "gyro.cubic"})
+    for (const CoefficientIndex index : select_coefficients(selector)) {
+      const Coefficient& term = coefficient(index);
+      const TriadModel& triad = term.triad == Triad::accel ? c.model.accel : c.model.gyro;
+      const double scale = std::abs(triad.matrix(term.row, term.row)), reading = (term.triad == Triad::accel ? force : rate) / scale;
+      const CoefficientIndex slope = coefficient_index(term.triad, Term::matrix, term.row, term.row);
+      const auto at = std::find(c.estimated.begin(), c.estimated.end(), slope);
+      if (at == c.estimated.end()) continue;
+      const double sigma = kernel::prior_sigma(data.priors.sizes, term, scale), effect = term.term == Term::cubic ? reading * reading : reading;
+      const Index row = at - c.estimated.begin(), n = c.covariance.rows();
+      c.covariance.conservativeResize(n + 1, n + 1);
+      c.covariance.row(n).setZero(), c.covariance.col(n).setZero();
+      c.covariance(n, n) = sigma * sigma;
+      c.covariance(row, row) += std::pow(sigma * effect, 2);
+      if (term.term == Term::cubic) c.covariance(row, n) = c.covariance(n, row) = -sigma * sigma * effect;
+      c.estimated.push_back(index);
+      c.quality.considered.emplace_back(term.name);
+    }
 }
 
 /// The latitude that a g-sensitivity equal on all axes corresponds to: up is along the force at every rest, so the two cannot be told apart.
@@ -263,7 +292,7 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
   Data data{recording,
             std::move(cut.blocks),
             place,
-            noise_of(start.noise, coarse, recording, session.imu),
+            noise_of(start.noise, coarse, recording, session.imu, rests.size()),
             coarse,
             wanted,
             {kernel::optional_priors(session.imu, coarse.accel.offset, coarse.gyro.offset), kernel::delay_prior(session.imu, recording.interval_s)}};
@@ -290,6 +319,7 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
   CalibrationResult out{calibration_of(data, result.last), coarse, {}, {}, result.last.iterations};
   out.calibration.imu = session.imu.name;
   report(data, result, session.site, out.calibration, findings);
+  if (wanted.empty()) consider_nonlinearity(data, out.calibration);
   findings.add(last);
   kernel::conclude(out.calibration, findings);
   if (options.hybrid.curve_interval > 0) add_curves(data, result.last, options.hybrid.curve_interval, out);
