@@ -9,7 +9,6 @@
 #include "imulab/io/text/file.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/requirement.hpp"
-#include "imulab/recording/even_stamps.hpp"
 
 #include <fmt/core.h>
 
@@ -51,7 +50,6 @@ std::vector<Recording> read_recordings(Session& session, const Method& method, c
   for (const RecordingSource& source : session.recordings) {
     RecordingReading reading = read_recording(session, source);
     warnings.insert(warnings.end(), reading.warnings.begin(), reading.warnings.end());
-    if (const std::string even = use_even_stamps(reading.recording, source.time.stamps); !even.empty()) warnings.push_back(even);
     recordings.push_back(std::move(reading.recording));
   }
   for (const std::string& text : warnings) warn(text);

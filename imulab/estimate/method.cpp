@@ -8,6 +8,7 @@
 #include "imulab/estimate/turntable/prediction.hpp"
 #include "imulab/estimate/turntable/turntable.hpp"
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
+#include "imulab/recording/even_stamps.hpp"
 #include "imulab/rig/clock_offset.hpp"
 
 #include <fmt/core.h>
@@ -39,8 +40,7 @@ constexpr std::array all{
 };
 
 /// Moves the steps of recordings whose rig's log has another clock; says so.
-std::vector<std::string> correct_clocks(Session& session, std::span<const Recording> recordings) {
-  std::vector<std::string> said;
+void correct_clocks(Session& session, std::span<const Recording> recordings, std::vector<std::string>& said) {
   for (std::size_t k = 0; k < recordings.size(); ++k) {
     const RecordingSource source = session.recordings.size() > k ? session.recordings[k] : RecordingSource{};
     const std::optional<ClockOffset> offset = clock_offset(recordings[k], session.steps_of(source));
@@ -53,7 +53,22 @@ std::vector<std::string> correct_clocks(Session& session, std::span<const Record
                     "commanded turns {:.2f}, before {:.2f})",
                     recordings[k].name, offset->offset_s, std::max(offset->sigma_s, 0.01), offset->correlation, offset->uncorrected));
   }
-  return said;
+}
+
+/// The recordings with even stamps where theirs scatter; empty where all are good as they are.
+std::vector<Recording> correct_stamps(const CalibrationInput& input, std::vector<std::string>& said) {
+  std::vector<Recording> out;
+  for (std::size_t k = 0; k < input.recordings.size(); ++k) {
+    const Recording& r = input.recordings[k];
+    const Stamps wanted = k < input.session.recordings.size() ? input.session.recordings[k].time.stamps : Stamps::automatic;
+    const std::optional<EvenClock> clock = replacing_clock(r, wanted);
+    if (!clock) continue;
+    if (out.empty()) out.assign(input.recordings.begin(), input.recordings.end());
+    out[k] = with_even_stamps(std::move(out[k]), *clock);
+    said.push_back(fmt::format("{}: its stamps scatter by {:.2g} ms (RMS) about an even clock of {:.6g} ms, which is used in their place", r.name,
+                               1e3 * clock->scatter_s, 1e3 * clock->interval_s));
+  }
+  return out;
 }
 
 }  // namespace
@@ -71,9 +86,12 @@ const Method& method(std::string_view name, std::span<const Method> table) {
 
 CalibrationResult calibrate(const Method& method, const CalibrationInput& input, const CalibrationOptions& options) {
   for (const Recording& recording : input.recordings) kernel::expect_different_channels(recording);
+  std::vector<std::string> clocks;
+  const std::vector<Recording> corrected = correct_stamps(input, clocks);
+  const std::span<const Recording> recordings = corrected.empty() ? input.recordings : std::span<const Recording>(corrected);
   Session session = input.session;
-  const std::vector<std::string> clocks = correct_clocks(session, input.recordings);
-  CalibrationResult result = method.calibrate({session, input.recordings, input.rests}, options);
+  correct_clocks(session, recordings, clocks);
+  CalibrationResult result = method.calibrate({session, recordings, input.rests}, options);
   Quality& quality = result.calibration.quality;
   quality.warnings.insert(quality.warnings.begin(), clocks.begin(), clocks.end());
   for (std::string& contradiction : kernel::contradictions(result.calibration.model, input.recordings.front())) {

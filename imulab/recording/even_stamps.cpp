@@ -59,19 +59,20 @@ std::optional<EvenClock> even_clock(const std::vector<std::int64_t>& time_ns) {
   return clock;
 }
 
-std::string use_even_stamps(Recording& r, Stamps wanted) {
-  if (wanted == Stamps::recorded) return {};
+std::optional<EvenClock> replacing_clock(const Recording& r, Stamps wanted) {
+  if (wanted == Stamps::recorded) return std::nullopt;
   const std::optional<EvenClock> clock = even_clock(r.time_ns);
   if (!clock && wanted == Stamps::uniform)
     throw Error(fmt::format("{}: its stamps are not those of an even clock (samples are missing, or the clock wanders); expected stamps = \"recorded\"",
                             r.name));
-  if (!clock || (wanted == Stamps::automatic && clock->scatter_s < 0.05 * clock->interval_s)) return {};
-  for (std::size_t i = 0; i < r.size(); ++i) r.time_ns[i] = clock->stamp_ns(i);
-  if (!r.gyro_increment && !r.accel_increment) r.interval_s = clock->interval_s;  // increments have been divided by the nominal one
+  return clock && (wanted == Stamps::uniform || clock->scatter_s > 0.05 * clock->interval_s) ? clock : std::nullopt;
+}
+
+Recording with_even_stamps(Recording r, const EvenClock& clock) {
+  for (std::size_t i = 0; i < r.size(); ++i) r.time_ns[i] = clock.stamp_ns(i);
+  if (!r.gyro_increment && !r.accel_increment) r.interval_s = clock.interval_s;  // increments have been divided by the nominal one
   r.gaps.clear();
-  return fmt::format("{}: its stamps scatter by {:.2g} ms (RMS) about an even clock of {:.6g} ms, which is used in their place (stamps = \"recorded\" "
-                     "keeps them)",
-                     r.name, 1e3 * clock->scatter_s, 1e3 * clock->interval_s);
+  return r;
 }
 
 }  // namespace imulab

@@ -23,8 +23,11 @@ struct EvenClock {
 /// earliest stamps of fifty that stray by more than a quarter of an interval from one line (a clock that wanders).
 std::optional<EvenClock> even_clock(const std::vector<std::int64_t>& time_ns);
 
-/// Replaces the recording's stamps by those of its even clock: if that is wanted, or by itself where they scatter by more than a twentieth of an
-/// interval. Returns what was done, for the user; empty if nothing. Throws Error where it is wanted and the stamps do not support it.
-std::string use_even_stamps(Recording& recording, Stamps wanted);
+/// The clock that is to replace the recording's stamps: if that is wanted, or by itself where they scatter by more than a twentieth of an interval.
+/// Throws Error where it is wanted and the stamps do not support it.
+std::optional<EvenClock> replacing_clock(const Recording& recording, Stamps wanted);
+
+/// The recording with the stamps of that clock.
+Recording with_even_stamps(Recording recording, const EvenClock& clock);
 
 }  // namespace imulab

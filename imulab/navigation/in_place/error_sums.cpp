@@ -6,8 +6,10 @@
 
 namespace imulab::in_place {
 
-Noise noise_of(const Vector3d& gyro, const Vector3d& accel, const DeclaredNoise& declared) {
-  return {gyro, accel, Vector3d::Constant(declared.gyro.K), Vector3d::Constant(declared.accel.K), declared.accel.Q};
+Noise noise_of(const Vector3d& gyro, const Vector3d& accel, const DeclaredNoise& declared, double between_rests_s) {
+  // Flicker of bias instability B has the Allan deviation 0.664 B (IEEE 952, C.1.2), a walk K sqrt(t / 3). They are equal from one rest to the next.
+  const auto walk = [&](const NoiseModel& n) { return Vector3d::Constant(std::hypot(n.K, 0.664 * n.B * std::sqrt(3 / between_rests_s))); };
+  return {gyro, accel, walk(declared.gyro), walk(declared.accel), declared.accel.Q};
 }
 
 BlockSums::BlockSums() {

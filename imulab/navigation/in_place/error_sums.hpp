@@ -22,8 +22,8 @@ struct Noise {
   double velocity = 0;                                                   ///< m/s
 };
 
-/// With these densities, and the random walks and quantization as declared.
-Noise noise_of(const Vector3d& gyro, const Vector3d& accel, const DeclaredNoise& declared);
+/// With these densities, and the random walks and quantization as declared; flicker counts as the walk that it is over `between_rests_s`.
+Noise noise_of(const Vector3d& gyro, const Vector3d& accel, const DeclaredNoise& declared, double between_rests_s);
 
 /// Errors of attitude [rad] and velocity [m/s].
 using Errors6 = Eigen::Matrix<double, 6, 1>;
