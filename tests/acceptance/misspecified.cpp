@@ -43,10 +43,11 @@ Session procedure_of(std::string_view method, std::uint64_t seed) {
   return method == "turntable" ? zhang_24_procedure(table) : cheng_path_procedure(table);
 }
 
-/// The optional terms by their prior, times a factor between a third and one and a half, so that sizes spread about what the data can show.
+/// The optional terms by their prior, times a factor between 0.37 and 1.83, so that sizes spread about what the data can show. Its mean square is 1: the
+/// terms are as large as the prior says.
 void add_optional_terms(SensorModel& model, const ImuDeclaration& imu, const RandomStream& random) {
   const kernel::PriorSizes sizes = kernel::optional_priors(imu, model.accel.offset, model.gyro.offset);
-  const double factor = std::pow(1.5 / 0.3, random.uniform(1000)) * 0.3;
+  const double factor = 0.366 * std::pow(5.0, random.uniform(1000));
   for (const CoefficientIndex index : coefficient_indices()) {
     const Coefficient& c = coefficient(index);
     if (c.term == Term::offset || c.term == Term::matrix || c.term == Term::thermal || coefficient_value(model, index) != 0) continue;

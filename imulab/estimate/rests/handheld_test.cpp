@@ -10,6 +10,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace imulab {
 namespace {
 
@@ -49,15 +51,20 @@ TEST(Handheld, WithoutNoiseTheTruthComesBack) {
 
 TEST(Handheld, CountsGiveTheSameUnitAsSi) {
   SimulatedSession s = simulate_session(short_options(), 2);
-  const Calibration si = calibrated("handheld", s.recording, s.rests, {}, s.site());
+  // Counts far from their zero have no nonlinearity of their own, and no offset that says how large the g-sensitivity may be.
+  ImuDeclaration imu;
+  imu.grade = "mems";
+  CalibrationOptions options;
+  options.terms = select_each({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix", "gyro.g_sensitivity"});
+  const Calibration si = calibrated("handheld", s.recording, s.rests, imu, s.site(), options);
   Recording counts = s.recording;
   counts.gyro_unit = counts.accel_unit = "count";
   const double gain = 400, zero = 32768;
   for (std::size_t j = 0; j < 3; ++j) {
     for (double& v : counts.accel[j]) v = zero + gain * v;
-    for (double& v : counts.gyro[j]) v = zero - 10 * gain * v;
+    for (double& v : counts.gyro[j]) v = zero + 10 * gain * v;
   }
-  const Calibration c = calibrated("handheld", counts, s.rests, {}, s.site());
+  const Calibration c = calibrated("handheld", counts, s.rests, imu, s.site(), options);
   // The same least squares in other units: converged to a hundredth of a sigma both times.
   for (int r = 0; r < 3; ++r)
     for (int k = 0; k <= r; ++k)
@@ -66,30 +73,109 @@ TEST(Handheld, CountsGiveTheSameUnitAsSi) {
     EXPECT_NEAR(c.model.accel.offset[r] + zero * c.model.accel.matrix.row(r).sum(), si.model.accel.offset[r],
                 0.03 * *standard_uncertainty(si, coefficient_index(Triad::accel, Term::offset, r, r)));
     for (int k = 0; k < 3; ++k)
-      EXPECT_NEAR(-10 * gain * c.model.gyro.matrix(r, k), si.model.gyro.matrix(r, k), 0.03 * *standard_uncertainty(si, coefficient_index(Triad::gyro, Term::matrix, r, k)));
+      EXPECT_NEAR(10 * gain * c.model.gyro.matrix(r, k), si.model.gyro.matrix(r, k), 0.03 * *standard_uncertainty(si, coefficient_index(Triad::gyro, Term::matrix, r, k)));
   }
   EXPECT_EQ(c.quality.verdict, "good");
+  const Calibration all = calibrated("handheld", counts, s.rests, imu, s.site());
+  EXPECT_EQ(verdict_text(all.quality), "good");
+  EXPECT_FALSE(standard_uncertainty(all, coefficient_index("accel.quadratic.x")));
+  EXPECT_THAT(all.quality.considered, testing::Contains("accel.quadratic.x"));
 }
 
-TEST(Handheld, GSensitivityIsKeptWhereThereIsAndOnlyThere) {
-  const SimulatedSession with = simulate_session(short_options(), 3);
-  const Calibration kept = calibrated("handheld", with.recording, with.rests, {}, with.site());
-  ASSERT_EQ(kept.quality.term_tests.size(), 1u);
-  EXPECT_TRUE(kept.quality.term_tests[0].kept);
-  EXPECT_LT(kept.quality.term_tests[0].p_value, 1e-6);
+const TermTest& test_of(const Calibration& c, const std::string& term) {
+  return *std::find_if(c.quality.term_tests.begin(), c.quality.term_tests.end(), [&](const TermTest& test) { return test.term == term; });
+}
 
-  // Without the term the test keeps it in 1 % of the sessions: at most 3 of 30 (99.97 %).
-  int wrongly_kept = 0;
+TEST(Handheld, GSensitivityIsSeenWhereThereIsAndCountsEverywhere) {
+  const SimulatedSession with = simulate_session(short_options(), 3);
+  const Calibration seen = calibrated("handheld", with.recording, with.rests, {}, with.site());
+  ASSERT_EQ(seen.quality.term_tests.size(), 5u);
+  EXPECT_TRUE(test_of(seen, "gyro.g_sensitivity").kept);
+  EXPECT_LT(test_of(seen, "gyro.g_sensitivity").p_value, 1e-6);
+
+  // Without the term the test sees it in 1 % of the sessions: at most 3 of 30 (99.97 %). It is stated all the same.
+  int wrongly_seen = 0;
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     const SimulatedSession without = simulate_session(short_options(), seed, [](Truth& t) { t.model.g_sensitivity.setZero(); });
     const Calibration c = calibrated("handheld", without.recording, without.rests, {}, without.site());
-    wrongly_kept += c.quality.term_tests[0].kept;
-    if (!c.quality.term_tests[0].kept) {
-      EXPECT_EQ(c.model.g_sensitivity, Matrix3d::Zero());
-      EXPECT_FALSE(standard_uncertainty(c, coefficient_index("gyro.g_sensitivity.xx")));
+    wrongly_seen += test_of(c, "gyro.g_sensitivity").kept;
+    EXPECT_GT(standard_uncertainty(c, coefficient_index("gyro.g_sensitivity.xx")).value_or(0), 0);
+  }
+  EXPECT_LE(wrongly_seen, 3);
+}
+
+TEST(Handheld, WhatTheDataSayNothingOfIsConsidered) {
+  const SimulatedSession s = simulate_session(short_options(), 3);
+  ImuDeclaration imu;
+  imu.term_sigmas.gyro_cubic = 1e-15;  // far less than rotations by hand can show
+  const Calibration c = calibrated("handheld", s.recording, s.rests, imu, s.site());
+  for (const CoefficientIndex index : select_coefficients("gyro.cubic")) {
+    EXPECT_THAT(c.quality.considered, testing::Contains(std::string(coefficient(index).name)));
+    EXPECT_EQ(coefficient_value(c.model, index), 0);
+    EXPECT_NEAR(standard_uncertainty(c, index).value(), 1e-15, 1e-17);  // what it entered with; the scale is 1 within a percent
+  }
+  EXPECT_TRUE(c.quality.unobservable.empty());
+  EXPECT_EQ(c.quality.verdict, "good");
+}
+
+TEST(Handheld, AQuadraticTermDoesNotBendTheOffsetsBeyondTheirUncertainty) {
+  // A term that its test does not see, and one that it does: ten sessions of each, 21 coefficients that every IMU has.
+  for (const double size : {20.0, 200.0}) {
+    double squares = 0, count = 0;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      const auto bend = [&](Truth& t) { t.model.accel.quadratic = Vector3d(1, -1, 1) * size * unit::ug / (unit::g * unit::g); };
+      const SimulatedSession s = simulate_session(short_options(), seed, bend);
+      ImuDeclaration imu;
+      imu.term_sigmas.accel_quadratic = size * unit::ug / (unit::g * unit::g);
+      const Calibration c = calibrated("handheld", s.recording, s.rests, imu, s.site());
+      for (const CoefficientIndex index : select_coefficients("accel.offset")) {
+        squares += std::pow((coefficient_value(c.model, index) - coefficient_value(s.truth.model, index)) / *standard_uncertainty(c, index), 2);
+        ++count;
+      }
+    }
+    EXPECT_LT(squares / count, 2.0) << size << ": the mean square of 30 is above 2 once in 1300 times";
+  }
+}
+
+TEST(Handheld, RoundedReadingsAreNoBetterThanTheirSteps) {
+  for (const double step : {0.1, 0.0}) {  // m/s^2, and the gyros by 0.005 rad/s
+    double squares = 0, count = 0;
+    for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+      SimulatedSession s = simulate_session(short_options(), seed);
+      Columns3& triad = step > 0 ? s.recording.accel : s.recording.gyro;
+      for (auto& column : triad)
+        for (double& v : column) v = step > 0 ? std::nearbyint(v / step) * step : std::nearbyint(v / 0.005) * 0.005;
+      const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());
+      for (const CoefficientIndex index : c.estimated) {
+        if (is_optional(coefficient(index).term)) continue;
+        squares += std::pow((coefficient_value(c.model, index) - coefficient_value(s.truth.model, index)) / *standard_uncertainty(c, index), 2);
+        ++count;
+      }
+    }
+    // 252 squares, correlated by about three: above 1.35 about once in a hundred with independent ones, 2 only where the rounding is not counted.
+    EXPECT_LT(squares / count, 1.6) << step;
+  }
+}
+
+TEST(Handheld, PartsOfTheRecordingAreListedWithTheirResiduals) {
+  SimulatedSession s = simulate_session(short_options(), 4);
+  const Range bad = s.rests[10];
+  for (std::size_t i = bad.begin; i < bad.end; ++i) s.recording.accel[0][i] += 0.2;
+  const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());
+  ASSERT_EQ(c.quality.rests.size(), 24u);
+  EXPECT_EQ(c.quality.rotations.size(), 22u) << "two became one";
+  double squares = 0;
+  for (std::size_t k = 0; k < 24; ++k) {
+    const PartResidual& rest = c.quality.rests[k];
+    EXPECT_EQ(rest.used, k != 10) << k;
+    EXPECT_NEAR(rest.end_s, s.recording.time_s(s.rests[k].end - 1), 1e-9);
+    EXPECT_NEAR(rest.begin_s, s.recording.time_s(s.rests[k].begin) - s.recording.interval_s, 1e-9);
+    if (rest.used) squares += rest.residual * rest.residual / 23;
+    if (!rest.used) {
+      EXPECT_GT(rest.residual, 10);
     }
   }
-  EXPECT_LE(wrongly_kept, 3);
+  EXPECT_NEAR(squares, 0.85, 0.4) << "of 92 equations, which some 15 coefficients follow";
 }
 
 TEST(Handheld, ABadRestIsDroppedAndNamed) {
@@ -143,7 +229,7 @@ TEST(Handheld, TermsByHand) {
   const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site(), options);
   EXPECT_EQ(c.estimated, options.terms);
   EXPECT_EQ(c.model.gyro.matrix, Matrix3d::Identity()) << "what is not asked for keeps the declared unit";
-  options.terms = select_coefficients("accel.cubic");
+  options.terms = select_coefficients("accel.lever_arm");
   EXPECT_THROW(calibrated("handheld", s.recording, s.rests, {}, s.site(), options), Error);
 }
 
@@ -234,7 +320,7 @@ TEST(Handheld, NavigationGradeKeepsItsHeadings) {
   EXPECT_LT(largest_sigmas(c, s.truth.model), 5);
   // 160 degrees of freedom: chi-square per degree of freedom above 1.39 once in a thousand sessions.
   EXPECT_LT(c.quality.chi2_per_dof, 1.39);
-  EXPECT_FALSE(c.quality.term_tests.at(0).kept) << "this grade has no g-sensitivity; kept once in a hundred sessions";
+  EXPECT_FALSE(test_of(c, "gyro.g_sensitivity").kept) << "this grade has no g-sensitivity; seen once in a hundred sessions";
 }
 
 }  // namespace
