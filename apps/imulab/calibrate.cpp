@@ -90,9 +90,9 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
   options_of(arguments, chosen, {});  // errors of the command are reported before anything is read
   const std::vector<Requirement> requirements =
       arguments.require.empty() ? std::vector<Requirement>{} : errors_at("--require", [&] { return parse_requirements(arguments.require); });
-  expect_free(arguments.output, arguments.force);
   Session session = read_session(arguments.session);
   for (const std::string& output : {arguments.output, arguments.curves}) expect_inputs_stay(output, session);
+  expect_free(arguments.output, arguments.force);
   errors_at(session.file + ": [site]", [&] { session.site.gravity(); });  // if neither gravity nor the latitude is known
   std::vector<std::string> warnings;
   const std::vector<Recording> recordings = read_recordings(session, chosen, arguments.recording, warnings);
