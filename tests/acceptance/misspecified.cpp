@@ -6,18 +6,21 @@
 #include "imulab/estimate/kernel/optional_terms.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/model/coefficient.hpp"
+#include "imulab/recording/even_stamps.hpp"
+#include "imulab/model/sensor_noise.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/simulate/simulate.hpp"
-#include "tests/acceptance/acceptance.hpp"
 
 #include <Eigen/Cholesky>
 #include <fmt/core.h>
 #include <tbb/parallel_for.h>
 
+#include "tests/acceptance/acceptance.hpp"
 #include <cmath>
 #include <map>
 #include <mutex>
 #include <numbers>
+#include <numeric>
 
 namespace imulab::acceptance {
 
@@ -80,6 +83,20 @@ void bump(Recording& r, const Step& rest, const Truth& truth, const RandomStream
   }
 }
 
+/// The model with the offsets that this recording has: those of its end, which the hybrid method states, or their mean.
+SensorModel with_recorded_offsets(const Truth& truth, const Recording& r, std::uint64_t seed, bool at_end) {
+  SensorModel model = truth.model;
+  for (const Triad triad : {Triad::accel, Triad::gyro})
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<double> slow(r.size(), 0.0);
+      const std::string purpose = fmt::format("{}.{} noise of {}", to_string(triad), "xyz"[axis], r.name);
+      AxisNoise(triad == Triad::accel ? truth.accel_noise : truth.gyro_noise, r.interval_s, seed, purpose).add_slow(slow);
+      const double mean = std::accumulate(slow.begin(), slow.end(), 0.0) / static_cast<double>(slow.size());
+      (triad == Triad::accel ? model.accel : model.gyro).offset[axis] -= at_end ? slow.back() : mean;
+    }
+  return model;
+}
+
 struct MisspecifiedRun {
   bool determined = false, good = false;
   std::vector<CoefficientIndex> indices;
@@ -93,6 +110,7 @@ MisspecifiedRun run(const Method& method, std::uint64_t seed) {
   const RandomStream random(seed, "misspecified");
   Truth truth = draw_truth(session, seed);
   add_optional_terms(truth.model, session.imu, random);
+  truth.accel_noise.turn_on = truth.gyro_noise.turn_on = {};  // part of this recording's offsets, not of the truth
   std::vector<Recording> recordings;
   for (std::size_t k = 0; k < session.recordings.size(); ++k) {
     const RecordingSource& source = session.recordings[k];
@@ -102,15 +120,17 @@ MisspecifiedRun run(const Method& method, std::uint64_t seed) {
     if (!method.takes_several) {
       delay_accelerometers(r, 0.2 * random.uniform(3000));
       make_stamps_late(r, RandomStream(seed, "late stamps"));
+      use_even_stamps(r, source.time.stamps);  // as the command does
       if (bumped.kind == StepKind::hold) bump(r, bumped, truth, RandomStream(seed, "bump"));
     }
     recordings.push_back(std::move(r));
   }
   if (method.name == "handheld" || method.name == "static") session.steps.clear();
   const Calibration c = calibrate(method, {session, recordings}).calibration;
+  const SensorModel exact = method.takes_several ? truth.model : with_recorded_offsets(truth, recordings.front(), seed, method.name == "hybrid");
   MisspecifiedRun out{true, c.quality.verdict == "good", c.estimated, Eigen::VectorXd(c.estimated.size()), c.covariance};
   for (std::size_t i = 0; i < c.estimated.size(); ++i)
-    out.error[static_cast<Index>(i)] = coefficient_value(c.model, c.estimated[i]) - coefficient_value(truth.model, c.estimated[i]);
+    out.error[static_cast<Index>(i)] = coefficient_value(c.model, c.estimated[i]) - coefficient_value(exact, c.estimated[i]);
   return out;
 }
 
