@@ -154,6 +154,8 @@ bool contains(const std::vector<CoefficientIndex>& indices, CoefficientIndex ind
 double coefficient_value(const SensorModel& model, CoefficientIndex index) { return element(model, coefficient(index)); }
 void set_coefficient(SensorModel& model, CoefficientIndex index, double value) { element(model, coefficient(index)) = value; }
 
+bool is_optional(Term term) { return term != Term::offset && term != Term::matrix; }
+
 bool is_vector(Term term) { return term == Term::offset || term == Term::quadratic || term == Term::cubic; }
 
 std::string_view to_string(Triad triad) { return triad == Triad::accel ? "accel" : "gyro"; }

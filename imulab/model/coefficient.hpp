@@ -44,6 +44,9 @@ std::vector<CoefficientIndex> select_coefficients(std::string_view selector);
 /// Of several selectors, in their order.
 std::vector<CoefficientIndex> select_each(std::initializer_list<std::string_view> selectors);
 
+/// Whether an IMU may do without this term: all but offsets and matrices.
+bool is_optional(Term term);
+
 bool contains(const std::vector<CoefficientIndex>& indices, CoefficientIndex index);
 
 double coefficient_value(const SensorModel& model, CoefficientIndex index);

@@ -21,6 +21,7 @@ struct Data {
   Noise noise;
   SensorModel coarse;                    ///< the coarse solution
   std::vector<CoefficientIndex> wanted;  ///< to estimate; empty: all
+  OptionalPriors priors = {};
 };
 
 /// The point of linearization.

@@ -8,6 +8,7 @@
 #include "imulab/estimate/hybrid/iteration.hpp"
 #include "imulab/estimate/kernel/coarse.hpp"
 #include "imulab/estimate/kernel/input.hpp"
+#include "imulab/estimate/kernel/optional_terms.hpp"
 #include "imulab/estimate/kernel/rest_start.hpp"
 #include "imulab/model/triad_axes.hpp"
 #include "imulab/recording/quiet_noise.hpp"
@@ -107,6 +108,7 @@ Calibration calibration_of(const Data& data, const Iterate& iterate) {
   c.method = "hybrid";
   c.model = iterate.about.model;
   c.estimated = errors.coefficients;
+  for (const CoefficientIndex index : errors.considered) c.quality.considered.emplace_back(coefficient(index).name);
   for (const CoefficientIndex index : errors.open) {
     c.quality.unobservable.emplace_back(coefficient(index).name);
     set_coefficient(c.model, index, coefficient_value(data.coarse, index));
@@ -148,15 +150,71 @@ void add_residuals(const Data& data, const Iterate& iterate, Quality& quality) {
   quality.chi2_per_dof = std::accumulate(chi2.begin(), chi2.end(), 0.0) / std::max(1, quality.degrees_of_freedom);
 }
 
+/// Neighbouring blocks that were left out together.
+struct Disturbance {
+  std::size_t first, last;
+};
+
+std::vector<Disturbance> disturbances(std::vector<std::size_t> left_out) {
+  std::sort(left_out.begin(), left_out.end());
+  std::vector<Disturbance> out;
+  for (const std::size_t k : left_out) {
+    if (out.empty() || k > out.back().last + 1) out.push_back({k, k});
+    out.back().last = k;
+  }
+  return out;
+}
+
+/// Bumps come at any time. Velocities left out that gather in turns, or in rests, are a term that the model lacks.
+void judge_left_out(const Data& data, const std::vector<Disturbance>& found, kernel::Findings& findings) {
+  constexpr double improbable = 1e-4;
+  double turning = 0, observed = 0, in_turns = 0;
+  for (const Block& block : data.blocks) observed += 1, turning += !block.at_rest;
+  for (const Disturbance& d : found) in_turns += !data.blocks[d.first].at_rest;
+  const double n = static_cast<double>(found.size());
+  if (turning == 0 || binomial_quantile(1 - improbable, n, turning / observed) >= in_turns) return;
+  findings.doubt(
+      fmt::format("{:.0f} of {:.0f} disturbances that were left out are in turns: that is no bump but something that the model lacks; check the "
+                  "delay between the triads, the lever arms and the stamps",
+                  in_turns, n));
+}
+
+/// What was left out, with its times.
+void add_left_out(const Data& data, const std::vector<std::size_t>& left_out, kernel::Findings& findings) {
+  if (left_out.empty()) return;
+  constexpr std::size_t most_listed = 10;
+  const std::vector<Disturbance> found = disturbances(left_out);
+  std::string times;
+  for (std::size_t k = 0; k < std::min(found.size(), most_listed); ++k)
+    times += fmt::format("{}{:.1f}..{:.1f} s", k == 0 ? "" : ", ", data.recording.time_s(data.blocks[found[k].first].samples.begin),
+                         data.recording.time_s(data.blocks[found[k].last].samples.end - 1));
+  if (found.size() > most_listed) times += fmt::format(" and {} more", found.size() - most_listed);
+  findings.warn(fmt::format("{} of {} velocities do not fit: the IMU was bumped, shaken, or displaced; they are not used: {}", left_out.size(),
+                            data.blocks.size(), times));
+  judge_left_out(data, found, findings);
+}
+
+/// Enlarges the uncertainties where rests or turns scatter more than the noise explains.
+void enlarge(const Data& data, const Iterate& iterate, Calibration& calibration, kernel::Findings& findings) {
+  double factor = 1;
+  for (const bool at_rest : {true, false}) {
+    double chi2 = 0, degrees = 0;
+    for (std::size_t k = 0; k < data.blocks.size(); ++k)
+      if (data.blocks[k].at_rest == at_rest && data.blocks[k].observed) chi2 += iterate.pass.chi2[k], degrees += 3;
+    factor = std::max(factor, kernel::excess(chi2, degrees));
+  }
+  calibration.covariance *= factor * factor;
+  kernel::add_scatter(findings, "velocities", factor);
+}
+
 void report(const Data& data, const Converged& result, const Site& site, Calibration& calibration, kernel::Findings& findings) {
   const Iterate& last = result.last;
   const auto sigma = [&](Index state) { return std::sqrt(last.pass.covariance(state, state)); };
   add_residuals(data, last, calibration.quality);
+  enlarge(data, last, calibration, findings);
   calibration.quality.term_tests = result.tests;
   calibration.quality.sources.push_back(kernel::gravity_source(site));
-  if (result.left_out > 0)
-    findings.warn(fmt::format("{} of {} velocities do not fit: the IMU was bumped, shaken, or displaced; they are not used", result.left_out,
-                              data.blocks.size()));
+  add_left_out(data, result.left_out, findings);
   findings.note(fmt::format("{} iterations over {} blocks", last.iterations, data.blocks.size()));
   if (const double heading = sigma(last.states.first(Group::start) + 2); last.terms.contains(Group::g_sensitivity) && heading > 3 * unit::deg)
     findings.warn(
@@ -202,12 +260,17 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
   const kernel::RestStart start = coarse_start(recording, still, session.imu, place.latitude, place.gravity);
   in_place::Blocks cut = in_place::cut_into_blocks(recording, still, turntable);
   const SensorModel coarse = to_raw(start.model, start.scaling);
-  Data data{recording, std::move(cut.blocks), place, noise_of(start.noise, coarse, recording, session.imu), coarse, wanted};
+  Data data{recording,
+            std::move(cut.blocks),
+            place,
+            noise_of(start.noise, coarse, recording, session.imu),
+            coarse,
+            wanted,
+            {kernel::optional_priors(session.imu, coarse.accel.offset, coarse.gyro.offset), kernel::delay_prior(session.imu, recording.interval_s)}};
 
-  const Groups chosen = optional_groups(wanted);
-  Groups possible = wanted.empty() ? Groups{Group::quadratic, Group::g_sensitivity} : chosen;
-  if (wanted.empty() && turntable) possible.insert({Group::lever_arm, Group::delay});
-  const Converged result = converge(data, chosen, possible, options.significance);
+  Groups terms = wanted.empty() ? Groups{Group::quadratic, Group::g_sensitivity} : optional_groups(wanted);
+  if (wanted.empty() && turntable) terms.insert({Group::lever_arm, Group::delay});
+  const Converged result = converge(data, terms, options.significance);
   if (result.latitude) {  // it replaces the site's and is estimated jointly
     Session there = session;
     there.site.latitude = result.latitude->value;

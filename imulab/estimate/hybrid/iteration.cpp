@@ -18,18 +18,22 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 Iterate first_iterate(const Data& data, const Groups& terms) {
-  const States states(terms, data.place, data.wanted);
+  const States states(terms, data.place, data.wanted, data.priors);
   return {terms, states, {data.coarse, data.place}, VectorXd::Zero(states.constants())};
 }
 
 Errors determined_errors(const Iterate& iterate) {
   const Index n = iterate.states.constants();
-  Errors out{iterate.pass.x.head(n), iterate.pass.covariance.topLeftCorner(n, n), {}, {}, {}};
+  Errors out{iterate.pass.x.head(n), iterate.pass.covariance.topLeftCorner(n, n), {}, {}, {}, {}};
   kernel::Parameters parameters = iterate.states.parameters(iterate.total);
   out.undetermined = kernel::undetermined(out.covariance, parameters, iterate.states.needed());
   for (const Index i : out.undetermined) parameters.role[static_cast<std::size_t>(i)] = kernel::Role::considered;
-  for (const Index i : iterate.states.corrections())
-    (parameters.role[static_cast<std::size_t>(i)] == kernel::Role::considered ? out.open : out.coefficients).push_back(iterate.states.corrects(i));
+  for (const Index i : iterate.states.corrections()) {
+    const CoefficientIndex index = iterate.states.corrects(i);
+    const bool considered = parameters.role[static_cast<std::size_t>(i)] == kernel::Role::considered;
+    if (considered && is_optional(coefficient(index).term)) out.considered.push_back(index);
+    (considered && !is_optional(coefficient(index).term) ? out.open : out.coefficients).push_back(index);
+  }
   kernel::consider(out.mean, out.covariance, parameters);
   return out;
 }
@@ -42,22 +46,14 @@ Iterate repeated(const Data& data, Iterate iterate, double curve_interval) {
 
 namespace {
 
-/// On from where `before` is, with these terms. What of the model belonged to a term that is left out goes back to the coarse solution.
-Iterate with_terms(const Data& data, const Iterate& before, const Groups& terms) {
-  Iterate out = first_iterate(data, terms);
+/// On from where `before` is, with a latitude to be estimated as the open data declare it.
+Iterate with_open_latitude(const Data& open, const Iterate& before) {
+  Iterate out = first_iterate(open, before.terms);
   out.iterations = before.iterations;
   out.heading_known = before.heading_known;
-  out.about = {before.about.model, data.place, before.about.start};
-  const States &from = before.states, &to = out.states;
-  for (const Group group : from.groups()) {
-    if (to.has(group)) {
-      out.total.segment(to.first(group), to.size(group)) = before.total.segment(from.first(group), from.size(group));
-      if (group == Group::latitude) out.about.place = before.about.place;
-      continue;
-    }
-    for (Index s = from.first(group); s < from.first(group) + from.size(group); ++s)
-      if (const CoefficientIndex index = from.corrects(s); index >= 0) set_coefficient(out.about.model, index, coefficient_value(data.coarse, index));
-  }
+  out.about = {before.about.model, before.states.has(Group::latitude) ? before.about.place : open.place, before.about.start};
+  for (const Group group : before.states.groups())
+    out.total.segment(out.states.first(group), out.states.size(group)) = before.total.segment(before.states.first(group), before.states.size(group));
   return out;
 }
 
@@ -104,11 +100,16 @@ Iterate converged(const Data& data, Iterate c) {
     c.converged = (step.cwiseAbs() - 0.01 * sigma).maxCoeff() <= 0;
     if (c.converged) break;
     const VectorXd in_sigmas = step.cwiseQuotient(sigma.cwiseMax(1e-300));
-    const double longest = std::max(1.0, step.cwiseAbs().cwiseQuotient(3 * states.prior.cwiseMax(1e-30)).maxCoeff());
+    // The optional terms act linearly: their steps may be long.
+    const Index basic = states.first(Group::start);
+    const double longest = std::max(1.0, step.head(basic).cwiseAbs().cwiseQuotient(3 * states.prior.head(basic).cwiseMax(1e-30)).maxCoeff());
     const double whole = extrapolation(in_sigmas, before), factor = whole / longest;
     before = whole == 1 ? in_sigmas : VectorXd();
     c.about.model = corrected(c.about.model, factor * step, states);
-    if (states.has(Group::latitude)) c.about.place.latitude -= factor * step[states.first(Group::latitude)];
+    if (states.has(Group::latitude)) {  // between the poles, whatever poor data say
+      double& latitude = c.about.place.latitude;
+      latitude = std::clamp(latitude - factor * step[states.first(Group::latitude)], -89 * unit::deg, 89 * unit::deg);
+    }
     c.total += factor * step;
     c.about.start = rotation_exp(factor * start) * c.pass.start;
     if (k >= before_heading && !c.heading_known && sigma[start_at + 2] > 3 * unit::deg) c.about.start = best_heading(data, c);
@@ -136,6 +137,19 @@ std::vector<std::size_t> outlying_blocks(const Data& data, const Iterate& c) {
   return 20 * found.size() > data.blocks.size() ? std::vector<std::size_t>{} : found;
 }
 
+/// A latitude of the wrong sign is too far off for a linearization.
+Iterate in_other_hemisphere(const Data& open, Iterate trial) {
+  double& latitude = trial.about.place.latitude;
+  latitude = -latitude;
+  trial.total[trial.states.first(Group::latitude)] = open.place.latitude - latitude;
+  return trial;
+}
+
+Iterate better(Iterate a, Iterate b) {
+  const auto chi2 = [](const Iterate& i) { return std::accumulate(i.pass.chi2.begin(), i.pass.chi2.end(), 0.0); };
+  return chi2(b) < chi2(a) ? std::move(b) : std::move(a);
+}
+
 std::optional<SeenLatitude> contradicting_latitude(const Data& open, Iterate trial, double declared_sigma) {
   const Index at = trial.states.first(Group::latitude);
   const auto contradicts = [&] {
@@ -143,24 +157,22 @@ std::optional<SeenLatitude> contradicting_latitude(const Data& open, Iterate tri
     return std::abs(off) > 5 * sigma && sigma < 3 * unit::deg && std::abs(off) > 3 * declared_sigma;
   };
   if (!contradicts()) return {};
-  trial = converged(open, std::move(trial));
+  trial = better(converged(open, trial), converged(open, in_other_hemisphere(open, trial)));
   if (!trial.converged || !contradicts()) return {};
   return SeenLatitude{trial.about.place.latitude - trial.pass.x[at], std::sqrt(trial.pass.covariance(at, at))};
 }
 
-/// One pass with these terms and an open latitude: Wald's test of each term, with the latitude as it was declared, or the latitude that contradicts
-/// it.
+/// One pass with an open latitude: the latitude that contradicts the declared one, and Wald's test of each of `terms` with the declared one.
 struct Review {
   std::optional<SeenLatitude> latitude;
-  Groups significant;
   std::vector<TermTest> tests;
 };
 Review review(const Data& data, const Iterate& iterate, const Groups& terms, double significance) {
   Data open = data;
   open.place.latitude_sigma = 30 * unit::deg;
-  const Iterate trial = repeated(open, with_terms(open, iterate, terms));
+  const Iterate trial = repeated(open, with_open_latitude(open, iterate));
   const States& states = trial.states;
-  Review out{contradicting_latitude(open, trial, data.place.latitude_sigma), {}, {}};
+  Review out{contradicting_latitude(open, trial, data.place.latitude_sigma), {}};
   // Errors of the coarse solution, the latitude's having been measured as zero.
   const Index n = states.constants(), latitude = states.first(Group::latitude);
   VectorXd mean = trial.total + trial.pass.x.head(n);
@@ -171,34 +183,27 @@ Review review(const Data& data, const Iterate& iterate, const Groups& terms, dou
   // Integration from samples is good to less than a thousandth of their interval: in a turn's ramp of four samples it looks like a fifth of that.
   if (const Index at = states.first(Group::delay); at >= 0) covariance(at, at) += std::pow(5e-4 * data.recording.interval_s, 2);
   for (const Group group : terms) {
-    kernel::TermGroup members{std::string(name(group)), std::vector<Index>(static_cast<std::size_t>(states.size(group)))};
-    std::iota(members.members.begin(), members.members.end(), states.first(group));
-    out.tests.push_back(kernel::wald(members, mean, covariance, significance));
-    if (out.tests.back().kept) out.significant.insert(group);
+    const Index first = states.first(group), size = states.size(group);
+    out.tests.push_back(kernel::wald_without_prior(std::string(name(group)), mean.segment(first, size), covariance.block(first, first, size, size),
+                                                   states.prior.segment(first, size), significance));
   }
   return out;
 }
 
 }  // namespace
 
-Converged converge(Data& data, const Groups& terms, const Groups& possible, double significance) {
-  Converged out{converged(data, first_iterate(data, terms)), {}, 0, {}};
+Converged converge(Data& data, const Groups& terms, double significance) {
+  Converged out{converged(data, first_iterate(data, terms)), {}, {}, {}};
   for (int round = 0; round < 6; ++round) {
-    Review seen = review(data, out.last, possible, significance);
+    Review seen = review(data, out.last, data.wanted.empty() ? terms : Groups{}, significance);
     out.latitude = seen.latitude;
     if (out.latitude) break;
-    if (terms != possible) {
-      out.tests = std::move(seen.tests);
-      if (seen.significant != out.last.terms) {  // and again, about them
-        out.last = converged(data, with_terms(data, out.last, seen.significant));
-        continue;
-      }
-    }
+    out.tests = std::move(seen.tests);
     if (!out.last.converged) break;
     const std::vector<std::size_t> outlying = outlying_blocks(data, out.last);
     if (outlying.empty()) break;
     for (const std::size_t k : outlying) data.blocks[k].observed = false;
-    out.left_out += outlying.size();
+    out.left_out.insert(out.left_out.end(), outlying.begin(), outlying.end());
     out.last = converged(data, std::move(out.last));
   }
   return out;

@@ -1,5 +1,5 @@
-// The iterations of the hybrid method: passes of the filter about improving models, the significant terms, and the velocities that the
-// converged model cannot explain.
+// The iterations of the hybrid method: passes of the filter about improving models, and the velocities that the converged model cannot
+// explain.
 #pragma once
 
 #include "imulab/estimate/hybrid/filter.hpp"
@@ -32,7 +32,8 @@ struct Errors {
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;
   std::vector<Eigen::Index> undetermined;
-  std::vector<CoefficientIndex> coefficients, open;  ///< determined, and not
+  std::vector<CoefficientIndex> coefficients, open;  ///< determined, or optional; and not determined
+  std::vector<CoefficientIndex> considered;          ///< optional ones of which the data say nothing, among `coefficients`
 };
 Errors determined_errors(const Iterate& iterate);
 
@@ -46,13 +47,13 @@ struct SeenLatitude {
 
 struct Converged {
   Iterate last;
-  std::vector<TermTest> tests;           ///< of the optional groups, where the data choose among them
-  std::size_t left_out = 0;              ///< velocities
+  std::vector<TermTest> tests;           ///< of the optional groups: are they seen?
+  std::vector<std::size_t> left_out;     ///< blocks whose velocity is an outlier
   std::optional<SeenLatitude> latitude;  ///< contradicts the place's: then the rest is void
 };
 
-/// Repeats until neither the terms nor the velocities that are used change. It starts with `terms` and ends with those of `possible` that are
-/// significant (all of `terms` where both are the same). Blocks whose velocity is an outlier are no longer observed in `data`.
-Converged converge(Data& data, const Groups& terms, const Groups& possible, double significance);
+/// Repeats until the velocities that are used no longer change. Blocks whose velocity is an outlier are no longer observed in `data`. With these
+/// optional groups, seen or not; they are tested where the user did not name them.
+Converged converge(Data& data, const Groups& terms, double significance);
 
 }  // namespace imulab::hybrid

@@ -42,19 +42,17 @@ std::vector<CoefficientIndex> coefficients_of(const Row& row) {
 }
 
 /// About the coarse solution, which is good to some percent, and to the Earth's rate with the effect of acceleration.
-double prior_sigma(CoefficientIndex index, const Place& place) {
-  kernel::PriorSizes sizes;
-  sizes.accel = {.offset = 0.02 * place.gravity, .scale = 0.05, .misalignment = 1e-2, .quadratic = 1e-3};
-  sizes.gyro = {.offset = 3e-3, .scale = 0.05, .misalignment = 0.02};
-  sizes.lever_arm = 1;
+double prior_sigma(CoefficientIndex index, const Place& place, const OptionalPriors& priors) {
+  kernel::PriorSizes sizes = priors.sizes;
+  sizes.accel.offset = 0.02 * place.gravity, sizes.accel.scale = 0.05, sizes.accel.misalignment = 1e-2;
+  sizes.gyro.offset = 3e-3, sizes.gyro.scale = 0.05, sizes.gyro.misalignment = 0.02;
   return kernel::prior_sigma(sizes, coefficient(index), 1);
 }
 
-double prior_sigma(Group group, Index i, const Place& place) {
-  constexpr double delay = 0.1;  // s
+double prior_sigma(Group group, Index i, const Place& place, const OptionalPriors& priors) {
   if (group == Group::gravity) return place.gravity_sigma / place.gravity;
   if (group == Group::start) return alignment_sigma()[i];
-  return group == Group::latitude ? place.latitude_sigma : delay;
+  return group == Group::latitude ? place.latitude_sigma : priors.delay;
 }
 
 }  // namespace
@@ -72,7 +70,7 @@ std::string_view name(Group group) { return table[static_cast<std::size_t>(group
 
 Eigen::Vector3d alignment_sigma() { return {3 * unit::deg, 3 * unit::deg, 90 * unit::deg}; }
 
-States::States(const Groups& optional, const Place& place, const std::vector<CoefficientIndex>& wanted) {
+States::States(const Groups& optional, const Place& place, const std::vector<CoefficientIndex>& wanted, const OptionalPriors& priors) {
   std::vector<double> sigma;
   for (const Row& row : table) {
     if (row.group == Group::latitude ? place.latitude_sigma == 0 : row.group > Group::latitude && !optional.contains(row.group)) continue;
@@ -81,7 +79,9 @@ States::States(const Groups& optional, const Place& place, const std::vector<Coe
     for (std::size_t i = 0; i < corrected.size(); ++i) {
       const bool held = corrected[i] >= 0 && !wanted.empty() && !contains(wanted, corrected[i]);
       corrects_.push_back(corrected[i]);
-      sigma.push_back(held ? 0 : corrected[i] >= 0 ? prior_sigma(corrected[i], place) : prior_sigma(row.group, static_cast<Index>(i), place));
+      sigma.push_back(held                ? 0
+                      : corrected[i] >= 0 ? prior_sigma(corrected[i], place, priors)
+                                          : prior_sigma(row.group, static_cast<Index>(i), place, priors));
     }
   }
   prior = Eigen::Map<const VectorXd>(sigma.data(), static_cast<Index>(sigma.size()));
@@ -112,7 +112,7 @@ kernel::Parameters States::parameters(const VectorXd& total) const {
 
 VectorXd States::needed() const {
   VectorXd needed = VectorXd::Constant(constants(), std::numeric_limits<double>::infinity());
-  for (const Index s : corrections()) needed[s] = 0.5 * prior[s];
+  for (const Index s : corrections()) needed[s] = (is_optional(coefficient(corrects(s)).term) ? 0.9 : 0.5) * prior[s];
   return needed;
 }
 

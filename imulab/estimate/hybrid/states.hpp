@@ -3,6 +3,7 @@
 #pragma once
 
 #include "imulab/estimate/kernel/information.hpp"
+#include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/navigation/in_place/navigator.hpp"
 #include "imulab/recording/session.hpp"
 
@@ -25,6 +26,12 @@ struct Place {
 /// Throws Error where the site has no latitude.
 Place place_of(const Site& site);
 
+/// Priors of the optional terms.
+struct OptionalPriors {
+  kernel::PriorSizes sizes{.accel = {.quadratic = 1e-3}, .gyro = {}, .g_sensitivity = 1e-3, .lever_arm = 1};  ///< as good as none
+  double delay = 0.1;                                                                                         ///< s
+};
+
 /// The IMU stays in one place while it turns, too.
 bool on_turntable(const Session& session);
 
@@ -43,7 +50,7 @@ Eigen::Vector3d alignment_sigma();
 class States {
  public:
   /// With these optional groups, and the latitude where it is uncertain. Coefficients that are not `wanted` are fixed; empty: none is.
-  States(const Groups& optional, const Place& place, const std::vector<CoefficientIndex>& wanted = {});
+  States(const Groups& optional, const Place& place, const std::vector<CoefficientIndex>& wanted = {}, const OptionalPriors& priors = {});
 
   Eigen::VectorXd prior;  ///< by constant: standard deviation about the coarse solution; 0: fixed there
   CoefficientIndex corrects(Eigen::Index constant) const { return corrects_[static_cast<std::size_t>(constant)]; }  ///< -1: none
@@ -62,7 +69,8 @@ class States {
   std::vector<Eigen::Index> corrections() const;
   /// The constants of a model that has been corrected by `total` since the coarse solution.
   kernel::Parameters parameters(const Eigen::VectorXd& total) const;
-  /// The data determine a coefficient where they halve its prior; infinite for the other constants.
+  /// The data determine a coefficient where they halve its prior, and say something of an optional one where they take a tenth of it; infinite for
+  /// the other constants.
   Eigen::VectorXd needed() const;
 
  private:

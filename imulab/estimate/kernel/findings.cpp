@@ -1,10 +1,12 @@
 #include "imulab/estimate/kernel/findings.hpp"
 
+#include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace imulab::kernel {
@@ -36,6 +38,18 @@ void note_spread(Findings& findings, std::string_view what, double spread, std::
 void add_dropped(Findings& findings, const std::vector<std::string>& names, std::size_t all) {
   for (const std::string& name : names) findings.warn("dropped as an outlier: " + name);
   if (5 * names.size() > all) findings.doubt(fmt::format("{} of {} rests and rotations were dropped as outliers", names.size(), all));
+}
+
+double excess(double chi2, double degrees_of_freedom) {
+  if (!(degrees_of_freedom >= 1) || chi_square_tail(chi2, degrees_of_freedom) > 1e-3) return 1;
+  return std::max(1.0, std::sqrt(chi2 / degrees_of_freedom));
+}
+
+void add_scatter(Findings& findings, std::string_view what, double factor) {
+  if (factor <= 1) return;
+  const std::string text = fmt::format("the {} scatter {:.3g} times as much as the noise explains", what, factor);
+  findings.warn(text + "; the uncertainties are enlarged by that");
+  if (factor > 1.5) findings.doubt(text);
 }
 
 void add_common_doubts(Findings& findings, const Calibration& calibration, const Site& site) {

@@ -33,6 +33,12 @@ void note_spread(Findings& findings, std::string_view what, double spread, std::
 /// Warns of the parts of the data that were dropped; more than a fifth of `all` is doubtful.
 void add_dropped(Findings& findings, const std::vector<std::string>& names, std::size_t all);
 
+/// By how much residuals are larger than their declared size, where chance explains that less than once in a thousand; else 1.
+double excess(double chi2, double degrees_of_freedom);
+
+/// Says that the uncertainties were enlarged by `factor`, the excess of `what`; more than one and a half is doubtful: no noise, but a wrong model.
+void add_scatter(Findings& findings, std::string_view what, double factor);
+
 /// The doubts common to all methods: undetermined coefficients, few degrees of freedom, residuals of the wrong size, uncertain scales, a g that is
 /// not the place's.
 void add_common_doubts(Findings& findings, const Calibration& calibration, const Site& site);

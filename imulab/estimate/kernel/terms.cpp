@@ -3,6 +3,7 @@
 #include "imulab/core/statistics.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -19,6 +20,22 @@ TermTest wald(std::string name, const VectorXd& value, const MatrixXd& covarianc
   if (value.size() == 0) return test;
   const VectorXd unit = covariance.diagonal().cwiseSqrt().cwiseInverse(), scaled = unit.cwiseProduct(value);
   test.statistic = scaled.dot(MatrixXd(unit.asDiagonal() * covariance * unit.asDiagonal()).ldlt().solve(scaled));
+  test.p_value = chi_square_tail(test.statistic, static_cast<double>(value.size()));
+  test.kept = test.p_value <= significance;
+  return test;
+}
+
+TermTest wald_without_prior(std::string name, const VectorXd& value, const MatrixXd& covariance, const VectorXd& prior_sigma, double significance) {
+  TermTest test{std::move(name), 0, static_cast<int>(value.size()), 1, false};
+  if (value.size() == 0) return test;
+  // In units of the prior: the data's information is P^-1 - I, and P^-1 x is what they say of x.
+  const MatrixXd unit = prior_sigma.cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> posterior(unit * covariance * unit);
+  const VectorXd along = posterior.eigenvectors().transpose() * (unit * value);
+  for (Eigen::Index i = 0; i < value.size(); ++i) {
+    const double variance = posterior.eigenvalues()[i];
+    if (variance < 1 - 1e-6) test.statistic += along[i] * along[i] / (variance * (1 - variance));  // else the data say nothing
+  }
   test.p_value = chi_square_tail(test.statistic, static_cast<double>(value.size()));
   test.kept = test.p_value <= significance;
   return test;

@@ -93,7 +93,7 @@ std::string term_test_text(const TermTest& test) {
     validation = fmt::format("; left-out points are missed by {:.3g} sigma with it, {:.3g} without", test.cross_validation_with,
                              test.cross_validation_without);
   return fmt::format("  {}: {} (chi2 {:.4g} with {} degrees of freedom, probability by chance {:.2g}{})\n", test.term,
-                     test.kept ? "significant, estimated" : "not significant, left at zero", test.statistic, test.degrees_of_freedom, test.p_value,
+                     test.kept ? "seen" : "not seen; its prior counts in the uncertainties", test.statistic, test.degrees_of_freedom, test.p_value,
                      validation);
 }
 
