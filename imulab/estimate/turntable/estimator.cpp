@@ -217,6 +217,10 @@ MatrixXd Estimator::by_optional(const SensorModel& at, const std::vector<Coeffic
   return (derivatives(Eigen::all, known_) * (gain_ * design_(Eigen::all, optional_)) - derivatives(Eigen::all, optional_)) * sigma.asDiagonal();
 }
 
+VectorXd Estimator::prior_sigma(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const {
+  return (backward_derivatives(at, coefficients)(Eigen::all, optional_) * prior_(optional_).asDiagonal()).rowwise().norm();
+}
+
 MatrixXd Estimator::optional_readings() const {
   const VectorXd sigma = prior_(optional_);
   return design_(Eigen::all, optional_) * sigma.asDiagonal();

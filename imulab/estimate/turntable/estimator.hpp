@@ -71,6 +71,8 @@ class Estimator {
   Eigen::MatrixXd sensitivity(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const;
   /// Errors of the estimate where each of the terms with a prior is off by one sigma of it, a column each, in the order of the terms.
   Eigen::MatrixXd by_optional(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const;
+  /// Their prior sigmas, of the model's coefficients.
+  Eigen::VectorXd prior_sigma(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const;
   /// The readings that one sigma of each of them makes.
   Eigen::MatrixXd optional_readings() const;
 

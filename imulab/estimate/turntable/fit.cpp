@@ -55,6 +55,17 @@ RawNoise raw_noise(const Problem& problem, const SensorModel& model) {
 
 bool left_handed(const SensorModel& model) { return model.accel.matrix.determinant() < 0 || model.gyro.matrix.determinant() < 0; }
 
+/// Whether no stated coefficient changed by more than its uncertainty.
+bool close(const Estimator& estimator, const SensorModel& before, const SensorModel& after) {
+  const Estimator::Uncertainty uncertainty = estimator.uncertainty(after);
+  for (std::size_t i = 0; i < uncertainty.stated.size(); ++i) {
+    const double change = coefficient_value(after, uncertainty.stated[i]) - coefficient_value(before, uncertainty.stated[i]);
+    const auto at = static_cast<Index>(i);
+    if (!(change * change <= uncertainty.covariance(at, at))) return false;
+  }
+  return true;
+}
+
 /// The steps with the sense of one axis reversed.
 Problem reversed(const Problem& problem, std::size_t axis) {
   TableObservations seen = problem.seen;
@@ -109,9 +120,9 @@ Fit fit(const Problem& problem, const EstimatorOptions& options) {
       throw Unsupported("the readings do not follow the table's motion: a triad's readings do not span three axes");
     Estimator estimator(problem.motion, model, raw_noise(problem, model), now);
     const VectorXd readings = estimator.linearized(problem.seen.readings);
-    model = estimator.estimate(readings);
+    const SensorModel before = std::exchange(model, estimator.estimate(readings));
     const double chi2 = estimator.chi2(readings);
-    if (pass == 1) return {&problem, options, std::move(estimator), readings, model, chi2};
+    if (pass == 1) return {&problem, options, std::move(estimator), readings, model, chi2, close(estimator, before, model)};
     now.around = estimator.table_errors(readings);
   }
 }

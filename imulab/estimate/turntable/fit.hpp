@@ -31,6 +31,7 @@ struct Fit {
   Eigen::VectorXd readings;  ///< linearized
   SensorModel model;
   double chi2;
+  bool converged;  ///< the last pass moved no coefficient by more than its uncertainty: a next one would move it by a small part of that
 
   double log_probability() const;  ///< of chance leaving residuals as large
   std::vector<kernel::Suspect> suspects() const;

@@ -96,6 +96,7 @@ std::vector<TermTest> tests_of_terms(const Fit& fit, double significance) {
   const Estimator::Uncertainty uncertainty = fit.estimator.uncertainty(fit.model);
   VectorXd values(uncertainty.covariance.rows());
   for (Index i = 0; i < values.size(); ++i) values[i] = coefficient_value(fit.model, uncertainty.stated[static_cast<std::size_t>(i)]);
+  const VectorXd prior = fit.estimator.prior_sigma(fit.model, uncertainty.stated);
   std::vector<TermTest> tests;
   for (const char* term : {"gyro.g_sensitivity", "accel.quadratic", "accel.cubic", "gyro.quadratic", "gyro.cubic"}) {
     kernel::TermGroup group{term, {}};
@@ -104,7 +105,11 @@ std::vector<TermTest> tests_of_terms(const Fit& fit, double significance) {
       if (const CoefficientIndex index = uncertainty.stated[static_cast<std::size_t>(i)];
           contains(members, index) && !contains(uncertainty.considered, index))
         group.members.push_back(i);
-    if (!group.members.empty()) tests.push_back(kernel::wald(group, values, uncertainty.covariance, significance));
+    if (group.members.empty()) continue;
+    tests.push_back(fit.options.optional
+                        ? kernel::wald_without_prior(term, values(group.members), uncertainty.covariance(group.members, group.members),
+                                                     prior(group.members), significance)
+                        : kernel::wald(group, values, uncertainty.covariance, significance));
   }
   return tests;
 }
@@ -184,6 +189,7 @@ Calibration calibration_of(const Fit& fit) {
   for (const CoefficientIndex index : uncertainty.considered) quality.considered.emplace_back(coefficient(index).name);
   quality.degrees_of_freedom = fit.estimator.degrees_of_freedom();
   quality.condition = fit.estimator.condition();
+  quality.converged = fit.converged;
   quality.chi2_per_dof = fit.chi2 / std::max(1, quality.degrees_of_freedom);
   quality.sources.push_back(kernel::gravity_source(problem.site));
   const std::vector<double> residuals = fit.estimator.part_residuals(fit.readings);
