@@ -122,6 +122,7 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
 
 /// Throws Unsupported, exit code 1, where the result is not what was asked for; it has been written all the same.
 void expect_supported(const Quality& quality) {
+  if (!quality.converged) throw Unsupported("the fit did not converge: neither its values nor its uncertainties can be relied on");
   std::string list;
   for (const std::string& name : quality.unobservable) list += " " + name;
   if (!list.empty()) throw Unsupported(fmt::format("the data do not determine:{}; they keep their starting values", list));

@@ -245,6 +245,7 @@ void report(const Data& data, const Converged& result, const Site& site, Calibra
   add_residuals(data, last, calibration.quality);
   enlarge(data, last, calibration, findings);
   calibration.quality.term_tests = result.tests;
+  calibration.quality.converged = last.converged;
   calibration.quality.sources.push_back(kernel::gravity_source(site));
   add_left_out(data, result.left_out, findings);
   findings.note(fmt::format("{} iterations over {} blocks", last.iterations, data.blocks.size()));
@@ -255,7 +256,6 @@ void report(const Data& data, const Converged& result, const Site& site, Calibra
                     heading / unit::deg));
   if (const Index at = last.states.first(Group::delay); at >= 0)
     findings.note(fmt::format("the accelerometers' output is {:.3g} +/- {:.2g} ms behind the gyros'", 1e3 * last.pass.x[at], 1e3 * sigma(at)));
-  if (!last.converged) findings.doubt("the iterations did not converge");
   kernel::add_common_doubts(findings, calibration, site);
   if (const auto instead = latitude_instead(calibration, last.about.place)) {
     findings.warn(
