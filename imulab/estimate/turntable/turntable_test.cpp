@@ -3,9 +3,11 @@
 #include "imulab/core/error.hpp"
 #include "imulab/earth/earth.hpp"
 #include "imulab/model/coefficient.hpp"
+#include "imulab/model/gauge.hpp"
 #include "imulab/simulate/simulate.hpp"
 
 #include <Eigen/LU>
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -37,7 +39,9 @@ TEST(Turntable, KnownTableErrorsAreTakenOut) {
 
 TEST(Turntable, CountsWithALargeOffsetAreNoDifferent) {
   TableRun run = run_of(zhang_steps(), table_of(2 * unit::arcsec), 7, 1);
-  const Calibration si = calibrate(run.seen, table_of(2 * unit::arcsec), table_imu(), table_site());
+  ImuDeclaration imu = table_imu();
+  imu.grade = "navigation";  // the same priors for any offset
+  const Calibration si = calibrate(run.seen, table_of(2 * unit::arcsec), imu, table_site());
   Eigen::Index row = 0;
   for (std::size_t k = 0; k < run.seen.parts.holds.size(); ++k, row += 6) {
     auto accel = run.seen.readings.segment<3>(row), gyro = run.seen.readings.segment<3>(row + 3);
@@ -50,10 +54,12 @@ TEST(Turntable, CountsWithALargeOffsetAreNoDifferent) {
     row += 3;
   }
   run.seen.accel_unit = run.seen.gyro_unit = "count";
-  const Calibration counts = calibrate(run.seen, table_of(2 * unit::arcsec), table_imu(), table_site());
+  const Calibration counts = calibrate(run.seen, table_of(2 * unit::arcsec), imu, table_site());
+  // Of the readings less their offset, about which the terms of second order are those of the SI readings.
+  const SensorModel centered = of_shifted_readings(counts.model, Vector3d::Constant(-32768), Vector3d::Constant(1000));
   // 1e5 counts are 1 m/s^2: rounding of 1e6 counts is 1e-10 counts; what differs is the first pass's start, which the second forgets.
-  EXPECT_LT((1e5 * counts.model.accel.matrix - si.model.accel.matrix).norm(), 1e-9);
-  EXPECT_LT((1e7 * counts.model.gyro.matrix - si.model.gyro.matrix).norm(), 1e-9);
+  EXPECT_LT((1e5 * centered.accel.matrix - si.model.accel.matrix).norm(), 1e-9);
+  EXPECT_LT((1e7 * centered.gyro.matrix - si.model.gyro.matrix).norm(), 1e-9);
   EXPECT_EQ(counts.quality.unobservable, si.quality.unobservable);
   EXPECT_EQ(counts.quality.verdict, "good");
   EXPECT_EQ(counts.model.gyro.raw_unit, "count");
@@ -122,7 +128,7 @@ TEST(Turntable, AWorseTableThanDeclaredIsSaid) {
   const VectorXd errors = motion.nominal() + motion.sigma().cwiseProduct(drawn_normals(motion.sigma().size(), 11, "table"));
   const TableRun run = run_of(zhang_steps(), declared, 11, 1, errors);
   const Calibration c = calibrate(run.seen, declared, table_imu(), table_site());
-  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("times what the noise and the declared table errors explain; the uncertainties are too small")));
+  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("times what the noise and the declared table errors explain; the uncertainties are enlarged")));
   EXPECT_THAT(verdict_text(c.quality), HasSubstr("the residuals exceed the declared noise and table errors"));
 }
 
@@ -152,6 +158,50 @@ TEST(Turntable, GSensitivityIsEstimatedWhereItIs) {
   for (const CoefficientIndex index : c.estimated)
     EXPECT_LT(std::abs(coefficient_value(c.model, index) - coefficient_value(with, index)),
               4.8 * *standard_uncertainty(c, index));  // 33: once in 20000
+}
+
+TEST(Turntable, TermsThatTheDataCannotExcludeCount) {
+  const RigDeclaration rig = table_of(2 * unit::arcsec);
+  const TableRun run = run_of(zhang_steps(), rig, 15, 1);
+  const Calibration plain = calibrate(run.seen, rig, table_imu(), table_site());
+  const std::vector<CoefficientIndex> linear = linear_terms();
+  EXPECT_EQ(plain.estimated.size(), linear.size() + 12 + 9);
+  EXPECT_THAT(plain.quality.unobservable, IsEmpty());
+  // Holds at one g up and down cannot tell a cubic term from the scale: it stays zero and counts in it.
+  EXPECT_THAT(plain.quality.considered, Contains("accel.cubic.x"));
+  EXPECT_EQ(plain.model.accel.cubic, Vector3d::Zero());
+  CalibrationOptions alone;
+  alone.terms = linear;
+  const Calibration without = calibrate(run.seen, rig, table_imu(), table_site(), alone);
+  EXPECT_EQ(without.estimated, linear);
+  const double cubic = *standard_uncertainty(plain, coefficient_index("accel.cubic.x")) * unit::g * unit::g;
+  const CoefficientIndex scale = coefficient_index("accel.matrix.xx");
+  EXPECT_NEAR(*standard_uncertainty(plain, scale), std::hypot(*standard_uncertainty(without, scale), cubic), 0.1 * cubic);
+  EXPECT_GT(*standard_uncertainty(plain, coefficient_index("accel.offset.x")),
+            5 * *standard_uncertainty(without, coefficient_index("accel.offset.x")));
+}
+
+TEST(Turntable, AWrongHemisphereIsNamed) {
+  const RigDeclaration rig = table_of(2 * unit::arcsec);
+  const TableRun run = run_of(zhang_steps(), rig, 16, 1);
+  Site declared = table_site();
+  declared.latitude = -*declared.latitude;
+  const Calibration c = calibrate(run.seen, rig, table_imu(), declared);
+  const std::string right = fmt::format("that of latitude {:.3g} deg", *table_site().latitude / unit::deg);
+  EXPECT_THAT(c.quality.warnings, Contains(HasSubstr(right)));
+  EXPECT_THAT(verdict_text(c.quality), HasSubstr("the latitude seems to be wrong"));
+}
+
+TEST(Turntable, HoldsAndTurnsAreListed) {
+  const RigDeclaration rig = table_of(2 * unit::arcsec);
+  TableRun run = run_of(zhang_steps(), rig, 10, 1);
+  run.seen.readings[6 * 20 + 1] += 1e-3;
+  const Quality quality = calibrate(run.seen, rig, table_imu(), table_site()).quality;
+  ASSERT_EQ(quality.rests.size(), run.seen.parts.holds.size());
+  ASSERT_EQ(quality.rotations.size(), run.seen.parts.turns.size());
+  for (std::size_t k = 0; k < quality.rests.size(); ++k) EXPECT_EQ(quality.rests[k].used, k != 20) << k;
+  for (const PartResidual& rest : quality.rests) EXPECT_LE(rest.residual, quality.rests[20].residual);
+  EXPECT_EQ(quality.rests[20].begin_s, run.seen.parts.holds[20].begin);
 }
 
 TEST(Turntable, TermsByHand) {

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace imulab::whole_unit {
 
@@ -59,41 +60,67 @@ void set_priors(Problem& problem) {
   }
 }
 
-/// A bias and a ramp of each channel in each recording where such noise is declared; what of the bias instability changes from point to point is
-/// taken as independent there.
+/// Points one after the other: of a recording, of one mounting in it, or so many of those.
+struct Stretch {
+  std::size_t recording, first, last;  ///< numbers of its steps
+  double start, end;                   ///< s
+};
+
+std::vector<Stretch> stretches(const std::vector<MachinePoint>& points, bool by_mounting, std::size_t most = SIZE_MAX) {
+  std::vector<Stretch> out;
+  const MachinePoint* before = nullptr;
+  std::size_t count = 0;  // of points in the last one
+  for (const MachinePoint& p : points) {
+    const bool same = before && before->recording == p.recording && (!by_mounting || mount_of(before->step) == mount_of(p.step)) && count < most;
+    count = same ? count + 1 : 1;
+    if (!same) out.push_back({p.recording, p.number, p.number, p.step.start, p.step.end});
+    out.back().last = p.number, out.back().end = p.step.end;
+    before = &p;
+  }
+  return out;
+}
+
+/// Declared noise that is not white: a ramp of each channel in each recording; and a bias in each recording, in each mounting and in each few points,
+/// with the parts of the bias instability that change from one to the next. What is faster is taken as independent from point to point.
 void add_drifts(Problem& problem) {
+  constexpr std::size_t few = 6;  // about as many steps down from a mounting's forty points as up from one
   const DeclaredNoise noise = declared_terms(problem.session->imu);
   const std::vector<MachinePoint>& all = problem.points.all;
-  double longest_point = 0;
-  for (const MachinePoint& p : all) longest_point = std::max(longest_point, static_cast<double>(p.samples) * problem.points.interval_s);
-  for (std::size_t recording = 0; recording < problem.session->recordings.size(); ++recording) {
-    double start = INFINITY, end = -INFINITY;
-    for (const MachinePoint& p : all)
-      if (p.recording == recording) start = std::min(start, p.step.start), end = std::max(end, p.step.end);
-    if (!(end > start)) continue;
-    for (int channel = 0; channel < 6; ++channel) {
-      const NoiseModel& model = channel < 3 ? noise.accel : noise.gyro;
-      const FlickerCovariance flicker(model.B, problem.points.interval_s);
-      const double slow = flicker.of_mean(end - start);
-      problem.point_variance[channel] = std::max(problem.point_variance[channel], flicker.of_mean(longest_point) - slow);
-      const double walk = model.K * model.K * (end - start) / 3;
-      if (slow + walk > 0) problem.common.push_back({"", {}, std::sqrt(slow + walk), 0, ChannelDrift{recording, channel, 0, start}});
-      if (model.R.value > 0) problem.common.push_back({"", {}, model.R.value, 0, ChannelDrift{recording, channel, 1, start}});
+  const std::array levels{stretches(all, false), stretches(all, true), stretches(all, true, few)};
+  double point = INFINITY;  // s: the shortest
+  for (const MachinePoint& p : all) point = std::min(point, static_cast<double>(p.samples) * problem.points.interval_s);
+  for (int channel = 0; channel < 6; ++channel) {
+    const NoiseModel& model = channel < 3 ? noise.accel : noise.gyro;
+    const FlickerCovariance flicker(model.B, problem.points.interval_s);
+    const auto add = [&](const Stretch& s, double sigma, int power) {
+      // Noise begins with the recording, whose clock begins with it unless it starts with more than the recording's own length.
+      const double start = s.start < s.end - s.start ? 0 : s.start;
+      if (sigma > 0) problem.common.push_back({"", {}, sigma, 0, ChannelDrift{s.recording, s.first, s.last, channel, power, start}});
+    };
+    double counted = 0;  // variance, by slower levels
+    for (const std::vector<Stretch>& level : levels) {
+      double longest = 0;
+      for (const Stretch& s : level) longest = std::max(longest, s.end - s.start);
+      const double here = std::max(counted, flicker.of_mean(longest));
+      for (const Stretch& s : level) add(s, std::sqrt(here - counted + (&level == &levels[0] ? model.K * model.K * (s.end - s.start) / 3 : 0)), 0);
+      counted = here;
     }
+    for (const Stretch& s : levels[0]) add(s, model.R.value, 1);
+    problem.point_variance[channel] = std::max(0.0, flicker.of_mean(point) - counted);
   }
 }
 
 }  // namespace
 
 double ChannelDrift::at(const MachinePoint& point) const {
-  if (point.recording != recording) return 0;
+  if (point.recording != recording || point.number < first || point.number > last) return 0;
   return power == 0 ? 1 : 0.5 * (point.step.start + point.step.end) - start_s;
 }
 
 std::string CommonError::name() const {
   if (drift)
-    return fmt::format("recording {}: {} of {}.{}", drift->recording + 1, drift->power == 0 ? "bias" : "ramp", drift->channel < 3 ? "accel" : "gyro",
-                       "xyz"[drift->channel % 3]);
+    return fmt::format("recording {}, steps {} to {}: {} of {}.{}", drift->recording + 1, drift->first, drift->last,
+                       drift->power == 0 ? "bias" : "ramp", drift->channel < 3 ? "accel" : "gyro", "xyz"[drift->channel % 3]);
   return rig.empty() && source.kind == RigErrorKind::zero ? "gravity" : (rig.empty() ? "" : rig + ": ") + source.name();
 }
 

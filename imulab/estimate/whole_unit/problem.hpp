@@ -20,12 +20,12 @@
 
 namespace imulab::whole_unit {
 
-/// The declared noise of a channel that is not white, in one recording: a bias and a rate ramp of the output.
+/// Declared noise of a channel that is not white: a bias or a rate ramp of the output over some steps of a recording.
 struct ChannelDrift {
-  std::size_t recording = 0;
+  std::size_t recording = 0, first = 0, last = 0;  ///< numbers of the steps
   int channel = 0;
   int power = 0;       ///< of the time: 0 bias, 1 ramp
-  double start_s = 0;  ///< of the recording's first point
+  double start_s = 0;  ///< where a ramp begins
   /// What it adds to the output of a point for each unit of it; 0 in other recordings.
   double at(const MachinePoint& point) const;
 };
