@@ -90,9 +90,9 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
   options_of(arguments, chosen, {});  // errors of the command are reported before anything is read
   const std::vector<Requirement> requirements =
       arguments.require.empty() ? std::vector<Requirement>{} : errors_at("--require", [&] { return parse_requirements(arguments.require); });
-  expect_free(arguments.output, arguments.force);
   Session session = read_session(arguments.session);
   for (const std::string& output : {arguments.output, arguments.curves}) expect_inputs_stay(output, session);
+  expect_free(arguments.output, arguments.force);
   errors_at(session.file + ": [site]", [&] { session.site.gravity(); });  // if neither gravity nor the latitude is known
   std::vector<std::string> warnings;
   const std::vector<Recording> recordings = read_recordings(session, chosen, arguments.recording, warnings);
@@ -122,6 +122,7 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
 
 /// Throws Unsupported, exit code 1, where the result is not what was asked for; it has been written all the same.
 void expect_supported(const Quality& quality) {
+  if (!quality.converged) throw Unsupported("the fit did not converge: neither its values nor its uncertainties can be relied on");
   std::string list;
   for (const std::string& name : quality.unobservable) list += " " + name;
   if (!list.empty()) throw Unsupported(fmt::format("the data do not determine:{}; they keep their starting values", list));

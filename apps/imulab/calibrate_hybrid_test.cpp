@@ -25,7 +25,7 @@ TEST(CalibrateHybrid, WritesChengsTableAndHisCurves) {
   std::getline(curves, line);
   EXPECT_THAT(line, HasSubstr("t,accel.offset.x,accel.offset.x.sigma,"));
   const auto columns = std::count(line.begin(), line.end(), ',');
-  EXPECT_EQ(columns, 42);  // 21 coefficients, each with its sigma
+  EXPECT_EQ(columns, 84);  // 21 coefficients and 21 of optional terms, each with its sigma
   int points = 0;
   for (; std::getline(curves, line); ++points) EXPECT_EQ(std::count(line.begin(), line.end(), ','), columns);
   EXPECT_GT(points, 300);

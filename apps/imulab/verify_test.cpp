@@ -96,7 +96,7 @@ TEST(UndeterminedCalibration, IsNotUsedByItself) {
   EXPECT_THAT(allowed.errors, HasSubstr("imulab: warning: c.json: the data did not determine "));
 }
 
-TEST(CompareCommand, AsksBeforeItComparesTwoSerialNumbers) {
+TEST(SerialNumbers, ThatDifferAreComparedOnlyIfThatIsMeant) {
   const TemporaryFolder folder;
   for (const std::string serial : {"1", "2"}) {
     SessionText text = hand_held_session();

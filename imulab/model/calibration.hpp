@@ -69,6 +69,7 @@ struct Quality {
   double chi2_per_dof = 0;  ///< residuals against the declared or measured sample noise alone; on a turntable also its declared errors
   int degrees_of_freedom = 0;
   double condition = 0;  ///< of the scaled normal equations
+  bool converged = true;  ///< false: the fit stopped before the correction was small against its uncertainty
   std::vector<std::string> unobservable;
   std::vector<std::string> warnings;
   std::string verdict;                          ///< "good", or "doubtful" for the reasons in `because`

@@ -26,4 +26,25 @@ struct Flicker {
   }
 };
 
+/// Covariance of flicker at two times.
+class FlickerCovariance {
+ public:
+  FlickerCovariance(double B, double interval_s) : flicker_(B, interval_s) {
+    for (Eigen::Index j = 0; j < Flicker::processes; ++j)
+      weight_(j) = flicker_.gain(j) * (flicker_.gain / (flicker_.pole + flicker_.pole(j))).sum();  // one driver for all
+  }
+  double between(double lag) const { return (weight_ * (-flicker_.pole * lag).exp()).sum(); }
+  /// Variance of the mean over a time.
+  double of_mean(double time) const {
+    const Flicker::Array x = flicker_.pole * time;
+    // 2 (x - 1 + exp(-x)) / x^2; its series where rounding would spoil it.
+    const Flicker::Array averaged = (x > 1e-3).select(2 * (x - 1 + (-x).exp()) / x.square(), 1 - x / 3);
+    return (weight_ * averaged).sum() + flicker_.direct * flicker_.direct / time;
+  }
+
+ private:
+  Flicker flicker_;
+  Flicker::Array weight_;
+};
+
 }  // namespace imulab

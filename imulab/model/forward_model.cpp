@@ -1,5 +1,7 @@
 #include "imulab/model/forward_model.hpp"
 
+#include "imulab/model/gauge.hpp"
+
 #include <Eigen/LU>
 
 namespace imulab {
@@ -14,6 +16,44 @@ using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 Matrix3d matrix_at(const VectorXd& v, Index at) { return Eigen::Map<const RowMajor3>(v.data() + at); }
 
+void set_nonlinearity(SensorModel& model, const VectorXd& v) {
+  model.accel.quadratic = v.segment<3>(Forward::accel_quadratic), model.accel.cubic = v.segment<3>(Forward::accel_cubic);
+  model.gyro.quadratic = v.segment<3>(Forward::gyro_quadratic), model.gyro.cubic = v.segment<3>(Forward::gyro_cubic);
+}
+
+/// The reading where the output is zero: of the linear model, then by Newton's method.
+Vector3d zero_of(const TriadModel& m) {
+  Vector3d v = -m.matrix.inverse() * m.offset;
+  if (m.quadratic.isZero(0) && m.cubic.isZero(0)) return v;
+  constexpr int steps = 5;  // nonlinearity is small: each step has twice the digits of the one before
+  for (int i = 0; i < steps; ++i) {
+    const TriadModel here = of_shifted_readings(m, -v);
+    v -= here.matrix.inverse() * here.offset;
+  }
+  return v;
+}
+
+/// A model of the readings from their zeros, without offsets.
+struct AboutZero {
+  SensorModel model;
+  Vector3d accel_zero, gyro_zero;
+};
+
+AboutZero about_zero(const SensorModel& model) {
+  AboutZero out{{}, zero_of(model.accel), zero_of(model.gyro)};
+  out.model = of_shifted_readings(model, -out.accel_zero, -out.gyro_zero);
+  return out;
+}
+
+/// Change of a triad about its zero where the forward matrix, the zero and the nonlinearity (that of `change`) change.
+TriadModel change_of(const TriadModel& at, TriadModel change, const Matrix3d& matrix, const Vector3d& zero) {
+  change.offset = -at.matrix * zero;
+  change.matrix = -at.matrix * matrix * at.matrix;
+  change.matrix.diagonal() -= 2 * at.quadratic.cwiseProduct(zero);
+  change.quadratic -= 3 * at.cubic.cwiseProduct(zero);
+  return change;
+}
+
 }  // namespace
 
 Index Forward::of(const Coefficient& c) {
@@ -23,45 +63,50 @@ Index Forward::of(const Coefficient& c) {
       return (accel ? accel_offset : gyro_offset) + c.row;
     case Term::matrix:
       return (accel ? accel_matrix : gyro_matrix) + 3 * c.row + c.column;
+    case Term::quadratic:
+      return (accel ? accel_quadratic : gyro_quadratic) + c.row;
+    case Term::cubic:
+      return (accel ? accel_cubic : gyro_cubic) + c.row;
     default:
       return gyro_force + 3 * c.row + c.column;
   }
 }
 
-VectorXd forward(const SensorModel& model) {
+VectorXd forward(const SensorModel& given) {
   VectorXd v = VectorXd::Zero(Forward::all);
+  const AboutZero about = about_zero(given);
+  const SensorModel& model = about.model;
   const Matrix3d accel = model.accel.matrix.inverse(), gyro = model.gyro.matrix.inverse();
-  v.segment<3>(Forward::accel_offset) = -accel * model.accel.offset;
+  v.segment<3>(Forward::accel_offset) = about.accel_zero;
   Eigen::Map<RowMajor3>(v.data() + Forward::accel_matrix) = accel;
-  v.segment<3>(Forward::gyro_offset) = -gyro * model.gyro.offset;
+  v.segment<3>(Forward::gyro_offset) = about.gyro_zero;
   Eigen::Map<RowMajor3>(v.data() + Forward::gyro_matrix) = gyro;
   Eigen::Map<RowMajor3>(v.data() + Forward::gyro_force) = gyro * model.g_sensitivity;
+  v.tail(Forward::all - Forward::nonlinearity) << model.accel.quadratic, model.accel.cubic, model.gyro.quadratic, model.gyro.cubic;
   return v;
 }
 
 SensorModel backward(const VectorXd& v) {
   SensorModel model;
   model.accel.matrix = matrix_at(v, Forward::accel_matrix).inverse();
-  model.accel.offset = -model.accel.matrix * v.segment<3>(Forward::accel_offset);
   model.gyro.matrix = matrix_at(v, Forward::gyro_matrix).inverse();
-  model.gyro.offset = -model.gyro.matrix * v.segment<3>(Forward::gyro_offset);
   model.g_sensitivity = model.gyro.matrix * matrix_at(v, Forward::gyro_force);
-  return model;
+  set_nonlinearity(model, v);
+  return of_shifted_readings(model, v.segment<3>(Forward::accel_offset), v.segment<3>(Forward::gyro_offset));
 }
 
 MatrixXd backward_derivatives(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) {
-  const VectorXd v = forward(at);
-  const Vector3d accel_at = v.segment<3>(Forward::accel_offset), gyro_at = v.segment<3>(Forward::gyro_offset);
-  const Matrix3d force_at = matrix_at(v, Forward::gyro_force);
+  const AboutZero about = about_zero(at);
+  const Matrix3d gyro = about.model.gyro.matrix, force_at = gyro.inverse() * at.g_sensitivity;
   MatrixXd out = MatrixXd::Zero(static_cast<Index>(coefficients.size()), Forward::all);
-  for (Index column = 0; column < Forward::turning_bias; ++column) {
+  for (Index column = 0; column < Forward::all; ++column) {
     const VectorXd d = VectorXd::Unit(Forward::all, column);
     SensorModel change;
-    change.accel.matrix = -at.accel.matrix * matrix_at(d, Forward::accel_matrix) * at.accel.matrix;
-    change.accel.offset = -change.accel.matrix * accel_at - at.accel.matrix * d.segment<3>(Forward::accel_offset);
-    change.gyro.matrix = -at.gyro.matrix * matrix_at(d, Forward::gyro_matrix) * at.gyro.matrix;
-    change.gyro.offset = -change.gyro.matrix * gyro_at - at.gyro.matrix * d.segment<3>(Forward::gyro_offset);
-    change.g_sensitivity = change.gyro.matrix * force_at + at.gyro.matrix * matrix_at(d, Forward::gyro_force);
+    set_nonlinearity(change, d);
+    change.accel = change_of(about.model.accel, change.accel, matrix_at(d, Forward::accel_matrix), d.segment<3>(Forward::accel_offset));
+    change.gyro = change_of(about.model.gyro, change.gyro, matrix_at(d, Forward::gyro_matrix), d.segment<3>(Forward::gyro_offset));
+    change.g_sensitivity = -gyro * matrix_at(d, Forward::gyro_matrix) * gyro * force_at + gyro * matrix_at(d, Forward::gyro_force);
+    change = of_shifted_readings(change, about.accel_zero, about.gyro_zero);
     for (std::size_t i = 0; i < coefficients.size(); ++i) out(static_cast<Index>(i), column) = coefficient_value(change, coefficients[i]);
   }
   return out;

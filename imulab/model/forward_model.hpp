@@ -1,5 +1,6 @@
 // The sensor model forwards, where it is linear in its coefficients:  Ua = Da + Fa f,  Ug = Dg + Fg w - E f.
-// Then A1 = Fa^-1, A0 = -A1 Da, W1 = Fg^-1, W0 = -W1 Dg, C = W1 E.
+// Then A1 = Fa^-1, A0 = -A1 Da, W1 = Fg^-1, W0 = -W1 Dg, C = W1 E. Nonlinearity is small: to first order Ua changes by -Fa (A2 n^2 + A3 n^3) with
+// n = Fa f, the reading from its zero Da, and Ug likewise. A2 and A3 here are about this zero, those of the sensor model about a reading of 0.
 #pragma once
 
 #include "imulab/model/coefficient.hpp"
@@ -11,10 +12,12 @@
 
 namespace imulab {
 
-/// Columns of the forward model; matrices row by row. The last are the difference of the gyros' bias in turns from that at rest.
+/// Columns of the forward model; matrices row by row. `turning_bias`: the difference of the gyros' bias in turns from that at rest. From
+/// `nonlinearity` on: A2, A3, W2, W3.
 struct Forward {
-  static constexpr Eigen::Index accel_offset = 0, accel_matrix = 3, gyro_offset = 12, gyro_matrix = 15, gyro_force = 24, turning_bias = 33, all = 36;
-  /// The column that mainly determines a coefficient of the linear model.
+  static constexpr Eigen::Index accel_offset = 0, accel_matrix = 3, gyro_offset = 12, gyro_matrix = 15, gyro_force = 24, turning_bias = 33,
+                                nonlinearity = 36, accel_quadratic = 36, accel_cubic = 39, gyro_quadratic = 42, gyro_cubic = 45, all = 48;
+  /// The column that mainly determines a coefficient (not a thermal one or a lever arm).
   static Eigen::Index of(const Coefficient& coefficient);
 };
 

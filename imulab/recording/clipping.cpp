@@ -30,18 +30,19 @@ std::vector<Level> outer_levels(const std::vector<double>& channel, int sign, st
   return found;
 }
 
-/// Longest run of samples at this value, and of samples at any other.
+/// Longest run of samples at this value, and of samples between both extremes.
 struct Runs {
   std::size_t at = 0, elsewhere = 0;
 };
 
 Runs longest_runs(const std::vector<double>& channel, double value) {
+  const auto [least, most] = std::minmax_element(channel.begin(), channel.end());
   Runs runs;
   for (std::size_t begin = 0; begin < channel.size();) {
     std::size_t end = begin + 1;
     while (end < channel.size() && channel[end] == channel[begin]) ++end;
-    std::size_t& longest = channel[begin] == value ? runs.at : runs.elsewhere;
-    longest = std::max(longest, end - begin);
+    if (channel[begin] == value) runs.at = std::max(runs.at, end - begin);
+    if (channel[begin] > *least && channel[begin] < *most) runs.elsewhere = std::max(runs.elsewhere, end - begin);
     begin = end;
   }
   return runs;

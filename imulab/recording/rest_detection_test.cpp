@@ -37,6 +37,7 @@ TEST(RestDetection, FindsEveryRestAndNothingElse) {
 TEST(RestDetection, DoesNotDependOnUnitsOrZeros) {
   const SimulatedSession s = session_of(6);
   Recording counts = s.recording;
+  counts.gyro_unit = counts.accel_unit = "count";
   for (std::size_t j = 0; j < 3; ++j) {
     for (double& v : counts.gyro[j]) v = 32768 + 4096 * v;  // powers of two: the same bits, shifted
     for (double& v : counts.accel[j]) v = -1024 * v;

@@ -38,18 +38,40 @@ Signal turning(const Recording& r, double step_s) {
   return out;
 }
 
+/// A turn by this angle [rad], or none.
+struct Turn {
+  double begin_s, end_s, angle;
+};
+
+/// Commanded turns, and those between two steps at different angles.
+std::vector<Turn> turns_of(std::span<const Step> steps) {
+  std::vector<Turn> out;
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    const Step& step = steps[k];
+    if (k > 0) {
+      double angle = 0;
+      for (std::size_t a = 0; a < 3; ++a) {
+        const bool turned = steps[k - 1].kind == StepKind::rotate && static_cast<std::size_t>(steps[k - 1].axis) == a;
+        angle += std::abs(step.angles[a] - steps[k - 1].angles[a] - (turned ? steps[k - 1].angle : 0));
+      }
+      if (angle > 1e-6 && step.start > steps[k - 1].end) out.push_back({steps[k - 1].end, step.start, angle});
+    }
+    if (step.kind == StepKind::rotate) out.push_back({step.start, step.end, std::abs(step.angle)});
+    if (step.kind == StepKind::spin) out.push_back({step.start, step.end, std::abs(step.rate) * (step.end - step.start)});
+  }
+  return out;
+}
+
 /// The same as commanded: a turn's mean rate from its start to its end.
 Signal commanded(std::span<const Step> steps, double step_s) {
   Signal out{steps.front().start, step_s, {}};
   out.value.assign(static_cast<std::size_t>(std::max(1.0, (steps.back().end - out.begin_s) / step_s)), 0);
-  for (const Step& step : steps) {
-    const double rate = step.kind == StepKind::rotate ? std::abs(step.angle) / (step.end - step.start)
-                        : step.kind == StepKind::spin ? std::abs(step.rate)
-                                                      : 0;
+  for (const Turn& turn : turns_of(steps)) {
+    if (!(turn.end_s > turn.begin_s)) continue;
     for (std::size_t c = 0; c < out.value.size(); ++c) {
       const double from = out.begin_s + step_s * static_cast<double>(c);
-      const double inside = std::min(from + step_s, step.end) - std::max(from, step.start);
-      if (rate > 0 && inside > 0) out.value[c] += rate * inside / step_s;
+      const double inside = std::min(from + step_s, turn.end_s) - std::max(from, turn.begin_s);
+      if (inside > 0) out.value[c] += turn.angle / (turn.end_s - turn.begin_s) * inside / step_s;
     }
   }
   return out;
@@ -81,7 +103,8 @@ double best_offset(const Signal& a, const Signal& b, double low, double high) {
 }  // namespace
 
 std::optional<ClockOffset> clock_offset(const Recording& r, std::span<const Step> steps) {
-  const auto turns = std::count_if(steps.begin(), steps.end(), [](const Step& s) { return s.kind == StepKind::rotate && s.end > s.start; });
+  if (steps.empty()) return std::nullopt;
+  const std::size_t turns = turns_of(steps).size();
   if (turns < 3 || r.size() < 100 || !r.gaps.empty()) return std::nullopt;
   const double length = r.time_s(r.size() - 1) - r.time_s(0), duration = steps.back().end - steps.front().start;
   const double coarse_s = std::max({0.25, length / 4000, duration / 4000}), fine_s = std::max(r.interval_s, coarse_s / 16);

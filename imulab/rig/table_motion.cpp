@@ -8,6 +8,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace imulab::rig {
 
@@ -88,6 +89,13 @@ VectorXd TableMotion::sigma() const {
   VectorXd v(static_cast<Index>(sources_.size()));
   for (std::size_t k = 0; k < sources_.size(); ++k) v[static_cast<Index>(k)] = sources_[k].sigma;
   return v;
+}
+
+double TableMotion::rate_moment(std::size_t turn, int power) const {
+  const Step& turned = steps_[parts_[turn].step];
+  const TurnProfile profile = turn_profile(turned);
+  const double rate = turned.angle / (profile.duration * (1 - profile.ramp));  // between the ramps
+  return std::pow(rate, power) * profile.duration * (1 - 2 * profile.ramp * power / (power + 1));
 }
 
 template <class T>

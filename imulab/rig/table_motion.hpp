@@ -47,6 +47,10 @@ class TableMotion {
   Eigen::Index gyro_row(std::size_t part) const { return row(part) + (is_hold(part) ? 3 : 0); }
   /// What a constant input of 1 reads in a part: 1 in a hold's means, the duration in a turn's sums [s].
   double gain(std::size_t part) const { return is_hold(part) ? 1 : end(part) - begin(part); }
+  /// Integral over a turn of a power of its rate, without Earth's.
+  double rate_moment(std::size_t turn, int power) const;
+  /// The angle of a turn.
+  double angle(std::size_t turn) const { return steps_[parts_[turn].step].angle; }
   double begin(std::size_t part) const { return parts_[part].begin; }
   double end(std::size_t part) const { return parts_[part].end; }
   std::size_t step(std::size_t part) const { return parts_[part].step; }

@@ -1,6 +1,7 @@
 #include "imulab/rig/table_observations.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/statistics.hpp"
 #include "imulab/recording/pieces.hpp"
 #include "imulab/recording/rest_means.hpp"
 
@@ -8,8 +9,45 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace imulab::rig {
+
+namespace {
+
+/// Variance of a hold's mean over that of independent samples: below 1 for quantization, whose errors cancel between samples, above 1 for what lasts
+/// longer than a sample. The variance of a mean of n samples is taken as a / n + b / n^2, from samples and from tenths of a hold.
+double correlation(const std::vector<double>& column, const std::vector<RestMeans>& rests) {
+  std::vector<double> lengths;
+  for (const RestMeans& rest : rests) lengths.push_back(static_cast<double>(rest.range.size()));
+  const double length = median(lengths);
+  const auto block = static_cast<std::size_t>(length / 10);
+  if (block < 2) return 1;
+  const auto variance = [&](std::size_t size) {  // of means of so many samples, about the hold's; and its degrees of freedom
+    double sum = 0, degrees = 0;
+    for (const RestMeans& rest : rests) {
+      std::vector<double> means;
+      for (std::size_t i = rest.range.begin; i + size <= rest.range.end; i += size)
+        means.push_back(
+            std::accumulate(column.begin() + static_cast<std::ptrdiff_t>(i), column.begin() + static_cast<std::ptrdiff_t>(i + size), 0.0) /
+            static_cast<double>(size));
+      if (means.size() < 2) continue;
+      const double mean = std::accumulate(means.begin(), means.end(), 0.0) / static_cast<double>(means.size());
+      for (const double m : means) sum += (m - mean) * (m - mean);
+      degrees += static_cast<double>(means.size() - 1);
+    }
+    return std::pair(sum / degrees, degrees);
+  };
+  const double n = static_cast<double>(block), of_samples = variance(1).first;
+  const auto [of_blocks, degrees] = variance(block);
+  const double ratio = of_blocks * n / of_samples;
+  // White noise leaves this range once in 400 axes; a dead channel has no ratio.
+  if (!(degrees > 0) || !(std::abs(ratio - 1) > 3 * std::sqrt(2 / degrees))) return 1;
+  const double b = (1 - ratio) / (1 - 1 / n), a = std::max(0.0, ratio - b / n);
+  return a + b / length;
+}
+
+}  // namespace
 
 TableObservations observe(const Recording& recording, const Session& session) {
   const TablePlan plan = table_plan(session, recording.name);
@@ -58,9 +96,14 @@ TableObservations observe(const Recording& recording, const Session& session) {
     const SampleNoise noise = measure_noise(recording, rests);
     seen.accel_density = noise.accel * std::sqrt(recording.interval_s);
     seen.gyro_density = noise.gyro * std::sqrt(recording.interval_s);
+    for (std::size_t k = 0; k < 3; ++k) {
+      seen.accel_density[static_cast<Eigen::Index>(k)] *= std::sqrt(correlation(recording.accel[k], rests));
+      seen.gyro_density[static_cast<Eigen::Index>(k)] *= std::sqrt(correlation(recording.gyro[k], rests));
+    }
   }
   seen.accel_unit = recording.accel_unit;
   seen.gyro_unit = recording.gyro_unit;
+  seen.interval_s = recording.interval_s;
   seen.notes.push_back(
       fmt::format("{} holds and {} turns of {} steps were used", seen.parts.holds.size(), seen.parts.turns.size(), plan.steps.size()));
   seen.parts.steps = plan.steps;

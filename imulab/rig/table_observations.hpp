@@ -17,6 +17,7 @@ struct TableObservations {
   /// Raw: of each hold the means of accelerometers and gyros (six rows), then of each turn the integral of the gyros (three).
   Eigen::VectorXd readings;
   Eigen::Vector3d accel_density = Eigen::Vector3d::Zero(), gyro_density = Eigen::Vector3d::Zero();  ///< raw / sqrt(Hz), from the samples of the holds
+  double interval_s = 0.01;                                                                         ///< of the samples
   bool noise_measured = true;                                                                       ///< false: the holds are too short for that
   std::string accel_unit = "m/s^2", gyro_unit = "rad/s";                                            ///< of the raw readings; "count" for raw counts
   std::vector<std::string> notes, warnings;

@@ -24,8 +24,32 @@ VectorXd readings(const TableMotion& motion, const SensorModel& model, const Vec
   return out;
 }
 
-MatrixXd by_forward_columns(const TableMotion& motion, const VectorXd& truth) {
+namespace {
+
+/// The columns of nonlinearity: holds show the accelerometers', turns the gyros', whose rate at rest is too small.
+void add_nonlinearity(MatrixXd& x, const TableMotion& motion, const SensorModel& nominal, const VectorXd& truth) {
+  const Matrix3d accel = nominal.accel.matrix.inverse(), gyro = nominal.gyro.matrix.inverse();
+  for (std::size_t k = 0; k < motion.parts(); ++k) {
+    const Vector3d force = truth.segment<3>(static_cast<Index>(6 * k)), turned = truth.segment<3>(static_cast<Index>(6 * k + 3));
+    for (const int power : {2, 3}) {
+      if (motion.is_hold(k)) {
+        const Index column = power == 2 ? Forward::accel_quadratic : Forward::accel_cubic;
+        const Vector3d size = Vector3d(accel * force).array().pow(power);
+        x.block<3, 3>(motion.row(k), column) = -accel * size.asDiagonal();
+      } else {
+        const Index column = power == 2 ? Forward::gyro_quadratic : Forward::gyro_cubic;
+        const Vector3d size = Vector3d(gyro * turned / motion.angle(k)).array().pow(power);
+        x.block<3, 3>(motion.gyro_row(k), column) = -motion.rate_moment(k, power) * gyro * size.asDiagonal();
+      }
+    }
+  }
+}
+
+}  // namespace
+
+MatrixXd by_forward_columns(const TableMotion& motion, const SensorModel& nominal, const VectorXd& truth) {
   MatrixXd x = MatrixXd::Zero(motion.rows(), Forward::all);
+  add_nonlinearity(x, motion, nominal, truth);
   for (std::size_t k = 0; k < motion.parts(); ++k) {
     const auto force = truth.segment<3>(static_cast<Index>(6 * k)).transpose(), rate = truth.segment<3>(static_cast<Index>(6 * k + 3)).transpose();
     for (Index i = 0; i < 3; ++i) {

@@ -18,8 +18,8 @@ namespace imulab::rig {
 /// Without noise. `truth` as TableMotion gives it.
 Eigen::VectorXd readings(const TableMotion& motion, const SensorModel& model, const Eigen::VectorXd& truth);
 
-/// d reading / d column of the forward model.
-Eigen::MatrixXd by_forward_columns(const TableMotion& motion, const Eigen::VectorXd& truth);
+/// d reading / d column of the forward model. Those of nonlinearity are of the size that the readings have with `nominal`.
+Eigen::MatrixXd by_forward_columns(const TableMotion& motion, const SensorModel& nominal, const Eigen::VectorXd& truth);
 /// Changes of the readings where the truth changes by each of the columns.
 Eigen::MatrixXd reading_changes(const TableMotion& motion, const SensorModel& model, const Eigen::MatrixXd& truth_changes);
 /// d reading / d bias of each axis: accelerometers, then gyros.

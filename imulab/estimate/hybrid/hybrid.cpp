@@ -223,15 +223,18 @@ void add_left_out(const Data& data, const std::vector<std::size_t>& left_out, ke
   judge_left_out(data, found, findings);
 }
 
-/// Enlarges the uncertainties where rests or turns scatter more than the noise explains.
+/// Enlarges the uncertainties where the velocities scatter more than the noise explains.
 void enlarge(const Data& data, const Iterate& iterate, Calibration& calibration, kernel::Findings& findings) {
-  double factor = 1;
-  for (const bool at_rest : {true, false}) {
+  const auto excess_of = [&](auto counts) {
     double chi2 = 0, degrees = 0;
     for (std::size_t k = 0; k < data.blocks.size(); ++k)
-      if (data.blocks[k].at_rest == at_rest && data.blocks[k].observed) chi2 += iterate.pass.chi2[k], degrees += 3;
-    factor = std::max(factor, kernel::excess(chi2, degrees));
-  }
+      if (data.blocks[k].observed && counts(data.blocks[k])) chi2 += iterate.pass.chi2[k], degrees += 3;
+    return kernel::excess(chi2, degrees);
+  };
+  double factor = excess_of([](const Block&) { return true; });
+  // The ramps of turns between two samples leave a few percent in turns alone; half as much again is more than that.
+  for (const bool at_rest : {true, false})
+    if (const double of_kind = excess_of([&](const Block& b) { return b.at_rest == at_rest; }); of_kind > 1.5) factor = std::max(factor, of_kind);
   calibration.covariance *= factor * factor;
   kernel::add_scatter(findings, "velocities", factor);
 }
@@ -242,6 +245,7 @@ void report(const Data& data, const Converged& result, const Site& site, Calibra
   add_residuals(data, last, calibration.quality);
   enlarge(data, last, calibration, findings);
   calibration.quality.term_tests = result.tests;
+  calibration.quality.converged = last.converged;
   calibration.quality.sources.push_back(kernel::gravity_source(site));
   add_left_out(data, result.left_out, findings);
   findings.note(fmt::format("{} iterations over {} blocks", last.iterations, data.blocks.size()));
@@ -252,7 +256,6 @@ void report(const Data& data, const Converged& result, const Site& site, Calibra
                     heading / unit::deg));
   if (const Index at = last.states.first(Group::delay); at >= 0)
     findings.note(fmt::format("the accelerometers' output is {:.3g} +/- {:.2g} ms behind the gyros'", 1e3 * last.pass.x[at], 1e3 * sigma(at)));
-  if (!last.converged) findings.doubt("the iterations did not converge");
   kernel::add_common_doubts(findings, calibration, site);
   if (const auto instead = latitude_instead(calibration, last.about.place)) {
     findings.warn(

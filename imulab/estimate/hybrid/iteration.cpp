@@ -190,15 +190,47 @@ Review review(const Data& data, const Iterate& iterate, const Groups& terms, dou
   return out;
 }
 
+/// Widens the priors of optional terms that the data contradict; whether any was. The size of a term is not known before it is seen: a prior that is
+/// too narrow would pull it, and others with it.
+bool widen_priors(Data& data, const Iterate& c) {
+  const States& states = c.states;
+  bool widened = false;
+  for (const Group group : c.terms) {
+    const Index first = states.first(group), size = states.size(group);
+    const VectorXd in_priors = (c.total + c.pass.x.head(states.constants())).segment(first, size).cwiseQuotient(states.prior.segment(first, size));
+    const double chi2 = in_priors.squaredNorm();
+    if (!(chi2 > chi_square_quantile(0.999, static_cast<double>(size)))) continue;  // also for a prior of zero: a term that is fixed
+    const double factor = std::sqrt(chi2 / static_cast<double>(size));
+    if (!std::isfinite(factor)) continue;
+    kernel::PriorSizes& sizes = data.priors.sizes;
+    (group == Group::quadratic       ? sizes.accel.quadratic
+     : group == Group::g_sensitivity ? sizes.g_sensitivity
+     : group == Group::lever_arm     ? sizes.lever_arm
+                                     : data.priors.delay) *= 2 * factor;
+    widened = true;
+  }
+  return widened;
+}
+
+/// About the same model with the data's present priors.
+Iterate with_priors(const Data& data, Iterate c) {
+  c.states = States(c.terms, data.place, data.wanted, data.priors);
+  return c;
+}
+
 }  // namespace
 
 Converged converge(Data& data, const Groups& terms, double significance) {
   Converged out{converged(data, first_iterate(data, terms)), {}, {}, {}};
-  for (int round = 0; round < 6; ++round) {
+  for (int round = 0; round < 10; ++round) {
     Review seen = review(data, out.last, data.wanted.empty() ? terms : Groups{}, significance);
     out.latitude = seen.latitude;
     if (out.latitude) break;
     out.tests = std::move(seen.tests);
+    if (widen_priors(data, out.last)) {
+      out.last = converged(data, with_priors(data, std::move(out.last)));
+      continue;
+    }
     if (!out.last.converged) break;
     const std::vector<std::size_t> outlying = outlying_blocks(data, out.last);
     if (outlying.empty()) break;

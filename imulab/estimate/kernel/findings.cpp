@@ -54,6 +54,7 @@ void add_scatter(Findings& findings, std::string_view what, double factor) {
 
 void add_common_doubts(Findings& findings, const Calibration& calibration, const Site& site) {
   const Quality& quality = calibration.quality;
+  if (!quality.converged) findings.doubt("the fit did not converge");
   if (!quality.unobservable.empty()) findings.doubt(fmt::format("{} coefficients are not determined by the data", quality.unobservable.size()));
   // Below about six degrees of freedom the residuals can hardly contradict the model or the noise.
   if (quality.degrees_of_freedom < 6)

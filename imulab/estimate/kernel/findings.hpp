@@ -39,7 +39,7 @@ double excess(double chi2, double degrees_of_freedom);
 /// Says that the uncertainties were enlarged by `factor`, the excess of `what`; more than one and a half is doubtful: no noise, but a wrong model.
 void add_scatter(Findings& findings, std::string_view what, double factor);
 
-/// The doubts common to all methods: undetermined coefficients, few degrees of freedom, residuals of the wrong size, uncertain scales, a g that is
+/// The doubts common to all methods: no convergence, undetermined coefficients, few degrees of freedom, residuals of the wrong size, uncertain scales, a g that is
 /// not the place's.
 void add_common_doubts(Findings& findings, const Calibration& calibration, const Site& site);
 

@@ -68,18 +68,18 @@ std::array<int, 3> strongest(const Matrix3d& matrix) {
   return at;
 }
 
-void judge_axes(std::vector<std::string>& found, const char* name, const Matrix3d& matrix) {
+void judge_axes(std::vector<std::string>& found, const char* name, const Matrix3d& matrix, bool counts) {
   const std::array<int, 3> at = strongest(matrix);
   std::string wrong;
   for (int row = 0; row < 3; ++row) {
     const int column = at[static_cast<std::size_t>(row)];
-    const bool reversed = matrix(row, column) < 0;
+    const bool reversed = matrix(row, column) < 0 && !counts;  // counts may fall where the quantity rises
     if (column != row || reversed)
       wrong += fmt::format("{}{} is along the {}{} reading", wrong.empty() ? "" : ", ", "xyz"[row], reversed ? "-" : "", "xyz"[column]);
   }
   if (wrong.empty()) return;
   found.push_back(fmt::format("the {}' axes are not as declared: {}{}; check the order and the signs of both triads' columns", name, wrong,
-                              matrix.determinant() < 0 ? " (left-handed)" : ""));
+                              matrix.determinant() < 0 && !counts ? " (left-handed)" : ""));
 }
 
 void judge_scale(std::vector<std::string>& found, Triad triad, const Matrix3d& matrix, const Recording& recording) {
@@ -104,8 +104,9 @@ std::vector<std::string> contradictions(const SensorModel& model, const Recordin
   for (const Triad triad : {Triad::accel, Triad::gyro}) {
     const bool accel = triad == Triad::accel;
     const Matrix3d& matrix = (accel ? model.accel : model.gyro).matrix;
-    judge_axes(found, accel ? "accelerometers" : "gyros", matrix);
-    if ((accel ? recording.accel_unit : recording.gyro_unit) != "count") judge_scale(found, triad, matrix, recording);
+    const bool counts = (accel ? recording.accel_unit : recording.gyro_unit) == "count";
+    judge_axes(found, accel ? "accelerometers" : "gyros", matrix, counts);
+    if (!counts) judge_scale(found, triad, matrix, recording);
   }
   return found;
 }

@@ -12,7 +12,7 @@
 namespace imulab::kernel {
 
 /// What speaks against the model, each with its likely cause and what to change in the session: a scale more than 20 % from its declared unit, axes
-/// that are exchanged or reversed. Empty where all is as declared; for readings in counts only the axes are judged.
+/// that are exchanged or reversed. Empty where all is as declared; for readings in counts only the order of the axes is judged.
 std::vector<std::string> contradictions(const SensorModel& model, const Recording& recording);
 
 /// Throws Error where two channels of a triad have the same reading in every sample.

@@ -93,6 +93,7 @@ Calibration calibration_of(std::string_view method, const kernel::RestStart& sta
   out.quality.chi2_per_dof = under_noise.chi2 / std::max(1.0, under_noise.degrees_of_freedom);
   out.quality.condition = kernel::condition_number(fit.conditions.information(), fit.parameters);
   out.quality.sources.push_back(gravity);
+  out.quality.converged = fit.converged;
   return out;
 }
 
@@ -142,7 +143,6 @@ void add_findings(kernel::Findings& findings, const Calibration& calibration, co
   kernel::note_spread(findings, "the rests' gyro means", fit.spreads[1] / unit::deg_per_h, "deg/h");
   kernel::note_spread(findings, "the rotations", fit.spreads[2] / unit::deg, "deg");
   kernel::add_scatter(findings, "residuals", fit.excess);
-  if (!fit.converged) findings.doubt("the fit did not converge");
   kernel::add_common_doubts(findings, calibration, site);
   kernel::add_dropped(findings, dropped, all);
   // The spread is enlarged for its few degrees of freedom, but from fewer than five errors of five sigmas happen (once in 500).

@@ -9,6 +9,7 @@
 
 #include <Eigen/LU>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -24,20 +25,66 @@ namespace {
 constexpr kernel::PriorSizes prior_sizes{
     .accel = {.offset = 10, .scale = 1, .misalignment = 1e-2}, .gyro = {.offset = 1, .scale = 1, .misalignment = 1e-2}, .g_sensitivity = 1e-3};
 constexpr double needed_part = 0.5;
+/// An optional term is estimated where its sigma is below this part of its prior's. Above, the data say nothing of it.
+constexpr double needed_part_of_optional = 0.9;
+
+bool is_optional(CoefficientIndex index) {
+  const Term term = coefficient(index).term;
+  return term == Term::quadratic || term == Term::cubic || term == Term::g_sensitivity;
+}
 
 /// The same of the forward model's columns, raw.
-VectorXd prior_sigmas(const SensorModel& nominal) {
+VectorXd prior_sigmas(const SensorModel& nominal, const std::optional<kernel::PriorSizes>& optional) {
   const auto raw_per_unit = [](const Matrix3d& matrix) { return 1 / std::cbrt(std::abs(matrix.determinant())); };
   const double accel = raw_per_unit(nominal.accel.matrix), gyro = raw_per_unit(nominal.gyro.matrix);
-  VectorXd v(Forward::all);
-  for (const CoefficientIndex index : coefficient_indices())
-    if (const Coefficient& c = coefficient(index); c.term == Term::offset || c.term == Term::matrix || c.term == Term::g_sensitivity)
-      v[Forward::of(c)] = kernel::prior_sigma(prior_sizes, c, 1) * (c.triad == Triad::accel ? accel : gyro);
+  VectorXd v = VectorXd::Zero(Forward::all);
+  for (const CoefficientIndex index : coefficient_indices()) {
+    const Coefficient& c = coefficient(index);
+    const Matrix3d& matrix = c.triad == Triad::accel ? nominal.accel.matrix : nominal.gyro.matrix;
+    const kernel::PriorSizes& sizes = is_optional(index) ? optional.value_or(prior_sizes) : prior_sizes;
+    if (c.term == Term::offset || c.term == Term::matrix || c.term == Term::g_sensitivity)
+      v[Forward::of(c)] = kernel::prior_sigma(sizes, c, 1) * (c.triad == Triad::accel ? accel : gyro);
+    else if (c.term == Term::quadratic || c.term == Term::cubic)
+      v[Forward::of(c)] = kernel::prior_sigma(sizes, c, matrix.row(c.row).norm());
+  }
   v.segment<3>(Forward::turning_bias) = v.segment<3>(Forward::gyro_offset);
   return v;
 }
 
+bool of_site(const ErrorSource& source) {
+  return source.kind == ErrorSource::Kind::gravity || source.kind == ErrorSource::Kind::latitude || source.kind == ErrorSource::Kind::earth;
+}
+
+/// The site's stay as declared.
+VectorXd sigma_of_table(const TableMotion& motion, double factor) {
+  VectorXd sigma = motion.sigma();
+  for (Index k = 0; k < sigma.size(); ++k)
+    if (!of_site(motion.sources()[static_cast<std::size_t>(k)])) sigma[k] *= factor;
+  return sigma;
+}
+
+MatrixXd noise_of(const TableMotion& motion, const RawNoise& noise, const Enlargement& by) {
+  const Eigen::Matrix<double, 6, 1> factor{by.accel, by.accel, by.accel, by.gyro, by.gyro, by.gyro};
+  MatrixXd out = noise_covariance(motion, noise.accel, noise.gyro);
+  if (noise.slow.size() > 0) out += noise.slow;
+  const VectorXd of_rows = (by_bias(motion).array() != 0).cast<double>().matrix() * factor;
+  return of_rows.asDiagonal() * out * of_rows.asDiagonal();
+}
+
 }  // namespace
+
+MatrixXd raw_slow_noise(const TableMotion& motion, const SensorModel& model, const MatrixXd& accel, const MatrixXd& gyro) {
+  if (accel.size() == 0 && gyro.size() == 0) return {};
+  MatrixXd out = MatrixXd::Zero(motion.rows(), motion.rows());
+  const Matrix3d of_accel = raw_density(1, model.accel.matrix), of_gyro = raw_density(1, model.gyro.matrix);
+  for (std::size_t a = 0; a < motion.parts(); ++a)
+    for (std::size_t b = 0; b < motion.parts(); ++b) {
+      const auto row = static_cast<Index>(a), column = static_cast<Index>(b);
+      if (gyro.size() > 0) out.block<3, 3>(motion.gyro_row(a), motion.gyro_row(b)) = gyro(row, column) * of_gyro;
+      if (accel.size() > 0 && motion.is_hold(a) && motion.is_hold(b)) out.block<3, 3>(motion.row(a), motion.row(b)) = accel(row, column) * of_accel;
+    }
+  return out;
+}
 
 Matrix3d raw_density(double density, const Matrix3d& matrix) {
   const Matrix3d inverse = matrix.inverse();
@@ -48,15 +95,20 @@ Estimator::Estimator(const TableMotion& motion, const SensorModel& nominal, cons
     : motion_(motion),
       terms_(options.terms),
       start_(forward(nominal)),
-      prior_(prior_sigmas(nominal)),
+      prior_(prior_sigmas(nominal, options.optional)),
+      table_sigma_(sigma_of_table(motion, options.enlarged.table)),
       nominal_errors_(motion.nominal()),
       around_(options.around.size() > 0 ? options.around : nominal_errors_),
       truth_(motion.truth(around_)),
       truth_jacobian_(motion.jacobian(around_)),
       table_jacobian_(reading_changes(motion, nominal, truth_jacobian_)),
-      design_(by_forward_columns(motion, truth_)),
-      noise_(noise_covariance(motion, noise.accel, noise.gyro)) {
-  for (const CoefficientIndex index : terms_) columns_.push_back(Forward::of(coefficient(index)));
+      design_(by_forward_columns(motion, nominal, truth_)),
+      noise_(noise_of(motion, noise, options.enlarged)) {
+  for (const CoefficientIndex index : terms_) {
+    columns_.push_back(Forward::of(coefficient(index)));
+    if (options.optional && is_optional(index)) optional_.push_back(columns_.back());
+  }
+  start_(optional_).setZero();
   if (options.bias_while_turning && motion.turns() > 0)
     for (Index k = 0; k < 3; ++k) columns_.push_back(Forward::turning_bias + k);
   set_weights(options);
@@ -68,7 +120,7 @@ Estimator::Estimator(const TableMotion& motion, const SensorModel& nominal, cons
 void Estimator::set_weights(const EstimatorOptions& options) {
   weight_ = noise_.diagonal().cwiseSqrt().cwiseInverse();
   for (const std::size_t part : options.left_out) weight_.segment(motion_.row(part), motion_.size(part)).setZero();
-  const VectorXd sigma = options.table_errors ? motion_.sigma() : VectorXd::Zero(nominal_errors_.size());
+  const VectorXd sigma = options.table_errors ? table_sigma_ : VectorXd::Zero(nominal_errors_.size());
   const MatrixXd table = table_jacobian_ * sigma.asDiagonal();
   MatrixXd covariance = weight_.asDiagonal() * (noise_ + table * table.transpose()) * weight_.asDiagonal();
   for (Index row = 0; row < weight_.size(); ++row)
@@ -79,18 +131,23 @@ void Estimator::set_weights(const EstimatorOptions& options) {
 
 MatrixXd Estimator::whitened(const MatrixXd& readings) const { return factor_.solve_lower(MatrixXd(weight_.asDiagonal() * readings)); }
 
-/// x = (X^T S^-1 X)^-1 X^T S^-1 (y - X_held v_held) for the columns that the readings determine; the others are held at their start, and considered.
+/// x = (X^T S^-1 X + prior)^-1 X^T S^-1 (y - X_held v_held) for the columns that the readings determine; the others are held at their start, and
+/// considered.
 void Estimator::set_gains() {
   const MatrixXd white = whitened(design_(Eigen::all, columns_));
   const kernel::Information information(white, VectorXd::Zero(white.rows()));
   kernel::Parameters parameters(information.g.size());
   parameters.sigma = prior_(columns_);
-  const VectorXd wanted = needed_part * parameters.sigma;
+  VectorXd part = VectorXd::Constant(Forward::all, needed_part), kept_prior = VectorXd::Constant(Forward::all, kernel::no_prior);
+  part(optional_).setConstant(needed_part_of_optional);
+  kept_prior(optional_) = prior_(optional_);
+  const VectorXd wanted = part(columns_).cwiseProduct(parameters.sigma);
   const std::vector<Index> open = kernel::undetermined(kernel::solve(information, parameters).covariance, parameters, wanted);
-  parameters.sigma.setConstant(kernel::no_prior);
+  parameters.sigma = kept_prior(columns_);
   for (const Index i : open) parameters.role[static_cast<std::size_t>(i)] = kernel::Role::fixed;
   const std::vector<Index> known = parameters.with(kernel::Role::estimated);
   free_covariance_ = kernel::solve(information, parameters, "the holds and turns").covariance(known, known);
+  if (!known.empty()) condition_ = kernel::condition_number(information, parameters);
   for (const Index i : open) {
     parameters.role[static_cast<std::size_t>(i)] = kernel::Role::considered;
     parameters.sigma[i] = prior_[columns_[static_cast<std::size_t>(i)]];
@@ -100,7 +157,6 @@ void Estimator::set_gains() {
 
   for (const Index i : known) known_.push_back(columns_[static_cast<std::size_t>(i)]);
   white_ = white(Eigen::all, known);
-  if (!known.empty()) condition_ = kernel::condition_number(information.N(known, known));
   const MatrixXd half = factor_.solve_upper(white_);  // S^-1 X
   gain_ = free_covariance_ * half.transpose() * weight_.asDiagonal();
   VectorXd held = start_;
@@ -137,29 +193,68 @@ Estimator::Uncertainty Estimator::uncertainty(const SensorModel& at) const {
   const VectorXd before = (asked * prior_(columns_).asDiagonal()).rowwise().norm();
   kernel::Parameters parameters(covariance.rows());
   const std::vector<Index> open = kernel::undetermined(covariance, parameters, needed_part * before);
-  for (const Index i : open) parameters.role[static_cast<std::size_t>(i)] = kernel::Role::considered;
-  const std::vector<Index> known = parameters.with(kernel::Role::estimated);
   Uncertainty out;
-  for (const Index i : known) out.determined.push_back(terms_[static_cast<std::size_t>(i)]);
-  for (const Index i : open) out.undetermined.push_back(terms_[static_cast<std::size_t>(i)]);
-  out.covariance = covariance(known, known);
+  std::vector<Index> stated;
+  for (Index i = 0; i < std::ssize(terms_); ++i) {
+    const CoefficientIndex index = terms_[static_cast<std::size_t>(i)];
+    const Index column = Forward::of(coefficient(index));
+    const bool optional = std::find(optional_.begin(), optional_.end(), column) != optional_.end();
+    if (!optional && std::find(open.begin(), open.end(), i) != open.end()) {
+      out.undetermined.push_back(index);
+      continue;
+    }
+    if (optional && std::find(known_.begin(), known_.end(), column) == known_.end()) out.considered.push_back(index);
+    out.stated.push_back(index);
+    stated.push_back(i);
+  }
+  out.covariance = covariance(stated, stated);
   return out;
+}
+
+MatrixXd Estimator::by_optional(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const {
+  const MatrixXd derivatives = backward_derivatives(at, coefficients);
+  const VectorXd sigma = prior_(optional_);
+  return (derivatives(Eigen::all, known_) * (gain_ * design_(Eigen::all, optional_)) - derivatives(Eigen::all, optional_)) * sigma.asDiagonal();
+}
+
+VectorXd Estimator::prior_sigma(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const {
+  return (backward_derivatives(at, coefficients)(Eigen::all, optional_) * prior_(optional_).asDiagonal()).rowwise().norm();
+}
+
+MatrixXd Estimator::optional_readings() const {
+  const VectorXd sigma = prior_(optional_);
+  return design_(Eigen::all, optional_) * sigma.asDiagonal();
 }
 
 MatrixXd Estimator::sensitivity(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const {
   return backward_derivatives(at, coefficients)(Eigen::all, known_) * gain_;
 }
 
-double Estimator::chi2(const VectorXd& readings) const { return whitened(readings - design_ * solve(readings)).squaredNorm(); }
+double Estimator::chi2(const VectorXd& readings) const {
+  const VectorXd columns = solve(readings), sigma = prior_(optional_);
+  return whitened(readings - design_ * columns).squaredNorm() + columns(optional_).cwiseQuotient(sigma).squaredNorm();
+}
 
-int Estimator::degrees_of_freedom() const { return static_cast<int>((weight_.array() > 0).count()) - static_cast<int>(known_.size()); }
+/// Each term with a prior brings one observation of itself.
+int Estimator::degrees_of_freedom() const {
+  const auto free = std::count_if(known_.begin(), known_.end(),
+                                  [&](Index column) { return std::find(optional_.begin(), optional_.end(), column) == optional_.end(); });
+  return static_cast<int>((weight_.array() > 0).count()) - static_cast<int>(free);
+}
+
+std::pair<VectorXd, MatrixXd> Estimator::unexplained(const VectorXd& readings) const {
+  // z = S^-1 residual, with covariance B = S^-1 - S^-1 X P X^T S^-1.
+  const MatrixXd inverse = factor_.solve_lower(MatrixXd(MatrixXd::Identity(weight_.size(), weight_.size())));
+  const MatrixXd projected = inverse.transpose() * white_;
+  return {inverse.transpose() * whitened(readings - design_ * solve(readings)),
+          inverse.transpose() * inverse - projected * free_covariance_ * projected.transpose()};
+}
 
 std::vector<double> Estimator::log_probabilities(const VectorXd& readings) const {
-  // z = S^-1 residual, with covariance B = S^-1 - S^-1 X P X^T S^-1. Leaving rows out lowers chi-square by z^T B^-1 z of these rows.
+  // Leaving rows out lowers chi-square by z^T B^-1 z of these rows.
+  const auto [z, covariance] = unexplained(readings);
   const MatrixXd inverse = factor_.solve_lower(MatrixXd(MatrixXd::Identity(weight_.size(), weight_.size())));
-  const VectorXd z = inverse.transpose() * whitened(readings - design_ * solve(readings));
-  const MatrixXd unfitted = inverse.transpose() * inverse, projected = inverse.transpose() * white_;
-  const MatrixXd covariance = unfitted - projected * free_covariance_ * projected.transpose();
+  const MatrixXd unfitted = inverse.transpose() * inverse;
   std::vector<double> out;
   for (std::size_t k = 0; k < motion_.parts(); ++k) {
     const Index row = motion_.row(k), size = motion_.size(k);
@@ -168,6 +263,28 @@ std::vector<double> Estimator::log_probabilities(const VectorXd& readings) const
                       : kernel::deviation(z.segment(row, size), covariance.block(row, row, size, size), unfitted.block(row, row, size, size))
                             .log_probability());
   }
+  return out;
+}
+
+Vector3d Estimator::variance_ratios(const VectorXd& readings) const {
+  const auto [z, covariance] = unexplained(readings);
+  const VectorXd accel = (by_bias(motion_).leftCols<3>().array() != 0).cast<double>().rowwise().sum();
+  VectorXd of_table = table_sigma_;
+  for (Index k = 0; k < of_table.size(); ++k)
+    if (of_site(motion_.sources()[static_cast<std::size_t>(k)])) of_table[k] = 0;
+  const MatrixXd noise = weight_.asDiagonal() * noise_ * weight_.asDiagonal(), table = weight_.asDiagonal() * table_jacobian_ * of_table.asDiagonal();
+  const auto ratio = [&](const MatrixXd& variance) { return z.dot(variance * z) / covariance.cwiseProduct(variance).sum(); };
+  const VectorXd gyro = VectorXd::Ones(accel.size()) - accel;
+  return {ratio(accel.asDiagonal() * noise * accel.asDiagonal()), ratio(gyro.asDiagonal() * noise * gyro.asDiagonal()),
+          ratio(table * table.transpose())};
+}
+
+std::vector<double> Estimator::part_residuals(const VectorXd& readings) const {
+  const MatrixXd table = table_jacobian_ * table_sigma_.asDiagonal();
+  const VectorXd variance = noise_.diagonal() + table.rowwise().squaredNorm();
+  const VectorXd square = (readings - design_ * solve(readings)).cwiseAbs2().cwiseQuotient(variance);
+  std::vector<double> out;
+  for (std::size_t k = 0; k < motion_.parts(); ++k) out.push_back(std::sqrt(square.segment(motion_.row(k), motion_.size(k)).mean()));
   return out;
 }
 
@@ -181,7 +298,7 @@ Estimator::SecondOrder Estimator::second_order(const SensorModel& at, const std:
   column_gain(known_, Eigen::all) = gain_;
 
   // Covariance of z: its parts by the table's errors themselves and by the noise.
-  const VectorXd sigma = motion_.sigma();
+  const VectorXd& sigma = table_sigma_;
   MatrixXd by_errors(size, sources), by_noise(size, motion_.rows());
   by_errors << MatrixXd::Identity(sources, sources), error_gain_ * table_jacobian_, column_gain * table_jacobian_;
   by_noise << MatrixXd::Zero(sources, motion_.rows()), error_gain_, column_gain;

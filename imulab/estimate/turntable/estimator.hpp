@@ -3,11 +3,14 @@
 #pragma once
 
 #include "imulab/core/decomposition.hpp"
+#include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/rig/table_motion.hpp"
 
 #include <Eigen/Core>
 
+#include <optional>
+#include <utility>
 #include <vector>
 
 namespace imulab::turntable {
@@ -15,18 +18,30 @@ namespace imulab::turntable {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-struct EstimatorOptions {
-  std::vector<CoefficientIndex> terms;  ///< matrices whole or diagonal, the other terms whole or not at all
-  bool table_errors = true;             ///< false: weights from the sensors' noise alone
-  bool bias_while_turning = false;      ///< true: the gyros' bias in turns is unknown by itself, so that W0 is that at rest, as Zhang estimates it
-  std::vector<std::size_t> left_out;    ///< parts (holds, then turns) without any weight
-  Eigen::VectorXd around;  ///< errors of the table and the site to linearize at; empty: the nominal ones. Others need linearized readings
+/// By which the declared or measured standard deviations are enlarged.
+struct Enlargement {
+  double accel = 1, gyro = 1;  ///< the sensors' noise
+  double table = 1;            ///< the table's errors
 };
 
-/// Covariance of white noise in raw readings, raw^2/Hz.
-struct RawNoise {
-  Matrix3d accel, gyro;
+struct EstimatorOptions {
+  std::vector<CoefficientIndex> terms;  ///< matrices whole or diagonal, the other terms whole or not at all; nonlinearity only with `optional`
+  /// Of terms that an IMU may not have (nonlinearity, g-sensitivity), about zero. Absent: g-sensitivity is estimated by the data alone.
+  std::optional<kernel::PriorSizes> optional;
+  bool table_errors = true;         ///< false: weights from the sensors' noise alone
+  bool bias_while_turning = false;  ///< true: the gyros' bias in turns is unknown by itself, so that W0 is that at rest, as Zhang estimates it
+  Enlargement enlarged;
+  std::vector<std::size_t> left_out;  ///< parts (holds, then turns) without any weight
+  Eigen::VectorXd around;             ///< errors of the table and the site to linearize at; empty: the nominal ones. Others need linearized readings
 };
+
+/// Covariance of noise in raw readings.
+struct RawNoise {
+  Matrix3d accel, gyro;       ///< white, raw^2/Hz
+  Eigen::MatrixXd slow = {};  ///< of the holds' means and turns' sums, from noise that is not white; empty: none
+};
+/// With the declared slow noise of both triads, as `slow_noise` gives it.
+Eigen::MatrixXd raw_slow_noise(const TableMotion& motion, const SensorModel& model, const Eigen::MatrixXd& accel, const Eigen::MatrixXd& gyro);
 
 class Estimator {
  public:
@@ -46,12 +61,20 @@ class Estimator {
 
   /// The estimate from the readings, with its covariance.
   struct Uncertainty {
-    std::vector<CoefficientIndex> determined, undetermined;
-    Eigen::MatrixXd covariance;  ///< of the determined
+    std::vector<CoefficientIndex> stated;        ///< the determined and the considered ones, in the order of the terms
+    std::vector<CoefficientIndex> considered;    ///< optional terms that the readings hardly show: zero, their prior counts
+    std::vector<CoefficientIndex> undetermined;  ///< the others that they do not determine
+    Eigen::MatrixXd covariance;                  ///< of `stated`
   };
   Uncertainty uncertainty(const SensorModel& at) const;
   /// d coefficient / d reading, one row for each of `coefficients`.
   Eigen::MatrixXd sensitivity(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const;
+  /// Errors of the estimate where each of the terms with a prior is off by one sigma of it, a column each, in the order of the terms.
+  Eigen::MatrixXd by_optional(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const;
+  /// Their prior sigmas, of the model's coefficients.
+  Eigen::VectorXd prior_sigma(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const;
+  /// The readings that one sigma of each of them makes.
+  Eigen::MatrixXd optional_readings() const;
 
   /// What remains of `linearized` readings beyond first order: products of the table errors that no reading shows and of the model's own errors. They
   /// shift an estimate by `bias` (estimate less truth) and scatter it by `covariance` on top of the first order's.
@@ -66,8 +89,14 @@ class Estimator {
   /// Covariance of the readings without the table's errors.
   const Eigen::MatrixXd& noise() const { return noise_; }
 
+  /// Of the residuals, and of the terms with a prior against it.
   double chi2(const Eigen::VectorXd& readings) const;
   int degrees_of_freedom() const;
+  /// By accelerometers' noise, gyros' noise and table errors: the variance that the residuals show over the one they were given (restricted maximum
+  /// likelihood: at its solution each that is not at its bound is 1). NaN where the readings show nothing of it.
+  Eigen::Vector3d variance_ratios(const Eigen::VectorXd& readings) const;
+  /// By part, the RMS of its residuals in the standard deviations of noise and table errors.
+  std::vector<double> part_residuals(const Eigen::VectorXd& readings) const;
   /// Of the normal equations; 0 where nothing is determined.
   double condition() const { return condition_; }
   /// By part, the natural logarithm of the probability that leaving it out lowers chi-square by as much as it does by chance.
@@ -75,14 +104,18 @@ class Estimator {
 
  private:
   void set_weights(const EstimatorOptions& options);
+  /// S^-1 residual and its covariance, weighted.
+  std::pair<Eigen::VectorXd, Eigen::MatrixXd> unexplained(const Eigen::VectorXd& readings) const;
   void set_gains();
   Eigen::MatrixXd whitened(const Eigen::MatrixXd& readings) const;
 
   TableMotion motion_;
   std::vector<CoefficientIndex> terms_;
   std::vector<Eigen::Index> columns_;                ///< of the forward model: those asked for
-  std::vector<Eigen::Index> known_;                  ///< of these: determined
+  std::vector<Eigen::Index> optional_;               ///< of these: with a prior that counts
+  std::vector<Eigen::Index> known_;                  ///< of `columns_`: determined
   Eigen::VectorXd start_, prior_;                    ///< values and prior sigmas of all columns
+  Eigen::VectorXd table_sigma_;                      ///< of the errors of the table and the site
   Eigen::VectorXd nominal_errors_, around_, truth_;  ///< the latter at `around_`
   Eigen::MatrixXd truth_jacobian_, table_jacobian_;  ///< truth and readings x sources, at `around_`
   Eigen::MatrixXd design_;                           ///< rows x all columns

@@ -3,6 +3,8 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/estimate/turntable/slow_noise.hpp"
+#include "imulab/recording/declared_noise.hpp"
 
 #include <Eigen/LU>
 #include <fmt/core.h>
@@ -47,10 +49,22 @@ RawNoise raw_noise(const Problem& problem, const SensorModel& model) {
     return measured.cwiseMax(1e-8 * size / std::cbrt(std::abs(matrix.determinant()))).cwiseAbs2().asDiagonal();
   };
   return {noise(problem.imu.accel_noise_density, problem.seen.accel_density, model.accel.matrix, unit::g),
-          noise(problem.imu.gyro_noise_density, problem.seen.gyro_density, model.gyro.matrix, 1)};
+          noise(problem.imu.gyro_noise_density, problem.seen.gyro_density, model.gyro.matrix, 1),
+          raw_slow_noise(problem.motion, model, problem.accel_slow_noise, problem.gyro_slow_noise)};
 }
 
 bool left_handed(const SensorModel& model) { return model.accel.matrix.determinant() < 0 || model.gyro.matrix.determinant() < 0; }
+
+/// Whether no stated coefficient changed by more than its uncertainty.
+bool close(const Estimator& estimator, const SensorModel& before, const SensorModel& after) {
+  const Estimator::Uncertainty uncertainty = estimator.uncertainty(after);
+  for (std::size_t i = 0; i < uncertainty.stated.size(); ++i) {
+    const double change = coefficient_value(after, uncertainty.stated[i]) - coefficient_value(before, uncertainty.stated[i]);
+    const auto at = static_cast<Index>(i);
+    if (!(change * change <= uncertainty.covariance(at, at))) return false;
+  }
+  return true;
+}
 
 /// The steps with the sense of one axis reversed.
 Problem reversed(const Problem& problem, std::size_t axis) {
@@ -65,7 +79,11 @@ Problem reversed(const Problem& problem, std::size_t axis) {
 }  // namespace
 
 Problem::Problem(TableObservations observations, RigDeclaration table, ImuDeclaration unit, Site place)
-    : seen(std::move(observations)), rig(std::move(table)), imu(std::move(unit)), site(std::move(place)), motion(seen.parts, rig, site) {}
+    : seen(std::move(observations)), rig(std::move(table)), imu(std::move(unit)), site(std::move(place)), motion(seen.parts, rig, site) {
+  const DeclaredNoise noise = declared_terms(imu);
+  accel_slow_noise = slow_noise(motion, noise.accel, seen.interval_s);
+  gyro_slow_noise = slow_noise(motion, noise.gyro, seen.interval_s);
+}
 
 double Fit::log_probability() const { return log_chi_square_tail(chi2, std::max(1, estimator.degrees_of_freedom())); }
 
@@ -102,11 +120,33 @@ Fit fit(const Problem& problem, const EstimatorOptions& options) {
       throw Unsupported("the readings do not follow the table's motion: a triad's readings do not span three axes");
     Estimator estimator(problem.motion, model, raw_noise(problem, model), now);
     const VectorXd readings = estimator.linearized(problem.seen.readings);
-    model = estimator.estimate(readings);
+    const SensorModel before = std::exchange(model, estimator.estimate(readings));
     const double chi2 = estimator.chi2(readings);
-    if (pass == 1) return {&problem, options, std::move(estimator), readings, model, chi2};
+    if (pass == 1) return {&problem, options, std::move(estimator), readings, model, chi2, close(estimator, before, model)};
     now.around = estimator.table_errors(readings);
   }
+}
+
+Fit enlarged(const Fit& declared) {
+  if (declared.estimator.degrees_of_freedom() < 1 || declared.log_probability() > std::log(unlikely)) return declared;
+  constexpr int most_passes = 50;        // of a fixed-point iteration, which converges by a constant factor a pass
+  constexpr double close_enough = 0.02;  // of a variance: one percent of the stated uncertainties
+  Fit now = declared;
+  for (int pass = 0; pass < most_passes; ++pass) {
+    const Vector3d ratio = now.estimator.variance_ratios(now.readings);
+    EstimatorOptions options = now.options;
+    double change = 0;
+    for (const auto& [factor, by] :
+         {std::pair{&options.enlarged.accel, ratio[0]}, {&options.enlarged.gyro, ratio[1]}, {&options.enlarged.table, ratio[2]}}) {
+      if (!(by > 0) || !std::isfinite(by)) continue;
+      const double next = std::max(1.0, *factor * std::sqrt(by));
+      change = std::max(change, std::abs(next * next / (*factor * *factor) - 1));
+      *factor = next;
+    }
+    if (change < close_enough) break;
+    now = fit(*now.problem, options);
+  }
+  return now;
 }
 
 std::string reversed_axis(const Fit& declared) {

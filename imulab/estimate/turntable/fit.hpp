@@ -20,6 +20,7 @@ struct Problem {
   ImuDeclaration imu;
   Site site;
   TableMotion motion;
+  Eigen::MatrixXd accel_slow_noise, gyro_slow_noise;  ///< declared, as `slow_noise` gives it
 };
 
 /// A fit of a problem, which outlives it. Of its parts (holds, then turns) any may be wrong.
@@ -30,6 +31,7 @@ struct Fit {
   Eigen::VectorXd readings;  ///< linearized
   SensorModel model;
   double chi2;
+  bool converged;  ///< the last pass moved no coefficient by more than its uncertainty: a next one would move it by a small part of that
 
   double log_probability() const;  ///< of chance leaving residuals as large
   std::vector<kernel::Suspect> suspects() const;
@@ -41,6 +43,10 @@ struct Fit {
 /// Sensors' noise alone sets the first weights; then the table's errors are brought to raw readings with the model found, and the motion is linear
 /// about the table errors found. Throws Unsupported where the readings do not follow the motion.
 Fit fit(const Problem& problem, const EstimatorOptions& options);
+
+/// With the noise and the table's errors so much larger that they explain the residuals, where chance does not (`unlikely`): the most likely factors,
+/// none below 1.
+Fit enlarged(const Fit& fit);
 
 /// Where the readings contradict the steps: which axis turns the other way, in words. Empty if none.
 std::string reversed_axis(const Fit& fit);

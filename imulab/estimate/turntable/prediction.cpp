@@ -66,9 +66,9 @@ VectorXd with_best_weights(Plan plan, const TableMotion& motion, const std::vect
   const auto best = estimator_of(plan, motion).uncertainty({});
   VectorXd out = VectorXd::Constant(static_cast<Index>(coefficients.size()), std::nan(""));
   for (std::size_t i = 0; i < coefficients.size(); ++i) {
-    const auto found = std::find(best.determined.begin(), best.determined.end(), coefficients[i]);
-    if (found == best.determined.end()) continue;
-    const auto row = found - best.determined.begin();
+    const auto found = std::find(best.stated.begin(), best.stated.end(), coefficients[i]);
+    if (found == best.stated.end()) continue;
+    const auto row = found - best.stated.begin();
     const Coefficient& c = coefficient(coefficients[i]);
     const double bias = c.term != Term::offset ? 0 : (c.triad == Triad::accel ? plan.accel_noise : plan.gyro_noise).turn_on.value;
     out[static_cast<Index>(i)] = best.covariance(row, row) + bias * bias;
@@ -147,7 +147,7 @@ Prediction predict(const Plan& plan) {
   const Estimator estimator = estimator_of(plan, motion);
   const auto uncertainty = estimator.uncertainty({});
   Prediction out;
-  out.coefficients = uncertainty.determined;
+  out.coefficients = uncertainty.stated;
   out.undetermined = uncertainty.undetermined;
   add_sources(out, plan, motion, estimator, uncertainty.covariance.diagonal());
   const auto second = estimator.second_order({}, out.coefficients);
@@ -165,7 +165,7 @@ MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t
   const TableMotion motion(plan.parts, plan.rig, plan.site);
   const Estimator estimator = estimator_of(plan, motion);
   const ReadingsSampler sampler(motion, {plan.accel_noise.turn_on, plan.gyro_noise.turn_on}, estimator.noise(), seed);
-  const std::vector<CoefficientIndex> coefficients = estimator.uncertainty({}).determined;
+  const std::vector<CoefficientIndex> coefficients = estimator.uncertainty({}).stated;
   const auto n = static_cast<Index>(coefficients.size());
   const auto values = [&](const SensorModel& model) {
     VectorXd v(n);

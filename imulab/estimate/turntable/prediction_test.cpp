@@ -110,7 +110,7 @@ TEST(TurntablePrediction, SharesMakeUpTheStatedCovariance) {
     const Estimator estimator(motion, {}, {raw_density(plan.accel_noise.N, one), raw_density(plan.gyro_noise.N, one)}, settings);
     const auto stated = estimator.uncertainty({});
     const Prediction p = predict(plan);
-    ASSERT_EQ(p.coefficients, stated.determined);
+    ASSERT_EQ(p.coefficients, stated.stated);
     for (Index i = 0; i < p.variance.rows(); ++i)  // rounding: weights over eight orders
       EXPECT_NEAR(p.variance.row(i).sum() / stated.covariance(i, i), 1, 1e-6) << name_of(p.coefficients[static_cast<std::size_t>(i)]);
   }

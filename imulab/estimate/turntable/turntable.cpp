@@ -6,6 +6,7 @@
 #include "imulab/earth/earth.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/input.hpp"
+#include "imulab/estimate/kernel/optional_terms.hpp"
 #include "imulab/estimate/kernel/terms.hpp"
 #include "imulab/estimate/turntable/fit.hpp"
 
@@ -74,64 +75,93 @@ void expect_units(const Problem& problem, const SensorModel& model) {
                               to_string(view.triad), *view.scale(), looks));
 }
 
-/// A scale that no sensor read in SI has: another unit, increments declared as rates or rates as increments.
-void doubt_scales(Findings& findings, const Problem& problem, const SensorModel& model) {
-  for (const TriadView& view : triads(problem, model)) {
-    if (std::abs(view.scale().value_or(1) - 1) < 0.2) continue;
-    findings.warn(
-        fmt::format("{}: the table's motion is {:.4g} times what the readings say; the scale is implausible for an IMU; check the declared "
-                    "unit and whether the readings are rates or increments",
-                    to_string(view.triad), *view.scale()));
-    findings.doubt(fmt::format("the {}'s scale is far from its declared unit's", to_string(view.triad)));
-  }
-}
-
 void check_noise(Findings& findings, const Problem& problem, const SensorModel& model) {
   for (const TriadView& view : triads(problem, model))
     if (view.declared_density && view.density.norm() > 0)
       kernel::check_declared_noise(findings, view.sensors, view.density.norm() / std::sqrt(raw_density(*view.declared_density, view.matrix).trace()));
 }
 
-/// Up is along the force in every position, so an error of the vertical Earth rate looks exactly like the same g-sensitivity of all axes.
-void doubt_latitude(Findings& findings, const SensorModel& model, const Site& site) {
-  const double common = model.g_sensitivity.trace() / 3;
-  if (!site.latitude || common == 0 || (model.g_sensitivity - common * Matrix3d::Identity()).norm() > 0.1 * std::abs(common)) return;
-  const double up = earth_rate * std::sin(*site.latitude) + common * site.gravity();  // the Earth rate that would need no g-sensitivity
+/// The offset of a sensor from where its maker meant zero: of counts in offset binary, half of their range, a power of two.
+Vector3d sensor_offset(const TriadModel& triad, std::string_view unit) {
+  if (unit != "count") return triad.offset;
+  Vector3d zero = -triad.matrix.inverse() * triad.offset;
+  constexpr double least = 128;  // of eight bits
+  for (double& z : zero)
+    if (const double middle = std::exp2(std::round(std::log2(std::max(z, 1.0)))); middle >= least && std::abs(z - middle) < z) z -= middle;
+  return triad.matrix * zero;
+}
+
+/// Wald's tests of the optional terms that are estimated: they only report.
+std::vector<TermTest> tests_of_terms(const Fit& fit, double significance) {
+  const Estimator::Uncertainty uncertainty = fit.estimator.uncertainty(fit.model);
+  VectorXd values(uncertainty.covariance.rows());
+  for (Index i = 0; i < values.size(); ++i) values[i] = coefficient_value(fit.model, uncertainty.stated[static_cast<std::size_t>(i)]);
+  const VectorXd prior = fit.estimator.prior_sigma(fit.model, uncertainty.stated);
+  std::vector<TermTest> tests;
+  for (const char* term : {"gyro.g_sensitivity", "accel.quadratic", "accel.cubic", "gyro.quadratic", "gyro.cubic"}) {
+    kernel::TermGroup group{term, {}};
+    const std::vector<CoefficientIndex> members = select_coefficients(term);
+    for (Index i = 0; i < values.size(); ++i)
+      if (const CoefficientIndex index = uncertainty.stated[static_cast<std::size_t>(i)];
+          contains(members, index) && !contains(uncertainty.considered, index))
+        group.members.push_back(i);
+    if (group.members.empty()) continue;
+    tests.push_back(fit.options.optional
+                        ? kernel::wald_without_prior(term, values(group.members), uncertainty.covariance(group.members, group.members),
+                                                     prior(group.members), significance)
+                        : kernel::wald(group, values, uncertainty.covariance, significance));
+  }
+  return tests;
+}
+
+/// Up is along the force in every position, so an error of the vertical Earth rate looks exactly like the same g-sensitivity of all axes. `free`:
+/// with a g-sensitivity of any size.
+void doubt_latitude(Findings& findings, const Fit& free, double significance) {
+  const Site& site = free.problem->site;
+  const std::vector<TermTest> tests = tests_of_terms(free, significance);
+  if (!site.latitude || tests.empty() || !tests.front().kept) return;
+  const Matrix3d& seen = free.model.g_sensitivity;
+  const double common = seen.trace() / 3;
+  if ((seen - common * Matrix3d::Identity()).norm() > 0.1 * std::abs(common)) return;
+  // The declared rate is what the gyros show and C g; without C it is what they show.
+  const double declared = earth_rate * std::sin(*site.latitude), up = declared - common * site.gravity();
   findings.warn(fmt::format(
       "the g-sensitivity is the same on all axes, as an error of the latitude is; Earth's vertical rate would be {:.4g} instead of {:.4g} deg/h{}; "
       "check the latitude",
-      up / unit::deg_per_h, earth_rate * std::sin(*site.latitude) / unit::deg_per_h,
+      up / unit::deg_per_h, declared / unit::deg_per_h,
       std::abs(up) < earth_rate ? fmt::format(", that of latitude {:.3g} deg", std::asin(up / earth_rate) / unit::deg) : ""));
   findings.doubt("the latitude seems to be wrong");
 }
 
-TermTest test_g_sensitivity(const Fit& fit, double significance) {
-  const Estimator::Uncertainty uncertainty = fit.estimator.uncertainty(fit.model);
-  kernel::TermGroup group{"gyro.g_sensitivity", {}};
-  VectorXd values(uncertainty.covariance.rows());
-  for (Index i = 0; i < values.size(); ++i) {
-    const CoefficientIndex index = uncertainty.determined[static_cast<std::size_t>(i)];
-    values[i] = coefficient_value(fit.model, index);
-    if (coefficient(index).term == Term::g_sensitivity) group.members.push_back(i);
-  }
-  return kernel::wald(group, values, uncertainty.covariance, significance);
-}
-
 /// Residuals against the declared noise and table.
-void judge_residuals(Findings& findings, const Fit& fit, const std::string& worst, const Quality& quality) {
-  if (quality.degrees_of_freedom < 1) return;
-  const double ratio = std::sqrt(quality.chi2_per_dof);
+void judge_residuals(Findings& findings, const Fit& fit, const Fit& enlarged, const std::string& worst) {
+  const int degrees_of_freedom = fit.estimator.degrees_of_freedom();
+  if (degrees_of_freedom < 1) return;
+  const double ratio = std::sqrt(fit.chi2 / degrees_of_freedom);
   if (fit.log_probability() < std::log(unlikely)) {
-    findings.warn(
-        fmt::format("the residuals are {:.3g} times what the noise and the declared table errors explain; the uncertainties are too small{}", ratio,
-                    worst.empty() ? "" : "; most of all " + worst));
+    findings.warn(fmt::format(
+        "the residuals are {:.3g} times what the noise and the declared table errors explain; the uncertainties are enlarged for {:.3g} times "
+        "the accelerometers' noise, {:.3g} times the gyros' and {:.3g} times the table's errors{}",
+        ratio, enlarged.options.enlarged.accel, enlarged.options.enlarged.gyro, enlarged.options.enlarged.table,
+        worst.empty() ? "" : "; most of all " + worst));
     findings.doubt("the residuals exceed the declared noise and table errors");
-  } else if (chi_square_tail(fit.chi2, quality.degrees_of_freedom) > 1 - unlikely) {
+  } else if (chi_square_tail(fit.chi2, degrees_of_freedom) > 1 - unlikely) {
     findings.warn(
         fmt::format("the residuals are only {:.3g} times what the noise and the declared table errors explain; the table is better than "
                     "declared, or the samples' noise is not white (quantization averages out faster); declare the noise densities",
                     ratio));
   }
+}
+
+/// The same with all terms that an IMU may have, under their priors.
+Fit with_optional_terms(const Fit& free) {
+  const Problem& problem = *free.problem;
+  EstimatorOptions options = free.options;
+  for (const CoefficientIndex index : select_each({"accel.quadratic", "accel.cubic", "gyro.quadratic", "gyro.cubic"})) options.terms.push_back(index);
+  std::sort(options.terms.begin(), options.terms.end());
+  options.optional = kernel::optional_priors(problem.imu, sensor_offset(free.model.accel, problem.seen.accel_unit),
+                                             sensor_offset(free.model.gyro, problem.seen.gyro_unit));
+  return fit(problem, options);
 }
 
 /// Model, covariance and residuals of a fit, with the bias of the second order taken out.
@@ -145,9 +175,9 @@ Calibration calibration_of(const Fit& fit) {
   calibration.model.accel.raw_unit = problem.seen.accel_unit;
   calibration.model.gyro.raw_unit = problem.seen.gyro_unit;
   const Estimator::Uncertainty uncertainty = fit.estimator.uncertainty(fit.model);
-  if (uncertainty.determined.empty())
+  if (uncertainty.stated.size() == uncertainty.considered.size())
     throw Unsupported("the steps determine no coefficient; holds with each axis up and down, and turns about each axis, are needed");
-  calibration.estimated = uncertainty.determined;
+  calibration.estimated = uncertainty.stated;
   const Estimator::SecondOrder second = fit.estimator.second_order(calibration.model, calibration.estimated);
   for (Index i = 0; i < second.bias.size(); ++i) {
     const CoefficientIndex index = calibration.estimated[static_cast<std::size_t>(i)];
@@ -156,10 +186,17 @@ Calibration calibration_of(const Fit& fit) {
   calibration.covariance = uncertainty.covariance + second.covariance;
   Quality& quality = calibration.quality;
   for (const CoefficientIndex index : uncertainty.undetermined) quality.unobservable.emplace_back(coefficient(index).name);
+  for (const CoefficientIndex index : uncertainty.considered) quality.considered.emplace_back(coefficient(index).name);
   quality.degrees_of_freedom = fit.estimator.degrees_of_freedom();
   quality.condition = fit.estimator.condition();
+  quality.converged = fit.converged;
   quality.chi2_per_dof = fit.chi2 / std::max(1, quality.degrees_of_freedom);
   quality.sources.push_back(kernel::gravity_source(problem.site));
+  const std::vector<double> residuals = fit.estimator.part_residuals(fit.readings);
+  const std::vector<std::size_t>& left_out = fit.options.left_out;
+  for (std::size_t k = 0; k < residuals.size(); ++k)
+    (problem.motion.is_hold(k) ? quality.rests : quality.rotations)
+        .push_back({problem.motion.begin(k), problem.motion.end(k), residuals[k], std::find(left_out.begin(), left_out.end(), k) == left_out.end()});
   return calibration;
 }
 
@@ -173,22 +210,18 @@ Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, 
   EstimatorOptions asked;
   asked.terms = chosen_coefficients(options.terms, seen);
   asked.bias_while_turning = options.turntable.bias_while_turning;
-  const Fit whole = fit(problem, asked);
-  expect_units(problem, whole.model);
+  const Fit free = fit(problem, asked);
+  expect_units(problem, free.model);
 
-  const std::string reversal = reversed_axis(whole);
+  const Fit whole = options.terms.empty() ? with_optional_terms(free) : free;
+  const std::string reversal = reversed_axis(free);
   kernel::Cleaned<Fit> cleaned{whole, {}, {}, true};
   if (reversal.empty()) cleaned = without_outliers(whole, options.outlier_level);
-  std::vector<TermTest> tests;
-  if (options.terms.empty()) {
-    tests.push_back(test_g_sensitivity(cleaned.fit, options.significance));
-    EstimatorOptions fewer = cleaned.fit.options;
-    std::erase_if(fewer.terms, [](CoefficientIndex index) { return coefficient(index).term == Term::g_sensitivity; });
-    if (!tests.back().kept) cleaned.fit = fit(problem, fewer);
-  }
 
-  Calibration calibration = calibration_of(cleaned.fit);
-  calibration.quality.term_tests = tests;
+  const Fit last = enlarged(cleaned.fit);
+  Calibration calibration = calibration_of(last);
+  calibration.quality.chi2_per_dof = cleaned.fit.chi2 / std::max(1, calibration.quality.degrees_of_freedom);  // against what is declared
+  if (options.terms.empty()) calibration.quality.term_tests = tests_of_terms(last, options.significance);
   Findings findings{seen.notes, seen.warnings, {}};
   if (!site.latitude)
     findings.note("no latitude: Earth's rate was taken as unknown up to its size (15 deg/h), which the gyros' uncertainties contain");
@@ -198,9 +231,8 @@ Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, 
     findings.doubt("the sign of an axis seems to be wrong");
   }
   kernel::add_dropped(findings, cleaned.dropped, problem.motion.parts());
-  doubt_scales(findings, problem, calibration.model);
-  doubt_latitude(findings, calibration.model, site);
-  judge_residuals(findings, cleaned.fit, cleaned.worst, calibration.quality);
+  if (options.terms.empty()) doubt_latitude(findings, free, options.significance);
+  judge_residuals(findings, cleaned.fit, last, cleaned.worst);
   kernel::add_common_doubts(findings, calibration, site);
   kernel::conclude(calibration, findings);
   return calibration;

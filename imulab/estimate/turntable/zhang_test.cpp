@@ -66,9 +66,9 @@ TEST(Turntable, WithNoiseAloneItIsZhangsFormulas) {
   const Estimator estimator = classical_estimator(run);
   const SensorModel classical = zhang_formulas(run.seen, 9.79), ours = estimator.estimate(run.seen.readings);
   const auto uncertainty = estimator.uncertainty(ours);
-  ASSERT_EQ(uncertainty.determined.size(), 24u);
+  ASSERT_EQ(uncertainty.stated.size(), 24u);
   for (std::size_t i = 0; i < 24; ++i) {
-    const CoefficientIndex index = uncertainty.determined[i];
+    const CoefficientIndex index = uncertainty.stated[i];
     const double sigma = std::sqrt(uncertainty.covariance(static_cast<Index>(i), static_cast<Index>(i)));
     const double error = coefficient_value(ours, index) - coefficient_value(run.truth, index);
     const double difference = coefficient_value(ours, index) - coefficient_value(classical, index);
@@ -87,7 +87,7 @@ TEST(Turntable, TheTurnsAlsoTellTheBias) {
   const Estimator joint(run.motion, run.truth, noise, settings);
   const auto at_rest = classical_estimator(run).uncertainty(run.truth), with_turns = joint.uncertainty(run.truth);
   for (std::size_t i = 0; i < 24; ++i) {
-    const Coefficient& c = coefficient(at_rest.determined[i]);
+    const Coefficient& c = coefficient(at_rest.stated[i]);
     const auto k = static_cast<Index>(i);
     const double ratio = std::sqrt(with_turns.covariance(k, k) / at_rest.covariance(k, k));
     // White noise averages over all the time a bias is seen: 24 minutes of positions, 9 of rests and 18 of turning.

@@ -172,9 +172,12 @@ JointEstimate joint_estimate(Problem& problem, const CalibrationOptions& options
   // Terms that are left out for want of significance may still be there, within their uncertainty: they count in the others' covariance.
   const kernel::Parameters counted = problem.parameters(Priors::considered);
   if (options.terms.empty() && !options.whole_unit.full && !options.whole_unit.stepwise) out.tests = choose_terms(problem, options.significance);
+  if (!out.tests.empty()) out.scatter *= enlarge_noise(problem);  // of the points without the terms left out
   const kernel::Parameters parameters = problem.parameters();
+  for (std::size_t k = 0; k < problem.role.size(); ++k)
+    if (problem.role[k] == Role::fixed && counted.role[k] == Role::estimated) out.left_out.push_back(k);
   const Fit last = fit(problem);
-  if (!last.converged) out.findings.doubt("the fit did not converge");
+  out.converged = last.converged;
   if (machine.empty()) machine = wrong_machine(problem);
   out.solution = last.solution;
   out.solution.covariance = kernel::solve(last.data, counted, "the points").covariance;

@@ -14,7 +14,9 @@ struct JointEstimate {
   kernel::Solution solution;  ///< covariance of theta and eta; chi2 against the noise as measured
   double condition = 0;
   double scatter = 1;  ///< by which the uncertainties are enlarged
+  bool converged = false;
   std::vector<TermTest> tests;
+  std::vector<std::size_t> left_out;  ///< coefficients of terms that are not significant: zero, but their uncertainty counts
   kernel::Findings findings;
 };
 

@@ -3,9 +3,12 @@
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/model/compensation_derivatives.hpp"
+#include "imulab/model/flicker.hpp"
+#include "imulab/recording/declared_noise.hpp"
 
 #include <Eigen/Cholesky>
 #include <ceres/jet.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
@@ -56,9 +59,41 @@ void set_priors(Problem& problem) {
   }
 }
 
+/// A bias and a ramp of each channel in each recording where such noise is declared; what of the bias instability changes from point to point is
+/// taken as independent there.
+void add_drifts(Problem& problem) {
+  const DeclaredNoise noise = declared_terms(problem.session->imu);
+  const std::vector<MachinePoint>& all = problem.points.all;
+  double longest_point = 0;
+  for (const MachinePoint& p : all) longest_point = std::max(longest_point, static_cast<double>(p.samples) * problem.points.interval_s);
+  for (std::size_t recording = 0; recording < problem.session->recordings.size(); ++recording) {
+    double start = INFINITY, end = -INFINITY;
+    for (const MachinePoint& p : all)
+      if (p.recording == recording) start = std::min(start, p.step.start), end = std::max(end, p.step.end);
+    if (!(end > start)) continue;
+    for (int channel = 0; channel < 6; ++channel) {
+      const NoiseModel& model = channel < 3 ? noise.accel : noise.gyro;
+      const FlickerCovariance flicker(model.B, problem.points.interval_s);
+      const double slow = flicker.of_mean(end - start);
+      problem.point_variance[channel] = std::max(problem.point_variance[channel], flicker.of_mean(longest_point) - slow);
+      const double walk = model.K * model.K * (end - start) / 3;
+      if (slow + walk > 0) problem.common.push_back({"", {}, std::sqrt(slow + walk), 0, ChannelDrift{recording, channel, 0, start}});
+      if (model.R.value > 0) problem.common.push_back({"", {}, model.R.value, 0, ChannelDrift{recording, channel, 1, start}});
+    }
+  }
+}
+
 }  // namespace
 
+double ChannelDrift::at(const MachinePoint& point) const {
+  if (point.recording != recording) return 0;
+  return power == 0 ? 1 : 0.5 * (point.step.start + point.step.end) - start_s;
+}
+
 std::string CommonError::name() const {
+  if (drift)
+    return fmt::format("recording {}: {} of {}.{}", drift->recording + 1, drift->power == 0 ? "bias" : "ramp", drift->channel < 3 ? "accel" : "gyro",
+                       "xyz"[drift->channel % 3]);
   return rig.empty() && source.kind == RigErrorKind::zero ? "gravity" : (rig.empty() ? "" : rig + ": ") + source.name();
 }
 
@@ -83,6 +118,7 @@ Problem::Problem(MachinePoints used, const Session& declared, const SensorModel&
       if (known == common.end()) common.push_back({rig.name, error, error.sigma, 0});
     }
   }
+  add_drifts(*this);
   update_noise();
   set_priors(*this);
 }
@@ -141,6 +177,13 @@ Motion Problem::motion(const MachinePoint& point, Rows* by_common) const {
       ++k;
     }
   }
+  for (std::size_t i = 0; i < common.size(); ++i) {
+    if (!common[i].drift) continue;
+    const int channel = common[i].drift->channel;
+    const double by = common[i].drift->at(point);
+    (channel < 3 ? motion.force[channel] : motion.rate[channel - 3]) += by * common[i].value;
+    if (by_common) (*by_common)(channel, static_cast<Index>(i)) = by;
+  }
   return motion;
 }
 
@@ -155,6 +198,7 @@ PointEquations Problem::equations(const MachinePoint& point) const {
   Matrix6 variance = (thermal + Matrix6(noise.asDiagonal())) / static_cast<double>(point.samples);
   // A coarsely quantized or dead channel shows none; a part in 1e8 of the full range keeps the weights finite.
   variance.diagonal() += 1e-16 * (Vector6d() << Vector3d::Constant(place_.gravity * place_.gravity), Vector3d::Ones()).finished();
+  variance.diagonal() += point_variance;
   variance += spin_noise(point.step, session->rig_of(session->recordings[point.recording])->zero.value, place_);
   const Eigen::LLT<Matrix6> factor(noise_factor * noise_factor * variance);
   out.jacobian.resize(6, size());

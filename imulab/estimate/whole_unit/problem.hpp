@@ -14,17 +14,29 @@
 #include <Eigen/Core>
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace imulab::whole_unit {
 
-/// An error common to several points: of g, or of a machine.
+/// The declared noise of a channel that is not white, in one recording: a bias and a rate ramp of the output.
+struct ChannelDrift {
+  std::size_t recording = 0;
+  int channel = 0;
+  int power = 0;       ///< of the time: 0 bias, 1 ramp
+  double start_s = 0;  ///< of the recording's first point
+  /// What it adds to the output of a point for each unit of it; 0 in other recordings.
+  double at(const MachinePoint& point) const;
+};
+
+/// An error common to several points: of g, of a machine, or of a channel.
 struct CommonError {
   std::string rig;  ///< its name; empty: gravity
   RigErrorSource source{};
   double sigma = 0;  ///< as declared; 0: known exactly
   double value = 0;  ///< estimated, beyond what is declared
+  std::optional<ChannelDrift> drift = {};
   std::string name() const;
 };
 
@@ -54,14 +66,15 @@ struct Problem {
   std::vector<CoefficientIndex> coefficients;  ///< theta
   /// Of theta. Estimated: by the data alone. Considered: the data do not determine it. Held: left out.
   std::vector<kernel::Role> role;
-  Eigen::VectorXd prior_sigma, needed_sigma;  ///< of theta: before the data; below this they determine it
-  std::vector<CommonError> common;            ///< eta, after theta in every vector of parameters
-  Vector6d noise;                             ///< variance of one sample of force and rate
-  double noise_factor = 1;                    ///< of the standard deviations
+  Eigen::VectorXd prior_sigma, needed_sigma;   ///< of theta: before the data; below this they determine it
+  std::vector<CommonError> common;             ///< eta, after theta in every vector of parameters
+  Vector6d noise;                              ///< variance of one sample of force and rate
+  Vector6d point_variance = Vector6d::Zero();  ///< of a point's means, from declared bias instability faster than a recording
+  double noise_factor = 1;                     ///< of the standard deviations
 
   Eigen::Index size() const { return static_cast<Eigen::Index>(coefficients.size() + common.size()); }
   RawSample sample(const MachinePoint& point) const;
-  /// The machine's motion at this point, and its derivative by eta.
+  /// The machine's motion at this point with the channels' drift, and its derivative by eta.
   Motion motion(const MachinePoint& point, Eigen::Matrix<double, 6, Eigen::Dynamic>* by_common = nullptr) const;
   std::array<double, 2> full_scale() const;  ///< the largest force and rate along an axis that the machines made, m/s^2 and rad/s
   /// Variance of one sample of force and rate within the points, with the slopes of the present model.

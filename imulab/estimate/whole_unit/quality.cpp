@@ -53,7 +53,7 @@ std::vector<FitResidual> fit_residuals(const Problem& problem) {
 std::vector<RigErrorEstimate> rig_errors(const Problem& problem, const Eigen::MatrixXd& covariance) {
   std::vector<RigErrorEstimate> out;
   for (auto i = std::ssize(problem.coefficients); const CommonError& error : problem.common) {
-    if (error.sigma > 0) out.push_back({error.name(), error.sigma, error.value, std::sqrt(covariance(i, i))});
+    if (error.sigma > 0 && !error.drift) out.push_back({error.name(), error.sigma, error.value, std::sqrt(covariance(i, i))});
     ++i;
   }
   return out;
@@ -159,6 +159,7 @@ std::vector<Hypothesis> hypotheses(const Problem& problem) {
       h.direction[static_cast<Index>(problem.coefficients.size() + k)] = 1;
     };
     const CommonError& common = problem.common[k];
+    if (common.drift) continue;
     const std::string machine = common.rig.empty() ? "the rig: " : common.rig + ": ";
     const rig::ErrorInWords error = k == 0 ? rig::ErrorInWords{"gravity", 1e-3, "mm/s^2", 0.05} : rig::in_words(common.source);
     add(error, k == 0 ? error.name : machine + error.name);
@@ -177,6 +178,8 @@ Quality quality_of(const Problem& problem, const JointEstimate& estimate) {
   quality.chi2_per_dof = estimate.solution.chi2 / std::max(1.0, estimate.solution.degrees_of_freedom);
   quality.degrees_of_freedom = static_cast<int>(std::lround(estimate.solution.degrees_of_freedom));
   quality.condition = estimate.condition;
+  quality.converged = estimate.converged;
+  for (const std::size_t k : estimate.left_out) quality.considered.emplace_back(coefficient(problem.coefficients[k]).name);
   quality.warnings = problem.points.warnings;
   for (std::size_t k = 0; k < problem.role.size(); ++k) {
     if (problem.role[k] != kernel::Role::considered) continue;

@@ -9,6 +9,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 namespace imulab::whole_unit {
 
 using Eigen::Index;
@@ -31,11 +33,14 @@ void check_units(const Problem& problem) {
   }
 }
 
-/// Coefficients and covariance of the readings, from those of readings less their center. What is not estimated keeps its starting value.
-void set_estimate(Calibration& calibration, const Problem& problem, SensorModel model, MatrixXd covariance) {
+/// Coefficients and covariance of the readings, from those of readings less their center. What is not estimated keeps its starting value; of that
+/// only the terms left out count in the covariance themselves.
+void set_estimate(Calibration& calibration, const Problem& problem, const std::vector<std::size_t>& left_out, SensorModel model,
+                  MatrixXd covariance) {
   for (std::size_t k = 0; k < problem.role.size(); ++k) {
     if (problem.role[k] == Role::estimated) continue;
     set_coefficient(model, problem.coefficients[k], coefficient_value(problem.start, problem.coefficients[k]));
+    if (std::find(left_out.begin(), left_out.end(), k) != left_out.end()) continue;
     covariance.row(static_cast<Index>(k)).setZero(), covariance.col(static_cast<Index>(k)).setZero();
   }
   const auto change = [&](const SensorModel& m) { return of_shifted_readings(m, problem.center.head<3>(), problem.center.tail<3>()); };
@@ -75,10 +80,10 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
   calibration.frame = "rig";
   if (options.whole_unit.stepwise) {  // residuals and rig errors stay those of the joint fit: they are the data's, not the estimate's
     const StepwiseEstimate steps = stepwise_estimate(problem, true);
-    set_estimate(calibration, problem, steps.model, steps.covariance * (joint.scatter * joint.scatter));
+    set_estimate(calibration, problem, {}, steps.model, steps.covariance * (joint.scatter * joint.scatter));
   } else {
     const Index n = std::ssize(problem.coefficients);
-    set_estimate(calibration, problem, problem.model, joint.solution.covariance.topLeftCorner(n, n));
+    set_estimate(calibration, problem, joint.left_out, problem.model, joint.solution.covariance.topLeftCorner(n, n));
   }
   calibration.quality = quality_of(problem, joint);
   check_chamber(joint.findings, problem);

@@ -211,6 +211,7 @@ Quality read_quality(const Field& field) {
   q.verdict = field["verdict"].text();
   q.because = field.texts("because");
   q.considered = field.texts("considered");
+  if (field.has("converged")) q.converged = field["converged"].truth();
   if (field.has("degrees_of_freedom")) q.degrees_of_freedom = field["degrees_of_freedom"].whole_number();
   if (field.has("rotation_residual_deg") && !field["rotation_residual_deg"].is_null())
     q.rotation_residual_deg = field["rotation_residual_deg"].number();

@@ -120,6 +120,7 @@ Json quality_json(const Quality& q) {
   return {{"chi2_per_dof", q.chi2_per_dof},
           {"degrees_of_freedom", q.degrees_of_freedom},
           {"condition", q.condition},
+          {"converged", q.converged},
           {"unobservable", q.unobservable},
           {"warnings", q.warnings},
           {"verdict", q.verdict},

@@ -258,10 +258,10 @@ RC_GTEST_PROP(RecordingFile, ReadsBackExactlyWhatItWrites, ()) {
   for (std::size_t i = 0; i < count; ++i) {
     r.time_ns.push_back(begin + static_cast<std::int64_t>(1e9 * r.interval_s * static_cast<double>(i)));
     for (auto& column : r.gyro)  // increments are whole counts
-      column.push_back(increment ? *rc::gen::inRange(-40'000, 40'000) / r.interval_s : static_cast<double>(*rc::gen::arbitrary<float>()) * 1.1);
+      column.push_back(increment ? *rc::gen::inRange(-40'000, 40'000) / r.interval_s : std::fmod(static_cast<double>(*rc::gen::arbitrary<float>()) * 1.1, 1e4));
     for (auto& column : r.accel) {
       const double any = std::bit_cast<double>(*rc::gen::arbitrary<std::uint64_t>());
-      column.push_back(std::isfinite(any) ? any : 0);
+      column.push_back(std::isfinite(any) ? std::fmod(any, 1e5) : 0);  // what a sensor can give
     }
   }
   write_recording(folder / "r.csv", r);

@@ -1,0 +1,15 @@
+// Declared noise that is not white: bias instability, rate random walk and ramp, in the holds' means and the turns' sums.
+#pragma once
+
+#include "imulab/model/noise.hpp"
+#include "imulab/rig/table_motion.hpp"
+
+#include <Eigen/Core>
+
+namespace imulab::turntable {
+
+/// Covariance of a part's mean (holds) or integral (turns) on one axis, in the unit of the noise; parts x parts. Walk and ramp begin with the first
+/// part, bias instability is as the simulation draws it at this interval of the samples. Empty where no such noise is declared.
+Eigen::MatrixXd slow_noise(const TableMotion& motion, const NoiseModel& noise, double interval_s);
+
+}  // namespace imulab::turntable
