@@ -46,7 +46,7 @@ TEST(Package, TheExamplesBuildAndRunAgainstIt) {
   // The unit of the example, recorded once more by the command: the same coefficients.
   run(folder, "prefix/bin/imulab procedure hand-held -o hand.toml && prefix/bin/imulab simulate hand.toml -o session");
   EXPECT_THAT(run(folder, "build/calibrate"), HasSubstr("verdict: good\n"));
-  EXPECT_THAT(run(folder, "prefix/bin/imulab compare calibration.json session/truth.json"), HasSubstr("0 of 30 coefficients differ significantly"));
+  EXPECT_THAT(run(folder, "prefix/bin/imulab compare calibration.json session/truth.json"), HasSubstr("0 of 42 coefficients differ significantly"));
 
   run(folder, "tail -n +2 session/recording.csv | tr , ' ' > samples");
   for (const char* outliers : {"", " --reject-outliers"}) {

@@ -57,10 +57,13 @@ double redundancy(const Conditions& conditions, const Adjustment& adjustment, Ki
 
 bool spread_is_significant(const Conditions& conditions, const Adjustment& adjustment, Kind kind) {
   // Few rests hardly show a spread as large as the sample noise, and without it the uncertainties would be too small; with one that chance made
-  // (once in six sessions) they are a little too large. Measured on simulated sessions with and without drift.
-  constexpr double level = 1.0 / 6;
+  // (once in six sessions) they are a little too large. Less than a tenth of the deviations does not matter. Measured on simulated sessions with and
+  // without drift.
+  constexpr double level = 1.0 / 6, least_ratio = 1.2;
   const KindResiduals r(conditions, adjustment, kind, 0);
-  return r.enough() && chi_square_tail(mean_ratio(r.squares, r.variances) * r.degrees, r.degrees) < level;
+  if (!r.enough()) return false;
+  const double ratio = mean_ratio(r.squares, r.variances);
+  return ratio > least_ratio && chi_square_tail(ratio * r.degrees, r.degrees) < level;
 }
 
 double estimate_spread(const Conditions& conditions, const Adjustment& adjustment, Kind kind, double current) {

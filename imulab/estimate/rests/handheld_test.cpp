@@ -118,66 +118,6 @@ TEST(Handheld, WhatTheDataSayNothingOfIsConsidered) {
   EXPECT_EQ(c.quality.verdict, "good");
 }
 
-TEST(Handheld, AQuadraticTermDoesNotBendTheOffsetsBeyondTheirUncertainty) {
-  // A term that its test does not see, and one that it does: ten sessions of each, 21 coefficients that every IMU has.
-  for (const double size : {20.0, 200.0}) {
-    double squares = 0, count = 0;
-    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-      const auto bend = [&](Truth& t) { t.model.accel.quadratic = Vector3d(1, -1, 1) * size * unit::ug / (unit::g * unit::g); };
-      const SimulatedSession s = simulate_session(short_options(), seed, bend);
-      ImuDeclaration imu;
-      imu.term_sigmas.accel_quadratic = size * unit::ug / (unit::g * unit::g);
-      const Calibration c = calibrated("handheld", s.recording, s.rests, imu, s.site());
-      for (const CoefficientIndex index : select_coefficients("accel.offset")) {
-        squares += std::pow((coefficient_value(c.model, index) - coefficient_value(s.truth.model, index)) / *standard_uncertainty(c, index), 2);
-        ++count;
-      }
-    }
-    EXPECT_LT(squares / count, 2.0) << size << ": the mean square of 30 is above 2 once in 1300 times";
-  }
-}
-
-TEST(Handheld, RoundedReadingsAreNoBetterThanTheirSteps) {
-  for (const double step : {0.1, 0.0}) {  // m/s^2, and the gyros by 0.005 rad/s
-    double squares = 0, count = 0;
-    for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-      SimulatedSession s = simulate_session(short_options(), seed);
-      Columns3& triad = step > 0 ? s.recording.accel : s.recording.gyro;
-      for (auto& column : triad)
-        for (double& v : column) v = step > 0 ? std::nearbyint(v / step) * step : std::nearbyint(v / 0.005) * 0.005;
-      const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());
-      for (const CoefficientIndex index : c.estimated) {
-        if (is_optional(coefficient(index).term)) continue;
-        squares += std::pow((coefficient_value(c.model, index) - coefficient_value(s.truth.model, index)) / *standard_uncertainty(c, index), 2);
-        ++count;
-      }
-    }
-    // 252 squares, correlated by about three: above 1.35 about once in a hundred with independent ones, 2 only where the rounding is not counted.
-    EXPECT_LT(squares / count, 1.6) << step;
-  }
-}
-
-TEST(Handheld, PartsOfTheRecordingAreListedWithTheirResiduals) {
-  SimulatedSession s = simulate_session(short_options(), 4);
-  const Range bad = s.rests[10];
-  for (std::size_t i = bad.begin; i < bad.end; ++i) s.recording.accel[0][i] += 0.2;
-  const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());
-  ASSERT_EQ(c.quality.rests.size(), 24u);
-  EXPECT_EQ(c.quality.rotations.size(), 22u) << "two became one";
-  double squares = 0;
-  for (std::size_t k = 0; k < 24; ++k) {
-    const PartResidual& rest = c.quality.rests[k];
-    EXPECT_EQ(rest.used, k != 10) << k;
-    EXPECT_NEAR(rest.end_s, s.recording.time_s(s.rests[k].end - 1), 1e-9);
-    EXPECT_NEAR(rest.begin_s, s.recording.time_s(s.rests[k].begin) - s.recording.interval_s, 1e-9);
-    if (rest.used) squares += rest.residual * rest.residual / 23;
-    if (!rest.used) {
-      EXPECT_GT(rest.residual, 10);
-    }
-  }
-  EXPECT_NEAR(squares, 0.85, 0.4) << "of 92 equations, which some 15 coefficients follow";
-}
-
 TEST(Handheld, ABadRestIsDroppedAndNamed) {
   SimulatedSession s = simulate_session(short_options(), 4);
   const Range bad = s.rests[10];
