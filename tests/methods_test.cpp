@@ -111,8 +111,7 @@ TEST(Methods, EveryOneNamesATermItDoesNotEstimate) {
   for (const Method& method : methods()) {
     SCOPED_TRACE(method.name);
     const Example& e = example(method.name);
-    const CoefficientIndex foreign =
-        coefficient_index(method.name == "whole-unit" || method.name == "handheld" ? "accel.lever_arm.xx" : "gyro.cubic.x");
+    const CoefficientIndex foreign = coefficient_index(method.name == "hybrid" ? "gyro.cubic.x" : "accel.lever_arm.xx");
     CalibrationOptions options;
     options.terms = {foreign};
     EXPECT_THROW(method.calibrate({e.session, e.recordings}, options), TermsError);

@@ -11,8 +11,6 @@ namespace imulab {
 
 namespace {
 
-constexpr double agreeing = 0.97;  // turns of some seconds that are off by less than a tenth of their length
-
 /// A signal on an even grid of its own.
 struct Signal {
   double begin_s = 0, step_s = 0;
@@ -107,13 +105,13 @@ std::optional<ClockOffset> clock_offset(const Recording& r, std::span<const Step
   const std::size_t turns = turns_of(steps).size();
   if (turns < 3 || r.size() < 100 || !r.gaps.empty()) return std::nullopt;
   const double length = r.time_s(r.size() - 1) - r.time_s(0), duration = steps.back().end - steps.front().start;
-  const double coarse_s = std::max({0.25, length / 4000, duration / 4000}), fine_s = std::max(r.interval_s, coarse_s / 16);
+  const double coarse_s = std::max({0.25, length / 1500, duration / 1500}), fine_s = std::max(r.interval_s, coarse_s / 16);
   const Signal rough = turning(r, coarse_s), plan = commanded(steps, coarse_s);
-  if (correlation(rough, plan, 0) > agreeing) return std::nullopt;
   // The log and the recording share at least half of the shorter one.
   const double first = rough.begin_s - plan.begin_s - 0.5 * std::min(length, duration),
                last = rough.begin_s + length - plan.begin_s - 0.5 * std::min(length, duration);
   const double near = best_offset(rough, plan, first, last);
+  if (std::abs(near) <= coarse_s) return std::nullopt;
   const Signal sharp = turning(r, fine_s), sharp_plan = commanded(steps, fine_s);
   const double at = best_offset(sharp, sharp_plan, near - 2 * coarse_s, near + 2 * coarse_s);
   const double before = correlation(sharp, sharp_plan, at - fine_s), peak = correlation(sharp, sharp_plan, at),

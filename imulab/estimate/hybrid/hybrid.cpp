@@ -231,10 +231,9 @@ void enlarge(const Data& data, const Iterate& iterate, Calibration& calibration,
       if (data.blocks[k].observed && counts(data.blocks[k])) chi2 += iterate.pass.chi2[k], degrees += 3;
     return kernel::excess(chi2, degrees);
   };
-  double factor = excess_of([](const Block&) { return true; });
-  // The ramps of turns between two samples leave a few percent in turns alone; half as much again is more than that.
-  for (const bool at_rest : {true, false})
-    if (const double of_kind = excess_of([&](const Block& b) { return b.at_rest == at_rest; }); of_kind > 1.5) factor = std::max(factor, of_kind);
+  double factor = excess_of([](const Block& b) { return b.at_rest; });
+  // The ramps of turns between two samples leave a few percent there; half as much again is more than that.
+  if (const double in_turns = excess_of([](const Block& b) { return !b.at_rest; }); in_turns > 1.5) factor = std::max(factor, in_turns);
   calibration.covariance *= factor * factor;
   kernel::add_scatter(findings, "velocities", factor);
 }

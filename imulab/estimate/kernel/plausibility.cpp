@@ -82,7 +82,9 @@ void judge_axes(std::vector<std::string>& found, const char* name, const Matrix3
                               matrix.determinant() < 0 && !counts ? " (left-handed)" : ""));
 }
 
-void judge_scale(std::vector<std::string>& found, Triad triad, const Matrix3d& matrix, const Recording& recording) {
+}  // namespace
+
+std::string scale_contradiction(Triad triad, const Matrix3d& matrix, const Recording& recording) {
   const char* const name = triad == Triad::accel ? "accelerometers" : "gyros";
   const Vector3d scale = matrix.rowwise().norm();
   int wrong = 0, worst = 0;
@@ -90,14 +92,12 @@ void judge_scale(std::vector<std::string>& found, Triad triad, const Matrix3d& m
     wrong += !near(scale[row], 1);
     if (std::abs(std::log(scale[row])) > std::abs(std::log(scale[worst]))) worst = row;
   }
-  if (wrong == 0) return;
+  if (wrong == 0) return {};
   const bool common = near(scale.minCoeff(), scale.maxCoeff());
-  found.push_back(fmt::format("the {}{} scale is {:.4g} in the declared unit, where 1 is expected: {}", name,
-                              common ? "'" : fmt::format("' {}", "xyz"[worst]), common ? scale.mean() : scale[worst],
-                              common ? cause_of(triad, scale.mean(), recording) : "this axis is not like the others; check its column"));
+  return fmt::format("the {}{} scale is {:.4g} in the declared unit, where 1 is expected: {}", name, common ? "'" : fmt::format("' {}", "xyz"[worst]),
+                     common ? scale.mean() : scale[worst],
+                     common ? cause_of(triad, scale.mean(), recording) : "this axis is not like the others; check its column");
 }
-
-}  // namespace
 
 std::vector<std::string> contradictions(const SensorModel& model, const Recording& recording) {
   std::vector<std::string> found;
@@ -106,7 +106,7 @@ std::vector<std::string> contradictions(const SensorModel& model, const Recordin
     const Matrix3d& matrix = (accel ? model.accel : model.gyro).matrix;
     const bool counts = (accel ? recording.accel_unit : recording.gyro_unit) == "count";
     judge_axes(found, accel ? "accelerometers" : "gyros", matrix, counts);
-    if (!counts) judge_scale(found, triad, matrix, recording);
+    if (std::string wrong = counts ? "" : scale_contradiction(triad, matrix, recording); !wrong.empty()) found.push_back(std::move(wrong));
   }
   return found;
 }

@@ -2,6 +2,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/coarse.hpp"
 #include "imulab/estimate/kernel/input.hpp"
+#include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/estimate/rests/fit.hpp"
 #include "imulab/estimate/rests/handheld_problem.hpp"
 #include "imulab/estimate/rests/rests.hpp"
@@ -30,6 +31,12 @@ bool possible(const Matrix3d& matrix) {
   return lengths.minCoeff() > 0.8 && lengths.maxCoeff() < 1.2;  // 20 % as elsewhere: scales are off by a few percent
 }
 
+/// Is this a triad of any scales? Motion about too few axes gives oblique ones.
+bool right_angled(const Matrix3d& matrix) {
+  const Matrix3d axes = matrix.rowwise().normalized();
+  return (axes * axes.transpose() - Matrix3d::Identity()).cwiseAbs().maxCoeff() < 0.2;  // misalignments are below a few percent
+}
+
 /// Gyro offset and matrix for the start: from the motion where it determines them, else as the declared unit says.
 void start_gyro(RestStart& start, const Recording& recording) {
   const auto coarse = kernel::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
@@ -39,11 +46,9 @@ void start_gyro(RestStart& start, const Recording& recording) {
   if (!coarse && counts)
     throw Unsupported(fmt::format(
         "{}: the motion between the rests does not turn the unit about all three axes: the gyros' scales cannot be determined", recording.name));
-  const double scale = std::cbrt(std::abs(gyro.matrix.determinant()));
-  if (const std::string_view looks = kernel::mistaken_unit(Triad::gyro, scale); !counts && !looks.empty())
-    throw Error(
-        fmt::format("{}: gyro: the rotations between the rests are {:.3g} times what the readings say with the declared unit {}: they look like {}",
-                    recording.name, scale, recording.gyro_unit, looks));
+  if (!counts && coarse && right_angled(*coarse))
+    if (const std::string wrong = kernel::scale_contradiction(Triad::gyro, *coarse, recording); !wrong.empty())
+      throw Error(fmt::format("{}: {}", recording.name, wrong));
   if (!counts && !possible(gyro.matrix)) gyro.matrix.setIdentity();
   gyro.offset = -gyro.matrix * start.scaling.gyro(mean_gyro(start.rests));
   // Axes that are not as declared (swapped, turned) and counts have no better prior than the coarse solution itself.
@@ -52,17 +57,6 @@ void start_gyro(RestStart& start, const Recording& recording) {
     start.prior.gyro.matrix = near_diagonal(gyro.matrix) ? Matrix3d(gyro.matrix.diagonal().asDiagonal()) : gyro.matrix;
   } else if (!kernel::near_identity(gyro.matrix)) {
     start.prior.gyro.matrix = gyro.matrix;
-  }
-}
-
-/// Gyros and accelerometers that do not turn together: columns swapped, or a sign. The calibration is right for the readings as they are.
-void warn_of_other_axes(const SensorModel& model, kernel::Findings& findings) {
-  for (Index row = 0; row < 3; ++row) {
-    Index column = 0;
-    model.gyro.matrix.row(row).cwiseAbs().maxCoeff(&column);
-    if (column == row && model.gyro.matrix(row, row) > 0) continue;
-    findings.warn(fmt::format("the rate about the accelerometers' {} axis is the gyros' {}{} reading: are the columns and signs right?", "xyz"[row],
-                              model.gyro.matrix(row, column) < 0 ? "-" : "", "xyz"[column]));
   }
 }
 
@@ -114,7 +108,6 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   add_parts(quality, problem.suspects(fit.conditions), fit, cleaned.fit.dropped);
   quality.term_tests = test_terms(problem, fit, options.significance);
   kernel::Findings& findings = start.findings;
-  warn_of_other_axes(result.calibration.model, findings);
   findings.note(fmt::format("{} rests and {} rotations between them were used", problem.rests().size(), problem.rotations()));
   if (const CrossValidation check = cross_validate(problem, fit); check.rotations >= 10) {  // a tenth of fewer is not a rotation
     quality.rotation_residual_deg = check.rms_deg;

@@ -208,8 +208,8 @@ TEST(Handheld, WrongUnitsAreNamed) {
   EXPECT_THAT(message(in_g, s), HasSubstr("accel: at rest the readings have the size"));
   EXPECT_THAT(message(in_g, s), HasSubstr("look like g"));
   EXPECT_THAT(message(times_g, s), HasSubstr("look like m/s^2"));
-  EXPECT_THAT(message(in_deg, s), HasSubstr("look like deg/s"));
-  EXPECT_THAT(message(in_rad, s), HasSubstr("look like rad/s"));
+  EXPECT_THAT(message(in_deg, s), HasSubstr("the readings are in deg/s"));
+  EXPECT_THAT(message(in_rad, s), HasSubstr("the readings are in rad/s"));
   EXPECT_EQ(message(s.recording, s), "no error");
 }
 
