@@ -37,10 +37,6 @@ TEST(BadData, IsWarnedOfAndUsedWhereItCanBe) {
                   s.set(3101, 1, "2.5");
                 },
                 "session/recording.csv: "},
-           Case{[](SessionText& s) { s.for_rows([](std::vector<double>& row) { row[4] = -row[4]; }); },
-                "the rate about the accelerometers' y axis is the gyros' -y reading: are the columns and signs right?"},
-           Case{[](SessionText& s) { s.for_rows([](std::vector<double>& row) { std::swap(row[1], row[2]); }); },
-                "the rate about the accelerometers' x axis is the gyros' y reading: are the columns and signs right?"},
        }) {
     const TemporaryFolder folder;
     SessionText text = hand_held_session();

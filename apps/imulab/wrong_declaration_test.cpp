@@ -49,7 +49,7 @@ TEST(WrongDeclaration, IsNeverGood) {
                 "the unit of the stamps is smaller than declared"},
            Case{"increments for rates", [](SessionText& s) { s.declare(gyro_rate, "output = \"increment\", unit = \"rad\""); }, "the readings are rates"},
            Case{"rates for increments", times(1, 4, 0.01), "the readings are increments"},
-           Case{"half of the gyros' reading", times(1, 4, 0.5), "the gyros' scale is 2 in the declared unit"},
+           Case{"half of the gyros' reading", times(1, 4, 0.5), "the gyros' scale is 2.0"},
            Case{"a thousandth", times(1, 4, 1000), "thousandths of the declared unit"},
            Case{"one axis twice", times(1, 2, 2), "the gyros' x scale is 0.5"},
            Case{"gyros' axes exchanged", rows([](Row& row) { std::swap(row[1], row[2]); }), "the gyros' axes are not as declared"},

@@ -111,7 +111,6 @@ std::optional<ClockOffset> clock_offset(const Recording& r, std::span<const Step
   const double first = rough.begin_s - plan.begin_s - 0.5 * std::min(length, duration),
                last = rough.begin_s + length - plan.begin_s - 0.5 * std::min(length, duration);
   const double near = best_offset(rough, plan, first, last);
-  if (std::abs(near) <= coarse_s) return std::nullopt;
   const Signal sharp = turning(r, fine_s), sharp_plan = commanded(steps, fine_s);
   const double at = best_offset(sharp, sharp_plan, near - 2 * coarse_s, near + 2 * coarse_s);
   const double before = correlation(sharp, sharp_plan, at - fine_s), peak = correlation(sharp, sharp_plan, at),
@@ -120,8 +119,10 @@ std::optional<ClockOffset> clock_offset(const Recording& r, std::span<const Step
   if (!(curvature < 0) || !(peak > 0)) return std::nullopt;
   // Of n values with residual variance 1 - peak^2: the correlation falls by peak (offset / sigma)^2 / (2 n) ...
   const double n = static_cast<double>(sharp_plan.value.size());
-  return ClockOffset{at + 0.5 * fine_s * (before - after) / (before - 2 * peak + after), std::sqrt((1 - peak * peak) / (n * peak * -curvature)), peak,
-                     correlation(sharp, sharp_plan, 0)};
+  const ClockOffset found{at + 0.5 * fine_s * (before - after) / (before - 2 * peak + after), std::sqrt((1 - peak * peak) / (n * peak * -curvature)),
+                          peak, correlation(sharp, sharp_plan, 0)};
+  // Steps are declared to a tenth of a second; the methods allow for that.
+  return std::abs(found.offset_s) > std::max(0.1, 5 * found.sigma_s) ? std::optional(found) : std::nullopt;
 }
 
 }  // namespace imulab

@@ -145,10 +145,9 @@ Iterate in_other_hemisphere(const Data& open, Iterate trial) {
   return trial;
 }
 
-Iterate better(Iterate a, Iterate b) {
-  const auto chi2 = [](const Iterate& i) { return std::accumulate(i.pass.chi2.begin(), i.pass.chi2.end(), 0.0); };
-  return chi2(b) < chi2(a) ? std::move(b) : std::move(a);
-}
+double chi2_of(const Iterate& i) { return std::accumulate(i.pass.chi2.begin(), i.pass.chi2.end(), 0.0); }
+
+Iterate better(Iterate a, Iterate b) { return chi2_of(b) < chi2_of(a) ? std::move(b) : std::move(a); }
 
 std::optional<SeenLatitude> contradicting_latitude(const Data& open, Iterate trial, double declared_sigma) {
   const Index at = trial.states.first(Group::latitude);
@@ -212,10 +211,17 @@ bool widen_priors(Data& data, const Iterate& c) {
   return widened;
 }
 
-/// About the same model with the data's present priors.
-Iterate with_priors(const Data& data, Iterate c) {
-  c.states = States(c.terms, data.place, data.wanted, data.priors);
-  return c;
+/// The latitude of the other hemisphere, where residuals that are too large become smaller with it. Nearer to the declared one a g-sensitivity common
+/// to all axes can take its place.
+std::optional<SeenLatitude> mirrored_latitude(const Data& data, const Iterate& c, const Groups& terms) {
+  const auto used = std::count_if(data.blocks.begin(), data.blocks.end(), [](const Block& b) { return b.observed; });
+  if (chi_square_tail(chi2_of(c), 3.0 * static_cast<double>(used)) > 1e-3) return {};
+  Data mirrored = data;
+  mirrored.place.latitude = -data.place.latitude;
+  const Iterate other = converged(mirrored, first_iterate(mirrored, terms));
+  constexpr double better_by = 50;  // of chi-square: a likelihood of e^25 to one
+  if (!other.converged || !(chi2_of(other) < chi2_of(c) - better_by)) return {};
+  return SeenLatitude{mirrored.place.latitude, 1 * unit::deg};
 }
 
 }  // namespace
@@ -227,10 +233,12 @@ Converged converge(Data& data, const Groups& terms, double significance) {
     out.latitude = seen.latitude;
     if (out.latitude) break;
     out.tests = std::move(seen.tests);
-    if (widen_priors(data, out.last)) {
-      out.last = converged(data, with_priors(data, std::move(out.last)));
+    if (widen_priors(data, out.last)) {  // anew: what a narrow prior bent may be far from the solution
+      out.last = converged(data, first_iterate(data, terms));
       continue;
     }
+    out.latitude = mirrored_latitude(data, out.last, terms);
+    if (out.latitude) break;
     if (!out.last.converged) break;
     const std::vector<std::size_t> outlying = outlying_blocks(data, out.last);
     if (outlying.empty()) break;
