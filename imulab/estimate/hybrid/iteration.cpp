@@ -82,6 +82,18 @@ double extrapolation(const VectorXd& step, const VectorXd& before) {
   return std::clamp(1 / (1 - ratio), 0.25, 6.0);
 }
 
+/// The optional terms' priors are narrow: what was corrected of them is taken from the model, where long first steps about a coarse model do not add
+/// up.
+void set_optional_totals(Iterate& c) {
+  const SensorModel& model = c.about.model;
+  for (const Index s : c.states.corrections()) {
+    const Coefficient& k = coefficient(c.states.corrects(s));
+    if (k.term == Term::quadratic) c.total[s] = -model.accel.quadratic[k.row] / std::pow(model.accel.matrix(k.row, k.row), 2);
+    if (k.term == Term::g_sensitivity) c.total[s] = -model.g_sensitivity(k.row, k.column);
+    if (k.term == Term::lever_arm) c.total[s] = model.lever_arm(k.row, k.column);
+  }
+}
+
 /// Passes until the correction is below a hundredth of its sigma.
 Iterate converged(const Data& data, Iterate c) {
   constexpr int most_iterations = 30, before_heading = 3;
@@ -111,6 +123,7 @@ Iterate converged(const Data& data, Iterate c) {
       latitude = std::clamp(latitude - factor * step[states.first(Group::latitude)], -89 * unit::deg, 89 * unit::deg);
     }
     c.total += factor * step;
+    set_optional_totals(c);
     c.about.start = rotation_exp(factor * start) * c.pass.start;
     if (k >= before_heading && !c.heading_known && sigma[start_at + 2] > 3 * unit::deg) c.about.start = best_heading(data, c);
     c.heading_known = c.heading_known || k >= before_heading;
