@@ -10,7 +10,7 @@ TEST(DemoCommand, RunsFromNothingAndAgain) {
   const TemporaryFolder folder;
   const CommandResult first = run_imulab(folder, "demo -o d");
   ASSERT_EQ(first.exit_code, 0) << first.errors;
-  EXPECT_THAT(first.output, testing::HasSubstr("0 of 21 coefficients differ significantly"));
+  EXPECT_THAT(first.output, testing::HasSubstr("0 of 51 coefficients differ significantly"));
   EXPECT_THAT(first.output, testing::HasSubstr("and with the hybrid one:"));
   folder.write("d/path/mine.txt", "kept");
   const CommandResult blocked = run_imulab(folder, "demo -o d");
