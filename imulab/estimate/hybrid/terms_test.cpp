@@ -55,6 +55,35 @@ TEST(HybridTerms, QuadraticAccelerometersAreFound) {
   EXPECT_LT(largest_sigmas(c, unit), 4.5);
 }
 
+TEST(HybridTerms, OffsetsHoldWhereQuadraticTermsHardlyShow) {
+  double squares = 0;
+  constexpr int sessions = 10;
+  for (std::uint64_t seed = 1; seed <= sessions; ++seed) {
+    SensorModel imu = hybrid_unit(seed);
+    imu.accel.quadratic = Vector3d(10, 20, 30) * unit::ug / (unit::g * unit::g);
+    const HybridSession s = hybrid_session(
+        seed,
+        [](Session& session) {
+          session = hybrid_procedure(6, 20);
+          session.imu.grade.reset();
+          session.imu.gyro_noise_density = 0.01 * unit::deg_per_sqrt_h;
+          session.imu.accel_noise_density = 100 * unit::ug_per_sqrt_hz;
+        },
+        imu);
+    const Calibration c = calibrated(s).calibration;
+    Eigen::Vector3d error;
+    std::vector<Eigen::Index> at;
+    for (std::size_t i = 0; i < c.estimated.size(); ++i)
+      if (const Coefficient& k = coefficient(c.estimated[i]); k.triad == Triad::accel && k.term == Term::offset) {
+        error[k.row] = c.model.accel.offset[k.row] - imu.accel.offset[k.row];
+        at.push_back(static_cast<Eigen::Index>(i));
+      }
+    ASSERT_EQ(at.size(), 3u);
+    squares += error.dot(Eigen::MatrixXd(c.covariance(at, at)).ldlt().solve(error));
+  }
+  EXPECT_LT(squares, chi_square_quantile(0.999, 3 * sessions));
+}
+
 TEST(HybridTerms, GSensitivityIsFound) {
   SensorModel unit = hybrid_unit(3);
   unit.g_sensitivity << 1e-7, -2e-7, 0, 0, 1e-7, 3e-7, -1e-7, 0, 2e-7;  // up to 0.6 deg/h/g
