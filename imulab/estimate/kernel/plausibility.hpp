@@ -14,6 +14,10 @@ namespace imulab::kernel {
 /// Why a triad's matrix is not that of a sensor in its declared unit, with the likely cause; empty where each scale is within 20 %.
 std::string scale_contradiction(Triad triad, const Matrix3d& matrix, const Recording& recording);
 
+/// Throws Error with that reason for the gyros' coarse matrix of SI readings, where it is that of a triad: motion about too few axes gives an oblique one,
+/// which says nothing.
+void expect_gyro_scale(const Matrix3d& coarse, const Recording& recording);
+
 /// What speaks against the model, each with its likely cause and what to change in the session: a scale more than 20 % from its declared unit, axes
 /// that are exchanged or reversed. Empty where all is as declared; for readings in counts only the order of the axes is judged.
 std::vector<std::string> contradictions(const SensorModel& model, const Recording& recording);

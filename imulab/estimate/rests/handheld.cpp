@@ -31,12 +31,6 @@ bool possible(const Matrix3d& matrix) {
   return lengths.minCoeff() > 0.8 && lengths.maxCoeff() < 1.2;  // 20 % as elsewhere: scales are off by a few percent
 }
 
-/// Is this a triad of any scales? Motion about too few axes gives oblique ones.
-bool right_angled(const Matrix3d& matrix) {
-  const Matrix3d axes = matrix.rowwise().normalized();
-  return (axes * axes.transpose() - Matrix3d::Identity()).cwiseAbs().maxCoeff() < 0.2;  // misalignments are below a few percent
-}
-
 /// Gyro offset and matrix for the start: from the motion where it determines them, else as the declared unit says.
 void start_gyro(RestStart& start, const Recording& recording) {
   const auto coarse = kernel::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
@@ -46,9 +40,7 @@ void start_gyro(RestStart& start, const Recording& recording) {
   if (!coarse && counts)
     throw Unsupported(fmt::format(
         "{}: the motion between the rests does not turn the unit about all three axes: the gyros' scales cannot be determined", recording.name));
-  if (!counts && coarse && right_angled(*coarse))
-    if (const std::string wrong = kernel::scale_contradiction(Triad::gyro, *coarse, recording); !wrong.empty())
-      throw Error(fmt::format("{}: {}", recording.name, wrong));
+  if (!counts && coarse) kernel::expect_gyro_scale(*coarse, recording);
   if (!counts && !possible(gyro.matrix)) gyro.matrix.setIdentity();
   gyro.offset = -gyro.matrix * start.scaling.gyro(mean_gyro(start.rests));
   // Axes that are not as declared (swapped, turned) and counts have no better prior than the coarse solution itself.

@@ -88,6 +88,7 @@ std::string coefficient_rows(const Calibration& calibration, const SensorModel* 
 }
 
 std::string term_test_text(const TermTest& test) {
+  if (test.degrees_of_freedom == 0) return fmt::format("  {}: the data say nothing of it; its prior counts in the uncertainties\n", test.term);
   std::string validation;
   if (test.cross_validation_with > 0)
     validation = fmt::format("; left-out points are missed by {:.3g} sigma with it, {:.3g} without", test.cross_validation_with,
