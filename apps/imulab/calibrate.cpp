@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 
 namespace imulab::command {
 
@@ -23,7 +24,7 @@ namespace {
 
 struct CalibrateArguments {
   std::string session, method, output, terms = "auto", recording, curves;
-  std::string require;
+  std::optional<std::string> require;
   bool json = false, stepwise = false, force = false;
 };
 
@@ -89,7 +90,7 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
   const Method& chosen = method(arguments.method);
   options_of(arguments, chosen, {});  // errors of the command are reported before anything is read
   const std::vector<Requirement> requirements =
-      arguments.require.empty() ? std::vector<Requirement>{} : errors_at("--require", [&] { return parse_requirements(arguments.require); });
+      arguments.require ? errors_at("--require", [&] { return parse_requirements(*arguments.require); }) : std::vector<Requirement>{};
   Session session = read_session(arguments.session);
   for (const std::string& output : {arguments.output, arguments.curves}) expect_inputs_stay(output, session);
   expect_free(arguments.output, arguments.force);
@@ -147,8 +148,8 @@ void add_calibrate(Verb app) {
       .one_of(names);
   verb.option("-o,--output", a->output, "the calibration file to write; - for standard output");
   verb.option("--terms", a->terms,
-                   "coefficients to estimate, for example accel.offset,gyro.matrix.diagonal; auto: those that the data support; full (whole-unit): "
-                   "all, significant or not")
+              "coefficients to estimate, for example accel.offset,gyro.matrix.diagonal; auto: those that the data support; full (whole-unit): "
+              "all, significant or not")
       .show_default();
   verb.option("--recording", a->recording, "the recording to use, if the session has several");
   verb.flag("--stepwise", a->stepwise, "whole-unit: Dai's three steps in sequence instead of the joint estimate");

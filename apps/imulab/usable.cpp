@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <utility>
 #include <vector>
 
 namespace imulab::command {
@@ -14,6 +16,13 @@ void add_allow_undetermined(Verb& verb, bool& allowed) {
 }
 
 void expect_usable(const Calibration& calibration, const std::string& file, bool allowed) {
+  const auto estimated = [&](const char* selector) {
+    const std::vector<CoefficientIndex> of = select_coefficients(selector);
+    return std::any_of(of.begin(), of.end(), [&](CoefficientIndex i) { return contains(calibration.estimated, i); });
+  };
+  for (const auto& [name, matrix] : {std::pair{"accelerometers", "accel.matrix"}, std::pair{"gyros", "gyro.matrix"}})
+    if (!calibration.estimated.empty() && !estimated(matrix))
+      warn(fmt::format("{}: the {}' scales and axes were not calibrated: taken as declared, and as exactly known", file, name));
   const std::vector<std::string> names = unusable(calibration);
   if (names.empty()) return;
   const std::string text = fmt::format("{}: the data did not determine {}: starting values, which compensate nothing", file, fmt::join(names, ", "));

@@ -19,27 +19,29 @@ struct Options {
   std::string calibration, session;
 };
 
-/// The session's file: where the user says, as the calibration names it, or beside the calibration.
+/// The session's file: where the user says, as the calibration names it (from here or from the calibration's folder), or beside the calibration.
 fs::path session_file(const Options& o, const std::string& recorded) {
   if (!o.session.empty()) return fs::is_directory(o.session) ? fs::path(o.session) / "session.toml" : fs::path(o.session);
-  const fs::path beside = fs::path(o.calibration).parent_path() / fs::path(recorded).filename();
-  return !fs::exists(recorded) && fs::exists(beside) ? beside : fs::path(recorded);
+  const fs::path folder = fs::path(o.calibration).parent_path();
+  for (const fs::path& place : {fs::path(recorded), folder / recorded, folder / fs::path(recorded).filename()})
+    if (fs::is_regular_file(place)) return place;
+  return recorded;
 }
 
-const char* to_string(FileState state) {
-  return state == FileState::unchanged ? "unchanged" : state == FileState::changed ? "changed" : "missing";
-}
+const char* to_string(FileState state) { return state == FileState::unchanged ? "unchanged" : state == FileState::changed ? "changed" : "missing"; }
 
 void run(const Options& o) {
   const Calibration calibration = read_calibration(o.calibration);
   if (calibration.sources.empty())
     throw Error(fmt::format("{}: has no hashes of recordings; expected a calibration that imulab made from files", o.calibration));
-  std::string differing;
+  std::string changed, missing;
   for (const VerifiedFile& f : verify_sources(calibration, session_file(o, calibration.session_file))) {
     fmt::print("{}: {}\n", f.file.string(), to_string(f.state));
-    if (f.state != FileState::unchanged) differing += fmt::format("{}{}", differing.empty() ? "" : ", ", f.file.string());
+    std::string& list = f.state == FileState::changed ? changed : missing;
+    if (f.state != FileState::unchanged) list += fmt::format("{}{}", list.empty() ? "" : ", ", f.file.string());
   }
-  if (!differing.empty()) throw Unsupported(fmt::format("{}: not what it was made from: {}", o.calibration, differing));
+  if (!changed.empty()) throw Unsupported(fmt::format("{}: not what it was made from: {}", o.calibration, changed));
+  if (!missing.empty()) throw Unsupported(fmt::format("{}: not found: {}; expected --session with their place", o.calibration, missing));
 }
 
 }  // namespace

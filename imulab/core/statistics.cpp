@@ -1,10 +1,11 @@
 #include "imulab/core/statistics.hpp"
 
-#include <algorithm>
 #include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/normal.hpp>
+
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -52,7 +53,10 @@ double additional_variance(const std::vector<double>& squares, const std::vector
 
 double normal_quantile(double p) { return bm::quantile(bm::normal(), p); }
 double chi_square_quantile(double p, double dof) { return bm::quantile(bm::chi_squared(dof), p); }
-double chi_square_tail(double x, double dof) { return bm::cdf(bm::complement(bm::chi_squared(dof), std::max(x, 0.0))); }
+double chi_square_tail(double x, double dof) {
+  if (std::isnan(x)) return 0;  // no residual that is a number is as large
+  return bm::cdf(bm::complement(bm::chi_squared(dof), std::max(x, 0.0)));
+}
 double log_chi_square_tail(double x, double dof) {
   const double tail = chi_square_tail(x, dof);
   if (tail > 0) return std::log(tail);

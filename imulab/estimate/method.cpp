@@ -45,7 +45,7 @@ void correct_clocks(Session& session, std::span<const Recording> recordings, std
     const RecordingSource source = session.recordings.size() > k ? session.recordings[k] : RecordingSource{};
     const std::optional<ClockOffset> offset = clock_offset(recordings[k], session.steps_of(source));
     // Turns in the plan that are not in the data correlate with nothing: that is another recording, not another clock.
-    if (!offset || offset->correlation < 0.7 || offset->correlation < offset->uncorrected + 0.1) continue;
+    if (!offset || offset->correlation < 0.7 || offset->correlation < offset->uncorrected + 0.01) continue;
     for (Step& step : session.steps)
       if (session.recordings.size() < 2 || step.recording == source.file) step.start += offset->offset_s, step.end += offset->offset_s;
     said.push_back(
@@ -65,8 +65,9 @@ std::vector<Recording> correct_stamps(const CalibrationInput& input, std::vector
     if (!clock) continue;
     if (out.empty()) out.assign(input.recordings.begin(), input.recordings.end());
     out[k] = with_even_stamps(std::move(out[k]), *clock);
-    said.push_back(fmt::format("{}: its stamps scatter by {:.2g} ms (RMS) about an even clock of {:.6g} ms, which is used in their place", r.name,
-                               1e3 * clock->scatter_s, 1e3 * clock->interval_s));
+    said.push_back(fmt::format(
+        "{}: its stamps scatter by {:.2g} ms (RMS) about an even clock of {:.6g} ms, which is used in their place (stamps = \"recorded\" keeps them)",
+        r.name, 1e3 * clock->scatter_s, 1e3 * clock->interval_s));
   }
   return out;
 }

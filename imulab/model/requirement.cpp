@@ -72,7 +72,7 @@ double relative_uncertainty(const Calibration& calibration, CoefficientIndex ind
 }
 
 RequirementResult assess(const Calibration& calibration, const Requirement& requirement) {
-  RequirementResult out{to_string(requirement), "", requirement.limit, -1, false};
+  RequirementResult out{to_string(requirement), std::string(coefficient(requirement.coefficients.front()).name), requirement.limit, 0, false};
   for (const CoefficientIndex index : requirement.coefficients) {
     const Coefficient& c = coefficient(index);
     const double reached = relative_uncertainty(calibration, index);

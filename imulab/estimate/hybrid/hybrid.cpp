@@ -173,8 +173,8 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
   warn_of_short_rests(rests, still, findings);
   CalibrationResult out{calibration_of(data, result.last), coarse, {}, {}, result.last.iterations};
   out.calibration.imu = session.imu.name;
-  report(data, result, session.site, out.calibration, findings);
   if (wanted.empty()) consider_nonlinearity(data, out.calibration);
+  report(data, result, session.site, out.calibration, findings);
   findings.add(last);
   kernel::conclude(out.calibration, findings);
   if (options.hybrid.curve_interval > 0) add_curves(data, result.last, options.hybrid.curve_interval, out);

@@ -40,6 +40,12 @@ void add_dropped(Findings& findings, const std::vector<std::string>& names, std:
   if (5 * names.size() > all) findings.doubt(fmt::format("{} of {} rests and rotations were dropped as outliers", names.size(), all));
 }
 
+void check_gyro_steps(Findings& findings, const MeanNoise& noise) {
+  for (Eigen::Index j = 0; j < 3; ++j)
+    if (noise.rounding.gyro[j] > 0.1 * noise.step.gyro[j])  // the noise is below a third of the step
+      return findings.doubt("the gyros' readings come in steps coarser than their noise; what lies between two steps is lost");
+}
+
 double excess(double chi2, double degrees_of_freedom) {
   if (!(degrees_of_freedom >= 1) || chi_square_tail(chi2, degrees_of_freedom) > 1e-3) return 1;
   return std::max(1.0, std::sqrt(chi2 / degrees_of_freedom));
@@ -62,7 +68,7 @@ void add_common_doubts(Findings& findings, const Calibration& calibration, const
   // Real sensors in a hand show 3 to 10; five times the noise is another sensor, another motion or another place than was declared.
   if (quality.chi2_per_dof > 25)
     findings.doubt(fmt::format("the residuals are {:.0f} times what the noise explains", std::sqrt(quality.chi2_per_dof)));
-  if (quality.chi2_per_dof < 0.3) findings.doubt("the residuals are far smaller than the declared noise: the uncertainties are too large");
+  if (quality.chi2_per_dof < 0.3 && quality.degrees_of_freedom >= 6) findings.doubt("the residuals are far smaller than the declared noise: the uncertainties are too large");
   for (const CoefficientIndex index : calibration.estimated) {
     const Coefficient& c = coefficient(index);
     if (c.term != Term::matrix || c.row != c.column) continue;

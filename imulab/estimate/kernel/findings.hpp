@@ -3,6 +3,7 @@
 #pragma once
 
 #include "imulab/model/calibration.hpp"
+#include "imulab/recording/mean_noise.hpp"
 #include "imulab/recording/session.hpp"
 
 #include <string>
@@ -32,6 +33,9 @@ void note_spread(Findings& findings, std::string_view what, double spread, std::
 
 /// Warns of the parts of the data that were dropped; more than a fifth of `all` is doubtful.
 void add_dropped(Findings& findings, const std::vector<std::string>& names, std::size_t all);
+
+/// Doubts gyros whose readings come in steps coarser than their noise: at rest they read much the same, so that what a step hides does not average out.
+void check_gyro_steps(Findings& findings, const MeanNoise& noise);
 
 /// By how much residuals are larger than their declared size, where chance explains that less than once in a thousand; else 1.
 double excess(double chi2, double degrees_of_freedom);

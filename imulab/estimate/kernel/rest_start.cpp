@@ -62,13 +62,6 @@ Vector3d declared_sigma(std::string_view triad, double density, const Matrix3d& 
   return declared;
 }
 
-/// A gyro at rest reads much the same in every rest, so that what a step hides does not average out over the rests either.
-void check_gyro_steps(RestStart& start) {
-  for (Eigen::Index j = 0; j < 3; ++j)
-    if (start.means.rounding.gyro[j] > 0.1 * start.means.step.gyro[j])  // the noise is below a third of the step
-      return start.findings.doubt("the gyros' readings come in steps coarser than their noise; what lies between two steps is lost");
-}
-
 /// The accelerometers of `start.model` and `start.prior`.
 void start_accel(RestStart& start, const Recording& recording, double gravity) {
   std::vector<Vector3d> readings;
@@ -106,7 +99,7 @@ RestStart start_from_rests(const Recording& recording, const std::vector<Range>&
   start.scaling = choose_scaling(recording, start.rests);
   start.noise = measure_noise(recording, start.rests);
   start.means = measure_mean_noise(recording, start.rests);
-  check_gyro_steps(start);
+  check_gyro_steps(start.findings, start.means);
   for (SensorModel* model : {&start.model, &start.prior}) {
     model->accel.raw_unit = recording.accel_unit;
     model->gyro.raw_unit = recording.gyro_unit;

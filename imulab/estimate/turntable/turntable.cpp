@@ -242,7 +242,14 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
   const Recording& recording = kernel::only_recording(input, "turntable");
   const Session& session = input.session;
   const TableObservations seen = observe(recording, session);
-  return {.calibration = calibrate(seen, turntable_of(session, recording.name), session.imu, session.site, options)};
+  CalibrationResult result{.calibration = calibrate(seen, turntable_of(session, recording.name), session.imu, session.site, options)};
+  Findings steps;
+  kernel::check_gyro_steps(steps, measure_mean_noise(recording, summarize_rests(recording, kernel::rests_of(input, recording).ranges)));
+  for (const std::string& doubt : steps.doubts) {
+    result.calibration.quality.verdict = "doubtful";
+    result.calibration.quality.because.push_back(doubt);
+  }
+  return result;
 }
 
 }  // namespace imulab::turntable
