@@ -45,7 +45,7 @@ void correct_clocks(Session& session, std::span<const Recording> recordings, std
     const RecordingSource source = session.recordings.size() > k ? session.recordings[k] : RecordingSource{};
     const std::optional<ClockOffset> offset = clock_offset(recordings[k], session.steps_of(source));
     // Turns in the plan that are not in the data correlate with nothing: that is another recording, not another clock.
-    if (!offset || offset->correlation < 0.7 || offset->correlation < offset->uncorrected + 0.01) continue;
+    if (!offset || offset->correlation < 0.7 || offset->correlation < offset->uncorrected + 0.001) continue;
     for (Step& step : session.steps)
       if (session.recordings.size() < 2 || step.recording == source.file) step.start += offset->offset_s, step.end += offset->offset_s;
     said.push_back(
