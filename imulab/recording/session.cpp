@@ -70,11 +70,11 @@ std::string step_name(const Step& step, std::size_t index) {
   return fmt::format("step {} ({} at {:g} s)", index + 1, to_string(step.kind), step.start);
 }
 
-RecordingSource Session::source_of(std::string_view file) const {
+RecordingSource Session::source_of(std::string_view name) const {
   for (const RecordingSource& source : recordings)
-    if (source.file == file) return source;
+    if (source.file == name) return source;
   RecordingSource undeclared;
-  undeclared.file = file;
+  undeclared.file = name;
   return undeclared;
 }
 

@@ -183,7 +183,7 @@ struct Session {
   std::optional<std::string> truth_file;  ///< reference solution for navigation
 
   /// The declaration of the recording with this file name; if the session has none, one with the name alone.
-  RecordingSource source_of(std::string_view file) const;
+  RecordingSource source_of(std::string_view name) const;
   /// The rig of a recording: the one it names, or the first where it names none; null where there is none.
   const RigDeclaration* rig_of(const RecordingSource& source) const;
   /// The steps of a recording: those that name its file, or all where the session has at most one recording.
