@@ -122,7 +122,10 @@ Fit fit(const Problem& problem, const EstimatorOptions& options) {
     const VectorXd readings = estimator.linearized(problem.seen.readings);
     const SensorModel before = std::exchange(model, estimator.estimate(readings));
     const double chi2 = estimator.chi2(readings);
-    if (pass == 1) return {&problem, options, std::move(estimator), readings, model, chi2, close(estimator, before, model)};
+    if (pass == 1) {
+      const bool converged = close(estimator, before, model);
+      return {&problem, options, std::move(estimator), readings, model, chi2, converged};
+    }
     now.around = estimator.table_errors(readings);
   }
 }
