@@ -3,6 +3,8 @@
 
 #include "imulab/estimate/method.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -22,6 +24,14 @@ inline Calibration calibrated(std::string_view method, const Recording& recordin
   session.imu = imu;
   session.site = site;
   return calibrate(method, input_of(session, recording, rests), options).calibration;
+}
+
+/// Errors in sigmas, the largest.
+inline double largest_sigmas(const Calibration& c, const SensorModel& truth) {
+  double largest = 0;
+  for (const CoefficientIndex index : c.estimated)
+    largest = std::max(largest, std::abs(coefficient_value(c.model, index) - coefficient_value(truth, index)) / *standard_uncertainty(c, index));
+  return largest;
 }
 
 }  // namespace imulab

@@ -10,6 +10,20 @@
 
 namespace imulab {
 
+/// A hold from one time [s] to another at these angles [deg].
+inline Step hold_between(double start, double end, double outer, double middle = 0, double inner = 0) {
+  Step s;
+  s.start = start, s.end = end, s.angles = {outer * unit::deg, middle * unit::deg, inner * unit::deg};
+  return s;
+}
+
+/// A rotation from one time [s] to another; deg, deg/s.
+inline Step rotation_between(double start, double end, RigAxis axis, double angle, double rate) {
+  Step s;
+  s.kind = StepKind::rotate, s.start = start, s.end = end, s.axis = axis, s.angle = angle * unit::deg, s.rate = rate * unit::deg;
+  return s;
+}
+
 /// Places steps in time: rests, turns at 10 deg/s and 50 deg/s^2, and 10 s for reaching a hold.
 class TableSteps {
  public:

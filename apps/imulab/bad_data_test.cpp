@@ -61,7 +61,7 @@ TEST(BadData, NothingIsWrittenWhereNothingFollows) {
     });
   };
   for (const Case& c : {
-           Case{never_still, "recording.csv: no rests: the unit was never still for long enough"},
+           Case{never_still, "recording.csv: no rests: the IMU was never still for long enough"},
            Case{[](SessionText& s) { s.declare("unit = \"m/s^2\"", "unit = \"m/s^2\", limits = [-1, 1]"); }, "recording.csv: no rests"},
            Case{[](SessionText& s) { s.lines.resize(3); }, "recording.csv: no rests"},
            Case{[](SessionText& s) { s.for_rows([](std::vector<double>& row) { row[6] = 9.81; }); },
@@ -114,7 +114,7 @@ TEST(BadData, AllRestsOnOneAxis) {
   folder.write("flat.toml", procedure);
   ASSERT_EQ(run_imulab(folder, "simulate flat.toml -o session").exit_code, 0);
   expect_partly_determined(folder, run_imulab(folder, "calibrate session -o c.json --method static"),
-                           "all rests have gravity near one axis or plane of the unit");
+                           "all rests have gravity near one axis or plane of the IMU");
   // Turns about the vertical alone leave the gyros open too: nothing remains that could be written.
   const CommandResult result = run_imulab(folder, "calibrate session -o h.json --method handheld");
   EXPECT_EQ(result.exit_code, 1);

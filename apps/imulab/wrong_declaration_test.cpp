@@ -39,8 +39,8 @@ TEST(WrongDeclaration, IsNeverGood) {
            Case{"deg/s for rad/s", [](SessionText& s) { s.declare("unit = \"rad/s\"", "unit = \"deg/s\""); }, "the readings are in rad/s"},
            Case{"rad/s for deg/s", times(1, 4, 180 / 3.14159265), "the readings are in deg/s"},
            Case{"rad/s for deg/h", times(1, 4, 3600 * 180 / 3.14159265), "expected a reading that a sensor can give"},
-           Case{"g for m/s^2", [](SessionText& s) { s.declare("unit = \"m/s^2\"", "unit = \"g\""); }, "look like m/s^2"},
-           Case{"m/s^2 for g", times(4, 7, 1 / 9.8), "look like g"},
+           Case{"g for m/s^2", [](SessionText& s) { s.declare("unit = \"m/s^2\"", "unit = \"g\""); }, "the readings are in m/s^2,"},
+           Case{"m/s^2 for g", times(4, 7, 1 / 9.8), "the readings are in g,"},
            Case{"stamps in ms as s",
                 [](SessionText& s) {
                   s.for_rows([](Row& row) { row[0] *= 1000; });

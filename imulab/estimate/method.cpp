@@ -3,6 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/hybrid/hybrid.hpp"
 #include "imulab/estimate/hybrid/prediction.hpp"
+#include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/estimate/rests/rests.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
@@ -95,10 +96,8 @@ CalibrationResult calibrate(const Method& method, const CalibrationInput& input,
   CalibrationResult result = method.calibrate({session, recordings, input.rests}, options);
   Quality& quality = result.calibration.quality;
   quality.warnings.insert(quality.warnings.begin(), clocks.begin(), clocks.end());
-  for (std::string& contradiction : kernel::contradictions(result.calibration.model, input.recordings.front())) {
-    quality.verdict = "doubtful";
-    quality.because.push_back(std::move(contradiction));
-  }
+  for (std::string& contradiction : kernel::contradictions(result.calibration.model, input.recordings.front()))
+    kernel::add_doubt(quality, std::move(contradiction));
   return result;
 }
 

@@ -43,7 +43,7 @@ Requirement parse_requirement(std::string_view text) {
   out.coefficients = select_coefficients(out.selector);
   for (const CoefficientIndex index : out.coefficients)
     if (const Term term = coefficient(index).term; term != Term::offset && term != Term::matrix && term != Term::g_sensitivity)
-      throw Error(fmt::format("{}: no prediction estimates it; expected coefficients of offset, matrix or g_sensitivity", out.selector));
+      throw Error(fmt::format("{}: cannot be required; expected coefficients of offset, matrix or g_sensitivity", out.selector));
   const std::string_view value = trimmed(text.substr(sign + 2));
   const std::string stated = fmt::format("{} <= {}", out.selector, value);
   const char* const end = value.data() + value.size();

@@ -21,7 +21,7 @@ struct Requirement {
 /// "gyro.matrix.off_diagonal <= 5 arcsec"
 std::string to_string(const Requirement& requirement);
 
-/// Requirements separated by commas. Throws Error for text of another form, an unknown coefficient, one that no prediction estimates (all but offset,
+/// Requirements separated by commas. Throws Error for text of another form, an unknown coefficient, one that cannot be required (all but offset,
 /// matrix and g_sensitivity), a number that is not above 0, and a unit that the coefficients cannot have.
 std::vector<Requirement> parse_requirements(std::string_view text);
 

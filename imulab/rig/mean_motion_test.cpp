@@ -9,6 +9,8 @@
 
 #include <cmath>
 
+#include "tests/table_steps.hpp"
+
 namespace imulab::rig {
 namespace {
 
@@ -28,21 +30,9 @@ struct Means {
   Vector3d force_at(std::size_t k) const { return {force[0][k], force[1][k], force[2][k]}; }
 };
 
-Step hold(double start, double end, double outer, double middle, double inner) {
-  Step s;
-  s.start = start, s.end = end, s.angles = {outer * deg, middle * deg, inner * deg};
-  return s;
-}
-
-Step rotation(double start, double end, RigAxis axis, double angle, double rate) {
-  Step s;
-  s.kind = StepKind::rotate, s.start = start, s.end = end, s.axis = axis, s.angle = angle * deg, s.rate = rate * deg;
-  return s;
-}
-
 /// A hold, a fast move of all axes, a rotation with ramps; the joints fall inside samples.
 RigMotion lively() {
-  return rig_motion(std::vector{hold(0, 0.5013, 10, 20, 30), hold(2.0031, 2.2, 190, -60, -100), rotation(2.3007, 3.6007, RigAxis::middle, 180, 180)});
+  return rig_motion(std::vector{hold_between(0, 0.5013, 10, 20, 30), hold_between(2.0031, 2.2, 190, -60, -100), rotation_between(2.3007, 3.6007, RigAxis::middle, 180, 180)});
 }
 
 Surroundings surroundings() {
@@ -83,7 +73,7 @@ TEST(MeanMotion, QuadratureErrorIsBelow1e10OfFullScale) {
 }
 
 TEST(MeanMotion, AtRestEverySampleIsTheSame) {
-  const RigMotion motion = rig_motion(std::vector{hold(0, 10, 10, 20, 30)});
+  const RigMotion motion = rig_motion(std::vector{hold_between(0, 10, 10, 20, 30)});
   const Means means(MeanMotion(motion, surroundings()), 1000, 0.01);
   const Motion still = sensed_motion(body_state(motion, 5), surroundings());
   for (std::size_t k = 0; k < 1000; ++k) {
@@ -116,7 +106,7 @@ TEST(MeanMotion, IntegratedForceIsTheVelocityOfTheLeverArm) {
   const Vector3d r(0.05, -0.02, 0.03);
   for (int i = 0; i < 3; ++i) around.lever_arm.row(i) = r;
   for (const double end : {3.0, 3.5}) {  // without ramps, and with ramps of 0.5 s; joints on samples' bounds, where a jump must count once
-    const RigMotion motion = rig_motion(std::vector{hold(0, 1, 10, 20, 30), rotation(1, end, RigAxis::inner, 60, 30), hold(end, 5, 10, 20, 90)});
+    const RigMotion motion = rig_motion(std::vector{hold_between(0, 1, 10, 20, 30), rotation_between(1, end, RigAxis::inner, 60, 30), hold_between(end, 5, 10, 20, 90)});
     const double rate_hz = 2000;
     const Means means(MeanMotion(motion, around), 10000, 1 / rate_hz);
     Vector3d v = Vector3d::Zero();

@@ -10,22 +10,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/table_steps.hpp"
+
 namespace imulab::rig {
 namespace {
 
 using unit::arcsec, unit::deg;
-
-Step hold(double start, double end, double outer, double middle = 0, double inner = 0) {
-  Step s;
-  s.start = start, s.end = end, s.angles = {outer * deg, middle * deg, inner * deg};
-  return s;
-}
-
-Step rotation(double start, double end, RigAxis axis, double angle, double rate) {
-  Step s;
-  s.kind = StepKind::rotate, s.start = start, s.end = end, s.axis = axis, s.angle = angle * deg, s.rate = rate * deg;
-  return s;
-}
 
 /// hold, middle turns by 90 deg, hold, then a hold with other outer and inner angles, and five turns of the inner axis.
 Session table() {
@@ -36,8 +26,8 @@ Session table() {
   s.rigs[0].orthogonality.value = 50 * arcsec;
   s.rigs[0].zero.value = 40 * arcsec;
   s.rigs[0].timing.value = 10e-3;
-  s.steps = {hold(0, 1, 0), rotation(1, 10.2, RigAxis::middle, 90, 10), hold(10.2, 12, 0, 90), hold(20, 25, 45, 90, -30),
-             rotation(25, 205.2, RigAxis::inner, 1800, 10)};
+  s.steps = {hold_between(0, 1, 0), rotation_between(1, 10.2, RigAxis::middle, 90, 10), hold_between(10.2, 12, 0, 90), hold_between(20, 25, 45, 90, -30),
+             rotation_between(25, 205.2, RigAxis::inner, 1800, 10)};
   return s;
 }
 
@@ -70,7 +60,7 @@ TEST(RigErrors, EverySourceIsListedOnceByName) {
 
 TEST(RigErrors, AnAxisThatStandsAtZeroIsNoAxis) {
   Session s = table();
-  s.steps = {hold(0, 1, 0), rotation(1, 10.2, RigAxis::outer, 90, 10), hold(10.2, 12, 90)};  // a one-axis rate table
+  s.steps = {hold_between(0, 1, 0), rotation_between(1, 10.2, RigAxis::outer, 90, 10), hold_between(10.2, 12, 90)};  // a one-axis rate table
   EXPECT_THAT(names(rig_error_sources(s, {})),
               testing::ElementsAre("orthogonality.outer.1", "orthogonality.outer.2", "zero.outer", "zero.middle", "zero.inner", "tilt.east",
                                    "tilt.north", "angle.outer.start", "angle.outer.2", "timing.2"));
@@ -128,7 +118,7 @@ TEST(RigErrors, DrawsHaveTheDeclaredSigmaAndTheTableIsSharedByItsRecordings) {
 
 TEST(RigErrors, AnAxisTakesUpAnErrorOnlyWhenItMoves) {
   const double e = 1e-4;
-  const std::vector<Step> steps{hold(0, 1, 0), rotation(1, 11, RigAxis::middle, 90, 10), hold(21, 22, 10, 90, 0)};
+  const std::vector<Step> steps{hold_between(0, 1, 0), rotation_between(1, 11, RigAxis::middle, 90, 10), hold_between(21, 22, 10, 90, 0)};
   const RigErrors errors = exactly(
       steps, {{"angle.outer.start", e}, {"angle.middle.start", 2 * e}, {"angle.middle.2", -e}, {"angle.outer.3", 5 * e}, {"zero.inner", 3 * e}});
   const RigMotion m = rig_motion(steps, errors);
@@ -149,8 +139,8 @@ TEST(RigErrors, AnAxisTakesUpAnErrorOnlyWhenItMoves) {
 
 TEST(RigErrors, ARotationEndsAtItsAngleButLater) {
   const double late = 10e-3;
-  const std::vector<Step> steps{hold(0, 1, 0), rotation(1, 10.2, RigAxis::middle, 90, 10), rotation(10.2, 19.4, RigAxis::middle, 90, 10),
-                                hold(19.4, 30, 0, 180)};
+  const std::vector<Step> steps{hold_between(0, 1, 0), rotation_between(1, 10.2, RigAxis::middle, 90, 10), rotation_between(10.2, 19.4, RigAxis::middle, 90, 10),
+                                hold_between(19.4, 30, 0, 180)};
   for (const double delay : {late, -late}) {
     const RigMotion m = rig_motion(steps, exactly(steps, {{"timing.2", delay}}));
     const auto middle = [&](double t) {

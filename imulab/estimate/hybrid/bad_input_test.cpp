@@ -17,13 +17,6 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-double largest_sigmas(const Calibration& c, const SensorModel& truth) {
-  double largest = 0;
-  for (const CoefficientIndex index : c.estimated)
-    largest = std::max(largest, std::abs(coefficient_value(c.model, index) - coefficient_value(truth, index)) / *standard_uncertainty(c, index));
-  return largest;
-}
-
 void negate(std::vector<double>& axis) {
   for (double& v : axis) v = -v;
 }

@@ -38,13 +38,6 @@ NormalizedError normalized_error(const Calibration& c, const SensorModel& truth)
   return {used.dot(Eigen::MatrixXd(c.covariance(at, at)).ldlt().solve(used)), static_cast<double>(at.size())};
 }
 
-double largest_sigmas(const Calibration& c, const SensorModel& truth) {
-  double largest = 0;
-  for (const CoefficientIndex index : c.estimated)
-    largest = std::max(largest, std::abs(coefficient_value(c.model, index) - coefficient_value(truth, index)) / *standard_uncertainty(c, index));
-  return largest;
-}
-
 TEST(Hybrid, WithoutNoiseTheTruthComesBack) {
   HybridSession s = hybrid_session(1, [](Session& session) {
     session.imu.accel_noise_density = session.imu.gyro_noise_density = 1e-12;

@@ -65,7 +65,7 @@ std::vector<Disturbance> disturbances(std::vector<std::size_t> left_out) {
   return out;
 }
 
-/// Bumps come at any time. Velocities left out that gather in turns, or in rests, are a term that the model lacks.
+/// Bumps come at any time. Disturbances that gather in turns are a term that the model lacks.
 void judge_left_out(const Data& data, const std::vector<Disturbance>& found, kernel::Findings& findings) {
   constexpr double improbable = 1e-4;
   double turning = 0, observed = 0, in_turns = 0;

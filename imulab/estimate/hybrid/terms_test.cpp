@@ -21,14 +21,6 @@ const TermTest& term_test(const Calibration& c, const std::string& name) {
   throw std::logic_error(name);
 }
 
-/// Errors in sigmas, the largest.
-double largest_sigmas(const Calibration& c, const SensorModel& truth) {
-  double largest = 0;
-  for (const CoefficientIndex index : c.estimated)
-    largest = std::max(largest, std::abs(coefficient_value(c.model, index) - coefficient_value(truth, index)) / *standard_uncertainty(c, index));
-  return largest;
-}
-
 /// At 100 Hz, where a ramp of a turn has twenty samples.
 HybridSession session_of(std::uint64_t seed, const SensorModel& unit) {
   return hybrid_session(

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace imulab::kernel {
 
@@ -84,10 +85,9 @@ void add_common_doubts(Findings& findings, const Calibration& calibration, const
                                site.latitude ? "the given latitude" : "the Earth's surface", expected));
 }
 
-std::string_view mistaken_unit(Triad triad, double scale) {
-  const auto near = [&](double expected) { return std::abs(scale / expected - 1) < 0.2; };
-  if (triad == Triad::accel) return near(unit::g) ? "g" : near(1 / unit::g) ? "m/s^2" : "";
-  return near(unit::deg) ? "deg/s" : near(1 / unit::deg) || near(1 / unit::deg_per_h) ? "rad/s" : "";
+void add_doubt(Quality& quality, std::string reason) {
+  quality.verdict = "doubtful";
+  quality.because.push_back(std::move(reason));
 }
 
 void conclude(Calibration& calibration, const Findings& findings) {

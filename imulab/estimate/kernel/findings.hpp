@@ -47,9 +47,8 @@ void add_scatter(Findings& findings, std::string_view what, double factor);
 /// not the place's.
 void add_common_doubts(Findings& findings, const Calibration& calibration, const Site& site);
 
-/// The unit that readings seem to be in where a triad's scale comes out as `scale` in the declared SI unit: "g", "m/s^2", "deg/s", "rad/s"; empty
-/// where no known mistake explains it. Uncalibrated scales are within 20 %.
-std::string_view mistaken_unit(Triad triad, double scale);
+/// Adds a reason to a verdict that has been given.
+void add_doubt(Quality& quality, std::string reason);
 
 /// Puts the findings into the calibration's quality, with the verdict: "good", or "doubtful, because ...".
 void conclude(Calibration& calibration, const Findings& findings);

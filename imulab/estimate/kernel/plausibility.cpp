@@ -18,42 +18,34 @@ constexpr double scale_tolerance = 0.2;  // uncalibrated MEMS sensors are within
 
 bool near(double value, double expected) { return std::abs(value / expected - 1) < scale_tolerance; }
 
-/// A mistake in the session that multiplies a scale by `factor`.
-struct Mistake {
-  double factor;
-  std::string cause;
+/// A scale that readings in another unit than the declared one have.
+struct MistakenUnit {
+  Triad triad;
+  double scale;
+  std::string_view read;
 };
+constexpr std::array mistaken_units{MistakenUnit{Triad::gyro, unit::deg, "deg/s"},
+                                    MistakenUnit{Triad::gyro, 1 / unit::deg, "rad/s"},
+                                    MistakenUnit{Triad::gyro, unit::deg_per_h, "deg/h"},
+                                    MistakenUnit{Triad::gyro, 1 / unit::deg_per_h, "rad/s"},
+                                    MistakenUnit{Triad::gyro, 1.0 / 3600, "deg/h"},
+                                    MistakenUnit{Triad::gyro, 3600, "deg/s"},
+                                    MistakenUnit{Triad::accel, unit::g, "g"},
+                                    MistakenUnit{Triad::accel, 1 / unit::g, "m/s^2"},
+                                    MistakenUnit{Triad::accel, 1e-3 * unit::g, "mg"},
+                                    MistakenUnit{Triad::accel, 1e3 / unit::g, "m/s^2"}};
 
-std::vector<Mistake> mistakes(Triad triad, const Recording& recording) {
+/// What in the session makes a scale come out as this.
+std::string cause_of(Triad triad, double scale, const Recording& recording) {
+  if (const std::string_view read = mistaken_unit(triad, scale); !read.empty())
+    return fmt::format("the readings are in {}, not in the declared unit", read);
   const bool increment = triad == Triad::accel ? recording.accel_increment : recording.gyro_increment;
-  std::vector<Mistake> out;
-  const auto units = [&](double factor, const char* coarse, const char* fine) {  // declared -> read
-    out.push_back({factor, fmt::format("the readings are in {}, not in the declared unit", fine)});
-    out.push_back({1 / factor, fmt::format("the readings are in {}, not in the declared unit", coarse)});
-  };
-  if (triad == Triad::gyro) {
-    units(unit::deg, "rad/s", "deg/s");
-    units(unit::deg_per_h, "rad/s", "deg/h");
-    units(1.0 / 3600, "deg/s", "deg/h");
-    out.push_back({1e-3, "the unit of the stamps is smaller than declared (ms, not s), or the readings are in thousandths of the declared unit"});
-    out.push_back({1e3, "the unit of the stamps is larger than declared (s, not ms)"});
-    out.push_back({1e-6, "the unit of the stamps is smaller than declared (us, not s)"});
-    out.push_back({1e6, "the unit of the stamps is larger than declared (s, not us)"});
-  } else {
-    units(unit::g, "m/s^2", "g");
-    units(1e-3 * unit::g, "m/s^2", "mg");
-    out.push_back({1e-3, "the readings are in thousandths of the declared unit (mg, mm/s^2)"});
-  }
-  if (increment)
-    out.push_back({recording.interval_s, "the readings are rates; declare output = \"rate\""});
-  else
-    out.push_back({1 / recording.interval_s, "the readings are increments; declare output = \"increment\""});
-  return out;
-}
-
-std::string cause_of(Triad triad, double factor, const Recording& recording) {
-  for (const Mistake& mistake : mistakes(triad, recording))
-    if (near(factor, mistake.factor)) return mistake.cause;
+  if (increment && near(scale, recording.interval_s)) return "the readings are rates; declare output = \"rate\"";
+  if (!increment && near(scale, 1 / recording.interval_s)) return "the readings are increments; declare output = \"increment\"";
+  if (triad == Triad::accel && near(scale, 1e-3)) return "the readings are in thousandths of the declared unit";
+  if (triad == Triad::gyro && (near(scale, 1e-3) || near(scale, 1e-6)))
+    return "the unit of the stamps is smaller than declared (ms or us, not s), or the readings are in thousandths of the declared unit";
+  if (triad == Triad::gyro && (near(scale, 1e3) || near(scale, 1e6))) return "the unit of the stamps is larger than declared (s, not ms or us)";
   return "check the declared unit, whether the readings are rates or increments, and the unit of the stamps";
 }
 
@@ -83,6 +75,12 @@ void judge_axes(std::vector<std::string>& found, const char* name, const Matrix3
 }
 
 }  // namespace
+
+std::string_view mistaken_unit(Triad triad, double scale) {
+  for (const MistakenUnit& mistake : mistaken_units)
+    if (mistake.triad == triad && near(scale, mistake.scale)) return mistake.read;
+  return {};
+}
 
 std::string scale_contradiction(Triad triad, const Matrix3d& matrix, const Recording& recording) {
   const char* const name = triad == Triad::accel ? "accelerometers" : "gyros";

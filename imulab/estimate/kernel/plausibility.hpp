@@ -7,9 +7,14 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace imulab::kernel {
+
+/// The unit that readings seem to be in where a triad's scale comes out as `scale` in the declared SI unit: "g", "mg", "m/s^2", "deg/s", "deg/h",
+/// "rad/s"; empty where no known mistake explains it.
+std::string_view mistaken_unit(Triad triad, double scale);
 
 /// Why a triad's matrix is not that of a sensor in its declared unit, with the likely cause; empty where each scale is within 20 %.
 std::string scale_contradiction(Triad triad, const Matrix3d& matrix, const Recording& recording);

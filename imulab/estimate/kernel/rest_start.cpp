@@ -6,6 +6,7 @@
 #include "imulab/estimate/kernel/coarse.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/optional_terms.hpp"
+#include "imulab/estimate/kernel/plausibility.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <fmt/core.h>
@@ -17,19 +18,14 @@ namespace imulab::kernel {
 
 namespace {
 
-/// The declared unit is wrong if gravity reads as in another one. Offsets of uncalibrated accelerometers are below 20 % of g.
+/// The declaration is wrong if gravity reads as half or twice itself. Offsets and scales of uncalibrated accelerometers are below 20 %.
 void check_accel_unit(const Recording& recording, const std::vector<RestMeans>& rests, double gravity) {
   if (recording.accel_unit == "count") return;
   std::vector<double> sizes;
   for (const RestMeans& rest : rests) sizes.push_back(rest.accel.norm());
-  const double size = median(sizes);
-  const auto near = [&](double expected) { return std::abs(size / expected - 1) < 0.2; };
-  const std::string where =
-      fmt::format("{}: accel: at rest the readings have the size {:.4g} with the declared unit {}", recording.name, size, recording.accel_unit);
-  if (near(1.0)) throw Error(fmt::format("{}, expected {:.4g} m/s^2: they look like g", where, gravity));
-  if (near(gravity * unit::g)) throw Error(fmt::format("{}, expected {:.4g} m/s^2: they look like m/s^2", where, gravity));
-  if (!(size > 0.5 * gravity && size < 2 * gravity))
-    throw Error(fmt::format("{}, expected about {:.4g} m/s^2: are the columns and the unit right?", where, gravity));
+  const double scale = gravity / median(sizes);
+  if (!(scale > 0.5 && scale < 2))
+    throw Error(fmt::format("{}: gravity at rest: {}", recording.name, scale_contradiction(Triad::accel, scale * Matrix3d::Identity(), recording)));
 }
 
 /// Do the rests change every axis's reading by a part of gravity? Else the quadric would be fitted to noise.
@@ -51,7 +47,7 @@ void warn_of_poor_rests(RestStart& start) {
   for (const RestMeans& rest : start.rests) scatter += start.up(rest) * start.up(rest).transpose() / static_cast<double>(n);
   // A third in every direction is even; at a thirtieth every rest is within about 10 deg of one plane.
   if (n > 1 && Eigen::SelfAdjointEigenSolver<Matrix3d>(scatter).eigenvalues()[0] < 1.0 / 30)
-    start.findings.warn("all rests have gravity near one axis or plane of the unit: turn it so that each of its axes points up and down");
+    start.findings.warn("all rests have gravity near one axis or plane of the IMU: turn it so that each of its axes points up and down");
 }
 
 /// Raw noise of a declared density, and a warning where the rests show another. A raw axis feeds its column of the matrix.
@@ -91,7 +87,7 @@ void start_accel(RestStart& start, const Recording& recording, double gravity) {
 
 RestStart start_from_rests(const Recording& recording, const std::vector<Range>& ranges, const ImuDeclaration& imu, double gravity) {
   if (ranges.empty())
-    throw Unsupported(fmt::format("{}: no rests: the unit was never still for long enough; hold it still in many orientations", recording.name));
+    throw Unsupported(fmt::format("{}: no rests: the IMU was never still for long enough; hold it still in many orientations", recording.name));
   expect_alive(recording.accel, recording.name, "accel", "without it nothing can be calibrated");
   RestStart start;
   start.rests = summarize_rests(recording, ranges);

@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// A triad's scale farther from its prior than an IMU can be, of those that the fit `determined`: the rests are too similar, and the fit has moved
+/// A triad's scale farther from its prior than an IMU can be, of those that the fit `determined`: the data are too poor, and the fit has moved
 /// along what they do not determine.
 const Coefficient* implausible_scale(const RestProblem& problem, const std::vector<char>& determined, Triad triad) {
   for (std::size_t i = 0; i < determined.size(); ++i) {
@@ -42,8 +42,9 @@ std::vector<char> stated(const RestProblem& problem, const Eigen::MatrixXd& cova
   for (const Triad triad : {Triad::accel, Triad::gyro}) {
     const Coefficient* c = implausible_scale(problem, out, triad);
     if (!c) continue;
-    warnings.push_back(fmt::format("{} is implausible for an IMU: the rests are too similar; {}", c->name,
-                                   triad == Triad::accel ? "nothing of the fit is used" : "nothing of the gyros' fit is used"));
+    warnings.push_back(fmt::format("{} is implausible for an IMU: {} is used", c->name,
+                                   triad == Triad::accel ? "the rests are too similar; nothing of the fit"
+                                                         : "the rotations are too few or do not fit; nothing of the gyros' fit"));
     for (std::size_t i = 0; i < out.size(); ++i)
       if (triad == Triad::accel || coefficient(problem.indices()[i]).triad == triad) out[i] = 0;
     if (triad == Triad::accel) break;

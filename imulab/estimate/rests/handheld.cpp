@@ -25,7 +25,7 @@ bool near_diagonal(const Matrix3d& matrix) {
   return (matrix.rowwise().norm() - matrix.diagonal().cwiseAbs()).cwiseQuotient(matrix.rowwise().norm()).maxCoeff() < 0.1;
 }
 
-/// Axes may be swapped or turned, but the gyros of a unit in SI are as long as declared and at right angles. Motion about too few axes gives any matrix.
+/// Axes may be swapped or turned, but gyros in SI are as long as declared and at right angles. Motion about too few axes gives any matrix.
 bool possible(const Matrix3d& matrix) {
   const Vector3d lengths = matrix.jacobiSvd().singularValues();
   return lengths.minCoeff() > 0.8 && lengths.maxCoeff() < 1.2;  // 20 % as elsewhere: scales are off by a few percent
@@ -39,7 +39,7 @@ void start_gyro(RestStart& start, const Recording& recording) {
   if (coarse) gyro.matrix = *coarse;
   if (!coarse && counts)
     throw Unsupported(fmt::format(
-        "{}: the motion between the rests does not turn the unit about all three axes: the gyros' scales cannot be determined", recording.name));
+        "{}: the motion between the rests does not turn the IMU about all three axes: the gyros' scales cannot be determined", recording.name));
   if (!counts && coarse) kernel::expect_gyro_scale(*coarse, recording);
   if (!counts && !possible(gyro.matrix)) gyro.matrix.setIdentity();
   gyro.offset = -gyro.matrix * start.scaling.gyro(mean_gyro(start.rests));

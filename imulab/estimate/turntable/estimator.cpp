@@ -28,11 +28,6 @@ constexpr double needed_part = 0.5;
 /// An optional term is estimated where its sigma is below this part of its prior's. Above, the data say nothing of it.
 constexpr double needed_part_of_optional = 0.9;
 
-bool is_optional(CoefficientIndex index) {
-  const Term term = coefficient(index).term;
-  return term == Term::quadratic || term == Term::cubic || term == Term::g_sensitivity;
-}
-
 /// The same of the forward model's columns, raw.
 VectorXd prior_sigmas(const SensorModel& nominal, const std::optional<kernel::PriorSizes>& optional) {
   const auto raw_per_unit = [](const Matrix3d& matrix) { return 1 / std::cbrt(std::abs(matrix.determinant())); };
@@ -41,7 +36,7 @@ VectorXd prior_sigmas(const SensorModel& nominal, const std::optional<kernel::Pr
   for (const CoefficientIndex index : coefficient_indices()) {
     const Coefficient& c = coefficient(index);
     const Matrix3d& matrix = c.triad == Triad::accel ? nominal.accel.matrix : nominal.gyro.matrix;
-    const kernel::PriorSizes& sizes = is_optional(index) ? optional.value_or(prior_sizes) : prior_sizes;
+    const kernel::PriorSizes& sizes = is_optional(c.term) ? optional.value_or(prior_sizes) : prior_sizes;
     if (c.term == Term::offset || c.term == Term::matrix || c.term == Term::g_sensitivity)
       v[Forward::of(c)] = kernel::prior_sigma(sizes, c, 1) * (c.triad == Triad::accel ? accel : gyro);
     else if (c.term == Term::quadratic || c.term == Term::cubic)
@@ -106,7 +101,7 @@ Estimator::Estimator(const TableMotion& motion, const SensorModel& nominal, cons
       noise_(noise_of(motion, noise, options.enlarged)) {
   for (const CoefficientIndex index : terms_) {
     columns_.push_back(Forward::of(coefficient(index)));
-    if (options.optional && is_optional(index)) optional_.push_back(columns_.back());
+    if (options.optional && is_optional(coefficient(index).term)) optional_.push_back(columns_.back());
   }
   start_(optional_).setZero();
   if (options.bias_while_turning && motion.turns() > 0)
@@ -211,19 +206,8 @@ Estimator::Uncertainty Estimator::uncertainty(const SensorModel& at) const {
   return out;
 }
 
-MatrixXd Estimator::by_optional(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const {
-  const MatrixXd derivatives = backward_derivatives(at, coefficients);
-  const VectorXd sigma = prior_(optional_);
-  return (derivatives(Eigen::all, known_) * (gain_ * design_(Eigen::all, optional_)) - derivatives(Eigen::all, optional_)) * sigma.asDiagonal();
-}
-
 VectorXd Estimator::prior_sigma(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const {
   return (backward_derivatives(at, coefficients)(Eigen::all, optional_) * prior_(optional_).asDiagonal()).rowwise().norm();
-}
-
-MatrixXd Estimator::optional_readings() const {
-  const VectorXd sigma = prior_(optional_);
-  return design_(Eigen::all, optional_) * sigma.asDiagonal();
 }
 
 MatrixXd Estimator::sensitivity(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const {

@@ -69,12 +69,8 @@ class Estimator {
   Uncertainty uncertainty(const SensorModel& at) const;
   /// d coefficient / d reading, one row for each of `coefficients`.
   Eigen::MatrixXd sensitivity(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const;
-  /// Errors of the estimate where each of the terms with a prior is off by one sigma of it, a column each, in the order of the terms.
-  Eigen::MatrixXd by_optional(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const;
-  /// Their prior sigmas, of the model's coefficients.
+  /// Prior sigmas of the optional terms, of the model's coefficients.
   Eigen::VectorXd prior_sigma(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const;
-  /// The readings that one sigma of each of them makes.
-  Eigen::MatrixXd optional_readings() const;
 
   /// What remains of `linearized` readings beyond first order: products of the table errors that no reading shows and of the model's own errors. They
   /// shift an estimate by `bias` (estimate less truth) and scatter it by `covariance` on top of the first order's.

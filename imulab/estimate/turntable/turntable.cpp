@@ -7,6 +7,7 @@
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/optional_terms.hpp"
+#include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/estimate/kernel/terms.hpp"
 #include "imulab/estimate/turntable/fit.hpp"
 
@@ -245,10 +246,7 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
   CalibrationResult result{.calibration = calibrate(seen, turntable_of(session, recording.name), session.imu, session.site, options)};
   Findings steps;
   kernel::check_gyro_steps(steps, measure_mean_noise(recording, summarize_rests(recording, kernel::rests_of(input, recording).ranges)));
-  for (const std::string& doubt : steps.doubts) {
-    result.calibration.quality.verdict = "doubtful";
-    result.calibration.quality.because.push_back(doubt);
-  }
+  for (const std::string& doubt : steps.doubts) kernel::add_doubt(result.calibration.quality, doubt);
   return result;
 }
 

@@ -144,13 +144,12 @@ void check_noise(kernel::Findings& findings, const Problem& problem) {
   check("gyros", problem.session->imu.gyro_noise_density, measured.tail<3>());
 }
 
-/// Enlarges the noise while residuals are larger than noise and declarations explain, by chance less than once in a thousand: by how much.
+/// Enlarges the noise until the residuals are as large as noise and declarations explain: by how much.
 double enlarge_noise(Problem& problem) {
   double scatter = 1, more = 2;
   for (int pass = 0; pass < 10 && more >= 1.01; ++pass) {
     const kernel::Solution s = fit(problem).solution;
-    const bool explained = s.degrees_of_freedom < 1 || chi_square_tail(s.chi2, s.degrees_of_freedom) > 1e-3;
-    more = explained ? 1 : std::sqrt(s.chi2 / s.degrees_of_freedom);
+    more = kernel::excess(s.chi2, s.degrees_of_freedom);
     problem.noise_factor *= more;
     scatter *= more;
   }

@@ -1,6 +1,7 @@
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/estimate/whole_unit/quality.hpp"
 #include "imulab/estimate/whole_unit/starting_model.hpp"
 #include "imulab/estimate/whole_unit/stepwise.hpp"

@@ -6,42 +6,13 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "tests/temporary_folder.hpp"
+#include "tests/recording_text.hpp"
 #include <string>
 
 namespace imulab {
 namespace {
 
 using testing::HasSubstr;
-
-/// What write_recording writes, in counts.
-RecordingSource plain_source() {
-  RecordingSource source;
-  source.file = "r.csv";
-  source.time.column = "t";
-  source.gyro.columns = {"gx", "gy", "gz"};
-  source.accel.columns = {"ax", "ay", "az"};
-  return source;
-}
-
-RecordingReading parse(const std::string& text, const RecordingSource& source = plain_source(), const std::string& other = "") {
-  const TemporaryFolder folder;
-  Session session;
-  session.file = (folder / "session.toml").string();
-  folder.write("r.csv", text);
-  if (!other.empty()) folder.write("a.csv", other);
-  return read_recording(session, source);
-}
-
-const std::string header = "t,gx,gy,gz,ax,ay,az\n";
-const std::string two_rows = "0.01,1,2,3,4,5,6\n0.02,7,8,9,10,11,12\n";
-
-/// Rows `t,1,...,6` at the given times.
-std::string rows_at(const std::vector<std::string>& times) {
-  std::string text = header;
-  for (const std::string& t : times) text += t + ",1,2,3,4,5,6\n";
-  return text;
-}
 
 TEST(RecordingFile, NamesFileLineColumnAndWhatWasExpected) {
   const auto row = [](const std::string& line) { return header + "0.01,1,2,3,4,5,6\n" + line + "\n0.03,1,2,3,4,5,6\n"; };
@@ -96,7 +67,7 @@ TEST(RecordingFile, NamesFileLineColumnAndWhatWasExpected) {
   };
   for (const auto& c : cases) {
     try {
-      parse(c.text, c.source);
+      parse_recording(c.text, c.source);
       ADD_FAILURE() << "accepted:\n" << c.text;
     } catch (const Error& e) {
       EXPECT_THAT(e.what(), HasSubstr("r.csv" + c.message)) << c.text;
@@ -116,7 +87,7 @@ TEST(RecordingFile, NamesFilesThatDoNotBelongTogether) {
       {"t,ax,ay,az\n0,1,2,3\n2,4,5,6\n", "a.csv: rows every 2 s; expected every 1 s (within 2 %) as in "},
       {"t,ax,ay,az\n0,1,2,3\n1,4,x,6\n", "a.csv:3: ay: \"x\" is not a number"},
   };
-  for (const auto& c : cases) EXPECT_THAT([&] { parse(gyro, source, c.accel); }, testing::ThrowsMessage<Error>(HasSubstr(c.message)));
+  for (const auto& c : cases) EXPECT_THAT([&] { parse_recording(gyro, source, c.accel); }, testing::ThrowsMessage<Error>(HasSubstr(c.message)));
 }
 
 RC_GTEST_PROP(RecordingFile, ReadsOrRefusesADamagedFile, ()) {
@@ -127,7 +98,7 @@ RC_GTEST_PROP(RecordingFile, ReadsOrRefusesADamagedFile, ()) {
     text.replace(at, *rc::gen::inRange<std::size_t>(0, 3), 1, *rc::gen::element('\n', ',', '.', '-', 'e', '9', ' ', '\r', '#', '"', '\0', '\xff'));
   }
   try {
-    const Recording r = parse(text).recording;
+    const Recording r = parse_recording(text).recording;
     for (const auto& column : r.gyro) RC_ASSERT(column.size() == r.size());
     for (std::size_t i = 1; i < r.size(); ++i) RC_ASSERT(r.time_ns[i] > r.time_ns[i - 1]);
   } catch (const Error& e) {

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "tests/temporary_folder.hpp"
+#include "tests/recording_text.hpp"
 #include <bit>
 #include <string>
 
@@ -18,35 +18,6 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-/// What write_recording writes, in counts.
-RecordingSource plain_source() {
-  RecordingSource source;
-  source.file = "r.csv";
-  source.time.column = "t";
-  source.gyro.columns = {"gx", "gy", "gz"};
-  source.accel.columns = {"ax", "ay", "az"};
-  return source;
-}
-
-RecordingReading parse(const std::string& text, const RecordingSource& source = plain_source(), const std::string& other = "") {
-  const TemporaryFolder folder;
-  Session session;
-  session.file = (folder / "session.toml").string();
-  folder.write("r.csv", text);
-  if (!other.empty()) folder.write("a.csv", other);
-  return read_recording(session, source);
-}
-
-const std::string header = "t,gx,gy,gz,ax,ay,az\n";
-const std::string two_rows = "0.01,1,2,3,4,5,6\n0.02,7,8,9,10,11,12\n";
-
-/// Rows `t,1,...,6` at the given times.
-std::string rows_at(const std::vector<std::string>& times) {
-  std::string text = header;
-  for (const std::string& t : times) text += t + ",1,2,3,4,5,6\n";
-  return text;
-}
 
 TEST(RecordingFile, ReadsAnyLayoutAlike) {
   const auto replaced = [](std::string text, char from, const std::string& to) {
@@ -75,7 +46,7 @@ TEST(RecordingFile, ReadsAnyLayoutAlike) {
       {"signs and exponents", header + "+0.01,+1,2.0,3e0,4.,0.5e1,60e-1\n0.02,7,8,9,10,11,12\n"},
   };
   for (const auto& c : cases) {
-    const auto [r, warnings] = parse(c.text);
+    const auto [r, warnings] = parse_recording(c.text);
     EXPECT_THAT(r.time_ns, ElementsAre(10'000'000, 20'000'000)) << c.layout;
     EXPECT_THAT(r.gyro, ElementsAre(ElementsAre(1, 7), ElementsAre(2, 8), ElementsAre(3, 9))) << c.layout;
     EXPECT_THAT(r.accel, ElementsAre(ElementsAre(4, 10), ElementsAre(5, 11), ElementsAre(6, 12))) << c.layout;
@@ -89,8 +60,8 @@ TEST(RecordingFile, FindsColumnsByNumberWithAndWithoutHeader) {
   source.time.column = 1;
   source.gyro.columns = {2, 3, 4};
   source.accel.columns = {5, 6, 7};
-  EXPECT_EQ(parse(two_rows, source).recording.gyro, parse(header + two_rows, source).recording.gyro);
-  EXPECT_EQ(parse(two_rows, source).recording.size(), 2U);
+  EXPECT_EQ(parse_recording(two_rows, source).recording.gyro, parse_recording(header + two_rows, source).recording.gyro);
+  EXPECT_EQ(parse_recording(two_rows, source).recording.size(), 2U);
 }
 
 TEST(RecordingFile, ConvertsToSi) {
@@ -112,7 +83,7 @@ TEST(RecordingFile, ConvertsToSi) {
   for (const auto& c : cases) {
     source.gyro.unit = c.gyro_unit, source.accel.unit = c.accel_unit;
     source.gyro.output = source.accel.output = c.output;
-    const Recording r = parse(header + "0.01,1,1,1,1,1,1\n0.0201,1,1,1,1,1,1\n", source).recording;
+    const Recording r = parse_recording(header + "0.01,1,1,1,1,1,1\n0.0201,1,1,1,1,1,1\n", source).recording;
     for (std::size_t i = 0; i < 2; ++i) {  // also where the stamp jitters: the nominal interval divides
       EXPECT_DOUBLE_EQ(r.gyro[2][i], c.gyro) << c.gyro_unit;
       EXPECT_DOUBLE_EQ(r.accel[0][i], c.accel) << c.accel_unit;
@@ -129,7 +100,7 @@ TEST(RecordingFile, KeepsThermalReadings) {
   source.gyro_temperature->unit = "K";
   source.accel_temperature.emplace().columns = {"tg", "t2", "t3"};
   source.accel_temperature->unit = "raw";
-  const Recording r = parse("t,gx,gy,gz,ax,ay,az,tg,t2,t3\n0,1,2,3,4,5,6,300.5,5001,5002\n1,1,2,3,4,5,6,301.5,5003,5004\n", source).recording;
+  const Recording r = parse_recording("t,gx,gy,gz,ax,ay,az,tg,t2,t3\n0,1,2,3,4,5,6,300.5,5001,5002\n1,1,2,3,4,5,6,301.5,5003,5004\n", source).recording;
   EXPECT_THAT(r.gyro_temperature, ElementsAre(ElementsAre(300.5, 301.5), ElementsAre(300.5, 301.5), ElementsAre(300.5, 301.5)));
   EXPECT_THAT(r.accel_temperature, ElementsAre(ElementsAre(300.5, 301.5), ElementsAre(5001, 5003), ElementsAre(5002, 5004)));
 }
@@ -147,33 +118,33 @@ TEST(RecordingFile, KeepsEveryNanosecondOfUnixStamps) {
   for (const auto& c : cases) {
     source.time.unit = c.unit;
     source.time.zero_ns = 1'700'000'000'000'000'000;
-    EXPECT_THAT(parse(rows_at({c.first, c.second}), source).recording.time_ns, ElementsAre(123'456'789, 133'456'790)) << c.unit;
+    EXPECT_THAT(parse_recording(rows_at({c.first, c.second}), source).recording.time_ns, ElementsAre(123'456'789, 133'456'790)) << c.unit;
   }
 }
 
 TEST(RecordingFile, TakesTheDeclaredRateOrTheMedian) {
   RecordingSource source = plain_source();
   const std::string text = rows_at({"0", "0.009", "0.020", "0.030", "0.5"});
-  EXPECT_DOUBLE_EQ(parse(text).recording.interval_s, 0.0105);
+  EXPECT_DOUBLE_EQ(parse_recording(text).recording.interval_s, 0.0105);
   source.rate_hz = 95;
-  EXPECT_DOUBLE_EQ(parse(text, source).recording.interval_s, 1.0 / 95);
+  EXPECT_DOUBLE_EQ(parse_recording(text, source).recording.interval_s, 1.0 / 95);
   source.rate_hz = 100;  // 1.9 % off
-  EXPECT_DOUBLE_EQ(parse(rows_at({"0", "0.01019", "0.02038"}), source).recording.interval_s, 0.01);
+  EXPECT_DOUBLE_EQ(parse_recording(rows_at({"0", "0.01019", "0.02038"}), source).recording.interval_s, 0.01);
   const std::string coarse = rows_at({"0", "0.002", "0.005", "0.007", "0.010", "0.012"});  // 400 Hz in whole milliseconds: median 2, mean 2.4
-  EXPECT_THAT(parse(coarse).warnings, ElementsAre(HasSubstr("uneven (median 0.002 s, mean 0.0024 s)")));
+  EXPECT_THAT(parse_recording(coarse).warnings, ElementsAre(HasSubstr("uneven (median 0.002 s, mean 0.0024 s)")));
   source.rate_hz = 1 / 0.0024;
-  EXPECT_DOUBLE_EQ(parse(coarse, source).recording.interval_s, 0.0024);
-  EXPECT_THAT(parse(coarse, source).warnings, IsEmpty());
+  EXPECT_DOUBLE_EQ(parse_recording(coarse, source).recording.interval_s, 0.0024);
+  EXPECT_THAT(parse_recording(coarse, source).warnings, IsEmpty());
 }
 
 TEST(RecordingFile, ListsGaps) {
-  const auto [r, warnings] = parse(rows_at({"0", "0.01", "0.02", "0.0351", "0.0451", "0.0551", "0.25", "0.26", "0.27"}));
+  const auto [r, warnings] = parse_recording(rows_at({"0", "0.01", "0.02", "0.0351", "0.0451", "0.0551", "0.25", "0.26", "0.27"}));
   EXPECT_THAT(r.gaps, ElementsAre(3, 6));
   EXPECT_THAT(warnings, ElementsAre(HasSubstr("r.csv: 2 gaps in time (more than 1.5 of the nominal 0.01 s), the largest of 0.1949 s before 0.25 s "
                                               "(line 8)")));
-  EXPECT_THAT(parse(rows_at({"0", "0.01", "0.0249", "0.0349"})).recording.gaps, IsEmpty());                       // 1.49 intervals
-  EXPECT_THAT(parse(rows_at({"0", "0.01", "0.02", "0.037", "0.04", "0.05", "0.06"})).recording.gaps, IsEmpty());  // a late stamp
-  EXPECT_THAT(parse(rows_at({"0", "0.01", "0.02", "0.04", "0.05", "0.06"})).recording.gaps, ElementsAre(3));      // a lost row
+  EXPECT_THAT(parse_recording(rows_at({"0", "0.01", "0.0249", "0.0349"})).recording.gaps, IsEmpty());                       // 1.49 intervals
+  EXPECT_THAT(parse_recording(rows_at({"0", "0.01", "0.02", "0.037", "0.04", "0.05", "0.06"})).recording.gaps, IsEmpty());  // a late stamp
+  EXPECT_THAT(parse_recording(rows_at({"0", "0.01", "0.02", "0.04", "0.05", "0.06"})).recording.gaps, ElementsAre(3));      // a lost row
 }
 
 TEST(RecordingFile, StampsThatAllScatterAreNoGaps) {
@@ -184,7 +155,7 @@ TEST(RecordingFile, StampsThatAllScatterAreNoGaps) {
   const RandomStream draws(5, "late stamps");
   for (int i = 0; i < 2000; ++i)
     if (i != 1200) times.push_back(fmt::format("{:.6f}", 0.010045 * i + 0.006 * draws.uniform(static_cast<std::uint64_t>(i))));
-  EXPECT_THAT(parse(rows_at(times), source).recording.gaps, ElementsAre(1200));
+  EXPECT_THAT(parse_recording(rows_at(times), source).recording.gaps, ElementsAre(1200));
 }
 
 TEST(RecordingFile, ListsSaturatedSamples) {
@@ -192,13 +163,13 @@ TEST(RecordingFile, ListsSaturatedSamples) {
   source.gyro.unit = "deg/s";
   source.gyro.limits = {-100, 100};  // in the file's unit
   source.accel.limits = {-8, 8};
-  const auto [r, warnings] = parse(header + "0.01,1,2,3,4,5,6\n# x\n0.02,1,2,100,4,5,6\n0.03,-99.9,2,3,4,5,7.9\n0.04,1,-101,3,4,5,9\n", source);
+  const auto [r, warnings] = parse_recording(header + "0.01,1,2,3,4,5,6\n# x\n0.02,1,2,100,4,5,6\n0.03,-99.9,2,3,4,5,7.9\n0.04,1,-101,3,4,5,9\n", source);
   EXPECT_THAT(r.saturated, ElementsAre(1, 3));
   EXPECT_THAT(warnings, ElementsAre(HasSubstr("r.csv: 2 samples at a limit, the first at 0.02 s (line 4)")));
 }
 
 TEST(RecordingFile, DropsRepeatedRows) {
-  const auto [r, warnings] = parse(header + "0.01,1,2,3,4,5,6\n0.01,1,2,3,4,5,6\n0.02,1,2,3,4,5,6\n0.020,1.0,2,3,4,5,6\n0.03,1,2,3,4,5,6\n");
+  const auto [r, warnings] = parse_recording(header + "0.01,1,2,3,4,5,6\n0.01,1,2,3,4,5,6\n0.02,1,2,3,4,5,6\n0.020,1.0,2,3,4,5,6\n0.03,1,2,3,4,5,6\n");
   EXPECT_EQ(r.size(), 3U);
   EXPECT_THAT(warnings, ElementsAre(HasSubstr("r.csv: 2 rows equal to the row before dropped")));
 }
@@ -210,7 +181,7 @@ TEST(RecordingFile, MatchesATriadOfItsOwnFileByTime) {
   for (int i = 0; i < 10; ++i) gyro += fmt::format("{},{},0,0\n", 0.01 * i, i);
   for (int i = -2; i < 8; ++i)
     if (i != 4) accel += fmt::format("{},0,0,{}\n", 0.01 * i + 0.004, i);  // two too early, one missing, two too few
-  const auto [r, warnings] = parse(gyro, source, accel);
+  const auto [r, warnings] = parse_recording(gyro, source, accel);
   EXPECT_THAT(r.gyro[0], ElementsAre(0, 1, 2, 3, 5, 6, 7));
   EXPECT_THAT(r.accel[2], ElementsAre(0, 1, 2, 3, 5, 6, 7));
   EXPECT_EQ(r.time_ns[4], 50'000'000) << "the gyro's stamps";
@@ -221,7 +192,7 @@ TEST(RecordingFile, MatchesATriadOfItsOwnFileByTime) {
 TEST(RecordingFile, MatchesWhenTheGyroHasItsOwnFile) {
   RecordingSource source = plain_source();
   source.gyro.file = "a.csv";
-  const Recording r = parse("t,ax,ay,az\n0,1,2,3\n1,4,5,6\n2,7,8,9\n", source, "t,gx,gy,gz\n1.1,1,2,3\n2.1,4,5,6\n").recording;
+  const Recording r = parse_recording("t,ax,ay,az\n0,1,2,3\n1,4,5,6\n2,7,8,9\n", source, "t,gx,gy,gz\n1.1,1,2,3\n2.1,4,5,6\n").recording;
   EXPECT_THAT(r.accel[0], ElementsAre(4, 7));
   EXPECT_THAT(r.time_ns, ElementsAre(1'100'000'000, 2'100'000'000));
 }

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/temporary_folder.hpp"
+#include "tests/session_text.hpp"
 #include <string>
 
 namespace imulab {
@@ -13,23 +13,10 @@ namespace {
 
 using testing::HasSubstr;
 
-const std::string head = "format = \"imulab.session/1\"\n";
-const std::string recording =
-    "[[recording]]\n"
-    "file = \"r.csv\"\n"
-    "time = { column = \"t\", unit = \"s\" }\n"
-    "gyro = { columns = [\"gx\", \"gy\", \"gz\"], output = \"rate\", unit = \"count\" }\n"
-    "accel = { columns = [\"ax\", \"ay\", \"az\"], output = \"rate\", unit = \"count\" }\n";
-
-Session parse(const std::string& text) {
-  const TemporaryFolder folder;
-  return read_session(folder.write("session.toml", text));
-}
-
 TEST(SessionFile, NamesFileLineFieldAndWhatWasExpected) {
-  const auto hold = [](const std::string& keys) { return head + "[[step]]\nkind = \"hold\"\n" + keys; };
+  const auto hold = [](const std::string& keys) { return session_head + "[[step]]\nkind = \"hold\"\n" + keys; };
   const auto changed = [](const std::string& from, const std::string& to) {
-    return head + std::string(recording).replace(recording.find(from), from.size(), to);
+    return session_head + std::string(session_recording).replace(session_recording.find(from), from.size(), to);
   };
   const struct {
     std::string text, message;
@@ -39,33 +26,33 @@ TEST(SessionFile, NamesFileLineFieldAndWhatWasExpected) {
        ":1: format: \"imulab.session/2\" is a format this version does not know; expected \"imulab.session/1\""},
       {"format = \"toast\"\n", ":1: format: \"toast\" is not a session"},
       {"format = 3\n", ":1: format: is a number; expected text in quotes"},
-      {head + "[imu\n", ":2: "},
-      {head + "[imu]\nnamme = \"x\"\n", ":3: imu.namme: is not a known key; expected name"},
-      {head + "[imu]\nzzzzzzzz = \"x\"\n", ":3: imu.zzzzzzzz: is not a known key; expected one of name, serial, grade, truth"},
-      {head + "[imu]\ngrade = \"navigation\"\n", ":2: imu.name: is missing"},
-      {head + "[imu]\nname = \"x\"\ngyro_noise_density = -1\n", ":4: imu.gyro_noise_density: -1 is out of range; expected at least 0"},
-      {head + "[imu]\nname = \"x\"\nnoise = \"loud\"\n", ":4: imu.noise: \"loud\" is not allowed; expected one of white, full"},
-      {head + "[imu]\nname = \"x\"\ngyro_noise = { rate_random_walk = -1 }\n",
+      {session_head + "[imu\n", ":2: "},
+      {session_head + "[imu]\nnamme = \"x\"\n", ":3: imu.namme: is not a known key; expected name"},
+      {session_head + "[imu]\nzzzzzzzz = \"x\"\n", ":3: imu.zzzzzzzz: is not a known key; expected one of name, serial, grade, truth"},
+      {session_head + "[imu]\ngrade = \"navigation\"\n", ":2: imu.name: is missing"},
+      {session_head + "[imu]\nname = \"x\"\ngyro_noise_density = -1\n", ":4: imu.gyro_noise_density: -1 is out of range; expected at least 0"},
+      {session_head + "[imu]\nname = \"x\"\nnoise = \"loud\"\n", ":4: imu.noise: \"loud\" is not allowed; expected one of white, full"},
+      {session_head + "[imu]\nname = \"x\"\ngyro_noise = { rate_random_walk = -1 }\n",
        ":4: imu.gyro_noise.rate_random_walk: -1 is out of range; expected at least 0"},
-      {head + "[imu]\nname = \"x\"\naccel_noise = { bias_stability = 1 }\n",
+      {session_head + "[imu]\nname = \"x\"\naccel_noise = { bias_stability = 1 }\n",
        ":4: imu.accel_noise.bias_stability: is not a known key; expected bias_instability"},
-      {head + "sites = 1\n", ":2: sites: is not a known key; expected site"},
-      {head + "site = 1\n", ":2: site: is a number; expected a table"},
-      {head + "[site]\nlatitude_deg = 91\n", ":3: site.latitude_deg: 91 is out of range; expected -90 to 90"},
-      {head + "[site]\nlatitude_deg = \"N\"\n", ":3: site.latitude_deg: is text; expected a number"},
-      {head + "[site]\nheight_m = nan\n", ":3: site.height_m: is not finite"},
-      {head + "[site]\ngravity_mps2 = 980.1\n", ":3: site.gravity_mps2: 980.1 is out of range; expected 9 to 10.5"},
-      {head + "[rig]\nkind = \"swing\"\n",
+      {session_head + "sites = 1\n", ":2: sites: is not a known key; expected site"},
+      {session_head + "site = 1\n", ":2: site: is a number; expected a table"},
+      {session_head + "[site]\nlatitude_deg = 91\n", ":3: site.latitude_deg: 91 is out of range; expected -90 to 90"},
+      {session_head + "[site]\nlatitude_deg = \"N\"\n", ":3: site.latitude_deg: is text; expected a number"},
+      {session_head + "[site]\nheight_m = nan\n", ":3: site.height_m: is not finite"},
+      {session_head + "[site]\ngravity_mps2 = 980.1\n", ":3: site.gravity_mps2: 980.1 is out of range; expected 9 to 10.5"},
+      {session_head + "[rig]\nkind = \"swing\"\n",
        ":3: rig.kind: \"swing\" is not allowed; expected one of turntable, rate_table, centrifuge, chamber, none"},
-      {head + "[rig]\nkind = \"none\"\nangle_sigma_arcsec = -3\n", ":4: rig.angle_sigma_arcsec: -3 is out of range; expected at least 0"},
-      {head + "[rig]\nkind = \"none\"\nangle_sigma_arcsec = { fix = 3 }\n", ":4: rig.angle_sigma_arcsec.fix: is not a known key; expected fixed"},
-      {head + "[rig]\nkind = \"none\"\northogonality_arcsec = { inner = [1] }\n", ":4: rig.orthogonality_arcsec.inner: 1 numbers; expected 2"},
-      {head + "[rig]\nkind = \"centrifuge\"\nangle_sigma_arcsec = 3\n", ":4: rig.angle_sigma_arcsec: is not a known key"},
-      {head + "[rig]\nkind = \"centrifuge\"\nramp_K_per_min = 3\n", ":4: rig.ramp_K_per_min: is not a known key"},
-      {head + "[rig]\nkind = \"chamber\"\nrate_sigma_ppm = 3\n", ":4: rig.rate_sigma_ppm: is not a known key"},
-      {head + "[rig]\nkind = \"turntable\"\nmount_sigma_arcsec = 3\n", ":4: rig.mount_sigma_arcsec: is not a known key"},
-      {head + "[rig]\nkind = \"chamber\"\ntime_constant_s = -1\n", ":4: rig.time_constant_s: -1 is out of range; expected at least 0"},
-      {head + "[[rig]]\nkind = \"none\"\n[[rig]]\nkind = \"none\"\n", ":4: rig.name: is missing; expected because there are several rigs"},
+      {session_head + "[rig]\nkind = \"none\"\nangle_sigma_arcsec = -3\n", ":4: rig.angle_sigma_arcsec: -3 is out of range; expected at least 0"},
+      {session_head + "[rig]\nkind = \"none\"\nangle_sigma_arcsec = { fix = 3 }\n", ":4: rig.angle_sigma_arcsec.fix: is not a known key; expected fixed"},
+      {session_head + "[rig]\nkind = \"none\"\northogonality_arcsec = { inner = [1] }\n", ":4: rig.orthogonality_arcsec.inner: 1 numbers; expected 2"},
+      {session_head + "[rig]\nkind = \"centrifuge\"\nangle_sigma_arcsec = 3\n", ":4: rig.angle_sigma_arcsec: is not a known key"},
+      {session_head + "[rig]\nkind = \"centrifuge\"\nramp_K_per_min = 3\n", ":4: rig.ramp_K_per_min: is not a known key"},
+      {session_head + "[rig]\nkind = \"chamber\"\nrate_sigma_ppm = 3\n", ":4: rig.rate_sigma_ppm: is not a known key"},
+      {session_head + "[rig]\nkind = \"turntable\"\nmount_sigma_arcsec = 3\n", ":4: rig.mount_sigma_arcsec: is not a known key"},
+      {session_head + "[rig]\nkind = \"chamber\"\ntime_constant_s = -1\n", ":4: rig.time_constant_s: -1 is out of range; expected at least 0"},
+      {session_head + "[[rig]]\nkind = \"none\"\n[[rig]]\nkind = \"none\"\n", ":4: rig.name: is missing; expected because there are several rigs"},
       {changed("file = \"r.csv\"\n", ""), ":2: recording.file: is missing"},
       {changed("file = \"r.csv\"\n", "file = \"r.csv\"\nrate_hz = 0\n"), ":4: recording.rate_hz: 0 is out of range; expected more than 0"},
       {changed("file = \"r.csv\"\n", "file = \"r.csv\"\nrig = \"q\"\n"), ":4: recording.rig: \"q\" is not a rig of this session"},
@@ -92,7 +79,7 @@ TEST(SessionFile, NamesFileLineFieldAndWhatWasExpected) {
        ":6: recording.gyro_temperature.per_K: is 0"},
       {changed("file = \"r.csv\"\n", "file = \"r.csv\"\nextent = \"some\"\n"),
        ":4: recording.extent: \"some\" is not allowed; expected one of all, steps"},
-      {head + recording + recording, ":8: recording.file: repeats the file of an earlier recording"},
+      {session_head + session_recording + session_recording, ":8: recording.file: repeats the file of an earlier recording"},
       {hold(""), ":2: step.duration_s: is missing; expected duration_s (a procedure) or start_s and end_s"},
       {hold("start_s = 1\n"), ":4: step.start_s: is given alone"},
       {hold("start_s = 1\nend_s = 1\n"), ":5: step.end_s: 1 is not after start_s"},
@@ -104,21 +91,21 @@ TEST(SessionFile, NamesFileLineFieldAndWhatWasExpected) {
       {hold("duration_s = 1\nup = \"z\"\noutward = \"-z\"\n"), ":5: step.up: \"z\" is not allowed; expected one of +x, +y, +z, -x, -y, -z"},
       {hold("start_s = 0\nend_s = 2\n[[step]]\nkind = \"hold\"\nstart_s = 1.5\nend_s = 3\n"),
        ":8: step.start_s: 1.5 is before the end of the previous step; expected at least 2"},
-      {head + "[[step]]\nkind = \"rotate\"\naxis = \"outer\"\nangle_deg = 90\nrate_dps = -10\n",
+      {session_head + "[[step]]\nkind = \"rotate\"\naxis = \"outer\"\nangle_deg = 90\nrate_dps = -10\n",
        ":6: step.rate_dps: -10 is out of range; expected more than 0"},
-      {head + "[[step]]\nkind = \"rotate\"\naxis = \"outer\"\nangle_deg = 0\nrate_dps = 10\n", ":5: step.angle_deg: is 0"},
-      {head + "[[step]]\nkind = \"rotate\"\naxis = \"up\"\nangle_deg = 9\nrate_dps = 10\n",
+      {session_head + "[[step]]\nkind = \"rotate\"\naxis = \"outer\"\nangle_deg = 0\nrate_dps = 10\n", ":5: step.angle_deg: is 0"},
+      {session_head + "[[step]]\nkind = \"rotate\"\naxis = \"up\"\nangle_deg = 9\nrate_dps = 10\n",
        ":4: step.axis: \"up\" is not allowed; expected one of outer, middle, inner"},
-      {head + "[[step]]\nkind = \"spin\"\nduration_s = 3\nrate_dps = 10\nradius_m = [1, 2]\n", ":6: step.radius_m: 2 numbers; expected 3"},
-      {head + recording + "[[step]]\nkind = \"hold\"\nduration_s = 1\nrecording = \"x.csv\"\n",
+      {session_head + "[[step]]\nkind = \"spin\"\nduration_s = 3\nrate_dps = 10\nradius_m = [1, 2]\n", ":6: step.radius_m: 2 numbers; expected 3"},
+      {session_head + session_recording + "[[step]]\nkind = \"hold\"\nduration_s = 1\nrecording = \"x.csv\"\n",
        ":10: step.recording: \"x.csv\" is not a recording of this session; expected r.csv"},
-      {head + "[initial]\nlatitude_deg = 1\nlongitude_deg = 2\nheight_m = 3\nvelocity_enu_mps = [1, 2]\n",
+      {session_head + "[initial]\nlatitude_deg = 1\nlongitude_deg = 2\nheight_m = 3\nvelocity_enu_mps = [1, 2]\n",
        ":6: initial.velocity_enu_mps: 2 numbers; expected 3"},
-      {head + "[truth]\n", ":2: truth.file: is missing"},
+      {session_head + "[truth]\n", ":2: truth.file: is missing"},
   };
   for (const auto& c : cases) {
     try {
-      parse(c.text);
+      parse_session(c.text);
       ADD_FAILURE() << "accepted:\n" << c.text;
     } catch (const Error& e) {
       EXPECT_THAT(e.what(), HasSubstr("session.toml" + c.message)) << c.text;

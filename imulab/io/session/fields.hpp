@@ -53,13 +53,14 @@ void transfer(Fields& f, ImuDeclaration& imu) {
   f.number("accel_noise_density", imu.accel_noise_density, not_negative());
   f.number("gyro_noise_density", imu.gyro_noise_density, not_negative());
   TermSigmas& sigmas = imu.term_sigmas;
-  f.number("quadratic_sigma_ug_per_g2", sigmas.accel_quadratic, positive(unit::ug / (unit::g * unit::g)));
-  f.number("cubic_sigma_ug_per_g3", sigmas.accel_cubic, positive(unit::ug / (unit::g * unit::g * unit::g)));
-  f.number("gyro_quadratic_sigma_ppm_per_dps", sigmas.gyro_quadratic, positive(unit::ppm / unit::deg));
-  f.number("gyro_cubic_sigma_ppb_per_dps2", sigmas.gyro_cubic, positive(1e-9 / (unit::deg * unit::deg)));
-  f.number("g_sensitivity_sigma_deg_per_h_per_g", sigmas.g_sensitivity, positive(unit::deg_per_h / unit::g));
-  f.number("lever_arm_sigma_mm", sigmas.lever_arm, positive(1e-3));
-  f.number("delay_sigma_ms", sigmas.delay, positive(1e-3));
+  const auto size = [](double factor) { return Number{factor, 0, 1e6, true}; };  // in these units far beyond any sensor
+  f.number("quadratic_sigma_ug_per_g2", sigmas.accel_quadratic, size(unit::ug / (unit::g * unit::g)));
+  f.number("cubic_sigma_ug_per_g3", sigmas.accel_cubic, size(unit::ug / (unit::g * unit::g * unit::g)));
+  f.number("gyro_quadratic_sigma_ppm_per_dps", sigmas.gyro_quadratic, size(unit::ppm / unit::deg));
+  f.number("gyro_cubic_sigma_ppb_per_dps2", sigmas.gyro_cubic, size(1e-9 / (unit::deg * unit::deg)));
+  f.number("g_sensitivity_sigma_deg_per_h_per_g", sigmas.g_sensitivity, size(unit::deg_per_h / unit::g));
+  f.number("lever_arm_sigma_mm", sigmas.lever_arm, size(1e-3));
+  f.number("delay_sigma_ms", sigmas.delay, size(1e-3));
   f.choice("noise", imu.noise, std::vector{NoiseTerms::white, NoiseTerms::full}, Presence::optional);
   f.template table_of<NoiseModel>("accel_noise", imu.accel_noise, [](Fields& t, NoiseModel& n) { transfer(t, n); });
   f.template table_of<NoiseModel>("gyro_noise", imu.gyro_noise, [](Fields& t, NoiseModel& n) { transfer(t, n); });

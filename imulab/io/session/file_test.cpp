@@ -9,26 +9,13 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "tests/temporary_folder.hpp"
+#include "tests/session_text.hpp"
 #include <cmath>
 #include <string>
 #include <string_view>
 
 namespace imulab {
 namespace {
-
-const std::string head = "format = \"imulab.session/1\"\n";
-const std::string recording =
-    "[[recording]]\n"
-    "file = \"r.csv\"\n"
-    "time = { column = \"t\", unit = \"s\" }\n"
-    "gyro = { columns = [\"gx\", \"gy\", \"gz\"], output = \"rate\", unit = \"count\" }\n"
-    "accel = { columns = [\"ax\", \"ay\", \"az\"], output = \"rate\", unit = \"count\" }\n";
-
-Session parse(const std::string& text) {
-  const TemporaryFolder folder;
-  return read_session(folder.write("session.toml", text));
-}
 
 /// Everything a session can say.
 const std::string rich = R"(format = "imulab.session/1"
@@ -126,7 +113,7 @@ file = "truth.csv"
 )";
 
 TEST(SessionFile, ReadsWhatItSaysInSi) {
-  const Session s = parse(rich);
+  const Session s = parse_session(rich);
   EXPECT_EQ(s.imu.name, "RLG-90 \"#012\"");
   EXPECT_EQ(s.imu.gyro_noise_density, 2.9e-7);
   EXPECT_EQ(s.imu.noise, NoiseTerms::full);
@@ -171,14 +158,14 @@ TEST(SessionFile, ReadsWhatItSaysInSi) {
 }
 
 TEST(SessionFile, WritesWhatItReadsBackIdentically) {
-  const std::string procedure = head +
+  const std::string procedure = session_head +
                                 "[rig]\nkind = \"turntable\"\n"
                                 "[[step]]\nkind = \"hold\"\nduration_s = 60.7\ninner_deg = 33.3\n"
                                 "[[step]]\nkind = \"rotate\"\naxis = \"inner\"\nangle_deg = 0.1\nrate_dps = 7\n"
                                 "[[step]]\nkind = \"hold\"\nduration_s = 1\n";
-  for (const std::string& text : {rich, procedure, head, session_text(dai_unit_procedure({.thermal = ThermalSensors::resonance}))}) {
-    Session first = parse(text);
-    Session second = parse(session_text(first));
+  for (const std::string& text : {rich, procedure, session_head, session_text(dai_unit_procedure({.thermal = ThermalSensors::resonance}))}) {
+    Session first = parse_session(text);
+    Session second = parse_session(session_text(first));
     EXPECT_EQ(session_text(first), session_text(second));
     second.file = first.file, second.sha256 = first.sha256;  // these name the file itself
     EXPECT_TRUE(first == second) << session_text(first);
@@ -190,7 +177,7 @@ TEST(SessionFile, AProcedureIsWrittenInDurations) {
        {zhang_24_procedure({}), six_position_procedure({.rest = 33.3}), cheng_path_procedure({}), hand_held_procedure({}, 1)}) {
     const std::string text = procedure_text(given);
     EXPECT_THAT(text, testing::Not(testing::HasSubstr("start_s")));
-    const Session read = parse(text);
+    const Session read = parse_session(text);
     ASSERT_EQ(read.steps.size(), given.steps.size());
     for (std::size_t k = 0; k < given.steps.size(); ++k) {
       EXPECT_NEAR(read.steps[k].start, given.steps[k].start, 1e-9);  // sums of decimal durations
@@ -203,7 +190,7 @@ TEST(SessionFile, AProcedureIsWrittenInDurations) {
   odd.steps[3].start += 0.5, odd.steps[4].temperature = 30;
   odd.steps.push_back(odd.steps[5]);
   odd.steps[6].start = odd.steps[5].end + 7, odd.steps[6].end = odd.steps[6].start + 1;  // a gap without a move: no duration says that
-  const Session read = parse(procedure_text(odd));
+  const Session read = parse_session(procedure_text(odd));
   for (std::size_t k = 0; k < odd.steps.size(); ++k) {
     EXPECT_NEAR(read.steps[k].start, odd.steps[k].start, 1e-9);
     EXPECT_NEAR(read.steps[k].end, odd.steps[k].end, 1e-9);
@@ -212,7 +199,7 @@ TEST(SessionFile, AProcedureIsWrittenInDurations) {
 
 TEST(SessionFile, FindsTheFolderAndItsFiles) {
   const TemporaryFolder folder;
-  folder.write("session.toml", head);
+  folder.write("session.toml", session_head);
   const Session s = read_session(folder.path());
   EXPECT_EQ(s.file, (folder / "session.toml").string());
   EXPECT_EQ(session_path(s, "r.csv"), folder / "r.csv");
@@ -220,7 +207,7 @@ TEST(SessionFile, FindsTheFolderAndItsFiles) {
 }
 
 TEST(SessionFile, LaysAProcedureOutInTime) {
-  const Session s = parse(head +
+  const Session s = parse_session(session_head +
                           "[[step]]\nkind = \"hold\"\nduration_s = 100\n"                                    // at zero: no move
                           "[[step]]\nkind = \"rotate\"\naxis = \"middle\"\nangle_deg = 90\nrate_dps = 10\n"  // 90/10 + 10/50
                           "[[step]]\nkind = \"hold\"\nduration_s = 60\n"                                     // stays at 90
@@ -239,8 +226,8 @@ TEST(SessionFile, LaysAProcedureOutInTime) {
 }
 
 TEST(SessionFile, BeginsEachRecordingAnew) {
-  const std::string other = std::string(recording).replace(recording.find("r.csv"), 5, "s.csv");
-  const Session s = parse(head + recording + other +
+  const std::string other = std::string(session_recording).replace(session_recording.find("r.csv"), 5, "s.csv");
+  const Session s = parse_session(session_head + session_recording + other +
                           "[[step]]\nrecording = \"r.csv\"\nkind = \"hold\"\nduration_s = 10\ninner_deg = 90\n"  // reached by a move
                           "[[step]]\nrecording = \"s.csv\"\nkind = \"hold\"\nduration_s = 10\n"
                           "[[step]]\nrecording = \"r.csv\"\nkind = \"hold\"\nduration_s = 10\n");
@@ -253,7 +240,7 @@ TEST(SessionFile, BeginsEachRecordingAnew) {
 
 TEST(SessionFile, GivesEachSpinTimeToReachItsRate) {
   const std::string spin = "[[step]]\nkind = \"spin\"\nduration_s = 30\nup = \"+z\"\noutward = \"+x\"\nradius_m = 6\n";
-  const Session s = parse(head + spin + "rate_dps = 100\n" + spin + "rate_dps = 100\n" + spin + "rate_dps = 0\nmove_s = 20\n");
+  const Session s = parse_session(session_head + spin + "rate_dps = 100\n" + spin + "rate_dps = 100\n" + spin + "rate_dps = 0\nmove_s = 20\n");
   EXPECT_EQ(s.steps[0].start, 10);
   EXPECT_EQ(s.steps[1].start, 40);
   EXPECT_EQ(s.steps[2].start, 90);
@@ -274,7 +261,7 @@ RC_GTEST_PROP(SessionFile, ReadsOrRefusesADamagedFile, ()) {
     text.replace(at, *rc::gen::inRange<std::size_t>(0, 3), 1, *rc::gen::element('\n', ',', '.', '-', 'e', '9', ' ', '[', ']', '{', '=', '"', '\xff'));
   }
   try {
-    session_text(parse(text));
+    session_text(parse_session(text));
   } catch (const Error& e) {
     RC_ASSERT(std::string(e.what()).find("session.toml:") != std::string::npos);
   }
@@ -286,7 +273,7 @@ TEST(SessionFile, ReadsTheExamplesOfItsDocumentation) {
   int examples = 0;
   for (std::size_t at = rest.find("```toml\n"); at != std::string_view::npos; at = rest.find("```toml\n")) {
     rest.remove_prefix(at + 8);
-    EXPECT_NO_THROW(parse(std::string(rest.substr(0, rest.find("```"))))) << rest.substr(0, rest.find("```"));
+    EXPECT_NO_THROW(parse_session(std::string(rest.substr(0, rest.find("```"))))) << rest.substr(0, rest.find("```"));
     ++examples;
   }
   EXPECT_GE(examples, 2);
