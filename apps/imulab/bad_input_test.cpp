@@ -74,9 +74,9 @@ TEST(BadInput, UnitsThatTheRestsContradict) {
            for (const std::size_t k : {4, 5, 6}) row[k] /= 9.80665;
          });
        },
-       "recording.csv: accel: at rest the readings have the size"},
-      {[](SessionText& s) { s.declare("unit = \"m/s^2\"", "unit = \"g\""); }, "recording.csv: accel: at rest the readings have the size"},
-      {[](SessionText& s) { s.lines[0] = "t,ax,ay,az,gx,gy,gz"; }, "recording.csv: accel: at rest the readings have the size"},
+       "recording.csv: gravity at rest: the accelerometers' scale is"},
+      {[](SessionText& s) { s.declare("unit = \"m/s^2\"", "unit = \"g\""); }, "recording.csv: gravity at rest: the accelerometers' scale is"},
+      {[](SessionText& s) { s.lines[0] = "t,ax,ay,az,gx,gy,gz"; }, "recording.csv: gravity at rest: the accelerometers' scale is"},
   });
 }
 
