@@ -198,7 +198,7 @@ TEST(Handheld, WrongUnitsAreNamed) {
     for (double& v : in_deg.gyro[j]) v /= unit::deg;
     for (double& v : in_rad.gyro[j]) v *= unit::deg;
   }
-  EXPECT_THAT(message(in_g, s), HasSubstr("accel: at rest the readings have the size"));
+  EXPECT_THAT(message(in_g, s), HasSubstr("gravity at rest: the accelerometers' scale is"));
   EXPECT_THAT(message(in_g, s), HasSubstr("the readings are in g,"));
   EXPECT_THAT(message(times_g, s), HasSubstr("the readings are in m/s^2,"));
   EXPECT_THAT(message(in_deg, s), HasSubstr("the readings are in deg/s"));
