@@ -31,6 +31,14 @@ inline CommandResult run_shell(const TemporaryFolder& folder, const std::string&
   return result;
 }
 
+/// Sentences of a terminal's lines as one: each run of spaces and line ends is one space.
+inline std::string on_one_line(const std::string& text) {
+  std::istringstream words(text);
+  std::string line;
+  for (std::string word; words >> word;) line += (line.empty() ? "" : " ") + word;
+  return line;
+}
+
 /// Runs `imulab ARGUMENTS` in `folder`.
 inline CommandResult run_imulab(const TemporaryFolder& folder, const std::string& arguments) {
   return run_shell(folder, std::string("'") + IMULAB_COMMAND + "' " + arguments);

@@ -98,8 +98,7 @@ TEST(BadInput, ACommandThatIsWrong) {
   hand_held_session().write(folder);
   folder.write("file", "");
   for (const auto& [arguments, message] : std::vector<std::pair<std::string, std::string>>{
-           {"", "A subcommand is required"},
-           {"calibarte session", "calibarte is not a command, expected one of procedure, simulate, calibrate, "},
+           {"calibarte session", "calibarte is not a command, expected one of demo, help, calibrate, "},
            {"calibrate", "session is required"},
            {"calibrate session", "--method is required"},
            {"calibrate session --method magic", "--method: magic not in {handheld,hybrid,static,turntable,whole-unit}"},

@@ -40,7 +40,7 @@ struct Options {
   std::optional<std::string> grade, system, calibration;
   std::uint64_t runs = 200, seed = 1;
   double every = 10;
-  bool catalogue = false, json = false, allow_undetermined = false;
+  bool catalogue = false, json = false, allow_undetermined = false, verbose = false;
 };
 
 /// Above a tenth of a radian, products of errors are some percent of the errors.
@@ -103,7 +103,7 @@ void run(const Options& o) {
     folder->commit();
   }
   warn_of_large_angles(budget);
-  fmt::print("{}", o.json ? budget_json(budget, sampled) : budget_table(budget, sampled));
+  fmt::print("{}", o.json ? budget_json(budget, sampled) : budget_table(budget, sampled, o.verbose));
 }
 
 }  // namespace
@@ -112,19 +112,21 @@ void add_budget(Verb app) {
   const auto o = std::make_shared<Options>();
   Verb verb = app.verb("budget", "Position, velocity and attitude errors on a motion, by source");
   verb.option("mission", o->mission, "the mission file: a motion and its [errors]");
-  Option grade = verb.option("--grade", o->grade, "sensors of this grade, in place of the mission's");
-  Option system = verb.option("--system", o->system, "sensors of this airliner system, in place of the mission's");
+  Option grade = verb.option("--grade GRADE", o->grade, "sensors of this grade, in place of the mission's");
+  Option system = verb.option("--system NAME", o->system, "sensors of this airliner system, in place of the mission's");
   Option calibration = verb.option(
-      "--calibration", o->calibration, "the errors that this calibration leaves, in place of the mission's; the noise is still the mission's own");
+      "--calibration FILE", o->calibration, "the errors that this calibration leaves, in place of the mission's; the noise is still the mission's own");
   grade.excludes(system).excludes(calibration);
   system.excludes(calibration);
   verb.option("--runs", o->runs, "number of Monte Carlo runs; 0 for none").show_default().in_range(0., 1e7);
   verb.option("--seed", o->seed, "random seed; the same seed gives the same result").show_default();
   verb.option("--every", o->every, "seconds between rows of the files").show_default();
-  verb.option("-o,--output", o->folder, "the folder to create: total.csv, sources.csv, monte_carlo.csv over time, runs.csv");
+  verb.option("-o,--output FOLDER", o->folder, "the folder to create: total.csv, sources.csv, monte_carlo.csv over time, runs.csv");
   verb.flag("--catalogue", o->catalogue, "list the available grades and systems");
   add_allow_undetermined(verb, o->allow_undetermined);
   verb.flag("--json", o->json, "print the errors at the end as JSON");
+  verb.flag("-v,--verbose", o->verbose, "print also velocity, attitude and the Monte Carlo by axis");
+  verb.example("imulab budget flight.toml --grade navigation");
   verb.does([o] { run(*o); });
 }
 

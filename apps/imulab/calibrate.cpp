@@ -25,7 +25,7 @@ namespace {
 struct CalibrateArguments {
   std::string session, method, output, terms = "auto", recording, curves;
   std::optional<std::string> require;
-  bool json = false, stepwise = false, force = false;
+  bool json = false, stepwise = false, force = false, verbose = false;
 };
 
 /// "auto" and "full" are empty; else selectors separated by commas.
@@ -141,29 +141,35 @@ void add_calibrate(Verb app) {
   std::vector<std::string> names;
   for (const Method& m : methods()) names.emplace_back(m.name);
   verb.option(
-          "--method", a->method,
+          "--method METHOD", a->method,
           "static: from rests alone; handheld: from rests and the rotations between them; turntable: from the table's angles; hybrid: from rests and "
           "turns in one place, without a table's angles; whole-unit: from chamber, rate table and centrifuge, all recordings together")
       .required()
       .one_of(names);
-  verb.option("-o,--output", a->output, "the calibration file to write; - for standard output");
-  verb.option("--terms", a->terms,
+  verb.option("-o,--output FILE", a->output, "the calibration file to write; - for standard output");
+  verb.option("--terms TERMS", a->terms,
               "coefficients to estimate, for example accel.offset,gyro.matrix.diagonal; auto: those that the data support; full (whole-unit): "
               "all, significant or not")
       .show_default();
-  verb.option("--recording", a->recording, "the recording to use, if the session has several");
+  verb.option("--recording FILE", a->recording, "the recording to use, if the session has several");
   verb.flag("--stepwise", a->stepwise, "whole-unit: Dai's three steps in sequence instead of the joint estimate");
-  verb.option("--curves", a->curves, "hybrid: a CSV file with the convergence of each coefficient and its standard uncertainty");
-  verb.option("--require", a->require,
+  verb.option("--curves FILE", a->curves, "hybrid: a CSV file with the convergence of each coefficient and its standard uncertainty");
+  verb.option("--require LIMITS", a->require,
               "what the calibration is for, as in \"gyro.matrix.diagonal <= 100 ppm, accel.offset <= 200 ug\"; exit code 1 where it is not reached");
   verb.flag("--force", a->force, "replace the calibration file if there is one");
   verb.flag("--json", a->json, "print the calibration file instead of the table");
+  verb.flag("-v,--verbose", a->verbose, "print also values in SI, what was used, and the tests of optional terms");
+  verb.example("imulab calibrate session --method handheld -o calibration.json");
+  verb.example("imulab calibrate session --method hybrid --require \"gyro.offset <= 1 deg/h\"");
   verb.does([a] {
     const CalibrationResult result = calibrate(*a);
     const Calibration& calibration = result.calibration;
     if (a->json && a->output != "-") fmt::print("{}", calibration_text(calibration));
-    if (!a->json && a->output != "-") fmt::print("{}", calibration_table(calibration, result.coarse ? &*result.coarse : nullptr));
-    if (!a->json && a->output != "-") fmt::print("\n{}\n", a->output.empty() ? "not saved: no -o FILE was given" : "written: " + a->output);
+    if (!a->json && a->output != "-") {
+      print(calibration_summary(calibration));
+      if (a->verbose) print("\n" + calibration_details(calibration, result.coarse ? &*result.coarse : nullptr));
+      fmt::print("\n{}\n", a->output.empty() ? "not saved: no -o FILE was given" : "written: " + a->output);
+    }
     expect_supported(calibration.quality);
   });
 }

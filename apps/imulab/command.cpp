@@ -1,15 +1,24 @@
 #include "apps/imulab/command.hpp"
 
+#include "apps/imulab/help.hpp"
 #include "imulab/core/error.hpp"
+#include "imulab/io/text/file.hpp"
+#include "imulab/io/text/terminal.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
+#include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
+#include <memory>
 #include <optional>
+#include <sstream>
+#include <type_traits>
+#include <utility>
 
 namespace imulab::command {
 
@@ -22,11 +31,78 @@ Option Option::show_default() { return Option(option_->capture_default_str()); }
 Option Option::excludes(Option other) { return Option(option_->excludes(other.option_)); }
 bool Option::given() const { return option_->count() > 0; }
 
-Verb Verb::verb(const std::string& name, const std::string& summary) { return Verb(app_->add_subcommand(name, summary)); }
+namespace {
+
+constexpr const char* summary = "Calibrate inertial measurement units, apply the calibration, and state how certain it is.";
+
+/// "-o,--output FILE" as the names and the value's name.
+std::pair<std::string, std::string> split(const std::string& names) {
+  const std::size_t space = names.find(' ');
+  if (space != std::string::npos) return {names.substr(0, space), names.substr(space + 1)};
+  return {names, ""};
+}
+
+/// The words between braces in CLI11's name of a type: "TEXT:{a,b}".
+std::vector<std::string> choices_of(const std::string& type) {
+  std::vector<std::string> choices;
+  const std::size_t open = type.find('{'), close = type.find('}');
+  if (open == std::string::npos || close == std::string::npos) return choices;
+  for (std::size_t begin = open + 1; begin < close;) {
+    const std::size_t end = std::min(type.find(',', begin), close);
+    choices.push_back(type.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return choices;
+}
+
+OptionDescription describe(const CLI::Option& option) {
+  OptionDescription o;
+  for (const std::string& name : option.get_snames()) o.names.push_back("-" + name);
+  for (const std::string& name : option.get_lnames()) o.names.push_back("--" + name);
+  o.choices = choices_of(option.get_type_name());
+  const bool takes_value = option.get_items_expected_max() > 0;
+  const std::string type = option.get_type_name();
+  if (takes_value) o.value = type.substr(0, type.find(':'));
+  if (option.get_positional()) o.value = option.get_name(true), std::transform(o.value.begin(), o.value.end(), o.value.begin(), ::toupper);
+  o.help = option.get_description();
+  o.initial = option.get_default_str();
+  o.required = option.get_required();
+  o.several = takes_value && option.get_items_expected_max() > 1;
+  return o;
+}
+
+VerbDescription describe(const CLI::App& app, const std::string& before = "") {
+  VerbDescription verb{before + app.get_name(), app.get_description(), app.get_parent() == nullptr ? "" : app.get_group(), {}, {}, {}};
+  if (verb.group == "Subcommands") verb.group = "";
+  std::istringstream lines(app.get_footer());
+  for (std::string line; std::getline(lines, line);) verb.examples.push_back(line);
+  for (const CLI::Option* option : app.get_options({})) verb.options.push_back(describe(*option));
+  for (const CLI::App* root = app.get_parent(); root != nullptr; root = root->get_parent())
+    if (root->get_parent() == nullptr) verb.options.push_back(describe(*root->get_option("--threads")));
+  for (const CLI::App* own : app.get_subcommands([](const CLI::App*) { return true; })) verb.verbs.push_back(describe(*own, verb.name + " "));
+  return verb;
+}
+
+std::string name_of(const CLI::App& app) { return app.get_parent() == nullptr ? "" : name_of(*app.get_parent()) + app.get_parent()->get_name() + " "; }
+
+class Help : public CLI::FormatterBase {
+ public:
+  std::string make_help(const CLI::App* app, std::string, CLI::AppFormatMode) const override { return help_text(describe(*app, name_of(*app))); }
+};
+
+}  // namespace
+
+Verb Verb::verb(const std::string& name, const std::string& about) { return Verb(app_->add_subcommand(name, about)); }
+void Verb::example(const std::string& command_line) {
+  app_->footer(app_->get_footer() + (app_->get_footer().empty() ? "" : "\n") + command_line);
+}
 
 template <class Value>
 Option Verb::option(const std::string& names, Value& value, const std::string& help) {
-  return Option(app_->add_option(names, value, help));
+  const auto [own, value_name] = split(names);
+  CLI::Option* const option = app_->add_option(own, value, help);
+  option->type_name(!value_name.empty() ? value_name : std::is_arithmetic_v<Value> || std::is_same_v<Value, std::optional<double>> ? "N" : "TEXT");
+  return Option(option);
 }
 template Option Verb::option(const std::string&, int&, const std::string&);
 template Option Verb::option(const std::string&, std::uint64_t&, const std::string&);
@@ -40,7 +116,23 @@ Option Verb::flag(const std::string& names, bool& value, const std::string& help
 void Verb::needs_verb() { app_->require_subcommand(1); }
 void Verb::does(std::function<void()> work) { app_->callback(std::move(work)); }
 
-void warn(const std::string& text) { fmt::print(stderr, "imulab: warning: {}\n", text); }
+void print(const std::string& text) {
+  for (const auto& [word, color] : {std::pair{"good", Color::green}, {"doubtful", Color::yellow}})
+    if (output_has_color() && text.starts_with(word)) return fmt::print("{}{}", in_color(color, word), text.substr(std::string_view(word).size()));
+  fmt::print("{}", text);
+}
+
+namespace {
+
+/// "imulab: ..." on standard error, after all of standard output.
+void complain(Color color, const std::string& what, const std::string& text) {
+  std::fflush(stdout);
+  fmt::print(stderr, "imulab: {}{}\n", errors_have_color() && !what.empty() ? in_color(color, what) : what, text);
+}
+
+}  // namespace
+
+void warn(const std::string& text) { complain(Color::yellow, "warning: ", text); }
 
 namespace {
 
@@ -61,19 +153,73 @@ std::string unknown_command(const CLI::App& app, const std::vector<std::string>&
   return {};
 }
 
+struct Group {
+  const char* title;
+  std::vector<void (*)(Verb)> verbs;
+};
+
+/// `imulab help`.
+void add_help(CLI::App& app) {
+  struct Arguments {
+    std::vector<std::string> verb;
+    std::string manual, shell;
+  };
+  const auto a = std::make_shared<Arguments>();
+  Verb verb = Verb(&app).verb("help", "Explain a command; write manual pages or the completion of a shell");
+  verb.option("COMMAND", a->verb, "for example calibrate").takes_several(0);
+  verb.option("--man FOLDER", a->manual, "write a manual page for each command into this folder");
+  verb.option("--completion SHELL", a->shell, "print what this shell sources to complete command lines").one_of(completion_shells);
+  verb.example("imulab help calibrate");
+  verb.example("source <(imulab help --completion bash)");
+  verb.does([a, &app] {
+    if (!a->shell.empty()) return fmt::print("{}", completion(describe(app), a->shell));
+    if (!a->manual.empty()) {
+      std::filesystem::create_directories(a->manual);
+      const VerbDescription all = describe(app);
+      write_whole(std::filesystem::path(a->manual) / "imulab.1", manual_page(all, IMULAB_VERSION));
+      for (const VerbDescription& v : all.verbs)
+        write_whole(std::filesystem::path(a->manual) / fmt::format("imulab-{}.1", v.name.substr(v.name.rfind(' ') + 1)), manual_page(v, IMULAB_VERSION));
+      return;
+    }
+    const CLI::App* at = &app;
+    if (const std::string unknown = unknown_command(app, a->verb); !unknown.empty()) throw Error(unknown);
+    for (const std::string& name : a->verb) at = at->get_subcommand(name);
+    fmt::print("{}", at->help());
+  });
+}
+
 }  // namespace
 
 int run(std::vector<std::string> arguments) {
-  CLI::App app{"Calibrate inertial measurement units, apply the calibration, and state how certain it is."};
+  CLI::App app{summary};
   app.name("imulab");
+  app.formatter(std::make_shared<Help>());
+  app.fallthrough();
   app.require_subcommand(1);
   app.set_version_flag("--version", "imulab " IMULAB_VERSION);
-  for (const auto add : {add_procedure, add_simulate, add_calibrate, add_compensate, add_compare, add_verify, add_predict, add_plan, add_trajectory,
-                         add_navigate, add_budget, add_export, add_demo})
-    add(Verb(&app));
-  app.failure_message(
-      [](const CLI::App*, const CLI::Error& e) { return fmt::format("imulab: {}\nRun with --help for more information.\n", e.what()); });
+  std::optional<oneapi::tbb::global_control> threads;
+  app.add_option_function<std::size_t>(
+         "--threads", [&](std::size_t n) { threads.emplace(oneapi::tbb::global_control::max_allowed_parallelism, n); },
+         "work on at most this many processors; the results do not depend on it")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
+  add_demo(Verb(&app));
+  add_help(app);
+  for (CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) verb->group("start here");
+  for (const Group& group : {Group{"calibrate", {add_calibrate, add_compare, add_verify}},
+                             Group{"before the measurement", {add_procedure, add_simulate, add_predict, add_plan}},
+                             Group{"use a calibration", {add_compensate, add_export}},
+                             Group{"in navigation", {add_trajectory, add_navigate, add_budget}}})
+    for (const auto add : group.verbs) {
+      add(Verb(&app));
+      app.get_subcommands([](const CLI::App*) { return true; }).back()->group(group.title);
+    }
+  app.failure_message([](const CLI::App*, const CLI::Error& e) { return fmt::format("imulab: {} (--help explains the command)\n", e.what()); });
   try {
+    if (arguments.empty()) {
+      fmt::print(stderr, "{}", app.help());
+      return 2;
+    }
     if (const std::string unknown = unknown_command(app, arguments); !unknown.empty()) throw Error(unknown);
     std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
     app.parse(std::move(arguments));
@@ -81,10 +227,10 @@ int run(std::vector<std::string> arguments) {
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   } catch (const Unsupported& e) {
-    fmt::print(stderr, "imulab: {}\n", e.what());
+    complain(Color::red, "", e.what());
     return 1;
   } catch (const std::exception& e) {  // Error, and what the system refuses
-    fmt::print(stderr, "imulab: {}\n", e.what());
+    complain(Color::red, "", e.what());
     return 2;
   }
 }

@@ -15,7 +15,10 @@ namespace imulab::command {
 /// Runs one command line (without the program's name). 0 done; 1 the data do not support the request; 2 the command or an input file is wrong.
 int run(std::vector<std::string> arguments);
 
-/// Warnings go to standard error, one a line, as "imulab: warning: ...".
+/// A result for people, on standard output. On a terminal a verdict at its begin has a color.
+void print(const std::string& text);
+
+/// Warnings go to standard error, one a line, as "imulab: warning: ...", after what was printed before.
 void warn(const std::string& text);
 
 /// An option of a verb. Each call changes it and returns it again.
@@ -41,11 +44,13 @@ class Verb {
  public:
   explicit Verb(CLI::App* app) : app_(app) {}
   Verb verb(const std::string& name, const std::string& summary);
-  /// Names as in "-o,--output", or one without a dash for a value in its place. The value has a type that command.cpp lists.
+  /// Names as in "-o,--output FILE", where FILE is what --help calls the value, or a name without a dash for a value in its place. The value has a
+  /// type that command.cpp lists.
   template <class Value>
   Option option(const std::string& names, Value& value, const std::string& help);
   Option flag(const std::string& names, bool& value, const std::string& help);
-  void needs_verb();  ///< one of its own
+  void needs_verb();                              ///< one of its own
+  void example(const std::string& command_line);  ///< for --help; several calls give several
   /// The work. May throw Error (exit code 2) or Unsupported (1).
   void does(std::function<void()> work);
 

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::vector<std::string> files;
-  bool json = false, different_imus = false;
+  bool json = false, different_imus = false, verbose = false;
 };
 
 /// The accelerometers' frame follows from their matrix.
@@ -91,7 +91,7 @@ void run(const Options& options) {
   const std::vector<Comparison> comparisons = compare(calibrations[0], std::vector<Calibration>(calibrations.begin() + 1, calibrations.end()));
   std::optional<Agreement> joint = agreement(calibrations);
   if (joint->calibrations < 3) joint.reset();  // for two, their comparison is enough
-  fmt::print("{}", options.json ? comparison_json(inputs, comparisons, joint) : comparison_table(inputs, comparisons, joint));
+  fmt::print("{}", options.json ? comparison_json(inputs, comparisons, joint) : comparison_table(inputs, comparisons, joint, options.verbose));
 }
 
 }  // namespace
@@ -106,6 +106,8 @@ void add_compare(Verb app) {
       .takes_several(2);
   verb.flag("--different-imus", options->different_imus, "compare calibrations of different serial numbers");
   verb.flag("--json", options->json, "print the result as JSON");
+  verb.flag("-v,--verbose", options->verbose, "print also the values in SI");
+  verb.example("imulab compare calibration.json session/truth.json");
   verb.does([options] { run(*options); });
 }
 

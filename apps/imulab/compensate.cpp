@@ -6,6 +6,7 @@
 #include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording/file.hpp"
+#include "imulab/io/result/fields.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/recording/compensate_recording.hpp"
@@ -49,14 +50,13 @@ std::vector<fs::path> output_files(const Session& session, const fs::path& outpu
   return files;
 }
 
-void write(const fs::path& file, const CompensatedRecording& c, Outliers outliers) {
+void write(const fs::path& file, const CompensatedRecording& c) {
   const std::string text = compensated_text(c);
   if (file == "-") {
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) throw Error("standard output cannot be written");
     return;
   }
   write_whole(file, text);
-  print_counts(file.string(), {c.recording.size(), c.recording.saturated.size(), c.out_of_range.size(), c.replaced.size()}, outliers);
 }
 
 void compensate_files(const CompensateOptions& options) {
@@ -74,14 +74,30 @@ void compensate_files(const CompensateOptions& options) {
     fs::create_directories(files[0].parent_path(), failure);
     if (failure) throw Error(fmt::format("-o {}: the folder cannot be created: {}", options.output, failure.message()));
   }
-  for (std::size_t i = 0; i < files.size(); ++i) write(files[i], recordings[i], options.outliers);
+  std::vector<CompensateCounts> counts;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const CompensatedRecording& c = recordings[i];
+    write(files[i], c);
+    counts.push_back({files[i].string(), c.recording.size(), c.recording.saturated.size(), c.out_of_range.size(), c.replaced.size()});
+  }
+  if (files[0] != "-") print_counts(options, counts);
 }
 
 }  // namespace
 
-void print_counts(const std::string& file, const CompensateCounts& counts, Outliers outliers) {
-  fmt::print("{}: {} samples, {} saturated, {} outside the calibrated temperatures{}\n", file, counts.samples, counts.saturated, counts.out_of_range,
-             outliers == Outliers::reject ? fmt::format(", {} with an outlier replaced", counts.replaced) : "");
+void print_counts(const CompensateOptions& options, const std::vector<CompensateCounts>& files) {
+  std::vector<JsonFields> list;
+  for (const CompensateCounts& c : files) {
+    if (!options.json)
+      fmt::print("{}: {} samples, {} saturated, {} outside the calibrated temperatures{}\n", c.file, c.samples, c.saturated, c.out_of_range,
+                 options.outliers == Outliers::reject ? fmt::format(", {} with an outlier replaced", c.replaced) : "");
+    list.push_back({{{"file", c.file},
+                     {"samples", std::uint64_t{c.samples}},
+                     {"saturated", std::uint64_t{c.saturated}},
+                     {"outside_calibrated_temperatures", std::uint64_t{c.out_of_range}},
+                     {"outliers_replaced", std::uint64_t{c.replaced}}}});
+  }
+  if (options.json) fmt::print("{}", json_text({{{"files", list}}}));
 }
 
 void add_compensate(Verb app) {
@@ -90,12 +106,16 @@ void add_compensate(Verb app) {
   verb.option("CALIBRATION", options->calibration, "calibration.json").required();
   verb.option("SESSION", options->session, "a session folder or its session.toml; - for rows from standard input, as --session declares them")
       .required();
-  verb.option("-o,--output", options->output, "a folder; for one recording also a .csv file, or - for standard output").required();
+  verb.option("-o,--output FILE", options->output, "a folder; for one recording also a .csv file, or - for standard output").required();
   add_allow_undetermined(verb, options->allow_undetermined);
   verb.flag("--reject-outliers", options->reject_outliers, "replace spikes of one or two samples first");
-  verb.option("--session", options->stream_session, "the session that describes the recording on standard input");
-  verb.option("--recording", options->recording, "the file of the recording to use, if that session has several");
+  verb.option("--session SESSION", options->stream_session, "the session that describes the recording on standard input");
+  verb.option("--recording FILE", options->recording, "the file of the recording to use, if that session has several");
+  verb.flag("--json", options->json, "print what was written as JSON");
+  verb.example("imulab compensate calibration.json session -o compensated.csv");
+  verb.example("producer | imulab compensate calibration.json - --session session -o -");
   verb.does([options] {
+    if (options->json && options->output == "-") throw Error("--json: standard output has the rows; expected -o FILE");
     if (options->reject_outliers) options->outliers = Outliers::reject;
     options->session == "-" ? compensate_stream(*options) : compensate_files(*options);
   });

@@ -6,22 +6,25 @@
 #include "imulab/recording/session.hpp"
 
 #include <string>
+#include <vector>
 
 namespace imulab::command {
 
 struct CompensateOptions {
   std::string calibration, session, output;
   Outliers outliers = Outliers::keep;
-  bool reject_outliers = false, allow_undetermined = false;
+  bool reject_outliers = false, allow_undetermined = false, json = false;
   std::string stream_session, recording;  ///< of a stream
 };
 
+/// What was written to a file.
 struct CompensateCounts {
+  std::string file;
   std::size_t samples = 0, saturated = 0, out_of_range = 0, replaced = 0;
 };
 
-/// "out.csv: 100 samples, 0 saturated, 0 outside the calibrated temperatures"; with the outliers if they are rejected.
-void print_counts(const std::string& file, const CompensateCounts& counts, Outliers outliers);
+/// "out.csv: 100 samples, 0 saturated, 0 outside the calibrated temperatures", with the outliers if they are rejected; or the same as JSON.
+void print_counts(const CompensateOptions& options, const std::vector<CompensateCounts>& files);
 
 /// Standard input to standard output or a file, row by row.
 void compensate_stream(const CompensateOptions& options);

@@ -41,7 +41,11 @@ class Rows {
     if (file_ == nullptr || std::fwrite(text.data(), 1, text.size(), file_) != text.size() || std::fflush(file_) != 0)
       throw Error((output_ == "-" ? "standard output" : "-o " + output_) + ": cannot be written");
   }
-  const CompensateCounts& counts() const { return counts_; }
+  CompensateCounts counts() const {
+    CompensateCounts counts = counts_;
+    counts.file = output_;
+    return counts;
+  }
 
  private:
   std::string output_;
@@ -78,7 +82,7 @@ void compensate_stream(const CompensateOptions& options) {
   for (const std::string& text : stream.warnings()) warn(text);
   if (const auto n = rows.counts().out_of_range; n > 0)
     warn(fmt::format("standard input: {} of {} samples are outside the calibrated temperatures", n, rows.counts().samples));
-  if (options.output != "-") print_counts(options.output, rows.counts(), options.outliers);
+  if (options.output != "-") print_counts(options, {rows.counts()});
 }
 
 }  // namespace imulab::command

@@ -1,10 +1,27 @@
-// imulab demo: a good calibration from a poor table and its proof by a drive (Cheng 2014), with the commands that a user would type.
+// imulab demo: a good calibration from a poor table (Cheng 2014), and twenty drives that prove it. Nothing is needed but the command.
 #include "apps/imulab/command.hpp"
 #include "imulab/core/error.hpp"
+#include "imulab/core/statistics.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/estimate/method.hpp"
+#include "imulab/io/calibration/file.hpp"
+#include "imulab/io/result/fields.hpp"
+#include "imulab/io/result/reached.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/terminal.hpp"
+#include "imulab/model/compare.hpp"
+#include "imulab/model/requirement.hpp"
+#include "imulab/navigation/motion/flight.hpp"
+#include "imulab/navigation/navigate.hpp"
+#include "imulab/navigation/navigation_error.hpp"
+#include "imulab/rig/procedure.hpp"
+#include "imulab/simulate/simulate_motion.hpp"
 
 #include <fmt/core.h>
+#include <oneapi/tbb/parallel_for.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -15,103 +32,142 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* drive = R"(format = "imulab.mission/1"
-rate_hz = 100
-truth_rate_hz = 1
-carrier = "vehicle"
+constexpr std::size_t drives = 20;
+constexpr double interval = 0.02;  // s, of a sample on the drive
+constexpr double table = 60 * unit::arcsec;
 
-[start]
-latitude_deg = 40
-longitude_deg = 116.3
-height_m = 50
+struct Arguments {
+  std::string folder = "imulab-demo";
+  std::uint64_t seed = 1;
+  bool json = false;
+};
 
-[[segment]]
-kind = "rest"                  # to align on
-duration_s = 301
-
-[[segment]]
-kind = "accelerate"            # to 60 km/h
-to_mps = 16.666667
-duration_s = 20
-
-[[segment]]
-kind = "straight"
-duration_s = 375
-
-[[segment]]
-kind = "turn"
-angle_deg = 45
-rate_dps = 3
-
-[[segment]]
-kind = "repeat"                # an hour of it
-last = 2
-times = 9
-
-[[segment]]
-kind = "brake"
-duration_s = 20
-
-[errors]                       # noise; the coefficients are the unit's
-gyro = { angle_random_walk_deg_per_sqrt_h = 0.001 }
-accel = { velocity_random_walk_ug_per_sqrt_hz = 5 }
-)";
-
-/// Prints and runs one command; the demo ends if it fails.
-void step(const std::string& why, const std::vector<std::string>& arguments) {
-  std::string line = "imulab";
-  for (const std::string& argument : arguments) line += " " + argument;
-  if (!why.empty()) fmt::print("\n# {}\n", why);
-  fmt::print("$ {}\n", line);
-  std::fflush(stdout);
-  if (run(arguments) != 0) throw Error("the demo stopped at: " + line);
+/// The IMU on the table, from the simulation to the calibration.
+Calibration calibrated(Session session, const char* method, std::uint64_t seed, const SensorModel* unit, Truth& truth) {
+  RecordingSource source;
+  source.file = "recording.csv";
+  source.rate_hz = 100;
+  source.gyro.unit = "rad/s";
+  source.accel.unit = "m/s^2";
+  session.recordings = {source};
+  truth = draw_truth(session, seed, unit != nullptr ? std::optional(*unit) : std::nullopt);
+  const std::vector<Recording> recordings{simulate_recording(session, source, truth, seed, draw_rig_errors(session, source, seed))};
+  Calibration calibration = calibrate(method, {session, recordings}).calibration;
+  calibration.software = software();
+  return calibration;
 }
 
-/// Removes the files of an earlier demo, and nothing else.
-void clear(const fs::path& folder) {
-  for (const char* session : {"path", "positions", "drive"}) {
-    for (const char* file : {"session.toml", "recording.csv", "truth.json", "truth.csv"}) fs::remove(folder / session / file);
-    if (fs::exists(folder / session) && fs::is_empty(folder / session)) fs::remove(folder / session);
-  }
-  for (const char* file : {"path.toml", "positions.toml", "drive.toml", "hybrid.json", "classical.json"}) fs::remove(folder / file);
+/// A rest to align on, then an hour around a city at 60 km/h: straight roads and bends of 45 deg.
+struct Drive {
+  std::vector<Increment> increments;
+  Session session;
+  Solution truth;
+};
+
+Drive hour_of_driving() {
+  using namespace motion;
+  const FlightStart parked{.latitude = 40 * unit::deg, .longitude = 116.3 * unit::deg, .height = 50};
+  std::vector<Segment> segments{rest(301), accelerate(60 / 3.6, 20)};
+  for (int leg = 0; leg < 9; ++leg) segments.insert(segments.end(), {straight(375), turn(45 * unit::deg, 3 * unit::deg, 3)});
+  segments.push_back(accelerate(-60 / 3.6, 20));
+  Carrier vehicle;
+  vehicle.banks = false;
+  const Trajectory path = flight(parked, segments, vehicle);
+  Drive drive{ideal_increments(path, interval), {}, truth(path, interval, 50)};
+  InitialState& start = drive.session.initial.emplace();
+  start.latitude = parked.latitude, start.longitude = parked.longitude, start.height = parked.height;
+  drive.session.site.latitude = parked.latitude, drive.session.site.height = parked.height;
+  drive.session.recordings.emplace_back();
+  Step hold;
+  hold.end = 300;
+  drive.session.steps = {hold};
+  return drive;
 }
 
-void demo(const fs::path& folder, std::uint64_t seed) {
-  clear(folder);
+/// Pure-inertial error over time of navigation with a calibration [nmi/h].
+double rate(const Drive& drive, const Recording& recording, const Calibration& calibration) {
+  NavigateOptions options;
+  options.vertical = VerticalChannel::fixed;
+  options.align = true;
+  return navigation_errors(navigate(calibration, drive.session, recording, options).solution, drive.truth).rate / unit::nmi_per_h;
+}
+
+struct Rates {
+  std::vector<double> classical, hybrid, exact;  ///< of each drive [nmi/h]
+};
+
+/// The same IMU with new noise on every drive.
+Rates drive_all(const Truth& truth, const Calibration& classical, const Calibration& hybrid, std::uint64_t seed) {
+  const Drive drive = hour_of_driving();
+  Calibration exact;
+  exact.model = truth.model;
+  Truth on_the_road;
+  on_the_road.model = truth.model;
+  on_the_road.gyro_noise.N = 0.001 * unit::deg_per_sqrt_h;
+  on_the_road.accel_noise.N = 5 * unit::ug_per_sqrt_hz;
+  Rates rates{std::vector<double>(drives), std::vector<double>(drives), std::vector<double>(drives)};
+  Progress progress("driving", drives);
+  std::atomic<std::uint64_t> done = 0;
+  tbb::parallel_for(std::size_t{0}, drives, [&](std::size_t k) {
+    const Recording recording = simulate_motion(drive.increments, interval, on_the_road, seed + k);
+    rates.classical[k] = rate(drive, recording, classical);
+    rates.hybrid[k] = rate(drive, recording, hybrid);
+    rates.exact[k] = rate(drive, recording, exact);
+    progress.report(++done);
+  });
+  for (std::vector<double>* of : {&rates.classical, &rates.hybrid, &rates.exact}) std::sort(of->begin(), of->end());
+  return rates;
+}
+
+std::string row(const char* name, const std::vector<double>& sorted) {
+  return fmt::format("     {:<24} {:.2f}   {:.2f} to {:.2f}\n", name, median(sorted), sorted.front(), sorted.back());
+}
+
+std::string misalignment(const Calibration& c) {
+  double worst = 0;
+  for (const CoefficientIndex index : select_coefficients("gyro.matrix.off_diagonal")) worst = std::max(worst, relative_uncertainty(c, index));
+  return fmt::format("{:.2g} arcsec", worst / unit::arcsec);
+}
+
+void demo(const Arguments& a) {
+  const fs::path folder = a.folder;
   fs::create_directories(folder);
-  const auto in = [&](const char* name) { return (folder / name).string(); };
-  const std::string number = std::to_string(seed), other = std::to_string(seed + 1);
-  step("A table of only 1 arcmin turns a navigation-grade IMU along a path: 25 min, 20 turns.",
-       {"procedure", "cheng-path", "--table", "60", "-o", in("path.toml")});
-  step("", {"simulate", in("path.toml"), "-o", in("path"), "--seed", number});
-  step("The classical procedure on the same table, with the same IMU, for 31 min.",
-       {"procedure", "zhang-24", "--table", "60", "--rest", "17", "-o", in("positions.toml")});
-  step("", {"simulate", in("positions.toml"), "--unit", in("path/truth.json"), "-o", in("positions"), "--seed", other});
-  step("Classical: the table's angles are the reference.", {"calibrate", in("positions"), "--method", "turntable", "-o", in("classical.json")});
-  step("Hybrid: the reference is that the IMU stays in one place. The table only turns it.",
-       {"calibrate", in("path"), "--method", "hybrid", "-o", in("hybrid.json")});
-  step("Comparison with the truth, in sigmas.", {"compare", in("hybrid.json"), in("path/truth.json")});
-  write_whole(folder / "drive.toml", drive);
-  step("The accuracy in practice: the IMU is driven for an hour (drive.toml).",
-       {"trajectory", in("drive.toml"), "--unit", in("path/truth.json"), "--seed", number, "-o", in("drive")});
-  step("Pure-inertial navigation with the classical calibration:", {"navigate", in("classical.json"), in("drive"), "--align", "--vertical", "fixed"});
-  step("and with the hybrid one:", {"navigate", in("hybrid.json"), in("drive"), "--align", "--vertical", "fixed"});
-  fmt::print("\nOne drive is one draw, mainly of noise and alignment; docs/cheng2014.md has 200 of them.\n");
-  fmt::print("All files are in {}\n", fs::absolute(folder).lexically_normal().string());
+  const auto say = [&](const std::string& text) {
+    if (a.json) return;
+    fmt::print("{}", text);
+    std::fflush(stdout);
+  };
+  TableProcedureOptions options{.rest = 17, .table = table};
+  Truth truth, unused;
+  say("A navigation-grade IMU, and a turntable that is accurate to 1 arcmin only.\n\n");
+  const Calibration hybrid = calibrated(cheng_path_procedure({.table = table}), "hybrid", a.seed, nullptr, truth);
+  const Calibration classical = calibrated(zhang_24_procedure(options), "turntable", a.seed + 1, &truth.model, unused);
+  write_whole(folder / "classical.json", calibration_text(classical));
+  write_whole(folder / "hybrid.json", calibration_text(hybrid));
+  say(fmt::format("1  Classical, 31 min: the table's angles are the reference.\n     gyro misalignments known to {}\n", misalignment(classical)));
+  say(fmt::format("2  Hybrid, 25 min: the table only turns the IMU, its angles are not used.\n     gyro misalignments known to {}\n",
+                  misalignment(hybrid)));
+  say(fmt::format("3  An hour's drive, {} times, navigated with nothing but the IMU:\n     error in nmi/h           median  least to most\n", drives));
+  const Rates rates = drive_all(truth, classical, hybrid, a.seed);
+  say(row("classical", rates.classical) + row("hybrid", rates.hybrid) + row("with the true values", rates.exact));
+  say(fmt::format("\nBoth calibrations are in {}\nYour own sensor, by hand: imulab calibrate FOLDER --method handheld -o calibration.json\n",
+                  fs::absolute(folder).lexically_normal().string()));
+  if (a.json)
+    fmt::print("{}", json_text({{{"drives", std::uint64_t{drives}},
+                                 {"classical_median_nmi_per_h", median(rates.classical)},
+                                 {"hybrid_median_nmi_per_h", median(rates.hybrid)},
+                                 {"exact_median_nmi_per_h", median(rates.exact)}}}));
 }
 
 }  // namespace
 
 void add_demo(Verb app) {
-  struct Arguments {
-    std::string folder = "imulab-demo";
-    std::uint64_t seed = 1;
-  };
   const auto a = std::make_shared<Arguments>();
-  Verb verb = app.verb("demo", "Calibrate on a poor table in two ways and navigate an hour's drive with each; no input needed");
-  verb.option("-o,--output", a->folder, "the folder to write to").show_default();
+  Verb verb = app.verb("demo", "A good calibration from a poor table, and twenty drives that prove it; no input needed");
+  verb.option("-o,--output FOLDER", a->folder, "the folder to write to").show_default();
   verb.option("--seed", a->seed, "random seed of the IMU and the noise").show_default();
-  verb.does([a] { demo(a->folder, a->seed); });
+  verb.flag("--json", a->json, "print the figures as JSON");
+  verb.does([a] { demo(*a); });
 }
 
 }  // namespace imulab::command

@@ -3,6 +3,7 @@
 #include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/export/target.hpp"
+#include "imulab/io/result/fields.hpp"
 #include "imulab/io/text/file.hpp"
 
 #include <fmt/format.h>
@@ -17,18 +18,21 @@ namespace {
 
 struct Options {
   std::string calibration, target, output = "-";
-  bool allow_undetermined = false;
+  bool allow_undetermined = false, json = false;
 };
 
 void run(const Options& o) {
   const Calibration calibration = read_usable(o.calibration, o.allow_undetermined);
   const ExportTarget& target = export_target(o.target);
   const std::string text = errors_at(o.calibration, [&] { return target.text(calibration); });
-  for (const std::string& left_out : target.left_out(calibration)) warn(o.calibration + ": " + left_out);
+  const std::vector<std::string> lost = target.left_out(calibration);
+  for (const std::string& left_out : lost) warn(o.calibration + ": " + left_out);
+  if (o.json && o.output == "-") throw Error("--json: standard output has the export; expected -o FILE");
   if (o.output == "-")
     fmt::print("{}", text);
   else
     write_whole(o.output, text);
+  if (o.json) fmt::print("{}", json_text({{{"target", o.target}, {"file", o.output}, {"left_out", lost}}}));
 }
 
 }  // namespace
@@ -42,9 +46,11 @@ void add_export(Verb app) {
     help.push_back(fmt::format("{}: {}", target.name, target.summary));
   }
   verb.option("CALIBRATION", o->calibration, "calibration.json").required();
-  verb.option("--to", o->target, fmt::format("{}", fmt::join(help, "; "))).required().one_of(names);
-  verb.option("-o,--output", o->output, "the file to write; - for standard output").show_default();
+  verb.option("--to TARGET", o->target, fmt::format("{}", fmt::join(help, "; "))).required().one_of(names);
+  verb.option("-o,--output FILE", o->output, "the file to write; - for standard output").show_default();
   add_allow_undetermined(verb, o->allow_undetermined);
+  verb.flag("--json", o->json, "print what was written and what it leaves out as JSON");
+  verb.example("imulab export calibration.json --to c-header -o imu_calibration.h");
   verb.does([o] { run(*o); });
 }
 

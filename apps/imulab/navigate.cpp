@@ -106,19 +106,20 @@ void add_navigate(Verb app) {
   verb.option("SESSION", o->sessions, "session folders or session.toml files, each with one recording; several give one row each")
       .required()
       .takes_several(1);
-  verb.option("--vertical", o->vertical, "treatment of the vertical channel; aided and held need --barometer")
+  verb.option("--vertical CHANNEL", o->vertical, "treatment of the vertical channel; aided and held need --barometer")
       .one_of({"free", "fixed", "aided", "held"})
       .show_default();
-  verb.option("--barometer", o->barometer, "heights for aided and held: a CSV file with t,height_m");
+  verb.option("--barometer FILE", o->barometer, "heights for aided and held: a CSV file with t,height_m");
   verb.flag("--align", o->navigate.align, "align on the first rest even if the session gives an attitude");
   verb.option("--heading", o->heading_deg, "heading at the end of the rest, deg; only roll and pitch are then aligned")
       .in_range(-360., 360.);
   verb.option("--heading-sigma", o->heading_sigma_deg, "standard uncertainty of --heading, deg; exact if absent").in_range(0., 180.);
-  verb.option("--gaps", o->gaps, "what to do at missing samples").one_of({"integrate", "refuse"}).show_default();
-  verb.option("--truth", o->truth, "reference solution; the session's [truth] if absent");
-  verb.option("-o,--output", o->output, "write the whole solution to this CSV file");
+  verb.option("--gaps HOW", o->gaps, "what to do at missing samples").one_of({"integrate", "refuse"}).show_default();
+  verb.option("--truth FILE", o->truth, "reference solution; the session's [truth] if absent");
+  verb.option("-o,--output FILE", o->output, "write the whole solution to this CSV file");
   add_allow_undetermined(verb, o->allow_undetermined);
   verb.flag("--json", o->json, "print the result as JSON");
+  verb.example("imulab navigate calibration.json drive --vertical fixed -o solution.csv");
   verb.does([o] { run(*o); });
 }
 

@@ -25,8 +25,9 @@ namespace {
 struct Options {
   std::string require, grade = "navigation", axes = "3";
   double latitude_deg = 45;
-  std::optional<double> gravity, minutes, rest;
+  std::optional<double> gravity, time, rest;
   std::optional<std::string> output;
+  bool json = false;
 };
 
 constexpr double hand_rate = 45 * unit::deg;  // rad/s: a quarter turn in three seconds
@@ -82,7 +83,7 @@ void run(const Options& options) {
   question.axes = axes_of(options.axes);
   question.turn_rate = options.axes == "hand" ? hand_rate : TableProcedureOptions{}.turn_rate;
   question.rest = options.rest;
-  if (options.minutes) question.time = *options.minutes * 60;
+  question.time = options.time;
   errors_at("--require", [&] { expect_estimated(question.requirements, question.unit); });
   expect_reachable(question);
 
@@ -93,15 +94,18 @@ void run(const Options& options) {
   if (path.turns.empty()) throw Error("--time: no turn and rest fit into it; expected a longer time");
   const Session procedure = procedure_of(options, path.first_rest, path.turns);
   const hybrid::Prediction p = predict(hybrid::plan_of(procedure));
+  const std::vector<Shortfall> missed = shortfalls(p, question.requirements);
   if (options.output == "-") {
     fmt::print("{}", procedure_text(procedure));
   } else {
     if (options.output) write_whole(*options.output, procedure_text(procedure));
-    fmt::print("{} turns in {}\n\n{}\n{}", path.turns.size(), minutes(path.duration), path_table(path), prediction_table(p, question.requirements));
+    if (options.json)
+      fmt::print("{}", path_json(path, p, missed));
+    else
+      fmt::print("{} turns in {}\n\n{}\n{}", path.turns.size(), minutes(path.duration), path_table(path), prediction_table(p, question.requirements));
   }
-  const std::vector<Shortfall> missed = shortfalls(p, question.requirements);
   const auto open = std::find_if(missed.begin(), missed.end(), [](const Shortfall& s) { return !std::isfinite(s.sigma); });
-  if (missed.empty() || (options.minutes && open == missed.end())) return;
+  if (missed.empty() || (options.time && open == missed.end())) return;
   std::string text;
   for (const Shortfall& s : missed) {
     text += (text.empty() ? "" : "; ") + shortfall_text(s);
@@ -126,18 +130,20 @@ std::function<std::string(const std::string&)> between(double low, double high, 
 void add_plan(Verb app) {
   const auto o = std::make_shared<Options>();
   Verb verb = app.verb("plan", "Find the shortest sequence of turns and rests with which the hybrid method meets requirements");
-  verb.option("--require", o->require, "requirements, as in \"gyro.matrix.off_diagonal <= 1 arcsec, accel.offset <= 1 ug\"").required();
-  verb.option("--grade", o->grade, "grade of the IMU's noise: strategic, navigation, tactical, mems, mems-30g").show_default();
+  verb.option("--require LIMITS", o->require, "requirements, as in \"gyro.matrix.off_diagonal <= 1 arcsec, accel.offset <= 1 ug\"").required();
+  verb.option("--grade GRADE", o->grade, "grade of the IMU's noise: strategic, navigation, tactical, mems, mems-30g").show_default();
   verb.option("--latitude", o->latitude_deg, "latitude of the site, degrees").check(between(-90, 90, false, "degrees")).show_default();
   verb.option("--gravity", o->gravity, "gravity measured to 1e-5 m/s^2; if absent, normal gravity, known to 3e-4")
       .check(between(9.7, 9.9, false, "m/s^2"));
-  verb.option("--axes", o->axes, "axes of the table: 1 (outer, vertical), 2 (middle and inner), 3, hand, or names such as outer,inner")
+  verb.option("--axes AXES", o->axes, "axes of the table: 1 (outer, vertical), 2 (middle and inner), 3, hand, or names such as outer,inner")
       .show_default();
-  verb.option("--time", o->minutes, "find the best path within this many minutes instead of the shortest")
-      .check(between(1, hybrid::longest_path / 60, false, "minutes"));
+  verb.option("--time N", o->time, "find the best path within this many seconds instead of the shortest")
+      .check(between(60, hybrid::longest_path, false, "seconds"));
   verb.option("--rest", o->rest, "duration of every rest in whole seconds; if absent, each is chosen")
       .check(between(6, 600, true, "whole seconds"));
-  verb.option("-o,--output", o->output, "the procedure to write; - for standard output in place of the table");
+  verb.option("-o,--output FILE", o->output, "the procedure to write; - for standard output in place of the table");
+  verb.flag("--json", o->json, "print the result as JSON");
+  verb.example("imulab plan --require \"gyro.matrix.diagonal <= 10 ppm\" -o plan.toml");
   verb.does([o] { run(*o); });
 }
 

@@ -6,6 +6,7 @@
 #include "imulab/estimate/turntable/tolerance.hpp"
 #include "imulab/io/result/prediction.hpp"
 #include "imulab/io/session/file.hpp"
+#include "imulab/io/text/figures.hpp"
 #include "imulab/io/text/terminal.hpp"
 #include "imulab/model/coefficient.hpp"
 
@@ -27,7 +28,7 @@ struct Options {
   std::string procedure, method = "turntable";
   std::optional<std::string> require;
   std::uint64_t runs = 20000, seed = 1;
-  bool classical = false, json = false;
+  bool classical = false, json = false, verbose = false;
 };
 
 std::vector<KnobAnswer> answers_to(const std::vector<Requirement>& requirements, const turntable::Plan& plan) {
@@ -66,9 +67,9 @@ void predict_hybrid(const Options& options) {
   if (options.json) {
     fmt::print("{}", prediction_json(p, missed, advice));
   } else {
-    fmt::print("Standard uncertainty of every coefficient by the hybrid method\n\n{}", prediction_table(p, requirements));
+    fmt::print("{}", prediction_table(p, requirements));
     if (advice) fmt::print("\n{}", advice_text(*advice));
-    for (const Shortfall& s : missed) fmt::print("{}\n", shortfall_text(s));
+    for (const Shortfall& s : missed) fmt::print("{}", text::wrapped("", shortfall_text(s)));
   }
   if (!p.undetermined.empty())
     throw Unsupported(fmt::format("the procedure does not determine:{}\n  {}", names_of(p.undetermined), turns_text(*advice)));
@@ -98,7 +99,7 @@ void run(const Options& options) {
   if (options.json) {
     fmt::print("{}", prediction_json(prediction, sampled, missed, answers));
   } else {
-    fmt::print("{}", prediction_table(prediction, sampled));
+    fmt::print("{}", prediction_table(prediction, sampled, options.verbose));
     if (!requirements.empty()) fmt::print("{}", tolerance_table(plan, missed, answers));
   }
   for (const std::string& text : plan.parts.warnings) warn(text);
@@ -120,16 +121,19 @@ void add_predict(Verb app) {
   const auto options = std::make_shared<Options>();
   Verb verb = app.verb("predict", "Predict the uncertainties of a calibration and what limits them");
   verb.option("procedure", options->procedure, "the procedure or session to predict").required();
-  verb.option("--method", options->method, "turntable, or hybrid (without the table's angles and without Monte Carlo)")
+  verb.option("--method METHOD", options->method, "turntable, or hybrid (without the table's angles and without Monte Carlo)")
       .one_of({"turntable", "hybrid"})
       .show_default();
-  verb.option("--require", options->require,
+  verb.option("--require LIMITS", options->require,
                    "requirements, as in \"gyro.matrix.off_diagonal <= 5 arcsec, accel.offset <= 20 ug\"; finds which table, "
                    "timing and noise meet them");
   const Option runs = verb.option("--runs", options->runs, "number of Monte Carlo procedures, at least 100; 0 for none").check(bad_runs).show_default();
   const Option seed = verb.option("--seed", options->seed, "random seed; the same seed gives the same result").show_default();
   const Option classical = verb.flag("--classical", options->classical, "Zhang 2010: weights from the sensors' noise alone, a separate gyro bias in turns");
   verb.flag("--json", options->json, "print the result as JSON");
+  verb.flag("-v,--verbose", options->verbose, "print also first and second order and the Monte Carlo, with more digits");
+  verb.example("imulab procedure zhang-24 -o procedure.toml");
+  verb.example("imulab predict procedure.toml --require \"gyro.matrix.off_diagonal <= 5 arcsec\"");
   verb.does([=] {
     for (const auto& [name, wanted] :
          {std::pair{"--runs", runs.given() && options->runs != 0}, {"--seed", seed.given()}, {"--classical", classical.given()}})

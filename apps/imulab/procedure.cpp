@@ -23,7 +23,7 @@ void write(const std::string& output, const Session& session) {
 }
 
 void add_output(Verb verb, std::string& output) {
-  verb.option("-o,--output", output, "the file to write; - for standard output").show_default();
+  verb.option("-o,--output FILE", output, "the file to write; - for standard output").show_default();
 }
 
 void add_hand_held(Verb verb) {
@@ -67,7 +67,7 @@ void add_dai_unit(Verb verb) {
   Verb own = verb.verb("dai-unit", "Chamber, rate table and centrifuge: all coefficients");
   own.option("--record", a->options.record, "seconds recorded at each point").show_default();
   own.option("--rate-hz", a->options.rate_hz, "samples per second").show_default();
-  own.option("--thermal", a->thermal,
+  own.option("--thermal KIND", a->thermal,
                   "thermal readings: three sensors at each triad; one; resonance: the gyros' frequencies, and three sensors at the accelerometers")
       .one_of({"three", "one", "resonance"})
       .show_default();

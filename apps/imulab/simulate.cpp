@@ -5,6 +5,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/recording/file.hpp"
+#include "imulab/io/result/fields.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/file.hpp"
 
@@ -24,6 +25,7 @@ struct Arguments {
   std::string procedure, folder;
   std::optional<std::string> unit;
   std::uint64_t seed = 1;
+  bool json = false;
 };
 
 RecordingSource default_source() {
@@ -90,12 +92,15 @@ void simulate(const Arguments& a) {
 
   NewFolder folder(a.folder);
   std::string report;
+  std::vector<JsonFields> files;
   std::vector<RecordedRigErrors> rig;
   for (const RecordingSource& source : procedure.recordings) {
     rig.push_back({source.file, draw_rig_errors(procedure, source, a.seed)});
     const Recording recording = simulate_recording(procedure, source, truth, a.seed, rig.back().errors);
     write_recording(folder.path() / source.file, recording);
-    report += fmt::format("  {:<14} {} samples, {:g} s\n", source.file, recording.size(), recording.time_s(recording.size() - 1));
+    const double duration = recording.time_s(recording.size() - 1);
+    report += fmt::format("  {:<14} {} samples, {:g} s\n", source.file, recording.size(), duration);
+    files.push_back({{{"file", source.file}, {"samples", std::uint64_t{recording.size()}}, {"duration_s", duration}}});
   }
   const std::string text = session_text(given_session(procedure, truth));
   write_whole(folder.path() / "session.toml", text);
@@ -103,6 +108,8 @@ void simulate(const Arguments& a) {
   calibration.session_sha256 = sha256(text);
   write_whole(folder.path() / "truth.json", truth_text(calibration, rig));
   folder.commit();
+  if (a.json)
+    return fmt::print("{}", json_text({{{"folder", a.folder}, {"seed", a.seed}, {"recordings", files}, {"truth", std::string("truth.json")}}}));
   fmt::print("{} (seed {})\n{}  {:<14} what a calibration of this session has to find\n  session.toml\n", a.folder, a.seed, report, "truth.json");
 }
 
@@ -112,9 +119,11 @@ void add_simulate(Verb app) {
   const auto a = std::make_shared<Arguments>();
   Verb verb = app.verb("simulate", "Simulate a procedure: write a session folder with recordings and truth.json");
   verb.option("procedure", a->procedure, "the procedure or session to carry out").required();
-  verb.option("-o,--output", a->folder, "the folder to create").required();
-  verb.option("--unit", a->unit, "truth.json or calibration.json of the IMU to simulate, in place of the procedure's");
+  verb.option("-o,--output FOLDER", a->folder, "the folder to create").required();
+  verb.option("--unit FILE", a->unit, "truth.json or calibration.json of the IMU to simulate, in place of the procedure's");
   verb.option("--seed", a->seed, "random seed; the same seed gives the same result").show_default();
+  verb.flag("--json", a->json, "print what was written as JSON");
+  verb.example("imulab simulate procedure.toml -o session --seed 7");
   verb.does([a] { simulate(*a); });
 }
 

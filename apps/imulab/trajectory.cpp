@@ -7,6 +7,7 @@
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/recording/file.hpp"
 #include "imulab/io/recording/solution.hpp"
+#include "imulab/io/result/fields.hpp"
 #include "imulab/io/result/motion.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/session/mission.hpp"
@@ -31,7 +32,7 @@ using namespace motion;
 struct Arguments {
   std::string mission, folder;
   std::optional<std::string> unit;
-  bool errors = false;
+  bool errors = false, json = false;
   std::uint64_t seed = 1;
 };
 
@@ -131,6 +132,9 @@ void make(const Arguments& a) {
   write_solution(folder.path() / "truth.csv", solution);
   write_session(folder.path() / "session.toml", session_of(mission, recording, solution.states.front()));
   folder.commit();
+  if (a.json)
+    return fmt::print("{}", json_text({{{"folder", a.folder}, {"samples", std::uint64_t{recording.size()}}, {"duration_s", solution.time.back()},
+                                        {"rate_hz", mission.rate}, {"truth_rows", std::uint64_t{solution.size()}}}}));
   fmt::print("{}\n", a.folder);
   fmt::print("  recording.csv  {} samples, {:.10g} s at {:g} Hz\n", recording.size(), solution.time.back(), mission.rate);
   fmt::print("  truth.csv      {} rows\n  session.toml\n", solution.size());
@@ -143,11 +147,13 @@ void add_trajectory(Verb app) {
   const auto a = std::make_shared<Arguments>();
   Verb verb = app.verb("trajectory", "Simulate an ideal IMU on a mission: write a session folder with truth.csv");
   verb.option("mission", a->mission, "the mission file: segments, or a recorded track").required();
-  verb.option("-o,--output", a->folder, "the folder to create").required();
+  verb.option("-o,--output FOLDER", a->folder, "the folder to create").required();
   const Option errors = verb.flag("--errors", a->errors, "give the IMU the errors of the mission's [errors] table");
-  verb.option("--unit", a->unit, "truth.json or calibration.json of an IMU: write its raw readings, with the noise of [errors]")
+  verb.option("--unit FILE", a->unit, "truth.json or calibration.json of an IMU: write its raw readings, with the noise of [errors]")
       .excludes(errors);
   verb.option("--seed", a->seed, "random seed of errors and noise; the same seed gives the same result").show_default();
+  verb.flag("--json", a->json, "print what was written as JSON");
+  verb.example("imulab trajectory flight.toml -o flight");
   verb.does([a] { make(*a); });
 }
 

@@ -2,6 +2,7 @@
 #include "apps/imulab/command.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/calibration/file.hpp"
+#include "imulab/io/result/fields.hpp"
 
 #include <fmt/core.h>
 
@@ -17,6 +18,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::string calibration, session;
+  bool json = false;
 };
 
 /// The session's file: where the user says, as the calibration names it (from here or from the calibration's folder), or beside the calibration.
@@ -35,11 +37,14 @@ void run(const Options& o) {
   if (calibration.sources.empty())
     throw Error(fmt::format("{}: has no hashes of recordings; expected a calibration that imulab made from files", o.calibration));
   std::string changed, missing;
+  std::vector<JsonFields> files;
   for (const VerifiedFile& f : verify_sources(calibration, session_file(o, calibration.session_file))) {
-    fmt::print("{}: {}\n", f.file.string(), to_string(f.state));
+    if (!o.json) fmt::print("{}: {}\n", f.file.string(), to_string(f.state));
+    files.push_back({{{"file", f.file.string()}, {"state", std::string(to_string(f.state))}}});
     std::string& list = f.state == FileState::changed ? changed : missing;
     if (f.state != FileState::unchanged) list += fmt::format("{}{}", list.empty() ? "" : ", ", f.file.string());
   }
+  if (o.json) fmt::print("{}", json_text({{{"files", files}, {"unchanged", changed.empty() && missing.empty()}}}));
   if (!changed.empty()) throw Unsupported(fmt::format("{}: not what it was made from: {}", o.calibration, changed));
   if (!missing.empty()) throw Unsupported(fmt::format("{}: not found: {}; expected --session with their place", o.calibration, missing));
 }
@@ -50,7 +55,9 @@ void add_verify(Verb app) {
   const auto o = std::make_shared<Options>();
   Verb verb = app.verb("verify", "Check that the recordings and the session of a calibration are still the same files");
   verb.option("CALIBRATION", o->calibration, "calibration.json").required();
-  verb.option("--session", o->session, "the session's folder or file, if it is not where it was");
+  verb.option("--session SESSION", o->session, "the session's folder or file, if it is not where it was");
+  verb.flag("--json", o->json, "print the result as JSON");
+  verb.example("imulab verify calibration.json");
   verb.does([o] { run(*o); });
 }
 

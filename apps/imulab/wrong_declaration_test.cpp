@@ -72,7 +72,7 @@ TEST(WrongDeclaration, IsNeverGood) {
     text.write(folder);
     const CommandResult result = run_imulab(folder, "calibrate session --method " + c.method);
     EXPECT_THAT(result.output + "\n", Not(HasSubstr("\ngood\n")));
-    EXPECT_THAT(result.errors + result.output, HasSubstr(c.cause));
+    EXPECT_THAT(on_one_line(result.errors + result.output), HasSubstr(c.cause));
   }
 }
 

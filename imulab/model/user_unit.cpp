@@ -40,7 +40,8 @@ std::span<const UserUnit> user_units(const Coefficient& c) {
 UserUnit user_unit(const Coefficient& c, double size) {
   const std::span<const UserUnit> units = user_units(c);
   if (units.empty()) return {c.unit, 1};
-  return c.term == Term::offset && size >= 1e4 * units[0].size ? units[1] : units[0];  // offsets of a low-grade IMU in mg and deg/s
+  const bool scaled = c.term == Term::offset || c.term == Term::g_sensitivity;
+  return scaled && size >= 1e4 * units[0].size ? units[1] : units[0];  // a low-grade IMU in mg, deg/s and deg/s/g
 }
 
 }  // namespace imulab

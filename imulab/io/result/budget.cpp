@@ -2,6 +2,7 @@
 
 #include "imulab/core/units.hpp"
 #include "imulab/io/result/budget_quantities.hpp"
+#include "imulab/io/text/figures.hpp"
 
 #include <fmt/format.h>
 
@@ -58,48 +59,89 @@ std::vector<double> horizontal_shares(const ErrorBudget& b) {
   return out;
 }
 
+/// East, north and up of one quantity.
+struct Block {
+  const char* title;
+  Eigen::Index first;  ///< of its rows
+};
+constexpr std::array<Block, 3> blocks{{{"position, m", 0}, {"velocity, m/s", 3}, {"attitude, arcsec", 6}}};
+
 template <class Value>
-std::string row_text(const Value& value) {
+std::string row_text(const Block& block, const Value& value) {
   std::string text;
-  for (Eigen::Index q = 0; q < budget_quantities; ++q) text += fmt::format("{}{:>9.3g}", q % 3 == 0 ? "  " : " ", value(q) / unit_of(q));
+  for (Eigen::Index q = block.first; q < block.first + 3; ++q) text += fmt::format(" {:>10.3g}", value(q) / unit_of(q));
   return text;
 }
 
-std::string total_rows(const ErrorBudget& b) {
+constexpr std::size_t name_width = 26;
+
+std::string line_text(std::string_view name, const char* what, const std::string& row) { return fmt::format("{:<{}} {:<5}{}\n", name, name_width, what, row); }
+
+std::string total_rows(const Block& block, const ErrorBudget& b) {
   const auto end = static_cast<Eigen::Index>(b.time.size()) - 1;
-  return fmt::format("{:<24} fixed {}\n{:<24} sigma {}\n", "all together", row_text(b.mean.col(end)), "", row_text(total_sigma(b).col(end)));
+  return line_text("all together", "fixed", row_text(block, b.mean.col(end))) + line_text("", "sigma", row_text(block, total_sigma(b).col(end)));
 }
 
-/// Sources by their share, the largest first.
-std::string source_rows(const ErrorBudget& b) {
-  const auto end = static_cast<Eigen::Index>(b.time.size()) - 1;
-  const std::vector<double> shares = horizontal_shares(b);
-  std::vector<std::size_t> order(b.groups.size());
+std::vector<std::size_t> by_share(const std::vector<double>& shares, std::size_t groups) {
+  std::vector<std::size_t> order(groups);
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t x, std::size_t y) { return shares[x] > shares[y]; });
+  return order;
+}
+
+std::string percent(double share) { return fmt::format("{:.1f} %", std::round(1000 * share) / 10 + 0.0); }
+
+/// Sources by their share, the largest first.
+std::string source_rows(const Block& block, const ErrorBudget& b) {
+  const auto end = static_cast<Eigen::Index>(b.time.size()) - 1;
+  const std::vector<double> shares = horizontal_shares(b);
+  const bool shown = block.first == 0;  // shares are of the position
   std::string text;
-  for (const std::size_t k : order) {
+  for (const std::size_t k : by_share(shares, b.groups.size())) {
     const Contribution& c = b.groups[k];
     const bool drawn = !c.sigma.col(end).isZero(0), fixed = !c.fixed.col(end).isZero(0);
-    std::string share = fmt::format("  {:>6.1f} %", std::round(1000 * shares[k]) / 10 + 0.0);
-    if (fixed || !drawn) text += fmt::format("{:<24} fixed {}{}\n", c.name, row_text(c.fixed.col(end)), std::exchange(share, ""));
-    if (drawn) text += fmt::format("{:<24} sigma {}{}\n", fixed ? "" : c.name, row_text(c.sigma.col(end)), share);
+    std::string share = shown ? fmt::format(" {:>9}", percent(shares[k])) : "";
+    if (fixed || !drawn) text += line_text(c.name, "fixed", row_text(block, c.fixed.col(end)) + std::exchange(share, ""));
+    if (drawn) text += line_text(fixed ? "" : c.name, "sigma", row_text(block, c.sigma.col(end)) + share);
   }
-  if (std::abs(shares.back()) > 5e-4) text += fmt::format("{:<124}  {:>6.1f} %\n", "correlation between groups", 100 * shares.back());
+  if (shown && std::abs(shares.back()) > 5e-4) text += fmt::format("{:<65} {:>9}\n", "correlation between groups", percent(shares.back()));
   return text;
 }
 
-std::string monte_carlo_rows(const ErrorDistribution& d) {
+std::string block_text(const Block& block, const ErrorBudget& b) {
+  std::string text = fmt::format("\n{:<32} {:>10} {:>10} {:>10}{}\n", block.title, "east", "north", "up", block.first == 0 ? "     share" : "");
+  return text + source_rows(block, b) + total_rows(block, b);
+}
+
+/// Horizontal position, and what causes most of it.
+std::string headline(const ErrorBudget& b) {
+  const auto end = static_cast<Eigen::Index>(b.time.size()) - 1;
+  const Eigen::VectorXd sigma = total_sigma(b).col(end);
+  const double rms = std::sqrt(b.mean.col(end).head<2>().squaredNorm() + sigma.head<2>().squaredNorm());
+  const std::vector<double> shares = horizontal_shares(b);
+  std::string largest;
+  for (const std::size_t k : by_share(shares, b.groups.size())) {
+    if (shares[k] < 0.05 || std::count(largest.begin(), largest.end(), '%') == 3) break;
+    largest += fmt::format("{}{} {:.0f} %", largest.empty() ? "" : ", ", b.groups[k].name, 100 * shares[k]);
+  }
+  return text::wrapped("", fmt::format("after {:g} s: horizontal position error {:.3g} m RMS, {}", b.time.back(), rms, vertical_text(b.vertical))) +
+         (largest.empty() ? "" : text::wrapped("  most of it from: ", largest));
+}
+
+std::string monte_carlo_line(const ErrorDistribution& d) {
   const auto end = static_cast<Eigen::Index>(d.time.size()) - 1;
-  return fmt::format("{:<24} mean  {}\n{:<24} sigma {}\n", fmt::format("Monte Carlo, {} runs", d.drift.size()), row_text(d.mean.col(end)), "",
-                     row_text(d.sigma.col(end))) +
-         fmt::format("{:<24} 5 %   {}\n{:<24} 50 %  {}\n{:<24} 95 %  {}\n", "", row_text(d.low.col(end)), "", row_text(d.median.col(end)), "",
-                     row_text(d.high.col(end))) +
-         fmt::format(
-             "\nhorizontal position: median {:.4g} m, 5..95 % {:.4g}..{:.4g} m; pure-inertial rate {:.3g} nmi/h RMS, CEP {:.3g} nmi/h, "
-             "95 % {:.3g} nmi/h\n",
-             d.median(budget_quantities, end), d.low(budget_quantities, end), d.high(budget_quantities, end), d.drift_rms / unit::nmi_per_h,
-             d.drift_cep / unit::nmi_per_h, d.drift_95 / unit::nmi_per_h);
+  return text::wrapped("  ", fmt::format("Monte Carlo, {} runs: horizontal position median {:.4g} m, 5..95 % {:.4g}..{:.4g} m; pure-inertial rate {:.3g} "
+                                         "nmi/h RMS, CEP {:.3g} nmi/h, 95 % {:.3g} nmi/h",
+                                         d.drift.size(), d.median(budget_quantities, end), d.low(budget_quantities, end),
+                                         d.high(budget_quantities, end), d.drift_rms / unit::nmi_per_h, d.drift_cep / unit::nmi_per_h,
+                                         d.drift_95 / unit::nmi_per_h));
+}
+
+std::string monte_carlo_rows(const Block& block, const ErrorDistribution& d) {
+  const auto end = static_cast<Eigen::Index>(d.time.size()) - 1;
+  return line_text("Monte Carlo", "mean", row_text(block, d.mean.col(end))) + line_text("", "sigma", row_text(block, d.sigma.col(end))) +
+         line_text("", "5 %", row_text(block, d.low.col(end))) + line_text("", "50 %", row_text(block, d.median.col(end))) +
+         line_text("", "95 %", row_text(block, d.high.col(end)));
 }
 
 }  // namespace
@@ -154,14 +196,15 @@ std::string distribution_csv(const ErrorDistribution& d) {
   return text;
 }
 
-std::string budget_table(const ErrorBudget& b, const std::optional<ErrorDistribution>& monte_carlo) {
-  std::string text = fmt::format("Errors after {:g} s, {}: fixed errors, and one sigma of drawn ones\n\n", b.time.back(), vertical_text(b.vertical));
-  text += fmt::format("{:<31}  {:^29}  {:^29}  {:^29}  {:>7}\n", "", "position, m", "velocity, m/s", "attitude, arcsec", "share of");
-  text += fmt::format("{:<31}", "");
-  for (int triple = 0; triple < 3; ++triple) text += fmt::format("  {:>9} {:>9} {:>9}", "east", "north", "up");
-  text += fmt::format("  {:>8}\n", "position");
-  text += source_rows(b) + total_rows(b);
-  return monte_carlo ? text + monte_carlo_rows(*monte_carlo) : text;
+std::string budget_table(const ErrorBudget& b, const std::optional<ErrorDistribution>& monte_carlo, bool details) {
+  std::string text = headline(b);
+  if (monte_carlo) text += monte_carlo_line(*monte_carlo);
+  for (const Block& block : blocks) {
+    if (block.first > 0 && !details) break;
+    text += block_text(block, b);
+    if (monte_carlo && details) text += monte_carlo_rows(block, *monte_carlo);
+  }
+  return text;
 }
 
 }  // namespace imulab

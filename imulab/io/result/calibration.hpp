@@ -1,4 +1,4 @@
-// A calibration as a table.
+// A calibration for people, in at most 80 columns.
 #pragma once
 
 #include "imulab/model/calibration.hpp"
@@ -9,9 +9,13 @@ namespace imulab {
 
 struct CalibrationResult;
 
-/// Every estimated coefficient with its standard uncertainty, in SI and in user units (ug, deg/h, ppm, arcsec, ...), then what the fit says of itself
-/// and the verdict. With the model before the estimate, `coarse`: in user units, from what value by what correction to what value.
-std::string calibration_table(const Calibration& calibration, const SensorModel* coarse = nullptr);
+/// The verdict; what was reached in a line a triad; fit and requirements; then every coefficient that the data showed, in user units, with the digits
+/// that its standard uncertainty supports.
+std::string calibration_summary(const Calibration& calibration);
+
+/// All the rest: every estimated coefficient in SI and in user units, what was used, and the tests of optional terms. With the model before the
+/// estimate, `coarse`: from what value by what correction.
+std::string calibration_details(const Calibration& calibration, const SensorModel* coarse = nullptr);
 
 /// Convergence curves as CSV: t (s), then for every coefficient NAME,NAME.sigma: its residual and the standard uncertainty of the residual.
 std::string curves_csv(const CalibrationResult& result);

@@ -19,8 +19,9 @@ struct NamedCalibration {
 std::string comparison_json(const std::vector<NamedCalibration>& calibrations, const std::vector<Comparison>& comparisons,
                             const std::optional<Agreement>& agreement);
 
-/// One row a coefficient: its value, and for each comparison the difference in user units and in sigmas; then what the tests say.
+/// What the tests say, then one row a coefficient: of one comparison the difference in user units and in sigmas, of several each difference in
+/// sigmas. With `values`, the values in SI besides.
 std::string comparison_table(const std::vector<NamedCalibration>& calibrations, const std::vector<Comparison>& comparisons,
-                             const std::optional<Agreement>& agreement);
+                             const std::optional<Agreement>& agreement, bool values = false);
 
 }  // namespace imulab

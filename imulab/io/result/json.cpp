@@ -1,8 +1,10 @@
 // All results as JSON, in one source: the JSON library is slow to compile.
 #include "imulab/core/units.hpp"
+#include "imulab/estimate/hybrid/path_design.hpp"
 #include "imulab/io/result/budget.hpp"
 #include "imulab/io/result/budget_quantities.hpp"
 #include "imulab/io/result/comparison.hpp"
+#include "imulab/io/result/fields.hpp"
 #include "imulab/io/result/navigation.hpp"
 #include "imulab/io/result/prediction.hpp"
 #include "imulab/model/coefficient.hpp"
@@ -10,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <type_traits>
 
 namespace imulab {
 namespace {
@@ -218,6 +221,36 @@ std::string prediction_json(const turntable::Prediction& p, const std::optional<
       if (a.alone) entry["others_perfect"] = to_json(*a.alone);
     }
   }
+  return out.dump(2) + "\n";
+}
+
+namespace {
+
+Json to_json(const JsonFields& object) {
+  Json out = Json::object();
+  for (const auto& [key, value] : object.fields) {
+    if (const auto* list = std::get_if<std::vector<JsonFields>>(&value)) {
+      out[key] = Json::array();
+      for (const JsonFields& item : *list) out[key].push_back(to_json(item));
+    } else {
+      std::visit([&out, &key = key](const auto& own) {
+        if constexpr (!std::is_same_v<std::decay_t<decltype(own)>, std::vector<JsonFields>>) out[key] = own;
+      }, value);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string json_text(const JsonFields& object) { return to_json(object).dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+std::string path_json(const hybrid::Path& path, const hybrid::Prediction& p, const std::vector<Shortfall>& missed) {
+  Json turns = Json::array();
+  for (const TableTurn& turn : path.turns)
+    turns.push_back({{"axis", std::string(to_string(turn.axis))}, {"angle_deg", turn.angle_deg}, {"rest_s", turn.rest}});
+  Json out{{"duration_s", path.duration}, {"first_rest_s", path.first_rest}, {"turns", std::move(turns)}};
+  out.update(Json::parse(prediction_json(p, missed, std::nullopt)));
   return out.dump(2) + "\n";
 }
 

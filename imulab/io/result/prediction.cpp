@@ -1,6 +1,8 @@
 #include "imulab/io/result/prediction.hpp"
 
 #include "imulab/estimate/hybrid/path_design.hpp"
+#include "imulab/io/result/reached.hpp"
+#include "imulab/io/text/figures.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/user_unit.hpp"
 
@@ -9,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace imulab {
 namespace {
@@ -31,9 +34,10 @@ std::array<std::string, 2> heading(const std::string& source) {
   if (source == "earth rate") return {"Earth", "rate"};
   if (source == "gyro noise") return {"gyro", "noise"};
   if (source == "accelerometer noise") return {"acc.", "noise"};
-  if (source == "gyro turn-on") return {"gyro", "turn-on"};
-  if (source == "accelerometer turn-on") return {"acc.", "turn-on"};
-  if (source == turntable::undetermined_source) return {"not", "determ."};
+  if (source == "gyro turn-on") return {"gyro", "on"};
+  if (source == "accelerometer turn-on") return {"acc.", "on"};
+  if (source == "timing") return {"", "time"};
+  if (source == turntable::undetermined_source) return {"not", "det."};
   return {"", source};
 }
 
@@ -45,32 +49,97 @@ Eigen::ArrayXd sampled_ratio(const turntable::Prediction& p, const turntable::Mo
   return monte_carlo.sigma.array() / variance.sqrt();
 }
 
-std::size_t width_of(const std::string& source) {
-  const auto head = heading(source);
-  return std::max<std::size_t>({5, head[0].size(), head[1].size()});
+/// Percent of the variance by source, a row a coefficient.
+struct Shares {
+  std::vector<std::string> sources;
+  Eigen::ArrayXXd percent;
+};
+constexpr std::size_t share_columns = 6;  // in 80 columns
+
+Shares all_shares(const turntable::Prediction& p) { return {p.sources, 100 * (p.variance.array().colwise() / p.first_order().array().square())}; }
+
+Shares part_of(const Shares& all, const std::vector<std::size_t>& columns) {
+  Shares part{{}, all.percent(Eigen::all, columns)};
+  for (const std::size_t k : columns) part.sources.push_back(all.sources[k]);
+  return part;
 }
 
-std::string heading_lines(const turntable::Prediction& p, bool second, bool monte_carlo) {
+/// Sources without a share that a person reads are left out, and where the others do not fit, the least become one.
+Shares visible(const Shares& all) {
+  std::vector<std::size_t> columns, small;
+  for (std::size_t k = 0; k < all.sources.size(); ++k)
+    if ((all.percent.col(static_cast<Eigen::Index>(k)) >= 0.5).any()) columns.push_back(k);
+  const auto total = [&](std::size_t k) { return all.percent.col(static_cast<Eigen::Index>(k)).sum(); };
+  while (columns.size() + (small.empty() ? 0 : 1) > share_columns) {
+    const auto least = std::min_element(columns.begin(), columns.end(), [&](std::size_t a, std::size_t b) { return total(a) < total(b); });
+    small.push_back(*least);
+    columns.erase(least);
+  }
+  Shares shares = part_of(all, columns);
+  if (small.empty()) return shares;
+  shares.sources.emplace_back("others");
+  shares.percent.conservativeResize(Eigen::NoChange, shares.percent.cols() + 1);
+  shares.percent.rightCols<1>() = part_of(all, small).percent.rowwise().sum();
+  return shares;
+}
+
+/// Every source, as many tables as they need.
+std::vector<Shares> in_columns(const Shares& all) {
+  std::vector<Shares> tables;
+  for (std::size_t begin = 0; begin < all.sources.size(); begin += share_columns) {
+    std::vector<std::size_t> columns;
+    for (std::size_t k = begin; k < std::min(begin + share_columns, all.sources.size()); ++k) columns.push_back(k);
+    tables.push_back(part_of(all, columns));
+  }
+  return tables;
+}
+
+std::string share_rows(const turntable::Prediction& p, const Shares& shares) {
   std::string text;
   for (const std::size_t line : {0u, 1u}) {
-    text += fmt::format("{:<21} {:<7}", line == 0 ? "" : "coefficient", line == 0 ? "" : "unit");
-    if (second) text += fmt::format(" {:>9} {:>9}", line == 0 ? "first" : "order", line == 0 ? "second" : "order");
-    text += fmt::format(" {:>9}", line == 0 ? "closed" : "form");
-    if (monte_carlo) text += fmt::format(" {:>9}", line == 0 ? "Monte" : "Carlo");
-    text += "  |";
-    for (const std::string& source : p.sources) text += fmt::format(" {:>{}}", heading(source)[line], width_of(source));
+    text += fmt::format("{:<21} {:<8} {:>8} ", line == 0 ? "" : "coefficient", line == 0 ? "" : "unit", line == 0 ? "" : "sigma");
+    for (const std::string& source : shares.sources) text += fmt::format(" {:>5}", heading(source)[line]);
+    text += "\n";
+  }
+  for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    const UserUnit unit = unit_of(p.coefficients[i], p.coefficients, p.sigma);
+    text += fmt::format("{:<21} {:<8} {:>8} ", coefficient(p.coefficients[i]).name, unit.name, text::two_digits(p.sigma[row] / unit.size));
+    for (Eigen::Index k = 0; k < shares.percent.cols(); ++k) text += fmt::format(" {:>5.0f}", shares.percent(row, k));
     text += "\n";
   }
   return text;
+}
+
+/// First and second order, closed form and Monte Carlo, with all digits.
+std::string sigma_rows(const turntable::Prediction& p, const std::optional<turntable::MonteCarloResult>& monte_carlo) {
+  const Eigen::VectorXd first = p.first_order();
+  std::string text = fmt::format("\n{:<21} {:<8} {:>10} {:>12} {:>12}", "coefficient", "unit", "1st order", "2nd order", "closed form");
+  text += monte_carlo ? fmt::format(" {:>11}\n", "Monte Carlo") : "\n";
+  for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    const UserUnit unit = unit_of(p.coefficients[i], p.coefficients, p.sigma);
+    text += fmt::format("{:<21} {:<8} {:>10.4g} {:>12.2g} {:>12.4g}", coefficient(p.coefficients[i]).name, unit.name, first[row] / unit.size,
+                        p.second_order[row] / unit.size, p.sigma[row] / unit.size);
+    text += monte_carlo ? fmt::format(" {:>11.4g}\n", monte_carlo->sigma[row] / unit.size) : "\n";
+  }
+  return text;
+}
+
+/// Of a coefficient; not a number where it is not among the predicted.
+template <class Prediction>
+double sigma_of(const Prediction& p, CoefficientIndex index) {
+  const auto at = std::find(p.coefficients.begin(), p.coefficients.end(), index) - p.coefficients.begin();
+  return at < p.sigma.size() ? p.sigma[at] : std::numeric_limits<double>::quiet_NaN();
 }
 
 std::string monte_carlo_text(const turntable::Prediction& p, const turntable::MonteCarloResult& monte_carlo, bool undetermined) {
   const Eigen::ArrayXd off = (sampled_ratio(p, monte_carlo) - 1).abs();
   Eigen::Index worst;
   const double most = off.maxCoeff(&worst);
-  return fmt::format("\nMonte Carlo: {} procedures{}. At most {:.1f} % from the closed form ({}), where one sigma of chance is {:.1f} %.\n",
+  return "\n" + text::wrapped("", fmt::format("Monte Carlo: {} procedures{}. At most {:.1f} % from the closed form ({}), where one sigma of chance is {:.1f} %.",
                      monte_carlo.runs, undetermined ? ", without what is not determined" : "", 100 * most,
-                     coefficient(p.coefficients[static_cast<std::size_t>(worst)]).name, 100 * monte_carlo.sampling_sigma[worst]);
+                     coefficient(p.coefficients[static_cast<std::size_t>(worst)]).name, 100 * monte_carlo.sampling_sigma[worst]));
 }
 
 /// The least that any of the requirements allows it; none: 0.
@@ -84,33 +153,24 @@ double limit_of(CoefficientIndex index, const std::vector<Requirement>& requirem
 
 }  // namespace
 
-std::string prediction_table(const turntable::Prediction& p, const std::optional<turntable::MonteCarloResult>& monte_carlo) {
+std::string prediction_table(const turntable::Prediction& p, const std::optional<turntable::MonteCarloResult>& monte_carlo, bool details) {
   if (p.coefficients.empty()) return {};
-  const Eigen::VectorXd sigma = p.sigma, first = p.first_order();
-  const bool second = (p.second_order.array() > 0.03 * first.array()).any();  // below, it changes nothing a person reads
-  std::string text = "Standard uncertainty of every coefficient, and the share of each source in its variance (%)\n\n";
-  text += heading_lines(p, second, monte_carlo.has_value());
-  for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    const UserUnit unit = unit_of(p.coefficients[i], p.coefficients, sigma);
-    text += fmt::format("{:<21} {:<7}", coefficient(p.coefficients[i]).name, unit.name);
-    if (second) text += fmt::format(" {:>9.4g} {:>9.2g}", first[row] / unit.size, p.second_order[row] / unit.size);
-    text += fmt::format(" {:>9.4g}", sigma[row] / unit.size);
-    if (monte_carlo) text += fmt::format(" {:>9.4g}", monte_carlo->sigma[row] / unit.size);
-    text += "  |";
-    for (std::size_t k = 0; k < p.sources.size(); ++k)
-      text += fmt::format(" {:>{}.1f}", 100 * p.variance(row, static_cast<Eigen::Index>(k)) / (first[row] * first[row]), width_of(p.sources[k]));
-    text += "\n";
-  }
-  if (second)
-    text += "\nSecond order: sigma of the products of errors. The closed form contains it, the shares do not; calibrate subtracts its mean.\n";
+  std::string text = reached_text([&](CoefficientIndex index) { return sigma_of(p, index); });
+  text += "\nStandard uncertainty of every coefficient, and shares of its variance in percent\n\n" + share_rows(p, visible(all_shares(p)));
+  if (details)
+    for (const Shares& part : in_columns(all_shares(p))) text += "\n" + share_rows(p, part);
+  if (details) text += sigma_rows(p, monte_carlo);
+  if ((p.second_order.array() > 0.03 * p.first_order().array()).any())  // below, it changes nothing a person reads
+    text += "\n" + text::wrapped("", "The uncertainty contains products of errors (second order), the shares do not; calibrate subtracts their mean.");
   const bool undetermined = std::find(p.sources.begin(), p.sources.end(), turntable::undetermined_source) != p.sources.end();
-  if (undetermined) text += "\nNot determ.: effect of coefficients that the procedure does not determine and that keep their starting values.\n";
+  if (undetermined)
+    text += "\n" + text::wrapped("", "not det.: effect of coefficients that the procedure does not determine and that keep their starting values");
   return monte_carlo ? text + monte_carlo_text(p, *monte_carlo, undetermined) : text;
 }
 
 std::string prediction_table(const hybrid::Prediction& p, const std::vector<Requirement>& requirements) {
-  std::string text = fmt::format("{:<21} {:<9} {:>9}{}\n", "coefficient", "unit", "sigma", requirements.empty() ? "" : "  required   ratio");
+  std::string text = reached_text([&](CoefficientIndex index) { return sigma_of(p, index); });
+  text += fmt::format("\n{:<21} {:<9} {:>9}{}\n", "coefficient", "unit", "sigma", requirements.empty() ? "" : "  required   ratio");
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
     const UserUnit unit = unit_of(p.coefficients[i], p.coefficients, p.sigma);
     const double sigma = p.sigma[static_cast<Eigen::Index>(i)], limit = limit_of(p.coefficients[i], requirements);
@@ -135,7 +195,7 @@ std::string turns_text(const hybrid::Advice& advice) {
 std::string advice_text(const hybrid::Advice& advice) {
   std::string worst;
   for (const CoefficientIndex index : advice.coefficients) worst += fmt::format(" {}", coefficient(index).name);
-  return fmt::format("Worst determined:{}\nWhat helps most after the procedure: {}\n", worst, turns_text(advice));
+  return text::wrapped("", "Worst determined:" + worst) + text::wrapped("", "What helps most after the procedure: " + turns_text(advice));
 }
 
 std::string shortfall_text(const Shortfall& s) {

@@ -29,9 +29,10 @@ std::string prediction_json(const turntable::Prediction& prediction, const std::
 std::string prediction_json(const hybrid::Prediction& prediction, const std::vector<Shortfall>& shortfalls,
                             const std::optional<hybrid::Advice>& advice);
 
-/// A row a coefficient: its uncertainty in user units, and the share of each source in its variance. Empty where no coefficient is determined.
-std::string prediction_table(const turntable::Prediction& prediction, const std::optional<turntable::MonteCarloResult>& monte_carlo);
-/// A row a coefficient: its uncertainty in user units, and beside it what is required, if anything is; then what is not determined.
+/// The worst of each group, then a row a coefficient: its uncertainty in user units, and the share of each source in its variance. With `details` also
+/// orders and Monte Carlo with more digits. Empty where no coefficient is determined.
+std::string prediction_table(const turntable::Prediction& prediction, const std::optional<turntable::MonteCarloResult>& monte_carlo, bool details = false);
+/// The worst of each group, then a row a coefficient: its uncertainty in user units, and beside it what is required, if anything is; then what is not determined.
 std::string prediction_table(const hybrid::Prediction& prediction, const std::vector<Requirement>& requirements);
 
 /// Which requirements the plan does not meet as declared, and what table, timing and unit would meet them all.
@@ -43,6 +44,8 @@ std::string turns_text(const hybrid::Advice& advice);
 /// "gyro.matrix.xx has 31.2 ppm where 10 ppm is required" or "gyro.matrix.xx is not determined".
 std::string shortfall_text(const Shortfall& shortfall);
 
+/// {"duration_s", "first_rest_s", "turns": [{"axis", "angle_deg", "rest_s"}]} and the prediction's own keys.
+std::string path_json(const hybrid::Path& path, const hybrid::Prediction& prediction, const std::vector<Shortfall>& missed);
 /// First rest, then a row a turn and the rest after it.
 std::string path_table(const hybrid::Path& path);
 

@@ -1,5 +1,6 @@
 #include "imulab/core/units.hpp"
 #include "imulab/io/result/prediction.hpp"
+#include "imulab/io/text/figures.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <fmt/format.h>
@@ -61,14 +62,16 @@ std::string title(turntable::Knob knob) {
   return "table, timing and unit together, all times one factor";
 }
 
-std::string answer(turntable::Knob knob, const turntable::Tolerance& t) {
-  if (t.factor) return fmt::format("{}{} x declared: {}", t.unlimited ? "any, tried up to " : "", number(*t.factor), setting_text(knob, t.sizes));
-  std::string text = "none: not even ";
+std::string answer(const char* first, turntable::Knob knob, const turntable::Tolerance& t) {
+  if (t.factor)
+    return text::wrapped(first, fmt::format("{}{} x declared: {}", t.unlimited ? "any, tried up to " : "", number(*t.factor), setting_text(knob, t.sizes)));
+  std::string text = std::string(first) + "none: not even ";
   if (knob == turntable::Knob::table) text += "a perfect table";
   if (knob == turntable::Knob::timing) text += "perfect timing";
   if (knob == turntable::Knob::imu) text += "a hundredth of the noise";
   if (knob == turntable::Knob::all) text += "a hundredth of all";
-  for (const Shortfall& s : t.shortfalls) text += "\n      " + requirement_text(s);
+  text += "\n";
+  for (const Shortfall& s : t.shortfalls) text += text::wrapped("      ", requirement_text(s));
   return text;
 }
 
@@ -76,7 +79,7 @@ std::string answer(turntable::Knob knob, const turntable::Tolerance& t) {
 
 std::string tolerance_table(const turntable::Plan& plan, const std::vector<Shortfall>& missed, const std::vector<KnobAnswer>& answers) {
   std::string text = fmt::format("\nAs declared, {}\n", missed.empty() ? "every requirement is met." : "these requirements are not met:");
-  for (const Shortfall& s : missed) text += fmt::format("  {}\n", requirement_text(s));
+  for (const Shortfall& s : missed) text += text::wrapped("  ", requirement_text(s));
   text += "\nWhat meets every requirement:\n";
   for (const KnobAnswer& a : answers) {
     text += fmt::format("  {}\n", title(a.knob));
@@ -84,10 +87,10 @@ std::string tolerance_table(const turntable::Plan& plan, const std::vector<Short
       text += "    the procedure has no turns\n";
       continue;
     }
-    if (a.alone) text += fmt::format("    all else perfect      {}\n", answer(a.knob, *a.alone));
-    text += fmt::format("    {}{}\n", a.alone ? "all else as declared  " : "", answer(a.knob, a.declared));
+    if (a.alone) text += answer("    all else perfect      ", a.knob, *a.alone);
+    text += answer(a.alone ? "    all else as declared  " : "    ", a.knob, a.declared);
   }
-  text += "Perfect: a millionth of the table's and the timing's errors, a hundredth of the noise, g and latitude exact.\n";
+  text += text::wrapped("", "Perfect: a millionth of the table's and the timing's errors, a hundredth of the noise, g and latitude exact.");
   const turntable::ErrorSizes s = turntable::error_sizes(plan);
   if ((s.angle == 0 && s.orthogonality == 0 && s.zero == 0) || s.timing == 0)
     text += "Where no error is declared, factors are those of 1 arcsec and 1 ms.\n";

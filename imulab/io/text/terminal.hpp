@@ -1,13 +1,23 @@
-// Progress of long work on a terminal.
+// What only a terminal shows: progress of long work, and color.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <mutex>
 #include <string>
 
 namespace imulab {
 
-/// "LABEL: N of TOTAL" on standard error, on one line that is removed at the end; nothing where that is no terminal. Any thread may report.
+enum class Color { red = 31, green = 32, yellow = 33 };
+
+/// Whether standard output and standard error are terminals that show colors (the environment variable NO_COLOR is absent or empty).
+bool output_has_color();
+bool errors_have_color();
+/// The text between the terminal's marks for bold and for the color.
+std::string in_color(Color color, const std::string& text);
+
+/// "LABEL: N %, S s left" on standard error, on one line that is removed at the end, from the first second on; nothing where that is no terminal. Any
+/// thread may report.
 class Progress {
  public:
   Progress(std::string label, std::uint64_t total);
@@ -20,6 +30,7 @@ class Progress {
   std::string label_;
   std::uint64_t total_, shown_ = 0;
   bool terminal_;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   std::mutex mutex_;
 };
 

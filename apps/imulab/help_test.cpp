@@ -1,0 +1,87 @@
+// The command explains itself: in 80 columns, with examples that its own parser accepts, in manual pages and in shells.
+#include "tests/run_command.hpp"
+
+#include <gmock/gmock.h>
+
+#include <vector>
+
+namespace imulab {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::vector<std::string> verbs{"calibrate", "compare", "verify",     "procedure", "procedure hand-held", "procedure dai-unit", "simulate", "predict",
+                                     "plan",      "compensate", "export", "trajectory", "navigate", "budget", "demo", "help"};
+
+TEST(Help, FitsATerminal) {
+  const TemporaryFolder folder;
+  for (const std::string& verb : verbs) {
+    const CommandResult result = run_imulab(folder, verb + " --help");
+    EXPECT_EQ(result.exit_code, 0) << verb;
+    EXPECT_EQ(result.output, run_imulab(folder, "help " + verb).output);
+    std::istringstream lines(result.output);
+    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << line;
+  }
+}
+
+TEST(Help, ListsEveryVerbInAGroup) {
+  const TemporaryFolder folder;
+  const std::string text = run_imulab(folder, "--help").output;
+  for (const char* group : {"\nstart here\n", "\ncalibrate\n", "\nbefore the measurement\n", "\nuse a calibration\n", "\nin navigation\n"})
+    EXPECT_THAT(text, HasSubstr(group));
+  for (const std::string& verb : verbs)
+    if (verb.find(' ') == std::string::npos) EXPECT_THAT(text, HasSubstr("\n  " + verb + " ")) << verb;
+}
+
+/// An example that the parser refuses has a wrong name in it; files that do not exist are refused later.
+TEST(Help, EachVerbHasAnExampleThatItsParserAccepts) {
+  const TemporaryFolder folder;
+  for (const std::string& verb : verbs) {
+    if (verb.starts_with("procedure") || verb == "demo" || verb == "help") continue;
+    const std::string text = run_imulab(folder, "help " + verb).output;
+    const std::size_t at = text.find("  imulab " + verb);
+    ASSERT_NE(at, std::string::npos) << verb;
+    const std::string example = text.substr(at + 9, text.find('\n', at) - at - 9);
+    EXPECT_THAT(run_imulab(folder, example).errors, Not(HasSubstr("--help explains"))) << example;
+  }
+}
+
+TEST(Help, WritesManualPages) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run_imulab(folder, "help --man man").exit_code, 0);
+  EXPECT_THAT(read_text(folder / "man/imulab.1"), HasSubstr(".B calibrate\n"));
+  const std::string page = read_text(folder / "man/imulab-calibrate.1");
+  EXPECT_THAT(page, HasSubstr(".TH IMULAB-CALIBRATE 1 "));
+  EXPECT_THAT(page, HasSubstr("\\-o, \\-\\-output FILE"));
+  EXPECT_THAT(page, HasSubstr(".SH EXAMPLES\n"));
+}
+
+TEST(Help, BashCompletesVerbsOptionsAndValues) {
+  const TemporaryFolder folder;
+  const auto completed = [&](const std::string& words) {
+    return run_shell(folder, "cat > complete.sh <<'END'\nsource <('" IMULAB_COMMAND "' help --completion bash)\nCOMP_WORDS=(" + words +
+                                 ")\nCOMP_CWORD=$((${#COMP_WORDS[@]}-1))\n_imulab\necho \"${COMPREPLY[@]}\"\nEND\nbash complete.sh")
+        .output;
+  };
+  EXPECT_EQ(completed("imulab calib"), "calibrate\n");
+  EXPECT_EQ(completed("imulab calibrate --met"), "--method\n");
+  EXPECT_EQ(completed("imulab calibrate session --method hy"), "hybrid\n");
+  EXPECT_EQ(completed("imulab procedure zh"), "zhang-24\n");
+  EXPECT_EQ(completed("imulab procedure zhang-24 --re"), "--rest\n");
+}
+
+TEST(Help, WithoutACommandItIsShown) {
+  const TemporaryFolder folder;
+  const CommandResult result = run_imulab(folder, "");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.errors, HasSubstr("usage: imulab COMMAND"));
+}
+
+TEST(Help, ThreadsAreTakenByEveryVerb) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(run_imulab(folder, "procedure hand-held --poses 12 -o h.toml --threads 1").exit_code, 0);
+  EXPECT_THAT(run_imulab(folder, "procedure hand-held --threads 0").errors, HasSubstr("--threads"));
+}
+
+}  // namespace
+}  // namespace imulab

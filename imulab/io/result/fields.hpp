@@ -1,0 +1,23 @@
+// Small results as JSON: what a verb wrote or found.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace imulab {
+
+struct JsonFields;
+using JsonValue = std::variant<bool, std::uint64_t, double, std::string, std::vector<std::string>, std::vector<JsonFields>>;
+
+/// An object's keys and values, in their order. Numbers that are not finite become null.
+struct JsonFields {
+  std::vector<std::pair<std::string, JsonValue>> fields;
+};
+
+/// With a new line at the end.
+std::string json_text(const JsonFields& object);
+
+}  // namespace imulab

@@ -1,0 +1,23 @@
+// Numbers with their uncertainties, and sentences, for a terminal of 80 columns.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace imulab::text {
+
+inline constexpr std::size_t terminal_width = 80;
+
+/// An uncertainty with two significant digits: "0.031", "110", "1.2e-07". "-" where it is not finite.
+std::string two_digits(double uncertainty);
+
+/// A value to the decimal place of its uncertainty's second significant digit: 34.3034 with 0.0314 is "34.303". Six significant digits where the
+/// uncertainty is zero or not finite.
+std::string to_digits_of(double uncertainty, double value);
+
+/// `sentence` in lines of at most `width` columns: the first begins with `first`, the others with as many spaces. Ends with a new line. Words longer
+/// than a line stay whole. Counts code points of UTF-8.
+std::string wrapped(std::string_view first, std::string_view sentence, std::size_t width = terminal_width);
+
+}  // namespace imulab::text

@@ -1,0 +1,44 @@
+// Digits that the uncertainty supports, and lines that a terminal holds.
+#include "imulab/io/text/figures.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+namespace imulab::text {
+namespace {
+
+TEST(Figures, AnUncertaintyHasTwoDigits) {
+  EXPECT_EQ(two_digits(0.0314), "0.031");
+  EXPECT_EQ(two_digits(0.0996), "0.10");
+  EXPECT_EQ(two_digits(1.04), "1.0");
+  EXPECT_EQ(two_digits(9.96), "10");
+  EXPECT_EQ(two_digits(113), "110");
+  EXPECT_EQ(two_digits(12345), "12000");
+  EXPECT_EQ(two_digits(1.23e-7), "1.2e-07");
+  EXPECT_EQ(two_digits(0), "0");
+  EXPECT_EQ(two_digits(std::numeric_limits<double>::quiet_NaN()), "-");
+}
+
+TEST(Figures, AValueEndsWhereItsUncertaintyDoes) {
+  EXPECT_EQ(to_digits_of(0.0314, 34.3034), "34.303");
+  EXPECT_EQ(to_digits_of(1.4, -3628.33), "-3628.3");
+  EXPECT_EQ(to_digits_of(82, -12863.9), "-12864");
+  EXPECT_EQ(to_digits_of(113, 206.765), "210");
+  EXPECT_EQ(to_digits_of(0.0996, 1.2345), "1.23");
+  EXPECT_EQ(to_digits_of(10, -0.2), "0");
+  EXPECT_EQ(to_digits_of(0, 1.25), "1.25");
+  EXPECT_EQ(to_digits_of(1e-9, 1.5e-8), "1.5e-08");
+}
+
+TEST(Figures, LinesEndBeforeTheWidth) {
+  EXPECT_EQ(wrapped("  a: ", "one two three", 12), "  a: one two\n     three\n");
+  EXPECT_EQ(wrapped("", ""), "\n");
+  EXPECT_EQ(wrapped("x ", "averyveryverylongword b", 8), "x averyveryverylongword\n  b\n");
+  EXPECT_EQ(wrapped("", "\xC3\xA9\xC3\xA9 \xC3\xA9", 4), "\xC3\xA9\xC3\xA9 \xC3\xA9\n");  // four columns, seven bytes
+}
+
+}  // namespace
+}  // namespace imulab::text
