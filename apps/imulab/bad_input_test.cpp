@@ -40,7 +40,7 @@ TEST(BadInput, ARecordingNamesFileLineAndColumn) {
   const std::string file = "session/recording.csv";
   expect_each_refused({
       {[](SessionText& s) { s.declare("\"recording.csv\"", "\"other.csv\""); }, "session/other.csv: cannot be opened: No such file"},
-      {[](SessionText& s) { s.declare("\"recording.csv\"", "\".\""); }, "session/.: is not a regular file"},
+      {[](SessionText& s) { s.declare("\"recording.csv\"", "\".\""); }, "session/.: is a folder; expected a file"},
       {[](SessionText& s) { s.lines.clear(); }, file + ": is empty; expected rows of numbers"},
       {[](SessionText& s) { s.lines.resize(1); }, file + ": has a header but no rows"},
       {[](SessionText& s) { s.lines[0] = "t,gx,gy,gz,ax,ay,up"; }, file + ": column az is not there; expected one of t, gx, gy, gz, ax, ay, up"},

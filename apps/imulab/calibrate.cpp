@@ -110,13 +110,7 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
   for (const Requirement& requirement : requirements) quality.requirements.push_back(assess(calibration, requirement));
   for (const std::string& text : quality.warnings) warn(text);
   quality.warnings.insert(quality.warnings.begin(), warnings.begin(), warnings.end());
-  if (!arguments.output.empty()) {
-    const std::string text = calibration_text(calibration);
-    if (arguments.output == "-")
-      fmt::print("{}", text);
-    else
-      write_whole(arguments.output, text);
-  }
+  if (!arguments.output.empty()) write_whole(arguments.output, calibration_text(calibration));
   if (!arguments.curves.empty()) write_whole(arguments.curves, curves_csv(result));
   return result;
 }

@@ -165,7 +165,7 @@ TEST_F(CompareCommand, WrongUseIsExplained) {
   for (const Case& c :
        {Case{"", "imulab: CALIBRATION is required"}, Case{"calibration.json", "imulab: CALIBRATION: At least 2 required but received 1"},
         Case{"calibration.json absent.json", "imulab: absent.json: cannot be opened: No such file"},
-        Case{"calibration.json truth.json .", "imulab: .: is not a regular file"},
+        Case{"calibration.json truth.json .", "imulab: .: is a folder; expected a file"},
         Case{"newer.json calibration.json",
              "imulab: newer.json: format: imulab.calibration/2 is a newer format; this program reads imulab.calibration/1"},
         Case{"calibration.json session.json", "imulab: session.json: format: expected \"imulab.calibration/1\", found \"imulab.session/1\""},

@@ -50,15 +50,6 @@ std::vector<fs::path> output_files(const Session& session, const fs::path& outpu
   return files;
 }
 
-void write(const fs::path& file, const CompensatedRecording& c) {
-  const std::string text = compensated_text(c);
-  if (file == "-") {
-    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) throw Error("standard output cannot be written");
-    return;
-  }
-  write_whole(file, text);
-}
-
 void compensate_files(const CompensateOptions& options) {
   if (!options.stream_session.empty() || !options.recording.empty())
     throw Error("--session and --recording belong to standard input; expected - in place of the session");
@@ -77,7 +68,7 @@ void compensate_files(const CompensateOptions& options) {
   std::vector<CompensateCounts> counts;
   for (std::size_t i = 0; i < files.size(); ++i) {
     const CompensatedRecording& c = recordings[i];
-    write(files[i], c);
+    write_whole(files[i], compensated_text(c));
     counts.push_back({files[i].string(), c.recording.size(), c.recording.saturated.size(), c.out_of_range.size(), c.replaced.size()});
   }
   if (files[0] != "-") print_counts(options, counts);

@@ -28,10 +28,7 @@ void run(const Options& o) {
   const std::vector<std::string> lost = target.left_out(calibration);
   for (const std::string& left_out : lost) warn(o.calibration + ": " + left_out);
   if (o.json && o.output == "-") throw Error("--json: standard output has the export; expected -o FILE");
-  if (o.output == "-")
-    fmt::print("{}", text);
-  else
-    write_whole(o.output, text);
+  write_whole(o.output, text);
   if (o.json) fmt::print("{}", json_text({{{"target", o.target}, {"file", o.output}, {"left_out", lost}}}));
 }
 

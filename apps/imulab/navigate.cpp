@@ -59,7 +59,7 @@ void check(const Options& o) {
 /// The raw data are never overwritten.
 void check_inputs_stay(const Options& options, const Session& session) {
   if (options.output.empty()) return;
-  if (options.output == "-" || fs::is_directory(options.output)) throw Error(fmt::format("-o {}: expected a file to write", options.output));
+  if (fs::is_directory(options.output)) throw Error(fmt::format("-o {}: expected a file to write", options.output));
   std::vector<fs::path> inputs{options.calibration, options.truth, options.barometer};
   if (session.truth_file) inputs.push_back(session_path(session, *session.truth_file));
   expect_inputs_stay(options.output, session, inputs);
@@ -87,12 +87,14 @@ void run(Options options) {
   options.navigate.vertical = vertical_channels.at(options.vertical);
   options.navigate.gaps = options.gaps == "refuse" ? GapTreatment::refuse : GapTreatment::integrate;
   check(options);
+  if (options.json && options.output == "-") throw Error("--json: standard output has the solution; expected -o FILE");
   const Calibration calibration = calibration_of(options.calibration, options.allow_undetermined);
   if (!options.barometer.empty()) options.navigate.barometer = read_heights(options.barometer);
   if (options.heading_deg) options.navigate.heading = {*options.heading_deg * unit::deg, options.heading_sigma_deg.value_or(0) * unit::deg};
   std::vector<NavigatedSession> sessions;
   for (const auto& name : options.sessions) sessions.push_back(navigated(options, calibration, name));
   if (!options.output.empty()) write_solution(options.output, sessions[0].navigated.solution);
+  if (options.output == "-") return;
   fmt::print("{}", options.json ? navigation_json(sessions) : navigation_table(sessions));
   if (!options.output.empty() && !options.json) fmt::print("{}: {} states\n", options.output, sessions[0].navigated.solution.size());
 }
@@ -116,7 +118,7 @@ void add_navigate(Verb app) {
   verb.option("--heading-sigma", o->heading_sigma_deg, "standard uncertainty of --heading, deg; exact if absent").in_range(0., 180.);
   verb.option("--gaps HOW", o->gaps, "what to do at missing samples").one_of({"integrate", "refuse"}).show_default();
   verb.option("--truth FILE", o->truth, "reference solution; the session's [truth] if absent");
-  verb.option("-o,--output FILE", o->output, "write the whole solution to this CSV file");
+  verb.option("-o,--output FILE", o->output, "write the whole solution to this CSV file; - for standard output in place of the table");
   add_allow_undetermined(verb, o->allow_undetermined);
   verb.flag("--json", o->json, "print the result as JSON");
   verb.example("imulab navigate calibration.json drive --vertical fixed -o solution.csv");

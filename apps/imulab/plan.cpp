@@ -79,6 +79,7 @@ std::string minutes(double seconds) { return fmt::format("{:.0f} min {:02.0f} s"
 void run(const Options& options) {
   hybrid::PathQuestion question;
   question.requirements = errors_at("--require", [&] { return parse_requirements(options.require); });
+  if (options.json && options.output == "-") throw Error("--json: standard output has the procedure; expected -o FILE");
   question.unit = hybrid::plan_of(procedure_of(options, 60, {}));
   question.axes = axes_of(options.axes);
   question.turn_rate = options.axes == "hand" ? hand_rate : TableProcedureOptions{}.turn_rate;
@@ -95,15 +96,11 @@ void run(const Options& options) {
   const Session procedure = procedure_of(options, path.first_rest, path.turns);
   const hybrid::Prediction p = predict(hybrid::plan_of(procedure));
   const std::vector<Shortfall> missed = shortfalls(p, question.requirements);
-  if (options.output == "-") {
-    fmt::print("{}", procedure_text(procedure));
-  } else {
-    if (options.output) write_whole(*options.output, procedure_text(procedure));
-    if (options.json)
-      fmt::print("{}", path_json(path, p, missed));
-    else
-      fmt::print("{} turns in {}\n\n{}\n{}", path.turns.size(), minutes(path.duration), path_table(path), prediction_table(p, question.requirements));
-  }
+  if (options.output) write_whole(*options.output, procedure_text(procedure));
+  if (options.json)
+    fmt::print("{}", path_json(path, p, missed));
+  else if (options.output != "-")
+    fmt::print("{} turns in {}\n\n{}\n{}", path.turns.size(), minutes(path.duration), path_table(path), prediction_table(p, question.requirements));
   const auto open = std::find_if(missed.begin(), missed.end(), [](const Shortfall& s) { return !std::isfinite(s.sigma); });
   if (missed.empty() || (options.time && open == missed.end())) return;
   std::string text;

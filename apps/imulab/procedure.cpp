@@ -13,14 +13,7 @@ namespace imulab::command {
 
 namespace {
 
-void write(const std::string& output, const Session& session) {
-  const std::string text = procedure_text(session);
-  if (output == "-") {
-    fmt::print("{}", text);
-  } else {
-    write_whole(output, text);
-  }
-}
+void write(const std::string& output, const Session& session) { write_whole(output, procedure_text(session)); }
 
 void add_output(Verb verb, std::string& output) {
   verb.option("-o,--output FILE", output, "the file to write; - for standard output").show_default();

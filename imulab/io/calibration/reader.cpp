@@ -297,8 +297,7 @@ Calibration parse_calibration(std::string_view text, const std::string& file) {
 }
 
 Calibration read_calibration(const std::filesystem::path& path) {
-  if (path == "-") return parse_calibration(std::string(std::istreambuf_iterator<char>(std::cin), {}), "standard input");
-  return parse_calibration(MappedFile(path).text(), path.string());
+  return parse_calibration(MappedFile(path).text(), input_name(path));
 }
 
 }  // namespace imulab

@@ -23,7 +23,7 @@ std::string alignment_text(const AlignedOn& aligned) {
          fmt::format("  roll     {:>12.5f} deg  +/- {:.2g}\n", angles.roll / unit::deg, sigma.x()) +
          fmt::format("  pitch    {:>12.5f} deg  +/- {:.2g}\n", angles.pitch / unit::deg, sigma.y()) +
          fmt::format("  heading  {:>12.5f} deg  +/- {:.2g}\n", compass_deg(angles, 5), sigma.z()) +
-         fmt::format("  gyro noise {:.2g} deg/sqrt(h), accelerometer noise {:.2g} ug/sqrt(Hz); normalized innovations {:.2f} (1: as stated)\n",
+         fmt::format("  gyro noise {:.2g} deg/sqrt(h), accelerometer noise {:.2g} ug/sqrt(Hz)\n  normalized innovations {:.2f} (1: as stated)\n",
                      a.gyro_noise / unit::deg_per_sqrt_h, a.accel_noise / unit::ug_per_sqrt_hz, std::sqrt(a.innovation_square));
 }
 
@@ -49,9 +49,16 @@ std::string error_text(const NavigationErrors& errors) {
          fmt::format("  rate              {:.4g} nmi/h\n", errors.rate / unit::nmi_per_h);
 }
 
+std::string headline(const NavigationErrors& errors) {
+  const NavigationError& e = errors.history.back();
+  return fmt::format("position error {:.4g} m horizontal, {:.4g} nmi/h; heading error {:.3g} arcsec\n\n", e.horizontal(), errors.rate / unit::nmi_per_h,
+                     e.attitude.z() / unit::arcsec);
+}
+
 std::string one_session(const NavigatedSession& s) {
   const Solution& solution = s.navigated.solution;
-  std::string text = fmt::format("{}: navigated from {:.3f} s to {:.3f} s ({:.1f} s), vertical channel {}\n", s.session, solution.time.front(),
+  std::string text = s.errors ? headline(*s.errors) : "";
+  text += fmt::format("{}: navigated from {:.3f} s to {:.3f} s ({:.1f} s), vertical channel {}\n", s.session, solution.time.front(),
                                  solution.time.back(), solution.time.back() - solution.time.front(), to_string(s.navigated.vertical));
   text += s.navigated.aligned ? alignment_text(*s.navigated.aligned) : "started as the session says ([initial])\n";
   text += end_text(solution);
@@ -59,17 +66,17 @@ std::string one_session(const NavigatedSession& s) {
 }
 
 std::string several_sessions(const std::vector<NavigatedSession>& sessions) {
-  std::string text = fmt::format("{:<32} {:>9} {:>12} {:>12} {:>12} {:>10}\n", "session", "time, s", "horizontal m", "up, m", "heading as", "nmi/h");
+  std::string text = fmt::format("{:<26} {:>9} {:>12} {:>9} {:>10} {:>9}\n", "session", "time, s", "horizontal m", "up, m", "heading as", "nmi/h");
   std::vector<double> rates;
   for (const auto& s : sessions) {
-    text += fmt::format("{:<32} {:>9.1f}", s.session, s.navigated.solution.time.back() - s.navigated.solution.time.front());
+    text += fmt::format("{:<26} {:>9.1f}", s.session, s.navigated.solution.time.back() - s.navigated.solution.time.front());
     if (!s.errors) {
       text += " no truth\n";
       continue;
     }
     const NavigationError& e = s.errors->history.back();
     rates.push_back(s.errors->rate / unit::nmi_per_h);
-    text += fmt::format(" {:>12.4g} {:>12.4g} {:>12.4g} {:>10.4g}\n", e.horizontal(), e.position.z(), e.attitude.z() / unit::arcsec, rates.back());
+    text += fmt::format(" {:>12.4g} {:>9.3g} {:>10.4g} {:>9.3g}\n", e.horizontal(), e.position.z(), e.attitude.z() / unit::arcsec, rates.back());
   }
   text += fmt::format("vertical channel {}; heading error in arcsec\n", to_string(sessions[0].navigated.vertical));
   if (rates.empty()) return text;

@@ -99,7 +99,7 @@ void read_motion(TomlFields& f, const std::filesystem::path& path, Mission& miss
 
 MissionFile read_mission(const std::filesystem::path& path) {
   const MappedFile mapped(path);
-  TomlFields f(path.string(), mapped.text());
+  TomlFields f(input_name(path), mapped.text());
   MissionFile file;
   f.format("imulab.mission/1");
   read_motion(f, path, file.mission);

@@ -56,7 +56,7 @@ Session read_session(const std::filesystem::path& path) {
   const std::filesystem::path file = std::filesystem::is_directory(path) ? path / "session.toml" : path;
   const MappedFile mapped(file);
   Session session;
-  session.file = file.string();
+  session.file = input_name(file);
   session.sha256 = sha256(mapped.text());
   TomlFields f(session.file, mapped.text());
   StepLayout layout;

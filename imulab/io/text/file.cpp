@@ -27,15 +27,41 @@ struct Descriptor {
   }
 };
 
+/// All of a stream.
+std::string read_to_end(int descriptor, const fs::path& path) {
+  constexpr std::size_t piece = 1 << 16, longest = std::size_t{1} << 30;
+  std::string text;
+  for (std::size_t size = 0;;) {
+    text.resize(size + piece);
+    const ssize_t n = ::read(descriptor, text.data() + size, piece);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) fail(input_name(path), "cannot be read");
+    size += static_cast<std::size_t>(n);
+    if (size > longest) throw Error(input_name(path) + ": is longer than a gigabyte; expected a file on disk");
+    text.resize(size);
+    if (n == 0) return text;
+  }
+}
+
 }  // namespace
+
+std::string input_name(const fs::path& path) { return path == "-" ? "standard input" : path.string(); }
 
 MappedFile::MappedFile(const std::filesystem::path& path) {
   errno = 0;
+  if (path == "-") {
+    streamed_ = read_to_end(STDIN_FILENO, path);
+    return;
+  }
   const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
   if (file.fd < 0) fail(path, "cannot be opened");
   struct stat status {};
   if (::fstat(file.fd, &status) != 0) fail(path, "cannot be read");
-  if (!S_ISREG(status.st_mode)) throw Error(path.string() + ": is not a regular file");
+  if (S_ISDIR(status.st_mode)) throw Error(path.string() + ": is a folder; expected a file");
+  if (!S_ISREG(status.st_mode)) {
+    streamed_ = read_to_end(file.fd, path);
+    return;
+  }
   size_ = static_cast<std::size_t>(status.st_size);
   if (size_ == 0) return;  // nothing to map
   void* mapped = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.fd, 0);
@@ -48,7 +74,14 @@ MappedFile::~MappedFile() {
   if (data_ != nullptr) ::munmap(const_cast<char*>(data_), size_);
 }
 
-WholeFile::WholeFile(const std::filesystem::path& path) : path_(path), temporary_(path.string() + ".XXXXXX") {
+WholeFile::WholeFile(const std::filesystem::path& path) : path_(path == "-" ? "standard output" : path), temporary_(path.string() + ".XXXXXX") {
+  if (path == "-") {
+    temporary_.clear();
+    std::fflush(stdout);
+    descriptor_ = ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0);
+    if (descriptor_ < 0) fail(path_, "cannot be written");
+    return;
+  }
   // A device or a pipe takes what comes; a file in its place would end it.
   const fs::file_status status = fs::status(path);
   if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) {

@@ -7,21 +7,24 @@
 
 namespace imulab {
 
-/// A file mapped into memory for reading. Throws Error where it cannot be opened or is not a regular file; an empty file has an empty text.
+/// A file in memory for reading: a regular file is mapped; a pipe, a device or standard input ("-") is read to its end. Throws Error where it cannot be
+/// opened, is a folder, or is a stream of more than a gigabyte. An empty file has an empty text.
 class MappedFile {
  public:
   explicit MappedFile(const std::filesystem::path& path);
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
-  std::string_view text() const { return {data_, size_}; }
+  std::string_view text() const { return data_ != nullptr ? std::string_view{data_, size_} : std::string_view{streamed_}; }
 
  private:
+  std::string streamed_;
   const char* data_ = nullptr;
   std::size_t size_ = 0;
 };
 
-/// A file being written: a temporary file in the same folder that gets the name at commit(), or is removed. A device or a pipe is written directly.
+/// A file being written: a temporary file in the same folder that gets the name at commit(), or is removed. A device, a pipe or standard output ("-")
+/// is written directly.
 class WholeFile {
  public:
   explicit WholeFile(const std::filesystem::path& path);
@@ -53,6 +56,9 @@ class NewFolder {
   std::filesystem::path place_, filling_;
   bool committed_ = false;
 };
+
+/// The name of a file in messages: "-" is "standard input".
+std::string input_name(const std::filesystem::path& path);
 
 /// Writes `text` to `path`, whole or not at all.
 void write_whole(const std::filesystem::path& path, std::string_view text);

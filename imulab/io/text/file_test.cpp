@@ -68,7 +68,7 @@ TEST(File, APipeOrDeviceStaysWhatItIs) {
 TEST(File, NamesWhatCannotBeRead) {
   const TemporaryFolder folder;
   EXPECT_THAT([&] { MappedFile(folder / "missing"); }, testing::ThrowsMessage<Error>(HasSubstr("missing: cannot be opened: No such file")));
-  EXPECT_THAT([&] { MappedFile(folder.path()); }, testing::ThrowsMessage<Error>(HasSubstr("is not a regular file")));
+  EXPECT_THAT([&] { MappedFile(folder.path()); }, testing::ThrowsMessage<Error>(HasSubstr("is a folder; expected a file")));
   EXPECT_THAT([&] { write_whole(folder / "no" / "x", "x"); }, testing::ThrowsMessage<Error>(HasSubstr("cannot be written: No such file")));
 }
 

@@ -1,0 +1,39 @@
+// - is standard input or output wherever a stream makes sense: verbs compose.
+#include "tests/run_command.hpp"
+
+#include <gmock/gmock.h>
+
+namespace imulab {
+namespace {
+
+struct Pipe : ::testing::Test {
+  TemporaryFolder folder;
+  CommandResult shell(const std::string& command) const {
+    return run_shell(folder, "imulab() { '" IMULAB_COMMAND "' \"$@\"; }\n" + command);
+  }
+};
+
+TEST_F(Pipe, AProcedureIsPredictedAndSimulated) {
+  const CommandResult predicted = shell("imulab procedure zhang-24 | imulab predict - --runs 0");
+  EXPECT_EQ(predicted.exit_code, 0) << predicted.errors;
+  EXPECT_THAT(predicted.output, testing::HasSubstr("\ngyro.matrix.xy "));
+  const CommandResult simulated = shell("imulab procedure hand-held --poses 20 | imulab simulate - -o session");
+  EXPECT_EQ(simulated.exit_code, 0) << simulated.errors;
+}
+
+TEST_F(Pipe, ACalibrationIsExportedWithoutAFile) {
+  ASSERT_EQ(shell("imulab procedure hand-held --poses 20 | imulab simulate - -o session").exit_code, 0);
+  const CommandResult header = shell("imulab calibrate session --method handheld -o - | imulab export - --to c-header");
+  EXPECT_EQ(header.exit_code, 0) << header.errors;
+  EXPECT_THAT(header.output, testing::HasSubstr("static"));
+  const CommandResult named = shell("imulab calibrate session --method handheld -o - > c.json; imulab export c.json --to c-header");
+  EXPECT_EQ(on_one_line(header.output), on_one_line(named.output));
+}
+
+TEST_F(Pipe, WhatIsWrongInAStreamIsNamed) {
+  EXPECT_THAT(shell("echo 'format = 1' | imulab predict -").errors, testing::HasSubstr("imulab: standard input:1: format"));
+  EXPECT_THAT(shell("echo '{' | imulab export - --to c-header").errors, testing::HasSubstr("imulab: standard input"));
+}
+
+}  // namespace
+}  // namespace imulab
