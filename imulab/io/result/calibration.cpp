@@ -14,12 +14,6 @@
 namespace imulab {
 namespace {
 
-/// A coefficient as people know it: biases in ug and deg/h, scales as ppm from one or counts per unit, misalignments relative to their row's scale.
-struct UserValue {
-  double value, uncertainty;
-  std::string unit;
-};
-
 UserValue user_value(const Calibration& calibration, const Coefficient& c, double value, double sigma) {
   const bool accel = c.triad == Triad::accel;
   const TriadModel& triad = accel ? calibration.model.accel : calibration.model.gyro;
@@ -136,6 +130,10 @@ std::string requirements_text(const Calibration& calibration) {
 }
 
 }  // namespace
+
+UserValue user_value(const Calibration& calibration, CoefficientIndex index) {
+  return user_value(calibration, coefficient(index), coefficient_value(calibration.model, index), standard_uncertainty(calibration, index).value_or(NAN));
+}
 
 std::string curves_csv(const CalibrationResult& result) {
   std::string text = "t";
