@@ -1,4 +1,5 @@
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/report.hpp"
 #include "apps/imulab/session_recording.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/method.hpp"
@@ -100,6 +101,7 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
       arguments.require ? errors_at("--require", [&] { return parse_requirements(*arguments.require); }) : std::vector<Requirement>{};
   Session session = read_session(arguments.session);
   for (const std::string& output : {arguments.output, arguments.curves, arguments.report}) expect_inputs_stay(output, session);
+  expect_others_stay(arguments.report, {arguments.output, arguments.curves});
   expect_free(arguments.output, arguments.force);
   errors_at(session.file + ": [site]", [&] { session.site.gravity(); });  // if neither gravity nor the latitude is known
   std::vector<std::string> warnings;
@@ -164,7 +166,7 @@ void add_calibrate(Verb app) {
   verb.option("--curves", a->curves, "hybrid: a CSV file with the convergence of each coefficient and its standard uncertainty");
   verb.option("--require", a->require,
               "what the calibration is for, as in \"gyro.matrix.diagonal <= 100 ppm, accel.offset <= 200 ug\"; exit code 1 where it is not reached");
-  verb.option("--report", a->report, "a page to write: one HTML file with the verdict, pictures and the certificate");
+  add_report_option(verb, a->report);
   verb.flag("--force", a->force, "replace the calibration file if there is one");
   verb.flag("--json", a->json, "print the calibration file instead of the table");
   verb.does([a] {

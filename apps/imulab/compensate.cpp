@@ -2,6 +2,7 @@
 #include "apps/imulab/compensate.hpp"
 
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/report.hpp"
 #include "apps/imulab/session_recording.hpp"
 #include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
@@ -9,6 +10,7 @@
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/recording/compensate_recording.hpp"
+#include "imulab/report/compensation_page.hpp"
 
 #include <fmt/core.h>
 
@@ -67,6 +69,8 @@ void compensate_files(const CompensateOptions& options) {
   if (session.recordings.empty()) throw Error(session.file + ": has no recordings; expected at least one");
   const std::vector<fs::path> files = output_files(session, options.output);
   for (const fs::path& file : files) expect_inputs_stay(file.string(), session, {options.calibration});
+  if (!options.report.empty()) expect_inputs_stay(options.report, session, {options.calibration});
+  expect_others_stay(options.report, files);
   std::vector<CompensatedRecording> recordings;  // all are compensated before any is written
   for (const auto& source : session.recordings) recordings.push_back(compensated(calibration, session, source, options.outliers));
   if (files[0].has_parent_path()) {
@@ -75,6 +79,10 @@ void compensate_files(const CompensateOptions& options) {
     if (failure) throw Error(fmt::format("-o {}: the folder cannot be created: {}", options.output, failure.message()));
   }
   for (std::size_t i = 0; i < files.size(); ++i) write(files[i], recordings[i], options.outliers);
+  if (options.report.empty()) return;
+  CompensationReport report{.calibration_file = options.calibration, .calibration = calibration, .recordings = {}};
+  for (const CompensatedRecording& recording : recordings) report.recordings.push_back(evidence_of(recording));
+  write_whole(options.report, compensation_page(report));
 }
 
 }  // namespace
@@ -93,6 +101,7 @@ void add_compensate(Verb app) {
   verb.option("-o,--output", options->output, "a folder; for one recording also a .csv file, or - for standard output").required();
   add_allow_undetermined(verb, options->allow_undetermined);
   verb.flag("--reject-outliers", options->reject_outliers, "replace spikes of one or two samples first");
+  add_report_option(verb, options->report);
   verb.option("--session", options->stream_session, "the session that describes the recording on standard input");
   verb.option("--recording", options->recording, "the file of the recording to use, if that session has several");
   verb.does([options] {

@@ -1,5 +1,6 @@
 // imulab plan --require ...
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/report.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/hybrid/path_design.hpp"
@@ -8,6 +9,7 @@
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/terminal.hpp"
 #include "imulab/model/coefficient.hpp"
+#include "imulab/report/plan_page.hpp"
 
 #include <fmt/core.h>
 
@@ -23,7 +25,7 @@ namespace imulab::command {
 namespace {
 
 struct Options {
-  std::string require, grade = "navigation", axes = "3";
+  std::string require, grade = "navigation", axes = "3", report;
   double latitude_deg = 45;
   std::optional<double> gravity, minutes, rest;
   std::optional<std::string> output;
@@ -76,6 +78,7 @@ void expect_reachable(const hybrid::PathQuestion& q) {
 std::string minutes(double seconds) { return fmt::format("{:.0f} min {:02.0f} s", std::floor(seconds / 60), std::floor(std::fmod(seconds, 60))); }
 
 void run(const Options& options) {
+  expect_others_stay(options.report, {options.output.value_or("")});
   hybrid::PathQuestion question;
   question.requirements = errors_at("--require", [&] { return parse_requirements(options.require); });
   question.unit = hybrid::plan_of(procedure_of(options, 60, {}));
@@ -100,6 +103,10 @@ void run(const Options& options) {
     fmt::print("{} turns in {}\n\n{}\n{}", path.turns.size(), minutes(path.duration), path_table(path), prediction_table(p, question.requirements));
   }
   const std::vector<Shortfall> missed = shortfalls(p, question.requirements);
+  if (!options.report.empty()) {
+    PredictionSummary summary{.coefficients = p.coefficients, .undetermined = p.undetermined, .sigma = p.sigma, .cramer_rao = p.cramer_rao, .missed = missed};
+    write_whole(options.report, plan_page({question.requirements, path, std::move(summary)}));
+  }
   const auto open = std::find_if(missed.begin(), missed.end(), [](const Shortfall& s) { return !std::isfinite(s.sigma); });
   if (missed.empty() || (options.minutes && open == missed.end())) return;
   std::string text;
@@ -137,6 +144,7 @@ void add_plan(Verb app) {
       .check(between(1, hybrid::longest_path / 60, false, "minutes"));
   verb.option("--rest", o->rest, "duration of every rest in whole seconds; if absent, each is chosen")
       .check(between(6, 600, true, "whole seconds"));
+  add_report_option(verb, o->report);
   verb.option("-o,--output", o->output, "the procedure to write; - for standard output in place of the table");
   verb.does([o] { run(*o); });
 }

@@ -1,11 +1,11 @@
 // imulab verify CALIBRATION
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/session_recording.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/calibration/file.hpp"
 
 #include <fmt/core.h>
 
-#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -13,20 +13,9 @@ namespace imulab::command {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 struct Options {
   std::string calibration, session;
 };
-
-/// The session's file: where the user says, as the calibration names it (from here or from the calibration's folder), or beside the calibration.
-fs::path session_file(const Options& o, const std::string& recorded) {
-  if (!o.session.empty()) return fs::is_directory(o.session) ? fs::path(o.session) / "session.toml" : fs::path(o.session);
-  const fs::path folder = fs::path(o.calibration).parent_path();
-  for (const fs::path& place : {fs::path(recorded), folder / recorded, folder / fs::path(recorded).filename()})
-    if (fs::is_regular_file(place)) return place;
-  return recorded;
-}
 
 const char* to_string(FileState state) { return state == FileState::unchanged ? "unchanged" : state == FileState::changed ? "changed" : "missing"; }
 
@@ -35,7 +24,7 @@ void run(const Options& o) {
   if (calibration.sources.empty())
     throw Error(fmt::format("{}: has no hashes of recordings; expected a calibration that imulab made from files", o.calibration));
   std::string changed, missing;
-  for (const VerifiedFile& f : verify_sources(calibration, session_file(o, calibration.session_file))) {
+  for (const VerifiedFile& f : verify_sources(calibration, find_session(o.session, o.calibration, calibration.session_file))) {
     fmt::print("{}: {}\n", f.file.string(), to_string(f.state));
     std::string& list = f.state == FileState::changed ? changed : missing;
     if (f.state != FileState::unchanged) list += fmt::format("{}{}", list.empty() ? "" : ", ", f.file.string());

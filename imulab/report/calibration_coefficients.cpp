@@ -53,19 +53,12 @@ std::vector<Group> groups_of(const Calibration& calibration) {
   return groups;
 }
 
-std::string readable_unit(const std::string& unit) {
-  std::string out = unit.starts_with("ug") ? "µg" + unit.substr(2) : unit;
-  for (const auto& [from, to] : {std::pair{"^2", "²"}, {"^3", "³"}, {"1/", "1/"}})
-    for (std::size_t at = 0; (at = out.find(from, at)) != std::string::npos; at += std::string_view(to).size())
-      out.replace(at, std::string_view(from).size(), to);
-  return out;
-}
-
 std::string intervals_of(const Calibration& calibration, const Group& group) {
   std::vector<Interval> rows;
   for (const CoefficientIndex index : group.members) {
     const UserValue v = user_value(calibration, index);
-    rows.push_back({element_of(index), v.value, expanded_uncertainty(calibration, index).coverage_factor * v.uncertainty});
+    const double expanded = expanded_uncertainty(calibration, index).coverage_factor * v.uncertainty;
+    rows.push_back({element_of(index), v.value, expanded, rounded_to(v.value, expanded) + " ± " + uncertainty_text(expanded)});
   }
   const std::string unit = readable_unit(group.unit);
   return figure(interval_rows(rows, unit, group.name), group.name + (unit.empty() ? "" : ", " + unit));
@@ -84,7 +77,7 @@ std::vector<std::string> coefficient_cells(const Calibration& calibration, Coeff
           fmt::format("{:.2f}", u.coverage_factor),
           number(value, 8),
           number(u.standard, 2),
-          escaped(readable_unit(std::string(coefficient(index).unit)))};
+          escaped(readable_unit(coefficient(index).unit))};
 }
 
 Eigen::MatrixXd correlation_of(const Eigen::MatrixXd& covariance) {
@@ -113,7 +106,7 @@ std::string strongest_pairs(const std::vector<std::string>& names, const Eigen::
 
 std::string coefficients_section(const Calibration& calibration) {
   if (calibration.estimated.empty()) return {};
-  Table t{.head = {"coefficient", "value", "U", "", "u", "ν<sub>eff</sub>", "k", "value (SI)", "u (SI)", ""}, .rows = {}};
+  Table t{.head = {"coefficient", "value", "U", "", "u", "ν<sub>eff</sub>", "k", "value (SI)", "u (SI)", ""}, .rows = {}, .left = {3, 9}};
   std::vector<std::string> figures;
   for (const Group& group : groups_of(calibration)) {
     figures.push_back(intervals_of(calibration, group));
@@ -129,7 +122,7 @@ std::string coefficients_section(const Calibration& calibration) {
 
 std::string uncertainty_section(const Calibration& calibration) {
   if (calibration.estimated.empty()) return {};
-  Table t{.head = {"coefficient", "u", "type A: from the fit", "type B: declared g", ""}, .rows = {}};
+  Table t{.head = {"coefficient", "u", "type A: from the fit", "type B: declared g", ""}, .rows = {}, .left = {4}};
   for (const CoefficientIndex index : calibration.estimated) {
     const ExpandedUncertainty u = expanded_uncertainty(calibration, index);
     if (u.declared == 0 || u.standard == 0) continue;

@@ -26,7 +26,7 @@ std::string worst_text(const Calibration& calibration, std::string_view selector
     worst = sigma;
     unit = user_unit(coefficient(index), sigma);
   }
-  return worst < 0 ? "" : fmt::format("{} {}", uncertainty_text(worst / unit.size), unit.name);
+  return worst < 0 ? "" : fmt::format("{} {}", uncertainty_text(worst / unit.size), readable_unit(unit.name));
 }
 
 std::vector<KeyFigure> key_figures(const Calibration& calibration) {

@@ -40,6 +40,7 @@ bool invisible(std::uint32_t c) {
 }
 
 std::string with_minus_sign(std::string text) {
+  if (text.starts_with('-') && text.find_first_of("123456789") == std::string::npos) text.erase(0, 1);  // no minus zero
   if (text.starts_with('-')) text.replace(0, 1, "−");
   return text;
 }
@@ -79,6 +80,17 @@ std::string number(double value, int digits) {
   return std::isfinite(value) ? with_minus_sign(fmt::format("{:.{}g}", value, digits)) : "not determined";
 }
 
+std::string tick_text(double value) {
+  const double size = std::abs(value);
+  if (size == 0 || (size >= 1e-3 && size < 1e6)) return with_minus_sign(fmt::format("{:.6g}", value));
+  const int exponent = static_cast<int>(std::floor(std::log10(size) + 1e-9));
+  constexpr std::string_view digits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string raised = exponent < 0 ? "⁻" : "";
+  for (const char c : fmt::format("{}", std::abs(exponent))) raised += digits[c - '0'];
+  const double mantissa = value / std::pow(10.0, exponent);
+  return (std::abs(mantissa - 1) < 1e-6 ? "10" : with_minus_sign(fmt::format("{:.3g}·10", mantissa))) + raised;
+}
+
 std::string rounded_to(double value, double uncertainty) {
   if (!(uncertainty > 0) || !std::isfinite(uncertainty)) return number(value, 6);
   const int last = static_cast<int>(std::floor(std::log10(uncertainty))) - 1;  // power of ten of the second digit
@@ -95,17 +107,25 @@ std::string uncertainty_text(double uncertainty) {
   return rounded_to(uncertainty, uncertainty);
 }
 
+std::string readable_unit(std::string_view unit) {
+  std::string out = unit.starts_with("ug") ? "µg" + std::string(unit.substr(2)) : std::string(unit);
+  for (const auto& [from, to] : {std::pair{"^2", "²"}, {"^3", "³"}})
+    for (std::size_t at = 0; (at = out.find(from, at)) != std::string::npos; at += std::string_view(to).size()) out.replace(at, 2, to);
+  return out;
+}
+
 std::string table(const Table& t) {
+  const auto side = [&](std::size_t column) { return std::find(t.left.begin(), t.left.end(), column) == t.left.end() ? "" : " class=\"left\""; };
   std::string out = fmt::format("<div class=\"scroll\"><table{}>", t.text_columns ? " class=\"text\"" : "");
   if (!t.head.empty()) {
     out += "<thead><tr>";
-    for (const std::string& cell : t.head) out += "<th>" + cell + "</th>";
+    for (std::size_t k = 0; k < t.head.size(); ++k) out += fmt::format("<th{}>{}</th>", side(k), t.head[k]);
     out += "</tr></thead>";
   }
   out += "<tbody>\n";
   for (const auto& row : t.rows) {
     out += "<tr>";
-    for (std::size_t k = 0; k < row.size(); ++k) out += fmt::format("<{0}>{1}</{0}>", k == 0 ? "th" : "td", row[k]);
+    for (std::size_t k = 0; k < row.size(); ++k) out += fmt::format("<{0}{1}>{2}</{0}>", k == 0 ? "th" : "td", side(k), row[k]);
     out += "</tr>\n";
   }
   return out + "</tbody></table></div>\n";

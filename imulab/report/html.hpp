@@ -15,16 +15,22 @@ std::string shortened(std::string_view text, std::size_t most);
 
 /// Three significant digits, with a true minus sign; "not determined" where it is not finite.
 std::string number(double value, int digits = 3);
+/// A round value beside an axis; powers of ten as such where they are long.
+std::string tick_text(double value);
 /// To the second significant digit of its uncertainty: 34303 for 34303.4 +- 32.
 std::string rounded_to(double value, double uncertainty);
 /// Two significant digits, as an uncertainty is stated.
 std::string uncertainty_text(double uncertainty);
+
+/// ug/g^2 as µg/g².
+std::string readable_unit(std::string_view unit);
 
 /// Cells are HTML. The first column is left-aligned, numbers of the others to the right unless `text_columns`.
 struct Table {
   std::vector<std::string> head;
   std::vector<std::vector<std::string>> rows;
   bool text_columns = false;
+  std::vector<std::size_t> left = {};  ///< further columns to the left: units
 };
 std::string table(const Table& table);
 

@@ -29,6 +29,7 @@
     });
     var model = Object.assign({}, Dygraph.defaultInteractionModel);
     if (coarse) ['touchstart', 'touchmove', 'touchend'].forEach(function (name) { delete model[name]; });
+    box.classList.add('drawn');  // before: dygraphs takes the size that its element has now
     var graph;
     graph = new Dygraph(box.querySelector('.live'), rows, {
       labels: [spec.xlabel].concat(spec.labels), colors: spec.colors, ylabel: spec.ylabel, xlabel: spec.xlabel, logscale: spec.log,
@@ -38,8 +39,6 @@
       zoomCallback: follow(spec.group, function () { return graph; })
     });
     (groups[spec.group] = groups[spec.group] || []).push(graph);
-    box.classList.add('drawn');
-    graph.resize();
   }
 
   document.querySelectorAll('.chart').forEach(draw);

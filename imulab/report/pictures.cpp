@@ -68,19 +68,22 @@ std::string interval_rows(const std::vector<Interval>& rows, std::string_view un
     ends.push_back(r.value + r.half_width);
   }
   const Axis axis = axis_over("", ends);
-  constexpr double width = 460, left = 62, right = 448, step = 22, top = 6;
+  constexpr double width = 460, right = 340, step = 22, top = 6;
+  std::size_t longest = 0;
+  for (const Interval& r : rows) longest = std::max(longest, r.name.size());
+  const double left = std::max(44.0, 7.2 * static_cast<double>(longest) + 12);
   const double bottom = top + step * static_cast<double>(rows.size());
   const auto at = [&](double v) { return left + (v - axis.low) / (axis.high - axis.low) * (right - left); };
   std::string out;
-  for (const double v : ticks(axis, 4)) {
+  for (const double v : ticks(axis, 3)) {
     out += line_between(at(v), top, at(v), bottom, v == 0 ? color::gray : color::grid, v == 0 ? 1.4 : 1);
-    out += text_at(at(v), bottom + 16, number(v, 4), at(v) > right - 16 ? Anchor::end : Anchor::middle);
+    out += text_at(at(v), bottom + 16, tick_text(v), Anchor::middle);
   }
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const Interval& r = rows[k];
     const double y = top + step * (static_cast<double>(k) + 0.5);
     const std::string_view ink = r.marked ? color::vermilion : color::blue;
-    out += text_at(left - 8, y + 4, r.name, Anchor::end);
+    out += text_at(left - 8, y + 4, r.name, Anchor::end) + text_at(right + 14, y + 4, r.text);
     if (!std::isfinite(r.value)) continue;
     if (std::isfinite(r.half_width)) {
       const double a = at(r.value - r.half_width), b = at(r.value + r.half_width);
@@ -145,8 +148,8 @@ std::string correlation_map(const std::vector<std::string>& names, const Eigen::
 }
 
 std::string sphere(const std::vector<SphereMark>& marks, std::string_view description) {
-  constexpr double radius = 118, y = 142;
-  return svg_text(600, 300, description, hemisphere(marks, true, 150, y, radius) + hemisphere(marks, false, 450, y, radius));
+  constexpr double radius = 88, y = 112;
+  return svg_text(460, 250, description, hemisphere(marks, true, 115, y, radius) + hemisphere(marks, false, 345, y, radius));
 }
 
 }  // namespace imulab::report

@@ -13,7 +13,8 @@ namespace imulab::report {
 struct Interval {
   std::string name;
   double value = 0, half_width = 0;
-  bool marked = false;  ///< in another color
+  std::string text = {};  ///< beside the row
+  bool marked = false;    ///< in another color
 };
 /// Rows on one axis with a line at zero.
 std::string interval_rows(const std::vector<Interval>& rows, std::string_view unit, std::string_view description);

@@ -38,7 +38,7 @@ std::vector<double> ticks(const Axis& axis, int count) {
   }
   const double wanted = (axis.high - axis.low) / std::max(1, count), unit = std::pow(10, std::floor(std::log10(wanted)));
   double step = 10 * unit;
-  for (const double candidate : {1.0, 2.0, 5.0})
+  for (const double candidate : {1.0, 2.0, 2.5, 5.0})
     if (candidate * unit >= wanted * 0.999) {
       step = candidate * unit;
       break;
@@ -145,12 +145,12 @@ std::string Plot::axes() const {
   for (const double v : ticks(y_, small_ ? 3 : 5)) {
     const double y = at_y(v);
     out += line_between(left_, y, right_, y, color::grid);
-    out += text_at(left_ - 6, y + 4, number(v, 4), Anchor::end);
+    out += text_at(left_ - 6, y + 4, tick_text(v), Anchor::end);
   }
-  for (const double v : ticks(x_, small_ ? 2 : size_.width > 600 ? 10 : 6)) {
+  for (const double v : ticks(x_, small_ ? 4 : size_.width > 600 ? 10 : 6)) {
     const double x = at_x(v);
     out += line_between(x, bottom_, x, bottom_ + 4, color::gray);
-    out += text_at(x, bottom_ + 18, number(v, 5), x > right_ - 14 ? Anchor::end : Anchor::middle);
+    out += text_at(x, bottom_ + 18, tick_text(v), x > right_ - 14 ? Anchor::end : Anchor::middle);
   }
   out += line_between(left_, bottom_, right_, bottom_, color::gray);
   if (small_) return out;
