@@ -3,6 +3,7 @@
 
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/error_sources.hpp"
+#include "apps/imulab/report.hpp"
 #include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
@@ -15,6 +16,8 @@
 #include "imulab/model/calibration.hpp"
 #include "imulab/model/grade.hpp"
 #include "imulab/navigation/budget/monte_carlo.hpp"
+#include "imulab/report/budget_page.hpp"
+#include "imulab/report/track.hpp"
 
 #include <fmt/core.h>
 
@@ -36,7 +39,7 @@ ErrorSources mission_errors(const ErrorSpecification& specification, const std::
 namespace {
 
 struct Options {
-  std::string mission, folder;
+  std::string mission, folder, report;
   std::optional<std::string> grade, system, calibration;
   std::uint64_t runs = 200, seed = 1;
   double every = 10;
@@ -74,6 +77,7 @@ void run(const Options& o) {
   if (o.catalogue) return fmt::print("{}", grade_catalogue());
   if (o.mission.empty()) throw Error("mission: expected the file of a mission, or --catalogue");
   if (!(o.every > 0)) throw Error("--every: expected a positive number of seconds");
+  expect_others_stay(o.report, {o.mission, o.calibration.value_or("")});
   const MissionFile file = read_mission(o.mission);
   const ErrorSpecification specification = specification_of(o, file);
   if (const auto& name = specification.calibration) {
@@ -102,6 +106,10 @@ void run(const Options& o) {
     }
     folder->commit();
   }
+  if (!o.report.empty())
+    write_whole(o.report, budget_page({.mission = std::filesystem::path(o.mission).filename().string(),
+                                       .summary = {.budget = budget, .monte_carlo = sampled, .runs = o.runs},
+                                       .track = report::thinned_track(motion.states)}));
   warn_of_large_angles(budget);
   fmt::print("{}", o.json ? budget_json(budget, sampled) : budget_table(budget, sampled, o.verbose));
 }
@@ -122,6 +130,7 @@ void add_budget(Verb app) {
   verb.option("--seed", o->seed, "random seed; the same seed gives the same result").show_default();
   verb.option("--every", o->every, "seconds between rows of the files").show_default();
   verb.option("-o,--output FOLDER", o->folder, "the folder to create: total.csv, sources.csv, monte_carlo.csv over time, runs.csv");
+  add_report_option(verb, o->report);
   verb.flag("--catalogue", o->catalogue, "list the available grades and systems");
   add_allow_undetermined(verb, o->allow_undetermined);
   verb.flag("--json", o->json, "print the errors at the end as JSON");

@@ -1,4 +1,5 @@
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/report.hpp"
 #include "apps/imulab/session_recording.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/method.hpp"
@@ -9,6 +10,7 @@
 #include "imulab/io/text/file.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/requirement.hpp"
+#include "imulab/report/calibration_page.hpp"
 
 #include <fmt/core.h>
 
@@ -23,7 +25,7 @@ namespace imulab::command {
 namespace {
 
 struct CalibrateArguments {
-  std::string session, method, output, terms = "auto", recording, curves;
+  std::string session, method, output, terms = "auto", recording, curves, report;
   std::optional<std::string> require;
   bool json = false, stepwise = false, force = false, verbose = false;
 };
@@ -65,7 +67,7 @@ CalibrationOptions options_of(const CalibrateArguments& arguments, const Method&
   options.terms = parse_terms(arguments.terms);
   options.whole_unit = {.full = arguments.terms == "full", .stepwise = arguments.stepwise};
   constexpr double points = 500;  // of a curve: enough for a screen
-  if (!arguments.curves.empty() && !recordings.empty())
+  if ((!arguments.curves.empty() || !arguments.report.empty()) && method.takes_curves && !recordings.empty())
     options.hybrid.curve_interval = static_cast<double>(recordings.front().size()) * recordings.front().interval_s / points;
   return options;
 }
@@ -84,6 +86,12 @@ void expect_free(const std::string& output, bool force) {
   throw Error(fmt::format("-o {}: exists; expected a new file, or --force to replace it", output));
 }
 
+std::string report_of(const CalibrationResult& result, const Session& session, const std::vector<Recording>& recordings) {
+  CalibrationReport report{.result = result, .session = session};
+  for (const Recording& recording : recordings) report.recordings.push_back(evidence_of(result.calibration, session, recording, recordings.size() == 1));
+  return calibration_page(report);
+}
+
 /// Calibrates a session and writes the files that are named. Throws as the estimators do. For a method other than hybrid the result is the
 /// calibration alone.
 CalibrationResult calibrate(const CalibrateArguments& arguments) {
@@ -92,7 +100,8 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
   const std::vector<Requirement> requirements =
       arguments.require ? errors_at("--require", [&] { return parse_requirements(*arguments.require); }) : std::vector<Requirement>{};
   Session session = read_session(arguments.session);
-  for (const std::string& output : {arguments.output, arguments.curves}) expect_inputs_stay(output, session);
+  for (const std::string& output : {arguments.output, arguments.curves, arguments.report}) expect_inputs_stay(output, session);
+  expect_others_stay(arguments.report, {arguments.output, arguments.curves});
   expect_free(arguments.output, arguments.force);
   errors_at(session.file + ": [site]", [&] { session.site.gravity(); });  // if neither gravity nor the latitude is known
   std::vector<std::string> warnings;
@@ -112,6 +121,7 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
   quality.warnings.insert(quality.warnings.begin(), warnings.begin(), warnings.end());
   if (!arguments.output.empty()) write_whole(arguments.output, calibration_text(calibration));
   if (!arguments.curves.empty()) write_whole(arguments.curves, curves_csv(result));
+  if (!arguments.report.empty()) write_whole(arguments.report, report_of(result, session, recordings));
   return result;
 }
 
@@ -150,6 +160,7 @@ void add_calibrate(Verb app) {
   verb.option("--curves FILE", a->curves, "hybrid: a CSV file with the convergence of each coefficient and its standard uncertainty");
   verb.option("--require LIMITS", a->require,
               "what the calibration is for, as in \"gyro.matrix.diagonal <= 100 ppm, accel.offset <= 200 ug\"; exit code 1 where it is not reached");
+  add_report_option(verb, a->report);
   verb.flag("--force", a->force, "replace the calibration file if there is one");
   verb.flag("--json", a->json, "print the calibration file instead of the table");
   verb.flag("-v,--verbose", a->verbose, "print also values in SI, what was used, and the tests of optional terms");

@@ -2,10 +2,13 @@
 #include "imulab/model/compare.hpp"
 
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/report.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/result/comparison.hpp"
+#include "imulab/io/text/file.hpp"
 #include "imulab/model/coefficient.hpp"
+#include "imulab/report/comparison_page.hpp"
 
 #include <fmt/core.h>
 
@@ -23,6 +26,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::vector<std::string> files;
+  std::string report;
   bool json = false, different_imus = false, verbose = false;
 };
 
@@ -85,12 +89,18 @@ std::vector<NamedCalibration> read_all(const std::vector<std::string>& files, bo
 }
 
 void run(const Options& options) {
+  expect_others_stay(options.report, {options.files.begin(), options.files.end()});
   const std::vector<NamedCalibration> inputs = read_all(options.files, options.different_imus);
   std::vector<Calibration> calibrations;
   for (const auto& input : inputs) calibrations.push_back(input.calibration);
   const std::vector<Comparison> comparisons = compare(calibrations[0], std::vector<Calibration>(calibrations.begin() + 1, calibrations.end()));
   std::optional<Agreement> joint = agreement(calibrations);
   if (joint->calibrations < 3) joint.reset();  // for two, their comparison is enough
+  if (!options.report.empty()) {
+    ComparisonSummary summary{.names = {}, .comparisons = comparisons, .agreement = joint};
+    for (const auto& input : inputs) summary.names.push_back(input.name);
+    write_whole(options.report, comparison_page(summary));
+  }
   fmt::print("{}", options.json ? comparison_json(inputs, comparisons, joint) : comparison_table(inputs, comparisons, joint, options.verbose));
 }
 
@@ -105,6 +115,7 @@ void add_compare(Verb app) {
       .required()
       .takes_several(2);
   verb.flag("--different-imus", options->different_imus, "compare calibrations of different serial numbers");
+  add_report_option(verb, options->report);
   verb.flag("--json", options->json, "print the result as JSON");
   verb.flag("-v,--verbose", options->verbose, "print also the values in SI");
   verb.example("imulab compare calibration.json session/truth.json");

@@ -2,6 +2,7 @@
 #include "apps/imulab/compensate.hpp"
 
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/report.hpp"
 #include "apps/imulab/session_recording.hpp"
 #include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
@@ -10,6 +11,7 @@
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/recording/compensate_recording.hpp"
+#include "imulab/report/compensation_page.hpp"
 
 #include <fmt/core.h>
 
@@ -58,6 +60,8 @@ void compensate_files(const CompensateOptions& options) {
   if (session.recordings.empty()) throw Error(session.file + ": has no recordings; expected at least one");
   const std::vector<fs::path> files = output_files(session, options.output);
   for (const fs::path& file : files) expect_inputs_stay(file.string(), session, {options.calibration});
+  if (!options.report.empty()) expect_inputs_stay(options.report, session, {options.calibration});
+  expect_others_stay(options.report, files);
   std::vector<CompensatedRecording> recordings;  // all are compensated before any is written
   for (const auto& source : session.recordings) recordings.push_back(compensated(calibration, session, source, options.outliers));
   if (files[0].has_parent_path()) {
@@ -72,6 +76,10 @@ void compensate_files(const CompensateOptions& options) {
     counts.push_back({files[i].string(), c.recording.size(), c.recording.saturated.size(), c.out_of_range.size(), c.replaced.size()});
   }
   if (files[0] != "-") print_counts(options, counts);
+  if (options.report.empty()) return;
+  CompensationReport report{.calibration_file = options.calibration, .calibration = calibration, .recordings = {}};
+  for (const CompensatedRecording& recording : recordings) report.recordings.push_back(evidence_of(recording));
+  write_whole(options.report, compensation_page(report));
 }
 
 }  // namespace
@@ -88,7 +96,7 @@ void print_counts(const CompensateOptions& options, const std::vector<Compensate
                      {"outside_calibrated_temperatures", std::uint64_t{c.out_of_range}},
                      {"outliers_replaced", std::uint64_t{c.replaced}}}});
   }
-  if (options.json) fmt::print("{}", json_text({{{"files", list}}}));
+  if (options.json) fmt::print("{}", fields_json({{{"files", list}}}));
 }
 
 void add_compensate(Verb app) {
@@ -100,6 +108,7 @@ void add_compensate(Verb app) {
   verb.option("-o,--output FILE", options->output, "a folder; for one recording also a .csv file, or - for standard output").required();
   add_allow_undetermined(verb, options->allow_undetermined);
   verb.flag("--reject-outliers", options->reject_outliers, "replace spikes of one or two samples first");
+  add_report_option(verb, options->report);
   verb.option("--session SESSION", options->stream_session, "the session that describes the recording on standard input");
   verb.option("--recording FILE", options->recording, "the file of the recording to use, if that session has several");
   verb.flag("--json", options->json, "print what was written as JSON");

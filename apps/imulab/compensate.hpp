@@ -11,7 +11,7 @@
 namespace imulab::command {
 
 struct CompensateOptions {
-  std::string calibration, session, output;
+  std::string calibration, session, output, report;
   Outliers outliers = Outliers::keep;
   bool reject_outliers = false, allow_undetermined = false, json = false;
   std::string stream_session, recording;  ///< of a stream

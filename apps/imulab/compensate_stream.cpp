@@ -57,6 +57,7 @@ class Rows {
 
 void compensate_stream(const CompensateOptions& options) {
   if (options.stream_session.empty()) throw Error("the columns of standard input are not known; expected --session");
+  if (!options.report.empty()) throw Error("--report: belongs to recordings in files; expected a session in place of -");
   if (options.output != "-" && std::filesystem::path(options.output).extension() != ".csv")
     throw Error(fmt::format("-o {}: expected a .csv file, or - for standard output", options.output));
   const Calibration calibration = read_usable(options.calibration, options.allow_undetermined);

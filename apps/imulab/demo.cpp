@@ -6,14 +6,13 @@
 #include "imulab/estimate/method.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/result/fields.hpp"
-#include "imulab/io/result/reached.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/terminal.hpp"
-#include "imulab/model/compare.hpp"
 #include "imulab/model/requirement.hpp"
 #include "imulab/navigation/motion/flight.hpp"
 #include "imulab/navigation/navigate.hpp"
 #include "imulab/navigation/navigation_error.hpp"
+#include "imulab/report/drives_page.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/simulate/simulate_motion.hpp"
 
@@ -25,6 +24,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <utility>
 
 namespace imulab::command {
 
@@ -84,50 +84,60 @@ Drive hour_of_driving() {
   return drive;
 }
 
-/// Pure-inertial error over time of navigation with a calibration [nmi/h].
-double rate(const Drive& drive, const Recording& recording, const Calibration& calibration) {
+/// Pure-inertial errors with a calibration.
+NavigationErrors errors_of(const Drive& drive, const Recording& recording, const Calibration& calibration) {
   NavigateOptions options;
   options.vertical = VerticalChannel::fixed;
   options.align = true;
-  return navigation_errors(navigate(calibration, drive.session, recording, options).solution, drive.truth).rate / unit::nmi_per_h;
+  return navigation_errors(navigate(calibration, drive.session, recording, options).solution, drive.truth);
 }
 
-struct Rates {
-  std::vector<double> classical, hybrid, exact;  ///< of each drive [nmi/h]
-};
+constexpr std::size_t minute = 60;  // of the truth's rows
 
-/// The same IMU with new noise on every drive.
-Rates drive_all(const Truth& truth, const Calibration& classical, const Calibration& hybrid, std::uint64_t seed) {
+/// The same IMU with new noise on every drive, navigated with each of the calibrations.
+DrivesReport drive_all(const Truth& truth, const std::vector<std::pair<std::string, Calibration>>& calibrations, std::uint64_t seed) {
   const Drive drive = hour_of_driving();
-  Calibration exact;
-  exact.model = truth.model;
   Truth on_the_road;
   on_the_road.model = truth.model;
   on_the_road.gyro_noise.N = 0.001 * unit::deg_per_sqrt_h;
   on_the_road.accel_noise.N = 5 * unit::ug_per_sqrt_hz;
-  Rates rates{std::vector<double>(drives), std::vector<double>(drives), std::vector<double>(drives)};
+  std::vector<std::vector<NavigationErrors>> errors(calibrations.size(), std::vector<NavigationErrors>(drives));
   Progress progress("driving", drives);
   std::atomic<std::uint64_t> done = 0;
   tbb::parallel_for(std::size_t{0}, drives, [&](std::size_t k) {
     const Recording recording = simulate_motion(drive.increments, interval, on_the_road, seed + k);
-    rates.classical[k] = rate(drive, recording, classical);
-    rates.hybrid[k] = rate(drive, recording, hybrid);
-    rates.exact[k] = rate(drive, recording, exact);
+    for (std::size_t c = 0; c < calibrations.size(); ++c) errors[c][k] = errors_of(drive, recording, calibrations[c].second);
     progress.report(++done);
   });
-  for (std::vector<double>* of : {&rates.classical, &rates.hybrid, &rates.exact}) std::sort(of->begin(), of->end());
-  return rates;
+  DrivesReport report;
+  for (std::size_t i = 0; i < errors[0][0].history.size(); i += minute) report.time.push_back(errors[0][0].history[i].time - errors[0][0].history[0].time);
+  for (std::size_t c = 0; c < calibrations.size(); ++c) {
+    DrivenCalibration& driven = report.calibrations.emplace_back();
+    driven.name = calibrations[c].first;
+    for (const NavigationErrors& of : errors[c]) {
+      std::vector<double>& history = driven.errors.emplace_back();
+      for (std::size_t i = 0; i < of.history.size(); i += minute) history.push_back(of.history[i].horizontal());
+      driven.largest.push_back(*std::max_element(history.begin(), history.end()));
+    }
+    std::sort(driven.largest.begin(), driven.largest.end());
+  }
+  return report;
 }
 
-std::string row(const char* name, const std::vector<double>& sorted) {
-  return fmt::format("     {:<24} {:.2f}   {:.2f} to {:.2f}\n", name, median(sorted), sorted.front(), sorted.back());
+std::string row(const DrivenCalibration& c) {
+  return fmt::format("     {:<20} {:>6.0f}   {:.0f} to {:.0f}\n", c.name, median(c.largest), c.largest.front(), c.largest.back());
 }
 
 std::string misalignment(const Calibration& c) {
   double worst = 0;
   for (const CoefficientIndex index : select_coefficients("gyro.matrix.off_diagonal")) worst = std::max(worst, relative_uncertainty(c, index));
-  return fmt::format("{:.2g} arcsec", worst / unit::arcsec);
+  return fmt::format("gyro misalignments known to {:.2g} arcsec", worst / unit::arcsec);
 }
+
+constexpr const char* story =
+    "A navigation-grade IMU is calibrated twice on a turntable that is accurate to 1 arcmin only: classically, with the table's angles as the reference, "
+    "and by the hybrid method, for which the table only turns the IMU. Then it is driven for an hour, twenty times with new noise, and navigated with "
+    "nothing but its own readings.";
 
 void demo(const Arguments& a) {
   const fs::path folder = a.folder;
@@ -137,26 +147,30 @@ void demo(const Arguments& a) {
     fmt::print("{}", text);
     std::fflush(stdout);
   };
-  TableProcedureOptions options{.rest = 17, .table = table};
   Truth truth, unused;
-  say("A navigation-grade IMU, and a turntable that is accurate to 1 arcmin only.\n\n");
+  say("A navigation-grade IMU, and a turntable that is accurate to 1 arcmin only.\n");
   const Calibration hybrid = calibrated(cheng_path_procedure({.table = table}), "hybrid", a.seed, nullptr, truth);
-  const Calibration classical = calibrated(zhang_24_procedure(options), "turntable", a.seed + 1, &truth.model, unused);
+  const Calibration classical = calibrated(zhang_24_procedure({.rest = 17, .table = table}), "turntable", a.seed + 1, &truth.model, unused);
+  Calibration exact;
+  exact.model = truth.model;
+  say(fmt::format("1  Classical, 31 min: the table's angles are the reference.\n     {}\n", misalignment(classical)));
+  say(fmt::format("2  Hybrid, 25 min: the table only turns the IMU, its angles are not used.\n     {}\n", misalignment(hybrid)));
+  say(fmt::format("3  An hour's drive, {} times, navigated with nothing but the IMU:\n     largest error, m     median   least to most\n", drives));
+  DrivesReport report = drive_all(truth, {{"classical", classical}, {"hybrid", hybrid}, {"with the true values", exact}}, a.seed);
+  for (const DrivenCalibration& c : report.calibrations) say(row(c));
+  report.title = "A good calibration from a poor table";
+  report.story = story;
+  report.calibrations[0].claim = misalignment(classical), report.calibrations[1].claim = misalignment(hybrid);
+  report.next = {"Calibrate your own sensor by hand: imulab calibrate FOLDER --method handheld -o calibration.json", "See what is there: imulab --help"};
   write_whole(folder / "classical.json", calibration_text(classical));
   write_whole(folder / "hybrid.json", calibration_text(hybrid));
-  say(fmt::format("1  Classical, 31 min: the table's angles are the reference.\n     gyro misalignments known to {}\n", misalignment(classical)));
-  say(fmt::format("2  Hybrid, 25 min: the table only turns the IMU, its angles are not used.\n     gyro misalignments known to {}\n",
-                  misalignment(hybrid)));
-  say(fmt::format("3  An hour's drive, {} times, navigated with nothing but the IMU:\n     error in nmi/h           median  least to most\n", drives));
-  const Rates rates = drive_all(truth, classical, hybrid, a.seed);
-  say(row("classical", rates.classical) + row("hybrid", rates.hybrid) + row("with the true values", rates.exact));
-  say(fmt::format("\nBoth calibrations are in {}\nYour own sensor, by hand: imulab calibrate FOLDER --method handheld -o calibration.json\n",
-                  fs::absolute(folder).lexically_normal().string()));
-  if (a.json)
-    fmt::print("{}", json_text({{{"drives", std::uint64_t{drives}},
-                                 {"classical_median_nmi_per_h", median(rates.classical)},
-                                 {"hybrid_median_nmi_per_h", median(rates.hybrid)},
-                                 {"exact_median_nmi_per_h", median(rates.exact)}}}));
+  write_whole(folder / "drives.svg", drives_picture(report));
+  write_whole(folder / "report.html", drives_page(report));
+  say(fmt::format("\nReport: {}\nYour own sensor: imulab calibrate FOLDER --method handheld -o calibration.json\n",
+                  fs::absolute(folder / "report.html").lexically_normal().string()));
+  JsonFields figures{{{"drives", std::uint64_t{drives}}}};
+  for (const DrivenCalibration& c : report.calibrations) figures.fields.emplace_back(c.name + " [m]", median(c.largest));
+  if (a.json) fmt::print("{}", fields_json(figures));
 }
 
 }  // namespace

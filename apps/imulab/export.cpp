@@ -29,7 +29,7 @@ void run(const Options& o) {
   for (const std::string& left_out : lost) warn(o.calibration + ": " + left_out);
   if (o.json && o.output == "-") throw Error("--json: standard output has the export; expected -o FILE");
   write_whole(o.output, text);
-  if (o.json) fmt::print("{}", json_text({{{"target", o.target}, {"file", o.output}, {"left_out", lost}}}));
+  if (o.json) fmt::print("{}", fields_json({{{"target", o.target}, {"file", o.output}, {"left_out", lost}}}));
 }
 
 }  // namespace

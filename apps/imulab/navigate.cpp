@@ -2,6 +2,7 @@
 #include "imulab/navigation/navigate.hpp"
 
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/report.hpp"
 #include "apps/imulab/session_recording.hpp"
 #include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
@@ -9,7 +10,10 @@
 #include "imulab/io/recording/solution.hpp"
 #include "imulab/io/result/navigation.hpp"
 #include "imulab/io/session/file.hpp"
+#include "imulab/io/text/file.hpp"
+#include "imulab/navigation/budget/navigated.hpp"
 #include "imulab/navigation/navigation_error.hpp"
+#include "imulab/report/navigation_page.hpp"
 
 #include <fmt/core.h>
 
@@ -26,7 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string calibration, output, truth, barometer, vertical = "free", gaps = "integrate";
+  std::string calibration, output, report, truth, barometer, vertical = "free", gaps = "integrate";
   std::vector<std::string> sessions;
   std::optional<double> heading_deg, heading_sigma_deg;
   NavigateOptions navigate;
@@ -58,14 +62,28 @@ void check(const Options& o) {
 
 /// The raw data are never overwritten.
 void check_inputs_stay(const Options& options, const Session& session) {
-  if (options.output.empty()) return;
-  if (fs::is_directory(options.output)) throw Error(fmt::format("-o {}: expected a file to write", options.output));
   std::vector<fs::path> inputs{options.calibration, options.truth, options.barometer};
   if (session.truth_file) inputs.push_back(session_path(session, *session.truth_file));
+  if (!options.report.empty()) expect_inputs_stay(options.report, session, inputs);
+  expect_others_stay(options.report, {options.output});
+  if (options.output.empty()) return;
+  if (fs::is_directory(options.output)) throw Error(fmt::format("-o {}: expected a file to write", options.output));
   expect_inputs_stay(options.output, session, inputs);
 }
 
-NavigatedSession navigated(const Options& options, const Calibration& calibration, const std::string& name) {
+/// What goes to the page beside the sessions: what each one's calibration explains, or why that is not known.
+void add_budget_to(NavigationReport& report, const Calibration& calibration, const Session& session, const Recording& recording, const Navigated& result) {
+  report.budgets.emplace_back();
+  try {
+    report.budgets.back() = navigated_budget(calibration, session, recording, result);
+  } catch (const Error& e) {
+    report.missing.push_back(fmt::format("{}: the bands of the errors: {}", session.file, e.what()));
+    return;
+  }
+  if (!report.budgets.back()) report.missing.push_back(fmt::format("{}: the bands of the errors: the calibration has no uncertainties.", session.file));
+}
+
+NavigatedSession navigated(const Options& options, const Calibration& calibration, const std::string& name, NavigationReport& report) {
   const Session session = read_session(name);
   if (session.recordings.size() != 1) throw Error(fmt::format("{}: has {} recordings; expected one", session.file, session.recordings.size()));
   check_inputs_stay(options, session);
@@ -76,6 +94,7 @@ NavigatedSession navigated(const Options& options, const Calibration& calibratio
     const Solution reference = read_solution(truth);
     out.errors = errors_at(truth.string(), [&] { return navigation_errors(out.navigated.solution, reference); });
   }
+  if (!options.report.empty()) add_budget_to(report, calibration, session, recording, out.navigated);
   const std::string who = options.sessions.size() > 1 ? name + ": " : "";
   for (const auto& text : out.navigated.warnings) warn(who + text);
   if (out.errors)
@@ -91,9 +110,11 @@ void run(Options options) {
   const Calibration calibration = calibration_of(options.calibration, options.allow_undetermined);
   if (!options.barometer.empty()) options.navigate.barometer = read_heights(options.barometer);
   if (options.heading_deg) options.navigate.heading = {*options.heading_deg * unit::deg, options.heading_sigma_deg.value_or(0) * unit::deg};
-  std::vector<NavigatedSession> sessions;
-  for (const auto& name : options.sessions) sessions.push_back(navigated(options, calibration, name));
+  NavigationReport report;
+  std::vector<NavigatedSession>& sessions = report.sessions;
+  for (const auto& name : options.sessions) sessions.push_back(navigated(options, calibration, name, report));
   if (!options.output.empty()) write_solution(options.output, sessions[0].navigated.solution);
+  if (!options.report.empty()) write_whole(options.report, navigation_page(report));
   if (options.output == "-") return;
   fmt::print("{}", options.json ? navigation_json(sessions) : navigation_table(sessions));
   if (!options.output.empty() && !options.json) fmt::print("{}: {} states\n", options.output, sessions[0].navigated.solution.size());
@@ -119,6 +140,7 @@ void add_navigate(Verb app) {
   verb.option("--gaps HOW", o->gaps, "what to do at missing samples").one_of({"integrate", "refuse"}).show_default();
   verb.option("--truth FILE", o->truth, "reference solution; the session's [truth] if absent");
   verb.option("-o,--output FILE", o->output, "write the whole solution to this CSV file; - for standard output in place of the table");
+  add_report_option(verb, o->report);
   add_allow_undetermined(verb, o->allow_undetermined);
   verb.flag("--json", o->json, "print the result as JSON");
   verb.example("imulab navigate calibration.json drive --vertical fixed -o solution.csv");

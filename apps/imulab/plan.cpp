@@ -1,5 +1,6 @@
 // imulab plan --require ...
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/report.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/hybrid/path_design.hpp"
@@ -8,6 +9,7 @@
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/terminal.hpp"
 #include "imulab/model/coefficient.hpp"
+#include "imulab/report/plan_page.hpp"
 
 #include <fmt/core.h>
 
@@ -23,7 +25,7 @@ namespace imulab::command {
 namespace {
 
 struct Options {
-  std::string require, grade = "navigation", axes = "3";
+  std::string require, grade = "navigation", axes = "3", report;
   double latitude_deg = 45;
   std::optional<double> gravity, time, rest;
   std::optional<std::string> output;
@@ -77,6 +79,7 @@ void expect_reachable(const hybrid::PathQuestion& q) {
 std::string minutes(double seconds) { return fmt::format("{:.0f} min {:02.0f} s", std::floor(seconds / 60), std::floor(std::fmod(seconds, 60))); }
 
 void run(const Options& options) {
+  expect_others_stay(options.report, {options.output.value_or("")});
   hybrid::PathQuestion question;
   question.requirements = errors_at("--require", [&] { return parse_requirements(options.require); });
   if (options.json && options.output == "-") throw Error("--json: standard output has the procedure; expected -o FILE");
@@ -101,6 +104,10 @@ void run(const Options& options) {
     fmt::print("{}", path_json(path, p, missed));
   else if (options.output != "-")
     fmt::print("{} turns in {}\n\n{}\n{}", path.turns.size(), minutes(path.duration), path_table(path), prediction_table(p, question.requirements));
+  if (!options.report.empty()) {
+    PredictionSummary summary{.coefficients = p.coefficients, .undetermined = p.undetermined, .sigma = p.sigma, .cramer_rao = p.cramer_rao, .missed = missed};
+    write_whole(options.report, plan_page({question.requirements, path, std::move(summary)}));
+  }
   const auto open = std::find_if(missed.begin(), missed.end(), [](const Shortfall& s) { return !std::isfinite(s.sigma); });
   if (missed.empty() || (options.time && open == missed.end())) return;
   std::string text;
@@ -139,6 +146,7 @@ void add_plan(Verb app) {
   verb.option("--rest", o->rest, "duration of every rest in whole seconds; if absent, each is chosen")
       .check(between(6, 600, true, "whole seconds"));
   verb.option("-o,--output FILE", o->output, "the procedure to write; - for standard output in place of the table");
+  add_report_option(verb, o->report);
   verb.flag("--json", o->json, "print the result as JSON");
   verb.example("imulab plan --require \"gyro.matrix.diagonal <= 10 ppm\" -o plan.toml");
   verb.does([o] { run(*o); });

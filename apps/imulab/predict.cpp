@@ -1,5 +1,6 @@
 // imulab predict PROCEDURE
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/report.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
@@ -7,8 +8,10 @@
 #include "imulab/io/result/prediction.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/figures.hpp"
+#include "imulab/io/text/file.hpp"
 #include "imulab/io/text/terminal.hpp"
 #include "imulab/model/coefficient.hpp"
+#include "imulab/report/prediction_page.hpp"
 
 #include <fmt/core.h>
 #include <tbb/parallel_for.h>
@@ -25,7 +28,7 @@ namespace imulab::command {
 namespace {
 
 struct Options {
-  std::string procedure, method = "turntable";
+  std::string procedure, method = "turntable", report;
   std::optional<std::string> require;
   std::uint64_t runs = 20000, seed = 1;
   bool classical = false, json = false, verbose = false;
@@ -57,6 +60,7 @@ std::string names_of(const std::vector<CoefficientIndex>& coefficients) {
 void predict_hybrid(const Options& options) {
   const std::vector<Requirement> requirements = requirements_of(options);
   const Session procedure = read_session(options.procedure);
+  expect_others_stay(options.report, {procedure.file});
   errors_at(procedure.file, [&] { procedure.site.gravity(); });  // where neither g nor the latitude is known
   const hybrid::Plan plan = hybrid::plan_of(procedure);
   errors_at("--require", [&] { expect_estimated(requirements, plan); });
@@ -64,6 +68,11 @@ void predict_hybrid(const Options& options) {
   const std::vector<Shortfall> missed = shortfalls(p, requirements);
   std::optional<hybrid::Advice> advice;
   if (!missed.empty() || !p.undetermined.empty()) advice = advise(plan, p, missed.empty() ? std::vector<Requirement>{} : requirements);
+  if (!options.report.empty()) {
+    PredictionSummary summary{.coefficients = p.coefficients, .undetermined = p.undetermined, .sigma = p.sigma, .cramer_rao = p.cramer_rao, .missed = missed};
+    if (advice) summary.advice = advice->turns;
+    write_whole(options.report, prediction_page({.procedure = options.procedure, .summary = std::move(summary), .required = !requirements.empty()}));
+  }
   if (options.json) {
     fmt::print("{}", prediction_json(p, missed, advice));
   } else {
@@ -80,6 +89,7 @@ void run(const Options& options) {
   if (options.method == "hybrid") return predict_hybrid(options);
   const std::vector<Requirement> requirements = requirements_of(options);
   const Session procedure = read_session(options.procedure);
+  expect_others_stay(options.report, {procedure.file});
   errors_at(procedure.file, [&] { procedure.site.gravity(); });  // where neither g nor the latitude is known
   turntable::Plan plan = turntable::plan_of(procedure);
   plan.classical = options.classical;
@@ -95,6 +105,13 @@ void run(const Options& options) {
   if (!requirements.empty()) {
     answers = answers_to(requirements, plan);
     missed = shortfalls(plan, requirements);
+  }
+  if (!options.report.empty()) {
+    PredictionSummary summary{.coefficients = prediction.coefficients, .undetermined = prediction.undetermined, .sigma = prediction.sigma,
+                              .cramer_rao = prediction.cramer_rao, .sources = prediction.sources, .variance = prediction.variance, .missed = missed};
+    if (sampled) summary.monte_carlo = sampled->sigma, summary.runs = sampled->runs;
+    write_whole(options.report, prediction_page({.procedure = options.procedure, .summary = std::move(summary),
+                                                 .tables = {requirements.empty() ? "" : tolerance_table(plan, missed, answers)}, .required = !requirements.empty()}));
   }
   if (options.json) {
     fmt::print("{}", prediction_json(prediction, sampled, missed, answers));
@@ -130,6 +147,7 @@ void add_predict(Verb app) {
   const Option runs = verb.option("--runs", options->runs, "number of Monte Carlo procedures, at least 100; 0 for none").check(bad_runs).show_default();
   const Option seed = verb.option("--seed", options->seed, "random seed; the same seed gives the same result").show_default();
   const Option classical = verb.flag("--classical", options->classical, "Zhang 2010: weights from the sensors' noise alone, a separate gyro bias in turns");
+  add_report_option(verb, options->report);
   verb.flag("--json", options->json, "print the result as JSON");
   verb.flag("-v,--verbose", options->verbose, "print also first and second order and the Monte Carlo, with more digits");
   verb.example("imulab procedure zhang-24 -o procedure.toml");

@@ -46,6 +46,15 @@ const RecordingSource& choose_recording(const Session& session, const std::strin
                           name.empty() ? "has several recordings" : "has no recording " + name, text::listed(files)));
 }
 
+std::filesystem::path find_session(const std::string& given, const std::string& calibration_file, const std::string& recorded) {
+  namespace fs = std::filesystem;
+  if (!given.empty()) return fs::is_directory(given) ? fs::path(given) / "session.toml" : fs::path(given);
+  const fs::path folder = fs::path(calibration_file).parent_path();
+  for (const fs::path& place : {fs::path(recorded), folder / recorded, folder / fs::path(recorded).filename()})
+    if (fs::is_regular_file(place)) return place;
+  return recorded;
+}
+
 void expect_inputs_stay(const std::string& output, const Session& session, std::vector<std::filesystem::path> inputs) {
   namespace fs = std::filesystem;
   inputs.emplace_back(session.file);

@@ -23,4 +23,8 @@ const RecordingSource& choose_recording(const Session& session, const std::strin
 /// Raw data are never overwritten: throws Error where `output` is the session's file, one of its recordings, or one of `more`.
 void expect_inputs_stay(const std::string& output, const Session& session, std::vector<std::filesystem::path> more = {});
 
+/// The session's file of a calibration: as `given` (a folder or a file), else where the calibration names it, from here or from the calibration's
+/// folder, else beside the calibration; the recorded name where none of these is a file.
+std::filesystem::path find_session(const std::string& given, const std::string& calibration_file, const std::string& recorded);
+
 }  // namespace imulab::command

@@ -109,7 +109,7 @@ void simulate(const Arguments& a) {
   write_whole(folder.path() / "truth.json", truth_text(calibration, rig));
   folder.commit();
   if (a.json)
-    return fmt::print("{}", json_text({{{"folder", a.folder}, {"seed", a.seed}, {"recordings", files}, {"truth", std::string("truth.json")}}}));
+    return fmt::print("{}", fields_json({{{"folder", a.folder}, {"seed", a.seed}, {"recordings", files}, {"truth", std::string("truth.json")}}}));
   fmt::print("{} (seed {})\n{}  {:<14} what a calibration of this session has to find\n  session.toml\n", a.folder, a.seed, report, "truth.json");
 }
 

@@ -1,12 +1,12 @@
 // imulab verify CALIBRATION
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/session_recording.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/result/fields.hpp"
 
 #include <fmt/core.h>
 
-#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -14,21 +14,10 @@ namespace imulab::command {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 struct Options {
   std::string calibration, session;
   bool json = false;
 };
-
-/// The session's file: where the user says, as the calibration names it (from here or from the calibration's folder), or beside the calibration.
-fs::path session_file(const Options& o, const std::string& recorded) {
-  if (!o.session.empty()) return fs::is_directory(o.session) ? fs::path(o.session) / "session.toml" : fs::path(o.session);
-  const fs::path folder = fs::path(o.calibration).parent_path();
-  for (const fs::path& place : {fs::path(recorded), folder / recorded, folder / fs::path(recorded).filename()})
-    if (fs::is_regular_file(place)) return place;
-  return recorded;
-}
 
 const char* to_string(FileState state) { return state == FileState::unchanged ? "unchanged" : state == FileState::changed ? "changed" : "missing"; }
 
@@ -38,13 +27,13 @@ void run(const Options& o) {
     throw Error(fmt::format("{}: has no hashes of recordings; expected a calibration that imulab made from files", o.calibration));
   std::string changed, missing;
   std::vector<JsonFields> files;
-  for (const VerifiedFile& f : verify_sources(calibration, session_file(o, calibration.session_file))) {
+  for (const VerifiedFile& f : verify_sources(calibration, find_session(o.session, o.calibration, calibration.session_file))) {
     if (!o.json) fmt::print("{}: {}\n", f.file.string(), to_string(f.state));
     files.push_back({{{"file", f.file.string()}, {"state", std::string(to_string(f.state))}}});
     std::string& list = f.state == FileState::changed ? changed : missing;
     if (f.state != FileState::unchanged) list += fmt::format("{}{}", list.empty() ? "" : ", ", f.file.string());
   }
-  if (o.json) fmt::print("{}", json_text({{{"files", files}, {"unchanged", changed.empty() && missing.empty()}}}));
+  if (o.json) fmt::print("{}", fields_json({{{"files", files}, {"unchanged", changed.empty() && missing.empty()}}}));
   if (!changed.empty()) throw Unsupported(fmt::format("{}: not what it was made from: {}", o.calibration, changed));
   if (!missing.empty()) throw Unsupported(fmt::format("{}: not found: {}; expected --session with their place", o.calibration, missing));
 }

@@ -4,6 +4,7 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -52,6 +53,7 @@ double additional_variance(const std::vector<double>& squares, const std::vector
 }
 
 double normal_quantile(double p) { return bm::quantile(bm::normal(), p); }
+double student_quantile(double p, double dof) { return std::isinf(dof) ? normal_quantile(p) : bm::quantile(bm::students_t(dof), p); }
 double chi_square_quantile(double p, double dof) { return bm::quantile(bm::chi_squared(dof), p); }
 double chi_square_tail(double x, double dof) {
   if (std::isnan(x)) return 0;  // no residual that is a number is as large

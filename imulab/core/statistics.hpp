@@ -17,6 +17,7 @@ double mean_ratio(const std::vector<double>& squares, const std::vector<double>&
 double additional_variance(const std::vector<double>& squares, const std::vector<double>& variances);
 
 double normal_quantile(double p);
+double student_quantile(double p, double degrees_of_freedom);  ///< infinite degrees of freedom: the normal distribution's
 double chi_square_quantile(double p, double degrees_of_freedom);
 double chi_square_tail(double x, double degrees_of_freedom);                        ///< P(X > x)
 double log_chi_square_tail(double x, double degrees_of_freedom);                    ///< ln P(X > x), also where P is too small for a double

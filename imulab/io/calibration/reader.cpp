@@ -1,10 +1,10 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/json_field.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <fmt/core.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -16,95 +16,11 @@ namespace imulab {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using json_text::Field, json_text::Json, json_text::parse_json;
 
 constexpr std::string_view format_family = "imulab.calibration/", format_name = "imulab.calibration/1";
 
 // ---- reading
-
-/// A value in a JSON file and the path that leads to it, which every message names.
-class Field {
- public:
-  Field(const Json& value, std::string file, std::string path) : value_(value), file_(std::move(file)), path_(std::move(path)) {}
-
-  [[noreturn]] void fail(const std::string& text) const { throw Error(file_ + ": " + (path_.empty() ? "" : path_ + ": ") + text); }
-  [[noreturn]] void expected(const std::string& what) const {
-    std::string found = value_.dump();
-    if (found.size() > 40) found = found.substr(0, 37) + "...";
-    fail("expected " + what + ", found " + found);
-  }
-
-  bool is_null() const { return value_.is_null(); }
-  bool has(std::string_view key) const { return value_.is_object() && value_.contains(key); }
-  Field operator[](std::string_view key) const {
-    if (!value_.is_object()) expected("an object");
-    const Field field(value_.contains(key) ? value_.at(std::string(key)) : value_, file_, path_ + (path_.empty() ? "" : ".") + std::string(key));
-    if (!value_.contains(key)) field.fail("is missing");
-    return field;
-  }
-  std::size_t size() const {
-    if (!value_.is_array()) expected("a list");
-    return value_.size();
-  }
-  /// Element i of a list of `count` things.
-  Field item(std::size_t i, std::size_t count, const char* things) const {
-    if (!value_.is_array() || value_.size() != count) fail(fmt::format("expected {} {}", count, things));
-    return {value_[i], file_, fmt::format("{}[{}]", path_, i)};
-  }
-
-  double number() const {
-    if (!value_.is_number()) expected("a number");
-    return value_.get<double>();
-  }
-  double number_or_nan() const { return is_null() ? std::numeric_limits<double>::quiet_NaN() : number(); }
-  int whole_number() const {
-    if (!value_.is_number_integer()) expected("a whole number");
-    return value_.get<int>();
-  }
-  std::uint64_t size_in_bytes() const {
-    if (!value_.is_number_unsigned()) expected("a whole number from 0 on");
-    return value_.get<std::uint64_t>();
-  }
-  bool truth() const {
-    if (!value_.is_boolean()) expected("true or false");
-    return value_.get<bool>();
-  }
-  std::string text() const {
-    if (!value_.is_string()) expected("a text");
-    return value_.get<std::string>();
-  }
-  std::string text_or_empty(std::string_view key) const { return has(key) && !(*this)[key].is_null() ? (*this)[key].text() : ""; }
-  double number_or_infinity() const { return is_null() ? std::numeric_limits<double>::infinity() : number(); }
-  template <class Read>
-  auto list(Read read) const {
-    std::vector<decltype(read(*this))> out;
-    for (std::size_t i = 0, n = size(); i < n; ++i) out.push_back(read(item(i, n, "elements")));
-    return out;
-  }
-  /// An absent list is empty.
-  template <class Read>
-  auto list(std::string_view key, Read read) const {
-    return has(key) ? (*this)[key].list(read) : std::vector<decltype(read(*this))>{};
-  }
-  std::vector<std::string> texts() const {
-    return list([](const Field& f) { return f.text(); });
-  }
-  std::vector<std::string> texts(std::string_view key) const {
-    return list(key, [](const Field& f) { return f.text(); });
-  }
-  std::map<std::string, std::string> text_map(std::string_view key) const {
-    std::map<std::string, std::string> out;
-    if (!has(key)) return out;
-    const Field field = (*this)[key];
-    if (!field.value_.is_object()) field.expected("an object");
-    for (const auto& item : field.value_.items()) out[item.key()] = field[item.key()].text();
-    return out;
-  }
-
- private:
-  const Json& value_;
-  std::string file_, path_;
-};
 
 /// Where a coefficient sits in `model` and in `standard_uncertainty`.
 Field element(const Field& shaped, Triad triad, Term term, int row, int column) {
@@ -254,23 +170,11 @@ void check_format(const Field& root) {
   root["format"].expected(fmt::format("\"{}\"", format_name));
 }
 
-Json parse_json(std::string_view text, const std::string& file) {
-  try {
-    return Json::parse(text);
-  } catch (const Json::parse_error& e) {
-    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(e.byte, text.size())), '\n');
-    throw Error(fmt::format("{}:{}: not JSON; expected a calibration: {}", file, line,
-                            std::string_view(e.what()).substr(std::string_view(e.what()).find("] ") + 2)));
-  } catch (const Json::exception& e) {
-    throw Error(fmt::format("{}: not a calibration: {}", file, e.what()));
-  }
-}
-
 }  // namespace
 
 Calibration parse_calibration(std::string_view text, const std::string& file) {
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) throw Error(file + ": is empty; expected a calibration");
-  const Json json = parse_json(text, file);
+  const Json json = parse_json(text, file, "a calibration");
   const Field root(json, file, "");
   check_format(root);
   Calibration c;

@@ -18,6 +18,6 @@ struct JsonFields {
 };
 
 /// With a new line at the end.
-std::string json_text(const JsonFields& object);
+std::string fields_json(const JsonFields& object);
 
 }  // namespace imulab

@@ -243,7 +243,7 @@ Json to_json(const JsonFields& object) {
 
 }  // namespace
 
-std::string json_text(const JsonFields& object) { return to_json(object).dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+std::string fields_json(const JsonFields& object) { return to_json(object).dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 std::string path_json(const hybrid::Path& path, const hybrid::Prediction& p, const std::vector<Shortfall>& missed) {
   Json turns = Json::array();

@@ -1,0 +1,147 @@
+// imulab report RESULT
+#include "apps/imulab/report.hpp"
+
+#include "apps/imulab/session_recording.hpp"
+#include "imulab/core/error.hpp"
+#include "imulab/io/calibration/file.hpp"
+#include "imulab/io/recording/file.hpp"
+#include "imulab/io/result/fields.hpp"
+#include "imulab/io/result/summary.hpp"
+#include "imulab/io/session/file.hpp"
+#include "imulab/io/text/file.hpp"
+#include "imulab/report/budget_page.hpp"
+#include "imulab/report/calibration_page.hpp"
+#include "imulab/report/comparison_page.hpp"
+#include "imulab/report/navigation_page.hpp"
+#include "imulab/report/prediction_page.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <set>
+#include <type_traits>
+#include <variant>
+
+namespace imulab::command {
+
+namespace fs = std::filesystem;
+
+void add_report_option(Verb& verb, std::string& file) { verb.option("--report FILE", file, "write the result as a page, too: one HTML file, self-contained"); }
+
+void expect_others_stay(const std::string& page, const std::vector<fs::path>& others) {
+  if (page.empty()) return;
+  if (page == "-" || fs::is_directory(page)) throw Error(fmt::format("--report {}: expected a file to write", page));
+  std::error_code none;
+  for (const fs::path& other : others)
+    if (!other.empty() && (fs::path(page).lexically_normal() == other.lexically_normal() || fs::equivalent(page, other, none)))
+      throw Error(fmt::format("--report {}: would overwrite {}; expected another file", page, other.string()));
+}
+
+namespace {
+
+struct Options {
+  std::string result, session, output;
+  bool json = false;
+};
+
+constexpr const char* pictures = "The recording, gravity and rotations before and after, the directions of gravity";
+
+const char* reason(FileState state) { return state == FileState::changed ? "is not the file that was calibrated (its SHA-256 differs)" : "was not found"; }
+
+/// The recordings of the session whose files are those that were calibrated; what is missing goes to the report.
+void add_evidence(CalibrationReport& report, const Session& session, const std::set<std::string>& bad) {
+  const Calibration& calibration = report.result.calibration;
+  std::set<std::string> used;
+  for (const SourceFile& source : calibration.sources) used.insert(source.file);
+  std::vector<RecordingSource> sources;
+  for (const RecordingSource& source : session.recordings) {
+    bool whole = true, named = false;
+    for (const auto& file : {std::optional(source.file), source.gyro.file, source.accel.file}) {
+      if (!file || !used.contains(*file)) continue;
+      named = true;
+      whole = whole && !bad.contains(*file);
+    }
+    if (named && whole) sources.push_back(source);
+  }
+  for (const RecordingSource& source : sources) try {
+      report.recordings.push_back(evidence_of(calibration, session, read_recording(session, source).recording, sources.size() == 1));
+    } catch (const Error& e) {
+      report.missing.push_back(fmt::format("{} of {}: {}.", pictures, source.file, e.what()));
+    }
+}
+
+CalibrationReport saved_calibration(Calibration calibration, const Options& o) {
+  CalibrationReport report;
+  report.result.calibration = std::move(calibration);
+  const Calibration& c = report.result.calibration;
+  if (c.method == "hybrid") report.missing.emplace_back("Convergence curves: the calibration file does not keep them; imulab calibrate --report draws them.");
+  if (c.sources.empty() || c.session_file.empty()) {
+    report.missing.push_back(fmt::format("{}: the file names no recordings with their hashes.", pictures));
+    return report;
+  }
+  const fs::path place = find_session(o.session, o.result, c.session_file);
+  std::set<std::string> bad;
+  const std::vector<VerifiedFile> files = verify_sources(c, place);
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    if (files[k].state == FileState::unchanged) continue;
+    report.missing.push_back(fmt::format("{}: {} {}{}.", pictures, files[k].file.string(), reason(files[k].state),
+                                         files[k].state == FileState::missing ? "; --session gives the place of the session" : ""));
+    if (k == 0) return report;  // without the session nothing is known of the recordings
+    bad.insert(c.sources[k - 1].file);
+  }
+  try {
+    report.session = read_session(place);
+  } catch (const Error& e) {
+    report.missing.push_back(fmt::format("{}: {}.", pictures, e.what()));
+    return report;
+  }
+  expect_inputs_stay(o.output, *report.session, {o.result});
+  add_evidence(report, *report.session, bad);
+  return report;
+}
+
+std::string page_of(SavedResult saved, const Options& o) {
+  const std::string name = o.result == "-" ? "standard input" : fs::path(o.result).filename().string();
+  return std::visit(
+      [&](auto& result) -> std::string {
+        using Result = std::decay_t<decltype(result)>;
+        if constexpr (std::is_same_v<Result, Calibration>) return calibration_page(saved_calibration(std::move(result), o));
+        if constexpr (std::is_same_v<Result, ComparisonSummary>) return comparison_page(result);
+        if constexpr (std::is_same_v<Result, PredictionSummary>) return prediction_page({.procedure = name, .summary = std::move(result)});
+        if constexpr (std::is_same_v<Result, BudgetSummary>)
+          return budget_page({.mission = name,
+                              .summary = std::move(result),
+                              .missing = {"Errors and shares over time, and the track: the JSON has the end alone; imulab budget --report draws them."}});
+        if constexpr (std::is_same_v<Result, NavigationSummary>)
+          return navigation_page({.sessions = std::move(result),
+                                  .missing = {"Track and errors over time: the JSON has the end alone; imulab navigate --report draws them."}});
+      },
+      saved);
+}
+
+void run(const Options& o) {
+  if (o.json && o.output == "-") throw Error("--json: standard output has the page; expected -o FILE");
+  if (fs::is_directory(o.output)) throw Error(fmt::format("-o {}: is a folder; expected a file to write", o.output));
+  std::error_code none;
+  if (o.output == o.result || fs::equivalent(o.output, o.result, none)) throw Error(fmt::format("-o {}: would overwrite the result; expected another file", o.output));
+  write_whole(o.output, page_of(read_result(o.result), o));
+  if (o.json) fmt::print("{}", fields_json({{{"file", o.output}}}));
+  if (!o.json && o.output != "-") fmt::print("written: {}\n", o.output);
+}
+
+}  // namespace
+
+void add_report(Verb app) {
+  const auto o = std::make_shared<Options>();
+  Verb verb = app.verb("report", "Show a saved result as a page: one HTML file, self-contained");
+  verb.option("RESULT", o->result, "calibration.json, or what compare, predict, navigate or budget print with --json; - for standard input").required();
+  verb.option("-o,--output FILE", o->output, "the page to write; - for standard output").required();
+  verb.option("--session SESSION", o->session, "the session's folder or file, if it is not where it was (calibrations)");
+  verb.flag("--json", o->json, "print what was written as JSON");
+  verb.example("imulab report calibration.json -o calibration.html");
+  verb.does([o] { run(*o); });
+}
+
+}  // namespace imulab::command

@@ -1,0 +1,26 @@
+# The style and the scripts of a report's page as a source file: the page loads nothing. dygraphs is Debian's libjs-dygraphs; only this build reads it.
+find_path(IMULAB_DYGRAPHS dygraph.min.js PATHS /usr/share/javascript/dygraphs)
+if(NOT IMULAB_DYGRAPHS)
+  message(FATAL_ERROR "dygraph.min.js was not found: install libjs-dygraphs, or set IMULAB_DYGRAPHS to its folder")
+endif()
+
+# Appends one file as a constant. Its raw string ends at )imulab"; maps of sources are for debuggers and would be requested by them.
+function(imulab_embed output name file)
+  set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
+  file(READ ${file} text)
+  string(REGEX REPLACE "/[/*][#@] sourceMappingURL=[^\n]*" "" text "${text}")
+  if(text MATCHES "\\)imulab\"" OR text MATCHES "</script")
+    message(FATAL_ERROR "${file} cannot be embedded")
+  endif()
+  file(APPEND ${output} "const std::string_view ${name} = R\"imulab(${text})imulab\";\n")
+endfunction()
+
+set(IMULAB_REPORT_ASSETS ${CMAKE_CURRENT_BINARY_DIR}/report_assets.cpp)
+set(IMULAB_REPORT_NEW ${IMULAB_REPORT_ASSETS}.new)
+file(WRITE ${IMULAB_REPORT_NEW} "#include \"imulab/report/assets.hpp\"\n\nnamespace imulab::report::assets {\n")
+imulab_embed(${IMULAB_REPORT_NEW} page_css ${PROJECT_SOURCE_DIR}/imulab/report/page.css)
+imulab_embed(${IMULAB_REPORT_NEW} page_js ${PROJECT_SOURCE_DIR}/imulab/report/page.js)
+imulab_embed(${IMULAB_REPORT_NEW} dygraph_css ${IMULAB_DYGRAPHS}/dygraph.min.css)
+imulab_embed(${IMULAB_REPORT_NEW} dygraph_js ${IMULAB_DYGRAPHS}/dygraph.min.js)
+file(APPEND ${IMULAB_REPORT_NEW} "}  // namespace imulab::report::assets\n")
+file(COPY_FILE ${IMULAB_REPORT_NEW} ${IMULAB_REPORT_ASSETS} ONLY_IF_DIFFERENT)

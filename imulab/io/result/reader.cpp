@@ -1,0 +1,239 @@
+// Results back from their JSON, as far as it goes.
+#include "imulab/core/units.hpp"
+#include "imulab/io/calibration/file.hpp"
+#include "imulab/io/result/budget_quantities.hpp"
+#include "imulab/io/result/summary.hpp"
+#include "imulab/io/text/file.hpp"
+#include "imulab/io/text/json_field.hpp"
+#include "imulab/model/coefficient.hpp"
+#include "imulab/model/user_unit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <iterator>
+#include <set>
+
+namespace imulab {
+namespace {
+
+using json_text::Field, json_text::Json, json_text::parse_json;
+
+constexpr const char* expected_result = "calibration.json, or what compare, predict, navigate or budget print with --json";
+
+CoefficientIndex index_at(const Field& parent, const std::string& name) {
+  try {
+    return coefficient_index(name);
+  } catch (const Error& e) {
+    parent.fail(e.what());
+  }
+}
+
+std::optional<double> optional_number(const Field& f) { return f.is_null() ? std::nullopt : std::optional(f.number()); }
+
+Eigen::Vector3d vector_at(const Field& f) { return {f.item(0, 3, "numbers").number(), f.item(1, 3, "numbers").number(), f.item(2, 3, "numbers").number()}; }
+
+// ---- comparisons
+
+Consistency consistency_at(const Field& f) { return {f["chi2"].number(), f["degrees_of_freedom"].whole_number(), f["p_value"].number()}; }
+
+/// The unit's name, as it is stored for good.
+std::string_view unit_name(const Field& f, CoefficientIndex index) {
+  const std::string name = f.text();
+  for (const UserUnit& unit : user_units(coefficient(index)))
+    if (unit.name == name) return unit.name;
+  if (name == coefficient(index).unit) return coefficient(index).unit;
+  static const std::set<std::string, std::less<>> others{"", "ppm", "arcsec"};
+  if (const auto at = others.find(name); at != others.end()) return *at;
+  f.expected("a unit of " + std::string(coefficient(index).name));
+}
+
+void read_comparison(const Field& f, ComparisonSummary& out) {
+  if (out.names.empty()) out.names.push_back(f["a"].text());
+  out.names.push_back(f["b"].text());
+  Comparison comparison;
+  const Field all = f["coefficients"];
+  for (const std::string& name : all.keys()) {
+    const Field at = all[name];
+    CoefficientDifference d;
+    d.index = index_at(all, name);
+    d.a = at["a"].number(), d.b = at["b"].number(), d.difference = at["difference"].number();
+    d.uncertainty = optional_number(at["standard_uncertainty"]);
+    d.user_difference = at["user"]["difference"].number();
+    d.user_uncertainty = optional_number(at["user"]["standard_uncertainty"]);
+    d.user_unit = unit_name(at["user"]["unit"], d.index);
+    comparison.coefficients.push_back(d);
+  }
+  comparison.consistency = consistency_at(f["consistency"]);
+  out.comparisons.push_back(std::move(comparison));
+}
+
+Agreement agreement_at(const Field& f) {
+  Agreement out;
+  out.calibrations = f["calibrations"].whole_number();
+  const std::vector<std::string> differing = f.texts("differing");
+  const Field all = f["coefficients"];
+  for (const std::string& name : all.keys())
+    out.coefficients.push_back({index_at(all, name), consistency_at(all[name]), std::find(differing.begin(), differing.end(), name) != differing.end()});
+  out.consistency = consistency_at(f["consistency"]);
+  return out;
+}
+
+ComparisonSummary comparison_of(const Field& root) {
+  ComparisonSummary out;
+  if (!root.has("comparisons")) {
+    read_comparison(root, out);
+    return out;
+  }
+  root["comparisons"].list([&](const Field& f) {
+    read_comparison(f, out);
+    return 0;
+  });
+  if (out.comparisons.empty()) root["comparisons"].fail("is empty; expected at least one comparison");
+  if (root.has("agreement") && !root["agreement"].is_null()) out.agreement = agreement_at(root["agreement"]);
+  return out;
+}
+
+// ---- predictions
+
+Shortfall shortfall_at(const Field& f) {
+  Shortfall s;
+  s.requirement.selector = f["selector"].text();
+  s.requirement.limit = f["limit"].number();
+  s.coefficient = index_at(f, f["coefficient"].text());
+  s.requirement.coefficients = {s.coefficient};
+  s.requirement.unit = user_unit(coefficient(s.coefficient), s.requirement.limit);
+  s.sigma = f["sigma"].number_or_infinity();
+  s.source = f.text_or_empty("source");
+  return s;
+}
+
+PredictionSummary prediction_of(const Field& root) {
+  PredictionSummary out;
+  const Field all = root["coefficients"];
+  const std::vector<std::string> names = all.keys();
+  const auto n = static_cast<Eigen::Index>(names.size());
+  out.sigma.resize(n), out.cramer_rao.resize(n);
+  Eigen::VectorXd sampled(n);
+  if (n > 0 && all[names[0]].has("budget")) out.sources = all[names[0]]["budget"].keys();
+  out.variance.setZero(n, static_cast<Eigen::Index>(out.sources.size()));
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const std::string& name = names[static_cast<std::size_t>(i)];
+    const Field at = all[name];
+    out.coefficients.push_back(index_at(all, name));
+    out.sigma[i] = at["closed_form"].number();
+    out.cramer_rao[i] = at.has("cramer_rao") ? at["cramer_rao"].number_or_nan() : NAN;
+    sampled[i] = at.has("monte_carlo") ? at["monte_carlo"].number() : NAN;
+    for (std::size_t k = 0; k < out.sources.size(); ++k) out.variance(i, static_cast<Eigen::Index>(k)) = std::pow(at["budget"][out.sources[k]].number(), 2);
+  }
+  if (n > 0 && sampled.array().isFinite().all()) out.monte_carlo = sampled;
+  if (root.has("monte_carlo_runs")) out.runs = root["monte_carlo_runs"].size_in_bytes();
+  for (const std::string& name : root.texts("undetermined")) out.undetermined.push_back(index_at(root, name));
+  out.missed = root.list("not_met", shortfall_at);
+  if (root.has("worst_determined")) out.advice = root["worst_determined"].texts("advice");
+  return out;
+}
+
+// ---- navigation
+
+NavigatedSession session_of(const Field& f) {
+  NavigatedSession out;
+  out.session = f["session"].text();
+  out.navigated.solution.time = {f["time_s"].item(0, 2, "numbers").number(), f["time_s"].item(1, 2, "numbers").number()};
+  const std::string vertical = f["vertical"].text();
+  bool known = false;
+  for (const VerticalChannel channel : {VerticalChannel::free, VerticalChannel::fixed, VerticalChannel::aided, VerticalChannel::held})
+    if (to_string(channel) == vertical) out.navigated.vertical = channel, known = true;
+  if (!known) f["vertical"].expected("free, fixed, aided or held");
+  out.navigated.gaps = f.list("gaps", [](const Field& g) { return MissingTime{g["begin_s"].number(), g["length_s"].number()}; });
+  if (f.has("saturated")) out.navigated.saturated = f["saturated"].size_in_bytes();
+  out.navigated.warnings = f.texts("warnings");
+  if (f["position_error"].is_null()) return out;
+  const Field position = f["position_error"];
+  NavigationErrors errors;
+  errors.history = {{f["error_time_s"].number(),
+                     {position["east_m"].number(), position["north_m"].number(), position["up_m"].number()},
+                     vector_at(f["velocity_error_mps"]),
+                     vector_at(f["attitude_error_arcsec"]) * unit::arcsec}};
+  errors.rate = position["rate_nmi_per_h"].number() * unit::nmi_per_h;
+  out.errors = std::move(errors);
+  return out;
+}
+
+NavigationSummary navigation_of(const Field& root) {
+  NavigationSummary out = root.has("sessions") ? root["sessions"].list(session_of) : NavigationSummary{session_of(root)};
+  if (out.empty()) root["sessions"].fail("is empty; expected at least one session");
+  return out;
+}
+
+// ---- error budgets
+
+/// Fixed errors or sigmas of the nine quantities at the end, SI.
+BudgetRows rows_at(const Field& f, const char* part) {
+  BudgetRows out(budget_quantities, 1);
+  out.col(0) << vector_at(f["position_m"][part]), vector_at(f["velocity_mps"][part]), vector_at(f["attitude_arcsec"][part]) * unit::arcsec;
+  return out;
+}
+
+std::vector<Contribution> contributions_at(const Field& root, const char* key) {
+  std::vector<Contribution> out;
+  if (!root.has(key)) return out;
+  const Field all = root[key];
+  for (const std::string& name : all.keys()) out.push_back({name, rows_at(all[name], "fixed"), rows_at(all[name], "sigma")});
+  return out;
+}
+
+ErrorDistribution distribution_at(const Field& f) {
+  ErrorDistribution d;
+  for (auto* rows : {&d.mean, &d.sigma, &d.low, &d.median, &d.high}) rows->resize(budget_quantities + 1, 1);
+  for (Eigen::Index q = 0; q <= budget_quantities; ++q) {
+    const Field at = f[result_io::quantity_names.at(static_cast<std::size_t>(q))];
+    const double unit = result_io::unit_of(q);
+    d.mean(q, 0) = at["mean"].number() * unit, d.sigma(q, 0) = at["sigma"].number() * unit;
+    d.low(q, 0) = at["low"].number() * unit, d.median(q, 0) = at["median"].number() * unit, d.high(q, 0) = at["high"].number() * unit;
+  }
+  d.drift_rms = f["rate_nmi_per_h"]["rms"].number() * unit::nmi_per_h;
+  d.drift_cep = f["rate_nmi_per_h"]["cep"].number() * unit::nmi_per_h;
+  d.drift_95 = f["rate_nmi_per_h"]["95_percent"].number() * unit::nmi_per_h;
+  return d;
+}
+
+BudgetSummary budget_of(const Field& root) {
+  BudgetSummary out;
+  ErrorBudget& b = out.budget;
+  b.time = {root["time_s"].number()};
+  for (const VerticalChannel channel : {VerticalChannel::free, VerticalChannel::fixed, VerticalChannel::aided, VerticalChannel::held})
+    if (to_string(channel) == root["vertical"].text()) b.vertical = channel;
+  b.mean = rows_at(root["total"], "fixed");
+  const BudgetRows sigma = rows_at(root["total"], "sigma");
+  b.covariance = {BudgetMatrix(sigma.col(0).array().square().matrix().asDiagonal())};
+  b.groups = contributions_at(root, "sources");
+  b.coefficients = contributions_at(root, "coefficients");
+  if (root.has("monte_carlo")) {
+    out.monte_carlo = distribution_at(root["monte_carlo"]);
+    out.monte_carlo->time = b.time;
+    out.runs = root["monte_carlo"]["runs"].size_in_bytes();
+  }
+  return out;
+}
+
+}  // namespace
+
+SavedResult parse_result(std::string_view text, const std::string& file) {
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) throw Error(file + ": is empty; expected " + expected_result);
+  const Json json = parse_json(text, file, expected_result);
+  const Field root(json, file, "");
+  if (root.has("format")) return parse_calibration(text, file);
+  if (root.has("comparisons") || root.has("consistency")) return comparison_of(root);
+  if (root.has("sessions") || root.has("position_error")) return navigation_of(root);
+  if (root.has("total") && root.has("sources")) return budget_of(root);
+  if (root.has("coefficients") && root.has("undetermined")) return prediction_of(root);
+  throw Error(fmt::format("{}: not a result; expected {}", file, expected_result));
+}
+
+SavedResult read_result(const std::filesystem::path& path) {
+  if (path == "-") return parse_result(std::string(std::istreambuf_iterator<char>(std::cin), {}), "standard input");
+  return parse_result(MappedFile(path).text(), path.string());
+}
+
+}  // namespace imulab

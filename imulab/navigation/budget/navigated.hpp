@@ -1,0 +1,16 @@
+// What a calibration's stated uncertainties explain of the errors of a session that was navigated with it.
+#pragma once
+
+#include "imulab/navigation/budget/budget.hpp"
+#include "imulab/navigation/navigate.hpp"
+
+#include <optional>
+
+namespace imulab {
+
+/// Along the navigated motion: the calibration's covariance, and after an alignment its tilt and the noise that it measured in the rest. About `outputs`
+/// times. Absent for a calibration without uncertainties.
+std::optional<ErrorBudget> navigated_budget(const Calibration& calibration, const Session& session, const Recording& raw, const Navigated& navigated,
+                                            int outputs = 120);
+
+}  // namespace imulab

@@ -1,0 +1,102 @@
+#include "imulab/recording/agreement_at_rest.hpp"
+
+#include "imulab/core/units.hpp"
+#include "imulab/earth/earth.hpp"
+#include "imulab/recording/overview.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace imulab {
+
+namespace {
+
+TriadModel uncalibrated(const TriadModel& m) {
+  TriadModel plain;
+  plain.raw_unit = m.raw_unit;
+  if (m.raw_unit != "count") return plain;
+  plain.offset = m.offset;
+  plain.matrix *= m.matrix.diagonal().mean();
+  return plain;
+}
+
+Vector3d mean_of(const Columns3& columns) {
+  Vector3d mean = Vector3d::Zero();
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    mean[static_cast<Eigen::Index>(axis)] =
+        std::accumulate(columns[axis].begin(), columns[axis].end(), 0.0) / static_cast<double>(std::max<std::size_t>(1, columns[axis].size()));
+  return mean;
+}
+
+/// The middle of a long rest says as much as all of it.
+Range shortened(const Range& range) {
+  constexpr std::size_t most = 100'000;
+  if (range.size() <= most) return range;
+  const std::size_t begin = range.begin + (range.size() - most) / 2;
+  return {begin, begin + most};
+}
+
+double angle_between(const Vector3d& a, const Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+
+/// C_b1,b2: from the axes after the samples of `range` to those before it, against the Earth, which turns by `earth` in the axes before.
+Matrix3d rotation_over(const SensorModel& model, const Recording& recording, const Range& range, const Vector3d& earth) {
+  const MotionSamples motion = compensated_samples(model, recording, range);
+  Matrix3d turned = Matrix3d::Identity();
+  for (std::size_t k = 0; k < range.size(); ++k) {
+    const double dt = recording.interval(range.begin + k, recording.gyro_increment);
+    const Vector3d rate(motion.rate[0][k], motion.rate[1][k], motion.rate[2][k]);
+    turned *= rotation_exp(dt * (rate - turned.transpose() * earth));
+  }
+  return turned;
+}
+
+/// The Earth's rate as the gyros measure it in a rest; zero where their offset or noise is larger than it.
+Vector3d measured_earth_rate(const SensorModel& model, const Recording& recording, const Range& rest) {
+  const Vector3d mean = mean_of(compensated_samples(model, recording, shortened(rest)).rate);
+  return mean.norm() < 2 * earth_rate ? mean : Vector3d::Zero();
+}
+
+}  // namespace
+
+SensorModel uncalibrated(const SensorModel& model) {
+  SensorModel plain;
+  plain.accel = uncalibrated(model.accel);
+  plain.gyro = uncalibrated(model.gyro);
+  return plain;
+}
+
+std::vector<GravityAtRest> gravity_at_rests(const Recording& recording, const std::vector<Range>& rests, const SensorModel& before,
+                                            const SensorModel& after) {
+  std::vector<GravityAtRest> out;
+  for (const Range& range : rests) {
+    if (range.size() == 0) continue;
+    const Range part = shortened(range);
+    const Vector3d force = mean_of(compensated_samples(after, recording, part).force);
+    out.push_back({range, recording.time_s(range.begin), recording.time_s(range.end - 1), force,
+                   mean_of(compensated_samples(before, recording, part).force).norm(), force.norm()});
+  }
+  return out;
+}
+
+std::vector<TurnError> turn_errors(const Recording& recording, const std::vector<GravityAtRest>& rests, const SensorModel& before,
+                                   const SensorModel& after) {
+  std::vector<TurnError> out;
+  for (std::size_t i = 0; i + 1 < rests.size(); ++i) {
+    const GravityAtRest &from = rests[i], &to = rests[i + 1];
+    if (to.range.begin < from.range.end) continue;
+    const Range turn{from.range.end, to.range.begin};
+    if (recording.gaps_in(turn) > 0 || recording.saturated_in(turn) > 0) continue;
+    const Vector3d earth = measured_earth_rate(after, recording, from.range);
+    const auto error = [&](const Matrix3d& turned) { return angle_between(turned.transpose() * from.force, to.force); };
+    const Matrix3d turned = rotation_over(after, recording, turn, earth);
+    const double angle = rotation_log(turned).norm();
+    if (angle < unit::deg) continue;
+    out.push_back({from.end_s, to.begin_s, angle, error(rotation_over(before, recording, turn, earth)), error(turned)});
+  }
+  return out;
+}
+
+}  // namespace imulab

@@ -1,0 +1,26 @@
+// An error budget as a page.
+#pragma once
+
+#include "imulab/io/result/summary.hpp"
+
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+struct BudgetReport {
+  std::string mission;  ///< its name
+  BudgetSummary summary;
+  std::vector<NavigationState> track = {};
+  std::vector<std::string> missing = {};  ///< pictures that could not be drawn, and why
+};
+
+/// HTML, self-contained.
+std::string budget_page(const BudgetReport& report);
+
+namespace report {
+/// What each source causes at the end, the largest share first; then the coefficients one by one.
+std::string sources_section(const ErrorBudget& budget);
+}  // namespace report
+
+}  // namespace imulab

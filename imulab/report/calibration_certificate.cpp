@@ -1,0 +1,151 @@
+// What a certificate states: what was calibrated and how, what it does not cover, where its scales come from, and the files behind it.
+#include "imulab/core/units.hpp"
+#include "imulab/report/calibration_parts.hpp"
+#include "imulab/report/html.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace imulab::report {
+
+namespace {
+
+/// Rows of name and value; values that are empty are left out.
+class Facts {
+ public:
+  void add(const std::string& name, const std::string& value) {
+    if (!value.empty()) table_.rows.push_back({escaped(name), escaped(value)});
+  }
+  void add_hash(const std::string& name, const std::string& value) {
+    if (!value.empty()) table_.rows.push_back({escaped(name), "<span class=\"hash\">" + escaped(value) + "</span>"});
+  }
+  std::string html() const { return table_.rows.empty() ? "" : table(table_); }
+
+ private:
+  Table table_{.head = {}, .rows = {}, .text_columns = true};
+};
+
+std::string gravity_text(const Site& site) {
+  if (!site.given_gravity && !site.latitude) return {};
+  return fmt::format("{:.6f} m/s² ± {} m/s² (standard uncertainty), {}", site.gravity(), number(site.gravity_sigma(), 2),
+                     site.given_gravity ? "declared" : site.height ? "WGS-84 normal gravity at latitude and height" : "WGS-84 normal gravity at latitude, height unknown");
+}
+
+std::string rigs_text(const Session& session) {
+  std::string text;
+  for (const RigDeclaration& rig : session.rigs)
+    if (rig.kind != RigKind::none) text += fmt::format("{}{}{}", text.empty() ? "" : ", ", rig.name.empty() ? "" : rig.name + ": ", to_string(rig.kind));
+  return text.empty() ? "none: turned by hand or on a support" : text;
+}
+
+std::string temperature_text(const TriadModel& m) {
+  if (!m.temperature) return {};
+  const ThermalReading& t = *m.temperature;
+  return fmt::format("{} to {} {}, reference {}", number(t.range[0], 4), number(t.range[1], 4), t.unit, number(t.reference, 4));
+}
+
+std::string frame_text(const Calibration& c) {
+  return c.frame == "rig" ? "the rig's axes" : "x along the x accelerometer, y in the plane of the x and y accelerometers, z completes the right-handed triad";
+}
+
+bool has_estimated(const Calibration& c, Term term, Triad triad) {
+  return std::any_of(c.estimated.begin(), c.estimated.end(), [&](CoefficientIndex i) { return coefficient(i).term == term && coefficient(i).triad == triad; });
+}
+
+std::string model_equation(const Calibration& c) {
+  std::string fixed;
+  for (const Triad triad : {Triad::accel, Triad::gyro})
+    for (const Term term : {Term::quadratic, Term::cubic, Term::thermal, Term::g_sensitivity, Term::lever_arm}) {
+      const bool belongs = term == Term::g_sensitivity ? triad == Triad::gyro : term == Term::lever_arm ? triad == Triad::accel : true;
+      if (belongs && !has_estimated(c, term, triad)) fixed += fmt::format("{}{}.{}", fixed.empty() ? "" : ", ", to_string(triad), to_string(term));
+    }
+  return "<p><code>V = U − (c1 τ + c2 τ²), τ = T − T0<br>a = A0 + A1 Va + A2 Va² + A3 Va³<br>w = W0 + W1 Vg + W2 Vg² + W3 Vg³ + C a</code></p>\n" +
+         paragraph("U: readings; V: readings less their temperature dependence; a: specific force; w: angular rate; offsets A0, W0; matrices A1, W1; quadratic and "
+                   "cubic terms diagonal; C: g-sensitivity.") +
+         (fixed.empty() ? "" : paragraph("Not estimated as a term of its own: " + fixed + "."));
+}
+
+std::string ranges_text(const CalibrationReport& report) {
+  double rate = 0, force = 0;
+  for (const RecordingEvidence& e : report.recordings) rate = std::max(rate, e.largest_rate), force = std::max(force, e.largest_force);
+  return rate > 0 || force > 0 ? fmt::format("up to {} deg/s and {} g", number(rate / unit::deg), number(force / unit::g)) : "";
+}
+
+std::string rotation_reference(const Calibration& c) {
+  if (c.method == "turntable") return "the table's angles, with their declared errors";
+  if (c.method == "whole-unit") return "the rate table's rate and the centrifuge's radius, with their declared errors";
+  if (c.method == "static") return "the Earth's rate at the site's latitude";
+  return "the angle between the directions of gravity before and after each turn";
+}
+
+}  // namespace
+
+std::string identification_section(const CalibrationReport& report) {
+  const Calibration& c = report.result.calibration;
+  Facts facts;
+  facts.add("IMU", c.imu);
+  facts.add("serial number", c.serial);
+  facts.add("date", c.created);
+  facts.add("data taken by", c.operated_by);
+  facts.add("method", c.method);
+  facts.add("axes", frame_text(c));
+  if (report.session) {
+    facts.add("gravity", gravity_text(report.session->site));
+    facts.add("rig", rigs_text(*report.session));
+  }
+  facts.add("readings", c.model.accel.raw_unit.empty() && c.model.gyro.raw_unit.empty()
+                            ? ""
+                            : fmt::format("accelerometers in {}, gyros in {}", c.model.accel.raw_unit, c.model.gyro.raw_unit));
+  facts.add("accelerometer temperature", temperature_text(c.model.accel));
+  facts.add("gyro temperature", temperature_text(c.model.gyro));
+  facts.add("motion", ranges_text(report));
+  return section("identification", "What was calibrated, and how", "", facts.html() + model_equation(c) + list(c.quality.notes));
+}
+
+std::string not_covered_section(const CalibrationReport& report) {
+  const Calibration& c = report.result.calibration;
+  std::vector<std::string> out;
+  if (!c.model.accel.temperature && !c.model.gyro.temperature)
+    out.emplace_back("Temperature: the recording has no thermal reading. The values hold at the temperature of the recording, which is not known here.");
+  else
+    out.emplace_back("Temperatures outside the calibrated range, fast changes of temperature, and hysteresis.");
+  out.emplace_back("Repeatability: offsets and scales change from one power-on to the next, and age. One calibration does not show by how much.");
+  const std::string ranges = ranges_text(report);
+  out.push_back(ranges.empty() ? "Rates and forces beyond those of the recording." : "Rates and forces beyond those of the recording, " + ranges + ".");
+  if (!has_estimated(c, Term::g_sensitivity, Triad::gyro)) out.emplace_back("The gyros' sensitivity to acceleration: not estimated.");
+  out.emplace_back("Vibration, shock, magnetic fields, supply voltage, bandwidth and delay: not examined.");
+  out.emplace_back("Noise and bias instability over time: an Allan deviation needs a long recording at rest.");
+  if (c.method == "handheld" || c.method == "static" || c.method == "hybrid") out.emplace_back("The axes are the sensors' own: their orientation in the housing is not measured.");
+  return section("not-covered", "What this does not cover", "", list(out));
+}
+
+std::string traceability_section(const CalibrationReport& report) {
+  const Calibration& c = report.result.calibration;
+  const std::string g = report.session ? gravity_text(report.session->site) : "";
+  Table t{.head = {"quantity", "comes from", "certificate"}, .rows = {}, .text_columns = true};
+  t.rows.push_back({"acceleration", escaped(g.empty() ? "gravity at the site" : "gravity at the site: " + g), "none on record"});
+  t.rows.push_back({"angle and rate", escaped(rotation_reference(c)), "none on record"});
+  t.rows.push_back({"time", "the recorder's clock, as its stamps say", "none on record"});
+  if (c.model.accel.temperature || c.model.gyro.temperature) t.rows.push_back({"temperature", "the recording's own readings", "none on record"});
+  return section("traceability", "Traceability", "Not traceable: none of the references below has a certificate in the calibration or its session.", table(t));
+}
+
+std::string origin_section(const CalibrationReport& report) {
+  const Calibration& c = report.result.calibration;
+  Facts facts;
+  facts.add("calibrated with", c.software);
+  std::string options;
+  for (const auto& [name, value] : c.options) options += fmt::format("{}{} = {}", options.empty() ? "" : ", ", name, value);
+  facts.add("options", options);
+  facts.add("session", c.session_file);
+  facts.add_hash("SHA-256", c.session_sha256);
+  for (const SourceFile& s : c.sources) {
+    facts.add("recording", fmt::format("{}: {} bytes, {} to {} s", s.file, s.bytes, number(s.first_s, 8), number(s.last_s, 8)));
+    facts.add_hash("SHA-256", s.sha256);
+  }
+  return section("origin", "Files and versions", "", facts.html() + list(c.quality.warnings));
+}
+
+}  // namespace imulab::report

@@ -1,0 +1,170 @@
+// Values with their uncertainties, as a certificate states them; correlations; tests of terms.
+#include "imulab/model/user_value.hpp"
+#include "imulab/model/expanded_uncertainty.hpp"
+#include "imulab/report/calibration_parts.hpp"
+#include "imulab/report/html.hpp"
+#include "imulab/report/pictures.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <vector>
+
+namespace imulab::report {
+
+namespace {
+
+/// Coefficients of one kind and unit, in table order.
+struct Group {
+  std::string name, unit;
+  std::vector<CoefficientIndex> members;
+};
+
+std::string kind_of(const Coefficient& c) {
+  const std::string triad = c.triad == Triad::accel ? "accelerometer" : "gyro";
+  switch (c.term) {
+    case Term::offset: return triad + " offset";
+    case Term::matrix: return triad + (c.row == c.column ? " scale" : " misalignment");
+    case Term::quadratic: return triad + " quadratic term";
+    case Term::cubic: return triad + " cubic term";
+    case Term::thermal: return triad + (c.column == 1 ? " thermal term" : " quadratic thermal term");
+    case Term::g_sensitivity: return "gyro g-sensitivity";
+    case Term::lever_arm: return "accelerometer lever arm";
+  }
+  return triad;
+}
+
+std::string element_of(CoefficientIndex index) {
+  const std::string_view name = coefficient(index).name;
+  return std::string(name.substr(name.rfind('.') + 1));
+}
+
+std::vector<Group> groups_of(const Calibration& calibration) {
+  std::vector<Group> groups;
+  for (const CoefficientIndex index : calibration.estimated) {
+    const std::string kind = kind_of(coefficient(index)), unit = user_value(calibration, index).unit;
+    auto at = std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.name == kind && g.unit == unit; });
+    if (at == groups.end()) at = groups.insert(groups.end(), {kind, unit, {}});
+    at->members.push_back(index);
+  }
+  return groups;
+}
+
+std::string intervals_of(const Calibration& calibration, const Group& group) {
+  std::vector<Interval> rows;
+  for (const CoefficientIndex index : group.members) {
+    const UserValue v = user_value(calibration, index);
+    const double expanded = expanded_uncertainty(calibration, index).coverage_factor * v.uncertainty;
+    rows.push_back({element_of(index), v.value, expanded, rounded_to(v.value, expanded) + " ± " + uncertainty_text(expanded)});
+  }
+  const std::string unit = readable_unit(group.unit);
+  return figure(interval_rows(rows, unit, group.name), group.name + (unit.empty() ? "" : ", " + unit));
+}
+
+std::vector<std::string> coefficient_cells(const Calibration& calibration, CoefficientIndex index) {
+  const UserValue user = user_value(calibration, index);
+  const ExpandedUncertainty u = expanded_uncertainty(calibration, index);
+  const double value = coefficient_value(calibration.model, index), expanded = u.coverage_factor * user.uncertainty;
+  return {"<code>" + escaped(coefficient(index).name) + "</code>",
+          rounded_to(user.value, expanded),
+          uncertainty_text(expanded),
+          escaped(readable_unit(user.unit)),
+          uncertainty_text(user.uncertainty),
+          std::isinf(u.degrees_of_freedom) ? "∞" : fmt::format("{:.0f}", u.degrees_of_freedom),
+          fmt::format("{:.2f}", u.coverage_factor),
+          number(value, 8),
+          number(u.standard, 2),
+          escaped(readable_unit(coefficient(index).unit))};
+}
+
+Eigen::MatrixXd correlation_of(const Eigen::MatrixXd& covariance) {
+  const Eigen::VectorXd sigma = covariance.diagonal().cwiseMax(0).cwiseSqrt();
+  Eigen::MatrixXd out = covariance;
+  for (Eigen::Index i = 0; i < out.rows(); ++i)
+    for (Eigen::Index j = 0; j < out.cols(); ++j) out(i, j) = sigma[i] > 0 && sigma[j] > 0 ? covariance(i, j) / (sigma[i] * sigma[j]) : 0;
+  return out;
+}
+
+std::string strongest_pairs(const std::vector<std::string>& names, const Eigen::MatrixXd& correlation) {
+  std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) pairs.emplace_back(-std::abs(correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j))), j, i);
+  std::sort(pairs.begin(), pairs.end());
+  std::string text;
+  for (std::size_t k = 0; k < std::min<std::size_t>(3, pairs.size()); ++k) {
+    const auto& [size, i, j] = pairs[k];
+    const double r = correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+    text += fmt::format("{}{} and {} ({})", text.empty() ? "" : ", ", names[i], names[j], number(r, 2));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string coefficients_section(const Calibration& calibration) {
+  if (calibration.estimated.empty()) return {};
+  Table t{.head = {"coefficient", "value", "U", "", "u", "ν<sub>eff</sub>", "k", "value (SI)", "u (SI)", ""}, .rows = {}, .left = {3, 9}};
+  std::vector<std::string> figures;
+  for (const Group& group : groups_of(calibration)) {
+    figures.push_back(intervals_of(calibration, group));
+    for (const CoefficientIndex index : group.members) t.rows.push_back(coefficient_cells(calibration, index));
+  }
+  return section("coefficients", "Coefficients",
+                 "Bars show ± U, the expanded uncertainty: 95 % of such intervals contain the true value. Misalignments are relative to their row's scale; scales are "
+                 "differences from one, or the scale itself where the readings are counts.",
+                 beside(figures) +
+                     paragraph("u: standard uncertainty; ν: effective degrees of freedom; k: coverage factor of a t distribution for 95.45 %; U = k u. JCGM 100.") +
+                     table(t));
+}
+
+std::string uncertainty_section(const Calibration& calibration) {
+  if (calibration.estimated.empty()) return {};
+  Table t{.head = {"coefficient", "u", "type A: from the fit", "type B: declared g", ""}, .rows = {}, .left = {4}};
+  for (const CoefficientIndex index : calibration.estimated) {
+    const ExpandedUncertainty u = expanded_uncertainty(calibration, index);
+    if (u.declared == 0 || u.standard == 0) continue;
+    const UserValue user = user_value(calibration, index);
+    const double unit = user.uncertainty / u.standard;
+    t.rows.push_back({"<code>" + escaped(coefficient(index).name) + "</code>", uncertainty_text(user.uncertainty), uncertainty_text(u.from_fit * unit),
+                      uncertainty_text(u.declared * unit), escaped(readable_unit(user.unit))});
+  }
+  std::vector<std::string> said;
+  for (const UncertaintySource& source : calibration.quality.sources) said.push_back(source.consequence);
+  const bool rig = !calibration.quality.rig_errors.empty() || calibration.frame == "rig";
+  std::string lead = "Type A comes from the residuals and the noise of the data, type B from declarations. ";
+  lead += t.rows.empty() ? "No declared part is known apart from the rest. " : "The uncertainty of g is the same part of all three accelerometer scales. ";
+  lead += rig ? "The rig's declared errors and the priors of terms act through the fit, so they are inside its part; imulab predict shows them one by one."
+              : "Priors of terms that the data do not show act through the fit, so they are inside its part.";
+  return section("uncertainty", "Type A and type B", lead, (t.rows.empty() ? "" : table(t)) + list(said));
+}
+
+std::string correlation_section(const Calibration& calibration) {
+  if (calibration.estimated.size() < 2) return {};
+  std::vector<std::string> names;
+  for (const CoefficientIndex index : calibration.estimated) names.emplace_back(coefficient(index).name);
+  const Eigen::MatrixXd correlation = correlation_of(calibration.covariance);
+  return section("correlation", "Correlations", "",
+                 figure(correlation_map(names, correlation, "correlations of the coefficients"),
+                        "Correlation of the coefficients' errors. Strongest: " + strongest_pairs(names, correlation) + ". The covariance is in the calibration file.",
+                        true));
+}
+
+std::string tests_section(const Calibration& calibration) {
+  Table t{.head = {"term", "result", "chi-square", "probability by chance"}, .rows = {}, .text_columns = true};
+  for (const TermTest& test : calibration.quality.term_tests) {
+    const bool tested = test.degrees_of_freedom > 0;
+    t.rows.push_back({"<code>" + escaped(test.term) + "</code>", !tested ? "the data say nothing of it" : test.kept ? "seen, estimated" : "not seen, its prior counts",
+                      tested ? fmt::format("{} / {}", number(test.statistic), test.degrees_of_freedom) : "", tested ? number(test.p_value, 2) : ""});
+  }
+  const auto& considered = calibration.quality.considered;
+  std::string names;
+  for (const std::string& name : considered) names += (names.empty() ? "" : ", ") + name;
+  const std::string open = considered.empty() ? "" : paragraph("Held at their prior values, whose uncertainty counts in the others: " + names + ".");
+  if (t.rows.empty() && open.empty()) return {};
+  return section("tests", "Terms beyond offsets and matrices", "", (t.rows.empty() ? "" : table(t)) + open);
+}
+
+}  // namespace imulab::report

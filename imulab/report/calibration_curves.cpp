@@ -1,0 +1,168 @@
+// Curves: convergence of the hybrid method, temperature and nonlinearity with their bands.
+#include "imulab/core/units.hpp"
+#include "imulab/model/user_unit.hpp"
+#include "imulab/report/calibration_parts.hpp"
+#include "imulab/report/html.hpp"
+#include "imulab/report/plot.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace imulab::report {
+
+namespace {
+
+constexpr double sigmas = 2;  // of a band
+
+std::string small_figure(const std::string& picture, const std::string& caption) {
+  return "<figure>" + picture + "<figcaption>" + escaped(caption) + "</figcaption></figure>\n";
+}
+
+std::string grid(const std::string& figures) { return figures.empty() ? "" : "<div class=\"small\">" + figures + "</div>\n"; }
+
+/// Every k-th value, so that about `count` remain, and the last.
+std::vector<double> every(const std::vector<double>& values, std::size_t count) {
+  const std::size_t step = std::max<std::size_t>(1, values.size() / count);
+  std::vector<double> out;
+  for (std::size_t i = 0; i < values.size(); i += step) out.push_back(values[i]);
+  return out;
+}
+
+std::string convergence_figure(const CalibrationResult& result, const ConvergenceCurve& curve) {
+  constexpr std::size_t points = 120;
+  const CoefficientIndex index = coefficient_index(curve.name);
+  const UserUnit unit = user_unit(coefficient(index), curve.sigma.empty() ? 1 : curve.sigma.back());
+  const Calibration& c = result.calibration;
+  const TriadModel& triad = coefficient(index).triad == Triad::accel ? c.model.accel : c.model.gyro;
+  const double scale = coefficient(index).term == Term::matrix ? std::abs(triad.matrix(coefficient(index).row, coefficient(index).row)) : 1;
+  std::vector<double> t = every(result.curve_time, points), y = every(curve.residual, points), s = every(curve.sigma, points), low, high;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    t[i] /= 60;
+    y[i] /= unit.size * scale, s[i] /= unit.size * scale;
+    low.push_back(y[i] - s[i]), high.push_back(y[i] + s[i]);
+  }
+  // The first part, before anything is known, would flatten all that follows.
+  std::vector<double> shown;
+  for (std::size_t i = t.size() / 5; i < t.size(); ++i) shown.insert(shown.end(), {low[i], high[i]});
+  Plot plot({"", 0, t.empty() ? 1 : t.back()}, axis_over("", shown), curve.name, small_plot);
+  plot.band(t, low, high, color::blue);
+  plot.line(t, y, color::blue);
+  plot.rule(0, color::gray);
+  return small_figure(plot.svg(), fmt::format("{} [{}]", curve.name, unit.name));
+}
+
+/// The covariance of two coefficients of one axis; zero where they were not estimated.
+Eigen::Matrix2d covariance_of(const Calibration& c, CoefficientIndex first, CoefficientIndex second) {
+  const auto place = [&](CoefficientIndex index) { return std::find(c.estimated.begin(), c.estimated.end(), index) - c.estimated.begin(); };
+  const auto n = static_cast<std::ptrdiff_t>(c.estimated.size());
+  const std::ptrdiff_t at[] = {place(first), place(second)};
+  Eigen::Matrix2d out = Eigen::Matrix2d::Zero();
+  for (int i = 0; i < 2; ++i)
+    for (int j = 0; j < 2; ++j)
+      if (at[i] < n && at[j] < n) out(i, j) = c.covariance(at[i], at[j]);
+  return out;
+}
+
+/// a p(x) + b q(x), with its band.
+struct Curve {
+  std::vector<double> x, y, low, high;
+};
+
+template <class Basis>
+Curve curve_of(double from, double to, double unit, const Eigen::Vector2d& value, const Eigen::Matrix2d& covariance, const Basis& basis) {
+  constexpr int points = 60;
+  Curve out;
+  for (int i = 0; i <= points; ++i) {
+    const double x = from + (to - from) * i / points;
+    const Eigen::Vector2d b = basis(x);
+    const double y = b.dot(value) / unit, s = sigmas * std::sqrt(std::max(0.0, b.dot(covariance * b))) / unit;
+    out.x.push_back(x);
+    out.y.push_back(y);
+    out.low.push_back(y - s), out.high.push_back(y + s);
+  }
+  return out;
+}
+
+std::string curve_figure(const Curve& c, const std::string& caption, std::string_view color) {
+  std::vector<double> all = c.low;
+  all.insert(all.end(), c.high.begin(), c.high.end());
+  all.push_back(0);
+  Plot plot({"", c.x.front(), c.x.back()}, axis_over("", all), caption, small_plot);
+  plot.band(c.x, c.low, c.high, color);
+  plot.line(c.x, c.y, color);
+  plot.rule(0, color::gray);
+  return small_figure(plot.svg(), caption);
+}
+
+bool estimated(const Calibration& c, CoefficientIndex index) { return contains(c.estimated, index); }
+
+std::string thermal_figure(const Calibration& c, Triad triad, int axis) {
+  const TriadModel& m = triad == Triad::accel ? c.model.accel : c.model.gyro;
+  const CoefficientIndex first = coefficient_index(triad, Term::thermal, axis, 1), second = coefficient_index(triad, Term::thermal, axis, 2);
+  if (!m.temperature || m.temperature->range[0] >= m.temperature->range[1] || (!estimated(c, first) && !estimated(c, second))) return {};
+  const double unit = triad == Triad::accel ? unit::ug : unit::deg_per_h, scale = m.matrix(axis, axis), reference = m.temperature->reference;
+  const Curve curve = curve_of(m.temperature->range[0], m.temperature->range[1], unit, {scale * m.thermal(axis, 1), scale * m.thermal(axis, 2)},
+                               scale * scale * covariance_of(c, first, second), [&](double t) {
+                                 return Eigen::Vector2d(t - reference, (t - reference) * (t - reference));
+                               });
+  return curve_figure(curve, fmt::format("{} {} [{}] against {}", to_string(triad), "xyz"[axis], triad == Triad::accel ? "µg" : "deg/h", m.temperature->unit),
+                      color::series(static_cast<std::size_t>(axis)));
+}
+
+/// The largest force or rate of an axis: as the fit states it, else of the recordings.
+double full_scale(const CalibrationReport& report, Triad triad, int axis) {
+  for (const FitResidual& f : report.result.calibration.quality.fit_residuals)
+    if (f.axis == fmt::format("{}.{}", to_string(triad), "xyz"[axis]) && f.full_scale > 0) return f.full_scale;
+  double most = 0;
+  for (const RecordingEvidence& e : report.recordings) most = std::max(most, triad == Triad::accel ? e.largest_force : e.largest_rate);
+  return most;
+}
+
+std::string nonlinearity_figure(const CalibrationReport& report, Triad triad, int axis) {
+  const Calibration& c = report.result.calibration;
+  const TriadModel& m = triad == Triad::accel ? c.model.accel : c.model.gyro;
+  const CoefficientIndex second = coefficient_index(triad, Term::quadratic, axis, axis), third = coefficient_index(triad, Term::cubic, axis, axis);
+  const double most = full_scale(report, triad, axis), scale = m.matrix(axis, axis);
+  if ((!estimated(c, second) && !estimated(c, third)) || !(most > 0) || scale == 0) return {};
+  const bool accel = triad == Triad::accel;
+  const double in = accel ? unit::g : unit::deg, out = accel ? unit::ug : unit::deg_per_h;
+  const Curve curve = curve_of(-most / in, most / in, out, {m.quadratic[axis], m.cubic[axis]}, covariance_of(c, second, third), [&](double x) {
+    const double raw = x * in / scale;
+    return Eigen::Vector2d(raw * raw, raw * raw * raw);
+  });
+  return curve_figure(curve, fmt::format("{} {} [{}] against {}", to_string(triad), "xyz"[axis], accel ? "µg" : "deg/h", accel ? "g" : "deg/s"),
+                      color::series(static_cast<std::size_t>(axis)));
+}
+
+}  // namespace
+
+std::string convergence_section(const CalibrationResult& result) {
+  std::string figures;
+  for (const ConvergenceCurve& curve : result.curves) figures += convergence_figure(result, curve);
+  if (figures.empty()) return {};
+  return section("convergence", "Convergence",
+                 "What each coefficient is still off by after the data up to that minute, relative to the coarse solution, with one sigma.", grid(figures));
+}
+
+std::string thermal_section(const Calibration& c) {
+  std::string figures;
+  for (const Triad triad : {Triad::accel, Triad::gyro})
+    for (int axis = 0; axis < 3; ++axis) figures += thermal_figure(c, triad, axis);
+  if (figures.empty()) return {};
+  return section("thermal", "Temperature", "What temperature adds to each axis, relative to the reference temperature, with two sigma.", grid(figures));
+}
+
+std::string nonlinearity_section(const CalibrationReport& report) {
+  std::string figures;
+  for (const Triad triad : {Triad::accel, Triad::gyro})
+    for (int axis = 0; axis < 3; ++axis) figures += nonlinearity_figure(report, triad, axis);
+  if (figures.empty()) return {};
+  return section("nonlinearity", "Nonlinearity", "What the quadratic and the cubic term add to each axis over the range of the data, with two sigma.", grid(figures));
+}
+
+}  // namespace imulab::report

@@ -1,0 +1,212 @@
+// Pictures from the recordings, and the residuals.
+#include "imulab/core/units.hpp"
+#include "imulab/recording/coverage.hpp"
+#include "imulab/report/calibration_parts.hpp"
+#include "imulab/report/html.hpp"
+#include "imulab/report/pictures.hpp"
+#include "imulab/report/plot.hpp"
+#include "imulab/report/time_chart.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+namespace imulab::report {
+
+namespace {
+
+double root_mean_square(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double v : values) sum += v * v;
+  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, values.size())));
+}
+
+std::vector<double> counted(std::size_t n) {
+  std::vector<double> out(n);
+  std::iota(out.begin(), out.end(), 1.0);
+  return out;
+}
+
+std::string size_text(double value, double small, std::string_view small_name, double large, std::string_view large_name) {
+  return std::abs(value) < large ? fmt::format("{} {}", number(value / small), small_name) : fmt::format("{} {}", number(value / large), large_name);
+}
+
+std::string acceleration_text(double v) { return size_text(v, unit::ug, "µg", 1e3 * unit::ug, "mg"); }
+std::string angle_text(double v) { return v < 0.1 * unit::deg ? size_text(v, unit::arcsec, "arcsec", 0.1 * unit::deg, "") : number(v / unit::deg) + " deg"; }
+
+/// Errors without and with the calibration, on a logarithmic axis.
+std::string two_sizes(const std::string& x, const std::string& y, const std::vector<double>& before, const std::vector<double>& after) {
+  std::vector<double> all = before;
+  all.insert(all.end(), after.begin(), after.end());
+  const std::vector<double> n = counted(before.size());
+  Plot plot({x, 0, static_cast<double>(before.size()) + 1}, axis_over(y, all, true), y);
+  plot.dots(n, before, color::orange, true);
+  plot.dots(n, after, color::blue);
+  return plot.svg() + key({{"before", color::orange}, {"after", color::blue}});
+}
+
+std::optional<double> gravity_of(const CalibrationReport& report) {
+  if (!report.session || (!report.session->site.given_gravity && !report.session->site.latitude)) return {};
+  return report.session->site.gravity();
+}
+
+std::string gravity_figure(const CalibrationReport& report, double g) {
+  std::vector<double> before, after;
+  for (const RecordingEvidence& e : report.recordings)
+    for (const GravityAtRest& rest : e.rests) {
+      before.push_back(std::abs(rest.before - g) / unit::ug);
+      after.push_back(std::abs(rest.after - g) / unit::ug);
+    }
+  if (before.empty()) return {};
+  return figure(two_sizes("rest", "error of gravity [µg]", before, after),
+                fmt::format("Gravity at rest: the size of the mean force, less g = {:.5f} m/s². RMS {} before, {} after.", g,
+                            acceleration_text(root_mean_square(before) * unit::ug), acceleration_text(root_mean_square(after) * unit::ug)));
+}
+
+std::string turns_figure(const CalibrationReport& report) {
+  std::vector<double> before, after;
+  for (const RecordingEvidence& e : report.recordings)
+    for (const TurnError& turn : e.turns) {
+      before.push_back(turn.before / unit::deg);
+      after.push_back(turn.after / unit::deg);
+    }
+  if (before.empty()) return {};
+  return figure(two_sizes("turn between two rests", "error of direction [deg]", before, after),
+                fmt::format("Rotation: the direction of gravity after a turn, as the gyros take it along and as the accelerometers measure it. RMS {} before, {} "
+                            "after.",
+                            angle_text(root_mean_square(before) * unit::deg), angle_text(root_mean_square(after) * unit::deg)));
+}
+
+std::vector<MarkedTime> marks_of(const Calibration& calibration, const RecordingEvidence& e, bool only_one) {
+  std::vector<MarkedTime> marks;
+  if (only_one)
+    for (const auto* parts : {&calibration.quality.rests, &calibration.quality.rotations})
+      for (const PartResidual& part : *parts)
+        if (parts == &calibration.quality.rests || !part.used) marks.push_back({part.begin_s, part.end_s, part.used ? Mark::rest : Mark::dropped});
+  if (marks.empty())
+    for (const GravityAtRest& rest : e.rests) marks.push_back({rest.begin_s, rest.end_s, Mark::rest});
+  return marks;
+}
+
+std::vector<std::vector<double>> scaled(const Columns3& columns, double unit) {
+  std::vector<std::vector<double>> out;
+  for (const auto& column : columns) {
+    out.push_back(column);
+    for (double& v : out.back()) v /= unit;
+  }
+  return out;
+}
+
+std::string recording_charts(const Calibration& calibration, const RecordingEvidence& e, bool only_one) {
+  const std::vector<MarkedTime> marks = marks_of(calibration, e, only_one);
+  std::string out = only_one ? "" : "<h3>" + escaped(e.file) + "</h3>\n";
+  out += paragraph(fmt::format("{}: {} samples at {} Hz, {} s; {} at a limit, {} gaps. {}", e.file, e.samples, number(e.rate_hz, 5), number(e.duration_s, 6),
+                               e.saturated, e.gaps,
+                               e.overview.samples_per_interval > 1
+                                   ? fmt::format("The charts show the least and the greatest of every {} samples.", e.overview.samples_per_interval)
+                                   : "The charts show every sample."));
+  const auto chart = [&](const std::string& title, const std::string& label, const Columns3& columns, double unit) {
+    if (columns[0].empty()) return std::string();
+    TimeChart c{.title = title, .y_label = label, .x = e.overview.time, .names = {"x", "y", "z"}, .y = scaled(columns, unit), .marks = marks, .group = e.file};
+    return time_chart(c);
+  };
+  const auto& t = calibration.model.accel.temperature ? calibration.model.accel.temperature : calibration.model.gyro.temperature;
+  out += chart("Angular rate, calibrated", "deg/s", e.overview.rate, unit::deg) + chart("Specific force, calibrated", "m/s²", e.overview.force, 1) +
+         chart("Thermal reading", t ? t->unit : "", e.overview.temperature, 1);
+  return out;
+}
+
+std::string residual_bars(const std::vector<PartResidual>& parts, const std::string& what) {
+  if (parts.empty()) return {};
+  std::vector<double> sizes{0};
+  for (const PartResidual& p : parts) sizes.push_back(p.residual);
+  Axis y = axis_over("residual [σ]", sizes);
+  y.low = 0, y.high = std::max(y.high, 1.5);
+  Plot plot({what, 0.3, static_cast<double>(parts.size()) + 0.7}, y, "residuals by " + what);
+  std::size_t dropped = 0;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    plot.bar(static_cast<double>(k + 1), parts[k].residual, 0.7, parts[k].used ? color::blue : color::vermilion);
+    dropped += !parts[k].used;
+  }
+  plot.rule(1, color::gray);
+  return figure(plot.svg(), fmt::format("Residual of each {} in the sigmas of the fit; about 1 is expected. {} of {} were dropped as outliers{}.", what, dropped,
+                                        parts.size(), dropped > 0 ? " (red)" : ""));
+}
+
+}  // namespace
+
+std::string before_and_after(const CalibrationReport& report) {
+  const auto g = gravity_of(report);
+  const std::string figures = beside({g ? gravity_figure(report, *g) : "", turns_figure(report)});
+  if (figures.empty()) return {};
+  const SensorModel& m = report.result.calibration.model;
+  const bool counts = m.accel.raw_unit == "count" || m.gyro.raw_unit == "count";
+  return section("before-after", "Before and after",
+                 counts ? "Readings in counts have no scale of their own: before means one scale for the three axes of a triad and the offsets found here."
+                        : "Before means the readings as they are in the recording.",
+                 figures);
+}
+
+std::string recordings_section(const CalibrationReport& report) {
+  if (report.recordings.empty()) return {};
+  std::string out;
+  for (const RecordingEvidence& e : report.recordings) out += recording_charts(report.result.calibration, e, report.recordings.size() == 1);
+  std::string colors = key({{"rest", "#d9eefa"}, {"dropped as an outlier", "#f2bf99"}});
+  return section("recording", "The recording", "", out + colors + "<p class=\"screen\">Drag to zoom, double-click for all.</p>\n");
+}
+
+std::string residuals_section(const Calibration& calibration) {
+  const Quality& q = calibration.quality;
+  const std::string figures = beside({residual_bars(q.rests, "rest"), residual_bars(q.rotations, "rotation")});
+  if (q.degrees_of_freedom == 0 && figures.empty()) return {};
+  return section("residuals", "Residuals",
+                 fmt::format("Chi-square per degree of freedom {} with {} degrees of freedom; 1 is expected. Condition of the normal equations {}.",
+                             number(q.chi2_per_dof), q.degrees_of_freedom, number(q.condition)),
+                 figures);
+}
+
+std::vector<Vector3d> rest_directions(const CalibrationReport& report) {
+  std::vector<Vector3d> out;
+  for (const RecordingEvidence& e : report.recordings)
+    for (const GravityAtRest& rest : e.rests)
+      if (rest.force.norm() > 0) out.push_back(rest.force);
+  return out;
+}
+
+std::string direction_text(const Vector3d& up) {
+  const Vector3d u = up.normalized();
+  std::string text;
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    if (std::abs(u[axis]) > 0.35) text += fmt::format("{}{}{}", text.empty() ? "" : " ", u[axis] > 0 ? "+" : "−", "xyz"[axis]);
+  return text + " up";
+}
+
+std::string coverage_section(const CalibrationReport& report) {
+  const std::vector<Vector3d> directions = rest_directions(report);
+  if (directions.empty()) return {};
+  constexpr double least = 30 * unit::deg;
+  std::vector<SphereMark> marks;
+  for (const Vector3d& d : directions) marks.push_back({d});
+  std::string gaps;
+  for (const CoverageGap& gap : coverage_gaps(directions, least)) {
+    marks.push_back({gap.direction, false, true});
+    gaps += fmt::format("{}{} ({:.0f}° from the nearest rest)", gaps.empty() ? "" : ", ", direction_text(gap.direction), gap.angle / unit::deg);
+  }
+  const std::vector<double> parts = leverages(directions);
+  Plot plot({"rest", 0.3, static_cast<double>(parts.size()) + 0.7}, {"parameters determined", 0, 1.05}, "what each rest contributes");
+  for (std::size_t k = 0; k < parts.size(); ++k) plot.bar(static_cast<double>(k + 1), parts[k], 0.7, parts[k] > 0.95 ? color::vermilion : color::green);
+  const double sum = std::accumulate(parts.begin(), parts.end(), 0.0);
+  return section("coverage", "Directions of gravity", "",
+                 beside({figure(sphere(marks, "directions of gravity at rest"),
+                                fmt::format("Up in the IMU's axes at each rest, on the two halves of the sphere (equal-area). {}",
+                                            gaps.empty() ? "No direction is farther than 30° from a rest." : "Largest gaps (crosses): " + gaps + ".")),
+                         figure(plot.svg(),
+                                fmt::format("What each rest contributes to the nine accelerometer parameters (offsets, scales, misalignments), all rests counting "
+                                            "alike: its leverage. The sum is {}{}. At 1, no other rest checks it.",
+                                            number(sum), sum < 8.9 ? ", so these rests alone leave some of the nine open" : ""))}));
+}
+
+}  // namespace imulab::report

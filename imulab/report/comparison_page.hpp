@@ -1,0 +1,13 @@
+// A comparison of calibrations as a page.
+#pragma once
+
+#include "imulab/io/result/summary.hpp"
+
+#include <string>
+
+namespace imulab {
+
+/// HTML, self-contained: each difference in its sigmas, and whether all agree with the stated uncertainties.
+std::string comparison_page(const ComparisonSummary& summary);
+
+}  // namespace imulab

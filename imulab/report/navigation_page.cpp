@@ -1,0 +1,110 @@
+#include "imulab/report/navigation_page.hpp"
+
+#include "imulab/core/units.hpp"
+#include "imulab/report/budget_page.hpp"
+#include "imulab/report/html.hpp"
+#include "imulab/report/page.hpp"
+#include "imulab/report/track.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace imulab {
+
+namespace report {
+namespace {
+
+std::string end_table(const NavigationErrors& errors) {
+  const NavigationError& e = errors.history.back();
+  const auto row = [](const std::string& name, const Eigen::Vector3d& v) {
+    return std::vector<std::string>{name, number(v.x(), 4), number(v.y(), 4), number(v.z(), 4), number(v.head<2>().norm(), 4)};
+  };
+  Table t{.head = {fmt::format("at {} s", number(e.time, 7)), "east", "north", "up", "horizontal"}, .rows = {}};
+  t.rows = {row("position [m]", e.position), row("velocity [m/s]", e.velocity), row("attitude [arcsec]", e.attitude / unit::arcsec)};
+  return table(t);
+}
+
+std::string alignment_text(const AlignedOn& aligned) {
+  const EulerAngles angles = euler_angles(aligned.alignment.attitude.C_nb);
+  const Eigen::Vector3d sigma = angle_sigmas(aligned.alignment.attitude) / unit::deg;
+  return fmt::format("Aligned on the rest from {} s to {} s: roll {} ± {} deg, pitch {} ± {} deg, heading {} ± {} deg.", number(aligned.begin, 6), number(aligned.end, 6),
+                     rounded_to(angles.roll / unit::deg, sigma.x()), uncertainty_text(sigma.x()), rounded_to(angles.pitch / unit::deg, sigma.y()), uncertainty_text(sigma.y()),
+                     rounded_to(angles.heading / unit::deg, sigma.z()), uncertainty_text(sigma.z()));
+}
+
+/// At most about a thousand of the errors.
+ErrorBands bands_of(const NavigatedSession& s, const std::optional<ErrorBudget>& budget) {
+  ErrorBands bands;
+  bands.budget = budget ? &*budget : nullptr;
+  if (!s.errors || s.errors->history.size() < 2) return bands;
+  const auto& history = s.errors->history;
+  const std::size_t step = std::max<std::size_t>(1, history.size() / 500);
+  for (std::size_t i = 0; i < history.size(); i += step) bands.error_time.push_back(history[i].time);
+  bands.errors.resize(budget_quantities, static_cast<Eigen::Index>(bands.error_time.size()));
+  for (std::size_t k = 0; k < bands.error_time.size(); ++k) {
+    const NavigationError& e = history[k * step];
+    bands.errors.col(static_cast<Eigen::Index>(k)) << e.position, e.velocity, e.attitude;
+  }
+  return bands;
+}
+
+std::string session_sections(const NavigatedSession& s, const std::optional<ErrorBudget>& budget, bool only_one) {
+  const Solution& solution = s.navigated.solution;
+  std::string content = paragraph(fmt::format("Navigated from {} s to {} s, vertical channel {}. {}", number(solution.time.front(), 7), number(solution.time.back(), 7),
+                                              to_string(s.navigated.vertical), s.navigated.aligned ? alignment_text(*s.navigated.aligned) : "Started as the session says."));
+  if (s.errors) content += end_table(*s.errors);
+  content += list(s.navigated.warnings);
+  const std::string track = track_figure(thinned_track(solution.states), "The solution.");
+  const std::string bands = error_bands(bands_of(s, budget));
+  std::string out = section("session", only_one ? "Result" : s.session, "", content + beside({track}));
+  if (!bands.empty())
+    out += section("errors", "Errors over time",
+                   budget ? "The band is one sigma of what the calibration's uncertainties and the alignment cause; noise in flight and the aging of the IMU are not in it." : "",
+                   bands);
+  if (budget) out += section("shares", "Shares over time", "", shares_over_time(*budget)) + sources_section(*budget);
+  return out;
+}
+
+std::vector<double> rates_of(const NavigationSummary& sessions) {
+  std::vector<double> rates;
+  for (const NavigatedSession& s : sessions)
+    if (s.errors) rates.push_back(s.errors->rate / unit::nmi_per_h);
+  return rates;
+}
+
+Verdict navigation_verdict(const NavigationReport& report) {
+  const std::vector<double> rates = rates_of(report.sessions);
+  Verdict v{.tone = Tone::neutral, .word = "navigated", .meaning = "There is no reference, so errors are not known.", .because = {}, .actions = {}};
+  if (!rates.empty()) {
+    const RateSummary summary = rate_summary(rates);
+    v.word = fmt::format("{} nmi/h", number(summary.rms));
+    v.meaning = rates.size() == 1 ? "Horizontal position error at the end over the time navigated."
+                                  : fmt::format("Root mean square of {} pure-inertial rates; half stay below {} nmi/h.", rates.size(), number(summary.cep));
+  }
+  for (const NavigatedSession& s : report.sessions) {
+    const std::string who = report.sessions.size() > 1 ? s.session + ": " : "";
+    if (!s.navigated.gaps.empty()) v.because.push_back(fmt::format("{}{} gaps were bridged", who, s.navigated.gaps.size()));
+    if (s.navigated.saturated > 0) v.because.push_back(fmt::format("{}{} samples at a limit were integrated", who, s.navigated.saturated));
+  }
+  return v;
+}
+
+}  // namespace
+}  // namespace report
+
+std::string navigation_page(const NavigationReport& r) {
+  using namespace report;
+  Page page;
+  page.kind = "Navigation";
+  page.title = r.sessions.size() == 1 ? r.sessions.front().session : fmt::format("{} sessions", r.sessions.size());
+  page.subtitle = "Pure-inertial solution";
+  page.verdict = navigation_verdict(r);
+  if (!r.missing.empty()) page.body += section("missing", "Not on this page", "", list(r.missing, "missing-list"));
+  for (std::size_t k = 0; k < r.sessions.size(); ++k)
+    page.body += session_sections(r.sessions[k], k < r.budgets.size() ? r.budgets[k] : std::nullopt, r.sessions.size() == 1);
+  return page_text(page);
+}
+
+}  // namespace imulab

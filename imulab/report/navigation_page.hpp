@@ -1,0 +1,20 @@
+// Navigated sessions as a page.
+#pragma once
+
+#include "imulab/io/result/summary.hpp"
+
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+struct NavigationReport {
+  NavigationSummary sessions;
+  std::vector<std::optional<ErrorBudget>> budgets = {};  ///< of each session: the errors that its calibration and alignment explain; or none at all
+  std::vector<std::string> missing = {};                 ///< pictures that could not be drawn, and why
+};
+
+/// HTML, self-contained.
+std::string navigation_page(const NavigationReport& report);
+
+}  // namespace imulab

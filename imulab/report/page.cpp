@@ -1,0 +1,72 @@
+#include "imulab/report/page.hpp"
+
+#include "imulab/io/calibration/file.hpp"
+#include "imulab/io/text/file.hpp"
+#include "imulab/report/assets.hpp"
+#include "imulab/report/html.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdint>
+
+namespace imulab::report {
+
+namespace {
+
+/// SHA-256 in base 64, as a content security policy names a script.
+std::string script_hash(std::string_view script) {
+  constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  const std::string hex = sha256(script);
+  std::string out;
+  for (std::size_t i = 0; i < hex.size(); i += 6) {
+    std::string group = hex.substr(i, 6);
+    const std::size_t missing = (6 - group.size()) / 2;
+    group.resize(6, '0');
+    const auto bits = static_cast<std::uint32_t>(std::stoul(group, nullptr, 16));
+    for (std::size_t k = 0; k < 4; ++k) out += k < 4 - missing ? digits[bits >> (18 - 6 * k) & 63] : '=';
+  }
+  return out;
+}
+
+std::string head(const Page& page) {
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:; "
+      "script-src 'sha256-{}' 'sha256-{}'\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{}: {}</title>\n<style>{}\n{}</style></head>\n",
+      script_hash(assets::dygraph_js), script_hash(assets::page_js), escaped(page.kind), escaped(shortened(page.title, 60)), assets::dygraph_css,
+      assets::page_css);
+}
+
+std::string banner(const Verdict& v) {
+  constexpr std::array classes{"good", "doubtful", "neutral"};
+  constexpr std::array signs{"✓", "!", "i"};
+  const auto tone = static_cast<std::size_t>(v.tone);
+  std::string out = fmt::format("<div class=\"verdict {}\"><span class=\"sign\" aria-hidden=\"true\">{}</span><div><strong id=\"verdict\">{}</strong>",
+                                classes[tone], signs[tone], escaped(v.word));
+  if (!v.meaning.empty()) out += fmt::format("<p class=\"meaning\">{}</p>", escaped(v.meaning));
+  out += list(v.because, "because");
+  if (!v.actions.empty()) out += "<p class=\"todo\">What to do</p>" + list(v.actions, "actions");
+  return out + "</div></div>\n";
+}
+
+std::string figures(const std::vector<KeyFigure>& all) {
+  if (all.empty()) return {};
+  std::string out = "<dl class=\"figures\">";
+  for (const KeyFigure& f : all) out += fmt::format("<div><dt>{}</dt><dd>{}</dd></div>", escaped(f.name), escaped(f.value));
+  return out + "</dl>\n";
+}
+
+}  // namespace
+
+std::string page_text(const Page& page) {
+  std::string out = head(page);
+  out += fmt::format("<body><header><p class=\"kind\">{}</p><h1>{}</h1><p class=\"subtitle\">{}</p></header>\n<main>\n", escaped(page.kind),
+                     escaped(shortened(page.title, 120)), escaped(page.subtitle));
+  out += banner(page.verdict) + figures(page.figures) + page.body;
+  out += fmt::format("</main>\n<footer>{}. This page contains all it shows; it loads nothing.</footer>\n", escaped(software()));
+  return out + fmt::format("<script>{}</script>\n<script>{}</script>\n</body></html>\n", assets::dygraph_js, assets::page_js);
+}
+
+}  // namespace imulab::report

@@ -1,0 +1,38 @@
+// The skeleton of every page: one file with its style and scripts inside, which asks nobody for anything. A policy in its head admits its own scripts
+// by their hashes and no others, so text can never run.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace imulab::report {
+
+enum class Tone { good, doubtful, neutral };
+
+/// All are text.
+struct Verdict {
+  Tone tone = Tone::neutral;
+  std::string word;                  ///< "good"
+  std::string meaning;               ///< one sentence
+  std::vector<std::string> because;  ///< why
+  std::vector<std::string> actions;  ///< what to do
+};
+
+struct KeyFigure {
+  std::string value, name;
+};
+
+struct Page {
+  std::string kind;   ///< "Calibration"
+  std::string title;  ///< of what: an IMU's name
+  std::string subtitle;
+  Verdict verdict;
+  std::vector<KeyFigure> figures;
+  std::string body;  ///< HTML: sections
+};
+
+std::string page_text(const Page& page);
+
+}  // namespace imulab::report

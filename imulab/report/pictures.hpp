@@ -1,0 +1,41 @@
+// Pictures that are not curves: values with their intervals, shares, correlations, directions on a sphere.
+#pragma once
+
+#include "imulab/core/rotation.hpp"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace imulab::report {
+
+/// A value with what it may be off by, on both sides; a row of its own.
+struct Interval {
+  std::string name;
+  double value = 0, half_width = 0;
+  std::string text = {};  ///< beside the row
+  bool marked = false;    ///< in another color
+};
+/// Rows on one axis with a line at zero.
+std::string interval_rows(const std::vector<Interval>& rows, std::string_view unit, std::string_view description);
+
+/// One bar of parts that add up to one; a negative part is drawn to the left of zero.
+struct ShareRow {
+  std::string name, value;
+  std::vector<double> parts;
+};
+/// A part has the color of its place among `sources`.
+std::string share_bars(const std::vector<std::string>& sources, const std::vector<ShareRow>& rows, std::string_view description);
+
+/// Correlations as a square of colors: orange negative, blue positive, white none.
+std::string correlation_map(const std::vector<std::string>& names, const Eigen::MatrixXd& correlation, std::string_view description);
+
+/// A direction in the body, drawn by `used` and sized by nothing.
+struct SphereMark {
+  Vector3d direction;
+  bool used = true, gap = false;  ///< gap: a direction that is missing
+};
+/// Both halves of the sphere, seen along -z and +z (equal-area), with the body's axes.
+std::string sphere(const std::vector<SphereMark>& marks, std::string_view description);
+
+}  // namespace imulab::report

@@ -1,0 +1,164 @@
+#include "imulab/report/plot.hpp"
+
+#include "imulab/report/html.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace imulab::report {
+
+std::string_view color::series(std::size_t k) {
+  constexpr std::array<std::string_view, 10> all{blue, vermilion, green, orange, purple, sky, gray, "#5d3a9b", "#b8a800", "#40514e"};
+  return all[k % all.size()];
+}
+
+Axis axis_over(std::string label, const std::vector<double>& values, bool logarithmic) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const double v : values) {
+    if (!std::isfinite(v) || (logarithmic && v <= 0)) continue;
+    low = std::min(low, v), high = std::max(high, v);
+  }
+  if (!(low <= high)) low = logarithmic ? 0.1 : 0, high = 1;
+  if (logarithmic) return {std::move(label), std::pow(10, std::floor(std::log10(low) - 0.05)), std::pow(10, std::ceil(std::log10(high) + 0.05)), true};
+  const double room = high > low ? 0.05 * (high - low) : std::max(std::abs(high), 1e-12);
+  return {std::move(label), low - room, high + room, false};
+}
+
+std::vector<double> ticks(const Axis& axis, int count) {
+  std::vector<double> out;
+  if (axis.logarithmic) {
+    const double decades = std::log10(axis.high / axis.low);
+    const int step = std::max(1, static_cast<int>(std::ceil(decades / (count + 1))));
+    for (int k = static_cast<int>(std::ceil(std::log10(axis.low) - 1e-9)); k <= std::log10(axis.high) + 1e-9; k += step) out.push_back(std::pow(10, k));
+    return out;
+  }
+  const double wanted = (axis.high - axis.low) / std::max(1, count), unit = std::pow(10, std::floor(std::log10(wanted)));
+  double step = 10 * unit;
+  for (const double candidate : {1.0, 2.0, 2.5, 5.0})
+    if (candidate * unit >= wanted * 0.999) {
+      step = candidate * unit;
+      break;
+    }
+  for (double k = std::ceil(axis.low / step - 1e-9); k * step <= axis.high + 1e-9 * step && out.size() < 50; ++k) out.push_back(k == 0 ? 0 : k * step);
+  return out;
+}
+
+std::string text_at(double x, double y, std::string_view text, Anchor anchor, std::string_view attributes) {
+  constexpr std::array names{"start", "middle", "end"};
+  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\"{}{}>{}</text>", x, y, names[static_cast<std::size_t>(anchor)],
+                     attributes.empty() ? "" : " ", attributes, escaped(text));
+}
+
+std::string line_between(double x1, double y1, double x2, double y2, std::string_view stroke, double width, bool dashed) {
+  return fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\" stroke-width=\"{}\"{}/>", x1, y1, x2, y2, stroke, width,
+                     dashed ? " stroke-dasharray=\"5 4\"" : "");
+}
+
+std::string svg_text(double width, double height, std::string_view description, const std::string& content) {
+  return fmt::format("<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"{}\">{}</svg>", width, height, escaped(description), content);
+}
+
+std::string key(const std::vector<std::pair<std::string, std::string_view>>& entries) {
+  std::string out = "<div>";
+  for (const auto& [name, fill] : entries)
+    out += fmt::format("<span class=\"key\"><i style=\"background:{}\"></i>{}</span>", fill, escaped(name));
+  return out + "</div>";
+}
+
+Plot::Plot(Axis x, Axis y, std::string description, PlotSize size)
+    : x_(std::move(x)), y_(std::move(y)), description_(std::move(description)), size_(size), small_(size.width < 300) {
+  left_ = small_ ? 46 : 64, right_ = size.width - 10, top_ = 8, bottom_ = size.height - (small_ ? 22 : 42);
+}
+
+double Plot::at_x(double v) const {
+  const double part = x_.logarithmic ? std::log(v / x_.low) / std::log(x_.high / x_.low) : (v - x_.low) / (x_.high - x_.low);
+  return left_ + part * (right_ - left_);
+}
+
+double Plot::at_y(double v) const {
+  const double part = y_.logarithmic ? std::log(v / y_.low) / std::log(y_.high / y_.low) : (v - y_.low) / (y_.high - y_.low);
+  return std::clamp(bottom_ - part * (bottom_ - top_), top_, bottom_);
+}
+
+void Plot::line(const std::vector<double>& x, const std::vector<double>& y, std::string_view color, double width) {
+  std::string points;
+  const auto end = [&] {
+    if (!points.empty())
+      marks_ += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"/>", points, color, width);
+    points.clear();
+  };
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double px = at_x(x[i]), py = at_y(y[i]);
+    if (!std::isfinite(px) || !std::isfinite(py))
+      end();
+    else
+      points += fmt::format("{:.1f},{:.1f} ", px, py);
+  }
+  end();
+}
+
+void Plot::band(const std::vector<double>& x, const std::vector<double>& low, const std::vector<double>& high, std::string_view color) {
+  std::string there, back;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double px = at_x(x[i]), a = at_y(low[i]), b = at_y(high[i]);
+    if (!std::isfinite(px) || !std::isfinite(a) || !std::isfinite(b)) continue;
+    there += fmt::format("{:.1f},{:.1f} ", px, a);
+    back = fmt::format("{:.1f},{:.1f} ", px, b) + back;
+  }
+  if (!there.empty()) marks_ += fmt::format("<polygon points=\"{}{}\" fill=\"{}\" fill-opacity=\"0.18\"/>", there, back, color);
+}
+
+void Plot::dots(const std::vector<double>& x, const std::vector<double>& y, std::string_view color, bool hollow) {
+  const double radius = x.size() > 150 ? 1.7 : x.size() > 60 ? 2.4 : 3.4;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double px = at_x(x[i]), py = at_y(y[i]);
+    if (!std::isfinite(px) || !std::isfinite(py)) continue;
+    marks_ += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"{}\" stroke=\"{}\" stroke-width=\"1.3\"/>", px, py, radius,
+                          hollow ? "#fff" : color, color);
+  }
+}
+
+void Plot::bar(double x, double y, double width, std::string_view color) {
+  const double base = at_y(y_.logarithmic ? y_.low : std::clamp(0.0, y_.low, y_.high)), tip = at_y(y), px = at_x(x - 0.5 * width);
+  if (!std::isfinite(tip) || !std::isfinite(px)) return;
+  marks_ += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\"/>", px, std::min(base, tip),
+                        std::max(0.8, at_x(x + 0.5 * width) - px), std::max(0.6, std::abs(base - tip)), color);
+}
+
+void Plot::shade(double low, double high, std::string_view color, double opacity) {
+  const double a = std::clamp(at_x(low), left_, right_), b = std::clamp(at_x(high), left_, right_);
+  marks_ += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\" fill-opacity=\"{}\"/>", a, top_,
+                        std::max(0.8, b - a), bottom_ - top_, color, opacity);
+}
+
+void Plot::rule(double y, std::string_view color) {
+  if (y < y_.low || y > y_.high) return;
+  marks_ += line_between(left_, at_y(y), right_, at_y(y), color, 1, true);
+}
+
+std::string Plot::axes() const {
+  std::string out;
+  for (const double v : ticks(y_, small_ ? 3 : 5)) {
+    const double y = at_y(v);
+    out += line_between(left_, y, right_, y, color::grid);
+    out += text_at(left_ - 6, y + 4, tick_text(v), Anchor::end);
+  }
+  for (const double v : ticks(x_, small_ ? 4 : size_.width > 600 ? 10 : 6)) {
+    const double x = at_x(v);
+    out += line_between(x, bottom_, x, bottom_ + 4, color::gray);
+    out += text_at(x, bottom_ + 18, tick_text(v), x > right_ - 14 ? Anchor::end : Anchor::middle);
+  }
+  out += line_between(left_, bottom_, right_, bottom_, color::gray);
+  if (small_) return out;
+  out += text_at(0.5 * (left_ + right_), size_.height - 5, x_.label, Anchor::middle);
+  const double middle = 0.5 * (top_ + bottom_);
+  return out + text_at(13, middle, y_.label, Anchor::middle, fmt::format("transform=\"rotate(-90 13 {:.1f})\"", middle));
+}
+
+std::string Plot::svg() const { return svg_text(size_.width, size_.height, description_, axes() + marks_); }
+
+}  // namespace imulab::report

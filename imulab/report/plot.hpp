@@ -1,0 +1,71 @@
+// Static charts as SVG: axes, lines, bands, dots, bars.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace imulab::report {
+
+/// Colors that people tell apart whatever their color vision (Okabe and Ito 2008), for axes x, y, z and more.
+namespace color {
+inline constexpr std::string_view blue = "#0072b2", vermilion = "#d55e00", green = "#009e73", orange = "#e69f00", sky = "#56b4e9", purple = "#cc79a7",
+                                  gray = "#9aa1aa", ink = "#1d2733", grid = "#e3e6ea";
+/// Of the k-th series; they repeat.
+std::string_view series(std::size_t k);
+}  // namespace color
+
+struct Axis {
+  std::string label;
+  double low = 0, high = 1;
+  bool logarithmic = false;
+};
+/// An axis with room around all finite values; a logarithmic one around the positive ones.
+Axis axis_over(std::string label, const std::vector<double>& values, bool logarithmic = false);
+
+/// Round values of an axis, a few or about `count`.
+std::vector<double> ticks(const Axis& axis, int count = 5);
+
+struct PlotSize {
+  double width = 460, height = 250;
+};
+inline constexpr PlotSize wide_plot{960, 250};
+inline constexpr PlotSize small_plot{220, 130};
+
+/// One chart. Points that are not finite, or not on the axes, are left out.
+class Plot {
+ public:
+  /// `description` is read out where the picture is not seen.
+  Plot(Axis x, Axis y, std::string description, PlotSize size = {});
+
+  void line(const std::vector<double>& x, const std::vector<double>& y, std::string_view color, double width = 1.5);
+  void band(const std::vector<double>& x, const std::vector<double>& low, const std::vector<double>& high, std::string_view color);
+  void dots(const std::vector<double>& x, const std::vector<double>& y, std::string_view color, bool hollow = false);
+  void bar(double x, double y, double width, std::string_view color);
+  void shade(double low, double high, std::string_view color, double opacity);  ///< between two x
+  void rule(double y, std::string_view color);                                  ///< a dashed line across
+  std::string svg() const;
+
+ private:
+  double at_x(double value) const;
+  double at_y(double value) const;
+  std::string axes() const;
+
+  Axis x_, y_;
+  std::string description_, marks_;
+  PlotSize size_;
+  double left_, right_, top_, bottom_;
+  bool small_;
+};
+
+/// Colored squares with names, above or below a picture.
+std::string key(const std::vector<std::pair<std::string, std::string_view>>& entries);
+
+/// An SVG of this size in its own units, scaled to the room it has.
+std::string svg_text(double width, double height, std::string_view description, const std::string& content);
+std::string line_between(double x1, double y1, double x2, double y2, std::string_view stroke, double width = 1, bool dashed = false);
+enum class Anchor { start, middle, end };
+std::string text_at(double x, double y, std::string_view text, Anchor anchor = Anchor::start, std::string_view attributes = "");
+
+}  // namespace imulab::report

@@ -1,0 +1,28 @@
+// A prediction as a page: what each coefficient will be known to, and what limits it.
+#pragma once
+
+#include "imulab/io/result/summary.hpp"
+
+#include <string>
+
+namespace imulab {
+
+struct PredictionReport {
+  std::string procedure;               ///< its name
+  PredictionSummary summary;
+  std::vector<std::string> tables = {};  ///< further text, as the command prints it
+  bool required = false;               ///< whether there were requirements
+};
+
+/// HTML, self-contained.
+std::string prediction_page(const PredictionReport& report);
+
+namespace report {
+/// Uncertainties with the shares of their sources, for pages that contain a prediction.
+std::string prediction_sections(const PredictionSummary& summary);
+std::string shortfall_line(const Shortfall& shortfall);
+/// Text with its columns kept.
+std::string preformatted(const std::string& text);
+}  // namespace report
+
+}  // namespace imulab
