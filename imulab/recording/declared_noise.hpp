@@ -11,11 +11,10 @@ struct DeclaredNoise {
   NoiseModel accel, gyro;
 };
 
-/// For each triad: the declared terms (`accel_noise`), else the grade's where `imu.noise` is NoiseTerms::full, else none. N does not count.
+/// For each triad: the declared terms (`accel_noise`, `accel_noise_density`), else the grade's where `imu.noise` is NoiseTerms::full, else none (0).
 DeclaredNoise declared_terms(const ImuDeclaration& imu);
 
-/// The same with the white noise N, which is the declared density (`accel_noise_density`), else the grade's. Throws Error where there is neither a
-/// density nor a grade.
+/// The same, with the grade's white noise N where no density is declared. Throws Error where there is neither a density nor a grade.
 DeclaredNoise declared_noise(const ImuDeclaration& imu);
 
 }  // namespace imulab

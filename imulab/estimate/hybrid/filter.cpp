@@ -3,6 +3,8 @@
 #include "imulab/core/square_root_estimate.hpp"
 #include "imulab/navigation/in_place/navigator.hpp"
 
+#include <cmath>
+
 namespace imulab::hybrid {
 
 using Eigen::Index;
@@ -29,6 +31,30 @@ void begin(SquareRootEstimate& e, const States& states, const Vector3d& sigma, b
   for (Index i = 0; i < 3; ++i) e.factor(states.attitude() + i, column + i) = sigma[i];
 }
 
+/// The slow noise of the offsets over a block, which is this part of the recording.
+void drift(SquareRootEstimate& e, const States& states, const Noise& noise, double duration, double part) {
+  if (!states.has(Group::mean)) return;
+  constexpr Index processes = in_place::SlowNoise::processes;
+  for (Index axis = 0; axis < 6; ++axis) {
+    const in_place::SlowNoise& slow = axis < 3 ? noise.accel_slow : noise.gyro_slow;
+    const Index offset = states.offset(axis), mean = states.first(Group::mean) + axis;
+    const auto add_to_mean = [&](Index s) {
+      e.x[mean] += part * e.x[s];
+      e.factor.row(mean) += part * e.factor.row(s);
+    };
+    if (slow.walk > 0) e.add_variance(offset, duration * slow.walk * slow.walk);
+    add_to_mean(offset);
+    for (Index k = 0; k < processes && slow.flicker > 0; ++k) {
+      const Index s = states.first(Group::flicker) + processes * axis + k;
+      const double kept = std::exp(-duration / slow.time[static_cast<std::size_t>(k)]);
+      e.x[s] *= kept;
+      e.factor.row(s) *= kept;
+      e.add_variance(s, (1 - kept * kept) * slow.flicker * slow.flicker);
+      add_to_mean(s);
+    }
+  }
+}
+
 /// Block k, from which the motion was measured without interruption, and the rest it belongs to.
 Range rest_from(const std::vector<Block>& blocks, std::size_t k) {
   Range rest = blocks[k].samples;
@@ -41,7 +67,7 @@ Range rest_from(const std::vector<Block>& blocks, std::size_t k) {
 Pass filter_pass(const Data& data, const Linearization& about, const States& states, const kernel::Parameters& known, const PassOptions& options) {
   const std::vector<Block>& blocks = data.blocks;
   const Noise& noise = data.noise;
-  const Recording readings = in_place::compensated(data.recording, blocks, about.model);
+  const Recording readings = in_place::compensated(data.recording, blocks, about.model, about.delay);
   in_place::Navigator navigator(readings, about.place.latitude, about.place.gravity, states.sums());
   SquareRootEstimate e(states.size());
   e.x.head(states.constants()) = known.offset;
@@ -49,6 +75,8 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
   Pass out;
   Vector3d velocity = Vector3d::Zero();  // computed
   double next_point = -std::numeric_limits<double>::infinity();
+  double whole = 0;  // s, of all blocks
+  for (const Block& block : blocks) whole += readings.interval_s * static_cast<double>(block.samples.size());
   std::size_t first = 0;  // sample since which the motion was measured without interruption
 
   for (std::size_t k = 0; k < blocks.size(); ++k) {
@@ -64,10 +92,7 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
     const BlockSums sums = navigator.over(block, first);
     velocity += sums.velocity;
     e.predict<6>(transition(sums, states, about.place), sums.covariance(noise, 0.5 * (before + navigator.C_nb)));
-    for (Index i = 0; i < 3; ++i) {
-      if (noise.accel_walk[i] > 0) e.add_variance(states.first(Group::accel_offset) + i, sums.duration * noise.accel_walk[i] * noise.accel_walk[i]);
-      if (noise.gyro_walk[i] > 0) e.add_variance(states.first(Group::gyro_offset) + i, sums.duration * noise.gyro_walk[i] * noise.gyro_walk[i]);
-    }
+    drift(e, states, noise, sums.duration, sums.duration / whole);
     out.chi2.push_back(block.observed ? observe_velocity(e, velocity, noise.velocity, options.outlier) : 0);
     if (block.observed && out.chi2.back() <= options.outlier) {  // the known velocity error goes into the solution
       velocity -= e.x.tail<3>();

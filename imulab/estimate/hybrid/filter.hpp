@@ -29,6 +29,7 @@ struct Linearization {
   SensorModel model;
   Place place;
   std::optional<Matrix3d> start = {};  ///< attitude at the start, C_nb; absent: by alignment on the first rest
+  double delay = 0;                    ///< of what lever arms make of the motion [s]; the state is the whole delay
 };
 
 struct PassOptions {

@@ -82,13 +82,17 @@ kernel::RestStart coarse_start(const Recording& recording, const std::vector<Ran
   return start;
 }
 
-/// White noise of the calibrated output from the samples' or the declared noise; the other terms as declared.
-Noise noise_of(const SampleNoise& raw, const SensorModel& coarse, const Recording& recording, const ImuDeclaration& imu, std::size_t rests) {
-  const auto density = [&](const TriadModel& triad, const Vector3d& sigma) {
-    return Vector3d(std::sqrt(recording.interval_s) * (triad.matrix.cwiseAbs2() * sigma.cwiseAbs2()).cwiseSqrt());
+/// Noise of the calibrated output: white noise from the samples or its declared density; where the full noise of a grade is declared, quantization is
+/// a term of its own, and the samples show more than the white noise. The other terms as declared.
+Noise noise_of(const SampleNoise& raw, const SensorModel& coarse, const Recording& recording, const ImuDeclaration& imu) {
+  const DeclaredNoise declared = declared_terms(imu);
+  const bool full = imu.noise == NoiseTerms::full;
+  const auto density = [&](const TriadModel& triad, const Vector3d& sigma, double of_grade) {
+    const Vector3d shown = std::sqrt(recording.interval_s) * (triad.matrix.cwiseAbs2() * sigma.cwiseAbs2()).cwiseSqrt();
+    return full && of_grade > 0 ? Vector3d(Vector3d::Constant(of_grade)) : shown;
   };
-  return in_place::noise_of(density(coarse.gyro, raw.gyro), density(coarse.accel, raw.accel), declared_terms(imu),
-                            recording.interval_s * static_cast<double>(recording.size()) / static_cast<double>(rests));
+  return in_place::noise_of(density(coarse.gyro, raw.gyro, declared.gyro.N), density(coarse.accel, raw.accel, declared.accel.N), declared,
+                            recording.interval_s * static_cast<double>(recording.size()));
 }
 
 void warn_of_short_rests(const std::vector<Range>& rests, const std::vector<Range>& still, kernel::Findings& findings) {
@@ -105,7 +109,7 @@ Calibration calibration_of(const Data& data, const Iterate& iterate) {
   const Errors errors = determined_errors(iterate);
   Calibration c;
   c.method = "hybrid";
-  c.model = iterate.about.model;
+  c.model = with_mean_offsets(iterate.about.model, errors.mean, iterate.states);
   c.estimated = errors.coefficients;
   for (const CoefficientIndex index : errors.considered) c.quality.considered.emplace_back(coefficient(index).name);
   for (const CoefficientIndex index : errors.open) {
@@ -147,7 +151,7 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
   Data data{recording,
             std::move(cut.blocks),
             place,
-            noise_of(start.noise, coarse, recording, session.imu, rests.size()),
+            noise_of(start.noise, coarse, recording, session.imu),
             coarse,
             wanted,
             {kernel::optional_priors(session.imu, coarse.accel.offset, coarse.gyro.offset), kernel::delay_prior(session.imu, recording.interval_s)}};

@@ -18,7 +18,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 Iterate first_iterate(const Data& data, const Groups& terms) {
-  const States states(terms, data.place, data.wanted, data.priors);
+  const States states(terms, data.place, data.wanted, data.priors, data.noise);
   return {terms, states, {data.coarse, data.place}, VectorXd::Zero(states.constants())};
 }
 
@@ -51,7 +51,7 @@ Iterate with_open_latitude(const Data& open, const Iterate& before) {
   Iterate out = first_iterate(open, before.terms);
   out.iterations = before.iterations;
   out.heading_known = before.heading_known;
-  out.about = {before.about.model, before.states.has(Group::latitude) ? before.about.place : open.place, before.about.start};
+  out.about = {before.about.model, before.states.has(Group::latitude) ? before.about.place : open.place, before.about.start, before.about.delay};
   for (const Group group : before.states.groups())
     out.total.segment(out.states.first(group), out.states.size(group)) = before.total.segment(before.states.first(group), before.states.size(group));
   return out;
@@ -107,8 +107,10 @@ Iterate converged(const Data& data, Iterate c) {
     const VectorXd sigma = errors.covariance.diagonal().cwiseSqrt();
     VectorXd step = errors.mean;
     const Vector3d start = step.segment<3>(start_at);
-    for (const Group linear : {Group::start, Group::gravity, Group::delay})  // the model has none of them: estimated anew in each pass
+    for (const Group linear : {Group::start, Group::gravity, Group::flicker, Group::mean})  // the model has none of them: estimated anew in each pass
       if (states.has(linear)) step.segment(states.first(linear), states.size(linear)).setZero();
+    const Index delay = states.first(Group::delay);
+    if (delay >= 0) step[delay] -= c.about.delay;
     c.converged = (step.cwiseAbs() - 0.01 * sigma).maxCoeff() <= 0;
     if (c.converged) break;
     const VectorXd in_sigmas = step.cwiseQuotient(sigma.cwiseMax(1e-300));
@@ -123,6 +125,7 @@ Iterate converged(const Data& data, Iterate c) {
       latitude = std::clamp(latitude - factor * step[states.first(Group::latitude)], -89 * unit::deg, 89 * unit::deg);
     }
     c.total += factor * step;
+    if (delay >= 0) c.about.delay += factor * step[delay], c.total[delay] = 0;
     set_optional_totals(c);
     c.about.start = rotation_exp(factor * start) * c.pass.start;
     if (k >= before_heading && !c.heading_known && sigma[start_at + 2] > 3 * unit::deg) c.about.start = best_heading(data, c);

@@ -97,7 +97,7 @@ Knowledge prior_knowledge(const InformationModel& model) {
 
 Knowledge knowledge_of(const InformationModel& model, const Prediction& prediction) {
   std::vector<Index> states = model.constants;
-  for (Index i = 0; i < 3; ++i) states.push_back(model.states.attitude() + i);
+  for (Index i = 0; i < 3; ++i) states.push_back(prediction.states.attitude() + i);
   const MatrixXd covariance = prediction.covariance(states, states);
   const VectorXd unit = covariance.diagonal().cwiseSqrt().cwiseInverse();
   const MatrixXd correlation = unit.asDiagonal() * covariance * unit.asDiagonal();

@@ -20,16 +20,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-namespace {
-
-/// From one hold to the next, on average [s].
-double between_rests(const Session& procedure) {
-  const auto holds = std::count_if(procedure.steps.begin(), procedure.steps.end(), [](const Step& step) { return step.kind == StepKind::hold; });
-  return holds == 0 ? 1 : procedure.steps.back().end / static_cast<double>(holds);
-}
-
-}  // namespace
-
 Plan plan_of(const Session& procedure) {
   const std::string& file = procedure.file;
   if (procedure.recordings.size() > 1)
@@ -39,7 +29,7 @@ Plan plan_of(const Session& procedure) {
     throw Error(file + ": a noise density of 0; expected densities above 0, since the uncertainties follow from them");
   Plan plan{procedure,
             errors_at(file, [&] { return place_of(procedure.site); }),
-            in_place::noise_of(Vector3d::Constant(noise.gyro.N), Vector3d::Constant(noise.accel.N), noise, between_rests(procedure)),
+            in_place::noise_of(Vector3d::Constant(noise.gyro.N), Vector3d::Constant(noise.accel.N), noise, procedure.steps.back().end),
             {},
             on_turntable(procedure)};
   if (procedure.imu.grade && grade(*procedure.imu.grade).g_sensitivity > 0) plan.terms = {Group::g_sensitivity};

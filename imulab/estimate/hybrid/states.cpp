@@ -21,7 +21,7 @@ struct Row {
   std::string_view name;
   Index size = 0;  ///< 0: the states correct the coefficients of that name
 };
-constexpr std::array<Row, 11> table{{{Group::accel_offset, "accel.offset"},
+constexpr std::array<Row, 13> table{{{Group::accel_offset, "accel.offset"},
                                      {Group::accel_matrix, "accel.matrix"},
                                      {Group::gyro_offset, "gyro.offset"},
                                      {Group::gyro_matrix, "gyro.matrix"},
@@ -31,7 +31,9 @@ constexpr std::array<Row, 11> table{{{Group::accel_offset, "accel.offset"},
                                      {Group::lever_arm, "accel.lever_arm"},
                                      {Group::quadratic, "accel.quadratic"},
                                      {Group::g_sensitivity, "gyro.g_sensitivity"},
-                                     {Group::delay, "delay of the accelerometers", 1}}};
+                                     {Group::delay, "delay of the accelerometers", 1},
+                                     {Group::flicker, "bias instability", 6 * in_place::SlowNoise::processes},
+                                     {Group::mean, "mean of the offsets", 6}}};
 
 /// Row by row; of the accelerometers' matrix the lower triangle, by the frame.
 std::vector<CoefficientIndex> coefficients_of(const Row& row) {
@@ -49,7 +51,9 @@ double prior_sigma(CoefficientIndex index, const Place& place, const OptionalPri
   return kernel::prior_sigma(sizes, coefficient(index), 1);
 }
 
-double prior_sigma(Group group, Index i, const Place& place, const OptionalPriors& priors) {
+double prior_sigma(Group group, Index i, const Place& place, const OptionalPriors& priors, const Noise& noise) {
+  if (group == Group::mean) return 0;
+  if (group == Group::flicker) return (i < 3 * in_place::SlowNoise::processes ? noise.accel_slow : noise.gyro_slow).flicker;
   if (group == Group::gravity) return place.gravity_sigma / place.gravity;
   if (group == Group::start) return alignment_sigma()[i];
   return group == Group::latitude ? place.latitude_sigma : priors.delay;
@@ -70,10 +74,16 @@ std::string_view name(Group group) { return table[static_cast<std::size_t>(group
 
 Eigen::Vector3d alignment_sigma() { return {3 * unit::deg, 3 * unit::deg, 90 * unit::deg}; }
 
-States::States(const Groups& optional, const Place& place, const std::vector<CoefficientIndex>& wanted, const OptionalPriors& priors) {
+States::States(const Groups& optional, const Place& place, const std::vector<CoefficientIndex>& wanted, const OptionalPriors& priors,
+               const Noise& noise) {
+  const bool slow = noise.accel_slow.any() || noise.gyro_slow.any();
+  const auto present = [&](Group group) {
+    if (group == Group::latitude) return place.latitude_sigma > 0;
+    return group < Group::latitude || (group >= Group::flicker ? slow : optional.contains(group));
+  };
   std::vector<double> sigma;
   for (const Row& row : table) {
-    if (row.group == Group::latitude ? place.latitude_sigma == 0 : row.group > Group::latitude && !optional.contains(row.group)) continue;
+    if (!present(row.group)) continue;
     const std::vector<CoefficientIndex> corrected = coefficients_of(row);
     places_[static_cast<std::size_t>(row.group)] = {static_cast<Index>(sigma.size()), static_cast<Index>(corrected.size())};
     for (std::size_t i = 0; i < corrected.size(); ++i) {
@@ -81,7 +91,7 @@ States::States(const Groups& optional, const Place& place, const std::vector<Coe
       corrects_.push_back(corrected[i]);
       sigma.push_back(held                ? 0
                       : corrected[i] >= 0 ? prior_sigma(corrected[i], place, priors)
-                                          : prior_sigma(row.group, static_cast<Index>(i), place, priors));
+                                          : prior_sigma(row.group, static_cast<Index>(i), place, priors, noise));
     }
   }
   prior = Eigen::Map<const VectorXd>(sigma.data(), static_cast<Index>(sigma.size()));
@@ -95,6 +105,8 @@ Groups States::groups() const {
 }
 
 in_place::OptionalSums States::sums() const { return {has(Group::g_sensitivity), has(Group::quadratic), has(Group::lever_arm), has(Group::delay)}; }
+
+Index States::offset(Index axis) const { return first(axis < 3 ? Group::accel_offset : Group::gyro_offset) + axis % 3; }
 
 std::vector<Index> States::corrections() const {
   std::vector<Index> out;
@@ -132,6 +144,13 @@ Groups optional_groups(const std::vector<CoefficientIndex>& coefficients) {
   return out;
 }
 
+SensorModel with_mean_offsets(const SensorModel& model, const VectorXd& x, const States& states) {
+  VectorXd error = VectorXd::Zero(states.constants());
+  for (Index axis = 0; axis < states.size(Group::mean); ++axis)
+    if (const Index s = states.offset(axis); states.prior[s] > 0) error[s] = x[states.first(Group::mean) + axis];
+  return corrected(model, error, states);
+}
+
 SensorModel corrected(const SensorModel& model, const VectorXd& x, const States& states) {
   SensorModel error;  // each at the place of the coefficient it corrects
   error.accel.matrix.setZero(), error.gyro.matrix.setZero();
@@ -146,6 +165,9 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> transition(const in_place::BlockSums& s
   t.rightCols<6>() = sums.by_errors_before(place.latitude);
   for (Index k = 0; k < states.constants(); ++k)
     if (states.corrects(k) >= 0) t.col(k) = sums.by_coefficient(coefficient(states.corrects(k)));
+  if (states.has(Group::flicker))
+    for (Index k = 0; k < states.size(Group::flicker); ++k)
+      t.col(states.first(Group::flicker) + k) = t.col(states.offset(k / in_place::SlowNoise::processes));
   t.col(states.first(Group::gravity)) = sums.by_gravity(place.gravity);
   if (states.has(Group::latitude)) t.col(states.first(Group::latitude)) = sums.by_latitude(place.latitude);
   if (states.has(Group::delay)) t.col(states.first(Group::delay)) = sums.by_delay();
@@ -161,6 +183,8 @@ MatrixXd correction_jacobian(const SensorModel& model, const std::vector<Coeffic
     for (std::size_t i = 0; i < indices.size(); ++i)
       jacobian(static_cast<Index>(i), s) = (coefficient_value(plus, indices[i]) - coefficient_value(minus, indices[i])) / (2 * step);
   }
+  for (Index axis = 0; axis < states.size(Group::mean); ++axis)
+    jacobian.col(states.first(Group::mean) + axis).swap(jacobian.col(states.offset(axis)));
   return jacobian;
 }
 

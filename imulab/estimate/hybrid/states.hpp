@@ -37,8 +37,23 @@ bool on_turntable(const Session& session);
 
 /// The constants in their order: errors ba, Ma, bg, Mg of the calibrated output df = ba + Ma f, dw = bg + Mg w (Ma lower triangular), relative error
 /// of gravity, attitude error at the start. From `latitude` on they are optional: error of the latitude [rad], lever arms [m], quadratic terms,
-/// g-sensitivity, delay of the accelerometers' output behind the gyros' [s].
-enum class Group { accel_offset, accel_matrix, gyro_offset, gyro_matrix, gravity, start, latitude, lever_arm, quadratic, g_sensitivity, delay };
+/// g-sensitivity, delay of the accelerometers' output behind the gyros' [s]. With slow noise `flicker`, the processes of each axis, accelerometers
+/// first; and `mean`, of the offsets over the time so far, of which each block adds its part: the offsets that are stated.
+enum class Group {
+  accel_offset,
+  accel_matrix,
+  gyro_offset,
+  gyro_matrix,
+  gravity,
+  start,
+  latitude,
+  lever_arm,
+  quadratic,
+  g_sensitivity,
+  delay,
+  flicker,
+  mean
+};
 using Groups = std::set<Group>;
 
 /// "accel.lever_arm", "latitude", ...
@@ -49,8 +64,10 @@ Eigen::Vector3d alignment_sigma();
 
 class States {
  public:
-  /// With these optional groups, and the latitude where it is uncertain. Coefficients that are not `wanted` are fixed; empty: none is.
-  States(const Groups& optional, const Place& place, const std::vector<CoefficientIndex>& wanted = {}, const OptionalPriors& priors = {});
+  /// With these optional groups, the latitude where it is uncertain, and what slow noise needs. Coefficients that are not `wanted` are fixed; empty:
+  /// none is.
+  States(const Groups& optional, const Place& place, const std::vector<CoefficientIndex>& wanted = {}, const OptionalPriors& priors = {},
+         const Noise& noise = {});
 
   Eigen::VectorXd prior;  ///< by constant: standard deviation about the coarse solution; 0: fixed there
   CoefficientIndex corrects(Eigen::Index constant) const { return corrects_[static_cast<std::size_t>(constant)]; }  ///< -1: none
@@ -60,6 +77,7 @@ class States {
   bool has(Group group) const { return first(group) >= 0; }
   Eigen::Index first(Group group) const { return places_[static_cast<std::size_t>(group)].first; }  ///< place of its first state; -1: absent
   Eigen::Index size(Group group) const { return places_[static_cast<std::size_t>(group)].size; }
+  Eigen::Index offset(Eigen::Index axis) const;  ///< of the accelerometers, then of the gyros
   Eigen::Index constants() const { return prior.size(); }
   Eigen::Index attitude() const { return constants(); }
   Eigen::Index velocity() const { return constants() + 3; }
@@ -77,7 +95,7 @@ class States {
   struct Span {
     Eigen::Index first = -1, size = 0;
   };
-  std::array<Span, 11> places_;
+  std::array<Span, 13> places_;
   std::vector<CoefficientIndex> corrects_;
 };
 
@@ -88,10 +106,13 @@ Groups optional_groups(const std::vector<CoefficientIndex>& coefficients);
 /// The model whose output is that of `model` less the errors x (model/output_error.hpp).
 SensorModel corrected(const SensorModel& model, const Eigen::VectorXd& x, const States& states);
 
+/// The model with the mean of its offsets over the recording, where slow noise lets them change.
+SensorModel with_mean_offsets(const SensorModel& model, const Eigen::VectorXd& x, const States& states);
+
 /// Errors of attitude (first three rows) and velocity after a block from all states before it.
 Eigen::Matrix<double, 6, Eigen::Dynamic> transition(const in_place::BlockSums& sums, const States& states, const Place& place);
 
-/// Derivatives of the table coefficients `indices` of the corrected model by the constants, at x = 0.
+/// Derivatives of the table coefficients `indices` of the corrected model with its mean offsets by the constants, at x = 0.
 Eigen::MatrixXd correction_jacobian(const SensorModel& model, const std::vector<CoefficientIndex>& indices, const States& states);
 
 }  // namespace imulab::hybrid

@@ -44,12 +44,13 @@ SensorModel starting_model(const Problem& problem) {
 /// The noise declared, or as the holds' samples show it; a stuck or coarsely quantized axis shows none, and a hundred-millionth of the scale keeps
 /// the weights finite.
 RawNoise raw_noise(const Problem& problem, const SensorModel& model) {
-  const auto noise = [](const std::optional<double>& declared, const Vector3d& measured, const Matrix3d& matrix, double size) -> Matrix3d {
-    if (declared) return raw_density(*declared, matrix);
+  const auto noise = [](double declared, const Vector3d& measured, const Matrix3d& matrix, double size) -> Matrix3d {
+    if (declared > 0) return raw_density(declared, matrix);
     return measured.cwiseMax(1e-8 * size / std::cbrt(std::abs(matrix.determinant()))).cwiseAbs2().asDiagonal();
   };
-  return {noise(problem.imu.accel_noise_density, problem.seen.accel_density, model.accel.matrix, unit::g),
-          noise(problem.imu.gyro_noise_density, problem.seen.gyro_density, model.gyro.matrix, 1),
+  const DeclaredNoise declared = declared_terms(problem.imu);
+  return {noise(declared.accel.N, problem.seen.accel_density, model.accel.matrix, unit::g),
+          noise(declared.gyro.N, problem.seen.gyro_density, model.gyro.matrix, 1),
           raw_slow_noise(problem.motion, model, problem.accel_slow_noise, problem.gyro_slow_noise)};
 }
 

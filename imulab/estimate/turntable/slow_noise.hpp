@@ -1,4 +1,4 @@
-// Declared noise that is not white: bias instability, rate random walk and ramp, in the holds' means and the turns' sums.
+// Declared noise that is not white, in the holds' means and the turns' sums.
 #pragma once
 
 #include "imulab/model/noise.hpp"
@@ -8,8 +8,8 @@
 
 namespace imulab::turntable {
 
-/// Covariance of a part's mean (holds) or integral (turns) on one axis, in the unit of the noise; parts x parts. Walk and ramp begin with the first
-/// part, bias instability is as the simulation draws it at this interval of the samples. Empty where no such noise is declared.
+/// Covariance of a part's mean (holds) or integral (turns) on one axis, in the unit of the noise; parts x parts: quantization, and bias instability,
+/// walk and ramp about their mean over all parts, which belongs to the offset of this recording. Empty where no such noise is declared.
 Eigen::MatrixXd slow_noise(const TableMotion& motion, const NoiseModel& noise, double interval_s);
 
 }  // namespace imulab::turntable

@@ -2,17 +2,17 @@
 
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
+#include "imulab/estimate/kernel/slow_noise.hpp"
 #include "imulab/model/compensation_derivatives.hpp"
-#include "imulab/model/flicker.hpp"
 #include "imulab/recording/declared_noise.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <ceres/jet.h>
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 
 namespace imulab::whole_unit {
 
@@ -60,67 +60,54 @@ void set_priors(Problem& problem) {
   }
 }
 
-/// Points one after the other: of a recording, of one mounting in it, or so many of those.
-struct Stretch {
-  std::size_t recording, first, last;  ///< numbers of its steps
-  double start, end;                   ///< s
-};
-
-std::vector<Stretch> stretches(const std::vector<MachinePoint>& points, bool by_mounting, std::size_t most = SIZE_MAX) {
-  std::vector<Stretch> out;
-  const MachinePoint* before = nullptr;
-  std::size_t count = 0;  // of points in the last one
-  for (const MachinePoint& p : points) {
-    const bool same = before && before->recording == p.recording && (!by_mounting || mount_of(before->step) == mount_of(p.step)) && count < most;
-    count = same ? count + 1 : 1;
-    if (!same) out.push_back({p.recording, p.number, p.number, p.step.start, p.step.end});
-    out.back().last = p.number, out.back().end = p.step.end;
-    before = &p;
-  }
-  return out;
-}
-
-/// Declared noise that is not white: a ramp of each channel in each recording; and a bias in each recording, in each mounting and in each few points,
-/// with the parts of the bias instability that change from one to the next. What is faster is taken as independent from point to point.
+/// Declared noise that is not white: in each recording its shapes along the points that stand out of independent noise; the others, which differ from
+/// it by less than half, count as that.
 void add_drifts(Problem& problem) {
-  constexpr std::size_t few = 6;  // about as many steps down from a mounting's forty points as up from one
-  const DeclaredNoise noise = declared_terms(problem.session->imu);
-  const std::vector<MachinePoint>& all = problem.points.all;
-  const std::array levels{stretches(all, false), stretches(all, true), stretches(all, true, few)};
-  double point = INFINITY;  // s: the shortest
-  for (const MachinePoint& p : all) point = std::min(point, static_cast<double>(p.samples) * problem.points.interval_s);
-  for (int channel = 0; channel < 6; ++channel) {
-    const NoiseModel& model = channel < 3 ? noise.accel : noise.gyro;
-    const FlickerCovariance flicker(model.B, problem.points.interval_s);
-    const auto add = [&](const Stretch& s, double sigma, int power) {
-      // Noise begins with the recording, whose clock begins with it unless it starts with more than the recording's own length.
-      const double start = s.start < s.end - s.start ? 0 : s.start;
-      if (sigma > 0) problem.common.push_back({"", {}, sigma, 0, ChannelDrift{s.recording, s.first, s.last, channel, power, start}});
-    };
-    double counted = 0;  // variance, by slower levels
-    for (const std::vector<Stretch>& level : levels) {
-      double longest = 0;
-      for (const Stretch& s : level) longest = std::max(longest, s.end - s.start);
-      const double here = std::max(counted, flicker.of_mean(longest));
-      for (const Stretch& s : level) add(s, std::sqrt(here - counted + (&level == &levels[0] ? model.K * model.K * (s.end - s.start) / 3 : 0)), 0);
-      counted = here;
+  constexpr double stands_out = 0.5;
+  const DeclaredNoise declared = declared_terms(problem.session->imu);
+  problem.point_variance.assign(problem.session->recordings.size(), Vector6d::Zero());
+  for (std::size_t recording = 0; recording < problem.point_variance.size(); ++recording) {
+    std::vector<const MachinePoint*> points;
+    for (const MachinePoint& p : problem.points.all)
+      if (p.recording == recording) points.push_back(&p);
+    if (points.empty()) continue;
+    const auto n = std::ssize(points);
+    // Noise begins with the recording, whose clock begins with it unless it starts with more than the recording's own length.
+    const double first = points.front()->step.start, start = first < points.back()->step.end - first ? 0 : first;
+    std::vector<kernel::TimeSpan> times;
+    for (const MachinePoint* p : points) times.push_back({p->step.start - start, p->step.end - start});
+    MatrixXd covariance;
+    Eigen::SelfAdjointEigenSolver<MatrixXd> shapes;
+    for (int channel = 0; channel < 6; ++channel) {
+      const NoiseModel& model = channel < 3 ? declared.accel : declared.gyro;
+      if (channel % 3 == 0) covariance = kernel::slow_noise(times, model, problem.points.interval_s);
+      if (covariance.size() == 0) continue;
+      if (channel % 3 == 0) shapes.compute(covariance);
+      const double independent = std::max(0.0, shapes.eigenvalues()[0]),
+                   white = problem.noise[channel] / static_cast<double>(points.front()->samples);
+      double others = 0;
+      for (Index k = 0; k < n; ++k) {
+        const double variance = shapes.eigenvalues()[k] - independent;
+        if (!(variance > stands_out * (white + independent))) {
+          others += variance / static_cast<double>(n);
+          continue;
+        }
+        ChannelDrift drift{recording, channel, VectorXd::Zero(static_cast<Index>(points.back()->number) + 1)};
+        for (Index p = 0; p < n; ++p) drift.shape[static_cast<Index>(points[static_cast<std::size_t>(p)]->number)] = shapes.eigenvectors()(p, k);
+        problem.common.push_back({"", {}, std::sqrt(variance), 0, std::move(drift)});
+      }
+      problem.point_variance[recording][channel] = independent + others;
     }
-    for (const Stretch& s : levels[0]) add(s, model.R.value, 1);
-    problem.point_variance[channel] = std::max(0.0, flicker.of_mean(point) - counted);
   }
 }
 
 }  // namespace
 
-double ChannelDrift::at(const MachinePoint& point) const {
-  if (point.recording != recording || point.number < first || point.number > last) return 0;
-  return power == 0 ? 1 : 0.5 * (point.step.start + point.step.end) - start_s;
-}
+double ChannelDrift::at(const MachinePoint& point) const { return point.recording == recording ? shape[static_cast<Index>(point.number)] : 0; }
 
 std::string CommonError::name() const {
   if (drift)
-    return fmt::format("recording {}, steps {} to {}: {} of {}.{}", drift->recording + 1, drift->first, drift->last,
-                       drift->power == 0 ? "bias" : "ramp", drift->channel < 3 ? "accel" : "gyro", "xyz"[drift->channel % 3]);
+    return fmt::format("recording {}: slow noise of {}.{}", drift->recording + 1, drift->channel < 3 ? "accel" : "gyro", "xyz"[drift->channel % 3]);
   return rig.empty() && source.kind == RigErrorKind::zero ? "gravity" : (rig.empty() ? "" : rig + ": ") + source.name();
 }
 
@@ -145,8 +132,8 @@ Problem::Problem(MachinePoints used, const Session& declared, const SensorModel&
       if (known == common.end()) common.push_back({rig.name, error, error.sigma, 0});
     }
   }
-  add_drifts(*this);
   update_noise();
+  add_drifts(*this);
   set_priors(*this);
 }
 
@@ -161,10 +148,9 @@ Vector6d Problem::measured_noise() const {
 
 void Problem::update_noise() {
   noise = measured_noise();
-  if (const auto& density = session->imu.accel_noise_density; density && *density > 0)
-    noise.head<3>().setConstant(*density * *density / points.interval_s);
-  if (const auto& density = session->imu.gyro_noise_density; density && *density > 0)
-    noise.tail<3>().setConstant(*density * *density / points.interval_s);
+  const DeclaredNoise declared = declared_terms(session->imu);
+  if (const double N = declared.accel.N; N > 0) noise.head<3>().setConstant(N * N / points.interval_s);
+  if (const double N = declared.gyro.N; N > 0) noise.tail<3>().setConstant(N * N / points.interval_s);
   noise = noise.cwiseProduct(points.correlation);
 }
 
@@ -225,7 +211,7 @@ PointEquations Problem::equations(const MachinePoint& point) const {
   Matrix6 variance = (thermal + Matrix6(noise.asDiagonal())) / static_cast<double>(point.samples);
   // A coarsely quantized or dead channel shows none; a part in 1e8 of the full range keeps the weights finite.
   variance.diagonal() += 1e-16 * (Vector6d() << Vector3d::Constant(place_.gravity * place_.gravity), Vector3d::Ones()).finished();
-  variance.diagonal() += point_variance;
+  variance.diagonal() += point_variance[point.recording];
   variance += spin_noise(point.step, session->rig_of(session->recordings[point.recording])->zero.value, place_);
   const Eigen::LLT<Matrix6> factor(noise_factor * noise_factor * variance);
   out.jacobian.resize(6, size());

@@ -20,12 +20,11 @@
 
 namespace imulab::whole_unit {
 
-/// Declared noise of a channel that is not white: a bias or a rate ramp of the output over some steps of a recording.
+/// Declared noise of a channel that is not white: one of the independent shapes that it has along the points of a recording.
 struct ChannelDrift {
-  std::size_t recording = 0, first = 0, last = 0;  ///< numbers of the steps
+  std::size_t recording = 0;
   int channel = 0;
-  int power = 0;       ///< of the time: 0 bias, 1 ramp
-  double start_s = 0;  ///< where a ramp begins
+  Eigen::VectorXd shape;  ///< by number of the step
   /// What it adds to the output of a point for each unit of it; 0 in other recordings.
   double at(const MachinePoint& point) const;
 };
@@ -66,11 +65,11 @@ struct Problem {
   std::vector<CoefficientIndex> coefficients;  ///< theta
   /// Of theta. Estimated: by the data alone. Considered: the data do not determine it. Held: left out.
   std::vector<kernel::Role> role;
-  Eigen::VectorXd prior_sigma, needed_sigma;   ///< of theta: before the data; below this they determine it
-  std::vector<CommonError> common;             ///< eta, after theta in every vector of parameters
-  Vector6d noise;                              ///< variance of one sample of force and rate
-  Vector6d point_variance = Vector6d::Zero();  ///< of a point's means, from declared bias instability faster than a recording
-  double noise_factor = 1;                     ///< of the standard deviations
+  Eigen::VectorXd prior_sigma, needed_sigma;  ///< of theta: before the data; below this they determine it
+  std::vector<CommonError> common;            ///< eta, after theta in every vector of parameters
+  Vector6d noise;                             ///< variance of one sample of force and rate
+  std::vector<Vector6d> point_variance;       ///< by recording: of a point's means, from declared noise that is independent from point to point
+  double noise_factor = 1;                    ///< of the standard deviations
 
   Eigen::Index size() const { return static_cast<Eigen::Index>(coefficients.size() + common.size()); }
   RawSample sample(const MachinePoint& point) const;

@@ -3,13 +3,18 @@
 #include "imulab/earth/earth.hpp"
 
 #include <cmath>
+#include <numbers>
 
 namespace imulab::in_place {
 
-Noise noise_of(const Vector3d& gyro, const Vector3d& accel, const DeclaredNoise& declared, double between_rests_s) {
-  // Flicker of bias instability B has the Allan deviation 0.664 B (IEEE 952, C.1.2), a walk K sqrt(t / 3). They are equal from one rest to the next.
-  const auto walk = [&](const NoiseModel& n) { return Vector3d::Constant(std::hypot(n.K, 0.664 * n.B * std::sqrt(3 / between_rests_s))); };
-  return {gyro, accel, walk(declared.gyro), walk(declared.accel), declared.accel.Q};
+Noise noise_of(const Vector3d& gyro, const Vector3d& accel, const DeclaredNoise& declared, double duration_s) {
+  // Power B^2 / (2 pi f) on both sides (IEEE 952, C.1.2) is that of processes with a variance of B^2 / pi for each unit of ln(time). At a ratio of 16
+  // the Allan variance of their sum is flicker's within 10 % from the fastest time to half of the slowest. Slower ones are constant in the recording.
+  constexpr double ratio = 16;
+  const auto slow = [&](const NoiseModel& n) {
+    return SlowNoise{n.K, n.B * std::sqrt(std::log(ratio) / std::numbers::pi), {duration_s, duration_s / ratio, duration_s / (ratio * ratio)}};
+  };
+  return {gyro, accel, slow(declared.gyro), slow(declared.accel), declared.accel.Q};
 }
 
 BlockSums::BlockSums() {

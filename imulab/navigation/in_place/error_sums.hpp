@@ -15,15 +15,24 @@
 
 namespace imulab::in_place {
 
-/// White noise densities of the calibrated output and random walks of its offsets, per axis; the standard deviation of the velocity after a block.
-struct Noise {
-  Vector3d gyro, accel;                                                  ///< rad/s/sqrt(Hz), m/s^2/sqrt(Hz)
-  Vector3d gyro_walk = Vector3d::Zero(), accel_walk = Vector3d::Zero();  ///< rad/s/sqrt(s), m/s^2/sqrt(s)
-  double velocity = 0;                                                   ///< m/s
+/// Slow noise of a triad's offsets, the same on each axis: a random walk, and flicker as a sum of independent first-order processes.
+struct SlowNoise {
+  static constexpr int processes = 3;
+  double walk = 0;                       ///< u/sqrt(s)
+  double flicker = 0;                    ///< u: standard deviation of each process
+  std::array<double, processes> time{};  ///< s: their correlation times
+  bool any() const { return walk > 0 || flicker > 0; }
 };
 
-/// With these densities, and the random walks and quantization as declared; flicker counts as the walk that it is over `between_rests_s`.
-Noise noise_of(const Vector3d& gyro, const Vector3d& accel, const DeclaredNoise& declared, double between_rests_s);
+/// White noise densities of the calibrated output, per axis; slow noise; the standard deviation of the velocity after a block.
+struct Noise {
+  Vector3d gyro, accel;  ///< rad/s/sqrt(Hz), m/s^2/sqrt(Hz)
+  SlowNoise gyro_slow = {}, accel_slow = {};
+  double velocity = 0;  ///< m/s
+};
+
+/// With these densities, the other terms as declared, in a recording of this duration.
+Noise noise_of(const Vector3d& gyro, const Vector3d& accel, const DeclaredNoise& declared, double duration_s);
 
 /// Errors of attitude [rad] and velocity [m/s].
 using Errors6 = Eigen::Matrix<double, 6, 1>;

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <cmath>
 
 namespace imulab::in_place {
 
@@ -30,12 +31,15 @@ double interval(const Recording& r, std::size_t i, const Block& block) {
 
 }  // namespace
 
-Recording compensated(const Recording& recording, const std::vector<Block>& blocks, const SensorModel& model) {
+Recording compensated(const Recording& recording, const std::vector<Block>& blocks, const SensorModel& model, double delay) {
   Recording r = compensate(model, recording).recording;
   if (model.lever_arm.isZero()) return r;
+  const double late = std::clamp(delay / r.interval_s, -1.0, 1.0);
+  const auto effect_at = [&](std::size_t i) { return Vector3d(size_effect(row(r.gyro, i), angular_acceleration(r, i), model.lever_arm)); };
   for (const Block& block : blocks)
     for (std::size_t i = block.samples.begin; i < block.samples.end && !block.at_rest; ++i) {
-      const Vector3d effect = size_effect(row(r.gyro, i), angular_acceleration(r, i), model.lever_arm);
+      const std::size_t neighbor = late > 0 ? std::max<std::size_t>(i, 1) - 1 : std::min(i + 1, r.size() - 1);
+      const Vector3d effect = (1 - std::abs(late)) * effect_at(i) + std::abs(late) * effect_at(neighbor);
       for (std::size_t j = 0; j < 3; ++j) r.accel[j][i] -= effect[static_cast<Index>(j)];
     }
   return r;

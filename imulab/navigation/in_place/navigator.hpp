@@ -7,9 +7,10 @@
 
 namespace imulab::in_place {
 
-/// The recording without its model's errors. Lever arms are removed from the motions; at rest there is no size effect, and what the gyros' noise
-/// would make of one is correlated with what it does to the attitude.
-Recording compensated(const Recording& recording, const std::vector<Block>& blocks, const SensorModel& model);
+/// The recording without its model's errors. Lever arms are removed from the motions, as accelerometers measure them that are behind the gyros by
+/// `delay` [s], at most a sample; at rest there is no size effect, and what the gyros' noise would make of one is correlated with what it does to the
+/// attitude.
+Recording compensated(const Recording& recording, const std::vector<Block>& blocks, const SensorModel& model, double delay = 0);
 
 /// The sums that only some error models need.
 struct OptionalSums {
