@@ -2,6 +2,7 @@
 #include "apps/imulab/command.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/estimate/method.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
 #include "imulab/estimate/turntable/tolerance.hpp"
 #include "imulab/io/result/prediction.hpp"
@@ -75,8 +76,27 @@ void predict_hybrid(const Options& options) {
   if (!missed.empty()) throw Unsupported(fmt::format("the requirements are not met: {}", shortfall_text(missed.front())));
 }
 
+/// By a method's own entry in the table of methods.
+void predict_by(const Method& chosen, const Options& options) {
+  const std::vector<Requirement> requirements = requirements_of(options);
+  const Session procedure = read_session(options.procedure);
+  errors_at(procedure.file, [&] { procedure.site.gravity(); });  // where neither g nor the latitude is known
+  const Prediction p = chosen.predict(procedure);
+  const std::vector<Shortfall> missed = shortfalls(p, requirements);
+  if (options.json)
+    fmt::print("{}", prediction_json(p, missed, {}));
+  else
+    fmt::print("Standard uncertainty of every coefficient by the {} method\n\n{}", chosen.name, prediction_table(p, requirements));
+  if (!p.undetermined.empty()) throw Unsupported(fmt::format("the procedure does not determine:{}", names_of(p.undetermined)));
+  if (missed.empty()) return;
+  std::string text;
+  for (const Shortfall& s : missed) text += (text.empty() ? "" : "; ") + shortfall_text(s);
+  throw Unsupported("the requirements are not met: " + text);
+}
+
 void run(const Options& options) {
   if (options.method == "hybrid") return predict_hybrid(options);
+  if (options.method != "turntable") return predict_by(method(options.method), options);
   const std::vector<Requirement> requirements = requirements_of(options);
   const Session procedure = read_session(options.procedure);
   errors_at(procedure.file, [&] { procedure.site.gravity(); });  // where neither g nor the latitude is known
@@ -120,8 +140,11 @@ void add_predict(Verb app) {
   const auto options = std::make_shared<Options>();
   Verb verb = app.verb("predict", "Predict the uncertainties of a calibration and what limits them");
   verb.option("procedure", options->procedure, "the procedure or session to predict").required();
-  verb.option("--method", options->method, "turntable, or hybrid (without the table's angles and without Monte Carlo)")
-      .one_of({"turntable", "hybrid"})
+  std::vector<std::string> names;
+  for (const Method& m : methods())
+    if (m.predict != nullptr) names.emplace_back(m.name);
+  verb.option("--method", options->method, "the method of the calibration; Monte Carlo and tolerances are of turntable alone")
+      .one_of(names)
       .show_default();
   verb.option("--require", options->require,
                    "requirements, as in \"gyro.matrix.off_diagonal <= 5 arcsec, accel.offset <= 20 ug\"; finds which table, "
@@ -133,7 +156,7 @@ void add_predict(Verb app) {
   verb.does([=] {
     for (const auto& [name, wanted] :
          {std::pair{"--runs", runs.given() && options->runs != 0}, {"--seed", seed.given()}, {"--classical", classical.given()}})
-      if (options->method == "hybrid" && wanted) throw Error(fmt::format("{}: belongs to --method turntable", name));
+      if (options->method != "turntable" && wanted) throw Error(fmt::format("{}: belongs to --method turntable", name));
     run(*options);
   });
 }

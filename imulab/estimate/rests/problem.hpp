@@ -18,6 +18,10 @@ struct SuspectRows {
   bool rotation = false;
 };
 
+/// What the two methods estimate: all that gravity at rest shows, with the gyros at rest; and with the rotations between the rests.
+std::vector<CoefficientIndex> static_coefficients(bool with_gyros);
+std::vector<CoefficientIndex> handheld_coefficients();
+
 class RestProblem {
  public:
   /// These terms go back to their prior value and stay there: considered.

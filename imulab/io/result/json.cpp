@@ -221,7 +221,7 @@ std::string prediction_json(const turntable::Prediction& p, const std::optional<
   return out.dump(2) + "\n";
 }
 
-std::string prediction_json(const hybrid::Prediction& p, const std::vector<Shortfall>& shortfalls, const std::optional<hybrid::Advice>& advice) {
+std::string prediction_json(const Prediction& p, const std::vector<Shortfall>& shortfalls, const std::optional<hybrid::Advice>& advice) {
   Json coefficients = Json::object(), undetermined = Json::array();
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
@@ -229,6 +229,8 @@ std::string prediction_json(const hybrid::Prediction& p, const std::vector<Short
   }
   for (const CoefficientIndex index : p.undetermined) undetermined.push_back(name_of(index));
   Json out{{"coefficients", std::move(coefficients)}, {"undetermined", std::move(undetermined)}};
+  for (const CoefficientIndex index : p.considered) out["considered"].push_back(name_of(index));
+  if (!p.notes.empty()) out["notes"] = p.notes;
   if (!shortfalls.empty()) out["not_met"] = to_json(shortfalls);
   if (advice) {
     Json direction = Json::array();

@@ -25,14 +25,14 @@ struct KnobAnswer {
 /// Standard uncertainties in SI, the shares of their sources, and the answers to requirements where there are any (docs/predict.md).
 std::string prediction_json(const turntable::Prediction& prediction, const std::optional<turntable::MonteCarloResult>& monte_carlo,
                             const std::vector<Shortfall>& shortfalls, const std::vector<KnobAnswer>& answers);
-/// Of the hybrid method; the advice where something is undetermined or not within its requirement.
-std::string prediction_json(const hybrid::Prediction& prediction, const std::vector<Shortfall>& shortfalls,
+/// Of the other methods; the hybrid method's advice where something is undetermined or not within its requirement.
+std::string prediction_json(const Prediction& prediction, const std::vector<Shortfall>& shortfalls,
                             const std::optional<hybrid::Advice>& advice);
 
 /// A row a coefficient: its uncertainty in user units, and the share of each source in its variance. Empty where no coefficient is determined.
 std::string prediction_table(const turntable::Prediction& prediction, const std::optional<turntable::MonteCarloResult>& monte_carlo);
 /// A row a coefficient: its uncertainty in user units, and beside it what is required, if anything is; then what is not determined.
-std::string prediction_table(const hybrid::Prediction& prediction, const std::vector<Requirement>& requirements);
+std::string prediction_table(const Prediction& prediction, const std::vector<Requirement>& requirements);
 
 /// Which requirements the plan does not meet as declared, and what table, timing and unit would meet them all.
 std::string tolerance_table(const turntable::Plan& plan, const std::vector<Shortfall>& missed, const std::vector<KnobAnswer>& answers);
