@@ -68,8 +68,8 @@ int run(std::vector<std::string> arguments) {
   app.name("imulab");
   app.require_subcommand(1);
   app.set_version_flag("--version", "imulab " IMULAB_VERSION);
-  for (const auto add : {add_procedure, add_simulate, add_calibrate, add_compensate, add_compare, add_verify, add_predict, add_plan, add_trajectory,
-                         add_navigate, add_budget, add_export, add_demo})
+  for (const auto add : {add_procedure, add_simulate, add_calibrate, add_compensate, add_compare, add_verify, add_predict, add_plan, add_live,
+                         add_trajectory, add_navigate, add_budget, add_export, add_demo})
     add(Verb(&app));
   app.failure_message(
       [](const CLI::App*, const CLI::Error& e) { return fmt::format("imulab: {}\nRun with --help for more information.\n", e.what()); });

@@ -23,4 +23,7 @@ const RecordingSource& choose_recording(const Session& session, const std::strin
 /// Raw data are never overwritten: throws Error where `output` is the session's file, one of its recordings, or one of `more`.
 void expect_inputs_stay(const std::string& output, const Session& session, std::vector<std::filesystem::path> more = {});
 
+/// A calibration or a recording is the work of hours: it is not replaced by accident. Throws Error where `output`, of that option, exists.
+void expect_free(const std::string& option, const std::string& output, bool force);
+
 }  // namespace imulab::command

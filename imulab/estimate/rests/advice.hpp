@@ -12,13 +12,13 @@ namespace imulab::rests {
 /// What the turns are for. Without requirements: to determine every coefficient that all IMUs have.
 struct Goal {
   std::vector<Requirement> requirements;
-  double rest_s = 4;  ///< of every rest to come
+  double rest_s = 4;     ///< of every rest to come
   std::size_t most = 3;  ///< turns at a time
 };
 
-/// Each turn is the one after which the sum of the logarithms of uncertainty over requirement (those above one) is smallest, of turns about horizontal axes
-/// until a face, an edge or a corner of the unit points up, the short or the long way. The information of what was measured is that of the fit, with
-/// its spreads; of what is to come that of the same conditions. Ends where everything is reached.
+/// Each turn is the one after which the sum of the logarithms of uncertainty over requirement (where that is not yet reached) is smallest, of turns
+/// about horizontal axes until a face, an edge or a corner of the unit points up, the short or the long way. The information of what was measured is
+/// that of the fit, with its spreads; of what is to come that of the same conditions. Ends where everything is reached.
 std::vector<HandTurn> next_turns(HandheldProblem problem, const Fit& fit, const kernel::RestStart& start, const Site& site, const Goal& goal);
 
 /// The turn after that many rests of which the data say nothing yet: the six faces in turn.

@@ -113,6 +113,10 @@ void RestProblem::hold(const std::vector<Index>& unseen) {
   for (const Index i : unseen) roles_[static_cast<std::size_t>(i)] = kernel::Role::considered;
 }
 
+void RestProblem::release() {
+  for (std::size_t i = 0; i < roles_.size(); ++i) roles_[i] = unstated_[i] ? kernel::Role::considered : kernel::Role::estimated;
+}
+
 void RestProblem::correct_coefficients(const VectorXd& correction) {
   for (std::size_t i = 0; i < indices_.size(); ++i)
     set_coefficient(model_, indices_[i], coefficient_value(model_, indices_[i]) + correction[static_cast<Index>(i)]);
