@@ -77,6 +77,19 @@ TEST(Methods, EveryOneGivesACalibrationWithItsCovarianceAndVerdict) {
   }
 }
 
+TEST(Methods, EveryOnePredictsWhatItWillEstimate) {
+  for (const Method& method : methods()) {
+    SCOPED_TRACE(method.name);
+    const Session& procedure = example(method.name).session;
+    const Prediction p = method.predict(procedure);
+    EXPECT_EQ(p.sigma.size(), std::ssize(p.coefficients));
+    EXPECT_EQ(p.cramer_rao.size(), std::ssize(p.coefficients));
+    EXPECT_GT(p.sigma.minCoeff(), 0);
+    EXPECT_TRUE(shortfalls(p, parse_requirements("accel.offset <= 1 g, accel.matrix <= 10 %")).empty());
+    EXPECT_FALSE(shortfalls(p, parse_requirements("accel.offset <= 0.00001 ug")).empty());
+  }
+}
+
 TEST(Methods, EveryOneHasAnAcceptanceCase) {
   for (const Method& method : methods()) {
     const auto of_method = [&](const acceptance::Case& c) { return c.method == method.name; };

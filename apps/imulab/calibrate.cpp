@@ -6,6 +6,7 @@
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/recording/file.hpp"
 #include "imulab/io/result/calibration.hpp"
+#include "imulab/io/result/live.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/model/coefficient.hpp"
@@ -15,7 +16,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -59,12 +59,14 @@ std::vector<Recording> read_recordings(Session& session, const Method& method, c
   return recordings;
 }
 
-CalibrationOptions options_of(const CalibrateArguments& arguments, const Method& method, const std::vector<Recording>& recordings) {
+CalibrationOptions options_of(const CalibrateArguments& arguments, const Method& method, const std::vector<Recording>& recordings,
+                              const std::vector<Requirement>& requirements = {}) {
   if (arguments.stepwise && !method.takes_stepwise) throw Error("--stepwise: only the method whole-unit has steps");
   if (!arguments.curves.empty() && !method.takes_curves) throw Error("--curves: only the method hybrid has convergence curves");
   if (arguments.terms == "full" && !method.takes_full) throw Error("--terms full: only the method whole-unit takes it");
   CalibrationOptions options;
   options.terms = parse_terms(arguments.terms);
+  options.handheld.requirements = requirements;
   options.whole_unit = {.full = arguments.terms == "full", .stepwise = arguments.stepwise};
   constexpr double points = 500;  // of a curve: enough for a screen
   if ((!arguments.curves.empty() || !arguments.report.empty()) && method.takes_curves && !recordings.empty())
@@ -78,12 +80,6 @@ std::map<std::string, std::string> options_used(const CalibrateArguments& argume
   if (!arguments.recording.empty()) used["recording"] = arguments.recording;
   if (arguments.stepwise) used["stepwise"] = "true";
   return used;
-}
-
-/// A calibration is the work of hours: it is not replaced by accident.
-void expect_free(const std::string& output, bool force) {
-  if (output.empty() || output == "-" || force || !std::filesystem::is_regular_file(output)) return;
-  throw Error(fmt::format("-o {}: exists; expected a new file, or --force to replace it", output));
 }
 
 std::string report_of(const CalibrationResult& result, const Session& session, const std::vector<Recording>& recordings) {
@@ -102,13 +98,13 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
   Session session = read_session(arguments.session);
   for (const std::string& output : {arguments.output, arguments.curves, arguments.report}) expect_inputs_stay(output, session);
   expect_others_stay(arguments.report, {arguments.output, arguments.curves});
-  expect_free(arguments.output, arguments.force);
+  expect_free("-o", arguments.output, arguments.force);
   errors_at(session.file + ": [site]", [&] { session.site.gravity(); });  // if neither gravity nor the latitude is known
   std::vector<std::string> warnings;
   const std::vector<Recording> recordings = read_recordings(session, chosen, arguments.recording, warnings);
   CalibrationResult result;
   try {
-    result = imulab::calibrate(chosen, {session, recordings}, options_of(arguments, chosen, recordings));
+    result = imulab::calibrate(chosen, {session, recordings}, options_of(arguments, chosen, recordings, requirements));
   } catch (const TermsError& e) {
     throw Error(fmt::format("--terms: {}", e.what()));
   }
@@ -126,14 +122,16 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
 }
 
 /// Throws Unsupported, exit code 1, where the result is not what was asked for; it has been written all the same.
-void expect_supported(const Quality& quality) {
+void expect_supported(const CalibrationResult& result) {
+  const Quality& quality = result.calibration.quality;
+  const std::string missing = result.missing_turns.empty() ? "" : "\n  what helps most: " + turns_text(result.missing_turns);
   if (!quality.converged) throw Unsupported("the fit did not converge: neither its values nor its uncertainties can be relied on");
   std::string list;
   for (const std::string& name : quality.unobservable) list += " " + name;
-  if (!list.empty()) throw Unsupported(fmt::format("the data do not determine:{}; they keep their starting values", list));
+  if (!list.empty()) throw Unsupported(fmt::format("the data do not determine:{}; they keep their starting values{}", list, missing));
   for (const RequirementResult& r : quality.requirements)
     if (!r.met) list += fmt::format("{}{}", list.empty() ? "" : ", ", r.text);
-  if (!list.empty()) throw Unsupported("not reached: " + list);
+  if (!list.empty()) throw Unsupported("not reached: " + list + missing);
 }
 
 }  // namespace
@@ -175,7 +173,7 @@ void add_calibrate(Verb app) {
       if (a->verbose) print("\n" + calibration_details(calibration, result.coarse ? &*result.coarse : nullptr));
       fmt::print("\n{}\n", a->output.empty() ? "not saved: no -o FILE was given" : "written: " + a->output);
     }
-    expect_supported(calibration.quality);
+    expect_supported(result);
   });
 }
 

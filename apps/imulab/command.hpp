@@ -67,6 +67,7 @@ void add_compare(Verb app);
 void add_verify(Verb app);
 void add_predict(Verb app);
 void add_plan(Verb app);
+void add_live(Verb app);
 void add_trajectory(Verb app);
 void add_navigate(Verb app);
 void add_budget(Verb app);

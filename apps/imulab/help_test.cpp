@@ -10,7 +10,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::vector<std::string> verbs{"calibrate", "compare", "verify",     "procedure", "procedure hand-held", "procedure dai-unit", "simulate", "predict",
+const std::vector<std::string> verbs{"calibrate", "live", "compare", "verify", "report",     "procedure", "procedure hand-held", "procedure dai-unit", "simulate", "predict",
                                      "plan",      "compensate", "export", "trajectory", "navigate", "budget", "demo", "help"};
 
 TEST(Help, FitsATerminal) {
@@ -39,9 +39,9 @@ TEST(Help, EachVerbHasAnExampleThatItsParserAccepts) {
   for (const std::string& verb : verbs) {
     if (verb.starts_with("procedure") || verb == "demo" || verb == "help") continue;
     const std::string text = run_imulab(folder, "help " + verb).output;
-    const std::size_t at = text.find("  imulab " + verb);
+    const std::size_t at = text.find("imulab " + verb + " ", text.find("\nexample"));
     ASSERT_NE(at, std::string::npos) << verb;
-    const std::string example = text.substr(at + 9, text.find('\n', at) - at - 9);
+    const std::string example = text.substr(at + 7, text.find('\n', at) - at - 7);
     EXPECT_THAT(run_imulab(folder, example).errors, Not(HasSubstr("--help explains"))) << example;
   }
 }

@@ -3,6 +3,7 @@
 #include "apps/imulab/report.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/estimate/method.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
 #include "imulab/estimate/turntable/tolerance.hpp"
 #include "imulab/io/result/prediction.hpp"
@@ -57,17 +58,33 @@ std::string names_of(const std::vector<CoefficientIndex>& coefficients) {
   return names;
 }
 
-void predict_hybrid(const Options& options) {
+/// The turns that help most, where something is undetermined or not within its requirement.
+std::optional<hybrid::Advice> advice_for(const hybrid::Plan& plan, const hybrid::Prediction& p, const std::vector<Shortfall>& missed,
+                                         const std::vector<Requirement>& requirements) {
+  if (missed.empty() && p.undetermined.empty()) return std::nullopt;
+  return advise(plan, p, missed.empty() ? std::vector<Requirement>{} : requirements);
+}
+
+/// By any method but turntable, which has shares, Monte Carlo and tolerances.
+void predict_by(const Method& chosen, const Options& options) {
   const std::vector<Requirement> requirements = requirements_of(options);
   const Session procedure = read_session(options.procedure);
   expect_others_stay(options.report, {procedure.file});
   errors_at(procedure.file, [&] { procedure.site.gravity(); });  // where neither g nor the latitude is known
-  const hybrid::Plan plan = hybrid::plan_of(procedure);
-  errors_at("--require", [&] { expect_estimated(requirements, plan); });
-  const hybrid::Prediction p = predict(plan);
-  const std::vector<Shortfall> missed = shortfalls(p, requirements);
+  Prediction p;
+  std::vector<Shortfall> missed;
   std::optional<hybrid::Advice> advice;
-  if (!missed.empty() || !p.undetermined.empty()) advice = advise(plan, p, missed.empty() ? std::vector<Requirement>{} : requirements);
+  if (chosen.name == "hybrid") {
+    const hybrid::Plan plan = hybrid::plan_of(procedure);
+    errors_at("--require", [&] { expect_estimated(requirements, plan); });
+    const hybrid::Prediction own = predict(plan);
+    missed = shortfalls(own, requirements);
+    advice = advice_for(plan, own, missed, requirements);
+    p = own;
+  } else {
+    p = chosen.predict(procedure);
+    missed = shortfalls(p, requirements);
+  }
   if (!options.report.empty()) {
     PredictionSummary summary{.coefficients = p.coefficients, .undetermined = p.undetermined, .sigma = p.sigma, .cramer_rao = p.cramer_rao, .missed = missed};
     if (advice) summary.advice = advice->turns;
@@ -81,12 +98,12 @@ void predict_hybrid(const Options& options) {
     for (const Shortfall& s : missed) fmt::print("{}", text::wrapped("", shortfall_text(s)));
   }
   if (!p.undetermined.empty())
-    throw Unsupported(fmt::format("the procedure does not determine:{}\n  {}", names_of(p.undetermined), turns_text(*advice)));
+    throw Unsupported(fmt::format("the procedure does not determine:{}{}", names_of(p.undetermined), advice ? "; " + turns_text(*advice) : ""));
   if (!missed.empty()) throw Unsupported(fmt::format("the requirements are not met: {}", shortfall_text(missed.front())));
 }
 
 void run(const Options& options) {
-  if (options.method == "hybrid") return predict_hybrid(options);
+  if (options.method != "turntable") return predict_by(method(options.method), options);
   const std::vector<Requirement> requirements = requirements_of(options);
   const Session procedure = read_session(options.procedure);
   expect_others_stay(options.report, {procedure.file});
@@ -138,8 +155,11 @@ void add_predict(Verb app) {
   const auto options = std::make_shared<Options>();
   Verb verb = app.verb("predict", "Predict the uncertainties of a calibration and what limits them");
   verb.option("procedure", options->procedure, "the procedure or session to predict").required();
-  verb.option("--method METHOD", options->method, "turntable, or hybrid (without the table's angles and without Monte Carlo)")
-      .one_of({"turntable", "hybrid"})
+  std::vector<std::string> names;
+  for (const Method& m : methods())
+    if (m.predict != nullptr) names.emplace_back(m.name);
+  verb.option("--method METHOD", options->method, "the method of the calibration; Monte Carlo and tolerances are of turntable alone")
+      .one_of(names)
       .show_default();
   verb.option("--require LIMITS", options->require,
                    "requirements, as in \"gyro.matrix.off_diagonal <= 5 arcsec, accel.offset <= 20 ug\"; finds which table, "
@@ -155,7 +175,7 @@ void add_predict(Verb app) {
   verb.does([=] {
     for (const auto& [name, wanted] :
          {std::pair{"--runs", runs.given() && options->runs != 0}, {"--seed", seed.given()}, {"--classical", classical.given()}})
-      if (options->method == "hybrid" && wanted) throw Error(fmt::format("{}: belongs to --method turntable", name));
+      if (options->method != "turntable" && wanted) throw Error(fmt::format("{}: belongs to --method turntable", name));
     run(*options);
   });
 }

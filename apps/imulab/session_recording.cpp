@@ -66,4 +66,9 @@ void expect_inputs_stay(const std::string& output, const Session& session, std::
       throw Error(fmt::format("-o {}: would overwrite {}; expected another file", output, input.string()));
 }
 
+void expect_free(const std::string& option, const std::string& output, bool force) {
+  if (output.empty() || output == "-" || force || !std::filesystem::is_regular_file(output)) return;
+  throw Error(fmt::format("{} {}: exists; expected a new file, or --force to replace it", option, output));
+}
+
 }  // namespace imulab::command

@@ -26,5 +26,7 @@ void expect_inputs_stay(const std::string& output, const Session& session, std::
 /// The session's file of a calibration: as `given` (a folder or a file), else where the calibration names it, from here or from the calibration's
 /// folder, else beside the calibration; the recorded name where none of these is a file.
 std::filesystem::path find_session(const std::string& given, const std::string& calibration_file, const std::string& recorded);
+/// A calibration or a recording is the work of hours: it is not replaced by accident. Throws Error where `output`, of that option, exists.
+void expect_free(const std::string& option, const std::string& output, bool force);
 
 }  // namespace imulab::command

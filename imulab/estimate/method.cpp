@@ -16,6 +16,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -24,20 +26,21 @@ namespace imulab {
 namespace {
 
 constexpr std::array all{
-    Method{.name = "handheld", .summary = "from rests and the rotations between them", .calibrate = rests::calibrate_handheld},
+    Method{.name = "handheld", .summary = "from rests and the rotations between them", .calibrate = rests::calibrate_handheld, .predict = rests::predict_handheld},
     Method{.name = "hybrid",
            .summary = "from rests and turns in one place, without a table's angles",
            .takes_curves = true,
            .calibrate = hybrid::calibrate,
            .predict = hybrid::predict},
-    Method{.name = "static", .summary = "from rests alone", .calibrate = rests::calibrate_static},
+    Method{.name = "static", .summary = "from rests alone", .calibrate = rests::calibrate_static, .predict = rests::predict_static},
     Method{.name = "turntable", .summary = "from the table's angles", .calibrate = turntable::calibrate, .predict = turntable::predict},
     Method{.name = "whole-unit",
            .summary = "from chamber, rate table and centrifuge, all recordings together",
            .takes_several = true,
            .takes_full = true,
            .takes_stepwise = true,
-           .calibrate = whole_unit::calibrate},
+           .calibrate = whole_unit::calibrate,
+           .predict = whole_unit::predict},
 };
 
 /// Moves the steps of recordings whose rig's log has another clock; says so.
@@ -76,6 +79,33 @@ std::vector<Recording> correct_stamps(const CalibrationInput& input, std::vector
 }  // namespace
 
 std::span<const Method> methods() { return all; }
+
+Prediction prediction_of(const Calibration& calibration) {
+  Prediction out{calibration.estimated, {}, calibration.covariance.diagonal().cwiseSqrt(), {}};
+  out.cramer_rao = out.sigma;
+  for (const std::string& name : calibration.quality.unobservable) out.undetermined.push_back(coefficient_index(name));
+  for (const std::string& name : calibration.quality.considered)
+    if (const CoefficientIndex index = coefficient_index(name); contains(out.coefficients, index)) out.considered.push_back(index);
+  return out;
+}
+
+std::vector<Shortfall> shortfalls(const Prediction& p, const std::vector<Requirement>& requirements) {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  std::vector<Shortfall> out;
+  std::vector<CoefficientIndex> named;
+  for (const Requirement& r : requirements)
+    for (const CoefficientIndex index : r.coefficients) {
+      if (contains(named, index)) continue;
+      const Coefficient& c = coefficient(index);
+      const auto found = std::find(p.coefficients.begin(), p.coefficients.end(), index);
+      const bool fixed = c.triad == Triad::accel && c.term == Term::matrix && c.column > c.row && !contains(p.undetermined, index);
+      const double sigma = found != p.coefficients.end() ? p.sigma[found - p.coefficients.begin()] : fixed ? 0 : infinite;
+      if (sigma <= r.limit) continue;
+      out.push_back({r, index, sigma, std::isinf(sigma) ? "the procedure does not determine it" : ""});
+      named.push_back(index);
+    }
+  return out;
+}
 
 const Method& method(std::string_view name, std::span<const Method> table) {
   std::string names;

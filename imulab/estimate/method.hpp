@@ -2,6 +2,7 @@
 #pragma once
 
 #include "imulab/model/calibration.hpp"
+#include "imulab/model/requirement.hpp"
 #include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"
 
@@ -27,6 +28,11 @@ struct CalibrationOptions {
   double significance = 0.01;           ///< an optional term is kept if chance explains it with at most this probability
   double outlier_level = 1e-3;          ///< probability of dropping anything from good data
 
+  struct Handheld {
+    std::vector<Requirement> requirements = {};  ///< what the calibration is for: where it is not reached, the result names the turns that are missing
+    std::size_t advised_turns = 3;               ///< so many of them at most
+    double rest_s = 4;                           ///< of a rest to come
+  } handheld;
   struct Turntable {
     bool bias_while_turning = false;  ///< the gyros' bias in turns is a separate unknown, and W0 is that of the holds alone, as Zhang estimates it
   } turntable;
@@ -45,20 +51,37 @@ struct ConvergenceCurve {
   std::vector<double> residual, sigma;
 };
 
+/// A turn by hand from one rest to the next: about `axis` (body axes, right-handed) by `angle` [rad], until `up` (body axes) points up.
+struct HandTurn {
+  Eigen::Vector3d axis, up;
+  double angle = 0;
+};
+
 struct CalibrationResult {
   Calibration calibration;
   std::optional<SensorModel> coarse = {};  ///< the start of the fit, if that is a result of its own (hybrid: Cheng 2014 table 1)
   std::vector<double> curve_time = {};     ///< s of the recording's clock
   std::vector<ConvergenceCurve> curves = {};
   int iterations = 0;
+  std::vector<HandTurn> missing_turns = {};  ///< that would help most, in their order, each with a rest after it (handheld)
 };
 
 /// Standard uncertainties to come, before any data. SI.
 struct Prediction {
   std::vector<CoefficientIndex> coefficients, undetermined;
-  Eigen::VectorXd sigma;       ///< of each of `coefficients`
-  Eigen::VectorXd cramer_rao;  ///< Cramer-Rao bound
+  Eigen::VectorXd sigma;           ///< of each of `coefficients`
+  Eigen::VectorXd cramer_rao;      ///< Cramer-Rao bound
+  Eigen::VectorXd remaining = {};  ///< sigma of each of `undetermined`; empty: not known
+  std::vector<CoefficientIndex> considered = {};  ///< of `coefficients`: the procedure says nothing of them, and their prior counts in the others
+  std::vector<std::string> notes = {};            ///< why something is not calibrated
 };
+
+/// Of a calibration of ideal readings.
+Prediction prediction_of(const Calibration& calibration);
+
+/// In the order of the requirements: the coefficients that exceed them, each once; sigma is infinite where one is not determined. Those that the
+/// accelerometers' frame fixes at zero do not count.
+std::vector<Shortfall> shortfalls(const Prediction& prediction, const std::vector<Requirement>& requirements);
 
 struct Method {
   std::string_view name;       ///< "handheld"

@@ -109,6 +109,32 @@ Recording convert_readings(Columns3 gyro, Columns3 accel, RecordingOptions optio
   return recording;
 }
 
+void append(Recording& all, const Recording& piece, const Range& samples) {
+  const auto add = [&](auto& to, const auto& from) {
+    if (!from.empty())
+      to.insert(to.end(), from.begin() + static_cast<std::ptrdiff_t>(samples.begin), from.begin() + static_cast<std::ptrdiff_t>(samples.end));
+  };
+  const std::size_t before = all.size();
+  if (before == 0) {
+    all = piece;
+    all.time_ns.clear(), all.saturated.clear();
+    for (Columns3* triad : {&all.gyro, &all.accel, &all.gyro_temperature, &all.accel_temperature})
+      for (auto& column : *triad) column.clear();
+  }
+  add(all.time_ns, piece.time_ns);
+  for (const auto triad : {&Recording::gyro, &Recording::accel, &Recording::gyro_temperature, &Recording::accel_temperature})
+    for (std::size_t axis = 0; axis < 3; ++axis) add((all.*triad)[axis], (piece.*triad)[axis]);
+  for (const std::size_t i : piece.saturated)
+    if (i >= samples.begin && i < samples.end) all.saturated.push_back(before + i - samples.begin);
+}
+
+Recording completed(Recording all, const RecordingOptions& options) {
+  all.interval_s = nominal_interval(all.time_ns, options);
+  add_clipped(all, options);
+  all.gaps = find_gaps(all.time_ns, all.interval_s);
+  return all;
+}
+
 Recording make_recording(std::vector<std::int64_t> time_ns, Columns3 gyro, Columns3 accel, RecordingOptions options) {
   check_options(options.gyro, Quantity::gyro, options.name + ": gyro");
   check_options(options.accel, Quantity::accel, options.name + ": accel");

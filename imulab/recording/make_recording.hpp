@@ -42,4 +42,9 @@ Columns3 three_columns(std::vector<std::vector<double>> columns);
 /// The readings alone, without stamps, gaps and checks: for pieces of a recording. `interval_s` counts for increments only.
 Recording convert_readings(Columns3 gyro, Columns3 accel, RecordingOptions options);
 
+/// Appends samples of such a piece, with their stamps, to a recording that grows.
+void append(Recording& all, const Recording& piece, const Range& samples);
+/// What only the whole shows: the interval where none is declared, gaps, and channels that clip. `all` is that of `append` alone.
+Recording completed(Recording all, const RecordingOptions& options);
+
 }  // namespace imulab

@@ -2,6 +2,8 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/rig/ideal_recording.hpp"
+#include "imulab/rig/thermal_scale.hpp"
 
 #include <fmt/core.h>
 
@@ -186,6 +188,36 @@ MachinePoints machine_points(std::span<const Recording> recordings, const Sessio
   points.thermal_variance = temperature.sample / std::max(temperature.points, 1.0);
   compare_blocks(points, raw);
   find_thermal_ranges(points, session);
+  return points;
+}
+
+MachinePoints planned_points(const Session& procedure, const Vector6d& variance) {
+  if (procedure.recordings.empty()) throw Error(procedure.file + ": no recordings; expected one for each machine");
+  MachinePoints points;
+  points.interval_s = 1 / procedure.recordings.front().rate_hz.value_or(default_sample_rate);
+  points.correlation.setOnes(), points.thermal_variance.setZero();
+  for (std::size_t r = 0; r < procedure.recordings.size(); ++r) {
+    const RecordingSource& source = procedure.recordings[r];
+    double celsius = room_temperature;
+    std::size_t number = 0;
+    for (const Step& step : machine_steps(procedure, source)) {
+      const auto samples = static_cast<std::size_t>(std::floor((step.end - step.start) / points.interval_s * (1 + 1e-12)));
+      MachinePoint point{r, ++number, procedure.rig_of(source)->kind, step, samples, {}, variance, {}, {}};
+      if (samples < 2) throw Error(fmt::format("{}: {}: {} samples; expected two or more", procedure.file, point.name(procedure), samples));
+      const Motion motion = steady_motion(step, procedure.site);
+      point.raw << motion.force, motion.rate;
+      celsius = step.temperature.value_or(celsius);
+      for (const bool accel : {true, false}) {
+        const std::optional<ThermalSource>& thermal = accel ? source.accel_temperature : source.gyro_temperature;
+        const double unread = step.temperature.value_or(std::numeric_limits<double>::quiet_NaN());
+        point.temperature.segment<3>(accel ? 0 : 3).setConstant(thermal ? thermal_scale(*thermal).reading(celsius) : unread);
+        if (thermal) points.thermal_variance.segment<3>(accel ? 0 : 3).setConstant(thermal->noise * thermal->noise);
+      }
+      points.all.push_back(std::move(point));
+    }
+  }
+  if (points.all.empty()) throw Error(procedure.file + ": no steps; expected those of the machines");
+  find_thermal_ranges(points, procedure);
   return points;
 }
 

@@ -60,6 +60,10 @@ struct MachinePoints {
 /// left.
 MachinePoints machine_points(std::span<const Recording> recordings, const Session& session);
 
+/// The points of a procedure, before any data: the exact means of an ideal IMU with these variances of a sample of force and rate, its temperatures
+/// those of the set points. Throws as machine_points does.
+MachinePoints planned_points(const Session& procedure, const Vector6d& variance);
+
 /// "3 of the chamber's points had not settled (up to 0.2 K/min; the first: NAME)"; empty where all had.
 std::string unsettled_points(const MachinePoints& points, const Session& session);
 

@@ -52,15 +52,6 @@ TemperatureProfile::State TemperatureProfile::at(double t) const {
   return in(after == segments_.begin() ? *after : *(after - 1), t);
 }
 
-ThermalScale thermal_scale(const std::string& unit) { return {unit == "K" ? 298.15 : 25, 1}; }
-
-ThermalScale thermal_scale(const ThermalSource& source) {
-  if (source.at_25_degC && source.per_K) return {*source.at_25_degC, *source.per_K};
-  if (source.unit == "raw")
-    throw Error("a thermal reading in \"raw\"; expected its value at 25 degC and its change per K, or a reading in degC or K");
-  return thermal_scale(source.unit);
-}
-
 std::vector<TemperatureProfile::State> temperatures_at(std::span<const Range> samples, const TemperatureProfile& profile, double interval_s) {
   std::vector<TemperatureProfile::State> out;
   for (const Range& range : samples)

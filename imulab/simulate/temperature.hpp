@@ -9,6 +9,7 @@
 #include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"
 #include "imulab/rig/motion.hpp"
+#include "imulab/rig/thermal_scale.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -17,8 +18,6 @@
 #include <vector>
 
 namespace imulab::simulate {
-
-inline constexpr double room_temperature = 25;  ///< degC: of an IMU whose first step has no set point
 
 /// Temperatures as functions of time, in closed form.
 class TemperatureProfile {
@@ -42,17 +41,6 @@ class TemperatureProfile {
   double time_constant_ = 0, hysteresis_ = 0;
   std::vector<Segment> segments_;
 };
-
-/// A reading as a linear function of the temperature.
-struct ThermalScale {
-  double at_25_degC = 25, per_K = 1;
-  double reading(double degC) const { return at_25_degC + per_K * (degC - 25); }
-};
-
-/// As a sensor declares it; else degC and K themselves. Throws Error for raw readings without a declaration.
-ThermalScale thermal_scale(const ThermalSource& source);
-/// Of readings in degC or K.
-ThermalScale thermal_scale(const std::string& unit);
 
 /// At the middles of these samples.
 std::vector<TemperatureProfile::State> temperatures_at(std::span<const Range> samples, const TemperatureProfile& profile, double interval_s);

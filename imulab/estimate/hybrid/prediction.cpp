@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace imulab::hybrid {
 
@@ -45,7 +44,7 @@ Prediction predict(const Plan& plan) {
   const Iterate pass = repeated(data, first_iterate(data, plan.terms));
   const Errors errors = determined_errors(pass);
 
-  Prediction out{{errors.coefficients, errors.open, {}, {}}, {}, pass.states, pass.pass.covariance, pose_at_end(plan.procedure.steps)};
+  Prediction out{{errors.coefficients, errors.open, {}, {}}, pass.states, pass.pass.covariance, pose_at_end(plan.procedure.steps)};
   const MatrixXd jacobian = correction_jacobian(SensorModel{}, out.coefficients, out.states);
   const Index n = out.states.constants();
   out.sigma = (jacobian * errors.covariance * jacobian.transpose()).diagonal().cwiseSqrt();
@@ -55,22 +54,6 @@ Prediction predict(const Plan& plan) {
 }
 
 imulab::Prediction predict(const Session& procedure) { return predict(plan_of(procedure)); }
-
-std::vector<Shortfall> shortfalls(const Prediction& p, const std::vector<Requirement>& requirements) {
-  constexpr double infinite = std::numeric_limits<double>::infinity();
-  std::vector<Shortfall> out;
-  std::vector<CoefficientIndex> named;
-  for (const Requirement& r : requirements)
-    for (const CoefficientIndex index : r.coefficients) {
-      if (contains(named, index)) continue;
-      const auto found = std::find(p.coefficients.begin(), p.coefficients.end(), index);
-      const double sigma = found != p.coefficients.end() ? p.sigma[found - p.coefficients.begin()] : contains(p.undetermined, index) ? infinite : 0;
-      if (sigma <= r.limit) continue;
-      out.push_back({r, index, sigma, std::isinf(sigma) ? "the procedure does not determine it" : ""});
-      named.push_back(index);
-    }
-  return out;
-}
 
 void expect_estimated(const std::vector<Requirement>& requirements, const Plan& plan) {
   for (const Requirement& r : requirements) {

@@ -28,7 +28,6 @@ Plan plan_of(const Session& procedure);
 
 /// Determined and undetermined coefficients as in `calibrate`; `cramer_rao` is sigma where nothing is left undetermined.
 struct Prediction : imulab::Prediction {
-  Eigen::VectorXd remaining;  ///< the remaining sigma of each of `undetermined`, SI
   States states;
   Eigen::MatrixXd covariance;  ///< of the filter's states at the end
   PoseOnTable end;             ///< there
@@ -40,8 +39,6 @@ Prediction predict(const Plan& plan);
 /// The same, for the table of methods.
 imulab::Prediction predict(const Session& procedure);
 
-/// In the order of the requirements: the coefficients that exceed them, each once; sigma is infinite if not determined.
-std::vector<Shortfall> shortfalls(const Prediction& prediction, const std::vector<Requirement>& requirements);
 /// Throws Error where a required coefficient is not among those that the method estimates.
 void expect_estimated(const std::vector<Requirement>& requirements, const Plan& plan);
 

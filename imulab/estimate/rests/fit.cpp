@@ -54,6 +54,23 @@ std::vector<char> stated(const RestProblem& problem, const Eigen::MatrixXd& cova
 
 }  // namespace
 
+Eigen::MatrixXd raw_covariance(const kernel::RestStart& start, const RestProblem& problem, Eigen::MatrixXd covariance, const Site& site) {
+  const std::vector<CoefficientIndex>& indices = problem.indices();
+  for (Index i = 0; i < covariance.rows(); ++i)  // about the center of the readings, and nothing that a shift to their zero could carry along
+    if (problem.unstated(static_cast<std::size_t>(i))) covariance.row(i).setZero(), covariance.col(i).setZero();
+  covariance = covariance_after([&](const SensorModel& m) { return to_raw(m, start.scaling); }, indices, covariance);
+  // g is the scale: accelerations are proportional to it, g-sensitivity inversely.
+  const SensorModel raw = to_raw(problem.model(), start.scaling);
+  VectorXd by_gravity = VectorXd::Zero(covariance.rows());
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    const Coefficient& c = coefficient(indices[i]);
+    const double value = coefficient_value(raw, indices[i]);
+    by_gravity[static_cast<Index>(i)] = c.triad == Triad::accel ? value : c.term == Term::g_sensitivity ? -value : 0;
+  }
+  const double relative = kernel::gravity_source(site).relative;
+  return covariance + relative * relative * by_gravity * by_gravity.transpose();
+}
+
 Calibration calibration_of(std::string_view method, const kernel::RestStart& start, const RestProblem& problem, const Fit& fit,
                            const Session& session) {
   Calibration out;
@@ -61,24 +78,15 @@ Calibration calibration_of(std::string_view method, const kernel::RestStart& sta
   out.method = method;
   const std::vector<CoefficientIndex>& indices = problem.indices();
   const auto n = static_cast<Index>(indices.size());
-  Eigen::MatrixXd covariance = fit.excess * fit.excess * fit.covariance().topLeftCorner(n, n);
+  const Eigen::MatrixXd covariance = fit.excess * fit.excess * fit.covariance().topLeftCorner(n, n);
   const std::vector<char> kept = stated(problem, covariance, out.quality.warnings);
   SensorModel scaled = problem.model();
   for (std::size_t i = 0; i < indices.size(); ++i)
     if (!kept[i]) set_coefficient(scaled, indices[i], coefficient_value(problem.prior(), indices[i]));
   out.model = to_raw(scaled, start.scaling);
-  for (Index i = 0; i < n; ++i)  // about the center of the readings, and nothing that a shift to their zero could carry along
-    if (problem.unstated(static_cast<std::size_t>(i))) covariance.row(i).setZero(), covariance.col(i).setZero();
-  covariance = covariance_after([&](const SensorModel& m) { return to_raw(m, start.scaling); }, indices, covariance);
-
-  // g is the scale: accelerations are proportional to it, g-sensitivity inversely.
-  const UncertaintySource gravity = kernel::gravity_source(session.site);
-  VectorXd by_gravity = VectorXd::Zero(n);
   std::vector<Index> at;
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const Coefficient& c = coefficient(indices[i]);
-    const double value = coefficient_value(out.model, indices[i]);
-    by_gravity[static_cast<Index>(i)] = c.triad == Triad::accel ? value : c.term == Term::g_sensitivity ? -value : 0;
     if (is_optional(c.term) && (!kept[i] || fit.parameters.role[i] == kernel::Role::considered)) out.quality.considered.emplace_back(c.name);
     if (kept[i]) {
       at.push_back(static_cast<Index>(i));
@@ -87,13 +95,12 @@ Calibration calibration_of(std::string_view method, const kernel::RestStart& sta
       out.quality.unobservable.emplace_back(c.name);
     }
   }
-  covariance += gravity.relative * gravity.relative * by_gravity * by_gravity.transpose();
-  out.covariance = covariance(at, at);
+  out.covariance = raw_covariance(start, problem, covariance, session.site)(at, at);
   const kernel::Solution& under_noise = fit.under_noise.solution;
   out.quality.degrees_of_freedom = static_cast<int>(std::lround(under_noise.degrees_of_freedom));
   out.quality.chi2_per_dof = under_noise.chi2 / std::max(1.0, under_noise.degrees_of_freedom);
   out.quality.condition = kernel::condition_number(fit.conditions.information(), fit.parameters);
-  out.quality.sources.push_back(gravity);
+  out.quality.sources.push_back(kernel::gravity_source(session.site));
   out.quality.converged = fit.converged;
   return out;
 }

@@ -82,6 +82,21 @@ Fit fit_determined(Problem& problem) {
   return fit;
 }
 
+/// The same before any data, at a problem of ideal readings: what the estimate will be where the residuals are the noise's.
+template <class Problem>
+Fit foreseen(Problem& problem) {
+  Fit fit;
+  for (std::vector<Eigen::Index> hold;; problem.hold(hold)) {
+    fit.conditions = problem.conditions({});
+    fit.parameters = problem.parameters();
+    hold = problem.unseen_terms(fit.parameters, fit.covariance());
+    if (hold.empty()) break;
+  }
+  fit.adjustment = fit.under_noise = adjust(fit.conditions, fit.parameters);
+  fit.converged = true;
+  return fit;
+}
+
 /// A rest or a rotation that is left out.
 struct DroppedPart {
   bool rotation;
@@ -128,6 +143,9 @@ struct SuspectFit {
   bool may_drop(std::size_t) const { return true; }
   SuspectFit without(std::size_t) const { return *next; }
 };
+
+/// A covariance of the scaled model's coefficients as that of raw readings, with g's uncertainty.
+Eigen::MatrixXd raw_covariance(const kernel::RestStart& start, const RestProblem& problem, Eigen::MatrixXd covariance, const Site& site);
 
 /// Model, covariance and quality of a fit: raw units, g's uncertainty added, undetermined coefficients named.
 Calibration calibration_of(std::string_view method, const kernel::RestStart& start, const RestProblem& problem, const Fit& fit,

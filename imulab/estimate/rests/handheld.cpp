@@ -3,6 +3,7 @@
 #include "imulab/estimate/kernel/coarse.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
+#include "imulab/estimate/rests/advice.hpp"
 #include "imulab/estimate/rests/fit.hpp"
 #include "imulab/estimate/rests/handheld_problem.hpp"
 #include "imulab/estimate/rests/rests.hpp"
@@ -84,11 +85,7 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   start_gyro(start, recording);
   kernel::use_declared_gyro_noise(start, recording, session.imu);
   kernel::expect_terms(start, session.imu, session.site.gravity());
-  std::vector<CoefficientIndex> supplied = kernel::accel_coefficients();
-  for (const CoefficientIndex index :
-       select_each({"accel.quadratic", "accel.cubic", "gyro.offset", "gyro.matrix", "gyro.quadratic", "gyro.cubic", "gyro.g_sensitivity"}))
-    supplied.push_back(index);
-  const std::vector<CoefficientIndex> indices = kernel::choose_coefficients(start, options.terms, supplied, "handheld");
+  const std::vector<CoefficientIndex> indices = kernel::choose_coefficients(start, options.terms, handheld_coefficients(), "handheld");
 
   const HandheldProblem whole(recording, start, session.site, indices);
   auto cleaned = kernel::drop_suspects(SuspectFit(whole), options.outlier_level);
@@ -112,6 +109,8 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   if (quality.rotation_residual_deg.value_or(0) > 1)
     findings.doubt(fmt::format("held-out rotations are predicted no better than to {:.2g} deg", *quality.rotation_residual_deg));
   kernel::conclude(result.calibration, findings);
+  result.missing_turns = next_turns(problem, fit, start, session.site,
+                                    {options.handheld.requirements, options.handheld.rest_s, options.handheld.advised_turns});
   return result;
 }
 

@@ -25,6 +25,12 @@ class HandheldProblem : public RestProblem {
   /// Leaves out a rest (the rotations before and after it become one) or a rotation.
   void drop(std::size_t suspect);
 
+  /// As if the unit were turned further, about `axis` (body axes) by `angle` [rad], and then rested for `rest_s`, with the noise of the others. For
+  /// the information of a rest to come: not to be corrected or dropped from after this.
+  void extend(const Vector3d& axis, double angle, double rest_s);
+  /// Up at the last rest, body axes.
+  Vector3d last_up() const { return force_at(rests_.back()).normalized(); }
+
   std::size_t rotations() const;
   struct RotationRows {
     std::size_t block;   ///< of the rest before it

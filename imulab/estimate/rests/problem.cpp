@@ -1,5 +1,7 @@
 #include "imulab/estimate/rests/problem.hpp"
 
+#include "imulab/estimate/kernel/input.hpp"
+
 #include <fmt/core.h>
 
 #include <cmath>
@@ -36,6 +38,23 @@ bool bends_far_from_zero(const Coefficient& c, const Scaling& scaling) {
 }
 
 }  // namespace
+
+std::vector<CoefficientIndex> static_coefficients(bool with_gyros) {
+  std::vector<CoefficientIndex> out = kernel::accel_coefficients();
+  const auto add = [&](std::initializer_list<const char*> names) {
+    for (const char* name : names)
+      for (const CoefficientIndex index : select_coefficients(name)) out.push_back(index);
+  };
+  add({"accel.quadratic", "accel.cubic"});
+  if (with_gyros) add({"gyro.offset", "gyro.matrix", "gyro.g_sensitivity"});  // Earth's rate is far too small to show their nonlinearity
+  return out;
+}
+
+std::vector<CoefficientIndex> handheld_coefficients() {
+  std::vector<CoefficientIndex> out = static_coefficients(true);
+  for (const CoefficientIndex index : select_each({"gyro.quadratic", "gyro.cubic"})) out.push_back(index);
+  return out;
+}
 
 RestProblem::RestProblem(const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices)
     : rests_(start.rests),
@@ -92,6 +111,10 @@ VectorXd RestProblem::longest_coefficient_step(Index size) const {
 
 void RestProblem::hold(const std::vector<Index>& unseen) {
   for (const Index i : unseen) roles_[static_cast<std::size_t>(i)] = kernel::Role::considered;
+}
+
+void RestProblem::release() {
+  for (std::size_t i = 0; i < roles_.size(); ++i) roles_[i] = unstated_[i] ? kernel::Role::considered : kernel::Role::estimated;
 }
 
 void RestProblem::correct_coefficients(const VectorXd& correction) {

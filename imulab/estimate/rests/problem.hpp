@@ -18,10 +18,16 @@ struct SuspectRows {
   bool rotation = false;
 };
 
+/// What the two methods estimate: all that gravity at rest shows, with the gyros at rest; and with the rotations between the rests.
+std::vector<CoefficientIndex> static_coefficients(bool with_gyros);
+std::vector<CoefficientIndex> handheld_coefficients();
+
 class RestProblem {
  public:
   /// These terms go back to their prior value and stay there: considered.
   void hold(const std::vector<Eigen::Index>& unseen);
+  /// They are estimated again: rests to come may show them.
+  void release();
   /// Of a coefficient of scaled readings: offsets 20 % of g and 1 rad/s, scales 20 %, misalignments 1e-2 (20 % where the row does not point along its
   /// axis: axes swapped), which contain uncalibrated units; optional terms by kernel::optional_priors.
   double prior_sigma(const Coefficient& c) const;

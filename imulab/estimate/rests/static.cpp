@@ -59,13 +59,15 @@ GyroStart start_gyro(const RestStart& start, const Recording& recording, const S
   return error > resolvable_part * earth_rate ? not_resolved(error) : GyroStart{coarse, {}};
 }
 
-/// Puts the gyros' start into the model; without one they keep the declared unit.
-void use_gyro_start(RestStart& start, const GyroStart& gyro, const Recording& recording, const ImuDeclaration& imu) {
+}  // namespace
+
+bool start_gyros_at_rest(RestStart& start, const Recording& recording, const Session& session) {
+  const GyroStart gyro = start_gyro(start, recording, session.site);
   if (gyro.coarse) {
     start.model.gyro.offset = gyro.coarse->offset;
     start.model.gyro.matrix = gyro.coarse->matrix;
     if (recording.gyro_unit == "count") start.prior.gyro = start.model.gyro;
-    kernel::use_declared_gyro_noise(start, recording, imu);
+    kernel::use_declared_gyro_noise(start, recording, session.imu);
   } else {
     // The scaled model must give back the starting value, one, when it returns to raw readings.
     SensorModel unit;
@@ -73,24 +75,18 @@ void use_gyro_start(RestStart& start, const GyroStart& gyro, const Recording& re
     start.model.gyro = to_scaled(unit, start.scaling).gyro;
     start.findings.note("the gyros were not calibrated: " + gyro.reason);
   }
+  return gyro.coarse.has_value();
 }
-
-}  // namespace
 
 CalibrationResult calibrate_static(const CalibrationInput& input, const CalibrationOptions& options) {
   RestStart start = kernel::start_from_rests(input, "static");
   const Recording& recording = input.recordings.front();
   const Session& session = input.session;
-  const GyroStart gyro = start_gyro(start, recording, session.site);
-  use_gyro_start(start, gyro, recording, session.imu);
+  const bool with_gyros = start_gyros_at_rest(start, recording, session);
   kernel::expect_terms(start, session.imu, session.site.gravity());
-  std::vector<CoefficientIndex> supplied = kernel::accel_coefficients();
-  for (const CoefficientIndex index : select_each({"accel.quadratic", "accel.cubic"})) supplied.push_back(index);
-  if (gyro.coarse)  // Earth's rate is far too small to show their nonlinearity
-    for (const CoefficientIndex index : select_each({"gyro.offset", "gyro.matrix", "gyro.g_sensitivity"})) supplied.push_back(index);
-  const std::vector<CoefficientIndex> indices = kernel::choose_coefficients(start, options.terms, supplied, "static");
+  const std::vector<CoefficientIndex> indices = kernel::choose_coefficients(start, options.terms, static_coefficients(with_gyros), "static");
 
-  auto cleaned = kernel::drop_suspects(SuspectFit(StaticProblem(start, session.site, indices, gyro.coarse.has_value())), options.outlier_level);
+  auto cleaned = kernel::drop_suspects(SuspectFit(StaticProblem(start, session.site, indices, with_gyros)), options.outlier_level);
   const Fit fit = fit_determined(cleaned.fit.problem);
 
   CalibrationResult result{.calibration = calibration_of("static", start, cleaned.fit.problem, fit, session)};

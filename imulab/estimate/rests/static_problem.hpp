@@ -5,6 +5,9 @@
 
 namespace imulab::rests {
 
+/// The gyros' start: Cheng's linear solution where they resolve Earth's rate, else as declared, with a note why. False: they are not calibrated.
+bool start_gyros_at_rest(kernel::RestStart& start, const Recording& recording, const Session& session);
+
 /// Each rest gives |f| = g and, with the gyros, the vertical and horizontal parts of Earth's rate:
 ///   up . w = w_ie sin L          (Cheng 2014 eq 12)
 ///   |w - up (up . w)| = w_ie cos L

@@ -6,7 +6,9 @@
 #include "imulab/estimate/whole_unit/starting_model.hpp"
 #include "imulab/estimate/whole_unit/stepwise.hpp"
 #include "imulab/model/gauge.hpp"
+#include "imulab/recording/declared_noise.hpp"
 #include "imulab/recording/validate.hpp"
+#include "imulab/rig/ideal_recording.hpp"
 
 #include <fmt/core.h>
 
@@ -32,6 +34,11 @@ void check_units(const Problem& problem) {
     throw Error(fmt::format("{}: {} comes out as {:.4g} for readings in {}{}; check the unit, the columns and the machines' numbers",
                             problem.session->file, c.name, scale, m.raw_unit, unit.empty() ? "" : fmt::format(", as if they were in {}", unit)));
   }
+}
+
+void expect_latitude(const Session& session) {
+  if (!session.site.latitude)
+    throw Error(session.file + ": the site has no latitude; expected one, as the gyros measure the Earth's rate on every machine");
 }
 
 /// Coefficients and covariance of the readings, from those of readings less their center. What is not estimated keeps its starting value; of that
@@ -64,8 +71,7 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
   for (const Recording& recording : input.recordings) validate(recording);
   if (options.whole_unit.stepwise && !options.terms.empty())
     throw TermsError("terms cannot be chosen for the stepwise estimate: Dai's steps estimate all coefficients");
-  if (!session.site.latitude)
-    throw Error(session.file + ": the site has no latitude; expected one, as the gyros measure the Earth's rate on every machine");
+  expect_latitude(session);
   const MachinePoints points = machine_points(input.recordings, session);
   const Vector6d center = reading_center(points);
   const SensorModel start = starting_model(points, session, center);
@@ -91,6 +97,29 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
   kernel::add_common_doubts(joint.findings, calibration, session.site);
   kernel::conclude(calibration, joint.findings);
   return result;
+}
+
+Prediction predict(const Session& procedure) {
+  expect_latitude(procedure);
+  const DeclaredNoise noise = errors_at(procedure.file, [&] { return declared_noise(procedure.imu); });
+  const double rate = procedure.recordings.empty() ? 1 : procedure.recordings.front().rate_hz.value_or(default_sample_rate);
+  Vector6d variance;
+  variance << Vector3d::Constant(noise.accel.N * noise.accel.N * rate), Vector3d::Constant(noise.gyro.N * noise.gyro.N * rate);
+  const MachinePoints points = planned_points(procedure, variance);
+  const Vector6d center = reading_center(points);
+  Problem problem(points, procedure, starting_model(points, procedure, center), center);
+  for (MachinePoint& point : problem.points.all) {  // with the errors of the machines that are known exactly
+    const Motion motion = problem.motion(point);
+    point.raw << motion.force, motion.rate;
+  }
+  CalibrationOptions options;
+  options.whole_unit.full = true;  // a term that is left out counts in the covariance all the same
+  const JointEstimate joint = joint_estimate(problem, options);
+  Calibration calibration;
+  const Index n = std::ssize(problem.coefficients);
+  set_estimate(calibration, problem, joint.left_out, problem.model, joint.solution.covariance.topLeftCorner(n, n));
+  calibration.quality = quality_of(problem, joint);
+  return prediction_of(calibration);
 }
 
 }  // namespace imulab::whole_unit

@@ -10,4 +10,8 @@ namespace imulab::whole_unit {
 /// listed. Throws Unsupported where nothing can be determined, Error where a mount, a unit or a direction contradicts the data.
 CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOptions& options = {});
 
+/// The standard uncertainties that the joint estimate will state of a procedure of the machines, of an ideal IMU with the declared noise
+/// (docs/predict.md). Throws as calibrate does, and Error where the noise is not declared.
+Prediction predict(const Session& procedure);
+
 }  // namespace imulab::whole_unit

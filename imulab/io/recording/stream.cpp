@@ -28,8 +28,9 @@ struct RecordingStream::Block {
   std::vector<std::vector<double>> values;  // one column for each asked
 };
 
-RecordingStream::RecordingStream(int descriptor, std::string name, const RecordingSource& source)
-    : descriptor_(descriptor), name_(std::move(name)), source_(source) {
+RecordingStream::RecordingStream(int descriptor, std::string name, const RecordingSource& source, std::function<void(std::string_view)> copy,
+                                 bool interruptible)
+    : descriptor_(descriptor), name_(std::move(name)), source_(source), copy_(std::move(copy)), interruptible_(interruptible) {
   for (const auto* triad : {&source.gyro, &source.accel}) {
     if (triad->file && *triad->file != source.file)
       throw Error(fmt::format("{}: the session has a triad in a file of its own ({}); expected all columns in one text", name_, *triad->file));
@@ -55,6 +56,7 @@ bool RecordingStream::fill() {
   } while (count < 0 && errno == EINTR);
   text_.resize(held + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
   if (count < 0) throw Error(fmt::format("{}: cannot be read: {}", name_, std::strerror(errno)));
+  if (copy_) copy_(std::string_view(text_).substr(held));
   return count > 0;
 }
 
@@ -113,6 +115,7 @@ std::optional<Recording> RecordingStream::next() {
     if (failure_) continue;
     if (ended_) return std::nullopt;
     ended_ = !fill();
+    if (ended_ && interruptible_ && reader_) cut_ = !text_.empty(), text_.clear();
   }
 }
 
@@ -131,6 +134,7 @@ std::vector<std::string> RecordingStream::warnings() const {
   const auto samples = [](std::size_t n) { return fmt::format("{} {}", n, n == 1 ? "sample" : "samples"); };
   if (reader_ && reader_->repeated() > 0)
     warnings.push_back(fmt::format("{}: {} row{} equal to the row before dropped", name_, reader_->repeated(), reader_->repeated() == 1 ? "" : "s"));
+  if (cut_) warnings.push_back(fmt::format("{}: the last line has no end and was not used", name_));
   if (saturated_ > 0) warnings.push_back(fmt::format("{}: {} at a limit: the true reading lies beyond", name_, samples(saturated_)));
   if (!source_.rate_hz || rows_ < 2) return warnings;
   const bool increments = source_.gyro.output == Output::increment || source_.accel.output == Output::increment;

@@ -7,8 +7,10 @@
 
 #include <cstddef>
 #include <exception>
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace imulab {
@@ -18,7 +20,9 @@ namespace imulab {
 class RecordingStream {
  public:
   /// `name` stands for the file in messages. Throws Error where the source is more than one file, or has increments without rate_hz.
-  RecordingStream(int descriptor, std::string name, const RecordingSource& source);
+  /// `copy` is given the bytes as they come. With `interruptible`, a last line without an end is not used: its last number may be cut.
+  RecordingStream(int descriptor, std::string name, const RecordingSource& source, std::function<void(std::string_view)> copy = {},
+                  bool interruptible = false);
 
   /// The rows that have come since the last call, waiting for one at least; nothing at the end. Throws Error as read_recording does, after the rows
   /// before the wrong one were given.
@@ -36,10 +40,11 @@ class RecordingStream {
   int descriptor_;
   std::string name_;
   RecordingSource source_;
+  std::function<void(std::string_view)> copy_;
   std::vector<Column> columns_;
   std::optional<recording_io::RowReader> reader_;
   std::string text_;  // not yet read as rows
-  bool ended_ = false;
+  bool ended_ = false, interruptible_ = false, cut_ = false;
   std::exception_ptr failure_;
   std::optional<std::int64_t> last_ns_;
   std::size_t rows_ = 0, saturated_ = 0, steps_ = 0;

@@ -245,7 +245,7 @@ Json to_json(const JsonFields& object) {
 
 std::string fields_json(const JsonFields& object) { return to_json(object).dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
-std::string path_json(const hybrid::Path& path, const hybrid::Prediction& p, const std::vector<Shortfall>& missed) {
+std::string path_json(const hybrid::Path& path, const Prediction& p, const std::vector<Shortfall>& missed) {
   Json turns = Json::array();
   for (const TableTurn& turn : path.turns)
     turns.push_back({{"axis", std::string(to_string(turn.axis))}, {"angle_deg", turn.angle_deg}, {"rest_s", turn.rest}});
@@ -254,7 +254,7 @@ std::string path_json(const hybrid::Path& path, const hybrid::Prediction& p, con
   return out.dump(2) + "\n";
 }
 
-std::string prediction_json(const hybrid::Prediction& p, const std::vector<Shortfall>& shortfalls, const std::optional<hybrid::Advice>& advice) {
+std::string prediction_json(const Prediction& p, const std::vector<Shortfall>& shortfalls, const std::optional<hybrid::Advice>& advice) {
   Json coefficients = Json::object(), undetermined = Json::array();
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
@@ -262,6 +262,8 @@ std::string prediction_json(const hybrid::Prediction& p, const std::vector<Short
   }
   for (const CoefficientIndex index : p.undetermined) undetermined.push_back(name_of(index));
   Json out{{"coefficients", std::move(coefficients)}, {"undetermined", std::move(undetermined)}};
+  for (const CoefficientIndex index : p.considered) out["considered"].push_back(name_of(index));
+  if (!p.notes.empty()) out["notes"] = p.notes;
   if (!shortfalls.empty()) out["not_met"] = to_json(shortfalls);
   if (advice) {
     Json direction = Json::array();

@@ -168,21 +168,24 @@ std::string prediction_table(const turntable::Prediction& p, const std::optional
   return monte_carlo ? text + monte_carlo_text(p, *monte_carlo, undetermined) : text;
 }
 
-std::string prediction_table(const hybrid::Prediction& p, const std::vector<Requirement>& requirements) {
+std::string prediction_table(const Prediction& p, const std::vector<Requirement>& requirements) {
   std::string text = reached_text([&](CoefficientIndex index) { return sigma_of(p, index); });
-  text += fmt::format("\n{:<21} {:<9} {:>9}{}\n", "coefficient", "unit", "sigma", requirements.empty() ? "" : "  required   ratio");
+  text += fmt::format("\n{:<21} {:<13} {:>9}{}\n", "coefficient", "unit", "sigma", requirements.empty() ? "" : "  required   ratio");
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
     const UserUnit unit = unit_of(p.coefficients[i], p.coefficients, p.sigma);
     const double sigma = p.sigma[static_cast<Eigen::Index>(i)], limit = limit_of(p.coefficients[i], requirements);
-    text += fmt::format("{:<21} {:<9} {:>9.4g}", coefficient(p.coefficients[i]).name, unit.name, sigma / unit.size);
+    text += fmt::format("{:<21} {:<13} {:>9.4g}", coefficient(p.coefficients[i]).name, unit.name, sigma / unit.size);
     if (limit > 0) text += fmt::format("  {:>8.4g} {:>7.3f}", limit / unit.size, sigma / limit);
-    text += "\n";
+    text += std::find(p.considered.begin(), p.considered.end(), p.coefficients[i]) == p.considered.end() ? "\n" : "  its prior\n";
   }
   for (std::size_t i = 0; i < p.undetermined.size(); ++i) {
     const Coefficient& c = coefficient(p.undetermined[i]);
     const UserUnit unit = user_unit(c, 0);
-    text += fmt::format("{:<21} {:<9} {:>9.4g}  not determined\n", c.name, unit.name, p.remaining[static_cast<Eigen::Index>(i)] / unit.size);
+    const std::string remaining = p.remaining.size() > 0 ? fmt::format("{:.4g}", p.remaining[static_cast<Eigen::Index>(i)] / unit.size) : "";
+    text += fmt::format("{:<21} {:<13} {:>9}  not determined\n", c.name, unit.name, remaining);
   }
+  if (!p.considered.empty()) text += "\nIts prior: the procedure says nothing of the term, which counts in the others with its prior.\n";
+  for (const std::string& note : p.notes) text += fmt::format("\n{}\n", note);
   return text;
 }
 

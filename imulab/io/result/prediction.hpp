@@ -25,15 +25,15 @@ struct KnobAnswer {
 /// Standard uncertainties in SI, the shares of their sources, and the answers to requirements where there are any (docs/predict.md).
 std::string prediction_json(const turntable::Prediction& prediction, const std::optional<turntable::MonteCarloResult>& monte_carlo,
                             const std::vector<Shortfall>& shortfalls, const std::vector<KnobAnswer>& answers);
-/// Of the hybrid method; the advice where something is undetermined or not within its requirement.
-std::string prediction_json(const hybrid::Prediction& prediction, const std::vector<Shortfall>& shortfalls,
+/// Of the other methods; the hybrid method's advice where something is undetermined or not within its requirement.
+std::string prediction_json(const Prediction& prediction, const std::vector<Shortfall>& shortfalls,
                             const std::optional<hybrid::Advice>& advice);
 
 /// The worst of each group, then a row a coefficient: its uncertainty in user units, and the share of each source in its variance. With `details` also
 /// orders and Monte Carlo with more digits. Empty where no coefficient is determined.
 std::string prediction_table(const turntable::Prediction& prediction, const std::optional<turntable::MonteCarloResult>& monte_carlo, bool details = false);
 /// The worst of each group, then a row a coefficient: its uncertainty in user units, and beside it what is required, if anything is; then what is not determined.
-std::string prediction_table(const hybrid::Prediction& prediction, const std::vector<Requirement>& requirements);
+std::string prediction_table(const Prediction& prediction, const std::vector<Requirement>& requirements);
 
 /// Which requirements the plan does not meet as declared, and what table, timing and unit would meet them all.
 std::string tolerance_table(const turntable::Plan& plan, const std::vector<Shortfall>& missed, const std::vector<KnobAnswer>& answers);
@@ -45,7 +45,7 @@ std::string turns_text(const hybrid::Advice& advice);
 std::string shortfall_text(const Shortfall& shortfall);
 
 /// {"duration_s", "first_rest_s", "turns": [{"axis", "angle_deg", "rest_s"}]} and the prediction's own keys.
-std::string path_json(const hybrid::Path& path, const hybrid::Prediction& prediction, const std::vector<Shortfall>& missed);
+std::string path_json(const hybrid::Path& path, const Prediction& prediction, const std::vector<Shortfall>& missed);
 /// First rest, then a row a turn and the rest after it.
 std::string path_table(const hybrid::Path& path);
 

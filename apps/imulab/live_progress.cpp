@@ -1,0 +1,98 @@
+#include "apps/imulab/live_progress.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/estimate/rests/advice.hpp"
+#include "imulab/model/compensate.hpp"
+#include "imulab/recording/rest_detection.hpp"
+#include "imulab/recording/rest_means.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace imulab::command {
+
+LiveProgress::LiveProgress(Session session, std::vector<Requirement> requirements, double rest_s)
+    : session_(std::move(session)), requirements_(std::move(requirements)), options_(recording_options(session_.recordings.front())) {
+  session_.steps.clear();
+  view_.imu = session_.imu.name;
+  view_.rest_s = rest_s;
+}
+
+std::optional<Range> LiveProgress::add(const Recording& piece, Range samples) {
+  constexpr double every_s = 0.25;  // rests are looked for
+  while (samples.begin < samples.end) {
+    std::size_t end = samples.begin + 1;
+    const double start_s = all_.size() > 0 ? all_.time_s(0) : piece.time_s(samples.begin);
+    while (end < samples.end && piece.time_s(end - 1) - start_s - looked_s_ < every_s) ++end;
+    append(all_, piece, {samples.begin, end});
+    samples.begin = end;
+    view_.time_s = all_.time_s(all_.size() - 1) - start_s, view_.samples = all_.size();
+    if (all_.size() < 2 || view_.time_s - looked_s_ < every_s) continue;
+    looked_s_ = view_.time_s;
+    if (!find_rest()) continue;
+    estimate();
+    return samples;
+  }
+  return std::nullopt;
+}
+
+/// Looks for rests; true where the last one has just become long enough, or has ended and is nearly that long.
+bool LiveProgress::find_rest() {
+  constexpr double now_s = 0.3;      // a rest that ends later is still going on: the last window of the detection may be cut
+  constexpr double of_ended = 0.75;  // who moves on a little early need not come back
+  recording_ = completed(all_, options_);
+  rests_ = detect_rests(recording_).rests;
+  view_.resting_s.reset();
+  if (rests_.empty()) return false;
+  const Range& last = rests_.back();
+  const double duration = recording_.time_s(last.end - 1) - recording_.time_s(last.begin);
+  const bool now = recording_.time_s(recording_.size() - 1) - recording_.time_s(last.end - 1) < now_s;
+  if (now) view_.resting_s = duration;
+  if (duration < view_.rest_s * (now ? 1 : of_ended) || last.begin < estimated_) return false;
+  estimated_ = recording_.size();
+  return true;
+}
+
+void LiveProgress::estimate() {
+  if (recording_.size() != all_.size()) recording_ = completed(all_, options_), rests_ = detect_rests(recording_).rests;
+  CalibrationOptions options;
+  options.handheld = {requirements_, 1, view_.rest_s};
+  view_.problem.clear(), view_.requirements.clear(), view_.next.reset();
+  try {
+    result_ = calibrate("handheld", {session_, {&recording_, 1}, rests_}, options);
+    for (const Requirement& r : requirements_) result_->calibration.quality.requirements.push_back(assess(result_->calibration, r));
+    view_.requirements = result_->calibration.quality.requirements;
+    view_.done = reached();
+    if (!result_->missing_turns.empty()) view_.next = result_->missing_turns.front();
+  } catch (const Unsupported& e) {  // of counts, as long as their scale is not known
+    result_.reset();
+    view_.problem = e.what();
+    if (!rests_.empty()) view_.next = rests::opening_turn(rests_.size());
+  }
+  describe(rests_);
+}
+
+bool LiveProgress::reached() const {
+  if (!result_) return false;
+  const Quality& q = result_->calibration.quality;
+  return q.converged && q.unobservable.empty() && std::all_of(q.requirements.begin(), q.requirements.end(), [](const auto& r) { return r.met; });
+}
+
+/// What was up at each rest, and how far the unit turned about each axis.
+void LiveProgress::describe(const std::vector<Range>& rests) {
+  view_.up.clear(), view_.turned_deg.setZero();
+  if (!result_) return;
+  const SensorModel& model = result_->calibration.model;
+  for (const RestMeans& rest : summarize_rests(recording_, rests))
+    view_.up.push_back(compensate(model, RawSample{rest.accel, rest.gyro}).force.normalized());
+  for (std::size_t k = 1; k < rests.size(); ++k) {
+    const Range turn{rests[k - 1].end, rests[k].begin};
+    Vector3d sum = Vector3d::Zero();
+    for (std::size_t i = turn.begin; i < turn.end; ++i) sum += reading_at(recording_.gyro, i);
+    const auto n = static_cast<double>(turn.size());
+    view_.turned_deg += (n * model.gyro.offset + model.gyro.matrix * sum).cwiseAbs() * recording_.interval_s / unit::deg;
+  }
+}
+
+}  // namespace imulab::command

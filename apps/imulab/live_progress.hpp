@@ -1,0 +1,45 @@
+// What is known of a calibration by hand while its recording grows.
+#pragma once
+
+#include "imulab/estimate/method.hpp"
+#include "imulab/io/result/live.hpp"
+#include "imulab/recording/make_recording.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace imulab::command {
+
+class LiveProgress {
+ public:
+  /// `session` has the one recording; its steps do not count: rests are found in the data.
+  LiveProgress(Session session, std::vector<Requirement> requirements, double rest_s);
+
+  /// Takes samples of what came, up to the moment at which a new rest has become long enough; then the calibration is that of all up to now. Returns
+  /// the samples that it did not take; nothing where there was no such moment.
+  std::optional<Range> add(const Recording& piece, Range samples);
+  /// The calibration of all that came; at the end of the stream.
+  void estimate();
+
+  bool reached() const;
+  const LiveView& view() const { return view_; }
+  const std::optional<CalibrationResult>& result() const { return result_; }
+  const Recording& recording() const { return recording_; }
+
+ private:
+  bool find_rest();
+  void describe(const std::vector<Range>& rests);
+
+  Session session_;
+  std::vector<Requirement> requirements_;
+  RecordingOptions options_;
+  Recording all_, recording_;  ///< as it came, and with what the whole of it shows
+  std::vector<Range> rests_;
+  std::optional<CalibrationResult> result_;
+  LiveView view_;
+  double looked_s_ = 0;        ///< when rests were last looked for
+  std::size_t estimated_ = 0;  ///< samples of the last estimate at a rest
+};
+
+}  // namespace imulab::command

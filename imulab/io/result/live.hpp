@@ -1,0 +1,43 @@
+// A calibration by hand while the unit is being turned: as a picture for a terminal, and as lines.
+#pragma once
+
+#include "imulab/estimate/method.hpp"
+
+#include <Eigen/Core>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+/// "turn by 90 deg about -y until +x points up"
+std::string turn_text(const HandTurn& turn);
+/// Several: "turn ..., hold still; turn ..., hold still".
+std::string turns_text(const std::vector<HandTurn>& turns);
+
+/// "+x", "the edge +x-y", "the corner +x+y-z": what of the unit points in a direction of its axes.
+std::string direction_text(const Eigen::Vector3d& direction);
+
+/// "gyro.matrix.diagonal 812 ppm of 500 ppm", or "... not determined".
+std::string reached_text(const RequirementResult& requirement);
+
+/// What there is so far.
+struct LiveView {
+  std::string imu;
+  double time_s = 0;  ///< since the first sample
+  std::size_t samples = 0;
+  std::optional<double> resting_s;                       ///< so long at rest; absent: it moves
+  double rest_s = 4;                                     ///< so long it should rest
+  std::vector<Eigen::Vector3d> up;                       ///< at each rest, body axes; empty as long as the scale is not known
+  Eigen::Vector3d turned_deg = Eigen::Vector3d::Zero();  ///< about each axis, all turns together
+  std::vector<RequirementResult> requirements;           ///< empty before the first rest
+  std::optional<HandTurn> next;
+  std::string problem;  ///< why nothing can be said yet
+  bool done = false;
+};
+
+/// At most 23 lines of at most 79 columns, each ending in a newline.
+std::string live_picture(const LiveView& view, bool color);
+
+}  // namespace imulab
