@@ -88,7 +88,7 @@ void expect_free(const std::string& output, bool force) {
 
 std::string report_of(const CalibrationResult& result, const Session& session, const std::vector<Recording>& recordings) {
   CalibrationReport report{.result = result, .session = session};
-  for (const Recording& recording : recordings) report.recordings.push_back(evidence_of(result.calibration, session, recording, recordings.size() == 1));
+  for (const Recording& recording : recordings) report.recordings.push_back(evidence_of(result.calibration, session, recording, recordings.size()));
   return calibration_page(report);
 }
 

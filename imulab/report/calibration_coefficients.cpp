@@ -73,7 +73,7 @@ std::vector<std::string> coefficient_cells(const Calibration& calibration, Coeff
           uncertainty_text(expanded),
           escaped(readable_unit(user.unit)),
           uncertainty_text(user.uncertainty),
-          std::isinf(u.degrees_of_freedom) ? "∞" : fmt::format("{:.0f}", u.degrees_of_freedom),
+          u.degrees_of_freedom > 1e4 ? "&gt; 10⁴" : fmt::format("{:.0f}", u.degrees_of_freedom),
           fmt::format("{:.2f}", u.coverage_factor),
           number(value, 8),
           number(u.standard, 2),
@@ -131,6 +131,9 @@ std::string uncertainty_section(const Calibration& calibration) {
     t.rows.push_back({"<code>" + escaped(coefficient(index).name) + "</code>", uncertainty_text(user.uncertainty), uncertainty_text(u.from_fit * unit),
                       uncertainty_text(u.declared * unit), escaped(readable_unit(user.unit))});
   }
+  Table rigs{.head = {"error of the rig", "declared sigma", "found", "u"}, .rows = {}};
+  for (const RigErrorEstimate& e : calibration.quality.rig_errors)
+    rigs.rows.push_back({escaped(e.name), number(e.declared_sigma), rounded_to(e.value, e.uncertainty), uncertainty_text(e.uncertainty)});
   std::vector<std::string> said;
   for (const UncertaintySource& source : calibration.quality.sources) said.push_back(source.consequence);
   const bool rig = !calibration.quality.rig_errors.empty() || calibration.frame == "rig";
@@ -138,7 +141,8 @@ std::string uncertainty_section(const Calibration& calibration) {
   lead += t.rows.empty() ? "No declared part is known apart from the rest. " : "The uncertainty of g is the same part of all three accelerometer scales. ";
   lead += rig ? "The rig's declared errors and the priors of terms act through the fit, so they are inside its part; imulab predict shows them one by one."
               : "Priors of terms that the data do not show act through the fit, so they are inside its part.";
-  return section("uncertainty", "Type A and type B", lead, (t.rows.empty() ? "" : table(t)) + list(said));
+  return section("uncertainty", "Type A and type B", lead, (t.rows.empty() ? "" : table(t)) + list(said) +
+                     (rigs.rows.empty() ? "" : "<h3>Errors of the rig, estimated jointly [SI]</h3>\n" + table(rigs)));
 }
 
 std::string correlation_section(const Calibration& calibration) {

@@ -154,6 +154,8 @@ std::string recordings_section(const CalibrationReport& report) {
   if (report.recordings.empty()) return {};
   std::string out;
   for (const RecordingEvidence& e : report.recordings) out += recording_charts(report.result.calibration, e, report.recordings.size() == 1);
+  for (const RecordingEvidence& e : report.recordings)
+    if (!e.without_rests.empty()) out += paragraph("No pictures of gravity at rest: " + e.without_rests + ".");
   std::string colors = key({{"rest", "#d9eefa"}, {"dropped as an outlier", "#f2bf99"}});
   return section("recording", "The recording", "", out + colors + "<p class=\"screen\">Drag to zoom, double-click for all.</p>\n");
 }
@@ -162,10 +164,17 @@ std::string residuals_section(const Calibration& calibration) {
   const Quality& q = calibration.quality;
   const std::string figures = beside({residual_bars(q.rests, "rest"), residual_bars(q.rotations, "rotation")});
   if (q.degrees_of_freedom == 0 && figures.empty()) return {};
+  Table axes{.head = {"axis", "RMS", "largest", "full scale", ""}, .rows = {}, .left = {4}};
+  for (const FitResidual& f : q.fit_residuals) {
+    const bool accel = f.axis.starts_with("accel");
+    const double small = accel ? unit::ug : unit::deg_per_h, large = accel ? unit::g : unit::deg;
+    axes.rows.push_back({escaped(f.axis), number(f.rms / small), number(f.largest / small), number(f.full_scale / large),
+                         accel ? "µg; full scale in g" : "deg/h; full scale in deg/s"});
+  }
   return section("residuals", "Residuals",
                  fmt::format("Chi-square per degree of freedom {} with {} degrees of freedom; 1 is expected. Condition of the normal equations {}.",
                              number(q.chi2_per_dof), q.degrees_of_freedom, number(q.condition)),
-                 figures);
+                 figures + (axes.rows.empty() ? "" : table(axes)));
 }
 
 std::vector<Vector3d> rest_directions(const CalibrationReport& report) {

@@ -60,15 +60,15 @@ std::string hemisphere(const std::vector<SphereMark>& marks, bool upper, double 
 
 }  // namespace
 
-std::string interval_rows(const std::vector<Interval>& rows, std::string_view unit, std::string_view description) {
+std::string interval_rows(const std::vector<Interval>& rows, std::string_view unit, std::string_view description, std::optional<double> limit) {
   if (rows.empty()) return {};
-  std::vector<double> ends{0};
+  std::vector<double> ends{0, limit.value_or(0)};
   for (const Interval& r : rows) {
     ends.push_back(r.value - r.half_width);
     ends.push_back(r.value + r.half_width);
   }
   const Axis axis = axis_over("", ends);
-  constexpr double width = 460, right = 340, step = 22, top = 6;
+  constexpr double width = 460, right = 320, step = 22, top = 6;
   std::size_t longest = 0;
   for (const Interval& r : rows) longest = std::max(longest, r.name.size());
   const double left = std::max(44.0, 7.2 * static_cast<double>(longest) + 12);
@@ -79,13 +79,14 @@ std::string interval_rows(const std::vector<Interval>& rows, std::string_view un
     out += line_between(at(v), top, at(v), bottom, v == 0 ? color::gray : color::grid, v == 0 ? 1.4 : 1);
     out += text_at(at(v), bottom + 16, tick_text(v), Anchor::middle);
   }
+  if (limit) out += line_between(at(*limit), top, at(*limit), bottom, color::vermilion, 1.4, true);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const Interval& r = rows[k];
     const double y = top + step * (static_cast<double>(k) + 0.5);
     const std::string_view ink = r.marked ? color::vermilion : color::blue;
     out += text_at(left - 8, y + 4, r.name, Anchor::end) + text_at(right + 14, y + 4, r.text);
     if (!std::isfinite(r.value)) continue;
-    if (std::isfinite(r.half_width)) {
+    if (std::isfinite(r.half_width) && r.half_width > 0) {
       const double a = at(r.value - r.half_width), b = at(r.value + r.half_width);
       out += line_between(a, y, b, y, ink, 2) + line_between(a, y - 5, a, y + 5, ink, 2) + line_between(b, y - 5, b, y + 5, ink, 2);
     }

@@ -3,6 +3,7 @@
 
 #include "imulab/core/rotation.hpp"
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,8 +17,8 @@ struct Interval {
   std::string text = {};  ///< beside the row
   bool marked = false;    ///< in another color
 };
-/// Rows on one axis with a line at zero.
-std::string interval_rows(const std::vector<Interval>& rows, std::string_view unit, std::string_view description);
+/// Rows on one axis with a line at zero, and a dashed one at the limit if there is one.
+std::string interval_rows(const std::vector<Interval>& rows, std::string_view unit, std::string_view description, std::optional<double> limit = {});
 
 /// One bar of parts that add up to one; a negative part is drawn to the left of zero.
 struct ShareRow {

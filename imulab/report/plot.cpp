@@ -24,7 +24,7 @@ Axis axis_over(std::string label, const std::vector<double>& values, bool logari
   }
   if (!(low <= high)) low = logarithmic ? 0.1 : 0, high = 1;
   if (logarithmic) return {std::move(label), std::pow(10, std::floor(std::log10(low) - 0.05)), std::pow(10, std::ceil(std::log10(high) + 0.05)), true};
-  const double room = high > low ? 0.05 * (high - low) : std::max(std::abs(high), 1e-12);
+  const double room = high > low ? 0.05 * (high - low) : (high != 0 ? std::abs(high) : 1.0);
   return {std::move(label), low - room, high + room, false};
 }
 
@@ -71,7 +71,7 @@ std::string key(const std::vector<std::pair<std::string, std::string_view>>& ent
 
 Plot::Plot(Axis x, Axis y, std::string description, PlotSize size)
     : x_(std::move(x)), y_(std::move(y)), description_(std::move(description)), size_(size), small_(size.width < 300) {
-  left_ = small_ ? 46 : 64, right_ = size.width - 10, top_ = 8, bottom_ = size.height - (small_ ? 22 : 42);
+  left_ = small_ ? 56 : 64, right_ = size.width - 10, top_ = 8, bottom_ = size.height - (small_ ? 22 : 42);
 }
 
 double Plot::at_x(double v) const {
