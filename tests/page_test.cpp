@@ -1,4 +1,4 @@
-// Reports in a browser: every chart draws, nothing is requested, no text runs, and the print is a certificate. Chromium without a window; three starts.
+// Reports in a browser: every chart draws, nothing is requested, no text runs, and the print is a certificate. Chromium without a window; two starts.
 #include <gmock/gmock.h>
 
 #include "imulab/io/calibration/file.hpp"
@@ -11,8 +11,6 @@ namespace imulab {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
-using ::testing::Not;
 
 constexpr const char* chromium =
     "chromium --headless=new --no-sandbox --disable-gpu --disable-background-networking --disable-component-update --no-first-run "
@@ -40,7 +38,7 @@ window.addEventListener('load', function () {
     if (colored < 100) ++empty;
   });
   var pictures = Array.from(document.querySelectorAll('svg')).filter(function (s) { return s.getClientRects().length > 0; });
-  var flat = pictures.filter(function (s) { var b = s.getBBox(); return !(b.width > 50 && b.height > 20) || s.querySelectorAll('polyline,polygon,rect,circle').length == 0; });
+  var flat = pictures.filter(function (s) { var b = s.getBBox(); return !(b.width > 50 && b.height > 20) || s.querySelectorAll('polyline,polygon,rect,circle,path').length == 0; });
   parent.postMessage([document.currentName, 'charts=' + charts.length + ' empty=' + empty + ' pictures=' + pictures.length + ' flat=' + flat.length,
     'requests=' + performance.getEntriesByType('resource').length, 'problems=' + window.problems.join('/'), 'ran=' + (window.ran || 0),
     'wide=' + (document.documentElement.scrollWidth > document.documentElement.clientWidth), 'verdict=' + text('verdict'), 'because=' + text('because')].join('|'), '*');
@@ -125,9 +123,10 @@ void make_hostile_page(const TemporaryFolder& folder) {
   const CommandResult result = run_imulab(folder, "report hostile.json -o hostile.html");
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   const std::string page = read_text(folder / "hostile.html");
-  EXPECT_THAT(page, Not(HasSubstr("<script>window.ran")));
-  EXPECT_THAT(page, HasSubstr("&lt;script&gt;window.ran = 1"));
-  EXPECT_THAT(page, HasSubstr("[U+202E][U+0007][U+0000][U+200F]"));
+  const auto says = [&](const char* part) { return page.find(part) != std::string::npos; };  // a failure would print the page
+  EXPECT_FALSE(says("<script>window.ran"));
+  EXPECT_TRUE(says("&lt;script&gt;window.ran = 1"));
+  EXPECT_TRUE(says("[U+202E][U+0007][U+0000][U+200F]"));
 }
 
 TEST(Page, EveryPageDrawsAndAsksNobodyAndNoTextRuns) {

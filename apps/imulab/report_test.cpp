@@ -7,7 +7,6 @@ namespace imulab {
 namespace {
 
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 /// A hand-held session and its calibration, made once.
 class Report : public ::testing::Test {
@@ -21,6 +20,8 @@ class Report : public ::testing::Test {
     delete folder_;
     folder_ = nullptr;
   }
+  /// The page, and nothing of it in a failure's message.
+  static bool says(const std::string& file, const std::string& part) { return text(file).find(part) != std::string::npos; }
   static CommandResult run(const std::string& arguments) { return run_imulab(*folder_, arguments); }
   static std::string text(const std::string& file) { return read_text(*folder_ / file); }
 
@@ -35,25 +36,25 @@ TEST_F(Report, ASavedCalibrationHasTheSamePictures) {
   EXPECT_THAT(saved.output, HasSubstr("written: saved.html"));
   for (const char* file : {"fresh.html", "saved.html"})
     for (const char* id : {"before-after", "recording", "residuals", "coverage", "coefficients", "uncertainty", "correlation", "not-covered", "traceability", "origin"})
-      EXPECT_THAT(text(file), HasSubstr("<section id=\"" + std::string(id) + "\">")) << file;
-  EXPECT_THAT(text("saved.html"), Not(HasSubstr("Not on this page")));
+      EXPECT_TRUE(says(file, "<section id=\"" + std::string(id) + "\">")) << file;
+  EXPECT_FALSE(says("saved.html", "Not on this page"));
 }
 
 TEST_F(Report, WhatIsMissingIsSaidWithTheReason) {
   ASSERT_EQ(run_shell(*folder_, "mkdir away && cp hand.json away/moved.json && cd away && sed -i 's#\"hand/session.toml\"#\"gone/session.toml\"#' moved.json").exit_code, 0);
   ASSERT_EQ(run("report away/moved.json -o moved.html").exit_code, 0);
-  EXPECT_THAT(text("moved.html"), HasSubstr("gone/session.toml was not found; --session gives the place of the session"));
-  EXPECT_THAT(text("moved.html"), Not(HasSubstr("<section id=\"recording\">")));
-  EXPECT_THAT(text("moved.html"), HasSubstr("<section id=\"coefficients\">"));
+  EXPECT_TRUE(says("moved.html", "gone/session.toml was not found; --session gives the place of the session"));
+  EXPECT_FALSE(says("moved.html", "<section id=\"recording\">"));
+  EXPECT_TRUE(says("moved.html", "<section id=\"coefficients\">"));
   ASSERT_EQ(run("report away/moved.json --session hand -o found.html").exit_code, 0);
-  EXPECT_THAT(text("found.html"), HasSubstr("<section id=\"recording\">"));
+  EXPECT_TRUE(says("found.html", "<section id=\"recording\">"));
 }
 
 TEST_F(Report, AChangedRecordingIsNotShown) {
   ASSERT_EQ(run_shell(*folder_, "cp -r hand changed && echo >> changed/recording.csv").exit_code, 0);
   ASSERT_EQ(run("report hand.json --session changed -o changed.html").exit_code, 0);
-  EXPECT_THAT(text("changed.html"), HasSubstr("changed/recording.csv is not the file that was calibrated (its SHA-256 differs)"));
-  EXPECT_THAT(text("changed.html"), Not(HasSubstr("<section id=\"recording\">")));
+  EXPECT_TRUE(says("changed.html", "changed/recording.csv is not the file that was calibrated (its SHA-256 differs)"));
+  EXPECT_FALSE(says("changed.html", "<section id=\"recording\">"));
 }
 
 TEST_F(Report, InputsAndOtherOutputsStay) {
@@ -95,21 +96,22 @@ TEST_F(Report, JsonOfOtherVerbsBecomesTheirPage) {
             0);
   ASSERT_EQ(run("procedure six-position -o six.toml").exit_code, 0);
   ASSERT_EQ(run_shell(*folder_, std::string("'") + IMULAB_COMMAND + "' predict six.toml --runs 0 --json > p.json; '" + IMULAB_COMMAND + "' report - -o p.html < p.json").exit_code, 0);
-  EXPECT_THAT(text("p.html"), HasSubstr("<section id=\"shares\">"));
+  EXPECT_TRUE(says("p.html", "<section id=\"shares\">"));
 }
 
 TEST_F(Report, ADoubtfulVerdictGivesItsReasons) {
   ASSERT_EQ(run_shell(*folder_, "sed 's/\"verdict\": \"good\"/\"verdict\": \"doubtful\"/; s/\"because\": \\[\\]/\"because\": [\"a reason of its own\"]/' hand.json > doubt.json").exit_code, 0);
   ASSERT_EQ(run("report doubt.json -o doubt.html").exit_code, 0);
-  EXPECT_THAT(text("doubt.html"), HasSubstr("<strong id=\"verdict\">doubtful</strong>"));
-  EXPECT_THAT(text("doubt.html"), HasSubstr("<ul id=\"because\"><li>a reason of its own</li></ul>"));
-  EXPECT_THAT(text("doubt.html"), HasSubstr("Resolve each reason above"));
+  EXPECT_TRUE(says("doubt.html", "<strong id=\"verdict\">doubtful</strong>"));
+  EXPECT_TRUE(says("doubt.html", "<ul id=\"because\"><li>a reason of its own</li></ul>"));
+  EXPECT_TRUE(says("doubt.html", "Resolve each reason above"));
 }
 
 TEST_F(Report, ATruthHasNoVerdict) {
   ASSERT_EQ(run("report hand/truth.json -o truth.html").exit_code, 0);
-  EXPECT_THAT(text("truth.html"), HasSubstr("<strong id=\"verdict\">no verdict</strong>"));
-  EXPECT_THAT(text("truth.html"), HasSubstr("the file names no recordings with their hashes"));
+  EXPECT_TRUE(says("truth.html", "Values without uncertainties: there is nothing to judge"));
+  EXPECT_TRUE(says("truth.html", "<code>gyro.matrix.xy</code>"));
+  EXPECT_TRUE(says("truth.html", "the file names no recordings with their hashes"));
 }
 
 }  // namespace

@@ -80,6 +80,20 @@ std::vector<std::string> coefficient_cells(const Calibration& calibration, Coeff
           escaped(readable_unit(coefficient(index).unit))};
 }
 
+/// Coefficients that were not estimated and are not those of an ideal IMU.
+std::string other_values(const Calibration& calibration) {
+  const SensorModel ideal;
+  Table t{.head = {"coefficient", "value", "", "value (SI)", ""}, .rows = {}, .left = {2, 4}};
+  for (const CoefficientIndex index : coefficient_indices()) {
+    const double value = coefficient_value(calibration.model, index);
+    if (contains(calibration.estimated, index) || value == coefficient_value(ideal, index)) continue;
+    const UserValue user = user_value(calibration, index);
+    t.rows.push_back({"<code>" + escaped(coefficient(index).name) + "</code>", number(user.value, 6), escaped(readable_unit(user.unit)), number(value, 8),
+                      escaped(readable_unit(coefficient(index).unit))});
+  }
+  return t.rows.empty() ? "" : "<h3>Values without uncertainties</h3>\n" + table(t);
+}
+
 Eigen::MatrixXd correlation_of(const Eigen::MatrixXd& covariance) {
   const Eigen::VectorXd sigma = covariance.diagonal().cwiseMax(0).cwiseSqrt();
   Eigen::MatrixXd out = covariance;
@@ -105,7 +119,8 @@ std::string strongest_pairs(const std::vector<std::string>& names, const Eigen::
 }  // namespace
 
 std::string coefficients_section(const Calibration& calibration) {
-  if (calibration.estimated.empty()) return {};
+  const std::string others = other_values(calibration);
+  if (calibration.estimated.empty()) return others.empty() ? "" : section("coefficients", "Coefficients", "", others);
   Table t{.head = {"coefficient", "value", "U", "", "u", "ν<sub>eff</sub>", "k", "value (SI)", "u (SI)", ""}, .rows = {}, .left = {3, 9}};
   std::vector<std::string> figures;
   for (const Group& group : groups_of(calibration)) {
@@ -117,7 +132,7 @@ std::string coefficients_section(const Calibration& calibration) {
                  "differences from one, or the scale itself where the readings are counts.",
                  beside(figures) +
                      paragraph("u: standard uncertainty; ν: effective degrees of freedom; k: coverage factor of a t distribution for 95.45 %; U = k u. JCGM 100.") +
-                     table(t));
+                     table(t) + others);
 }
 
 std::string uncertainty_section(const Calibration& calibration) {

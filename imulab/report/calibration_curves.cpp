@@ -17,7 +17,7 @@ namespace imulab::report {
 
 namespace {
 
-constexpr double sigmas = 2;  // of a band
+constexpr double band_sigmas = 2;
 
 std::string small_figure(const std::string& picture, const std::string& caption) {
   return "<figure>" + picture + "<figcaption>" + escaped(caption) + "</figcaption></figure>\n";
@@ -80,7 +80,7 @@ Curve curve_of(double from, double to, double unit, const Eigen::Vector2d& value
   for (int i = 0; i <= points; ++i) {
     const double x = from + (to - from) * i / points;
     const Eigen::Vector2d b = basis(x);
-    const double y = b.dot(value) / unit, s = sigmas * std::sqrt(std::max(0.0, b.dot(covariance * b))) / unit;
+    const double y = b.dot(value) / unit, s = band_sigmas * std::sqrt(std::max(0.0, b.dot(covariance * b))) / unit;
     out.x.push_back(x);
     out.y.push_back(y);
     out.low.push_back(y - s), out.high.push_back(y + s);

@@ -53,7 +53,8 @@ TEST(Html, TicksAreReadable) {
 }
 
 TEST(Plot, TicksAreRound) {
-  EXPECT_THAT(ticks({"", -0.4, 1.1}, 5), ElementsAre(-0.25, 0, 0.25, 0.5, 0.75, 1));
+  EXPECT_THAT(ticks({"", -0.4, 1.1}, 5), ElementsAre(0, 0.5, 1));
+  EXPECT_THAT(ticks({"", -6, 6}, 5), ElementsAre(-5, -2.5, 0, 2.5, 5));
   EXPECT_THAT(ticks({"", 0.5, 200, true}, 5), ElementsAre(1, 10, 100));
 }
 

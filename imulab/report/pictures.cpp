@@ -43,15 +43,16 @@ std::string hemisphere(const std::vector<SphereMark>& marks, bool upper, double 
                        radius * std::sqrt(1 - std::cos(angle * 0.017453292519943)), color::grid);
   out += line_between(center_x - radius, center_y, center_x + radius, center_y, color::grid) +
          line_between(center_x, center_y - radius, center_x, center_y + radius, color::grid);
+  std::string dots;
   for (const SphereMark& m : marks) {
     if ((m.direction.z() >= 0) != upper) continue;
     const auto [x, y] = place(m.direction);
     if (m.gap)
       out += line_between(x - 6, y - 6, x + 6, y + 6, color::vermilion, 2.4) + line_between(x - 6, y + 6, x + 6, y - 6, color::vermilion, 2.4);
     else
-      out += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\" stroke=\"{}\"/>", x, y, m.used ? color::blue : "#fff",
-                         m.used ? "#fff" : color::vermilion);
+      dots += fmt::format("M{:.1f} {:.1f}h0", x, y);
   }
+  out += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linecap=\"round\"/>", dots, color::blue, marks.size() > 200 ? 3.5 : 7);
   const double label = radius + 12;
   out += text_at(center_x + label, center_y + 4, upper ? "+x" : "−x", Anchor::middle) + text_at(center_x - label, center_y + 4, upper ? "−x" : "+x", Anchor::middle);
   out += text_at(center_x, center_y - radius - 5, "+y", Anchor::middle) + text_at(center_x, center_y + radius + 14, "−y", Anchor::middle);

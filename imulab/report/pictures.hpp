@@ -31,10 +31,10 @@ std::string share_bars(const std::vector<std::string>& sources, const std::vecto
 /// Correlations as a square of colors: orange negative, blue positive, white none.
 std::string correlation_map(const std::vector<std::string>& names, const Eigen::MatrixXd& correlation, std::string_view description);
 
-/// A direction in the body, drawn by `used` and sized by nothing.
+/// A direction in the body: a dot, or a cross where it is missing.
 struct SphereMark {
   Vector3d direction;
-  bool used = true, gap = false;  ///< gap: a direction that is missing
+  bool gap = false;
 };
 /// Both halves of the sphere, seen along -z and +z (equal-area), with the body's axes.
 std::string sphere(const std::vector<SphereMark>& marks, std::string_view description);

@@ -74,7 +74,7 @@ TEST(SavedResult, WhatIsNoResultIsNamed) {
   EXPECT_THAT(error("{\n\"a\": }"), HasSubstr("x.json:2: not JSON"));
   EXPECT_THAT(error("[]"), HasSubstr("x.json: not a result; expected calibration.json, or what compare"));
   EXPECT_THAT(error("{\"format\": \"imulab.session/1\"}"), HasSubstr("x.json: format: expected \"imulab.calibration/1\""));
-  EXPECT_THAT(error("{\"coefficients\": {\"gyro.offset.w\": {}}, \"undetermined\": []}"), HasSubstr("x.json: coefficients: gyro.offset.w"));
+  EXPECT_THAT(error("{\"coefficients\": {\"gyro.offset.w\": {}}, \"undetermined\": []}"), HasSubstr("x.json: coefficients: unknown coefficient \"gyro.offset.w\""));
   EXPECT_THAT(error("{\"coefficients\": {\"gyro.offset.x\": {\"closed_form\": \"1\"}}, \"undetermined\": []}"),
               HasSubstr("x.json: coefficients.gyro.offset.x.closed_form: expected a number"));
   EXPECT_THAT(error("{\"coefficients\": 3, \"undetermined\": []}"), HasSubstr("x.json: coefficients: expected an object"));
