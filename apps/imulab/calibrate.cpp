@@ -84,7 +84,7 @@ std::map<std::string, std::string> options_used(const CalibrateArguments& argume
 
 std::string report_of(const CalibrationResult& result, const Session& session, const std::vector<Recording>& recordings) {
   CalibrationReport report{.result = result, .session = session};
-  for (const Recording& recording : recordings) report.recordings.push_back(evidence_of(result.calibration, session, recording, recordings.size() == 1));
+  for (const Recording& recording : recordings) report.recordings.push_back(evidence_of(result.calibration, session, recording, recordings.size()));
   return calibration_page(report);
 }
 

@@ -66,7 +66,7 @@ void add_evidence(CalibrationReport& report, const Session& session, const std::
     if (named && whole) sources.push_back(source);
   }
   for (const RecordingSource& source : sources) try {
-      report.recordings.push_back(evidence_of(calibration, session, read_recording(session, source).recording, sources.size() == 1));
+      report.recordings.push_back(evidence_of(calibration, session, read_recording(session, source).recording, sources.size()));
     } catch (const Error& e) {
       report.missing.push_back(fmt::format("{} of {}: {}.", pictures, source.file, e.what()));
     }

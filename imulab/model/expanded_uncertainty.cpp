@@ -30,7 +30,8 @@ ExpandedUncertainty expanded_uncertainty(const Calibration& calibration, Coeffic
   if (!u) throw Error(std::string(coefficient(index).name) + " has no uncertainty");
   ExpandedUncertainty out;
   out.standard = *u;
-  out.declared = std::min(declared_part(calibration, index), *u);
+  out.declared = declared_part(calibration, index);
+  if (out.declared > *u) out.declared = 0;  // the data know the quantity better than the declaration: no part of it stands apart
   out.from_fit = std::sqrt(std::max(0.0, *u * *u - out.declared * out.declared));
   const double of_fit = std::max(1, calibration.quality.degrees_of_freedom);
   const double part = *u > 0 ? out.from_fit / *u : 0;

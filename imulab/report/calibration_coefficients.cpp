@@ -73,11 +73,25 @@ std::vector<std::string> coefficient_cells(const Calibration& calibration, Coeff
           uncertainty_text(expanded),
           escaped(readable_unit(user.unit)),
           uncertainty_text(user.uncertainty),
-          std::isinf(u.degrees_of_freedom) ? "∞" : fmt::format("{:.0f}", u.degrees_of_freedom),
+          u.degrees_of_freedom > 1e4 ? "&gt; 10⁴" : fmt::format("{:.0f}", u.degrees_of_freedom),
           fmt::format("{:.2f}", u.coverage_factor),
           number(value, 8),
           number(u.standard, 2),
           escaped(readable_unit(coefficient(index).unit))};
+}
+
+/// Coefficients that were not estimated and are not those of an ideal IMU.
+std::string other_values(const Calibration& calibration) {
+  const SensorModel ideal;
+  Table t{.head = {"coefficient", "value", "", "value (SI)", ""}, .rows = {}, .left = {2, 4}};
+  for (const CoefficientIndex index : coefficient_indices()) {
+    const double value = coefficient_value(calibration.model, index);
+    if (contains(calibration.estimated, index) || value == coefficient_value(ideal, index)) continue;
+    const UserValue user = user_value(calibration, index);
+    t.rows.push_back({"<code>" + escaped(coefficient(index).name) + "</code>", number(user.value, 6), escaped(readable_unit(user.unit)), number(value, 8),
+                      escaped(readable_unit(coefficient(index).unit))});
+  }
+  return t.rows.empty() ? "" : "<h3>Values without uncertainties</h3>\n" + table(t);
 }
 
 Eigen::MatrixXd correlation_of(const Eigen::MatrixXd& covariance) {
@@ -105,7 +119,8 @@ std::string strongest_pairs(const std::vector<std::string>& names, const Eigen::
 }  // namespace
 
 std::string coefficients_section(const Calibration& calibration) {
-  if (calibration.estimated.empty()) return {};
+  const std::string others = other_values(calibration);
+  if (calibration.estimated.empty()) return others.empty() ? "" : section("coefficients", "Coefficients", "", others);
   Table t{.head = {"coefficient", "value", "U", "", "u", "ν<sub>eff</sub>", "k", "value (SI)", "u (SI)", ""}, .rows = {}, .left = {3, 9}};
   std::vector<std::string> figures;
   for (const Group& group : groups_of(calibration)) {
@@ -117,7 +132,7 @@ std::string coefficients_section(const Calibration& calibration) {
                  "differences from one, or the scale itself where the readings are counts.",
                  beside(figures) +
                      paragraph("u: standard uncertainty; ν: effective degrees of freedom; k: coverage factor of a t distribution for 95.45 %; U = k u. JCGM 100.") +
-                     table(t));
+                     table(t) + others);
 }
 
 std::string uncertainty_section(const Calibration& calibration) {
@@ -131,6 +146,9 @@ std::string uncertainty_section(const Calibration& calibration) {
     t.rows.push_back({"<code>" + escaped(coefficient(index).name) + "</code>", uncertainty_text(user.uncertainty), uncertainty_text(u.from_fit * unit),
                       uncertainty_text(u.declared * unit), escaped(readable_unit(user.unit))});
   }
+  Table rigs{.head = {"error of the rig", "declared sigma", "found", "u"}, .rows = {}};
+  for (const RigErrorEstimate& e : calibration.quality.rig_errors)
+    rigs.rows.push_back({escaped(e.name), number(e.declared_sigma), rounded_to(e.value, e.uncertainty), uncertainty_text(e.uncertainty)});
   std::vector<std::string> said;
   for (const UncertaintySource& source : calibration.quality.sources) said.push_back(source.consequence);
   const bool rig = !calibration.quality.rig_errors.empty() || calibration.frame == "rig";
@@ -138,7 +156,8 @@ std::string uncertainty_section(const Calibration& calibration) {
   lead += t.rows.empty() ? "No declared part is known apart from the rest. " : "The uncertainty of g is the same part of all three accelerometer scales. ";
   lead += rig ? "The rig's declared errors and the priors of terms act through the fit, so they are inside its part; imulab predict shows them one by one."
               : "Priors of terms that the data do not show act through the fit, so they are inside its part.";
-  return section("uncertainty", "Type A and type B", lead, (t.rows.empty() ? "" : table(t)) + list(said));
+  return section("uncertainty", "Type A and type B", lead, (t.rows.empty() ? "" : table(t)) + list(said) +
+                     (rigs.rows.empty() ? "" : "<h3>Errors of the rig, estimated jointly [SI]</h3>\n" + table(rigs)));
 }
 
 std::string correlation_section(const Calibration& calibration) {

@@ -17,7 +17,7 @@ namespace imulab::report {
 
 namespace {
 
-constexpr double sigmas = 2;  // of a band
+constexpr double band_sigmas = 2;
 
 std::string small_figure(const std::string& picture, const std::string& caption) {
   return "<figure>" + picture + "<figcaption>" + escaped(caption) + "</figcaption></figure>\n";
@@ -46,14 +46,14 @@ std::string convergence_figure(const CalibrationResult& result, const Convergenc
     y[i] /= unit.size * scale, s[i] /= unit.size * scale;
     low.push_back(y[i] - s[i]), high.push_back(y[i] + s[i]);
   }
-  // The first part, before anything is known, would flatten all that follows.
+  // The first half, before anything is known, would flatten all that follows.
   std::vector<double> shown;
-  for (std::size_t i = t.size() / 5; i < t.size(); ++i) shown.insert(shown.end(), {low[i], high[i]});
+  for (std::size_t i = t.size() / 2; i < t.size(); ++i) shown.insert(shown.end(), {low[i], high[i]});
   Plot plot({"", 0, t.empty() ? 1 : t.back()}, axis_over("", shown), curve.name, small_plot);
   plot.band(t, low, high, color::blue);
   plot.line(t, y, color::blue);
   plot.rule(0, color::gray);
-  return small_figure(plot.svg(), fmt::format("{} [{}]", curve.name, unit.name));
+  return small_figure(plot.svg(), fmt::format("{} [{}]", curve.name, readable_unit(unit.name)));
 }
 
 /// The covariance of two coefficients of one axis; zero where they were not estimated.
@@ -80,7 +80,7 @@ Curve curve_of(double from, double to, double unit, const Eigen::Vector2d& value
   for (int i = 0; i <= points; ++i) {
     const double x = from + (to - from) * i / points;
     const Eigen::Vector2d b = basis(x);
-    const double y = b.dot(value) / unit, s = sigmas * std::sqrt(std::max(0.0, b.dot(covariance * b))) / unit;
+    const double y = b.dot(value) / unit, s = band_sigmas * std::sqrt(std::max(0.0, b.dot(covariance * b))) / unit;
     out.x.push_back(x);
     out.y.push_back(y);
     out.low.push_back(y - s), out.high.push_back(y + s);

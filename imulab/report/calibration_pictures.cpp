@@ -37,12 +37,28 @@ std::string size_text(double value, double small, std::string_view small_name, d
 std::string acceleration_text(double v) { return size_text(v, unit::ug, "µg", 1e3 * unit::ug, "mg"); }
 std::string angle_text(double v) { return v < 0.1 * unit::deg ? size_text(v, unit::arcsec, "arcsec", 0.1 * unit::deg, "") : number(v / unit::deg) + " deg"; }
 
+/// At most so many: the greatest of each group of neighbors.
+std::vector<double> thinned(const std::vector<double>& values, std::size_t most) {
+  const std::size_t step = std::max<std::size_t>(1, (values.size() + most - 1) / most);
+  std::vector<double> out;
+  for (std::size_t i = 0; i < values.size(); i += step)
+    out.push_back(*std::max_element(values.begin() + static_cast<std::ptrdiff_t>(i), values.begin() + static_cast<std::ptrdiff_t>(std::min(values.size(), i + step))));
+  return out;
+}
+
+constexpr std::size_t most_dots = 2000;
+/// What a caption says of that.
+std::string thinned_text(std::size_t parts) { return parts > most_dots ? fmt::format(" The worst of every {} is shown.", (parts + most_dots - 1) / most_dots) : ""; }
+
 /// Errors without and with the calibration, on a logarithmic axis.
-std::string two_sizes(const std::string& x, const std::string& y, const std::vector<double>& before, const std::vector<double>& after) {
+std::string two_sizes(const std::string& x, const std::string& y, std::vector<double> before, std::vector<double> after) {
+  const double parts = static_cast<double>(before.size());
+  before = thinned(before, most_dots), after = thinned(after, most_dots);
   std::vector<double> all = before;
   all.insert(all.end(), after.begin(), after.end());
-  const std::vector<double> n = counted(before.size());
-  Plot plot({x, 0, static_cast<double>(before.size()) + 1}, axis_over(y, all, true), y);
+  std::vector<double> n = counted(before.size());
+  for (double& v : n) v *= parts / static_cast<double>(before.size());
+  Plot plot({x, 0, parts + 1}, axis_over(y, all, true), y);
   plot.dots(n, before, color::orange, true);
   plot.dots(n, after, color::blue);
   return plot.svg() + key({{"before", color::orange}, {"after", color::blue}});
@@ -63,7 +79,7 @@ std::string gravity_figure(const CalibrationReport& report, double g) {
   if (before.empty()) return {};
   return figure(two_sizes("rest", "error of gravity [µg]", before, after),
                 fmt::format("Gravity at rest: the size of the mean force, less g = {:.5f} m/s². RMS {} before, {} after.", g,
-                            acceleration_text(root_mean_square(before) * unit::ug), acceleration_text(root_mean_square(after) * unit::ug)));
+                            acceleration_text(root_mean_square(before) * unit::ug), acceleration_text(root_mean_square(after) * unit::ug)) + thinned_text(before.size()));
 }
 
 std::string turns_figure(const CalibrationReport& report) {
@@ -77,7 +93,7 @@ std::string turns_figure(const CalibrationReport& report) {
   return figure(two_sizes("turn between two rests", "error of direction [deg]", before, after),
                 fmt::format("Rotation: the direction of gravity after a turn, as the gyros take it along and as the accelerometers measure it. RMS {} before, {} "
                             "after.",
-                            angle_text(root_mean_square(before) * unit::deg), angle_text(root_mean_square(after) * unit::deg)));
+                            angle_text(root_mean_square(before) * unit::deg), angle_text(root_mean_square(after) * unit::deg)) + thinned_text(before.size()));
 }
 
 std::vector<MarkedTime> marks_of(const Calibration& calibration, const RecordingEvidence& e, bool only_one) {
@@ -88,6 +104,7 @@ std::vector<MarkedTime> marks_of(const Calibration& calibration, const Recording
         if (parts == &calibration.quality.rests || !part.used) marks.push_back({part.begin_s, part.end_s, part.used ? Mark::rest : Mark::dropped});
   if (marks.empty())
     for (const GravityAtRest& rest : e.rests) marks.push_back({rest.begin_s, rest.end_s, Mark::rest});
+  if (marks.size() > most_dots) std::erase_if(marks, [](const MarkedTime& m) { return m.mark == Mark::rest; });  // too fine to be seen
   return marks;
 }
 
@@ -121,16 +138,19 @@ std::string recording_charts(const Calibration& calibration, const RecordingEvid
 
 std::string residual_bars(const std::vector<PartResidual>& parts, const std::string& what) {
   if (parts.empty()) return {};
-  std::vector<double> sizes{0};
-  for (const PartResidual& p : parts) sizes.push_back(p.residual);
+  std::vector<double> sizes{0}, used, outliers;
+  std::size_t dropped = 0;
+  for (const PartResidual& p : parts) {
+    sizes.push_back(p.residual);
+    used.push_back(p.used ? p.residual : NAN);
+    outliers.push_back(p.used ? NAN : p.residual);
+    dropped += !p.used;
+  }
   Axis y = axis_over("residual [σ]", sizes);
   y.low = 0, y.high = std::max(y.high, 1.5);
   Plot plot({what, 0.3, static_cast<double>(parts.size()) + 0.7}, y, "residuals by " + what);
-  std::size_t dropped = 0;
-  for (std::size_t k = 0; k < parts.size(); ++k) {
-    plot.bar(static_cast<double>(k + 1), parts[k].residual, 0.7, parts[k].used ? color::blue : color::vermilion);
-    dropped += !parts[k].used;
-  }
+  plot.bars(counted(parts.size()), used, 0.7, color::blue);
+  plot.bars(counted(parts.size()), outliers, 0.7, color::vermilion);
   plot.rule(1, color::gray);
   return figure(plot.svg(), fmt::format("Residual of each {} in the sigmas of the fit; about 1 is expected. {} of {} were dropped as outliers{}.", what, dropped,
                                         parts.size(), dropped > 0 ? " (red)" : ""));
@@ -154,6 +174,8 @@ std::string recordings_section(const CalibrationReport& report) {
   if (report.recordings.empty()) return {};
   std::string out;
   for (const RecordingEvidence& e : report.recordings) out += recording_charts(report.result.calibration, e, report.recordings.size() == 1);
+  for (const RecordingEvidence& e : report.recordings)
+    if (!e.without_rests.empty()) out += paragraph("No pictures of gravity at rest: " + e.without_rests + ".");
   std::string colors = key({{"rest", "#d9eefa"}, {"dropped as an outlier", "#f2bf99"}});
   return section("recording", "The recording", "", out + colors + "<p class=\"screen\">Drag to zoom, double-click for all.</p>\n");
 }
@@ -162,10 +184,17 @@ std::string residuals_section(const Calibration& calibration) {
   const Quality& q = calibration.quality;
   const std::string figures = beside({residual_bars(q.rests, "rest"), residual_bars(q.rotations, "rotation")});
   if (q.degrees_of_freedom == 0 && figures.empty()) return {};
+  Table axes{.head = {"axis", "RMS", "largest", "full scale", ""}, .rows = {}, .left = {4}};
+  for (const FitResidual& f : q.fit_residuals) {
+    const bool accel = f.axis.starts_with("accel");
+    const double small = accel ? unit::ug : unit::deg_per_h, large = accel ? unit::g : unit::deg;
+    axes.rows.push_back({escaped(f.axis), number(f.rms / small), number(f.largest / small), number(f.full_scale / large),
+                         accel ? "µg; full scale in g" : "deg/h; full scale in deg/s"});
+  }
   return section("residuals", "Residuals",
                  fmt::format("Chi-square per degree of freedom {} with {} degrees of freedom; 1 is expected. Condition of the normal equations {}.",
                              number(q.chi2_per_dof), q.degrees_of_freedom, number(q.condition)),
-                 figures);
+                 figures + (axes.rows.empty() ? "" : table(axes)));
 }
 
 std::vector<Vector3d> rest_directions(const CalibrationReport& report) {
@@ -192,12 +221,15 @@ std::string coverage_section(const CalibrationReport& report) {
   for (const Vector3d& d : directions) marks.push_back({d});
   std::string gaps;
   for (const CoverageGap& gap : coverage_gaps(directions, least)) {
-    marks.push_back({gap.direction, false, true});
+    marks.push_back({gap.direction, true});
     gaps += fmt::format("{}{} ({:.0f}° from the nearest rest)", gaps.empty() ? "" : ", ", direction_text(gap.direction), gap.angle / unit::deg);
   }
   const std::vector<double> parts = leverages(directions);
   Plot plot({"rest", 0.3, static_cast<double>(parts.size()) + 0.7}, {"parameters determined", 0, 1.05}, "what each rest contributes");
-  for (std::size_t k = 0; k < parts.size(); ++k) plot.bar(static_cast<double>(k + 1), parts[k], 0.7, parts[k] > 0.95 ? color::vermilion : color::green);
+  std::vector<double> alone = parts, shared = parts;
+  for (std::size_t k = 0; k < parts.size(); ++k) (parts[k] > 0.95 ? shared[k] : alone[k]) = NAN;
+  plot.bars(counted(parts.size()), shared, 0.7, color::green);
+  plot.bars(counted(parts.size()), alone, 0.7, color::vermilion);
   const double sum = std::accumulate(parts.begin(), parts.end(), 0.0);
   return section("coverage", "Directions of gravity", "",
                  beside({figure(sphere(marks, "directions of gravity at rest"),

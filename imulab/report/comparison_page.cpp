@@ -1,5 +1,6 @@
 #include "imulab/report/comparison_page.hpp"
 
+#include "imulab/model/user_unit.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/pictures.hpp"
@@ -67,7 +68,7 @@ std::string sigmas_figure(const Comparison& comparison, double limit, Triad tria
     if (coefficient(d.index).triad != triad || !sigmas) continue;
     const std::string_view name = coefficient(d.index).name;
     rows.push_back({std::string(name.substr(name.find('.') + 1)), *sigmas, 1,
-                    fmt::format("{} {}", number(d.user_difference), readable_unit(d.user_unit)), std::abs(*sigmas) > limit});
+                    user_units(coefficient(d.index)).empty() ? "" : fmt::format("{} {}", number(d.user_difference), readable_unit(d.user_unit)), std::abs(*sigmas) > limit});
   }
   return rows.empty() ? "" : figure(interval_rows(rows, "difference in its standard uncertainties", "differences"), triad == Triad::accel ? "Accelerometers" : "Gyros");
 }

@@ -10,8 +10,8 @@ namespace imulab {
 
 namespace {
 
-/// Points of a chart: two for each of these intervals.
-constexpr std::size_t intervals = 1500;
+/// Points of all charts of one quantity: two for each of these intervals.
+constexpr std::size_t all_intervals = 1500, least_intervals = 50;
 
 std::vector<Range> ranges_of(const Calibration& calibration, const Session& session, const Recording& recording, bool only_one) {
   if (!only_one || calibration.quality.rests.empty()) return rests_of(recording, session).ranges;
@@ -29,7 +29,7 @@ double largest(const Columns3& columns) {
 
 }  // namespace
 
-RecordingEvidence evidence_of(const Calibration& calibration, const Session& session, const Recording& recording, bool only_one) {
+RecordingEvidence evidence_of(const Calibration& calibration, const Session& session, const Recording& recording, std::size_t recordings) {
   RecordingEvidence e;
   e.file = recording.name;
   e.samples = recording.size();
@@ -38,12 +38,12 @@ RecordingEvidence evidence_of(const Calibration& calibration, const Session& ses
   if (recording.size() == 0) return e;
   e.rate_hz = 1 / recording.interval_s;
   e.duration_s = recording.time_s(recording.size() - 1) - recording.time_s(0) + recording.interval_s;
-  e.overview = overview(calibration.model, recording, intervals);
+  e.overview = overview(calibration.model, recording, std::max(least_intervals, all_intervals / std::max<std::size_t>(1, recordings)));
   e.largest_rate = largest(e.overview.rate);
   e.largest_force = largest(e.overview.force);
   try {
     const SensorModel before = uncalibrated(calibration.model);
-    e.rests = gravity_at_rests(recording, ranges_of(calibration, session, recording, only_one), before, calibration.model);
+    e.rests = gravity_at_rests(recording, ranges_of(calibration, session, recording, recordings == 1), before, calibration.model);
     e.turns = turn_errors(recording, e.rests, before, calibration.model);
   } catch (const Error& error) {
     e.without_rests = error.what();

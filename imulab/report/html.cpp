@@ -77,12 +77,15 @@ std::string shortened(std::string_view text, std::size_t most) {
 }
 
 std::string number(double value, int digits) {
-  return std::isfinite(value) ? with_minus_sign(fmt::format("{:.{}g}", value, digits)) : "not determined";
+  if (!std::isfinite(value)) return "not determined";
+  const double size = std::abs(value);
+  if (size >= std::pow(10, digits) && size < 1e7) return with_minus_sign(fmt::format("{:.0f}", value));  // 2150 rather than 2.15e+03
+  return with_minus_sign(fmt::format("{:.{}g}", value, digits));
 }
 
 std::string tick_text(double value) {
   const double size = std::abs(value);
-  if (size == 0 || (size >= 1e-3 && size < 1e6)) return with_minus_sign(fmt::format("{:.6g}", value));
+  if (size == 0 || (size >= 1e-3 && size < 1e5)) return with_minus_sign(fmt::format("{:.6g}", value));
   const int exponent = static_cast<int>(std::floor(std::log10(size) + 1e-9));
   constexpr std::string_view digits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
   std::string raised = exponent < 0 ? "⁻" : "";
@@ -108,8 +111,8 @@ std::string uncertainty_text(double uncertainty) {
 }
 
 std::string readable_unit(std::string_view unit) {
-  std::string out = unit.starts_with("ug") ? "µg" + std::string(unit.substr(2)) : std::string(unit);
-  for (const auto& [from, to] : {std::pair{"^2", "²"}, {"^3", "³"}})
+  std::string out(unit);
+  for (const auto& [from, to] : {std::pair{"^2", "²"}, {"^3", "³"}, {"ug", "µg"}})
     for (std::size_t at = 0; (at = out.find(from, at)) != std::string::npos; at += std::string_view(to).size()) out.replace(at, 2, to);
   return out;
 }

@@ -61,7 +61,7 @@ std::string session_sections(const NavigatedSession& s, const std::optional<Erro
   std::string out = section("session", only_one ? "Result" : s.session, "", content + beside({track}));
   if (!bands.empty())
     out += section("errors", "Errors over time",
-                   budget ? "The band is one sigma of what the calibration's uncertainties and the alignment cause; noise in flight and the aging of the IMU are not in it." : "",
+                   budget ? "The band is one sigma of what the calibration's uncertainties cause, and after an alignment also the noise that it saw; how the IMU changed since is not in it." : "",
                    bands);
   if (budget) out += section("shares", "Shares over time", "", shares_over_time(*budget)) + sources_section(*budget);
   return out;

@@ -43,15 +43,16 @@ std::string hemisphere(const std::vector<SphereMark>& marks, bool upper, double 
                        radius * std::sqrt(1 - std::cos(angle * 0.017453292519943)), color::grid);
   out += line_between(center_x - radius, center_y, center_x + radius, center_y, color::grid) +
          line_between(center_x, center_y - radius, center_x, center_y + radius, color::grid);
+  std::string dots;
   for (const SphereMark& m : marks) {
     if ((m.direction.z() >= 0) != upper) continue;
     const auto [x, y] = place(m.direction);
     if (m.gap)
       out += line_between(x - 6, y - 6, x + 6, y + 6, color::vermilion, 2.4) + line_between(x - 6, y + 6, x + 6, y - 6, color::vermilion, 2.4);
     else
-      out += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\" stroke=\"{}\"/>", x, y, m.used ? color::blue : "#fff",
-                         m.used ? "#fff" : color::vermilion);
+      dots += fmt::format("M{:.1f} {:.1f}h0", x, y);
   }
+  out += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linecap=\"round\"/>", dots, color::blue, marks.size() > 200 ? 3.5 : 7);
   const double label = radius + 12;
   out += text_at(center_x + label, center_y + 4, upper ? "+x" : "−x", Anchor::middle) + text_at(center_x - label, center_y + 4, upper ? "−x" : "+x", Anchor::middle);
   out += text_at(center_x, center_y - radius - 5, "+y", Anchor::middle) + text_at(center_x, center_y + radius + 14, "−y", Anchor::middle);
@@ -60,15 +61,15 @@ std::string hemisphere(const std::vector<SphereMark>& marks, bool upper, double 
 
 }  // namespace
 
-std::string interval_rows(const std::vector<Interval>& rows, std::string_view unit, std::string_view description) {
+std::string interval_rows(const std::vector<Interval>& rows, std::string_view unit, std::string_view description, std::optional<double> limit) {
   if (rows.empty()) return {};
-  std::vector<double> ends{0};
+  std::vector<double> ends{0, limit.value_or(0)};
   for (const Interval& r : rows) {
     ends.push_back(r.value - r.half_width);
     ends.push_back(r.value + r.half_width);
   }
   const Axis axis = axis_over("", ends);
-  constexpr double width = 460, right = 340, step = 22, top = 6;
+  constexpr double width = 460, right = 320, step = 22, top = 6;
   std::size_t longest = 0;
   for (const Interval& r : rows) longest = std::max(longest, r.name.size());
   const double left = std::max(44.0, 7.2 * static_cast<double>(longest) + 12);
@@ -79,13 +80,14 @@ std::string interval_rows(const std::vector<Interval>& rows, std::string_view un
     out += line_between(at(v), top, at(v), bottom, v == 0 ? color::gray : color::grid, v == 0 ? 1.4 : 1);
     out += text_at(at(v), bottom + 16, tick_text(v), Anchor::middle);
   }
+  if (limit) out += line_between(at(*limit), top, at(*limit), bottom, color::vermilion, 1.4, true);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const Interval& r = rows[k];
     const double y = top + step * (static_cast<double>(k) + 0.5);
     const std::string_view ink = r.marked ? color::vermilion : color::blue;
     out += text_at(left - 8, y + 4, r.name, Anchor::end) + text_at(right + 14, y + 4, r.text);
     if (!std::isfinite(r.value)) continue;
-    if (std::isfinite(r.half_width)) {
+    if (std::isfinite(r.half_width) && r.half_width > 0) {
       const double a = at(r.value - r.half_width), b = at(r.value + r.half_width);
       out += line_between(a, y, b, y, ink, 2) + line_between(a, y - 5, a, y + 5, ink, 2) + line_between(b, y - 5, b, y + 5, ink, 2);
     }

@@ -3,6 +3,7 @@
 
 #include "imulab/core/rotation.hpp"
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,8 +17,8 @@ struct Interval {
   std::string text = {};  ///< beside the row
   bool marked = false;    ///< in another color
 };
-/// Rows on one axis with a line at zero.
-std::string interval_rows(const std::vector<Interval>& rows, std::string_view unit, std::string_view description);
+/// Rows on one axis with a line at zero, and a dashed one at the limit if there is one.
+std::string interval_rows(const std::vector<Interval>& rows, std::string_view unit, std::string_view description, std::optional<double> limit = {});
 
 /// One bar of parts that add up to one; a negative part is drawn to the left of zero.
 struct ShareRow {
@@ -30,10 +31,10 @@ std::string share_bars(const std::vector<std::string>& sources, const std::vecto
 /// Correlations as a square of colors: orange negative, blue positive, white none.
 std::string correlation_map(const std::vector<std::string>& names, const Eigen::MatrixXd& correlation, std::string_view description);
 
-/// A direction in the body, drawn by `used` and sized by nothing.
+/// A direction in the body: a dot, or a cross where it is missing.
 struct SphereMark {
   Vector3d direction;
-  bool used = true, gap = false;  ///< gap: a direction that is missing
+  bool gap = false;
 };
 /// Both halves of the sphere, seen along -z and +z (equal-area), with the body's axes.
 std::string sphere(const std::vector<SphereMark>& marks, std::string_view description);

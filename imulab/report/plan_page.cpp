@@ -36,7 +36,7 @@ std::string requirements_figure(const PlanReport& report) {
       rows.push_back({std::string(coefficient(index).name), ratio, 0, fmt::format("{} {}", uncertainty_text(s.sigma[at] / r.unit.size), readable_unit(r.unit.name)), ratio > 1});
     }
   if (rows.empty()) return {};
-  return section("required", "Against the requirements", "", figure(interval_rows(rows, "standard uncertainty over requirement", "requirements"), "At most 1 is required."));
+  return section("required", "Against the requirements", "", figure(interval_rows(rows, "standard uncertainty over requirement", "requirements", 1), "At most 1 is required."));
 }
 
 Verdict plan_verdict(const PlanReport& report) {
@@ -60,7 +60,7 @@ std::string plan_page(const PlanReport& r) {
   page.kind = "Plan";
   std::string required;
   for (const Requirement& requirement : r.requirements) required += (required.empty() ? "" : ", ") + to_string(requirement);
-  page.title = "Procedure for " + required;
+  page.title = "Procedure for " + readable_unit(required);
   page.subtitle = "Hybrid method";
   page.verdict = plan_verdict(r);
   page.body = turns_section(r.path) + requirements_figure(r) + prediction_sections(r.summary);

@@ -42,9 +42,9 @@ class Plot {
   void line(const std::vector<double>& x, const std::vector<double>& y, std::string_view color, double width = 1.5);
   void band(const std::vector<double>& x, const std::vector<double>& low, const std::vector<double>& high, std::string_view color);
   void dots(const std::vector<double>& x, const std::vector<double>& y, std::string_view color, bool hollow = false);
-  void bar(double x, double y, double width, std::string_view color);
-  void shade(double low, double high, std::string_view color, double opacity);  ///< between two x
-  void rule(double y, std::string_view color);                                  ///< a dashed line across
+  void bars(const std::vector<double>& x, const std::vector<double>& y, double width, std::string_view color);
+  void shade(const std::vector<std::pair<double, double>>& spans, std::string_view color, double opacity);  ///< between two x each
+  void rule(double y, std::string_view color);  ///< a dashed line across
   std::string svg() const;
 
  private:

@@ -73,7 +73,7 @@ Verdict prediction_verdict(const PredictionReport& report) {
   for (const CoefficientIndex index : s.undetermined) v.because.push_back(std::string(coefficient(index).name) + " is not determined");
   v.actions = s.advice;
   for (const Shortfall& shortfall : s.missed)
-    if (const std::string action = "Reduce the error of the source: " + shortfall.source;
+    if (const std::string action = "Reduce the largest source: " + shortfall.source + ".";
         !shortfall.source.empty() && std::find(v.actions.begin(), v.actions.end(), action) == v.actions.end())
       v.actions.push_back(action);
   return v;

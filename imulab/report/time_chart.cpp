@@ -64,8 +64,12 @@ std::string still(const TimeChart& chart, const std::vector<std::string>& colors
   for (const auto& series : chart.y) all.insert(all.end(), series.begin(), series.end());
   const double first = chart.x.empty() ? 0 : chart.x.front(), last = chart.x.empty() || chart.x.back() <= first ? first + 1 : chart.x.back();
   Plot plot({chart.x_label, first, last}, axis_over(chart.y_label, all, chart.logarithmic), chart.title, wide_plot);
-  for (const MarkedTime& m : chart.marks)
-    plot.shade(m.begin, m.end, m.mark == Mark::rest ? color::sky : m.mark == Mark::dropped ? color::vermilion : color::ink, m.mark == Mark::rest ? 0.16 : 0.3);
+  for (const auto& [mark, shade] : {std::pair{Mark::rest, color::sky}, {Mark::dropped, color::vermilion}, {Mark::gap, color::ink}}) {
+    std::vector<std::pair<double, double>> spans;
+    for (const MarkedTime& m : chart.marks)
+      if (m.mark == mark) spans.emplace_back(m.begin, m.end);
+    plot.shade(spans, shade, mark == Mark::rest ? 0.16 : 0.3);
+  }
   std::vector<std::pair<std::string, std::string_view>> names;
   for (std::size_t k = 0; k < chart.y.size(); ++k) {
     const auto [x, y] = thinned(chart.x, chart.y[k], parts);

@@ -1,0 +1,118 @@
+// imulab report and --report as typed.
+#include "tests/run_command.hpp"
+
+#include <gmock/gmock.h>
+
+namespace imulab {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A hand-held session and its calibration, made once.
+class Report : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder;
+    for (const char* command : {"procedure hand-held --poses 24 -o hand.toml", "simulate hand.toml -o hand", "calibrate hand --method handheld -o hand.json"})
+      ASSERT_EQ(run_imulab(*folder_, command).exit_code, 0) << command;
+  }
+  static void TearDownTestSuite() {
+    delete folder_;
+    folder_ = nullptr;
+  }
+  /// The page, and nothing of it in a failure's message.
+  static bool says(const std::string& file, const std::string& part) { return text(file).find(part) != std::string::npos; }
+  static CommandResult run(const std::string& arguments) { return run_imulab(*folder_, arguments); }
+  static std::string text(const std::string& file) { return read_text(*folder_ / file); }
+
+  static TemporaryFolder* folder_;
+};
+TemporaryFolder* Report::folder_ = nullptr;
+
+TEST_F(Report, ASavedCalibrationHasTheSamePictures) {
+  ASSERT_EQ(run("calibrate hand --method handheld --report fresh.html").exit_code, 0);
+  const CommandResult saved = run("report hand.json -o saved.html");
+  ASSERT_EQ(saved.exit_code, 0) << saved.errors;
+  EXPECT_THAT(saved.output, HasSubstr("written: saved.html"));
+  for (const char* file : {"fresh.html", "saved.html"})
+    for (const char* id : {"before-after", "recording", "residuals", "coverage", "coefficients", "uncertainty", "correlation", "not-covered", "traceability", "origin"})
+      EXPECT_TRUE(says(file, "<section id=\"" + std::string(id) + "\">")) << file;
+  EXPECT_FALSE(says("saved.html", "Not on this page"));
+}
+
+TEST_F(Report, WhatIsMissingIsSaidWithTheReason) {
+  ASSERT_EQ(run_shell(*folder_, "mkdir away && cp hand.json away/moved.json && cd away && sed -i 's#\"hand/session.toml\"#\"gone/session.toml\"#' moved.json").exit_code, 0);
+  ASSERT_EQ(run("report away/moved.json -o moved.html").exit_code, 0);
+  EXPECT_TRUE(says("moved.html", "gone/session.toml was not found; --session gives the place of the session"));
+  EXPECT_FALSE(says("moved.html", "<section id=\"recording\">"));
+  EXPECT_TRUE(says("moved.html", "<section id=\"coefficients\">"));
+  ASSERT_EQ(run("report away/moved.json --session hand -o found.html").exit_code, 0);
+  EXPECT_TRUE(says("found.html", "<section id=\"recording\">"));
+}
+
+TEST_F(Report, AChangedRecordingIsNotShown) {
+  ASSERT_EQ(run_shell(*folder_, "cp -r hand changed && echo >> changed/recording.csv").exit_code, 0);
+  ASSERT_EQ(run("report hand.json --session changed -o changed.html").exit_code, 0);
+  EXPECT_TRUE(says("changed.html", "changed/recording.csv is not the file that was calibrated (its SHA-256 differs)"));
+  EXPECT_FALSE(says("changed.html", "<section id=\"recording\">"));
+}
+
+TEST_F(Report, InputsAndOtherOutputsStay) {
+  const std::string calibration = text("hand.json"), recording = text("hand/recording.csv");
+  for (const char* command :
+       {"report hand.json -o hand.json", "report hand.json -o ./hand.json", "report hand.json -o hand/recording.csv", "report hand.json -o hand",
+        "calibrate hand --method handheld --report hand/recording.csv", "calibrate hand --method handheld --report hand/session.toml",
+        "calibrate hand --method handheld -o new.json --report new.json", "compare hand.json hand/truth.json --report hand.json",
+        "predict hand.toml --method hybrid --report hand.toml", "compensate hand.json hand -o out.csv --report out.csv",
+        "compensate hand.json hand -o out.csv --report hand.json", "compare hand.json hand/truth.json --report -"}) {
+    const CommandResult result = run(command);
+    EXPECT_EQ(result.exit_code, 2) << command;
+    EXPECT_THAT(result.errors, testing::AnyOf(HasSubstr("would overwrite"), HasSubstr("expected a file to write"))) << command;
+  }
+  EXPECT_EQ(text("hand.json"), calibration);
+  EXPECT_EQ(text("hand/recording.csv"), recording);
+  EXPECT_FALSE(std::filesystem::exists(*folder_ / "new.json"));
+}
+
+TEST_F(Report, AWrongFileIsNamed) {
+  folder_->write("list.json", "[1, 2]");
+  folder_->write("broken.json", "{\"format\": \"imulab.calibration/1\", \"model\": 3}");
+  for (const auto& [command, message] : {std::pair{"report list.json -o x.html", "imulab: list.json: not a result"},
+                                         {"report broken.json -o x.html", "imulab: broken.json: "},
+                                         {"report nothing.json -o x.html", "imulab: nothing.json: "},
+                                         {"report hand.json -o no/where/x.html", "no/where/x.html"},
+                                         {"report hand/recording.csv -o x.html", "imulab: hand/recording.csv:1: not JSON"}}) {
+    const CommandResult result = run(command);
+    EXPECT_EQ(result.exit_code, 2) << command;
+    EXPECT_THAT(result.errors, HasSubstr(message)) << command;
+  }
+  EXPECT_FALSE(std::filesystem::exists(*folder_ / "x.html"));
+}
+
+TEST_F(Report, JsonOfOtherVerbsBecomesTheirPage) {
+  ASSERT_EQ(run_shell(*folder_, "PATH=\"" + std::filesystem::path(IMULAB_COMMAND).parent_path().string() +
+                                    ":$PATH\"; imulab compare hand.json hand/truth.json --json --report a.html > c.json && imulab report c.json -o b.html && cmp a.html b.html")
+                .exit_code,
+            0);
+  ASSERT_EQ(run("procedure six-position -o six.toml").exit_code, 0);
+  ASSERT_EQ(run_shell(*folder_, std::string("'") + IMULAB_COMMAND + "' predict six.toml --runs 0 --json > p.json; '" + IMULAB_COMMAND + "' report - -o p.html < p.json").exit_code, 0);
+  EXPECT_TRUE(says("p.html", "<section id=\"shares\">"));
+}
+
+TEST_F(Report, ADoubtfulVerdictGivesItsReasons) {
+  ASSERT_EQ(run_shell(*folder_, "sed 's/\"verdict\": \"good\"/\"verdict\": \"doubtful\"/; s/\"because\": \\[\\]/\"because\": [\"a reason of its own\"]/' hand.json > doubt.json").exit_code, 0);
+  ASSERT_EQ(run("report doubt.json -o doubt.html").exit_code, 0);
+  EXPECT_TRUE(says("doubt.html", "<strong id=\"verdict\">doubtful</strong>"));
+  EXPECT_TRUE(says("doubt.html", "<ul id=\"because\"><li>a reason of its own</li></ul>"));
+  EXPECT_TRUE(says("doubt.html", "Resolve each reason above"));
+}
+
+TEST_F(Report, ATruthHasNoVerdict) {
+  ASSERT_EQ(run("report hand/truth.json -o truth.html").exit_code, 0);
+  EXPECT_TRUE(says("truth.html", "Values without uncertainties: there is nothing to judge"));
+  EXPECT_TRUE(says("truth.html", "<code>gyro.matrix.xy</code>"));
+  EXPECT_TRUE(says("truth.html", "the file names no recordings with their hashes"));
+}
+
+}  // namespace
+}  // namespace imulab

@@ -1,0 +1,82 @@
+#include "imulab/report/html.hpp"
+
+#include "imulab/report/plot.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
+
+namespace imulab::report {
+namespace {
+
+using ::testing::ElementsAre;
+
+TEST(Html, MarkupIsText) { EXPECT_EQ(escaped("<b a=\"1\" c='2'>&</b>"), "&lt;b a=&quot;1&quot; c=&#39;2&#39;&gt;&amp;&lt;/b&gt;"); }
+
+TEST(Html, WhatIsNotSeenIsNamed) {
+  EXPECT_EQ(escaped(std::string("a\0b", 3)), "a[U+0000]b");
+  EXPECT_EQ(escaped("\x07\x1b\x7f"), "[U+0007][U+001B][U+007F]");
+  EXPECT_EQ(escaped("\u202e\u200f\u2066\ufeff\u200b"), "[U+202E][U+200F][U+2066][U+FEFF][U+200B]");
+  EXPECT_EQ(escaped("one\ntwo\tµ°Ω"), "one\ntwo\tµ°Ω");
+}
+
+TEST(Html, BytesThatAreNotUtf8AreReplaced) {
+  const std::string replacement = "\xEF\xBF\xBD";
+  EXPECT_EQ(escaped("a\xffz"), "a" + replacement + "z");
+  EXPECT_EQ(escaped("\xC3"), replacement);                                              // cut off
+  EXPECT_EQ(escaped("\xC0\xBC"), replacement + replacement);                            // "<" in too many bytes
+  EXPECT_EQ(escaped("\xED\xA0\x80"), replacement + replacement + replacement);          // a surrogate
+  EXPECT_EQ(escaped("\xF0\x9F\x98\x80"), "\xF0\x9F\x98\x80");
+}
+
+TEST(Html, ALongTextIsShortenedByCharacters) {
+  EXPECT_EQ(shortened("µµµ", 3), "µµµ");
+  EXPECT_EQ(shortened("µµµµ", 3), "µµµ… (4 characters)");
+}
+
+TEST(Html, NumbersHaveTheDigitsOfTheirUncertainty) {
+  EXPECT_EQ(rounded_to(34303.4, 32), "34303");
+  EXPECT_EQ(rounded_to(-0.0157123, 0.0055), "−0.0157");
+  EXPECT_EQ(rounded_to(12857, 160), "12860");
+  EXPECT_EQ(rounded_to(-0.001, 1.0), "0.0") << "no minus zero";
+  EXPECT_EQ(uncertainty_text(1.449), "1.4");
+  EXPECT_EQ(uncertainty_text(std::numeric_limits<double>::infinity()), "not determined");
+  EXPECT_EQ(number(2154.3), "2154");
+  EXPECT_EQ(number(NAN), "not determined");
+}
+
+TEST(Html, TicksAreReadable) {
+  EXPECT_EQ(tick_text(-0.25), "−0.25");
+  EXPECT_EQ(tick_text(1e-6), "10⁻⁶");
+  EXPECT_EQ(tick_text(-2.5e7), "−2.5·10⁷");
+}
+
+TEST(Plot, TicksAreRound) {
+  EXPECT_THAT(ticks({"", -0.4, 1.1}, 5), ElementsAre(0, 0.5, 1));
+  EXPECT_THAT(ticks({"", -6, 6}, 5), ElementsAre(-5, -2.5, 0, 2.5, 5));
+  EXPECT_THAT(ticks({"", 0.5, 200, true}, 5), ElementsAre(1, 10, 100));
+}
+
+TEST(Plot, AnAxisHoldsWhatIsFinite) {
+  const Axis axis = axis_over("", {NAN, 1, 3, INFINITY});
+  EXPECT_LT(axis.low, 1);
+  EXPECT_GT(axis.high, 3);
+  EXPECT_LT(axis.high, 4);
+  const Axis none = axis_over("", {});
+  EXPECT_LT(none.low, none.high);
+  const Axis flat = axis_over("", {0, 0});
+  EXPECT_LT(flat.low, flat.high);
+}
+
+TEST(Plot, HolesAndPointsOffTheAxisAreLeftOut) {
+  Plot plot({"x", 0, 4}, {"y", 0.1, 10, true}, "test");
+  plot.line({0, 1, 2, 3}, {1, NAN, 2, 3}, color::blue);
+  plot.dots({1, 2}, {0, 1}, color::blue);  // zero is nowhere on a logarithmic axis
+  const std::string svg = plot.svg();
+  EXPECT_EQ(svg.find("nan"), std::string::npos);
+  EXPECT_EQ(svg.find("inf"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace imulab::report

@@ -1,0 +1,176 @@
+// Reports in a browser: every chart draws, nothing is requested, no text runs, and the print is a certificate. Chromium without a window; two starts.
+#include <gmock/gmock.h>
+
+#include "imulab/io/calibration/file.hpp"
+#include "tests/run_command.hpp"
+#include <map>
+#include <regex>
+#include <vector>
+
+namespace imulab {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr const char* chromium =
+    "chromium --headless=new --no-sandbox --disable-gpu --disable-background-networking --disable-component-update --no-first-run "
+    "--user-data-dir=profile ";
+
+/// In front of a page's own scripts: what goes wrong, told to the page around it. The page's policy is taken out, so that text that could run would run.
+const std::string watch = R"(<script>
+window.problems = [];
+window.addEventListener('error', function (e) { window.problems.push(String(e.message)); }, true);
+</script>)";
+
+/// Behind them: charts whose lines have left no color, pictures without size, the verdict.
+const std::string judge = R"(<script>
+window.addEventListener('load', function () {
+  var text = function (id) { var e = document.getElementById(id); return e ? e.textContent : ''; };
+  var charts = Array.from(document.querySelectorAll('.chart')), empty = 0;
+  charts.forEach(function (chart) {
+    var colored = 0;
+    chart.querySelectorAll('.live canvas').forEach(function (canvas) {
+      if (!canvas.width || !canvas.height) return;
+      var d = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+      for (var i = 0; i < d.length; i += 4)
+        if (d[i + 3] > 200 && Math.max(d[i], d[i + 1], d[i + 2]) - Math.min(d[i], d[i + 1], d[i + 2]) > 60) ++colored;
+    });
+    if (colored < 100) ++empty;
+  });
+  var pictures = Array.from(document.querySelectorAll('svg')).filter(function (s) { return s.getClientRects().length > 0; });
+  var flat = pictures.filter(function (s) { var b = s.getBBox(); return !(b.width > 50 && b.height > 20) || s.querySelectorAll('polyline,polygon,rect,circle,path').length == 0; });
+  parent.postMessage([document.currentName, 'charts=' + charts.length + ' empty=' + empty + ' pictures=' + pictures.length + ' flat=' + flat.length,
+    'requests=' + performance.getEntriesByType('resource').length, 'problems=' + window.problems.join('/'), 'ran=' + (window.ran || 0),
+    'wide=' + (document.documentElement.scrollWidth > document.documentElement.clientWidth), 'verdict=' + text('verdict'), 'because=' + text('because')].join('|'), '*');
+});
+</script>)";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+std::string watched(const std::string& page, const std::string& name) {
+  std::string text = std::regex_replace(page, std::regex("<meta http-equiv=\"Content-Security-Policy\"[^>]*>"), "", std::regex_constants::format_first_only);
+  text = replaced(text, "<head>", "<head>" + watch + "<script>document.currentName = '" + name + "'</script>");
+  return replaced(text, "</body>", judge + "</body>");
+}
+
+/// Of each page what its copy says, by name.
+struct Browsed {
+  std::map<std::string, std::string> pages;
+  std::vector<std::string> console, requests;
+};
+
+/// All pages at once, each as it is and as a watched copy at both widths; beside them a page that does what must be noticed.
+Browsed browse(const TemporaryFolder& folder, const std::vector<std::string>& pages) {
+  std::string frames = "<iframe src='probe.html'></iframe>";
+  folder.write("probe.html", "<script>console.error('the probe speaks')</script><img src='http://imulab-probe.invalid/x.png'>");
+  for (const std::string& page : pages) {
+    const std::string text = read_text(folder / (page + ".html"));
+    frames += "<iframe src='" + page + ".html' width=1280 height=600></iframe>";
+    for (const std::string width : {"1280", "390"}) {
+      const std::string name = page + "-" + width;
+      folder.write(name + ".html", watched(text, name));
+      frames += "<iframe src='" + name + ".html' width=" + width + " height=600></iframe>";
+    }
+  }
+  folder.write("around.html", "<pre id=said></pre><script>addEventListener('message', function (e) { document.getElementById('said').textContent += '\\n' + e.data + "
+                              "'\\n'; });</script>" + frames);
+  const CommandResult result = run_shell(folder, std::string(chromium) + "--virtual-time-budget=20000 --enable-logging=stderr --v=0 --log-net-log=net.json "
+                                                                         "--dump-dom \"file://$PWD/around.html\"");
+  EXPECT_EQ(result.exit_code, 0) << "chromium is in dependencies.txt";
+  Browsed out;
+  std::istringstream dom(result.output), errors(result.errors), net(read_text(folder / "net.json"));
+  for (std::string line; std::getline(dom, line);)
+    if (const auto bar = line.find('|'); bar != std::string::npos) out.pages[line.substr(0, bar)] = line.substr(bar + 1);
+  for (std::string line; std::getline(errors, line);)
+    if (line.find(":CONSOLE") != std::string::npos) out.console.push_back(line);
+  const std::regex asked("\"initiator\":\"([^\"]*)\".*\"url\":\"([^\"]*)\"");
+  for (std::string line; std::getline(net, line);)
+    if (std::smatch m; std::regex_search(line, m, asked) && m[1] != "not an origin") out.requests.push_back(m[2]);  // the browser's own have no origin
+  return out;
+}
+
+/// Calibrations, and a page of every kind.
+void make_results(const TemporaryFolder& folder) {
+  folder.write("mission.toml", "format = \"imulab.mission/1\"\nrate_hz = 5\n[start]\nlatitude_deg = 47\nlongitude_deg = 8\nheight_m = 400\n"
+                               "[[segment]]\nkind = \"accelerate\"\nto_mps = 200\nduration_s = 120\n[[segment]]\nkind = \"turn\"\nangle_deg = 60\nrate_dps = 1\n"
+                               "[errors]\ngrade = \"navigation\"\nvertical = \"fixed\"\n");
+  folder.write("truth.csv", "t,latitude_deg,longitude_deg,height_m,ve,vn,vu,roll_deg,pitch_deg,heading_deg\n0,45,0,0,0,0,0,0,0,0\n1000,45,0,0,0,0,0,0,0,0\n");
+  for (const std::string command : {
+           "procedure hand-held --poses 24 -o hand.toml", "simulate hand.toml -o hand",
+           "calibrate hand --method handheld -o hand.json --report calibration.html", "procedure six-position -o six.toml", "simulate six.toml -o six",
+           "calibrate six --method turntable -o six.json --report turntable.html", "compare hand.json hand/truth.json --report comparison.html",
+           "predict six.toml --runs 200 --report prediction.html", "compensate hand.json hand -o out.csv --report compensation.html",
+           "navigate six.json six --vertical fixed --truth truth.csv --report navigation.html", "budget mission.toml --runs 20 --report budget.html",
+           "plan --require 'gyro.matrix.diagonal <= 20 ppm' --axes 2 --report plan.html"}) {
+    const CommandResult result = run_imulab(folder, command);
+    EXPECT_EQ(result.exit_code, 0) << command << "\n" << result.errors;
+  }
+}
+
+/// A name that runs wherever it is not text, turns what follows, rings, and does not end.
+void make_hostile_page(const TemporaryFolder& folder) {
+  std::string name = R"(<script>window.ran = 1</script><img src=x onerror=\"window.ran = 1\">&amp; '\" </title></script>\u202e\u0007\u0000\u200f)";
+  name.append(10'000, 'x');
+  std::string text = read_text(folder / "hand.json");
+  text = replaced(text, R"("imu": "hand-held")", "\"imu\": \"" + name + "\"");
+  text = replaced(text, R"("warnings": [)", "\"warnings\": [\"" + name + "\"");
+  text = replaced(text, R"("notes": [)", "\"notes\": [\"" + name + "\", ");
+  folder.write("hostile.json", text);
+  const CommandResult result = run_imulab(folder, "report hostile.json -o hostile.html");
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  const std::string page = read_text(folder / "hostile.html");
+  const auto says = [&](const char* part) { return page.find(part) != std::string::npos; };  // a failure would print the page
+  EXPECT_FALSE(says("<script>window.ran"));
+  EXPECT_TRUE(says("&lt;script&gt;window.ran = 1"));
+  EXPECT_TRUE(says("[U+202E][U+0007][U+0000][U+200F]"));
+}
+
+TEST(Page, EveryPageDrawsAndAsksNobodyAndNoTextRuns) {
+  const TemporaryFolder folder;
+  make_results(folder);
+  make_hostile_page(folder);
+  const std::vector<std::string> pages{"calibration", "turntable", "comparison", "prediction", "compensation", "navigation", "budget", "plan", "hostile"};
+  const Browsed browsed = browse(folder, pages);
+  ASSERT_EQ(browsed.console.size(), 1u) << testing::PrintToString(browsed.console);
+  EXPECT_THAT(browsed.console[0], HasSubstr("the probe speaks"));
+  EXPECT_THAT(browsed.requests, testing::ElementsAre("http://imulab-probe.invalid/x.png"));
+  for (const std::string& page : pages)
+    for (const std::string width : {"-1280", "-390"}) {
+      const std::string said = browsed.pages.contains(page + width) ? browsed.pages.at(page + width) : "nothing";
+      EXPECT_THAT(said, testing::MatchesRegex("charts=[0-9]+ empty=0 pictures=[0-9]+ flat=0\\|requests=0\\|problems=\\|ran=0\\|wide=false\\|.*")) << page << width;
+    }
+  EXPECT_THAT(browsed.pages.at("calibration-1280"), HasSubstr("charts=2 empty=0"));
+  const Calibration calibration = read_calibration(folder / "hand.json");
+  std::string because;
+  for (const std::string& reason : calibration.quality.because) because += reason;
+  EXPECT_THAT(browsed.pages.at("calibration-390"), testing::EndsWith("|verdict=" + calibration.quality.verdict + "|because=" + because));
+  for (const std::string& page : pages) EXPECT_LT(std::filesystem::file_size(folder / (page + ".html")), 2'000'000u) << page;
+}
+
+TEST(Page, APrintedCalibrationIsACertificate) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run_shell(folder, std::string("'") + IMULAB_COMMAND + "' procedure hand-held --poses 24 -o hand.toml && '" + IMULAB_COMMAND +
+                                  "' simulate hand.toml -o hand && '" + IMULAB_COMMAND + "' calibrate hand --method handheld --report page.html")
+                .exit_code,
+            0);
+  const CommandResult printed = run_shell(folder, std::string(chromium) + "--no-pdf-header-footer --print-to-pdf=page.pdf \"file://$PWD/page.html\"");
+  ASSERT_EQ(printed.exit_code, 0) << printed.errors;
+  const std::string info = run_shell(folder, "pdfinfo page.pdf").output;
+  std::smatch pages;
+  ASSERT_TRUE(std::regex_search(info, pages, std::regex("Pages: +([0-9]+)"))) << info;
+  EXPECT_GE(std::stoi(pages[1]), 6);
+  EXPECT_LE(std::stoi(pages[1]), 9) << "a certificate is no book";
+  EXPECT_THAT(info, HasSubstr("A4"));
+  EXPECT_THAT(run_shell(folder, "pdftotext -l 1 page.pdf -").output, HasSubstr("good"));
+  const std::string text = run_shell(folder, "pdftotext -layout page.pdf -").output;
+  for (const char* part : {"What to do", "Before and after", "Coefficients", "gyro.g_sensitivity.zz", "Type A and type B", "What this does not cover", "Not traceable", "SHA-256"})
+    EXPECT_THAT(text, HasSubstr(part));
+  EXPECT_THAT(run_shell(folder, "pdftotext -f " + pages[1].str() + " page.pdf -").output, HasSubstr("imulab")) << "an empty last page";
+}
+
+}  // namespace
+}  // namespace imulab
