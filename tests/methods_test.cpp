@@ -90,6 +90,12 @@ TEST(Methods, EveryOnePredictsWhatItWillEstimate) {
   }
 }
 
+TEST(Methods, EveryOnesPredictionIsWhatItStatesAndHowItsEstimatesScatter) {
+  for (const Method& method : methods())
+    for (const acceptance::Check& c : acceptance::predictions(method, method.name == "handheld" || method.name == "static" ? 25 : 8))
+      EXPECT_TRUE(c.passed()) << method.name << ": " << c.name << " is " << c.value << ", expected " << c.low << " to " << c.high;
+}
+
 TEST(Methods, EveryOneHasAnAcceptanceCase) {
   for (const Method& method : methods()) {
     const auto of_method = [&](const acceptance::Case& c) { return c.method == method.name; };
