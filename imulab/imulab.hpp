@@ -20,6 +20,7 @@
 #include "imulab/io/result/calibration.hpp"
 #include "imulab/io/result/comparison.hpp"
 #include "imulab/io/result/grades.hpp"
+#include "imulab/io/result/live.hpp"
 #include "imulab/io/result/motion.hpp"
 #include "imulab/io/result/navigation.hpp"
 #include "imulab/io/result/prediction.hpp"

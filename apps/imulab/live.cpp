@@ -19,6 +19,7 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <unistd.h>
 
 namespace imulab::command {
@@ -27,13 +28,16 @@ namespace {
 
 struct Options {
   std::string input, session, recording, output, save;
-  // What a consumer's unit reaches in some fifteen rests, and what takes the turns about every axis.
-  std::string require =
-      "gyro.matrix.diagonal <= 500 ppm, gyro.matrix.off_diagonal <= 60 arcsec, accel.matrix.diagonal <= 500 ppm, "
-      "accel.matrix.off_diagonal <= 60 arcsec, accel.offset <= 500 ug";
+  std::optional<std::string> require;
   double rest = 4;
   bool force = false;
 };
+
+/// What a consumer's unit reaches in some twenty rests. The offset of readings in counts is that at zero counts, which may be anywhere.
+constexpr const char* usual_requirement =
+    "gyro.matrix.diagonal <= 500 ppm, gyro.matrix.off_diagonal <= 120 arcsec, accel.matrix.diagonal <= 500 ppm, accel.matrix.off_diagonal <= 120 "
+    "arcsec";
+constexpr const char* usual_offset = ", accel.offset <= 500 ug";
 
 /// Where Ctrl-C finds the stream: it ends there, as if the last row had come.
 std::atomic<int> stream_descriptor{-1}, empty_descriptor{-1};
@@ -139,8 +143,9 @@ class Display {
 
 std::string name_of(const std::string& input) { return input == "-" ? "standard input" : input; }
 
-std::vector<Requirement> requirements_of(const Options& options, const Site& site) {
-  const std::vector<Requirement> all = errors_at("--require", [&] { return parse_requirements(options.require); });
+std::vector<Requirement> requirements_of(const Options& options, const RecordingSource& source, const Site& site) {
+  const std::string usual = std::string(usual_requirement) + (source.accel.unit == "count" ? "" : usual_offset);
+  const std::vector<Requirement> all = errors_at("--require", [&] { return parse_requirements(options.require.value_or(usual)); });
   const double gravity = site.gravity_sigma() / site.gravity();
   for (const Requirement& r : all)
     for (const CoefficientIndex index : r.coefficients)
@@ -202,7 +207,7 @@ void run(const Options& options) {
   const RecordingSource source = choose_recording(session, options.recording);
   session.recordings = {source};
   errors_at(session.file + ": [site]", [&] { session.site.gravity(); });
-  LiveProgress progress(session, requirements_of(options, session.site), options.rest);
+  LiveProgress progress(session, requirements_of(options, source, session.site), options.rest);
   for (const std::string& file : {options.output, options.save}) expect_inputs_stay(file, session, {options.input});
   expect_free("-o", options.output, options.force);
   expect_free("--save", options.save, options.force);
@@ -235,7 +240,7 @@ void add_live(Verb app) {
   verb.option("STREAM", o->input, "the stream of rows: - for standard input, or a file").required();
   verb.option("--session SESSION", o->session, "a session that describes the stream's columns and the site").required();
   verb.option("--recording FILE", o->recording, "the recording of that session to take the columns from, if it has several");
-  verb.option("--require LIMITS", o->require, "stop when this is reached").show_default();
+  verb.option("--require LIMITS", o->require, fmt::format("stop when this is reached; if absent, {}{}", usual_requirement, usual_offset));
   verb.option("--rest", o->rest, "seconds of every rest").in_range(1, 600).show_default();
   verb.option("-o,--output FILE", o->output, "the calibration file to write at the end");
   verb.option("--save FILE", o->save, "a file for what was streamed, as it came");
