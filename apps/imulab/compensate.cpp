@@ -9,6 +9,7 @@
 #include "imulab/io/recording/file.hpp"
 #include "imulab/io/result/fields.hpp"
 #include "imulab/io/session/file.hpp"
+#include "imulab/io/text/figures.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/recording/compensate_recording.hpp"
 #include "imulab/report/compensation_page.hpp"
@@ -88,8 +89,9 @@ void print_counts(const CompensateOptions& options, const std::vector<Compensate
   std::vector<JsonFields> list;
   for (const CompensateCounts& c : files) {
     if (!options.json)
-      fmt::print("{}: {} samples, {} saturated, {} outside the calibrated temperatures{}\n", c.file, c.samples, c.saturated, c.out_of_range,
-                 options.outliers == Outliers::reject ? fmt::format(", {} with an outlier replaced", c.replaced) : "");
+      fmt::print("{}", text::wrapped("", fmt::format("{}: {} samples, {} saturated, {} outside the calibrated temperatures{}", c.file, c.samples,
+                                                     c.saturated, c.out_of_range,
+                                                     options.outliers == Outliers::reject ? fmt::format(", {} with an outlier replaced", c.replaced) : "")));
     list.push_back({{{"file", c.file},
                      {"samples", std::uint64_t{c.samples}},
                      {"saturated", std::uint64_t{c.saturated}},

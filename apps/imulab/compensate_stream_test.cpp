@@ -83,9 +83,9 @@ TEST(CompensateStream, GivesTheRowsOfTheFileBitForBit) {
     EXPECT_EQ(to_file.exit_code, 0);
     EXPECT_EQ(read_text(folder / "stream.csv"), stream.output);
     // 17 spikes come after the noise is known; of the saturated readings, which are spikes of 3.5 g, all ten but the one at 5.
-    EXPECT_EQ(to_file.output, option.empty()
-                                  ? "stream.csv: 3000 samples, 10 saturated, 6 outside the calibrated temperatures\n"
-                                  : "stream.csv: 3000 samples, 10 saturated, 6 outside the calibrated temperatures, 26 with an outlier replaced\n");
+    EXPECT_EQ(on_one_line(to_file.output), option.empty()
+                                  ? "stream.csv: 3000 samples, 10 saturated, 6 outside the calibrated temperatures"
+                                  : "stream.csv: 3000 samples, 10 saturated, 6 outside the calibrated temperatures, 26 with an outlier replaced");
   }
 }
 

@@ -153,7 +153,7 @@ TEST(CompensateCommand, RejectsOutliersOnRequest) {
   text.replace(text.find("0.20,0,2,3,4,5,6\n"), 17, "0.20,0,2,3,4,5,7\n");
   folder.write("session/recording.csv", text);
   const CommandResult shown = run_imulab(folder, "compensate calibration.json session -o out.csv --reject-outliers");
-  EXPECT_EQ(shown.output, "out.csv: 200 samples, 0 saturated, 0 outside the calibrated temperatures, 1 with an outlier replaced\n");
+  EXPECT_EQ(on_one_line(shown.output), "out.csv: 200 samples, 0 saturated, 0 outside the calibrated temperatures, 1 with an outlier replaced");
   EXPECT_THAT(read_text(folder / "out.csv"), HasSubstr("\n1.5,0,6,12,4.5,5,6,replaced\n"));
 }
 

@@ -133,8 +133,8 @@ void run(const Options& options) {
   if (options.json) {
     fmt::print("{}", prediction_json(prediction, sampled, missed, answers));
   } else {
+    if (!requirements.empty()) fmt::print("{}\n", tolerance_table(plan, missed, answers));
     fmt::print("{}", prediction_table(prediction, sampled, options.verbose));
-    if (!requirements.empty()) fmt::print("{}", tolerance_table(plan, missed, answers));
   }
   for (const std::string& text : plan.parts.warnings) warn(text);
   if (!prediction.undetermined.empty()) throw Unsupported(fmt::format("the procedure does not determine:{}", names_of(prediction.undetermined)));

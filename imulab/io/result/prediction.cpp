@@ -174,7 +174,7 @@ std::string prediction_table(const Prediction& p, const std::vector<Requirement>
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
     const UserUnit unit = unit_of(p.coefficients[i], p.coefficients, p.sigma);
     const double sigma = p.sigma[static_cast<Eigen::Index>(i)], limit = limit_of(p.coefficients[i], requirements);
-    text += fmt::format("{:<21} {:<13} {:>9.4g}", coefficient(p.coefficients[i]).name, unit.name, sigma / unit.size);
+    text += fmt::format("{:<21} {:<13} {:>9}", coefficient(p.coefficients[i]).name, unit.name, text::two_digits(sigma / unit.size));
     if (limit > 0) text += fmt::format("  {:>8.4g} {:>7.3f}", limit / unit.size, sigma / limit);
     text += std::find(p.considered.begin(), p.considered.end(), p.coefficients[i]) == p.considered.end() ? "\n" : "  its prior\n";
   }

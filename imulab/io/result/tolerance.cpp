@@ -78,7 +78,7 @@ std::string answer(const char* first, turntable::Knob knob, const turntable::Tol
 }  // namespace
 
 std::string tolerance_table(const turntable::Plan& plan, const std::vector<Shortfall>& missed, const std::vector<KnobAnswer>& answers) {
-  std::string text = fmt::format("\nAs declared, {}\n", missed.empty() ? "every requirement is met." : "these requirements are not met:");
+  std::string text = fmt::format("As declared, {}\n", missed.empty() ? "every requirement is met." : "these requirements are not met:");
   for (const Shortfall& s : missed) text += text::wrapped("  ", requirement_text(s));
   text += "\nWhat meets every requirement:\n";
   for (const KnobAnswer& a : answers) {

@@ -54,7 +54,9 @@ std::string wrapped(std::string_view first, std::string_view sentence, std::size
     const std::size_t begin = sentence.find_first_not_of(' ');
     if (begin == std::string_view::npos) break;
     sentence.remove_prefix(begin);
-    const std::string_view word = sentence.substr(0, sentence.find(' '));
+    std::size_t end = std::min(sentence.find(' '), sentence.size());
+    if (sentence.substr(end).starts_with(" %")) end = std::min(sentence.find(' ', end + 1), sentence.size());  // stays with its number
+    const std::string_view word = sentence.substr(0, end);
     sentence.remove_prefix(word.size());
     const std::size_t size = columns_of(word);
     if (!at_begin && column + 1 + size > width) {

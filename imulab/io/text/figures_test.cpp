@@ -35,6 +35,7 @@ TEST(Figures, AValueEndsWhereItsUncertaintyDoes) {
 
 TEST(Figures, LinesEndBeforeTheWidth) {
   EXPECT_EQ(wrapped("  a: ", "one two three", 12), "  a: one two\n     three\n");
+  EXPECT_EQ(wrapped("", "a b c 54 %, d", 8), "a b c\n54 %, d\n");
   EXPECT_EQ(wrapped("", ""), "\n");
   EXPECT_EQ(wrapped("x ", "averyveryverylongword b", 8), "x averyveryverylongword\n  b\n");
   EXPECT_EQ(wrapped("", "\xC3\xA9\xC3\xA9 \xC3\xA9", 4), "\xC3\xA9\xC3\xA9 \xC3\xA9\n");  // four columns, seven bytes
