@@ -27,7 +27,9 @@ double horizontal_total(const ErrorBudget& b) {
   return std::sqrt(b.mean.col(end).head<2>().squaredNorm() + b.covariance.back()(0, 0) + b.covariance.back()(1, 1));
 }
 
-/// A row for each contribution, the largest horizontal position error first.
+constexpr double negligible = 1e-6;  // beside the largest
+
+/// A row for each contribution that counts, the largest horizontal position error first.
 std::vector<std::vector<std::string>> contribution_rows(const std::vector<Contribution>& all, std::size_t most) {
   if (all.empty()) return {};
   const Eigen::Index end = all.front().sigma.cols() - 1;
@@ -37,6 +39,7 @@ std::vector<std::vector<std::string>> contribution_rows(const std::vector<Contri
   std::vector<std::vector<std::string>> rows;
   for (std::size_t k = 0; k < std::min(most, order.size()); ++k) {
     const Contribution& c = all[order[k]];
+    if (horizontal(c, end) < negligible * horizontal(all[order[0]], end)) break;
     std::vector<std::string> row{escaped(c.name), number(horizontal(c, end))};
     for (Eigen::Index q = 0; q < budget_quantities; ++q)
       row.push_back(number(std::hypot(c.fixed(q, end), c.sigma(q, end)) / error_quantities()[static_cast<std::size_t>(q)].size));

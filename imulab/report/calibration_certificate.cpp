@@ -16,7 +16,7 @@ namespace {
 class Facts {
  public:
   void add(const std::string& name, const std::string& value) {
-    if (!value.empty()) table_.rows.push_back({escaped(name), escaped(value)});
+    if (!value.empty()) table_.rows.push_back({escaped(name), escaped(shortened(value, 1000))});
   }
   void add_hash(const std::string& name, const std::string& value) {
     if (!value.empty()) table_.rows.push_back({escaped(name), "<span class=\"hash\">" + escaped(value) + "</span>"});

@@ -76,10 +76,9 @@ Verdict verdict_of(const CalibrationReport& report) {
   v.word = q.verdict.empty() ? "no verdict" : q.verdict;
   const bool bare = report.result.calibration.estimated.empty();
   v.tone = q.verdict == "good" && !bare ? Tone::good : q.verdict == "doubtful" ? Tone::doubtful : Tone::neutral;
-  if (v.tone == Tone::good) v.meaning = "The residuals are as large as the stated uncertainties say, and the data determine every coefficient below.";
+  if (v.tone == Tone::good) v.meaning = "The residuals are as large as the stated uncertainties say, and nothing contradicts the calibration.";
   if (v.tone == Tone::doubtful) v.meaning = "Something contradicts the stated uncertainties, or is missing:";
   if (v.tone == Tone::neutral) v.meaning = bare ? "Values without uncertainties: there is nothing to judge." : "This file does not say how good the calibration is.";
-  if (!q.unobservable.empty() && v.tone == Tone::good) v.meaning = "The residuals are as large as the stated uncertainties say.";
   v.because = q.because;
   if (!bare) v.actions = actions(report);
   return v;

@@ -10,6 +10,8 @@ namespace imulab::report {
 
 namespace {
 
+constexpr std::size_t longest_text = 1000;  // characters: no sentence is longer
+
 struct Character {
   std::uint32_t code = 0xFFFD;
   std::size_t bytes = 1;
@@ -153,11 +155,11 @@ std::string beside(const std::vector<std::string>& figures) {
 std::string list(const std::vector<std::string>& texts, std::string_view id) {
   if (texts.empty()) return {};
   std::string out = id.empty() ? "<ul>" : fmt::format("<ul id=\"{}\">", id);
-  for (const std::string& text : texts) out += "<li>" + escaped(text) + "</li>";
+  for (const std::string& text : texts) out += "<li>" + escaped(shortened(text, longest_text)) + "</li>";
   return out + "</ul>\n";
 }
 
-std::string paragraph(std::string_view text) { return "<p>" + escaped(text) + "</p>\n"; }
+std::string paragraph(std::string_view text) { return "<p>" + escaped(shortened(text, 3 * longest_text)) + "</p>\n"; }
 
 std::string folded(std::string_view summary, const std::string& content) {
   return fmt::format("<details><summary>{}</summary>\n{}</details>\n", escaped(summary), content);

@@ -123,7 +123,7 @@ std::string share_bars(const std::vector<std::string>& sources, const std::vecto
   }
   for (const double v : ticks({"", least, most}, 4)) {
     out += line_between(at(v), top, at(v), bottom, v == 0 ? color::gray : "#ffffff", v == 0 ? 1 : 0.6);
-    out += text_at(at(v), bottom + 16, fmt::format("{:.0f} %", 100 * v), Anchor::middle);
+    out += text_at(at(v), bottom + 16, tick_text(100 * v) + " %", Anchor::middle);
   }
   std::vector<std::pair<std::string, std::string_view>> names;
   for (std::size_t s = 0; s < sources.size(); ++s) names.emplace_back(sources[s], color::series(s));
