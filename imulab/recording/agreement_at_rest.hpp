@@ -10,7 +10,7 @@
 
 namespace imulab {
 
-/// The model that stands for no calibration: readings in SI as they are. Readings in counts have no scale of their own: the same offsets, and one scale
+/// The model that stands for no calibration: readings in SI as they are. Readings in counts have no scale of their own: the same readings at zero, and one scale
 /// for the three axes of a triad, without misalignments and all else.
 SensorModel uncalibrated(const SensorModel& model);
 

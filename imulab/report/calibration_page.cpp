@@ -16,12 +16,20 @@ namespace imulab {
 namespace report {
 namespace {
 
+/// Of matrices relative to the row's scale; of readings in counts that of the output where it is zero: their offset is that of a reading far away.
+double uncertainty_of(const Calibration& calibration, CoefficientIndex index) {
+  const Coefficient& c = coefficient(index);
+  const TriadModel& triad = c.triad == Triad::accel ? calibration.model.accel : calibration.model.gyro;
+  if (c.term != Term::offset || triad.raw_unit != "count") return relative_uncertainty(calibration, index);
+  return raw_zero(calibration, c.triad).uncertainty[c.row] * std::abs(triad.matrix(c.row, c.row));
+}
+
 /// The worst standard uncertainty of a group, of matrices relative to the row's scale; empty where none was estimated.
 std::string worst_text(const Calibration& calibration, std::string_view selector) {
   double worst = -1;
   UserUnit unit{};
   for (const CoefficientIndex index : select_coefficients(selector)) {
-    const double sigma = relative_uncertainty(calibration, index);
+    const double sigma = uncertainty_of(calibration, index);
     if (!std::isfinite(sigma) || sigma <= worst) continue;
     worst = sigma;
     unit = user_unit(coefficient(index), sigma);

@@ -175,7 +175,7 @@ std::string recordings_section(const CalibrationReport& report) {
   std::string out;
   for (const RecordingEvidence& e : report.recordings) out += recording_charts(report.result.calibration, e, report.recordings.size() == 1);
   for (const RecordingEvidence& e : report.recordings)
-    if (!e.without_rests.empty()) out += paragraph("No pictures of gravity at rest: " + e.without_rests + ".");
+    if (!e.without_rests.empty()) out += paragraph(e.file + ": no pictures of gravity at rest: " + e.without_rests + ".");
   std::string colors = key({{"rest", "#d9eefa"}, {"dropped as an outlier", "#f2bf99"}});
   return section("recording", "The recording", "", out + colors + "<p class=\"screen\">Drag to zoom, double-click for all.</p>\n");
 }
