@@ -107,6 +107,13 @@ TEST_F(Report, ADoubtfulVerdictGivesItsReasons) {
   EXPECT_TRUE(says("doubt.html", "Resolve each reason above"));
 }
 
+TEST_F(Report, RestsOutsideTheRecordingAreLeftOut) {
+  ASSERT_EQ(run_shell(*folder_, "sed 's/\"end_s\": [0-9.]*/\"end_s\": 1e300/; s/\"begin_s\": [0-9.]*/\"begin_s\": -1e300/' hand.json > far.json").exit_code, 0);
+  const CommandResult result = run("report far.json -o far.html");
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_TRUE(says("far.html", "no pictures of gravity at rest: none were found"));
+}
+
 TEST_F(Report, ATruthHasNoVerdict) {
   ASSERT_EQ(run("report hand/truth.json -o truth.html").exit_code, 0);
   EXPECT_TRUE(says("truth.html", "Values without uncertainties: there is nothing to judge"));

@@ -136,24 +136,36 @@ std::string recording_charts(const Calibration& calibration, const RecordingEvid
   return out;
 }
 
-std::string residual_bars(const std::vector<PartResidual>& parts, const std::string& what) {
-  if (parts.empty()) return {};
+/// The worst of each group of neighbors where there are very many.
+std::vector<PartResidual> worst_parts(const std::vector<PartResidual>& parts) {
+  const std::size_t step = std::max<std::size_t>(1, (parts.size() + most_dots - 1) / most_dots);
+  std::vector<PartResidual> out;
+  for (std::size_t i = 0; i < parts.size(); i += step) {
+    const auto first = parts.begin() + static_cast<std::ptrdiff_t>(i), last = parts.begin() + static_cast<std::ptrdiff_t>(std::min(parts.size(), i + step));
+    out.push_back(*std::max_element(first, last, [](const PartResidual& a, const PartResidual& b) { return a.residual < b.residual; }));
+  }
+  return out;
+}
+
+std::string residual_bars(const std::vector<PartResidual>& all, const std::string& what) {
+  if (all.empty()) return {};
+  const std::vector<PartResidual> parts = worst_parts(all);
   std::vector<double> sizes{0}, used, outliers;
   std::size_t dropped = 0;
   for (const PartResidual& p : parts) {
     sizes.push_back(p.residual);
     used.push_back(p.used ? p.residual : NAN);
     outliers.push_back(p.used ? NAN : p.residual);
-    dropped += !p.used;
   }
+  for (const PartResidual& p : all) dropped += !p.used;
   Axis y = axis_over("residual [σ]", sizes);
   y.low = 0, y.high = std::max(y.high, 1.5);
   Plot plot({what, 0.3, static_cast<double>(parts.size()) + 0.7}, y, "residuals by " + what);
   plot.bars(counted(parts.size()), used, 0.7, color::blue);
   plot.bars(counted(parts.size()), outliers, 0.7, color::vermilion);
   plot.rule(1, color::gray);
-  return figure(plot.svg(), fmt::format("Residual of each {} in the sigmas of the fit; about 1 is expected. {} of {} were dropped as outliers{}.", what, dropped,
-                                        parts.size(), dropped > 0 ? " (red)" : ""));
+  return figure(plot.svg(), fmt::format("Residual of each {} in the sigmas of the fit; about 1 is expected. {} of {} were dropped as outliers{}.{}", what, dropped,
+                                        all.size(), dropped > 0 ? " (red)" : "", thinned_text(all.size())));
 }
 
 }  // namespace
@@ -201,7 +213,7 @@ std::vector<Vector3d> rest_directions(const CalibrationReport& report) {
   std::vector<Vector3d> out;
   for (const RecordingEvidence& e : report.recordings)
     for (const GravityAtRest& rest : e.rests)
-      if (rest.force.norm() > 0) out.push_back(rest.force);
+      if (rest.force.norm() > 0 && rest.force.allFinite()) out.push_back(rest.force);
   return out;
 }
 

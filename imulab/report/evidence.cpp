@@ -16,7 +16,9 @@ constexpr std::size_t all_intervals = 1500, least_intervals = 50;
 std::vector<Range> ranges_of(const Calibration& calibration, const Session& session, const Recording& recording, bool only_one) {
   if (!only_one || calibration.quality.rests.empty()) return rests_of(recording, session).ranges;
   std::vector<Range> ranges;
-  for (const PartResidual& rest : calibration.quality.rests) ranges.push_back(recording.samples_in(rest.begin_s, rest.end_s));
+  const double first = recording.time_s(0) - recording.interval_s, last = recording.time_s(recording.size() - 1) + recording.interval_s;
+  for (const PartResidual& rest : calibration.quality.rests)  // of a file that anybody may have written
+    if (first <= rest.begin_s && rest.begin_s < rest.end_s && rest.end_s <= last) ranges.push_back(recording.samples_in(rest.begin_s, rest.end_s));
   return ranges;
 }
 

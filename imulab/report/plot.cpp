@@ -23,7 +23,11 @@ Axis axis_over(std::string label, const std::vector<double>& values, bool logari
     low = std::min(low, v), high = std::max(high, v);
   }
   if (!(low <= high)) low = logarithmic ? 0.1 : 0, high = 1;
-  if (logarithmic) return {std::move(label), std::pow(10, std::floor(std::log10(low) - 0.05)), std::pow(10, std::ceil(std::log10(high) + 0.05)), true};
+  constexpr double least = 1e-200, greatest = 1e200;
+  if (logarithmic) {
+    low = std::clamp(low, least, greatest), high = std::clamp(high, least, greatest);
+    return {std::move(label), std::pow(10, std::floor(std::log10(low) - 0.05)), std::pow(10, std::ceil(std::log10(high) + 0.05)), true};
+  }
   const double room = high > low ? 0.05 * (high - low) : (high != 0 ? std::abs(high) : 1.0);
   return {std::move(label), low - room, high + room, false};
 }
