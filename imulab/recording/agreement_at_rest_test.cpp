@@ -1,11 +1,11 @@
 #include "imulab/recording/agreement_at_rest.hpp"
 
 #include "imulab/core/units.hpp"
-#include "tests/simulated_session.hpp"
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
+#include "tests/simulated_session.hpp"
 #include <cmath>
 
 namespace imulab {
@@ -13,9 +13,7 @@ namespace {
 
 /// A hand-held session without noise: the truth leaves rounding alone.
 SimulatedSession quiet_session() {
-  return simulate_session({.poses = 8}, 3, [](Truth& truth) {
-    truth.accel_noise = truth.gyro_noise = {};
-  });
+  return simulate_session({.poses = 8}, 3, [](Truth& truth) { truth.accel_noise = truth.gyro_noise = {}; });
 }
 
 TEST(AgreementAtRest, TheTruthFindsGravityAtEveryRest) {

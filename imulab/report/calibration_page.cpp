@@ -67,7 +67,8 @@ std::vector<std::string> actions(const CalibrationReport& report) {
     out.push_back("Not determined, left at starting values: " + names + ". Record motion that shows them.");
   }
   for (const RequirementResult& r : q.requirements)
-    if (!r.met) out.push_back("Not reached: " + r.text + ". A longer recording with more rests and turns lowers it; imulab predict says by how much.");
+    if (!r.met)
+      out.push_back("Not reached: " + r.text + ". A longer recording with more rests and turns lowers it; imulab predict says by how much.");
   if (q.verdict == "doubtful") {
     out.emplace_back("Resolve each reason above, and calibrate again. Until then rely on the values no further than the reasons allow.");
     if (const std::string more = missing_directions(report); !more.empty()) out.push_back(more);
@@ -86,7 +87,8 @@ Verdict verdict_of(const CalibrationReport& report) {
   v.tone = q.verdict == "good" && !bare ? Tone::good : q.verdict == "doubtful" ? Tone::doubtful : Tone::neutral;
   if (v.tone == Tone::good) v.meaning = "The residuals are as large as the stated uncertainties say, and nothing contradicts the calibration.";
   if (v.tone == Tone::doubtful) v.meaning = "Something contradicts the stated uncertainties, or is missing:";
-  if (v.tone == Tone::neutral) v.meaning = bare ? "Values without uncertainties: there is nothing to judge." : "This file does not say how good the calibration is.";
+  if (v.tone == Tone::neutral)
+    v.meaning = bare ? "Values without uncertainties: there is nothing to judge." : "This file does not say how good the calibration is.";
   v.because = q.because;
   if (!bare) v.actions = actions(report);
   return v;
@@ -100,7 +102,9 @@ std::string requirements_section(const Quality& q) {
                       escaped(std::isfinite(r.reached) ? uncertainty_text(r.reached / unit.size) + " " + std::string(unit.name) : "not determined"),
                       r.met ? "met" : "<strong>not met</strong>"});
   }
-  return t.rows.empty() ? "" : section("requirements", "Requirements", "One standard uncertainty of each coefficient, of matrices relative to its scale.", table(t));
+  return t.rows.empty()
+             ? ""
+             : section("requirements", "Requirements", "One standard uncertainty of each coefficient, of matrices relative to its scale.", table(t));
 }
 
 std::string subtitle_of(const Calibration& c) {
@@ -126,10 +130,11 @@ std::string calibration_page(const CalibrationReport& r) {
   page.subtitle = subtitle_of(c);
   page.verdict = verdict_of(r);
   page.figures = key_figures(c);
-  page.body = (page.figures.empty() ? "" : "<p class=\"note\">Standard uncertainty of the worst axis of each kind.</p>\n") + missing_section(r.missing) +
-              requirements_section(c.quality) + before_and_after(r) + coefficients_section(c) + recordings_section(r) + residuals_section(c) +
-              coverage_section(r) + uncertainty_section(c) + correlation_section(c) + convergence_section(r.result) + thermal_section(c) +
-              nonlinearity_section(r) + tests_section(c) + identification_section(r) + not_covered_section(r) + traceability_section(r) + origin_section(r);
+  page.body = (page.figures.empty() ? "" : "<p class=\"note\">Standard uncertainty of the worst axis of each kind.</p>\n") +
+              missing_section(r.missing) + requirements_section(c.quality) + before_and_after(r) + coefficients_section(c) + recordings_section(r) +
+              residuals_section(c) + coverage_section(r) + uncertainty_section(c) + correlation_section(c) + convergence_section(r.result) +
+              thermal_section(c) + nonlinearity_section(r) + tests_section(c) + identification_section(r) + not_covered_section(r) +
+              traceability_section(r) + origin_section(r);
   return page_text(page);
 }
 

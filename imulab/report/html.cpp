@@ -54,12 +54,24 @@ std::string escaped(std::string_view text) {
   while (!text.empty()) {
     const Character c = first_character(text);
     switch (c.code) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      case '\'': out += "&#39;"; break;
-      case 0xFFFD: out += "\xEF\xBF\xBD"; break;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      case 0xFFFD:
+        out += "\xEF\xBF\xBD";
+        break;
       default:
         if (invisible(c.code))
           out += fmt::format("[U+{:04X}]", c.code);

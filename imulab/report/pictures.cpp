@@ -52,9 +52,11 @@ std::string hemisphere(const std::vector<SphereMark>& marks, bool upper, double 
     else
       dots += fmt::format("M{:.1f} {:.1f}h0", x, y);
   }
-  out += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linecap=\"round\"/>", dots, color::blue, marks.size() > 200 ? 3.5 : 7);
+  out += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linecap=\"round\"/>", dots, color::blue,
+                     marks.size() > 200 ? 3.5 : 7);
   const double label = radius + 12;
-  out += text_at(center_x + label, center_y + 4, upper ? "+x" : "−x", Anchor::middle) + text_at(center_x - label, center_y + 4, upper ? "−x" : "+x", Anchor::middle);
+  out += text_at(center_x + label, center_y + 4, upper ? "+x" : "−x", Anchor::middle) +
+         text_at(center_x - label, center_y + 4, upper ? "−x" : "+x", Anchor::middle);
   out += text_at(center_x, center_y - radius - 5, "+y", Anchor::middle) + text_at(center_x, center_y + radius + 14, "−y", Anchor::middle);
   return out + text_at(center_x, center_y + radius + 32, upper ? "+z up (center)" : "−z up (center)", Anchor::middle);
 }

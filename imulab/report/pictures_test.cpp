@@ -65,7 +65,8 @@ TEST(Pictures, DirectionsAreOnTheirHalfOfTheSphere) {
 }
 
 TEST(TimeChart, ItsDataCannotEndTheScript) {
-  const std::string html = time_chart({.title = "</script>", .y_label = "</script>", .x = {0, 1}, .names = {"</script><b>"}, .y = {{1, NAN}}, .group = "a\"\n"});
+  const std::string html =
+      time_chart({.title = "</script>", .y_label = "</script>", .x = {0, 1}, .names = {"</script><b>"}, .y = {{1, NAN}}, .group = "a\"\n"});
   EXPECT_EQ(count(html, "</script>"), 1u);
   EXPECT_THAT(html, HasSubstr("\\u003c/script\\u003e\\u003cb\\u003e"));
   EXPECT_THAT(html, HasSubstr("[1,null]"));

@@ -29,7 +29,8 @@ TEST(NavigatedBudget, AnErrorOfOneSigmaIsAtTheEdgeOfTheBand) {
   const NavigationError error = navigation_errors(n.solution, f.truth).history.back();
   const BudgetMatrix& covariance = budget->covariance.back();
   EXPECT_NEAR(budget->time.back(), n.solution.time.back(), 1e-6);
-  EXPECT_NEAR(std::sqrt(covariance.diagonal().head<2>().sum()), error.horizontal(), 0.02 * error.horizontal());  // first order, and the integrator's own error
+  EXPECT_NEAR(std::sqrt(covariance.diagonal().head<2>().sum()), error.horizontal(),
+              0.02 * error.horizontal());  // first order, and the integrator's own error
   EXPECT_NEAR(std::sqrt(covariance.diagonal().tail<3>().sum()), error.attitude.norm(), 0.02 * error.attitude.norm());
 }
 
