@@ -1,11 +1,12 @@
 // From a calibration and its recording in memory to the page. Target: a day at 200 Hz in 3 s.
+#include "imulab/recording/rests.hpp"
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/simulate/simulate.hpp"
-#include "imulab/recording/rests.hpp"
-#include "tests/calibration_input.hpp"
 
 #include <benchmark/benchmark.h>
+
+#include "tests/calibration_input.hpp"
 
 namespace {
 
@@ -34,7 +35,8 @@ void calibration_page_of_a_day(benchmark::State& state) {
   Calibration calibration = calibrated("handheld", part, rests_of(part, without_steps).ranges, {}, session.site);
   const Recording day = long_recording(part, 24 * 3600 * 200);
   calibration.quality.rests.clear();
-  for (std::size_t k = 0; k + 1 < 24 * 3600 / 60; ++k) calibration.quality.rests.push_back({60.0 * static_cast<double>(k), 60.0 * static_cast<double>(k) + 50, 1, true});
+  for (std::size_t k = 0; k + 1 < 24 * 3600 / 60; ++k)
+    calibration.quality.rests.push_back({60.0 * static_cast<double>(k), 60.0 * static_cast<double>(k) + 50, 1, true});
   for (auto _ : state) {
     CalibrationReport report{.result = {.calibration = calibration}, .session = session};
     report.recordings.push_back(evidence_of(calibration, session, day, 1));

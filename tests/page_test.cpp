@@ -1,7 +1,8 @@
 // Reports in a browser: every chart draws, nothing is requested, no text runs, and the print is a certificate. Chromium without a window; two starts.
+#include "imulab/io/calibration/file.hpp"
+
 #include <gmock/gmock.h>
 
-#include "imulab/io/calibration/file.hpp"
 #include "tests/run_command.hpp"
 #include <map>
 #include <regex>
@@ -16,7 +17,8 @@ constexpr const char* chromium =
     "chromium --headless=new --no-sandbox --disable-gpu --disable-background-networking --disable-component-update --no-first-run "
     "--user-data-dir=profile ";
 
-/// In front of a page's own scripts: what goes wrong, told to the page around it. The page's policy is taken out, so that text that could run would run.
+/// In front of a page's own scripts: what goes wrong, told to the page around it. The page's policy is taken out, so that text that could run would
+/// run.
 const std::string watch = R"(<script>
 window.problems = [];
 window.addEventListener('error', function (e) { window.problems.push(String(e.message)); }, true);
@@ -52,7 +54,8 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 }
 
 std::string watched(const std::string& page, const std::string& name) {
-  std::string text = std::regex_replace(page, std::regex("<meta http-equiv=\"Content-Security-Policy\"[^>]*>"), "", std::regex_constants::format_first_only);
+  std::string text =
+      std::regex_replace(page, std::regex("<meta http-equiv=\"Content-Security-Policy\"[^>]*>"), "", std::regex_constants::format_first_only);
   text = replaced(text, "<head>", "<head>" + watch + "<script>document.currentName = '" + name + "'</script>");
   return replaced(text, "</body>", judge + "</body>");
 }
@@ -76,10 +79,14 @@ Browsed browse(const TemporaryFolder& folder, const std::vector<std::string>& pa
       frames += "<iframe src='" + name + ".html' width=" + width + " height=600></iframe>";
     }
   }
-  folder.write("around.html", "<pre id=said></pre><script>addEventListener('message', function (e) { document.getElementById('said').textContent += '\\n' + e.data + "
-                              "'\\n'; });</script>" + frames);
-  const CommandResult result = run_shell(folder, std::string(chromium) + "--virtual-time-budget=20000 --enable-logging=stderr --v=0 --log-net-log=net.json "
-                                                                         "--dump-dom \"file://$PWD/around.html\"");
+  folder.write(
+      "around.html",
+      "<pre id=said></pre><script>addEventListener('message', function (e) { document.getElementById('said').textContent += '\\n' + e.data + "
+      "'\\n'; });</script>" +
+          frames);
+  const CommandResult result = run_shell(folder, std::string(chromium) +
+                                                     "--virtual-time-budget=20000 --enable-logging=stderr --v=0 --log-net-log=net.json "
+                                                     "--dump-dom \"file://$PWD/around.html\"");
   EXPECT_EQ(result.exit_code, 0) << "chromium is in dependencies.txt";
   Browsed out;
   std::istringstream dom(result.output), errors(result.errors), net(read_text(folder / "net.json"));
@@ -89,23 +96,26 @@ Browsed browse(const TemporaryFolder& folder, const std::vector<std::string>& pa
     if (line.find(":CONSOLE") != std::string::npos) out.console.push_back(line);
   const std::regex asked("\"initiator\":\"([^\"]*)\".*\"url\":\"([^\"]*)\"");
   for (std::string line; std::getline(net, line);)
-    if (std::smatch m; std::regex_search(line, m, asked) && m[1] != "not an origin") out.requests.push_back(m[2]);  // the browser's own have no origin
+    if (std::smatch m; std::regex_search(line, m, asked) && m[1] != "not an origin")
+      out.requests.push_back(m[2]);  // the browser's own have no origin
   return out;
 }
 
 /// Calibrations, and a page of every kind.
 void make_results(const TemporaryFolder& folder) {
-  folder.write("mission.toml", "format = \"imulab.mission/1\"\nrate_hz = 5\n[start]\nlatitude_deg = 47\nlongitude_deg = 8\nheight_m = 400\n"
-                               "[[segment]]\nkind = \"accelerate\"\nto_mps = 200\nduration_s = 120\n[[segment]]\nkind = \"turn\"\nangle_deg = 60\nrate_dps = 1\n"
-                               "[errors]\ngrade = \"navigation\"\nvertical = \"fixed\"\n");
-  folder.write("truth.csv", "t,latitude_deg,longitude_deg,height_m,ve,vn,vu,roll_deg,pitch_deg,heading_deg\n0,45,0,0,0,0,0,0,0,0\n1000,45,0,0,0,0,0,0,0,0\n");
-  for (const std::string command : {
-           "procedure hand-held --poses 24 -o hand.toml", "simulate hand.toml -o hand",
-           "calibrate hand --method handheld -o hand.json --report calibration.html", "procedure six-position -o six.toml", "simulate six.toml -o six",
-           "calibrate six --method turntable -o six.json --report turntable.html", "compare hand.json hand/truth.json --report comparison.html",
-           "predict six.toml --runs 200 --report prediction.html", "compensate hand.json hand -o out.csv --report compensation.html",
-           "navigate six.json six --vertical fixed --truth truth.csv --report navigation.html", "budget mission.toml --runs 20 --report budget.html",
-           "plan --require 'gyro.matrix.diagonal <= 20 ppm' --axes 2 --report plan.html"}) {
+  folder.write("mission.toml",
+               "format = \"imulab.mission/1\"\nrate_hz = 5\n[start]\nlatitude_deg = 47\nlongitude_deg = 8\nheight_m = 400\n"
+               "[[segment]]\nkind = \"accelerate\"\nto_mps = 200\nduration_s = 120\n[[segment]]\nkind = \"turn\"\nangle_deg = 60\nrate_dps = 1\n"
+               "[errors]\ngrade = \"navigation\"\nvertical = \"fixed\"\n");
+  folder.write("truth.csv",
+               "t,latitude_deg,longitude_deg,height_m,ve,vn,vu,roll_deg,pitch_deg,heading_deg\n0,45,0,0,0,0,0,0,0,0\n1000,45,0,0,0,0,0,0,0,0\n");
+  for (const std::string command :
+       {"procedure hand-held --poses 24 -o hand.toml", "simulate hand.toml -o hand",
+        "calibrate hand --method handheld -o hand.json --report calibration.html", "procedure six-position -o six.toml", "simulate six.toml -o six",
+        "calibrate six --method turntable -o six.json --report turntable.html", "compare hand.json hand/truth.json --report comparison.html",
+        "predict six.toml --runs 200 --report prediction.html", "compensate hand.json hand -o out.csv --report compensation.html",
+        "navigate six.json six --vertical fixed --truth truth.csv --report navigation.html", "budget mission.toml --runs 20 --report budget.html",
+        "plan --require 'gyro.matrix.diagonal <= 20 ppm' --axes 2 --report plan.html"}) {
     const CommandResult result = run_imulab(folder, command);
     EXPECT_EQ(result.exit_code, 0) << command << "\n" << result.errors;
   }
@@ -133,7 +143,8 @@ TEST(Page, EveryPageDrawsAndAsksNobodyAndNoTextRuns) {
   const TemporaryFolder folder;
   make_results(folder);
   make_hostile_page(folder);
-  const std::vector<std::string> pages{"calibration", "turntable", "comparison", "prediction", "compensation", "navigation", "budget", "plan", "hostile"};
+  const std::vector<std::string> pages{"calibration", "turntable", "comparison", "prediction", "compensation",
+                                       "navigation",  "budget",    "plan",       "hostile"};
   const Browsed browsed = browse(folder, pages);
   ASSERT_EQ(browsed.console.size(), 1u) << testing::PrintToString(browsed.console);
   EXPECT_THAT(browsed.console[0], HasSubstr("the probe speaks"));
@@ -141,7 +152,8 @@ TEST(Page, EveryPageDrawsAndAsksNobodyAndNoTextRuns) {
   for (const std::string& page : pages)
     for (const std::string width : {"-1280", "-390"}) {
       const std::string said = browsed.pages.contains(page + width) ? browsed.pages.at(page + width) : "nothing";
-      EXPECT_THAT(said, testing::MatchesRegex("charts=[0-9]+ empty=0 pictures=[0-9]+ flat=0\\|requests=0\\|problems=\\|ran=0\\|wide=false\\|.*")) << page << width;
+      EXPECT_THAT(said, testing::MatchesRegex("charts=[0-9]+ empty=0 pictures=[0-9]+ flat=0\\|requests=0\\|problems=\\|ran=0\\|wide=false\\|.*"))
+          << page << width;
     }
   EXPECT_THAT(browsed.pages.at("calibration-1280"), HasSubstr("charts=2 empty=0"));
   const Calibration calibration = read_calibration(folder / "hand.json");
@@ -167,7 +179,8 @@ TEST(Page, APrintedCalibrationIsACertificate) {
   EXPECT_THAT(info, HasSubstr("A4"));
   EXPECT_THAT(run_shell(folder, "pdftotext -l 1 page.pdf -").output, HasSubstr("good"));
   const std::string text = run_shell(folder, "pdftotext -layout page.pdf -").output;
-  for (const char* part : {"What to do", "Before and after", "Coefficients", "gyro.g_sensitivity.zz", "Type A and type B", "What this does not cover", "Not traceable", "SHA-256"})
+  for (const char* part : {"What to do", "Before and after", "Coefficients", "gyro.g_sensitivity.zz", "Type A and type B", "What this does not cover",
+                           "Not traceable", "SHA-256"})
     EXPECT_THAT(text, HasSubstr(part));
   EXPECT_THAT(run_shell(folder, "pdftotext -f " + pages[1].str() + " page.pdf -").output, HasSubstr("imulab")) << "an empty last page";
 }

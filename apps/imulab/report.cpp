@@ -107,7 +107,10 @@ std::string page_of(SavedResult saved, const Options& o) {
   return std::visit(
       [&](auto& result) -> std::string {
         using Result = std::decay_t<decltype(result)>;
-        if constexpr (std::is_same_v<Result, Calibration>) return calibration_page(saved_calibration(std::move(result), o));
+        if constexpr (std::is_same_v<Result, Calibration>) {
+          const CalibrationReport report = saved_calibration(std::move(result), o);
+          return errors_at(name, [&] { return calibration_page(report); });
+        }
         if constexpr (std::is_same_v<Result, ComparisonSummary>) return comparison_page(result);
         if constexpr (std::is_same_v<Result, PredictionSummary>) return prediction_page({.procedure = name, .summary = std::move(result)});
         if constexpr (std::is_same_v<Result, BudgetSummary>)

@@ -1,7 +1,7 @@
 // imulab report and --report as typed.
-#include "tests/run_command.hpp"
-
 #include <gmock/gmock.h>
+
+#include "tests/run_command.hpp"
 
 namespace imulab {
 namespace {
@@ -13,7 +13,8 @@ class Report : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     folder_ = new TemporaryFolder;
-    for (const char* command : {"procedure hand-held --poses 24 -o hand.toml", "simulate hand.toml -o hand", "calibrate hand --method handheld -o hand.json"})
+    for (const char* command :
+         {"procedure hand-held --poses 24 -o hand.toml", "simulate hand.toml -o hand", "calibrate hand --method handheld -o hand.json"})
       ASSERT_EQ(run_imulab(*folder_, command).exit_code, 0) << command;
   }
   static void TearDownTestSuite() {
@@ -35,13 +36,17 @@ TEST_F(Report, ASavedCalibrationHasTheSamePictures) {
   ASSERT_EQ(saved.exit_code, 0) << saved.errors;
   EXPECT_THAT(saved.output, HasSubstr("written: saved.html"));
   for (const char* file : {"fresh.html", "saved.html"})
-    for (const char* id : {"before-after", "recording", "residuals", "coverage", "coefficients", "uncertainty", "correlation", "not-covered", "traceability", "origin"})
+    for (const char* id : {"before-after", "recording", "residuals", "coverage", "coefficients", "uncertainty", "correlation", "not-covered",
+                           "traceability", "origin"})
       EXPECT_TRUE(says(file, "<section id=\"" + std::string(id) + "\">")) << file;
   EXPECT_FALSE(says("saved.html", "Not on this page"));
 }
 
 TEST_F(Report, WhatIsMissingIsSaidWithTheReason) {
-  ASSERT_EQ(run_shell(*folder_, "mkdir away && cp hand.json away/moved.json && cd away && sed -i 's#\"hand/session.toml\"#\"gone/session.toml\"#' moved.json").exit_code, 0);
+  ASSERT_EQ(run_shell(*folder_,
+                      "mkdir away && cp hand.json away/moved.json && cd away && sed -i 's#\"hand/session.toml\"#\"gone/session.toml\"#' moved.json")
+                .exit_code,
+            0);
   ASSERT_EQ(run("report away/moved.json -o moved.html").exit_code, 0);
   EXPECT_TRUE(says("moved.html", "gone/session.toml was not found; --session gives the place of the session"));
   EXPECT_FALSE(says("moved.html", "<section id=\"recording\">"));
@@ -91,20 +96,37 @@ TEST_F(Report, AWrongFileIsNamed) {
 
 TEST_F(Report, JsonOfOtherVerbsBecomesTheirPage) {
   ASSERT_EQ(run_shell(*folder_, "PATH=\"" + std::filesystem::path(IMULAB_COMMAND).parent_path().string() +
-                                    ":$PATH\"; imulab compare hand.json hand/truth.json --json --report a.html > c.json && imulab report c.json -o b.html && cmp a.html b.html")
+                                    ":$PATH\"; imulab compare hand.json hand/truth.json --json --report a.html > c.json && imulab report c.json -o "
+                                    "b.html && cmp a.html b.html")
                 .exit_code,
             0);
   ASSERT_EQ(run("procedure six-position -o six.toml").exit_code, 0);
-  ASSERT_EQ(run_shell(*folder_, std::string("'") + IMULAB_COMMAND + "' predict six.toml --runs 0 --json > p.json; '" + IMULAB_COMMAND + "' report - -o p.html < p.json").exit_code, 0);
+  ASSERT_EQ(run_shell(*folder_, std::string("'") + IMULAB_COMMAND + "' predict six.toml --runs 0 --json > p.json; '" + IMULAB_COMMAND +
+                                    "' report - -o p.html < p.json")
+                .exit_code,
+            0);
   EXPECT_TRUE(says("p.html", "<section id=\"shares\">"));
 }
 
 TEST_F(Report, ADoubtfulVerdictGivesItsReasons) {
-  ASSERT_EQ(run_shell(*folder_, "sed 's/\"verdict\": \"good\"/\"verdict\": \"doubtful\"/; s/\"because\": \\[\\]/\"because\": [\"a reason of its own\"]/' hand.json > doubt.json").exit_code, 0);
+  ASSERT_EQ(run_shell(*folder_,
+                      "sed 's/\"verdict\": \"good\"/\"verdict\": \"doubtful\"/; s/\"because\": \\[\\]/\"because\": [\"a reason of its own\"]/' "
+                      "hand.json > doubt.json")
+                .exit_code,
+            0);
   ASSERT_EQ(run("report doubt.json -o doubt.html").exit_code, 0);
   EXPECT_TRUE(says("doubt.html", "<strong id=\"verdict\">doubtful</strong>"));
   EXPECT_TRUE(says("doubt.html", "<ul id=\"because\"><li>a reason of its own</li></ul>"));
   EXPECT_TRUE(says("doubt.html", "Resolve each reason above"));
+}
+
+TEST_F(Report, RestsOutsideTheRecordingAreLeftOut) {
+  ASSERT_EQ(
+      run_shell(*folder_, "sed 's/\"end_s\": [0-9.]*/\"end_s\": 1e300/; s/\"begin_s\": [0-9.]*/\"begin_s\": -1e300/' hand.json > far.json").exit_code,
+      0);
+  const CommandResult result = run("report far.json -o far.html");
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_TRUE(says("far.html", "no pictures of gravity at rest: none were found"));
 }
 
 TEST_F(Report, ATruthHasNoVerdict) {

@@ -5,6 +5,7 @@
 #include "imulab/recording/overview.hpp"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -18,8 +19,10 @@ TriadModel uncalibrated(const TriadModel& m) {
   TriadModel plain;
   plain.raw_unit = m.raw_unit;
   if (m.raw_unit != "count") return plain;
-  plain.offset = m.offset;
-  plain.matrix *= m.matrix.diagonal().mean();
+  const double scale = m.matrix.diagonal().mean();
+  plain.matrix *= scale;
+  const Eigen::FullPivLU<Matrix3d> lu(m.matrix);
+  plain.offset = lu.isInvertible() ? Vector3d(scale * lu.solve(m.offset)) : m.offset;  // zero at the same readings
   return plain;
 }
 

@@ -1,5 +1,5 @@
-// How a recording agrees with a model where the truth is known without any instrument: at rest the force is gravity, and a turn between two rests takes
-// gravity's direction from one to the other.
+// How a recording agrees with a model where the truth is known without any instrument: at rest the force is gravity, and a turn between two rests
+// takes gravity's direction from one to the other.
 #pragma once
 
 #include "imulab/core/rotation.hpp"
@@ -10,16 +10,16 @@
 
 namespace imulab {
 
-/// The model that stands for no calibration: readings in SI as they are. Readings in counts have no scale of their own: the same offsets, and one scale
-/// for the three axes of a triad, without misalignments and all else.
+/// The model that stands for no calibration: readings in SI as they are. Readings in counts have no scale of their own: the same readings at zero,
+/// and one scale for the three axes of a triad, without misalignments and all else.
 SensorModel uncalibrated(const SensorModel& model);
 
 /// One rest by two models.
 struct GravityAtRest {
   Range range;
-  double begin_s = 0, end_s = 0;    ///< of its first and last sample
-  Vector3d force;                   ///< mean, after: gravity's reaction, which points up [m/s^2]
-  double before = 0, after = 0;     ///< size of the mean force [m/s^2]
+  double begin_s = 0, end_s = 0;  ///< of its first and last sample
+  Vector3d force;                 ///< mean, after: gravity's reaction, which points up [m/s^2]
+  double before = 0, after = 0;   ///< size of the mean force [m/s^2]
 };
 
 /// Of every range that is not empty. Throws Error where a model needs a temperature that the recording lacks.
@@ -33,8 +33,8 @@ struct TurnError {
   double before = 0, after = 0;  ///< rad
 };
 
-/// Of consecutive rests between which no time is missing and no reading is at a limit; turns below a degree are left out. The Earth's rate is taken from the
-/// rest before the turn where the gyros resolve it.
+/// Of consecutive rests between which no time is missing and no reading is at a limit; turns below a degree are left out. The Earth's rate is taken
+/// from the rest before the turn where the gyros resolve it.
 std::vector<TurnError> turn_errors(const Recording& recording, const std::vector<GravityAtRest>& rests, const SensorModel& before,
                                    const SensorModel& after);
 

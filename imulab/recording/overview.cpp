@@ -47,10 +47,10 @@ MotionSamples compensated_samples(const SensorModel& model, const Recording& rec
     out.rate[axis].resize(range.size());
     out.force[axis].resize(range.size());
   }
-  compensate(model,
-             {part(recording.gyro, range), part(recording.accel, range), part(recording.gyro_temperature, range),
-              part(recording.accel_temperature, range)},
-             {{out.rate[0], out.rate[1], out.rate[2]}, {out.force[0], out.force[1], out.force[2]}});
+  compensate(
+      model,
+      {part(recording.gyro, range), part(recording.accel, range), part(recording.gyro_temperature, range), part(recording.accel_temperature, range)},
+      {{out.rate[0], out.rate[1], out.rate[2]}, {out.force[0], out.force[1], out.force[2]}});
   return out;
 }
 

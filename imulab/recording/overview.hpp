@@ -11,10 +11,10 @@ namespace imulab {
 
 /// Least and greatest reading of each of many intervals: no spike of a single sample is lost.
 struct Overview {
-  std::vector<double> time;               ///< s: two points an interval, or every sample where there are few
-  Columns3 rate, force;                   ///< rad/s, m/s^2: of each pair the extremes, the one that came first in front
-  Columns3 temperature;                   ///< the accelerometers' or else the gyros' readings, in their unit; empty where there are none
-  std::size_t samples_per_interval = 1;   ///< 1: every sample
+  std::vector<double> time;              ///< s: two points an interval, or every sample where there are few
+  Columns3 rate, force;                  ///< rad/s, m/s^2: of each pair the extremes, the one that came first in front
+  Columns3 temperature;                  ///< the accelerometers' or else the gyros' readings, in their unit; empty where there are none
+  std::size_t samples_per_interval = 1;  ///< 1: every sample
 };
 
 /// At most 2 `intervals` points. Throws Error as `compensate` does.

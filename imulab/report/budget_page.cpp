@@ -27,7 +27,9 @@ double horizontal_total(const ErrorBudget& b) {
   return std::sqrt(b.mean.col(end).head<2>().squaredNorm() + b.covariance.back()(0, 0) + b.covariance.back()(1, 1));
 }
 
-/// A row for each contribution, the largest horizontal position error first.
+constexpr double negligible = 1e-6;  // beside the largest
+
+/// A row for each contribution that counts, the largest horizontal position error first.
 std::vector<std::vector<std::string>> contribution_rows(const std::vector<Contribution>& all, std::size_t most) {
   if (all.empty()) return {};
   const Eigen::Index end = all.front().sigma.cols() - 1;
@@ -37,6 +39,7 @@ std::vector<std::vector<std::string>> contribution_rows(const std::vector<Contri
   std::vector<std::vector<std::string>> rows;
   for (std::size_t k = 0; k < std::min(most, order.size()); ++k) {
     const Contribution& c = all[order[k]];
+    if (horizontal(c, end) < negligible * horizontal(all[order[0]], end)) break;
     std::vector<std::string> row{escaped(c.name), number(horizontal(c, end))};
     for (Eigen::Index q = 0; q < budget_quantities; ++q)
       row.push_back(number(std::hypot(c.fixed(q, end), c.sigma(q, end)) / error_quantities()[static_cast<std::size_t>(q)].size));
@@ -45,7 +48,8 @@ std::vector<std::vector<std::string>> contribution_rows(const std::vector<Contri
   return rows;
 }
 
-const std::vector<std::string> heads{"source", "horizontal [m]", "pos. east [m]", "north", "up", "vel. east [m/s]", "north", "up", "att. east [″]", "north", "up"};
+const std::vector<std::string> heads{"source", "horizontal [m]", "pos. east [m]", "north", "up", "vel. east [m/s]", "north",
+                                     "up",     "att. east [″]",  "north",         "up"};
 
 std::string share_figure(const ErrorBudget& b) {
   if (b.groups.empty()) return {};
@@ -59,23 +63,29 @@ std::string share_figure(const ErrorBudget& b) {
     rows.push_back({group < b.groups.size() ? b.groups[group].name : "correlation", percent, 0, fmt::format("{:.1f} %", percent), percent < 0});
   }
   std::sort(rows.begin(), rows.end(), [](const Interval& i, const Interval& j) { return i.value > j.value; });
-  return figure(interval_rows(rows, "% of the mean square", "shares at the end"), "Shares of the mean square horizontal position error at the end. A source that partly cancels others has a negative share.");
+  return figure(interval_rows(rows, "% of the mean square", "shares at the end"),
+                "Shares of the mean square horizontal position error at the end. A source that partly cancels others has a negative share.");
 }
 
 std::string monte_carlo_text(const ErrorDistribution& d, std::uint64_t runs) {
-  return fmt::format("Monte Carlo of {} runs: horizontal rate {} nmi/h RMS, {} nmi/h in half of the runs, {} nmi/h in 95 %.", runs, number(d.drift_rms / unit::nmi_per_h),
-                     number(d.drift_cep / unit::nmi_per_h), number(d.drift_95 / unit::nmi_per_h));
+  return fmt::format("Monte Carlo of {} runs: horizontal rate {} nmi/h RMS, {} nmi/h in half of the runs, {} nmi/h in 95 %.", runs,
+                     number(d.drift_rms / unit::nmi_per_h), number(d.drift_cep / unit::nmi_per_h), number(d.drift_95 / unit::nmi_per_h));
 }
 
 Verdict budget_verdict(const BudgetReport& r) {
   const ErrorBudget& b = r.summary.budget;
-  Verdict v{.tone = Tone::neutral, .word = fmt::format("{} m after {} min", number(horizontal_total(b)), number(b.time.back() / 60)),
-            .meaning = fmt::format("Horizontal position error: fixed errors and one sigma of drawn ones, vertical channel {}.", to_string(b.vertical)), .because = {}, .actions = {}};
+  Verdict v{
+      .tone = Tone::neutral,
+      .word = fmt::format("{} m after {} min", number(horizontal_total(b)), number(b.time.back() / 60)),
+      .meaning = fmt::format("Horizontal position error: fixed errors and one sigma of drawn ones, vertical channel {}.", to_string(b.vertical)),
+      .because = {},
+      .actions = {}};
   if (r.summary.monte_carlo) v.because.push_back(monte_carlo_text(*r.summary.monte_carlo, r.summary.runs));
   const Eigen::VectorXd shares = horizontal_shares(b).bottomRows(1).transpose();
   Eigen::Index worst = 0;
   if (!b.groups.empty() && shares.head(static_cast<Eigen::Index>(b.groups.size())).maxCoeff(&worst) > 0)
-    v.actions.push_back(fmt::format("Improve {} first: it has {:.0f} % of the mean square.", b.groups[static_cast<std::size_t>(worst)].name, 100 * shares[worst]));
+    v.actions.push_back(
+        fmt::format("Improve {} first: it has {:.0f} % of the mean square.", b.groups[static_cast<std::size_t>(worst)].name, 100 * shares[worst]));
   return v;
 }
 

@@ -16,7 +16,7 @@ namespace {
 class Facts {
  public:
   void add(const std::string& name, const std::string& value) {
-    if (!value.empty()) table_.rows.push_back({escaped(name), escaped(value)});
+    if (!value.empty()) table_.rows.push_back({escaped(name), escaped(shortened(value, 1000))});
   }
   void add_hash(const std::string& name, const std::string& value) {
     if (!value.empty()) table_.rows.push_back({escaped(name), "<span class=\"hash\">" + escaped(value) + "</span>"});
@@ -30,13 +30,16 @@ class Facts {
 std::string gravity_text(const Site& site) {
   if (!site.given_gravity && !site.latitude) return {};
   return fmt::format("{:.6f} m/s² ± {} m/s² (standard uncertainty), {}", site.gravity(), number(site.gravity_sigma(), 2),
-                     site.given_gravity ? "declared" : site.height ? "WGS-84 normal gravity at latitude and height" : "WGS-84 normal gravity at latitude, height unknown");
+                     site.given_gravity ? "declared"
+                     : site.height      ? "WGS-84 normal gravity at latitude and height"
+                                        : "WGS-84 normal gravity at latitude, height unknown");
 }
 
 std::string rigs_text(const Session& session) {
   std::string text;
   for (const RigDeclaration& rig : session.rigs)
-    if (rig.kind != RigKind::none) text += fmt::format("{}{}{}", text.empty() ? "" : ", ", rig.name.empty() ? "" : rig.name + ": ", to_string(rig.kind));
+    if (rig.kind != RigKind::none)
+      text += fmt::format("{}{}{}", text.empty() ? "" : ", ", rig.name.empty() ? "" : rig.name + ": ", to_string(rig.kind));
   return text.empty() ? "none: turned by hand or on a support" : text;
 }
 
@@ -47,11 +50,13 @@ std::string temperature_text(const TriadModel& m) {
 }
 
 std::string frame_text(const Calibration& c) {
-  return c.frame == "rig" ? "the rig's axes" : "x along the x accelerometer, y in the plane of the x and y accelerometers, z completes the right-handed triad";
+  return c.frame == "rig" ? "the rig's axes"
+                          : "x along the x accelerometer, y in the plane of the x and y accelerometers, z completes the right-handed triad";
 }
 
 bool has_estimated(const Calibration& c, Term term, Triad triad) {
-  return std::any_of(c.estimated.begin(), c.estimated.end(), [&](CoefficientIndex i) { return coefficient(i).term == term && coefficient(i).triad == triad; });
+  return std::any_of(c.estimated.begin(), c.estimated.end(),
+                     [&](CoefficientIndex i) { return coefficient(i).term == term && coefficient(i).triad == triad; });
 }
 
 std::string model_equation(const Calibration& c) {
@@ -62,8 +67,10 @@ std::string model_equation(const Calibration& c) {
       if (belongs && !has_estimated(c, term, triad)) fixed += fmt::format("{}{}.{}", fixed.empty() ? "" : ", ", to_string(triad), to_string(term));
     }
   return "<p><code>V = U − (c1 τ + c2 τ²), τ = T − T0<br>a = A0 + A1 Va + A2 Va² + A3 Va³<br>w = W0 + W1 Vg + W2 Vg² + W3 Vg³ + C a</code></p>\n" +
-         paragraph("U: readings; V: readings less their temperature dependence; a: specific force; w: angular rate; offsets A0, W0; matrices A1, W1; quadratic and "
-                   "cubic terms diagonal; C: g-sensitivity.") +
+         paragraph(
+             "U: readings; V: readings less their temperature dependence; a: specific force; w: angular rate; offsets A0, W0; matrices A1, W1; "
+             "quadratic and "
+             "cubic terms diagonal; C: g-sensitivity.") +
          (fixed.empty() ? "" : paragraph("Not estimated as a term of its own: " + fixed + "."));
 }
 
@@ -108,16 +115,19 @@ std::string not_covered_section(const CalibrationReport& report) {
   const Calibration& c = report.result.calibration;
   std::vector<std::string> out;
   if (!c.model.accel.temperature && !c.model.gyro.temperature)
-    out.emplace_back("Temperature: the recording has no thermal reading. The values hold at the temperature of the recording, which is not known here.");
+    out.emplace_back(
+        "Temperature: the recording has no thermal reading. The values hold at the temperature of the recording, which is not known here.");
   else
     out.emplace_back("Temperatures outside the calibrated range, fast changes of temperature, and hysteresis.");
   out.emplace_back("Repeatability: offsets and scales change from one power-on to the next, and age. One calibration does not show by how much.");
   const std::string ranges = ranges_text(report);
-  out.push_back(ranges.empty() ? "Rates and forces beyond those of the recording." : "Rates and forces beyond those of the recording, " + ranges + ".");
+  out.push_back(ranges.empty() ? "Rates and forces beyond those of the recording."
+                               : "Rates and forces beyond those of the recording, " + ranges + ".");
   if (!has_estimated(c, Term::g_sensitivity, Triad::gyro)) out.emplace_back("The gyros' sensitivity to acceleration: not estimated.");
   out.emplace_back("Vibration, shock, magnetic fields, supply voltage, bandwidth and delay: not examined.");
   out.emplace_back("Noise and bias instability over time: an Allan deviation needs a long recording at rest.");
-  if (c.method == "handheld" || c.method == "static" || c.method == "hybrid") out.emplace_back("The axes are the sensors' own: their orientation in the housing is not measured.");
+  if (c.method == "handheld" || c.method == "static" || c.method == "hybrid")
+    out.emplace_back("The axes are the sensors' own: their orientation in the housing is not measured.");
   return section("not-covered", "What this does not cover", "", list(out));
 }
 
@@ -129,7 +139,8 @@ std::string traceability_section(const CalibrationReport& report) {
   t.rows.push_back({"angle and rate", escaped(rotation_reference(c)), "none on record"});
   t.rows.push_back({"time", "the recorder's clock, as its stamps say", "none on record"});
   if (c.model.accel.temperature || c.model.gyro.temperature) t.rows.push_back({"temperature", "the recording's own readings", "none on record"});
-  return section("traceability", "Traceability", "Not traceable: none of the references below has a certificate in the calibration or its session.", table(t));
+  return section("traceability", "Traceability", "Not traceable: none of the references below has a certificate in the calibration or its session.",
+                 table(t));
 }
 
 std::string origin_section(const CalibrationReport& report) {

@@ -5,9 +5,8 @@
 #include "imulab/report/html.hpp"
 #include "imulab/report/plot.hpp"
 
-#include <fmt/format.h>
-
 #include <Eigen/Core>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -107,11 +106,11 @@ std::string thermal_figure(const Calibration& c, Triad triad, int axis) {
   if (!m.temperature || m.temperature->range[0] >= m.temperature->range[1] || (!estimated(c, first) && !estimated(c, second))) return {};
   const double unit = triad == Triad::accel ? unit::ug : unit::deg_per_h, scale = m.matrix(axis, axis), reference = m.temperature->reference;
   const Curve curve = curve_of(m.temperature->range[0], m.temperature->range[1], unit, {scale * m.thermal(axis, 1), scale * m.thermal(axis, 2)},
-                               scale * scale * covariance_of(c, first, second), [&](double t) {
-                                 return Eigen::Vector2d(t - reference, (t - reference) * (t - reference));
-                               });
-  return curve_figure(curve, fmt::format("{} {} [{}] against {}", to_string(triad), "xyz"[axis], triad == Triad::accel ? "µg" : "deg/h", m.temperature->unit),
-                      color::series(static_cast<std::size_t>(axis)));
+                               scale * scale * covariance_of(c, first, second),
+                               [&](double t) { return Eigen::Vector2d(t - reference, (t - reference) * (t - reference)); });
+  return curve_figure(
+      curve, fmt::format("{} {} [{}] against {}", to_string(triad), "xyz"[axis], triad == Triad::accel ? "µg" : "deg/h", m.temperature->unit),
+      color::series(static_cast<std::size_t>(axis)));
 }
 
 /// The largest force or rate of an axis: as the fit states it, else of the recordings.
@@ -146,7 +145,8 @@ std::string convergence_section(const CalibrationResult& result) {
   for (const ConvergenceCurve& curve : result.curves) figures += convergence_figure(result, curve);
   if (figures.empty()) return {};
   return section("convergence", "Convergence",
-                 "What each coefficient is still off by after the data up to that minute, relative to the coarse solution, with one sigma.", grid(figures));
+                 "What each coefficient is still off by after the data up to that minute, relative to the coarse solution, with one sigma.",
+                 grid(figures));
 }
 
 std::string thermal_section(const Calibration& c) {
@@ -154,7 +154,8 @@ std::string thermal_section(const Calibration& c) {
   for (const Triad triad : {Triad::accel, Triad::gyro})
     for (int axis = 0; axis < 3; ++axis) figures += thermal_figure(c, triad, axis);
   if (figures.empty()) return {};
-  return section("thermal", "Temperature", "What temperature adds to each axis, relative to the reference temperature, with two sigma.", grid(figures));
+  return section("thermal", "Temperature", "What temperature adds to each axis, relative to the reference temperature, with two sigma.",
+                 grid(figures));
 }
 
 std::string nonlinearity_section(const CalibrationReport& report) {
@@ -162,7 +163,8 @@ std::string nonlinearity_section(const CalibrationReport& report) {
   for (const Triad triad : {Triad::accel, Triad::gyro})
     for (int axis = 0; axis < 3; ++axis) figures += nonlinearity_figure(report, triad, axis);
   if (figures.empty()) return {};
-  return section("nonlinearity", "Nonlinearity", "What the quadratic and the cubic term add to each axis over the range of the data, with two sigma.", grid(figures));
+  return section("nonlinearity", "Nonlinearity", "What the quadratic and the cubic term add to each axis over the range of the data, with two sigma.",
+                 grid(figures));
 }
 
 }  // namespace imulab::report

@@ -16,12 +16,20 @@ namespace imulab {
 namespace report {
 namespace {
 
+/// Of matrices relative to the row's scale; of readings in counts that of the output where it is zero: their offset is that of a reading far away.
+double uncertainty_of(const Calibration& calibration, CoefficientIndex index) {
+  const Coefficient& c = coefficient(index);
+  const TriadModel& triad = c.triad == Triad::accel ? calibration.model.accel : calibration.model.gyro;
+  if (c.term != Term::offset || triad.raw_unit != "count") return relative_uncertainty(calibration, index);
+  return raw_zero(calibration, c.triad).uncertainty[c.row] * std::abs(triad.matrix(c.row, c.row));
+}
+
 /// The worst standard uncertainty of a group, of matrices relative to the row's scale; empty where none was estimated.
 std::string worst_text(const Calibration& calibration, std::string_view selector) {
   double worst = -1;
   UserUnit unit{};
   for (const CoefficientIndex index : select_coefficients(selector)) {
-    const double sigma = relative_uncertainty(calibration, index);
+    const double sigma = uncertainty_of(calibration, index);
     if (!std::isfinite(sigma) || sigma <= worst) continue;
     worst = sigma;
     unit = user_unit(coefficient(index), sigma);
@@ -59,7 +67,8 @@ std::vector<std::string> actions(const CalibrationReport& report) {
     out.push_back("Not determined, left at starting values: " + names + ". Record motion that shows them.");
   }
   for (const RequirementResult& r : q.requirements)
-    if (!r.met) out.push_back("Not reached: " + r.text + ". A longer recording with more rests and turns lowers it; imulab predict says by how much.");
+    if (!r.met)
+      out.push_back("Not reached: " + r.text + ". A longer recording with more rests and turns lowers it; imulab predict says by how much.");
   if (q.verdict == "doubtful") {
     out.emplace_back("Resolve each reason above, and calibrate again. Until then rely on the values no further than the reasons allow.");
     if (const std::string more = missing_directions(report); !more.empty()) out.push_back(more);
@@ -76,10 +85,10 @@ Verdict verdict_of(const CalibrationReport& report) {
   v.word = q.verdict.empty() ? "no verdict" : q.verdict;
   const bool bare = report.result.calibration.estimated.empty();
   v.tone = q.verdict == "good" && !bare ? Tone::good : q.verdict == "doubtful" ? Tone::doubtful : Tone::neutral;
-  if (v.tone == Tone::good) v.meaning = "The residuals are as large as the stated uncertainties say, and the data determine every coefficient below.";
+  if (v.tone == Tone::good) v.meaning = "The residuals are as large as the stated uncertainties say, and nothing contradicts the calibration.";
   if (v.tone == Tone::doubtful) v.meaning = "Something contradicts the stated uncertainties, or is missing:";
-  if (v.tone == Tone::neutral) v.meaning = bare ? "Values without uncertainties: there is nothing to judge." : "This file does not say how good the calibration is.";
-  if (!q.unobservable.empty() && v.tone == Tone::good) v.meaning = "The residuals are as large as the stated uncertainties say.";
+  if (v.tone == Tone::neutral)
+    v.meaning = bare ? "Values without uncertainties: there is nothing to judge." : "This file does not say how good the calibration is.";
   v.because = q.because;
   if (!bare) v.actions = actions(report);
   return v;
@@ -93,7 +102,9 @@ std::string requirements_section(const Quality& q) {
                       escaped(std::isfinite(r.reached) ? uncertainty_text(r.reached / unit.size) + " " + std::string(unit.name) : "not determined"),
                       r.met ? "met" : "<strong>not met</strong>"});
   }
-  return t.rows.empty() ? "" : section("requirements", "Requirements", "One standard uncertainty of each coefficient, of matrices relative to its scale.", table(t));
+  return t.rows.empty()
+             ? ""
+             : section("requirements", "Requirements", "One standard uncertainty of each coefficient, of matrices relative to its scale.", table(t));
 }
 
 std::string subtitle_of(const Calibration& c) {
@@ -119,10 +130,11 @@ std::string calibration_page(const CalibrationReport& r) {
   page.subtitle = subtitle_of(c);
   page.verdict = verdict_of(r);
   page.figures = key_figures(c);
-  page.body = (page.figures.empty() ? "" : "<p class=\"note\">Standard uncertainty of the worst axis of each kind.</p>\n") + missing_section(r.missing) +
-              requirements_section(c.quality) + before_and_after(r) + coefficients_section(c) + recordings_section(r) + residuals_section(c) +
-              coverage_section(r) + uncertainty_section(c) + correlation_section(c) + convergence_section(r.result) + thermal_section(c) +
-              nonlinearity_section(r) + tests_section(c) + identification_section(r) + not_covered_section(r) + traceability_section(r) + origin_section(r);
+  page.body = (page.figures.empty() ? "" : "<p class=\"note\">Standard uncertainty of the worst axis of each kind.</p>\n") +
+              missing_section(r.missing) + requirements_section(c.quality) + before_and_after(r) + coefficients_section(c) + recordings_section(r) +
+              residuals_section(c) + coverage_section(r) + uncertainty_section(c) + correlation_section(c) + convergence_section(r.result) +
+              thermal_section(c) + nonlinearity_section(r) + tests_section(c) + identification_section(r) + not_covered_section(r) +
+              traceability_section(r) + origin_section(r);
   return page_text(page);
 }
 

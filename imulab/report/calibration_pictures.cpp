@@ -35,20 +35,25 @@ std::string size_text(double value, double small, std::string_view small_name, d
 }
 
 std::string acceleration_text(double v) { return size_text(v, unit::ug, "µg", 1e3 * unit::ug, "mg"); }
-std::string angle_text(double v) { return v < 0.1 * unit::deg ? size_text(v, unit::arcsec, "arcsec", 0.1 * unit::deg, "") : number(v / unit::deg) + " deg"; }
+std::string angle_text(double v) {
+  return v < 0.1 * unit::deg ? size_text(v, unit::arcsec, "arcsec", 0.1 * unit::deg, "") : number(v / unit::deg) + " deg";
+}
 
 /// At most so many: the greatest of each group of neighbors.
 std::vector<double> thinned(const std::vector<double>& values, std::size_t most) {
   const std::size_t step = std::max<std::size_t>(1, (values.size() + most - 1) / most);
   std::vector<double> out;
   for (std::size_t i = 0; i < values.size(); i += step)
-    out.push_back(*std::max_element(values.begin() + static_cast<std::ptrdiff_t>(i), values.begin() + static_cast<std::ptrdiff_t>(std::min(values.size(), i + step))));
+    out.push_back(*std::max_element(values.begin() + static_cast<std::ptrdiff_t>(i),
+                                    values.begin() + static_cast<std::ptrdiff_t>(std::min(values.size(), i + step))));
   return out;
 }
 
 constexpr std::size_t most_dots = 2000;
 /// What a caption says of that.
-std::string thinned_text(std::size_t parts) { return parts > most_dots ? fmt::format(" The worst of every {} is shown.", (parts + most_dots - 1) / most_dots) : ""; }
+std::string thinned_text(std::size_t parts) {
+  return parts > most_dots ? fmt::format(" The worst of every {} is shown.", (parts + most_dots - 1) / most_dots) : "";
+}
 
 /// Errors without and with the calibration, on a logarithmic axis.
 std::string two_sizes(const std::string& x, const std::string& y, std::vector<double> before, std::vector<double> after) {
@@ -79,7 +84,8 @@ std::string gravity_figure(const CalibrationReport& report, double g) {
   if (before.empty()) return {};
   return figure(two_sizes("rest", "error of gravity [µg]", before, after),
                 fmt::format("Gravity at rest: the size of the mean force, less g = {:.5f} m/s². RMS {} before, {} after.", g,
-                            acceleration_text(root_mean_square(before) * unit::ug), acceleration_text(root_mean_square(after) * unit::ug)) + thinned_text(before.size()));
+                            acceleration_text(root_mean_square(before) * unit::ug), acceleration_text(root_mean_square(after) * unit::ug)) +
+                    thinned_text(before.size()));
 }
 
 std::string turns_figure(const CalibrationReport& report) {
@@ -90,10 +96,13 @@ std::string turns_figure(const CalibrationReport& report) {
       after.push_back(turn.after / unit::deg);
     }
   if (before.empty()) return {};
-  return figure(two_sizes("turn between two rests", "error of direction [deg]", before, after),
-                fmt::format("Rotation: the direction of gravity after a turn, as the gyros take it along and as the accelerometers measure it. RMS {} before, {} "
-                            "after.",
-                            angle_text(root_mean_square(before) * unit::deg), angle_text(root_mean_square(after) * unit::deg)) + thinned_text(before.size()));
+  return figure(
+      two_sizes("turn between two rests", "error of direction [deg]", before, after),
+      fmt::format(
+          "Rotation: the direction of gravity after a turn, as the gyros take it along and as the accelerometers measure it. RMS {} before, {} "
+          "after.",
+          angle_text(root_mean_square(before) * unit::deg), angle_text(root_mean_square(after) * unit::deg)) +
+          thinned_text(before.size()));
 }
 
 std::vector<MarkedTime> marks_of(const Calibration& calibration, const RecordingEvidence& e, bool only_one) {
@@ -120,14 +129,20 @@ std::vector<std::vector<double>> scaled(const Columns3& columns, double unit) {
 std::string recording_charts(const Calibration& calibration, const RecordingEvidence& e, bool only_one) {
   const std::vector<MarkedTime> marks = marks_of(calibration, e, only_one);
   std::string out = only_one ? "" : "<h3>" + escaped(e.file) + "</h3>\n";
-  out += paragraph(fmt::format("{}: {} samples at {} Hz, {} s; {} at a limit, {} gaps. {}", e.file, e.samples, number(e.rate_hz, 5), number(e.duration_s, 6),
-                               e.saturated, e.gaps,
+  out += paragraph(fmt::format("{}: {} samples at {} Hz, {} s; {} at a limit, {} gaps. {}", e.file, e.samples, number(e.rate_hz, 5),
+                               number(e.duration_s, 6), e.saturated, e.gaps,
                                e.overview.samples_per_interval > 1
                                    ? fmt::format("The charts show the least and the greatest of every {} samples.", e.overview.samples_per_interval)
                                    : "The charts show every sample."));
   const auto chart = [&](const std::string& title, const std::string& label, const Columns3& columns, double unit) {
     if (columns[0].empty()) return std::string();
-    TimeChart c{.title = title, .y_label = label, .x = e.overview.time, .names = {"x", "y", "z"}, .y = scaled(columns, unit), .marks = marks, .group = e.file};
+    TimeChart c{.title = title,
+                .y_label = label,
+                .x = e.overview.time,
+                .names = {"x", "y", "z"},
+                .y = scaled(columns, unit),
+                .marks = marks,
+                .group = e.file};
     return time_chart(c);
   };
   const auto& t = calibration.model.accel.temperature ? calibration.model.accel.temperature : calibration.model.gyro.temperature;
@@ -136,24 +151,37 @@ std::string recording_charts(const Calibration& calibration, const RecordingEvid
   return out;
 }
 
-std::string residual_bars(const std::vector<PartResidual>& parts, const std::string& what) {
-  if (parts.empty()) return {};
+/// The worst of each group of neighbors where there are very many.
+std::vector<PartResidual> worst_parts(const std::vector<PartResidual>& parts) {
+  const std::size_t step = std::max<std::size_t>(1, (parts.size() + most_dots - 1) / most_dots);
+  std::vector<PartResidual> out;
+  for (std::size_t i = 0; i < parts.size(); i += step) {
+    const auto first = parts.begin() + static_cast<std::ptrdiff_t>(i),
+               last = parts.begin() + static_cast<std::ptrdiff_t>(std::min(parts.size(), i + step));
+    out.push_back(*std::max_element(first, last, [](const PartResidual& a, const PartResidual& b) { return a.residual < b.residual; }));
+  }
+  return out;
+}
+
+std::string residual_bars(const std::vector<PartResidual>& all, const std::string& what) {
+  if (all.empty()) return {};
+  const std::vector<PartResidual> parts = worst_parts(all);
   std::vector<double> sizes{0}, used, outliers;
   std::size_t dropped = 0;
   for (const PartResidual& p : parts) {
     sizes.push_back(p.residual);
     used.push_back(p.used ? p.residual : NAN);
     outliers.push_back(p.used ? NAN : p.residual);
-    dropped += !p.used;
   }
+  for (const PartResidual& p : all) dropped += !p.used;
   Axis y = axis_over("residual [σ]", sizes);
   y.low = 0, y.high = std::max(y.high, 1.5);
   Plot plot({what, 0.3, static_cast<double>(parts.size()) + 0.7}, y, "residuals by " + what);
   plot.bars(counted(parts.size()), used, 0.7, color::blue);
   plot.bars(counted(parts.size()), outliers, 0.7, color::vermilion);
   plot.rule(1, color::gray);
-  return figure(plot.svg(), fmt::format("Residual of each {} in the sigmas of the fit; about 1 is expected. {} of {} were dropped as outliers{}.", what, dropped,
-                                        parts.size(), dropped > 0 ? " (red)" : ""));
+  return figure(plot.svg(), fmt::format("Residual of each {} in the sigmas of the fit; about 1 is expected. {} of {} were dropped as outliers{}.{}",
+                                        what, dropped, all.size(), dropped > 0 ? " (red)" : "", thinned_text(all.size())));
 }
 
 }  // namespace
@@ -164,10 +192,11 @@ std::string before_and_after(const CalibrationReport& report) {
   if (figures.empty()) return {};
   const SensorModel& m = report.result.calibration.model;
   const bool counts = m.accel.raw_unit == "count" || m.gyro.raw_unit == "count";
-  return section("before-after", "Before and after",
-                 counts ? "Readings in counts have no scale of their own: before means one scale for the three axes of a triad and the offsets found here."
-                        : "Before means the readings as they are in the recording.",
-                 figures);
+  return section(
+      "before-after", "Before and after",
+      counts ? "Readings in counts have no scale of their own: before means one scale for the three axes of a triad and the offsets found here."
+             : "Before means the readings as they are in the recording.",
+      figures);
 }
 
 std::string recordings_section(const CalibrationReport& report) {
@@ -175,7 +204,7 @@ std::string recordings_section(const CalibrationReport& report) {
   std::string out;
   for (const RecordingEvidence& e : report.recordings) out += recording_charts(report.result.calibration, e, report.recordings.size() == 1);
   for (const RecordingEvidence& e : report.recordings)
-    if (!e.without_rests.empty()) out += paragraph("No pictures of gravity at rest: " + e.without_rests + ".");
+    if (!e.without_rests.empty()) out += paragraph(e.file + ": no pictures of gravity at rest: " + e.without_rests + ".");
   std::string colors = key({{"rest", "#d9eefa"}, {"dropped as an outlier", "#f2bf99"}});
   return section("recording", "The recording", "", out + colors + "<p class=\"screen\">Drag to zoom, double-click for all.</p>\n");
 }
@@ -201,7 +230,7 @@ std::vector<Vector3d> rest_directions(const CalibrationReport& report) {
   std::vector<Vector3d> out;
   for (const RecordingEvidence& e : report.recordings)
     for (const GravityAtRest& rest : e.rests)
-      if (rest.force.norm() > 0) out.push_back(rest.force);
+      if (rest.force.norm() > 0 && rest.force.allFinite()) out.push_back(rest.force);
   return out;
 }
 
@@ -231,14 +260,16 @@ std::string coverage_section(const CalibrationReport& report) {
   plot.bars(counted(parts.size()), shared, 0.7, color::green);
   plot.bars(counted(parts.size()), alone, 0.7, color::vermilion);
   const double sum = std::accumulate(parts.begin(), parts.end(), 0.0);
-  return section("coverage", "Directions of gravity", "",
-                 beside({figure(sphere(marks, "directions of gravity at rest"),
-                                fmt::format("Up in the IMU's axes at each rest, on the two halves of the sphere (equal-area). {}",
-                                            gaps.empty() ? "No direction is farther than 30° from a rest." : "Largest gaps (crosses): " + gaps + ".")),
-                         figure(plot.svg(),
-                                fmt::format("What each rest contributes to the nine accelerometer parameters (offsets, scales, misalignments), all rests counting "
-                                            "alike: its leverage. The sum is {}{}. At 1, no other rest checks it.",
-                                            number(sum), sum < 8.9 ? ", so these rests alone leave some of the nine open" : ""))}));
+  return section(
+      "coverage", "Directions of gravity", "",
+      beside(
+          {figure(sphere(marks, "directions of gravity at rest"),
+                  fmt::format("Up in the IMU's axes at each rest, on the two halves of the sphere (equal-area). {}",
+                              gaps.empty() ? "No direction is farther than 30° from a rest." : "Largest gaps (crosses): " + gaps + ".")),
+           figure(plot.svg(),
+                  fmt::format("What each rest contributes to the nine accelerometer parameters (offsets, scales, misalignments), all rests counting "
+                              "alike: its leverage. The sum is {}{}. At 1, no other rest checks it.",
+                              number(sum), sum < 8.9 ? ", so these rests alone leave some of the nine open" : ""))}));
 }
 
 }  // namespace imulab::report

@@ -35,28 +35,39 @@ constexpr double improbable = 1e-3;
 
 std::string consistency_text(const Consistency& c) {
   if (c.degrees_of_freedom == 0) return "no coefficient has an uncertainty in both: nothing is tested";
-  return fmt::format("all together: chi-square {} with {} degrees of freedom, probability of more {}", number(c.chi2), c.degrees_of_freedom, number(c.p_value, 2));
+  return fmt::format("all together: chi-square {} with {} degrees of freedom, probability of more {}", number(c.chi2), c.degrees_of_freedom,
+                     number(c.p_value, 2));
 }
 
 Verdict comparison_verdict(const ComparisonSummary& summary) {
-  Verdict v{.tone = Tone::good, .word = "consistent", .meaning = "The differences are as large as the stated uncertainties say.", .because = {}, .actions = {}};
+  Verdict v{.tone = Tone::good,
+            .word = "consistent",
+            .meaning = "The differences are as large as the stated uncertainties say.",
+            .because = {},
+            .actions = {}};
   bool any = false;
   for (std::size_t k = 0; k < summary.comparisons.size(); ++k) {
     const Comparison& c = summary.comparisons[k];
     const Tested t = tested(c);
     any = any || c.consistency.degrees_of_freedom > 0;
     const std::string who = summary.comparisons.size() > 1 ? summary.names[k + 1] + ": " : "";
-    v.because.push_back(fmt::format("{}{} of {} coefficients differ significantly (beyond {} sigma: 1 % for all together)", who, t.different.size(), t.compared,
-                                    number(t.limit, 2)));
+    v.because.push_back(fmt::format("{}{} of {} coefficients differ significantly (beyond {} sigma: 1 % for all together)", who, t.different.size(),
+                                    t.compared, number(t.limit, 2)));
     v.because.push_back(who + consistency_text(c.consistency));
     if (!t.different.empty() || (c.consistency.degrees_of_freedom > 0 && c.consistency.p_value < improbable)) v.tone = Tone::doubtful;
   }
   if (v.tone == Tone::doubtful) {
     v.word = "different";
     v.meaning = "The calibrations differ by more than their stated uncertainties explain.";
-    v.actions = {"The IMU changed between them (temperature, power cycle, age), or one of the uncertainties is too small: calibrate once more, and see which one agrees."};
+    v.actions = {
+        "The IMU changed between them (temperature, power cycle, age), or one of the uncertainties is too small: calibrate once more, and see which "
+        "one agrees."};
   } else if (!any) {
-    v = {.tone = Tone::neutral, .word = "not tested", .meaning = "Uncertainties are missing, so differences cannot be judged.", .because = v.because, .actions = {}};
+    v = {.tone = Tone::neutral,
+         .word = "not tested",
+         .meaning = "Uncertainties are missing, so differences cannot be judged.",
+         .because = v.because,
+         .actions = {}};
   }
   return v;
 }
@@ -68,9 +79,12 @@ std::string sigmas_figure(const Comparison& comparison, double limit, Triad tria
     if (coefficient(d.index).triad != triad || !sigmas) continue;
     const std::string_view name = coefficient(d.index).name;
     rows.push_back({std::string(name.substr(name.find('.') + 1)), *sigmas, 1,
-                    user_units(coefficient(d.index)).empty() ? "" : fmt::format("{} {}", number(d.user_difference), readable_unit(d.user_unit)), std::abs(*sigmas) > limit});
+                    user_units(coefficient(d.index)).empty() ? "" : fmt::format("{} {}", number(d.user_difference), readable_unit(d.user_unit)),
+                    std::abs(*sigmas) > limit});
   }
-  return rows.empty() ? "" : figure(interval_rows(rows, "difference in its standard uncertainties", "differences"), triad == Triad::accel ? "Accelerometers" : "Gyros");
+  return rows.empty() ? ""
+                      : figure(interval_rows(rows, "difference in its standard uncertainties", "differences"),
+                               triad == Triad::accel ? "Accelerometers" : "Gyros");
 }
 
 std::string comparison_section(const std::string& a, const std::string& b, const Comparison& comparison) {
@@ -106,10 +120,12 @@ std::string comparison_page(const ComparisonSummary& summary) {
   using namespace report;
   Page page;
   page.kind = "Comparison of calibrations";
-  page.title = summary.names.size() == 2 ? shortened(summary.names[0], 50) + " and " + shortened(summary.names[1], 50) : fmt::format("{} calibrations", summary.names.size());
+  page.title = summary.names.size() == 2 ? shortened(summary.names[0], 50) + " and " + shortened(summary.names[1], 50)
+                                         : fmt::format("{} calibrations", summary.names.size());
   page.subtitle = "Errors of different calibrations count as independent.";
   page.verdict = comparison_verdict(summary);
-  for (std::size_t k = 0; k < summary.comparisons.size(); ++k) page.body += comparison_section(summary.names[0], summary.names[k + 1], summary.comparisons[k]);
+  for (std::size_t k = 0; k < summary.comparisons.size(); ++k)
+    page.body += comparison_section(summary.names[0], summary.names[k + 1], summary.comparisons[k]);
   if (summary.agreement) page.body += agreement_section(*summary.agreement);
   return page_text(page);
 }

@@ -12,20 +12,33 @@ namespace imulab {
 CompensatedEvidence evidence_of(const CompensatedRecording& c) {
   constexpr std::size_t intervals = 1500;
   const Recording& r = c.recording;
-  return {r.name, r.size(), r.saturated.size(), c.out_of_range.size(), c.replaced.size(), r.gaps.size(), 1 / r.interval_s, overview(SensorModel{}, r, intervals)};
+  return {r.name,
+          r.size(),
+          r.saturated.size(),
+          c.out_of_range.size(),
+          c.replaced.size(),
+          r.gaps.size(),
+          1 / r.interval_s,
+          overview(SensorModel{}, r, intervals)};
 }
 
 namespace report {
 namespace {
 
 Verdict compensation_verdict(const CompensationReport& report) {
-  Verdict v{.tone = Tone::good, .word = "compensated", .meaning = "Every sample was corrected within the conditions of the calibration.", .because = {}, .actions = {}};
+  Verdict v{.tone = Tone::good,
+            .word = "compensated",
+            .meaning = "Every sample was corrected within the conditions of the calibration.",
+            .because = {},
+            .actions = {}};
   for (const CompensatedEvidence& e : report.recordings) {
     if (e.saturated > 0) v.because.push_back(fmt::format("{}: {} of {} samples have a reading at a limit", e.file, e.saturated, e.samples));
-    if (e.out_of_range > 0) v.because.push_back(fmt::format("{}: {} of {} samples are outside the calibrated temperatures", e.file, e.out_of_range, e.samples));
+    if (e.out_of_range > 0)
+      v.because.push_back(fmt::format("{}: {} of {} samples are outside the calibrated temperatures", e.file, e.out_of_range, e.samples));
     if (e.replaced > 0) v.because.push_back(fmt::format("{}: {} of {} samples had an outlier, which was replaced", e.file, e.replaced, e.samples));
   }
-  if (!report.calibration.quality.verdict.empty() && report.calibration.quality.verdict != "good") v.because.push_back("the calibration: " + verdict_text(report.calibration.quality));
+  if (!report.calibration.quality.verdict.empty() && report.calibration.quality.verdict != "good")
+    v.because.push_back("the calibration: " + verdict_text(report.calibration.quality));
   if (v.because.empty()) return v;
   v.tone = Tone::doubtful;
   v.word = "compensated with reservations";
@@ -44,12 +57,14 @@ TimeChart chart_of(const CompensatedEvidence& e, const std::string& title, const
 }
 
 std::string compensated_section(const CompensatedEvidence& e) {
-  std::string content = time_chart(chart_of(e, "Angular rate", "deg/s", e.overview.rate, unit::deg)) + time_chart(chart_of(e, "Specific force", "m/s²", e.overview.force, 1));
+  std::string content = time_chart(chart_of(e, "Angular rate", "deg/s", e.overview.rate, unit::deg)) +
+                        time_chart(chart_of(e, "Specific force", "m/s²", e.overview.force, 1));
   if (!e.overview.temperature[0].empty()) content += time_chart(chart_of(e, "Thermal reading", "", e.overview.temperature, 1));
   return section("recording", e.file,
                  fmt::format("{} samples at {} Hz, {} gaps. {}", e.samples, number(e.rate_hz, 5), e.gaps,
-                             e.overview.samples_per_interval > 1 ? fmt::format("The charts show the least and the greatest of every {} samples.", e.overview.samples_per_interval)
-                                                                 : "The charts show every sample."),
+                             e.overview.samples_per_interval > 1
+                                 ? fmt::format("The charts show the least and the greatest of every {} samples.", e.overview.samples_per_interval)
+                                 : "The charts show every sample."),
                  content);
 }
 

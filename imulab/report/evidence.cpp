@@ -16,7 +16,9 @@ constexpr std::size_t all_intervals = 1500, least_intervals = 50;
 std::vector<Range> ranges_of(const Calibration& calibration, const Session& session, const Recording& recording, bool only_one) {
   if (!only_one || calibration.quality.rests.empty()) return rests_of(recording, session).ranges;
   std::vector<Range> ranges;
-  for (const PartResidual& rest : calibration.quality.rests) ranges.push_back(recording.samples_in(rest.begin_s, rest.end_s));
+  const double first = recording.time_s(0) - recording.interval_s, last = recording.time_s(recording.size() - 1) + recording.interval_s;
+  for (const PartResidual& rest : calibration.quality.rests)  // of a file that anybody may have written
+    if (first <= rest.begin_s && rest.begin_s < rest.end_s && rest.end_s <= last) ranges.push_back(recording.samples_in(rest.begin_s, rest.end_s));
   return ranges;
 }
 
@@ -41,6 +43,11 @@ RecordingEvidence evidence_of(const Calibration& calibration, const Session& ses
   e.overview = overview(calibration.model, recording, std::max(least_intervals, all_intervals / std::max<std::size_t>(1, recordings)));
   e.largest_rate = largest(e.overview.rate);
   e.largest_force = largest(e.overview.force);
+  const RigDeclaration* rig = session.rig_of(session.source_of(recording.name));
+  if (rig != nullptr && rig->kind != RigKind::none && rig->kind != RigKind::turntable) {
+    e.without_rests = std::string(to_string(rig->kind)) + " recordings have no rests in free directions";
+    return e;
+  }
   try {
     const SensorModel before = uncalibrated(calibration.model);
     e.rests = gravity_at_rests(recording, ranges_of(calibration, session, recording, recordings == 1), before, calibration.model);
@@ -48,7 +55,7 @@ RecordingEvidence evidence_of(const Calibration& calibration, const Session& ses
   } catch (const Error& error) {
     e.without_rests = error.what();
   }
-  if (e.rests.empty() && e.without_rests.empty()) e.without_rests = recording.name + ": has no rests";
+  if (e.rests.empty() && e.without_rests.empty()) e.without_rests = "none were found";
   return e;
 }
 

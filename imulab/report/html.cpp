@@ -10,6 +10,8 @@ namespace imulab::report {
 
 namespace {
 
+constexpr std::size_t longest_text = 1000;  // characters: no sentence is longer
+
 struct Character {
   std::uint32_t code = 0xFFFD;
   std::size_t bytes = 1;
@@ -52,12 +54,24 @@ std::string escaped(std::string_view text) {
   while (!text.empty()) {
     const Character c = first_character(text);
     switch (c.code) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      case '\'': out += "&#39;"; break;
-      case 0xFFFD: out += "\xEF\xBF\xBD"; break;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      case '\'':
+        out += "&#39;";
+        break;
+      case 0xFFFD:
+        out += "\xEF\xBF\xBD";
+        break;
       default:
         if (invisible(c.code))
           out += fmt::format("[U+{:04X}]", c.code);
@@ -153,11 +167,11 @@ std::string beside(const std::vector<std::string>& figures) {
 std::string list(const std::vector<std::string>& texts, std::string_view id) {
   if (texts.empty()) return {};
   std::string out = id.empty() ? "<ul>" : fmt::format("<ul id=\"{}\">", id);
-  for (const std::string& text : texts) out += "<li>" + escaped(text) + "</li>";
+  for (const std::string& text : texts) out += "<li>" + escaped(shortened(text, longest_text)) + "</li>";
   return out + "</ul>\n";
 }
 
-std::string paragraph(std::string_view text) { return "<p>" + escaped(text) + "</p>\n"; }
+std::string paragraph(std::string_view text) { return "<p>" + escaped(shortened(text, 3 * longest_text)) + "</p>\n"; }
 
 std::string folded(std::string_view summary, const std::string& content) {
   return fmt::format("<details><summary>{}</summary>\n{}</details>\n", escaped(summary), content);

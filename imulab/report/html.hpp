@@ -7,8 +7,8 @@
 
 namespace imulab::report {
 
-/// Any bytes as text of HTML, in an element or a quoted attribute: markup becomes characters, control characters and marks of writing direction become
-/// their visible names (U+202E), what is not UTF-8 becomes the replacement character.
+/// Any bytes as text of HTML, in an element or a quoted attribute: markup becomes characters, control characters and marks of writing direction
+/// become their visible names (U+202E), what is not UTF-8 becomes the replacement character.
 std::string escaped(std::string_view text);
 /// The first characters of a long text, then "… (N characters)".
 std::string shortened(std::string_view text, std::size_t most);

@@ -24,9 +24,9 @@ TEST(Html, WhatIsNotSeenIsNamed) {
 TEST(Html, BytesThatAreNotUtf8AreReplaced) {
   const std::string replacement = "\xEF\xBF\xBD";
   EXPECT_EQ(escaped("a\xffz"), "a" + replacement + "z");
-  EXPECT_EQ(escaped("\xC3"), replacement);                                              // cut off
-  EXPECT_EQ(escaped("\xC0\xBC"), replacement + replacement);                            // "<" in too many bytes
-  EXPECT_EQ(escaped("\xED\xA0\x80"), replacement + replacement + replacement);          // a surrogate
+  EXPECT_EQ(escaped("\xC3"), replacement);                                      // cut off
+  EXPECT_EQ(escaped("\xC0\xBC"), replacement + replacement);                    // "<" in too many bytes
+  EXPECT_EQ(escaped("\xED\xA0\x80"), replacement + replacement + replacement);  // a surrogate
   EXPECT_EQ(escaped("\xF0\x9F\x98\x80"), "\xF0\x9F\x98\x80");
 }
 

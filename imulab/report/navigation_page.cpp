@@ -29,9 +29,10 @@ std::string end_table(const NavigationErrors& errors) {
 std::string alignment_text(const AlignedOn& aligned) {
   const EulerAngles angles = euler_angles(aligned.alignment.attitude.C_nb);
   const Eigen::Vector3d sigma = angle_sigmas(aligned.alignment.attitude) / unit::deg;
-  return fmt::format("Aligned on the rest from {} s to {} s: roll {} ± {} deg, pitch {} ± {} deg, heading {} ± {} deg.", number(aligned.begin, 6), number(aligned.end, 6),
-                     rounded_to(angles.roll / unit::deg, sigma.x()), uncertainty_text(sigma.x()), rounded_to(angles.pitch / unit::deg, sigma.y()), uncertainty_text(sigma.y()),
-                     rounded_to(angles.heading / unit::deg, sigma.z()), uncertainty_text(sigma.z()));
+  return fmt::format("Aligned on the rest from {} s to {} s: roll {} ± {} deg, pitch {} ± {} deg, heading {} ± {} deg.", number(aligned.begin, 6),
+                     number(aligned.end, 6), rounded_to(angles.roll / unit::deg, sigma.x()), uncertainty_text(sigma.x()),
+                     rounded_to(angles.pitch / unit::deg, sigma.y()), uncertainty_text(sigma.y()), rounded_to(angles.heading / unit::deg, sigma.z()),
+                     uncertainty_text(sigma.z()));
 }
 
 /// At most about a thousand of the errors.
@@ -52,8 +53,9 @@ ErrorBands bands_of(const NavigatedSession& s, const std::optional<ErrorBudget>&
 
 std::string session_sections(const NavigatedSession& s, const std::optional<ErrorBudget>& budget, bool only_one) {
   const Solution& solution = s.navigated.solution;
-  std::string content = paragraph(fmt::format("Navigated from {} s to {} s, vertical channel {}. {}", number(solution.time.front(), 7), number(solution.time.back(), 7),
-                                              to_string(s.navigated.vertical), s.navigated.aligned ? alignment_text(*s.navigated.aligned) : "Started as the session says."));
+  std::string content = paragraph(fmt::format("Navigated from {} s to {} s, vertical channel {}. {}", number(solution.time.front(), 7),
+                                              number(solution.time.back(), 7), to_string(s.navigated.vertical),
+                                              s.navigated.aligned ? alignment_text(*s.navigated.aligned) : "Started as the session says."));
   if (s.errors) content += end_table(*s.errors);
   content += list(s.navigated.warnings);
   const std::string track = track_figure(thinned_track(solution.states), "The solution.");
@@ -61,7 +63,9 @@ std::string session_sections(const NavigatedSession& s, const std::optional<Erro
   std::string out = section("session", only_one ? "Result" : s.session, "", content + beside({track}));
   if (!bands.empty())
     out += section("errors", "Errors over time",
-                   budget ? "The band is one sigma of what the calibration's uncertainties cause, and after an alignment also the noise that it saw; how the IMU changed since is not in it." : "",
+                   budget ? "The band is one sigma of what the calibration's uncertainties cause, and after an alignment also the noise that it saw; "
+                            "how the IMU changed since is not in it."
+                          : "",
                    bands);
   if (budget) out += section("shares", "Shares over time", "", shares_over_time(*budget)) + sources_section(*budget);
   return out;
@@ -80,8 +84,9 @@ Verdict navigation_verdict(const NavigationReport& report) {
   if (!rates.empty()) {
     const RateSummary summary = rate_summary(rates);
     v.word = fmt::format("{} nmi/h", number(summary.rms));
-    v.meaning = rates.size() == 1 ? "Horizontal position error at the end over the time navigated."
-                                  : fmt::format("Root mean square of {} pure-inertial rates; half stay below {} nmi/h.", rates.size(), number(summary.cep));
+    v.meaning = rates.size() == 1
+                    ? "Horizontal position error at the end over the time navigated."
+                    : fmt::format("Root mean square of {} pure-inertial rates; half stay below {} nmi/h.", rates.size(), number(summary.cep));
   }
   for (const NavigatedSession& s : report.sessions) {
     const std::string who = report.sessions.size() > 1 ? s.session + ": " : "";

@@ -43,8 +43,9 @@ std::string banner(const Verdict& v) {
   constexpr std::array classes{"good", "doubtful", "neutral"};
   constexpr std::array signs{"✓", "!", "i"};
   const auto tone = static_cast<std::size_t>(v.tone);
-  std::string out = fmt::format("<div class=\"verdict {}\"><span class=\"sign\" aria-hidden=\"true\">{}</span><div><strong id=\"verdict\">{}</strong>",
-                                classes[tone], signs[tone], escaped(v.word));
+  std::string out =
+      fmt::format("<div class=\"verdict {}\"><span class=\"sign\" aria-hidden=\"true\">{}</span><div><strong id=\"verdict\">{}</strong>",
+                  classes[tone], signs[tone], escaped(v.word));
   if (!v.meaning.empty()) out += fmt::format("<p class=\"meaning\">{}</p>", escaped(v.meaning));
   out += list(v.because, "because");
   if (!v.actions.empty()) out += "<p class=\"todo\">What to do</p>" + list(v.actions, "actions");

@@ -52,9 +52,11 @@ std::string hemisphere(const std::vector<SphereMark>& marks, bool upper, double 
     else
       dots += fmt::format("M{:.1f} {:.1f}h0", x, y);
   }
-  out += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linecap=\"round\"/>", dots, color::blue, marks.size() > 200 ? 3.5 : 7);
+  out += fmt::format("<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linecap=\"round\"/>", dots, color::blue,
+                     marks.size() > 200 ? 3.5 : 7);
   const double label = radius + 12;
-  out += text_at(center_x + label, center_y + 4, upper ? "+x" : "−x", Anchor::middle) + text_at(center_x - label, center_y + 4, upper ? "−x" : "+x", Anchor::middle);
+  out += text_at(center_x + label, center_y + 4, upper ? "+x" : "−x", Anchor::middle) +
+         text_at(center_x - label, center_y + 4, upper ? "−x" : "+x", Anchor::middle);
   out += text_at(center_x, center_y - radius - 5, "+y", Anchor::middle) + text_at(center_x, center_y + radius + 14, "−y", Anchor::middle);
   return out + text_at(center_x, center_y + radius + 32, upper ? "+z up (center)" : "−z up (center)", Anchor::middle);
 }
@@ -123,7 +125,7 @@ std::string share_bars(const std::vector<std::string>& sources, const std::vecto
   }
   for (const double v : ticks({"", least, most}, 4)) {
     out += line_between(at(v), top, at(v), bottom, v == 0 ? color::gray : "#ffffff", v == 0 ? 1 : 0.6);
-    out += text_at(at(v), bottom + 16, fmt::format("{:.0f} %", 100 * v), Anchor::middle);
+    out += text_at(at(v), bottom + 16, tick_text(100 * v) + " %", Anchor::middle);
   }
   std::vector<std::pair<std::string, std::string_view>> names;
   for (std::size_t s = 0; s < sources.size(); ++s) names.emplace_back(sources[s], color::series(s));

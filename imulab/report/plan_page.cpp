@@ -15,12 +15,15 @@ namespace imulab {
 namespace report {
 namespace {
 
-std::string duration_text(double seconds) { return fmt::format("{:.0f} min {:02.0f} s", std::floor(seconds / 60), std::floor(std::fmod(seconds, 60))); }
+std::string duration_text(double seconds) {
+  return fmt::format("{:.0f} min {:02.0f} s", std::floor(seconds / 60), std::floor(std::fmod(seconds, 60)));
+}
 
 std::string turns_section(const hybrid::Path& path) {
   Table t{.head = {"step", "turn about", "by [deg]", "then rest [s]"}, .rows = {{"1", "", "", number(path.first_rest, 5)}}, .left = {1}};
   for (std::size_t k = 0; k < path.turns.size(); ++k)
-    t.rows.push_back({fmt::format("{}", k + 2), std::string(to_string(path.turns[k].axis)) + " axis", number(path.turns[k].angle_deg, 5), number(path.turns[k].rest, 5)});
+    t.rows.push_back({fmt::format("{}", k + 2), std::string(to_string(path.turns[k].axis)) + " axis", number(path.turns[k].angle_deg, 5),
+                      number(path.turns[k].rest, 5)});
   return section("turns", "The procedure", "Begin at zero angles; turn and rest in this order.", table(t));
 }
 
@@ -33,10 +36,12 @@ std::string requirements_figure(const PlanReport& report) {
       const auto at = std::find(s.coefficients.begin(), s.coefficients.end(), index) - s.coefficients.begin();
       if (at == static_cast<std::ptrdiff_t>(s.coefficients.size())) continue;
       const double ratio = s.sigma[at] / r.limit;
-      rows.push_back({std::string(coefficient(index).name), ratio, 0, fmt::format("{} {}", uncertainty_text(s.sigma[at] / r.unit.size), readable_unit(r.unit.name)), ratio > 1});
+      rows.push_back({std::string(coefficient(index).name), ratio, 0,
+                      fmt::format("{} {}", uncertainty_text(s.sigma[at] / r.unit.size), readable_unit(r.unit.name)), ratio > 1});
     }
   if (rows.empty()) return {};
-  return section("required", "Against the requirements", "", figure(interval_rows(rows, "standard uncertainty over requirement", "requirements", 1), "At most 1 is required."));
+  return section("required", "Against the requirements", "",
+                 figure(interval_rows(rows, "standard uncertainty over requirement", "requirements", 1), "At most 1 is required."));
 }
 
 Verdict plan_verdict(const PlanReport& report) {
@@ -47,7 +52,8 @@ Verdict plan_verdict(const PlanReport& report) {
             .because = {},
             .actions = {}};
   for (const Shortfall& s : report.summary.missed) v.because.push_back(shortfall_line(s));
-  v.actions.emplace_back(met ? "Save the procedure with imulab plan -o, perform it, and calibrate with --method hybrid." : "Allow more time or more axes, or require less.");
+  v.actions.emplace_back(met ? "Save the procedure with imulab plan -o, perform it, and calibrate with --method hybrid."
+                             : "Allow more time or more axes, or require less.");
   return v;
 }
 

@@ -23,7 +23,11 @@ Axis axis_over(std::string label, const std::vector<double>& values, bool logari
     low = std::min(low, v), high = std::max(high, v);
   }
   if (!(low <= high)) low = logarithmic ? 0.1 : 0, high = 1;
-  if (logarithmic) return {std::move(label), std::pow(10, std::floor(std::log10(low) - 0.05)), std::pow(10, std::ceil(std::log10(high) + 0.05)), true};
+  constexpr double least = 1e-200, greatest = 1e200;
+  if (logarithmic) {
+    low = std::clamp(low, least, greatest), high = std::clamp(high, least, greatest);
+    return {std::move(label), std::pow(10, std::floor(std::log10(low) - 0.05)), std::pow(10, std::ceil(std::log10(high) + 0.05)), true};
+  }
   const double room = high > low ? 0.05 * (high - low) : (high != 0 ? std::abs(high) : 1.0);
   return {std::move(label), low - room, high + room, false};
 }
@@ -33,7 +37,8 @@ std::vector<double> ticks(const Axis& axis, int count) {
   if (axis.logarithmic) {
     const double decades = std::log10(axis.high / axis.low);
     const int step = std::max(1, static_cast<int>(std::ceil(decades / (count + 1))));
-    for (int k = static_cast<int>(std::ceil(std::log10(axis.low) - 1e-9)); k <= std::log10(axis.high) + 1e-9; k += step) out.push_back(std::pow(10, k));
+    for (int k = static_cast<int>(std::ceil(std::log10(axis.low) - 1e-9)); k <= std::log10(axis.high) + 1e-9; k += step)
+      out.push_back(std::pow(10, k));
     return out;
   }
   const double wanted = (axis.high - axis.low) / std::max(1, count), unit = std::pow(10, std::floor(std::log10(wanted)));
@@ -43,7 +48,8 @@ std::vector<double> ticks(const Axis& axis, int count) {
       step = candidate * unit;
       break;
     }
-  for (double k = std::ceil(axis.low / step - 1e-9); k * step <= axis.high + 1e-9 * step && out.size() < 50; ++k) out.push_back(k == 0 ? 0 : k * step);
+  for (double k = std::ceil(axis.low / step - 1e-9); k * step <= axis.high + 1e-9 * step && out.size() < 50; ++k)
+    out.push_back(k == 0 ? 0 : k * step);
   return out;
 }
 
@@ -54,8 +60,8 @@ std::string text_at(double x, double y, std::string_view text, Anchor anchor, st
 }
 
 std::string line_between(double x1, double y1, double x2, double y2, std::string_view stroke, double width, bool dashed) {
-  return fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\" stroke-width=\"{}\"{}/>", x1, y1, x2, y2, stroke, width,
-                     dashed ? " stroke-dasharray=\"5 4\"" : "");
+  return fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\" stroke-width=\"{}\"{}/>", x1, y1, x2, y2, stroke,
+                     width, dashed ? " stroke-dasharray=\"5 4\"" : "");
 }
 
 std::string svg_text(double width, double height, std::string_view description, const std::string& content) {
@@ -64,8 +70,7 @@ std::string svg_text(double width, double height, std::string_view description, 
 
 std::string key(const std::vector<std::pair<std::string, std::string_view>>& entries) {
   std::string out = "<div>";
-  for (const auto& [name, fill] : entries)
-    out += fmt::format("<span class=\"key\"><i style=\"background:{}\"></i>{}</span>", fill, escaped(name));
+  for (const auto& [name, fill] : entries) out += fmt::format("<span class=\"key\"><i style=\"background:{}\"></i>{}</span>", fill, escaped(name));
   return out + "</div>";
 }
 
@@ -88,7 +93,8 @@ void Plot::line(const std::vector<double>& x, const std::vector<double>& y, std:
   std::string points;
   const auto end = [&] {
     if (!points.empty())
-      marks_ += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"/>", points, color, width);
+      marks_ +=
+          fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"/>", points, color, width);
     points.clear();
   };
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -133,7 +139,8 @@ void Plot::bars(const std::vector<double>& x, const std::vector<double>& y, doub
   std::string path;
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double tip = at_y(y[i]), left = at_x(x[i] - 0.5 * width), wide = std::max(0.8, at_x(x[i] + 0.5 * width) - left);
-    if (std::isfinite(tip) && std::isfinite(left)) path += fmt::format("M{:.1f} {:.1f}h{:.1f}V{:.1f}h{:.1f}z", left, base, wide, std::min(tip, base - 0.6), -wide);
+    if (std::isfinite(tip) && std::isfinite(left))
+      path += fmt::format("M{:.1f} {:.1f}h{:.1f}V{:.1f}h{:.1f}z", left, base, wide, std::min(tip, base - 0.6), -wide);
   }
   if (!path.empty()) marks_ += fmt::format("<path d=\"{}\" fill=\"{}\"/>", path, color);
 }

@@ -44,7 +44,7 @@ class Plot {
   void dots(const std::vector<double>& x, const std::vector<double>& y, std::string_view color, bool hollow = false);
   void bars(const std::vector<double>& x, const std::vector<double>& y, double width, std::string_view color);
   void shade(const std::vector<std::pair<double, double>>& spans, std::string_view color, double opacity);  ///< between two x each
-  void rule(double y, std::string_view color);  ///< a dashed line across
+  void rule(double y, std::string_view color);                                                              ///< a dashed line across
   std::string svg() const;
 
  private:

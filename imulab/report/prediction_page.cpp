@@ -39,7 +39,8 @@ std::string shares_section(const PredictionSummary& s) {
     rows.push_back(std::move(r));
   }
   return section("shares", "What limits each coefficient", "The share of each source in the variance (to first order), and the standard uncertainty.",
-                 figure(share_bars(s.sources, rows, "shares of the sources"), "Improve the source with the longest bar first: the others hardly count beside it.", true));
+                 figure(share_bars(s.sources, rows, "shares of the sources"),
+                        "Improve the source with the longest bar first: the others hardly count beside it.", true));
 }
 
 std::string uncertainties_section(const PredictionSummary& s) {
@@ -58,14 +59,19 @@ std::string uncertainties_section(const PredictionSummary& s) {
   }
   std::string undetermined;
   for (const CoefficientIndex index : s.undetermined) undetermined += (undetermined.empty() ? "" : ", ") + std::string(coefficient(index).name);
-  return section("uncertainties", "Standard uncertainties to come",
-                 s.runs > 0 ? fmt::format("In closed form, and from a Monte Carlo of {} whole procedures.", s.runs) : "In closed form, before any data.",
-                 table(t) + (undetermined.empty() ? "" : paragraph("Not determined by this procedure: " + undetermined + ".")));
+  return section(
+      "uncertainties", "Standard uncertainties to come",
+      s.runs > 0 ? fmt::format("In closed form, and from a Monte Carlo of {} whole procedures.", s.runs) : "In closed form, before any data.",
+      table(t) + (undetermined.empty() ? "" : paragraph("Not determined by this procedure: " + undetermined + ".")));
 }
 
 Verdict prediction_verdict(const PredictionReport& report) {
   const PredictionSummary& s = report.summary;
-  Verdict v{.tone = Tone::neutral, .word = "predicted", .meaning = "What a calibration by this procedure will know, if rig and noise are as declared.", .because = {}, .actions = {}};
+  Verdict v{.tone = Tone::neutral,
+            .word = "predicted",
+            .meaning = "What a calibration by this procedure will know, if rig and noise are as declared.",
+            .because = {},
+            .actions = {}};
   if (report.required) v.tone = Tone::good, v.word = "requirements met";
   if (!s.missed.empty()) v.tone = Tone::doubtful, v.word = "requirements not met";
   if (!s.undetermined.empty()) v.tone = Tone::doubtful, v.word = "not all is determined";

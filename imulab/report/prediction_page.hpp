@@ -8,10 +8,10 @@
 namespace imulab {
 
 struct PredictionReport {
-  std::string procedure;               ///< its name
+  std::string procedure;  ///< its name
   PredictionSummary summary;
   std::vector<std::string> tables = {};  ///< further text, as the command prints it
-  bool required = false;               ///< whether there were requirements
+  bool required = false;                 ///< whether there were requirements
 };
 
 /// HTML, self-contained.

@@ -83,13 +83,13 @@ std::string still(const TimeChart& chart, const std::vector<std::string>& colors
 
 std::string time_chart(const TimeChart& chart) {
   const std::vector<std::string> colors = colors_of(chart);
-  std::string data = fmt::format("{{\"x\":{},\"y\":{},\"labels\":{},\"colors\":{},\"xlabel\":{},\"ylabel\":{},\"log\":{},\"group\":{},\"marks\":{}}}",
-                                 json_list(chart.x, json_time),
-                                 json_list(chart.y, [](const std::vector<double>& series) { return json_list(series, json_number); }),
-                                 json_list(chart.names, json_text), json_list(colors, json_text), json_text(chart.x_label), json_text(chart.y_label),
-                                 chart.logarithmic, json_text(chart.group), json_list(chart.marks, [](const MarkedTime& m) {
-                                   return fmt::format("[{},{},\"{}\"]", json_time(m.begin), json_time(m.end), name_of(m.mark));
-                                 }));
+  std::string data =
+      fmt::format("{{\"x\":{},\"y\":{},\"labels\":{},\"colors\":{},\"xlabel\":{},\"ylabel\":{},\"log\":{},\"group\":{},\"marks\":{}}}",
+                  json_list(chart.x, json_time), json_list(chart.y, [](const std::vector<double>& series) { return json_list(series, json_number); }),
+                  json_list(chart.names, json_text), json_list(colors, json_text), json_text(chart.x_label), json_text(chart.y_label),
+                  chart.logarithmic, json_text(chart.group), json_list(chart.marks, [](const MarkedTime& m) {
+                    return fmt::format("[{},{},\"{}\"]", json_time(m.begin), json_time(m.end), name_of(m.mark));
+                  }));
   return fmt::format(
       "<div class=\"chart\"><div class=\"title\">{}</div><div class=\"legend\"></div><div class=\"live\"></div><div class=\"still\">{}</div>"
       "<script type=\"application/json\">{}</script></div>\n",

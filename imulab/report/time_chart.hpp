@@ -15,11 +15,11 @@ struct MarkedTime {
 struct TimeChart {
   std::string title, x_label = "time [s]", y_label;
   std::vector<double> x;
-  std::vector<std::string> names;         ///< of the series
-  std::vector<std::vector<double>> y;     ///< each as long as x; what is not finite is a hole
-  std::vector<std::string> colors = {};   ///< absent: those of series
+  std::vector<std::string> names;        ///< of the series
+  std::vector<std::vector<double>> y;    ///< each as long as x; what is not finite is a hole
+  std::vector<std::string> colors = {};  ///< absent: those of series
   std::vector<MarkedTime> marks = {};
-  std::string group = "time";             ///< charts of one group zoom together
+  std::string group = "time";  ///< charts of one group zoom together
   bool logarithmic = false;
 };
 

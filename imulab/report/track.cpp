@@ -56,7 +56,8 @@ std::string band_figure(const ErrorBands& b, int q) {
     sampled_time = minutes_of(b.monte_carlo->time);
     sampled_low = row_of(b.monte_carlo->low, q, quantity.size), sampled_high = row_of(b.monte_carlo->high, q, quantity.size);
   }
-  for (const std::vector<double>* part : std::initializer_list<const std::vector<double>*>{&low, &high, &errors, &sampled_low, &sampled_high}) all.insert(all.end(), part->begin(), part->end());
+  for (const std::vector<double>* part : std::initializer_list<const std::vector<double>*>{&low, &high, &errors, &sampled_low, &sampled_high})
+    all.insert(all.end(), part->begin(), part->end());
   const std::vector<double> error_time = minutes_of(b.error_time);
   const double first = !time.empty() ? time.front() : error_time.front(), last = !time.empty() ? time.back() : error_time.back();
   Plot plot({"", first, last > first ? last : first + 1}, axis_over("", all), std::string(quantity.name), small_plot);
@@ -145,9 +146,16 @@ std::string shares_over_time(const ErrorBudget& b) {
   const Eigen::MatrixXd shares = horizontal_shares(b);
   std::vector<Eigen::Index> order(static_cast<std::size_t>(shares.cols()));
   std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](Eigen::Index i, Eigen::Index j) { return shares.col(i).cwiseAbs().maxCoeff() > shares.col(j).cwiseAbs().maxCoeff(); });
+  std::sort(order.begin(), order.end(),
+            [&](Eigen::Index i, Eigen::Index j) { return shares.col(i).cwiseAbs().maxCoeff() > shares.col(j).cwiseAbs().maxCoeff(); });
   constexpr std::size_t most = 6;
-  TimeChart chart{.title = "Shares of the mean square horizontal position error", .x_label = "time [min]", .y_label = "%", .x = minutes_of(b.time), .names = {}, .y = {}, .group = "shares"};
+  TimeChart chart{.title = "Shares of the mean square horizontal position error",
+                  .x_label = "time [min]",
+                  .y_label = "%",
+                  .x = minutes_of(b.time),
+                  .names = {},
+                  .y = {},
+                  .group = "shares"};
   for (std::size_t k = 0; k < std::min(most, order.size()); ++k) {
     const auto g = static_cast<std::size_t>(order[k]);
     chart.names.push_back(g < b.groups.size() ? b.groups[g].name : "correlation between groups");

@@ -31,7 +31,9 @@ CoefficientIndex index_at(const Field& parent, const std::string& name) {
 
 std::optional<double> optional_number(const Field& f) { return f.is_null() ? std::nullopt : std::optional(f.number()); }
 
-Eigen::Vector3d vector_at(const Field& f) { return {f.item(0, 3, "numbers").number(), f.item(1, 3, "numbers").number(), f.item(2, 3, "numbers").number()}; }
+Eigen::Vector3d vector_at(const Field& f) {
+  return {f.item(0, 3, "numbers").number(), f.item(1, 3, "numbers").number(), f.item(2, 3, "numbers").number()};
+}
 
 // ---- comparisons
 
@@ -74,7 +76,8 @@ Agreement agreement_at(const Field& f) {
   const std::vector<std::string> differing = f.texts("differing");
   const Field all = f["coefficients"];
   for (const std::string& name : all.keys())
-    out.coefficients.push_back({index_at(all, name), consistency_at(all[name]), std::find(differing.begin(), differing.end(), name) != differing.end()});
+    out.coefficients.push_back(
+        {index_at(all, name), consistency_at(all[name]), std::find(differing.begin(), differing.end(), name) != differing.end()});
   out.consistency = consistency_at(f["consistency"]);
   return out;
 }
@@ -124,7 +127,8 @@ PredictionSummary prediction_of(const Field& root) {
     out.sigma[i] = at["closed_form"].number();
     out.cramer_rao[i] = at.has("cramer_rao") ? at["cramer_rao"].number_or_nan() : NAN;
     sampled[i] = at.has("monte_carlo") ? at["monte_carlo"].number() : NAN;
-    for (std::size_t k = 0; k < out.sources.size(); ++k) out.variance(i, static_cast<Eigen::Index>(k)) = std::pow(at["budget"][out.sources[k]].number(), 2);
+    for (std::size_t k = 0; k < out.sources.size(); ++k)
+      out.variance(i, static_cast<Eigen::Index>(k)) = std::pow(at["budget"][out.sources[k]].number(), 2);
   }
   if (n > 0 && sampled.array().isFinite().all()) out.monte_carlo = sampled;
   if (root.has("monte_carlo_runs")) out.runs = root["monte_carlo_runs"].size_in_bytes();

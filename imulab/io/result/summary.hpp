@@ -27,7 +27,7 @@ struct PredictionSummary {
   std::vector<CoefficientIndex> coefficients, undetermined;
   Eigen::VectorXd sigma, cramer_rao;  ///< the bound: NaN where it is not stated
   std::optional<Eigen::VectorXd> monte_carlo = {};
-  std::uint64_t runs = 0;            ///< of the Monte Carlo
+  std::uint64_t runs = 0;                 ///< of the Monte Carlo
   std::vector<std::string> sources = {};  ///< columns of `variance`; none where the method does not tell them apart
   Eigen::MatrixXd variance = {};
   std::vector<Shortfall> missed = {};    ///< requirements
@@ -45,7 +45,8 @@ using NavigationSummary = std::vector<NavigatedSession>;
 
 using SavedResult = std::variant<Calibration, ComparisonSummary, PredictionSummary, NavigationSummary, BudgetSummary>;
 
-/// Reads calibration.json or what `compare`, `predict`, `navigate` or `budget` print with --json. Throws Error that names the file and what was expected.
+/// Reads calibration.json or what `compare`, `predict`, `navigate` or `budget` print with --json. Throws Error that names the file and what was
+/// expected.
 SavedResult read_result(const std::filesystem::path& path);
 /// The same from text; `file` is its name in messages.
 SavedResult parse_result(std::string_view text, const std::string& file);

@@ -34,7 +34,8 @@ std::optional<ErrorBudget> navigated_budget(const Calibration& calibration, cons
     sources.accel_noise.N = navigated.aligned->alignment.accel_noise;
   }
   const double interval = (solution.time.back() - solution.time.front()) / std::max(1, outputs);
-  return error_budget(motion, sources, {.strapdown = {.vertical = navigated.vertical, .gravity = session.site.given_gravity}, .output_interval = interval});
+  return error_budget(motion, sources,
+                      {.strapdown = {.vertical = navigated.vertical, .gravity = session.site.given_gravity}, .output_interval = interval});
 }
 
 }  // namespace imulab

@@ -1,0 +1,88 @@
+#include "imulab/report/pictures.hpp"
+
+#include "imulab/report/time_chart.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <regex>
+
+namespace imulab::report {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t n = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+  return n;
+}
+
+TEST(Pictures, AWhiskerIsAsLongAsItsInterval) {
+  const std::string svg = interval_rows({{"x", 10, 5}, {"y", 10, 0}}, "ppm", "test");
+  std::smatch m;
+  ASSERT_TRUE(std::regex_search(svg, m, std::regex("x1=\"([0-9.]+)\" y1=\"17.0\" x2=\"([0-9.]+)\" y2=\"17.0\"")));
+  const double length = std::stod(m[2]) - std::stod(m[1]);
+  EXPECT_NEAR(length, (320 - 44) * 10 / (15 * 1.1), 0.2);  // 0 to 15 and a twentieth on both sides
+  EXPECT_EQ(count(svg, "<circle"), 2u);
+}
+
+TEST(Pictures, NothingIsDrawnOfWhatIsNotFinite) {
+  for (const std::string& svg : {interval_rows({{"x", NAN, NAN}, {"y", 1, INFINITY}}, "", ""), share_bars({"a"}, {{"x", "", {NAN}}}, ""),
+                                 correlation_map({"a", "b"}, Eigen::MatrixXd::Constant(2, 2, NAN), "")})
+    EXPECT_THAT(svg, Not(testing::AnyOf(HasSubstr("nan"), HasSubstr("inf"))));
+}
+
+TEST(Pictures, SharesFillTheirBarAndNegativeOnesLieBeforeIt) {
+  const std::string svg = share_bars({"a", "b", "c"}, {{"row", "1 ppm", {0.75, 0.5, -0.25}}}, "test");
+  EXPECT_THAT(svg, HasSubstr("<title>a: 75.0 %</title>"));
+  EXPECT_THAT(svg, HasSubstr("<title>c: -25.0 %</title>"));
+  EXPECT_THAT(svg, HasSubstr("x=\"190.0\" y=\"7.0\" width=\"73.3\"")) << "a sixth of the width, left of zero";
+}
+
+TEST(Pictures, StrongCorrelationsHaveStrongColors) {
+  Eigen::Matrix3d r;
+  r << 1, 1, -1, 1, 1, 0.01, -1, 0.01, 1;
+  const std::string svg = correlation_map({"a", "b", "c"}, r, "test");
+  EXPECT_THAT(svg, HasSubstr("fill=\"#0072b2\"><title>b and a: 1.00</title>"));
+  EXPECT_THAT(svg, HasSubstr("fill=\"#d55e00\"><title>c and a: -1.00</title>"));
+  EXPECT_THAT(svg, Not(HasSubstr("c and b"))) << "too weak to be shown";
+}
+
+TEST(Pictures, DirectionsAreOnTheirHalfOfTheSphere) {
+  const auto place = [](const Vector3d& up) {
+    const std::string svg = sphere({{up}}, "test");
+    std::smatch m;
+    EXPECT_TRUE(std::regex_search(svg, m, std::regex("M([0-9.]+) ([0-9.]+)h0")));
+    return Vector3d(std::stod(m[1]), std::stod(m[2]), 0);
+  };
+  EXPECT_NEAR(place({0, 0, 9.8}).x(), 115, 0.1);   // the center of the left half
+  EXPECT_NEAR(place({0, 0, -9.8}).x(), 345, 0.1);  // and of the right one
+  EXPECT_GT(place({5, 0, 8}).x(), 115);            // +x to the right, seen from above
+  EXPECT_LT(place({5, 0, -8}).x(), 345);           // and to the left, seen from below
+  EXPECT_LT(place({0, 5, 8}).y(), 112);            // +y upward
+}
+
+TEST(TimeChart, ItsDataCannotEndTheScript) {
+  const std::string html =
+      time_chart({.title = "</script>", .y_label = "</script>", .x = {0, 1}, .names = {"</script><b>"}, .y = {{1, NAN}}, .group = "a\"\n"});
+  EXPECT_EQ(count(html, "</script>"), 1u);
+  EXPECT_THAT(html, HasSubstr("\\u003c/script\\u003e\\u003cb\\u003e"));
+  EXPECT_THAT(html, HasSubstr("[1,null]"));
+  EXPECT_THAT(html, HasSubstr("a\\u0022\\u000a"));
+}
+
+TEST(TimeChart, TheStillPictureOfManyPointsIsSmall) {
+  TimeChart chart{.title = "t", .y_label = "y", .x = {}, .names = {"a"}, .y = {{}}};
+  for (int i = 0; i < 100'000; ++i) {
+    chart.x.push_back(i);
+    chart.y[0].push_back(i == 54'321 ? 1000 : 0);
+  }
+  const std::string html = time_chart(chart), still = html.substr(0, html.find("<script"));
+  EXPECT_LT(still.size(), 30'000u);
+  EXPECT_THAT(still, HasSubstr("1000")) << "the spike is on the axis";
+}
+
+}  // namespace
+}  // namespace imulab::report
