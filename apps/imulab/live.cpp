@@ -107,15 +107,17 @@ class Copy {
 /// A picture that is drawn anew, or a line for each event.
 class Display {
  public:
-  Display() : terminal_(isatty(STDOUT_FILENO) != 0 && !is("TERM", "dumb")), color_(terminal_ && std::getenv("NO_COLOR") == nullptr) {
-    if (terminal_) fmt::print("\033[2J");
+  /// On standard output, or standard error where the calibration is written to that.
+  explicit Display(std::FILE* out)
+      : out_(out), terminal_(isatty(fileno(out)) != 0 && !is("TERM", "dumb")), color_(terminal_ && std::getenv("NO_COLOR") == nullptr) {
+    if (terminal_) fmt::print(out_, "\033[2J");
   }
   void show(const LiveView& view, bool new_rest) {
     constexpr double every_s = 0.1;
     if (!new_rest && (!terminal_ || view.time_s - drawn_s_ < every_s)) return;
     drawn_s_ = view.time_s;
     terminal_ ? redraw(view) : lines(view);
-    std::fflush(stdout);
+    std::fflush(out_);
   }
 
  private:
@@ -126,20 +128,23 @@ class Display {
   void redraw(const LiveView& view) const {
     std::string text = "\033[H";
     for (const char c : live_picture(view, color_)) text += c == '\n' ? "\033[K\n" : std::string(1, c);
-    fmt::print("{}\033[J", text);
+    fmt::print(out_, "{}\033[J", text);
   }
-  static void lines(const LiveView& view) {
+  void lines(const LiveView& view) const {
     const std::string at = fmt::format("{:8.2f} s  ", view.time_s);
-    if (!view.up.empty()) fmt::print("{}rest {}: {} up\n", at, view.up.size(), direction_text(view.up.back()));
-    if (!view.problem.empty()) fmt::print("{}{}\n", at, view.problem);
+    if (!view.up.empty()) fmt::print(out_, "{}rest {}: {} up\n", at, view.up.size(), direction_text(view.up.back()));
+    if (!view.problem.empty()) fmt::print(out_, "{}{}\n", at, view.problem);
     std::string reached;
     for (const RequirementResult& r : view.requirements) reached += (reached.empty() ? "" : ", ") + reached_text(r);
-    if (!reached.empty()) fmt::print("{}{}: {}\n", at, view.done ? "done" : "reached", reached);
-    if (view.next && !view.done) fmt::print("{}next: {}, then hold still for {:g} s\n", at, turn_text(*view.next), view.rest_s);
+    if (!reached.empty()) fmt::print(out_, "{}{}: {}\n", at, view.done ? "done" : "reached", reached);
+    if (view.next && !view.done) fmt::print(out_, "{}next: {}, then hold still for {:g} s\n", at, turn_text(*view.next), view.rest_s);
   }
+  std::FILE* out_;
   bool terminal_, color_;
   double drawn_s_ = 0;
 };
+
+std::FILE* output_of(const Options& options) { return options.output == "-" ? stderr : stdout; }
 
 std::string name_of(const std::string& input) { return input == "-" ? "standard input" : input; }
 
@@ -174,8 +179,8 @@ void conclude(const Options& options, const LiveProgress& progress) {
   if (!view.problem.empty()) throw Unsupported(view.problem + (view.next ? "\n  what helps most: " + turns_text({*view.next}) : ""));
   const Quality& quality = progress.result()->calibration.quality;
   for (const std::string& text : quality.warnings) warn(text);
-  fmt::print("{} rest{} in {:.0f} s: {}{}\n", view.up.size(), view.up.size() == 1 ? "" : "s", view.time_s, verdict_text(quality),
-             options.output.empty() ? "; not saved: no -o FILE was given" : "; written: " + options.output);
+  const std::string written = options.output.empty() ? "not saved: no -o FILE was given" : "written: " + (options.output == "-" ? "standard output" : options.output);
+  fmt::print(output_of(options), "{} rest{} in {:.0f} s: {}; {}\n", view.up.size(), view.up.size() == 1 ? "" : "s", view.time_s, verdict_text(quality), written);
   if (progress.reached()) return;
   std::string list;
   for (const RequirementResult& r : quality.requirements)
@@ -216,7 +221,7 @@ void run(const Options& options) {
   const CtrlC ctrl_c(input.descriptor());
   RecordingStream stream(
       input.descriptor(), name_of(options.input), source, [&](std::string_view bytes) { copy.write(bytes); }, true);
-  Display display;
+  Display display(output_of(options));
   const std::exception_ptr failure = follow(stream, progress, display);
   if (!progress.reached() && progress.recording().size() > 0) {
     progress.estimate();
@@ -242,7 +247,7 @@ void add_live(Verb app) {
   verb.option("--recording FILE", o->recording, "the recording of that session to take the columns from, if it has several");
   verb.option("--require LIMITS", o->require, fmt::format("stop when this is reached; if absent, {}{}", usual_requirement, usual_offset));
   verb.option("--rest", o->rest, "seconds of every rest").in_range(1, 600).show_default();
-  verb.option("-o,--output FILE", o->output, "the calibration file to write at the end");
+  verb.option("-o,--output FILE", o->output, "the calibration file to write at the end; - for standard output, and the events go to standard error");
   verb.option("--save FILE", o->save, "a file for what was streamed, as it came");
   verb.flag("--force", o->force, "replace these files if there are any");
   verb.example("driver | imulab live - --session session.toml -o calibration.json");

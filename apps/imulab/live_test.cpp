@@ -74,6 +74,13 @@ TEST(Live, AtTheEndSaysWhatIsMissingAndKeepsEverything) {
   EXPECT_EQ(streamed["sources"][0]["sha256"], whole["sources"][0]["sha256"]);
 }
 
+TEST(Live, TheCalibrationAloneGoesToStandardOutput) {
+  const CommandResult r = live("cat", "-o -");
+  EXPECT_EQ(r.exit_code, 0);
+  EXPECT_EQ(Json::parse(r.output)["method"], "handheld");
+  EXPECT_THAT(r.errors, ContainsRegex("done: .*\n.*written: standard output\n"));
+}
+
 TEST(Live, FilesAreNotReplacedByAccident) {
   run_shell(folder(), "echo > there.csv");
   for (const char* arguments : {"-o there.csv", "--save there.csv"}) {
