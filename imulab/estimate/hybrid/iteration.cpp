@@ -2,6 +2,7 @@
 
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/estimate/kernel/optional_terms.hpp"
 #include "imulab/estimate/kernel/suspects.hpp"
 #include "imulab/estimate/kernel/terms.hpp"
 
@@ -205,24 +206,20 @@ Review review(const Data& data, const Iterate& iterate, const Groups& terms, dou
   return out;
 }
 
-/// Widens the priors of optional terms that the data contradict; whether any was. The size of a term is not known before it is seen: a prior that is
-/// too narrow would pull it, and others with it.
-bool widen_priors(Data& data, const Iterate& c) {
+/// Widens the priors of optional terms that the data contradict; their names.
+std::vector<std::string> widen_priors(Data& data, const Iterate& c) {
   const States& states = c.states;
-  bool widened = false;
-  for (const Group group : c.terms) {
-    const Index first = states.first(group), size = states.size(group);
-    const VectorXd in_priors = (c.total + c.pass.x.head(states.constants())).segment(first, size).cwiseQuotient(states.prior.segment(first, size));
-    const double chi2 = in_priors.squaredNorm();
-    if (!(chi2 > chi_square_quantile(0.999, static_cast<double>(size)))) continue;  // also for a prior of zero: a term that is fixed
-    const double factor = std::sqrt(chi2 / static_cast<double>(size));
-    if (!std::isfinite(factor)) continue;
-    kernel::PriorSizes& sizes = data.priors.sizes;
-    (group == Group::quadratic       ? sizes.accel.quadratic
-     : group == Group::g_sensitivity ? sizes.g_sensitivity
-     : group == Group::lever_arm     ? sizes.lever_arm
-                                     : data.priors.delay) *= 2 * factor;
-    widened = true;
+  const Index n = states.constants();
+  const std::vector<Index> at = states.corrections();
+  std::vector<CoefficientIndex> indices;
+  for (const Index s : at) indices.push_back(states.corrects(s));
+  const VectorXd unit = states.prior.cwiseMax(1e-300).cwiseInverse(), in_sigmas = unit.cwiseProduct(c.total + c.pass.x.head(n));
+  const MatrixXd covariance = unit.asDiagonal() * c.pass.covariance.topLeftCorner(n, n) * unit.asDiagonal();
+  std::vector<std::string> widened = kernel::widen_priors(data.priors.sizes, indices, in_sigmas(at), covariance(at, at));
+  const Index delay = states.first(Group::delay);
+  if (const double by = delay < 0 ? 1 : kernel::widening(in_sigmas.segment<1>(delay), covariance.block<1, 1>(delay, delay)); by > 1) {
+    data.priors.delay *= by;
+    widened.emplace_back(name(Group::delay));
   }
   return widened;
 }
@@ -243,18 +240,19 @@ std::optional<SeenLatitude> mirrored_latitude(const Data& data, const Iterate& c
 }  // namespace
 
 Converged converge(Data& data, const Groups& terms, double significance) {
-  Converged out{converged(data, first_iterate(data, terms)), {}, {}, {}};
+  Converged out{converged(data, first_iterate(data, terms)), {}, {}, {}, {}};
   for (int round = 0; round < 10; ++round) {
     Review seen = review(data, out.last, data.wanted.empty() ? terms : Groups{}, significance);
     out.latitude = seen.latitude;
     if (out.latitude) break;
     out.tests = std::move(seen.tests);
-    if (widen_priors(data, out.last)) {  // anew: what a narrow prior bent may be far from the solution
+    out.latitude = mirrored_latitude(data, out.last, terms);
+    if (out.latitude) break;
+    if (const auto widened = widen_priors(data, out.last); !widened.empty()) {  // anew: what a narrow prior bent may be far from the solution
+      out.widened.insert(out.widened.end(), widened.begin(), widened.end());
       out.last = converged(data, first_iterate(data, terms));
       continue;
     }
-    out.latitude = mirrored_latitude(data, out.last, terms);
-    if (out.latitude) break;
     if (!out.last.converged) break;
     const std::vector<std::size_t> outlying = outlying_blocks(data, out.last);
     if (outlying.empty()) break;

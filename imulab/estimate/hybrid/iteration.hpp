@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace imulab::hybrid {
@@ -48,6 +49,7 @@ struct SeenLatitude {
 struct Converged {
   Iterate last;
   std::vector<TermTest> tests;           ///< of the optional groups: are they seen?
+  std::vector<std::string> widened;      ///< optional terms whose prior the data contradict
   std::vector<std::size_t> left_out;     ///< blocks whose velocity is an outlier
   std::optional<SeenLatitude> latitude;  ///< contradicts the place's: then the rest is void
 };

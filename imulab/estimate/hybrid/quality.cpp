@@ -145,6 +145,7 @@ void report(const Data& data, const Converged& result, const Site& site, Calibra
   calibration.quality.term_tests = result.tests;
   calibration.quality.converged = last.converged;
   calibration.quality.sources.push_back(kernel::gravity_source(site));
+  kernel::warn_of_widened(findings, result.widened);
   add_left_out(data, result.left_out, findings);
   findings.note(fmt::format("{} iterations over {} blocks", last.iterations, data.blocks.size()));
   if (const double heading = sigma(last.states.first(Group::start) + 2); last.terms.contains(Group::g_sensitivity) && heading > 3 * unit::deg)

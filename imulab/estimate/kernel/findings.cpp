@@ -36,6 +36,13 @@ void note_spread(Findings& findings, std::string_view what, double spread, std::
         fmt::format("{} spread by {:.3g} {} (1 sigma) more than the sample noise explains; counted in the uncertainties", what, spread, unit_name));
 }
 
+void warn_of_widened(Findings& findings, std::vector<std::string> terms) {
+  std::sort(terms.begin(), terms.end());
+  terms.erase(std::unique(terms.begin(), terms.end()), terms.end());
+  for (const std::string& term : terms)
+    findings.warn(term + " is larger than expected of this IMU; the data set its size; check the declared grade and sizes of terms");
+}
+
 void add_dropped(Findings& findings, const std::vector<std::string>& names, std::size_t all) {
   for (const std::string& name : names) findings.warn("dropped as an outlier: " + name);
   if (5 * names.size() > all) findings.doubt(fmt::format("{} of {} rests and rotations were dropped as outliers", names.size(), all));
@@ -69,7 +76,8 @@ void add_common_doubts(Findings& findings, const Calibration& calibration, const
   // Real sensors in a hand show 3 to 10; five times the noise is another sensor, another motion or another place than was declared.
   if (quality.chi2_per_dof > 25)
     findings.doubt(fmt::format("the residuals are {:.0f} times what the noise explains", std::sqrt(quality.chi2_per_dof)));
-  if (quality.chi2_per_dof < 0.3 && quality.degrees_of_freedom >= 6) findings.doubt("the residuals are far smaller than the declared noise: the uncertainties are too large");
+  if (quality.chi2_per_dof < 0.3 && quality.degrees_of_freedom >= 6)
+    findings.doubt("the residuals are far smaller than the declared noise: the uncertainties are too large");
   for (const CoefficientIndex index : calibration.estimated) {
     const Coefficient& c = coefficient(index);
     if (c.term != Term::matrix || c.row != c.column) continue;

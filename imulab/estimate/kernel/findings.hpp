@@ -32,9 +32,11 @@ void check_declared_noise(Findings& findings, std::string_view triad, double rat
 void note_spread(Findings& findings, std::string_view what, double spread, std::string_view unit_name);
 
 /// Warns of the parts of the data that were dropped; more than a fifth of `all` is doubtful.
+void warn_of_widened(Findings& findings, std::vector<std::string> terms);
 void add_dropped(Findings& findings, const std::vector<std::string>& names, std::size_t all);
 
-/// Doubts gyros whose readings come in steps coarser than their noise: at rest they read much the same, so that what a step hides does not average out.
+/// Doubts gyros whose readings come in steps coarser than their noise: at rest they read much the same, so that what a step hides does not average
+/// out.
 void check_gyro_steps(Findings& findings, const MeanNoise& noise);
 
 /// By how much residuals are larger than their declared size, where chance explains that less than once in a thousand; else 1.
@@ -43,8 +45,8 @@ double excess(double chi2, double degrees_of_freedom);
 /// Says that the uncertainties were enlarged by `factor`, the excess of `what`; more than one and a half is doubtful: no noise, but a wrong model.
 void add_scatter(Findings& findings, std::string_view what, double factor);
 
-/// The doubts common to all methods: no convergence, undetermined coefficients, few degrees of freedom, residuals of the wrong size, uncertain scales, a g that is
-/// not the place's.
+/// The doubts common to all methods: no convergence, undetermined coefficients, few degrees of freedom, residuals of the wrong size, uncertain
+/// scales, a g that is not the place's.
 void add_common_doubts(Findings& findings, const Calibration& calibration, const Site& site);
 
 /// Adds a reason to a verdict that has been given.

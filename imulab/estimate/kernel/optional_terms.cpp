@@ -1,10 +1,15 @@
 #include "imulab/estimate/kernel/optional_terms.hpp"
 
+#include "imulab/core/decomposition.hpp"
+#include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/model/grade.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace imulab::kernel {
 
@@ -19,6 +24,23 @@ TermSizes sizes_of_offsets(double accel, double gyro) {
           .gyro_quadratic = std::max(1e-3, 2 * w) * ppm / deg,
           .gyro_cubic = std::max(1e-3, 2 * w) * 1e-9 / (deg * deg),
           .g_sensitivity = std::max(0.01 * deg_per_h, 0.1 * gyro) / g};
+}
+
+/// What the prior of an optional term is proportional to; none of other terms.
+double* size_of(PriorSizes& sizes, const Coefficient& c) {
+  TriadPrior& triad = c.triad == Triad::accel ? sizes.accel : sizes.gyro;
+  switch (c.term) {
+    case Term::quadratic:
+      return &triad.quadratic;
+    case Term::cubic:
+      return &triad.cubic;
+    case Term::g_sensitivity:
+      return &sizes.g_sensitivity;
+    case Term::lever_arm:
+      return &sizes.lever_arm;
+    default:
+      return nullptr;
+  }
 }
 
 double rms(const Vector3d& v) { return v.norm() / std::sqrt(3.0); }
@@ -37,6 +59,40 @@ PriorSizes optional_priors(const ImuDeclaration& imu, const Vector3d& accel_offs
   sizes.g_sensitivity = declared.g_sensitivity.value_or(usual.g_sensitivity);
   sizes.lever_arm = declared.lever_arm.value_or(lever_arm);
   return sizes;
+}
+
+double widening(const Eigen::VectorXd& in_sigmas, const Eigen::MatrixXd& covariance) {
+  // Under a prior of covariance I that is true an estimate of covariance P has itself the covariance I - P.
+  const SymmetricEigen posterior = symmetric_eigen(covariance);
+  const Eigen::VectorXd along = posterior.vectors.transpose() * in_sigmas;
+  double chi2 = 0, n = 0;
+  for (Eigen::Index i = 0; i < along.size(); ++i)
+    if (const double learned = 1 - posterior.values[i]; learned > 1e-9) chi2 += along[i] * along[i] / learned, n += 1;
+  return n > 0 && chi2 > chi_square_quantile(0.999, n) ? 2 * std::sqrt(chi2 / n) : 1;
+}
+
+std::vector<std::string> widen_priors(PriorSizes& sizes, const std::vector<CoefficientIndex>& indices, const Eigen::VectorXd& in_sigmas,
+                                      const Eigen::MatrixXd& covariance) {
+  struct Group {
+    std::string name;
+    std::vector<Eigen::Index> members;
+  };
+  std::map<double*, Group> groups;
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    const Coefficient& c = coefficient(indices[i]);
+    double* const size = size_of(sizes, c);
+    if (!size || !(*size > 0) || !std::isfinite(in_sigmas[static_cast<Eigen::Index>(i)])) continue;
+    Group& group = groups[size];
+    group.name = fmt::format("{}.{}", to_string(c.triad), to_string(c.term));
+    group.members.push_back(static_cast<Eigen::Index>(i));
+  }
+  std::vector<std::string> widened;
+  for (const auto& [size, group] : groups)
+    if (const double by = widening(in_sigmas(group.members), covariance(group.members, group.members)); by > 1) {
+      *size *= by;
+      widened.push_back(group.name);
+    }
+  return widened;
 }
 
 double delay_prior(const ImuDeclaration& imu, double interval_s) { return imu.term_sigmas.delay.value_or(std::max(1e-3, 0.5 * interval_s)); }

@@ -145,8 +145,9 @@ std::vector<TermTest> test_terms(const RestProblem& problem, const Fit& fit, dou
   return tests;
 }
 
-void add_findings(kernel::Findings& findings, const Calibration& calibration, const Fit& fit, const Site& site,
+void add_findings(kernel::Findings& findings, const Calibration& calibration, const RestProblem& problem, const Fit& fit, const Site& site,
                   const std::vector<std::string>& dropped, std::size_t all) {
+  kernel::warn_of_widened(findings, problem.widened());
   kernel::note_spread(findings, "the rests' accelerometer means", fit.spreads[0] / unit::ug, "ug");
   kernel::note_spread(findings, "the rests' gyro means", fit.spreads[1] / unit::deg_per_h, "deg/h");
   kernel::note_spread(findings, "the rotations", fit.spreads[2] / unit::deg, "deg");

@@ -67,6 +67,16 @@ Fit converge(Problem& problem, const Spreads& start = {}, bool keep_spreads = fa
   return fit;
 }
 
+/// The same, with the priors of optional terms that the data contradict widened.
+template <class Problem>
+Fit converge_under_true_priors(Problem& problem) {
+  constexpr int most_rounds = 10;
+  Fit fit = converge(problem);
+  for (int round = 0; round < most_rounds && problem.widen_priors(fit.parameters, fit.adjustment.solution.covariance); ++round)
+    fit = converge(problem);
+  return fit;
+}
+
 /// Optional terms of which the data say nothing go back to zero, and the others are fitted again. The spreads are those of the fit with all of them.
 /// Other coefficients stay in the fit under their prior, determined or not: a weak one does not spoil those that it has little to do with.
 template <class Problem>
@@ -112,7 +122,7 @@ struct SuspectFit {
   std::shared_ptr<SuspectFit> next{};  ///< without the worst suspect
   std::vector<DroppedPart> dropped{};
 
-  explicit SuspectFit(const Problem& p) : problem(p), fit(converge(problem)), most(p.rests().size() / 3) {}
+  explicit SuspectFit(const Problem& p) : problem(p), fit(converge_under_true_priors(problem)), most(p.rests().size() / 3) {}
 
   /// The suspect whose loss would save the most chi-square for its degrees of freedom is judged by a fit without it: its own deviation would hide it
   /// in the spreads, which count with the degrees of freedom behind them.
@@ -157,8 +167,8 @@ void add_parts(Quality& quality, const std::vector<SuspectRows>& parts, const Fi
 /// Which optional terms do the data show? Wald's test of each term's coefficients, without those of which the data say nothing.
 std::vector<TermTest> test_terms(const RestProblem& problem, const Fit& fit, double significance);
 
-/// The findings of a fit: spreads, dropped parts of `all`, and what makes it doubtful.
-void add_findings(kernel::Findings& findings, const Calibration& calibration, const Fit& fit, const Site& site,
+/// The findings of a fit: widened priors, spreads, dropped parts of `all`, and what makes it doubtful.
+void add_findings(kernel::Findings& findings, const Calibration& calibration, const RestProblem& problem, const Fit& fit, const Site& site,
                   const std::vector<std::string>& dropped, std::size_t all);
 
 }  // namespace imulab::rests

@@ -1,9 +1,11 @@
 #include "imulab/estimate/rests/problem.hpp"
 
 #include "imulab/estimate/kernel/input.hpp"
+#include "imulab/estimate/kernel/optional_terms.hpp"
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -100,6 +102,21 @@ std::vector<Index> RestProblem::unseen_terms(const kernel::Parameters& parameter
         !(std::sqrt(covariance(i, i)) <= nothing * parameters.sigma[i]))
       unseen.push_back(i);
   return unseen;
+}
+
+bool RestProblem::widen_priors(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) {
+  const auto n = std::ssize(indices_);
+  const VectorXd unit = parameters.sigma.head(n).cwiseInverse();
+  VectorXd in_sigmas = unit;
+  for (Index i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    in_sigmas[i] *= roles_[k] == kernel::Role::estimated ? coefficient_value(model_, indices_[k]) - coefficient_value(prior_, indices_[k]) : 0;
+  }
+  const std::vector<std::string> names =
+      kernel::widen_priors(sizes_, indices_, in_sigmas, unit.asDiagonal() * covariance.topLeftCorner(n, n) * unit.asDiagonal());
+  for (const std::string& name : names)
+    if (std::find(widened_.begin(), widened_.end(), name) == widened_.end()) widened_.push_back(name);
+  return !names.empty();
 }
 
 VectorXd RestProblem::longest_coefficient_step(Index size) const {

@@ -31,6 +31,8 @@ class RestProblem {
   /// Of a coefficient of scaled readings: offsets 20 % of g and 1 rad/s, scales 20 %, misalignments 1e-2 (20 % where the row does not point along its
   /// axis: axes swapped), which contain uncalibrated units; optional terms by kernel::optional_priors.
   double prior_sigma(const Coefficient& c) const;
+  /// Widens the priors of optional terms that the fit contradicts; whether any was.
+  bool widen_priors(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance);
   /// Nonlinearity of counts whose zero is far outside the readings: about their center it counts in the uncertainties, but a polynomial about zero
   /// would only blur the offset and the scale there.
   bool unstated(std::size_t coefficient) const { return unstated_[coefficient]; }
@@ -39,6 +41,7 @@ class RestProblem {
 
   const std::vector<RestMeans>& rests() const { return rests_; }
   const std::vector<CoefficientIndex>& indices() const { return indices_; }
+  const std::vector<std::string>& widened() const { return widened_; }
   const SensorModel& model() const { return model_; }  ///< of scaled readings
   const SensorModel& prior() const { return prior_; }
 
@@ -67,8 +70,9 @@ class RestProblem {
   SensorModel model_, prior_;
   kernel::PriorSizes sizes_;
   std::vector<CoefficientIndex> indices_;
-  std::vector<kernel::Role> roles_;  ///< of the coefficients
-  std::vector<char> unstated_;       ///< considered, but not in the result: nonlinearity of counts
+  std::vector<kernel::Role> roles_;   ///< of the coefficients
+  std::vector<std::string> widened_;  ///< names of terms
+  std::vector<char> unstated_;        ///< considered, but not in the result: nonlinearity of counts
 };
 
 }  // namespace imulab::rests

@@ -107,7 +107,7 @@ Estimator::Estimator(const TableMotion& motion, const SensorModel& nominal, cons
   if (options.bias_while_turning && motion.turns() > 0)
     for (Index k = 0; k < 3; ++k) columns_.push_back(Forward::turning_bias + k);
   set_weights(options);
-  set_gains();
+  set_gains(options.all_optional);
 }
 
 /// Weights by the covariance of the readings S = R + J diag(sigma^2) J^T, in units of the noise; and the table's errors in the readings, sigma^2 J^T
@@ -128,13 +128,13 @@ MatrixXd Estimator::whitened(const MatrixXd& readings) const { return factor_.so
 
 /// x = (X^T S^-1 X + prior)^-1 X^T S^-1 (y - X_held v_held) for the columns that the readings determine; the others are held at their start, and
 /// considered.
-void Estimator::set_gains() {
+void Estimator::set_gains(bool all_optional) {
   const MatrixXd white = whitened(design_(Eigen::all, columns_));
   const kernel::Information information(white, VectorXd::Zero(white.rows()));
   kernel::Parameters parameters(information.g.size());
   parameters.sigma = prior_(columns_);
   VectorXd part = VectorXd::Constant(Forward::all, needed_part), kept_prior = VectorXd::Constant(Forward::all, kernel::no_prior);
-  part(optional_).setConstant(needed_part_of_optional);
+  part(optional_).setConstant(all_optional ? kernel::no_prior : needed_part_of_optional);
   kept_prior(optional_) = prior_(optional_);
   const VectorXd wanted = part(columns_).cwiseProduct(parameters.sigma);
   const std::vector<Index> open = kernel::undetermined(kernel::solve(information, parameters).covariance, parameters, wanted);

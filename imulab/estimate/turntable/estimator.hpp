@@ -28,6 +28,7 @@ struct EstimatorOptions {
   std::vector<CoefficientIndex> terms;  ///< matrices whole or diagonal, the other terms whole or not at all; nonlinearity only with `optional`
   /// Of terms that an IMU may not have (nonlinearity, g-sensitivity), about zero. Absent: g-sensitivity is estimated by the data alone.
   std::optional<kernel::PriorSizes> optional;
+  bool all_optional = false;        ///< estimate optional terms of which the readings say nothing, too
   bool table_errors = true;         ///< false: weights from the sensors' noise alone
   bool bias_while_turning = false;  ///< true: the gyros' bias in turns is unknown by itself, so that W0 is that at rest, as Zhang estimates it
   Enlargement enlarged;
@@ -102,7 +103,7 @@ class Estimator {
   void set_weights(const EstimatorOptions& options);
   /// S^-1 residual and its covariance, weighted.
   std::pair<Eigen::VectorXd, Eigen::MatrixXd> unexplained(const Eigen::VectorXd& readings) const;
-  void set_gains();
+  void set_gains(bool all_optional);
   Eigen::MatrixXd whitened(const Eigen::MatrixXd& readings) const;
 
   TableMotion motion_;

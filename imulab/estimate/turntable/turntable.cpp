@@ -154,14 +154,41 @@ void judge_residuals(Findings& findings, const Fit& fit, const Fit& enlarged, co
   }
 }
 
+/// With wider priors of the optional terms where the readings contradict them, if they agree with those: `widened` names the terms. A wrong step or
+/// table contradicts the priors, too, but leaves residuals, or terms that nothing limits.
+std::optional<Fit> under_wider_priors(const Problem& problem, EstimatorOptions options, std::vector<std::string>& widened) try {
+  constexpr int most_rounds = 10;
+  options.all_optional = true;
+  for (int round = 0; round < most_rounds; ++round) {
+    const Fit trial = fit(problem, options);
+    const Estimator::Uncertainty uncertainty = trial.estimator.uncertainty(trial.model);
+    const VectorXd unit = trial.estimator.prior_sigma(trial.model, uncertainty.stated).cwiseInverse();
+    VectorXd in_sigmas = unit;
+    for (Index i = 0; i < unit.size(); ++i) in_sigmas[i] *= coefficient_value(trial.model, uncertainty.stated[static_cast<std::size_t>(i)]);
+    const std::vector<std::string> more =
+        kernel::widen_priors(*options.optional, uncertainty.stated, in_sigmas, unit.asDiagonal() * uncertainty.covariance * unit.asDiagonal());
+    if (more.empty()) break;
+    widened.insert(widened.end(), more.begin(), more.end());
+  }
+  options.all_optional = false;
+  if (widened.empty()) return {};
+  Fit out = fit(problem, options);
+  if (out.log_probability() <= std::log(unlikely)) return {};
+  return out;
+} catch (const Unsupported&) {
+  return {};
+}
+
 /// The same with all terms that an IMU may have, under their priors.
-Fit with_optional_terms(const Fit& free) {
+Fit with_optional_terms(const Fit& free, std::vector<std::string>& widened) {
   const Problem& problem = *free.problem;
   EstimatorOptions options = free.options;
   for (const CoefficientIndex index : select_each({"accel.quadratic", "accel.cubic", "gyro.quadratic", "gyro.cubic"})) options.terms.push_back(index);
   std::sort(options.terms.begin(), options.terms.end());
   options.optional = kernel::optional_priors(problem.imu, sensor_offset(free.model.accel, problem.seen.accel_unit),
                                              sensor_offset(free.model.gyro, problem.seen.gyro_unit));
+  if (std::optional<Fit> wider = under_wider_priors(problem, options, widened)) return *std::move(wider);
+  widened.clear();
   return fit(problem, options);
 }
 
@@ -214,7 +241,8 @@ Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, 
   const Fit free = fit(problem, asked);
   expect_units(problem, free.model);
 
-  const Fit whole = options.terms.empty() ? with_optional_terms(free) : free;
+  std::vector<std::string> widened;
+  const Fit whole = options.terms.empty() ? with_optional_terms(free, widened) : free;
   const std::string reversal = reversed_axis(free);
   kernel::Cleaned<Fit> cleaned{whole, {}, {}, true};
   if (reversal.empty()) cleaned = without_outliers(whole, options.outlier_level);
@@ -231,6 +259,7 @@ Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, 
     findings.warn(reversal);
     findings.doubt("the sign of an axis seems to be wrong");
   }
+  kernel::warn_of_widened(findings, widened);
   kernel::add_dropped(findings, cleaned.dropped, problem.motion.parts());
   if (options.terms.empty()) doubt_latitude(findings, free, options.significance);
   judge_residuals(findings, cleaned.fit, last, cleaned.worst);

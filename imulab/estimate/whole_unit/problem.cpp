@@ -1,5 +1,6 @@
 #include "imulab/estimate/whole_unit/problem.hpp"
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/kernel/slow_noise.hpp"
@@ -7,7 +8,6 @@
 #include "imulab/recording/declared_noise.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <ceres/jet.h>
 #include <fmt/core.h>
 
@@ -77,23 +77,22 @@ void add_drifts(Problem& problem) {
     std::vector<kernel::TimeSpan> times;
     for (const MachinePoint* p : points) times.push_back({p->step.start - start, p->step.end - start});
     MatrixXd covariance;
-    Eigen::SelfAdjointEigenSolver<MatrixXd> shapes;
+    SymmetricEigen shapes;
     for (int channel = 0; channel < 6; ++channel) {
       const NoiseModel& model = channel < 3 ? declared.accel : declared.gyro;
       if (channel % 3 == 0) covariance = kernel::slow_noise(times, model, problem.points.interval_s);
       if (covariance.size() == 0) continue;
-      if (channel % 3 == 0) shapes.compute(covariance);
-      const double independent = std::max(0.0, shapes.eigenvalues()[0]),
-                   white = problem.noise[channel] / static_cast<double>(points.front()->samples);
+      if (channel % 3 == 0) shapes = symmetric_eigen(covariance);
+      const double independent = std::max(0.0, shapes.values[0]), white = problem.noise[channel] / static_cast<double>(points.front()->samples);
       double others = 0;
       for (Index k = 0; k < n; ++k) {
-        const double variance = shapes.eigenvalues()[k] - independent;
+        const double variance = shapes.values[k] - independent;
         if (!(variance > stands_out * (white + independent))) {
           others += variance / static_cast<double>(n);
           continue;
         }
         ChannelDrift drift{recording, channel, VectorXd::Zero(static_cast<Index>(points.back()->number) + 1)};
-        for (Index p = 0; p < n; ++p) drift.shape[static_cast<Index>(points[static_cast<std::size_t>(p)]->number)] = shapes.eigenvectors()(p, k);
+        for (Index p = 0; p < n; ++p) drift.shape[static_cast<Index>(points[static_cast<std::size_t>(p)]->number)] = shapes.vectors(p, k);
         problem.common.push_back({"", {}, std::sqrt(variance), 0, std::move(drift)});
       }
       problem.point_variance[recording][channel] = independent + others;
