@@ -9,6 +9,7 @@
 #include "imulab/io/result/live.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/terminal.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/requirement.hpp"
 #include "imulab/report/calibration_page.hpp"
@@ -104,6 +105,7 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
   const std::vector<Recording> recordings = read_recordings(session, chosen, arguments.recording, warnings);
   CalibrationResult result;
   try {
+    const Elapsed elapsed("calibrating");
     result = imulab::calibrate(chosen, {session, recordings}, options_of(arguments, chosen, recordings, requirements));
   } catch (const TermsError& e) {
     throw Error(fmt::format("--terms: {}", e.what()));

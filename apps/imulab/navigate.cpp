@@ -11,6 +11,7 @@
 #include "imulab/io/result/navigation.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/terminal.hpp"
 #include "imulab/navigation/budget/navigated.hpp"
 #include "imulab/navigation/navigation_error.hpp"
 #include "imulab/report/navigation_page.hpp"
@@ -88,7 +89,11 @@ NavigatedSession navigated(const Options& options, const Calibration& calibratio
   if (session.recordings.size() != 1) throw Error(fmt::format("{}: has {} recordings; expected one", session.file, session.recordings.size()));
   check_inputs_stay(options, session);
   const Recording recording = read_for(calibration, session, session.recordings[0]);
-  NavigatedSession out{name, navigate(calibration, session, recording, options.navigate), {}};
+  NavigatedSession out{name, {}, {}};
+  {
+    const Elapsed elapsed("navigating");
+    out.navigated = navigate(calibration, session, recording, options.navigate);
+  }
   if (!options.truth.empty() || session.truth_file) {
     const fs::path truth = options.truth.empty() ? session_path(session, *session.truth_file) : fs::path(options.truth);
     const Solution reference = read_solution(truth);

@@ -45,4 +45,28 @@ void Progress::report(std::uint64_t done) {
   std::fflush(stderr);
 }
 
+Elapsed::Elapsed(std::string label) {
+  if (isatty(STDERR_FILENO) == 0) return;
+  thread_ = std::thread([this, label = std::move(label)] {
+    std::unique_lock lock(mutex_);
+    for (int seconds = 1; !done_.wait_for(lock, std::chrono::seconds(1), [this] { return finished_; }); ++seconds) {
+      if (seconds < 2) continue;
+      shown_ = true;
+      fmt::print(stderr, "\r\033[K{}: {} s", label, seconds);
+      std::fflush(stderr);
+    }
+  });
+}
+
+Elapsed::~Elapsed() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    finished_ = true;
+  }
+  done_.notify_one();
+  thread_.join();
+  if (shown_) fmt::print(stderr, "\r\033[K");
+}
+
 }  // namespace imulab

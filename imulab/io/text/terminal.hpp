@@ -2,9 +2,11 @@
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <mutex>
 #include <string>
+#include <thread>
 
 namespace imulab {
 
@@ -32,6 +34,22 @@ class Progress {
   bool terminal_;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   std::mutex mutex_;
+};
+
+/// "LABEL: N s" on standard error, on one line that is removed at the end, each second from the second one on, for work whose length is not known;
+/// nothing where that is no terminal.
+class Elapsed {
+ public:
+  explicit Elapsed(std::string label);
+  Elapsed(const Elapsed&) = delete;
+  Elapsed& operator=(const Elapsed&) = delete;
+  ~Elapsed();
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable done_;
+  bool finished_ = false, shown_ = false;
+  std::thread thread_;
 };
 
 }  // namespace imulab
