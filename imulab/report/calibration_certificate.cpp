@@ -156,7 +156,7 @@ std::string origin_section(const CalibrationReport& report) {
     facts.add("recording", fmt::format("{}: {} bytes, {} to {} s", s.file, s.bytes, number(s.first_s, 8), number(s.last_s, 8)));
     facts.add_hash("SHA-256", s.sha256);
   }
-  return section("origin", "Files and versions", "", facts.html() + list(c.quality.warnings));
+  return section("origin", "Files and versions", "", facts.html());
 }
 
 }  // namespace imulab::report

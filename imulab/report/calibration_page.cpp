@@ -114,6 +114,8 @@ std::string subtitle_of(const Calibration& c) {
   return text;
 }
 
+std::string warnings_section(const Quality& q) { return q.warnings.empty() ? "" : section("warnings", "Warnings", "", list(q.warnings)); }
+
 std::string missing_section(const std::vector<std::string>& missing) {
   return missing.empty() ? "" : section("missing", "Not on this page", "", list(missing, "missing-list"));
 }
@@ -131,10 +133,10 @@ std::string calibration_page(const CalibrationReport& r) {
   page.verdict = verdict_of(r);
   page.figures = key_figures(c);
   page.body = (page.figures.empty() ? "" : "<p class=\"note\">Standard uncertainty of the worst axis of each kind.</p>\n") +
-              missing_section(r.missing) + requirements_section(c.quality) + before_and_after(r) + coefficients_section(c) + recordings_section(r) +
-              residuals_section(c) + coverage_section(r) + uncertainty_section(c) + correlation_section(c) + convergence_section(r.result) +
-              thermal_section(c) + nonlinearity_section(r) + tests_section(c) + identification_section(r) + not_covered_section(r) +
-              traceability_section(r) + origin_section(r);
+              warnings_section(c.quality) + missing_section(r.missing) + requirements_section(c.quality) + before_and_after(r) +
+              coefficients_section(c) + recordings_section(r) + residuals_section(c) + coverage_section(r) + uncertainty_section(c) +
+              correlation_section(c) + convergence_section(r.result) + thermal_section(c) + nonlinearity_section(r) + tests_section(c) +
+              identification_section(r) + not_covered_section(r) + traceability_section(r) + origin_section(r);
   return page_text(page);
 }
 
