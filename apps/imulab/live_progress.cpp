@@ -20,8 +20,9 @@ LiveProgress::LiveProgress(Session session, std::vector<Requirement> requirement
 }
 
 std::optional<Range> LiveProgress::add(const Recording& piece, Range samples) {
-  constexpr double every_s = 0.25;  // rests are looked for
+  constexpr double often_s = 0.25, parts = 1200;  // rests are looked for, in all that came: less often the longer it is
   while (samples.begin < samples.end) {
+    const double every_s = std::max(often_s, looked_s_ / parts);
     std::size_t end = samples.begin + 1;
     const double start_s = all_.size() > 0 ? all_.time_s(0) : piece.time_s(samples.begin);
     while (end < samples.end && piece.time_s(end - 1) - start_s - looked_s_ < every_s) ++end;
@@ -43,12 +44,12 @@ bool LiveProgress::find_rest() {
   constexpr double of_ended = 0.75;  // who moves on a little early need not come back
   recording_ = completed(all_, options_);
   rests_ = detect_rests(recording_).rests;
-  view_.resting_s.reset();
+  view_.resting_s.reset(), view_.now.reset();
   if (rests_.empty()) return false;
   const Range& last = rests_.back();
   const double duration = recording_.time_s(last.end - 1) - recording_.time_s(last.begin);
   const bool now = recording_.time_s(recording_.size() - 1) - recording_.time_s(last.end - 1) < now_s;
-  if (now) view_.resting_s = duration;
+  if (now) view_.resting_s = duration, view_.now = up_at(last);
   if (duration < view_.rest_s * (now ? 1 : of_ended) || last.begin < estimated_) return false;
   estimated_ = recording_.size();
   return true;
@@ -79,13 +80,20 @@ bool LiveProgress::reached() const {
   return q.converged && q.unobservable.empty() && std::all_of(q.requirements.begin(), q.requirements.end(), [](const auto& r) { return r.met; });
 }
 
+/// What is up at a rest; nothing as long as the scale is not known.
+std::optional<Eigen::Vector3d> LiveProgress::up_at(const Range& rest) const {
+  if (!result_) return std::nullopt;
+  const RestMeans means = summarize_rests(recording_, {rest}).front();
+  return compensate(result_->calibration.model, RawSample{means.accel, means.gyro}).force.normalized();
+}
+
 /// What was up at each rest, and how far the unit turned about each axis.
 void LiveProgress::describe(const std::vector<Range>& rests) {
   view_.up.clear(), view_.turned_deg.setZero();
   if (!result_) return;
   const SensorModel& model = result_->calibration.model;
-  for (const RestMeans& rest : summarize_rests(recording_, rests))
-    view_.up.push_back(compensate(model, RawSample{rest.accel, rest.gyro}).force.normalized());
+  for (const Range& rest : rests) view_.up.push_back(*up_at(rest));
+  if (view_.resting_s) view_.now = view_.up.back();
   for (std::size_t k = 1; k < rests.size(); ++k) {
     const Range turn{rests[k - 1].end, rests[k].begin};
     Vector3d sum = Vector3d::Zero();

@@ -29,6 +29,7 @@ class LiveProgress {
 
  private:
   bool find_rest();
+  std::optional<Eigen::Vector3d> up_at(const Range& rest) const;
   void describe(const std::vector<Range>& rests);
 
   Session session_;

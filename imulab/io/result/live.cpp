@@ -67,7 +67,7 @@ std::string map_text(const LiveView& view, bool color) {
   Discs discs;
   for (const Vector3d& up : view.up) discs.mark(up, "o");
   if (view.next && !view.done) discs.mark(view.next->up, "X");
-  if (!view.up.empty() && view.resting_s) discs.mark(view.up.back(), "@");
+  if (view.now) discs.mark(*view.now, "@");
   const std::array<std::string, Discs::rows> beside{"",
                                                     "what points up at rest:",
                                                     "  o so far   @ now   X next",

@@ -30,6 +30,7 @@ struct LiveView {
   std::optional<double> resting_s;                       ///< so long at rest; absent: it moves
   double rest_s = 4;                                     ///< so long it should rest
   std::vector<Eigen::Vector3d> up;                       ///< at each rest, body axes; empty as long as the scale is not known
+  std::optional<Eigen::Vector3d> now;                    ///< up where it rests now
   Eigen::Vector3d turned_deg = Eigen::Vector3d::Zero();  ///< about each axis, all turns together
   std::vector<RequirementResult> requirements;           ///< empty before the first rest
   std::optional<HandTurn> next;

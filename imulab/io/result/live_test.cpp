@@ -60,6 +60,7 @@ TEST(LivePicture, ShowsWhatWasUpAndWhatIsNext) {
   LiveView view;
   view.resting_s = 5;
   view.up = {Vector3d::UnitZ(), Vector3d(0.6, 0, 0.8), Vector3d(0, -0.6, -0.8)};
+  view.now = view.up.back();
   view.next = turn({1, 0, 0}, 90, {0, 0.6, -0.8});
   const std::vector<std::string> lines = lines_of(live_picture(view, false));
   // Columns 1 to 23 are the half around +z, 26 to 48 that around -z; rows 3 to 13 from +y to -y.
