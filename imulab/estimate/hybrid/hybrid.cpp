@@ -148,13 +148,14 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
   const kernel::RestStart start = coarse_start(recording, still, session.imu, place.latitude, place.gravity);
   in_place::Blocks cut = in_place::cut_into_blocks(recording, still, turntable);
   const SensorModel coarse = to_raw(start.model, start.scaling);
+  const double delay = kernel::delay_prior(session.imu, recording.interval_s);  // its mean square: of readings that mix neighboring samples
   Data data{recording,
             std::move(cut.blocks),
             place,
             noise_of(start.noise, coarse, recording, session.imu),
             coarse,
             wanted,
-            {kernel::optional_priors(session.imu, coarse.accel.offset, coarse.gyro.offset), kernel::delay_prior(session.imu, recording.interval_s)}};
+            {kernel::optional_priors(session.imu, coarse.accel.offset, coarse.gyro.offset), delay, delay * recording.interval_s}};
 
   Groups terms = wanted.empty() ? Groups{Group::quadratic, Group::g_sensitivity} : optional_groups(wanted);
   if (wanted.empty() && turntable) terms.insert({Group::lever_arm, Group::delay});

@@ -108,7 +108,8 @@ Iterate converged(const Data& data, Iterate c) {
     const VectorXd sigma = errors.covariance.diagonal().cwiseSqrt();
     VectorXd step = errors.mean;
     const Vector3d start = step.segment<3>(start_at);
-    for (const Group linear : {Group::start, Group::gravity, Group::flicker, Group::mean})  // the model has none of them: estimated anew in each pass
+    for (const Group linear :
+         {Group::start, Group::gravity, Group::smear, Group::flicker, Group::mean})  // the model has none of them: estimated anew in each pass
       if (states.has(linear)) step.segment(states.first(linear), states.size(linear)).setZero();
     const Index delay = states.first(Group::delay);
     if (delay >= 0) step[delay] -= c.about.delay;
@@ -144,7 +145,7 @@ std::vector<std::size_t> outlying_blocks(const Data& data, const Iterate& c) {
   kernel::Parameters known = states.parameters(VectorXd::Zero(states.constants()));
   known.sigma = states.prior.cwiseMin(wide);
   known.sigma.segment<3>(states.first(Group::start)) = wide.segment<3>(states.first(Group::start));
-  for (const Group linear : {Group::gravity, Group::delay})
+  for (const Group linear : {Group::gravity, Group::delay, Group::smear})
     if (states.has(linear)) known.offset[states.first(linear)] = c.pass.x[states.first(linear)];
   const Pass look = filter_pass(data, c.about, states, known, {.outlier = unlikely});
   std::vector<kernel::Suspect> suspects;

@@ -21,7 +21,7 @@ struct Row {
   std::string_view name;
   Index size = 0;  ///< 0: the states correct the coefficients of that name
 };
-constexpr std::array<Row, 13> table{{{Group::accel_offset, "accel.offset"},
+constexpr std::array<Row, 14> table{{{Group::accel_offset, "accel.offset"},
                                      {Group::accel_matrix, "accel.matrix"},
                                      {Group::gyro_offset, "gyro.offset"},
                                      {Group::gyro_matrix, "gyro.matrix"},
@@ -32,6 +32,7 @@ constexpr std::array<Row, 13> table{{{Group::accel_offset, "accel.offset"},
                                      {Group::quadratic, "accel.quadratic"},
                                      {Group::g_sensitivity, "gyro.g_sensitivity"},
                                      {Group::delay, "delay of the accelerometers", 1},
+                                     {Group::smear, "mean square of the delay", 1},
                                      {Group::flicker, "bias instability", 6 * in_place::SlowNoise::processes},
                                      {Group::mean, "mean of the offsets", 6}}};
 
@@ -53,6 +54,7 @@ double prior_sigma(CoefficientIndex index, const Place& place, const OptionalPri
 
 double prior_sigma(Group group, Index i, const Place& place, const OptionalPriors& priors, const Noise& noise) {
   if (group == Group::mean) return 0;
+  if (group == Group::smear) return priors.smear;
   if (group == Group::flicker) return (i < 3 * in_place::SlowNoise::processes ? noise.accel_slow : noise.gyro_slow).flicker;
   if (group == Group::gravity) return place.gravity_sigma / place.gravity;
   if (group == Group::start) return alignment_sigma()[i];
@@ -79,6 +81,7 @@ States::States(const Groups& optional, const Place& place, const std::vector<Coe
   const bool slow = noise.accel_slow.any() || noise.gyro_slow.any();
   const auto present = [&](Group group) {
     if (group == Group::latitude) return place.latitude_sigma > 0;
+    if (group == Group::smear) return optional.contains(Group::delay);
     return group < Group::latitude || (group >= Group::flicker ? slow : optional.contains(group));
   };
   std::vector<double> sigma;
@@ -170,7 +173,7 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> transition(const in_place::BlockSums& s
       t.col(states.first(Group::flicker) + k) = t.col(states.offset(k / in_place::SlowNoise::processes));
   t.col(states.first(Group::gravity)) = sums.by_gravity(place.gravity);
   if (states.has(Group::latitude)) t.col(states.first(Group::latitude)) = sums.by_latitude(place.latitude);
-  if (states.has(Group::delay)) t.col(states.first(Group::delay)) = sums.by_delay();
+  if (states.has(Group::delay)) t.col(states.first(Group::delay)) = sums.by_delay(), t.col(states.first(Group::smear)) = sums.by_smear();
   return t;
 }
 

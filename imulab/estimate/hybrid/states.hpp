@@ -30,6 +30,7 @@ Place place_of(const Site& site);
 struct OptionalPriors {
   kernel::PriorSizes sizes{.accel = {.quadratic = 1e-3}, .gyro = {}, .g_sensitivity = 1e-3, .lever_arm = 1};  ///< as good as none
   double delay = 0.1;                                                                                         ///< s
+  double smear = 0.01;                                                                                        ///< s^2
 };
 
 /// The IMU stays in one place while it turns, too.
@@ -37,8 +38,9 @@ bool on_turntable(const Session& session);
 
 /// The constants in their order: errors ba, Ma, bg, Mg of the calibrated output df = ba + Ma f, dw = bg + Mg w (Ma lower triangular), relative error
 /// of gravity, attitude error at the start. From `latitude` on they are optional: error of the latitude [rad], lever arms [m], quadratic terms,
-/// g-sensitivity, delay of the accelerometers' output behind the gyros' [s]. With slow noise `flicker`, the processes of each axis, accelerometers
-/// first; and `mean`, of the offsets over the time so far, of which each block adds its part: the offsets that are stated.
+/// g-sensitivity, delay of the accelerometers' output behind the gyros' [s], and its mean square `smear` where it is spread over a time, as by a
+/// filter [s^2]. With slow noise `flicker`, the processes of each axis, accelerometers first; and `mean`, of the offsets over the time so far, of
+/// which each block adds its part: the offsets that are stated.
 enum class Group {
   accel_offset,
   accel_matrix,
@@ -51,6 +53,7 @@ enum class Group {
   quadratic,
   g_sensitivity,
   delay,
+  smear,
   flicker,
   mean
 };
@@ -95,7 +98,7 @@ class States {
   struct Span {
     Eigen::Index first = -1, size = 0;
   };
-  std::array<Span, 13> places_;
+  std::array<Span, 14> places_;
   std::vector<CoefficientIndex> corrects_;
 };
 

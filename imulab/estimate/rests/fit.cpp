@@ -71,6 +71,15 @@ Eigen::MatrixXd raw_covariance(const kernel::RestStart& start, const RestProblem
   return covariance + relative * relative * by_gravity * by_gravity.transpose();
 }
 
+VectorXd weakest_matrix_direction(const RestProblem& problem, const Eigen::MatrixXd& covariance) {
+  std::vector<Index> at;
+  for (std::size_t i = 0; i < problem.indices().size(); ++i)
+    if (coefficient(problem.indices()[i]).term == Term::matrix) at.push_back(static_cast<Index>(i));
+  if (at.empty()) return VectorXd::Zero(covariance.rows());
+  const SymmetricEigen known = symmetric_eigen(covariance(at, at));
+  return covariance(Eigen::all, at) * known.vectors.rightCols<1>() / std::sqrt(std::max(known.values[known.values.size() - 1], 1e-300));
+}
+
 Calibration calibration_of(std::string_view method, const kernel::RestStart& start, const RestProblem& problem, const Fit& fit,
                            const Session& session) {
   Calibration out;
@@ -145,14 +154,21 @@ std::vector<TermTest> test_terms(const RestProblem& problem, const Fit& fit, dou
   return tests;
 }
 
-void add_findings(kernel::Findings& findings, const Calibration& calibration, const RestProblem& problem, const Fit& fit, const Site& site,
-                  const std::vector<std::string>& dropped, std::size_t all) {
+void add_findings(kernel::Findings& findings, const Calibration& calibration, const RestProblem& problem, const Fit& fit, double curvature,
+                  const Site& site, const std::vector<std::string>& dropped, std::size_t all) {
   kernel::warn_of_widened(findings, problem.widened());
   kernel::note_spread(findings, "the rests' accelerometer means", fit.spreads[0] / unit::ug, "ug");
   kernel::note_spread(findings, "the rests' gyro means", fit.spreads[1] / unit::deg_per_h, "deg/h");
   kernel::note_spread(findings, "the rotations", fit.spreads[2] / unit::deg, "deg");
   kernel::add_scatter(findings, "residuals", fit.excess);
   kernel::add_common_doubts(findings, calibration, site);
+  // As much as one coefficient may be off: then chi-square of all together is no longer what the covariance says.
+  if (curvature > 1) {
+    findings.warn(
+        "the rests leave misalignments so uncertain that the equations are not linear within them: single uncertainties hold, combinations are less "
+        "certain than stated; add rests with gravity between the axes");
+    findings.doubt("combinations of coefficients are less certain than stated");
+  }
   kernel::add_dropped(findings, dropped, all);
   // The spread is enlarged for its few degrees of freedom, but from fewer than five errors of five sigmas happen (once in 500).
   if (const double degrees = fit.spread_degrees(); degrees < 5)

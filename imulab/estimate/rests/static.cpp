@@ -93,7 +93,8 @@ CalibrationResult calibrate_static(const CalibrationInput& input, const Calibrat
   add_parts(result.calibration.quality, cleaned.fit.problem.suspects(fit.conditions), fit, cleaned.fit.dropped);
   result.calibration.quality.term_tests = test_terms(cleaned.fit.problem, fit, options.significance);
   start.findings.note(fmt::format("{} rests were used", cleaned.fit.problem.rests().size()));
-  add_findings(start.findings, result.calibration, cleaned.fit.problem, fit, session.site, cleaned.dropped, start.rests.size());
+  add_findings(start.findings, result.calibration, cleaned.fit.problem, fit, curvature(cleaned.fit.problem, fit), session.site, cleaned.dropped,
+               start.rests.size());
   kernel::conclude(result.calibration, start.findings);
   return result;
 }

@@ -204,5 +204,18 @@ TEST(Static, AGravityThatIsNotOfThePlaceIsDoubted) {
               HasSubstr("the given gravity of 9 m/s^2 is not that of the given latitude"));
 }
 
+TEST(Static, CombinationsThatBendAreDoubted) {
+  // Rests on faces alone leave misalignments open that gyros of navigation grade see the products of.
+  SimulatedSession s;
+  TableProcedureOptions table;
+  table.rate_hz = 20;
+  s.session = cheng_path_procedure(table);
+  s.truth = draw_truth(s.session, 1);
+  s.recording = simulate_recording(s.session, s.session.recordings.front(), s.truth, 1);
+  s.rests = rests_of(s.recording, s.session).ranges;
+  const Calibration c = calibrated("static", s.recording, s.rests, {}, s.site());
+  EXPECT_THAT(verdict_text(c.quality), HasSubstr("combinations of coefficients are less certain than stated"));
+}
+
 }  // namespace
 }  // namespace imulab

@@ -57,6 +57,8 @@ Errors6 BlockSums::by_latitude(double latitude) const {
 
 Errors6 BlockSums::by_delay() const { return (Errors6() << Vector3d::Zero(), delay).finished(); }
 
+Errors6 BlockSums::by_smear() const { return (Errors6() << Vector3d::Zero(), smear).finished(); }
+
 Matrix6 BlockSums::covariance(const Noise& noise, const Matrix3d& C) const {
   const Matrix3d of_gyro = C * noise.gyro.cwiseAbs2().asDiagonal() * C.transpose(),
                  of_accel = C * noise.accel.cwiseAbs2().asDiagonal() * C.transpose();

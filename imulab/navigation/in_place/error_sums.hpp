@@ -49,6 +49,7 @@ struct BlockSums {
   Matrix3d quadratic = Matrix3d::Zero();                                        ///< of C f^2
   Eigen::Matrix<double, 3, 9> lever_arm = Eigen::Matrix<double, 3, 9>::Zero();  ///< of the size effect of lever arms of 1 m
   Vector3d delay = Vector3d::Zero();                                            ///< of C (w x f)
+  Vector3d smear = Vector3d::Zero();                                            ///< of C (w x (w x f) - w' x f) / 2
 
   BlockSums();
 
@@ -59,6 +60,7 @@ struct BlockSums {
   Errors6 by_gravity(double gravity) const;
   Errors6 by_latitude(double latitude) const;
   Errors6 by_delay() const;
+  Errors6 by_smear() const;  ///< by the mean square of a delay that is spread over a time [s^2]
   /// Their covariance from the noise; C_nb in the middle of the block.
   Matrix6 covariance(const Noise& noise, const Matrix3d& C_nb) const;
 };

@@ -101,7 +101,10 @@ void Navigator::add(BlockSums& sum, std::size_t i, std::size_t first, const Bloc
   }
   if (optional_.quadratic) sum.quadratic += middle * f.cwiseAbs2().asDiagonal();
   if (block.at_rest) return;
-  if (optional_.delay) sum.delay += middle * rate.cross(force);
+  if (optional_.delay) {  // of f' = -w x f and f'' = w x (w x f) - w' x f
+    sum.delay += middle * rate.cross(force);
+    sum.smear += 0.5 * middle * (rate.cross(rate.cross(force)) - angular_acceleration(recording_, i).cross(force));
+  }
   if (!optional_.lever_arm) return;
   const Matrix3d effect = size_effect(rate, angular_acceleration(recording_, i));
   for (Index a = 0; a < 3; ++a) sum.lever_arm.middleCols<3>(3 * a) += middle.col(a) * effect.row(a);

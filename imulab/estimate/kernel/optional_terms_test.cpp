@@ -1,0 +1,33 @@
+#include "imulab/estimate/kernel/optional_terms.hpp"
+
+#include <gtest/gtest.h>
+
+namespace imulab::kernel {
+namespace {
+
+/// What an estimate under a prior of sigma 1 is, and its variance, where the data alone say `value` +- `sigma`.
+double widening_of(double value, double sigma) {
+  const double variance = sigma * sigma / (1 + sigma * sigma);
+  return widening(Eigen::VectorXd::Constant(1, value * (1 - variance)), Eigen::MatrixXd::Constant(1, 1, variance));
+}
+
+TEST(OptionalTerms, APriorIsWidenedWhereTheDataContradictIt) {
+  EXPECT_GT(widening_of(10, 0.1), 10);
+  EXPECT_GT(widening_of(10000, 100), 100) << "although the estimate stays at one sigma";
+  EXPECT_EQ(widening_of(2, 0.1), 1);
+  EXPECT_EQ(widening_of(200, 100), 1) << "noise";
+}
+
+TEST(OptionalTerms, OnlyTheContradictedTermIsWidened) {
+  PriorSizes sizes;
+  sizes.accel.quadratic = sizes.gyro.quadratic = 1;
+  const std::vector<CoefficientIndex> indices{coefficient_index("gyro.offset.x"), coefficient_index("accel.quadratic.x"),
+                                              coefficient_index("gyro.quadratic.x")};
+  const auto widened = widen_priors(sizes, indices, Eigen::Vector3d(100, 1, 100), 0.01 * Eigen::Matrix3d::Identity());
+  EXPECT_EQ(widened, std::vector<std::string>{"gyro.quadratic"});
+  EXPECT_EQ(sizes.accel.quadratic, 1);
+  EXPECT_GT(sizes.gyro.quadratic, 100);
+}
+
+}  // namespace
+}  // namespace imulab::kernel
