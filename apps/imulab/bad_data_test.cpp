@@ -48,6 +48,20 @@ TEST(BadData, IsWarnedOfAndUsedWhereItCanBe) {
   }
 }
 
+/// A line that loses one row in fifty, as serial and radio links do.
+TEST(BadData, LostRowsCostNoRotation) {
+  const TemporaryFolder folder;
+  SessionText text = hand_held_session();
+  const std::size_t rows = text.lines.size();
+  for (std::size_t row = rows - 20; row > 60; row -= 47) text.lines.erase(text.lines.begin() + static_cast<std::ptrdiff_t>(row));
+  const CommandResult result = calibrate(folder, text);
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(result.errors, HasSubstr("samples are missing, one or two at a time; they were interpolated from their neighbors"));
+  const Quality quality = read_calibration(folder / "c.json").quality;
+  EXPECT_EQ(quality.rotations.size() + 1, quality.rests.size());
+  EXPECT_EQ(quality.verdict, "good") << result.output;
+}
+
 TEST(BadData, NothingIsWrittenWhereNothingFollows) {
   struct Case {
     std::function<void(SessionText&)> damage;

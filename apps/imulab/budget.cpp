@@ -93,9 +93,9 @@ void run(const Options& o) {
   const ErrorBudget budget = error_budget(motion, sources, {.strapdown = strapdown, .output_interval = o.every});
   std::optional<ErrorDistribution> sampled;
   if (o.runs > 0) {
-    Progress progress("Monte Carlo", o.runs);
+    Progress progress("Monte Carlo", static_cast<double>(o.runs));
     sampled = error_monte_carlo(motion, sources, {.strapdown = strapdown, .output_interval = o.every, .runs = o.runs, .seed = o.seed},
-                                [&](std::uint64_t done) { progress.report(done); });
+                                [&](std::uint64_t done) { progress.report(static_cast<double>(done)); });
   }
   if (folder) {
     write_whole(folder->path() / "total.csv", total_csv(budget));

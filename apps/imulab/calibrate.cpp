@@ -105,8 +105,10 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
   const std::vector<Recording> recordings = read_recordings(session, chosen, arguments.recording, warnings);
   CalibrationResult result;
   try {
-    const Elapsed elapsed("calibrating");
-    result = imulab::calibrate(chosen, {session, recordings}, options_of(arguments, chosen, recordings, requirements));
+    Progress progress("calibrating");
+    CalibrationOptions calibration_options = options_of(arguments, chosen, recordings, requirements);
+    calibration_options.progress = [&progress](double part) { progress.report(part); };
+    result = imulab::calibrate(chosen, {session, recordings}, calibration_options);
   } catch (const TermsError& e) {
     throw Error(fmt::format("--terms: {}", e.what()));
   }

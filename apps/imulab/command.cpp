@@ -223,6 +223,7 @@ int run(std::vector<std::string> arguments) {
     if (const std::string unknown = unknown_command(app, arguments); !unknown.empty()) throw Error(unknown);
     std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
     app.parse(std::move(arguments));
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw Error("standard output cannot be written: the result is lost");
     return 0;
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;

@@ -107,7 +107,7 @@ DrivesReport drive_all(const Truth& truth, const std::vector<std::pair<std::stri
   tbb::parallel_for(std::size_t{0}, drives, [&](std::size_t k) {
     const Recording recording = simulate_motion(drive.increments, interval, on_the_road, seed + k);
     for (std::size_t c = 0; c < calibrations.size(); ++c) errors[c][k] = errors_of(drive, recording, calibrations[c].second);
-    progress.report(++done);
+    progress.report(static_cast<double>(++done));
   });
   DrivesReport report;
   for (std::size_t i = 0; i < errors[0][0].history.size(); i += minute) report.time.push_back(errors[0][0].history[i].time - errors[0][0].history[0].time);

@@ -5,6 +5,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/recording/stream.hpp"
+#include "imulab/io/result/fields.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/recording/stamps.hpp"
@@ -30,7 +31,7 @@ struct Options {
   std::string input, session, recording, output, save;
   std::optional<std::string> require;
   double rest = 4;
-  bool force = false;
+  bool force = false, json = false;
 };
 
 /// What a consumer's unit reaches in some twenty rests. The offset of readings in counts is that at zero counts, which may be anywhere.
@@ -108,15 +109,15 @@ class Copy {
 class Display {
  public:
   /// On standard output, or standard error where the calibration is written to that.
-  explicit Display(std::FILE* out)
-      : out_(out), terminal_(isatty(fileno(out)) != 0 && !is("TERM", "dumb")), color_(terminal_ && std::getenv("NO_COLOR") == nullptr) {
+  Display(std::FILE* out, bool json)
+      : out_(out), json_(json), terminal_(!json && isatty(fileno(out)) != 0 && !is("TERM", "dumb")), color_(terminal_ && std::getenv("NO_COLOR") == nullptr) {
     if (terminal_) fmt::print(out_, "\033[2J");
   }
   void show(const LiveView& view, bool new_rest) {
     constexpr double every_s = 0.1;
     if (!new_rest && (!terminal_ || view.time_s - drawn_s_ < every_s)) return;
     drawn_s_ = view.time_s;
-    terminal_ ? redraw(view) : lines(view);
+    json_ ? object(view) : terminal_ ? redraw(view) : lines(view);
     std::fflush(out_);
   }
 
@@ -130,6 +131,16 @@ class Display {
     for (const char c : live_picture(view, color_)) text += c == '\n' ? "\033[K\n" : std::string(1, c);
     fmt::print(out_, "{}\033[J", text);
   }
+  void object(const LiveView& view) const {
+    std::vector<JsonFields> requirements;
+    for (const RequirementResult& r : view.requirements)
+      requirements.push_back({{{"text", r.text}, {"coefficient", r.coefficient}, {"reached", r.reached}, {"met", r.met}}});
+    JsonFields event{{{"time_s", view.time_s}, {"rests", std::uint64_t{view.up.size()}}, {"requirements", requirements}, {"done", view.done}}};
+    if (!view.up.empty()) event.fields.emplace_back("up", direction_text(view.up.back()));
+    if (!view.problem.empty()) event.fields.emplace_back("problem", view.problem);
+    if (view.next && !view.done) event.fields.emplace_back("next", turn_text(*view.next));
+    fmt::print(out_, "{}", fields_json(event, true));
+  }
   void lines(const LiveView& view) const {
     const std::string at = fmt::format("{:8.2f} s  ", view.time_s);
     if (!view.up.empty()) fmt::print(out_, "{}rest {}: {} up\n", at, view.up.size(), direction_text(view.up.back()));
@@ -140,7 +151,7 @@ class Display {
     if (view.next && !view.done) fmt::print(out_, "{}next: {}, then hold still for {:g} s\n", at, turn_text(*view.next), view.rest_s);
   }
   std::FILE* out_;
-  bool terminal_, color_;
+  bool json_, terminal_, color_;
   double drawn_s_ = 0;
 };
 
@@ -180,7 +191,7 @@ void conclude(const Options& options, const LiveProgress& progress) {
   const Quality& quality = progress.result()->calibration.quality;
   for (const std::string& text : quality.warnings) warn(text);
   const std::string written = options.output.empty() ? "not saved: no -o FILE was given" : "written: " + (options.output == "-" ? "standard output" : options.output);
-  fmt::print(output_of(options), "{} rest{} in {:.0f} s: {}; {}\n", view.up.size(), view.up.size() == 1 ? "" : "s", view.time_s, verdict_text(quality), written);
+  if (!options.json) fmt::print(output_of(options), "{} rest{} in {:.0f} s: {}; {}\n", view.up.size(), view.up.size() == 1 ? "" : "s", view.time_s, verdict_text(quality), written);
   if (progress.reached()) return;
   std::string list;
   for (const RequirementResult& r : quality.requirements)
@@ -221,7 +232,7 @@ void run(const Options& options) {
   const CtrlC ctrl_c(input.descriptor());
   RecordingStream stream(
       input.descriptor(), name_of(options.input), source, [&](std::string_view bytes) { copy.write(bytes); }, true);
-  Display display(output_of(options));
+  Display display(output_of(options), options.json);
   const std::exception_ptr failure = follow(stream, progress, display);
   if (!progress.reached() && progress.recording().size() > 0) {
     progress.estimate();
@@ -250,6 +261,7 @@ void add_live(Verb app) {
   verb.option("-o,--output FILE", o->output, "the calibration file to write at the end; - for standard output, and the events go to standard error");
   verb.option("--save FILE", o->save, "a file for what was streamed, as it came");
   verb.flag("--force", o->force, "replace these files if there are any");
+  verb.flag("--json", o->json, "print each event as JSON, one line each");
   verb.example("driver | imulab live - --session session.toml -o calibration.json");
   verb.does([o] { run(*o); });
 }

@@ -91,7 +91,7 @@ NavigatedSession navigated(const Options& options, const Calibration& calibratio
   const Recording recording = read_for(calibration, session, session.recordings[0]);
   NavigatedSession out{name, {}, {}};
   {
-    const Elapsed elapsed("navigating");
+    const Progress progress("navigating");
     out.navigated = navigate(calibration, session, recording, options.navigate);
   }
   if (!options.truth.empty() || session.truth_file) {

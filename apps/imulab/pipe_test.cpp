@@ -28,6 +28,14 @@ TEST_F(Pipe, ACalibrationIsExportedWithoutAFile) {
   EXPECT_THAT(header.output, testing::HasSubstr("static"));
 }
 
+TEST_F(Pipe, AResultThatCannotBePrintedIsAnError) {
+  for (const char* verb : {"procedure hand-held", "budget --catalogue", "help calibrate"}) {
+    const CommandResult result = shell(std::string("imulab ") + verb + " > /dev/full");
+    EXPECT_EQ(result.exit_code, 2) << verb;
+    EXPECT_THAT(result.errors, testing::HasSubstr("imulab: ")) << verb;
+  }
+}
+
 TEST_F(Pipe, WhatIsWrongInAStreamIsNamed) {
   EXPECT_THAT(shell("echo 'format = 1' | imulab predict -").errors, testing::HasSubstr("imulab: standard input:1: format"));
   EXPECT_THAT(shell("echo '{' | imulab export - --to c-header").errors, testing::HasSubstr("imulab: standard input"));

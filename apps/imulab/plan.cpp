@@ -92,8 +92,8 @@ void run(const Options& options) {
   expect_reachable(question);
 
   const hybrid::Path path = [&] {
-    Progress progress("planning, %", 100);
-    return design_path(question, [&](int done) { progress.report(static_cast<std::uint64_t>(done)); });
+    Progress progress("planning", 100);
+    return design_path(question, [&](int done) { progress.report(done); });
   }();
   if (path.turns.empty()) throw Error("--time: no turn and rest fit into it; expected a longer time");
   const Session procedure = procedure_of(options, path.first_rest, path.turns);

@@ -114,8 +114,8 @@ void run(const Options& options) {
   const turntable::Prediction prediction = predict(plan);
   std::optional<turntable::MonteCarloResult> sampled;
   if (options.runs > 0 && !prediction.coefficients.empty()) {
-    Progress progress("Monte Carlo", options.runs);
-    sampled = monte_carlo(plan, options.runs, options.seed, [&](std::uint64_t done) { progress.report(done); });
+    Progress progress("Monte Carlo", static_cast<double>(options.runs));
+    sampled = monte_carlo(plan, options.runs, options.seed, [&](std::uint64_t done) { progress.report(static_cast<double>(done)); });
   }
   std::vector<KnobAnswer> answers;
   std::vector<Shortfall> missed;

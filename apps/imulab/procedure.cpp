@@ -4,6 +4,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/toml_fields.hpp"
 
 #include <fmt/core.h>
 
@@ -13,17 +14,26 @@ namespace imulab::command {
 
 namespace {
 
-void write(const std::string& output, const Session& session) { write_whole(output, procedure_text(session)); }
+struct Output {
+  std::string file = "-";
+  bool json = false;
+};
 
-void add_output(Verb verb, std::string& output) {
-  verb.option("-o,--output FILE", output, "the file to write; - for standard output").show_default();
+void write(const Output& output, const Session& session) {
+  const std::string text = procedure_text(session);
+  write_whole(output.file, output.json ? text::toml_as_json(text) : text);
+}
+
+void add_output(Verb verb, Output& output) {
+  verb.option("-o,--output FILE", output.file, "the file to write; - for standard output").show_default();
+  verb.flag("--json", output.json, "write the procedure as JSON, for other programs");
 }
 
 void add_hand_held(Verb verb) {
   struct Arguments {
     HandHeldOptions options;
     std::uint64_t seed = 1;
-    std::string output = "-";
+    Output output;
   };
   const auto a = std::make_shared<Arguments>();
   Verb hand_held = verb.verb("hand-held", "By hand: rests at random attitudes, no rig");
@@ -37,7 +47,7 @@ void add_turntable(Verb verb, const char* name, const char* about, Session (*pro
   struct Arguments {
     TableProcedureOptions options;
     double table_arcsec = TableProcedureOptions{}.table / unit::arcsec;
-    std::string output = "-";
+    Output output;
   };
   const auto a = std::make_shared<Arguments>();
   Verb own = verb.verb(name, about);
@@ -54,7 +64,8 @@ void add_turntable(Verb verb, const char* name, const char* about, Session (*pro
 void add_dai_unit(Verb verb) {
   struct Arguments {
     DaiUnitOptions options;
-    std::string thermal = "three", output = "-";
+    std::string thermal = "three";
+    Output output;
   };
   const auto a = std::make_shared<Arguments>();
   Verb own = verb.verb("dai-unit", "Chamber, rate table and centrifuge: all coefficients");

@@ -116,8 +116,8 @@ Recording recording_on(const Arguments& a, const MissionFile& file, const Trajec
     return recording_of(erring_increments(nominal_motion(motion, interval), mission_errors(*file.errors, a.mission), a.seed), file.mission.rate);
   }
   const std::optional<Truth> unit = a.unit ? std::optional(unit_of(a, file)) : std::nullopt;
-  Progress progress("samples", static_cast<std::uint64_t>(motion.duration * file.mission.rate));
-  const std::vector<Increment> ideal = ideal_increments(motion, interval, [&](std::uint64_t done) { progress.report(done); });
+  Progress progress("samples", motion.duration * file.mission.rate);
+  const std::vector<Increment> ideal = ideal_increments(motion, interval, [&](std::uint64_t done) { progress.report(static_cast<double>(done)); });
   return unit ? simulate_motion(ideal, interval, *unit, a.seed, file.mission.temperature) : recording_of(ideal, file.mission.rate);
 }
 

@@ -10,6 +10,7 @@
 #include "imulab/estimate/turntable/turntable.hpp"
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
 #include "imulab/recording/even_stamps.hpp"
+#include "imulab/recording/short_gaps.hpp"
 #include "imulab/rig/clock_offset.hpp"
 
 #include <fmt/core.h>
@@ -59,15 +60,22 @@ void correct_clocks(Session& session, std::span<const Recording> recordings, std
   }
 }
 
-/// The recordings with even stamps where theirs scatter; empty where all are good as they are.
-std::vector<Recording> correct_stamps(const CalibrationInput& input, std::vector<std::string>& said) {
+/// The recordings with even stamps where theirs scatter, and with samples that were lost one or two at a time; empty where all are good as they are.
+std::vector<Recording> corrected_recordings(const CalibrationInput& input, std::vector<std::string>& said) {
   std::vector<Recording> out;
   for (std::size_t k = 0; k < input.recordings.size(); ++k) {
     const Recording& r = input.recordings[k];
     const Stamps wanted = k < input.session.recordings.size() ? input.session.recordings[k].time.stamps : Stamps::automatic;
     const std::optional<EvenClock> clock = replacing_clock(r, wanted);
-    if (!clock) continue;
+    // Given rests name samples: their numbers stay.
+    FilledRecording filled = input.rests || clock ? FilledRecording{} : with_short_gaps_filled(r);
+    if (!clock && filled.filled == 0) continue;
     if (out.empty()) out.assign(input.recordings.begin(), input.recordings.end());
+    if (filled.filled > 0) {
+      out[k] = std::move(filled.recording);
+      said.push_back(fmt::format("{}: {} samples are missing, one or two at a time; they were interpolated from their neighbors", r.name, filled.filled));
+      continue;
+    }
     out[k] = with_even_stamps(std::move(out[k]), *clock);
     said.push_back(fmt::format(
         "{}: its stamps scatter by {:.2g} ms (RMS) about an even clock of {:.6g} ms, which is used in their place (stamps = \"recorded\" keeps them)",
@@ -119,7 +127,7 @@ const Method& method(std::string_view name, std::span<const Method> table) {
 CalibrationResult calibrate(const Method& method, const CalibrationInput& input, const CalibrationOptions& options) {
   for (const Recording& recording : input.recordings) kernel::expect_different_channels(recording);
   std::vector<std::string> clocks;
-  const std::vector<Recording> corrected = correct_stamps(input, clocks);
+  const std::vector<Recording> corrected = corrected_recordings(input, clocks);
   const std::span<const Recording> recordings = corrected.empty() ? input.recordings : std::span<const Recording>(corrected);
   Session session = input.session;
   correct_clocks(session, recordings, clocks);

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -43,6 +44,8 @@ struct CalibrationOptions {
     bool full = false;      ///< all that the data determine, significant or not
     bool stepwise = false;  ///< Dai's three steps instead of the joint estimate
   } whole_unit;
+
+  std::function<void(double)> progress = {};  ///< told about which part is done, 0 to 1, where a method knows it
 };
 
 /// Residual of the coarse solution from the data so far, and its standard uncertainty (hybrid).

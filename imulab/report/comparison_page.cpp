@@ -96,7 +96,7 @@ std::string comparison_section(const std::string& a, const std::string& b, const
     t.rows.push_back({"<code>" + escaped(coefficient(d.index).name) + "</code>", number(d.a, 7), number(d.b, 7),
                       d.user_uncertainty ? rounded_to(d.user_difference, *d.user_uncertainty) : number(d.user_difference, 4),
                       d.user_uncertainty ? uncertainty_text(*d.user_uncertainty) : "", escaped(readable_unit(d.user_unit)),
-                      sigmas ? fmt::format("{0}{1}{2}", marked ? "<strong>" : "", number(*sigmas, 2), marked ? "</strong>" : "") : ""});
+                      sigmas ? fmt::format("{0}{1}{2}", marked ? "<strong>" : "", fmt::format("{:+.1f}", *sigmas), marked ? "</strong>" : "") : ""});
   }
   return section("comparison", shortened(a, 60) + " and " + shortened(b, 60),
                  "Second less first, in the accelerometers' frame. A bar is one standard uncertainty to each side; red: significant among all.",

@@ -1,5 +1,7 @@
 #include "imulab/report/html.hpp"
 
+#include "imulab/io/text/figures.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -108,21 +110,9 @@ std::string tick_text(double value) {
   return (std::abs(mantissa - 1) < 1e-6 ? "10" : with_minus_sign(fmt::format("{:.3g}·10", mantissa))) + raised;
 }
 
-std::string rounded_to(double value, double uncertainty) {
-  if (!(uncertainty > 0) || !std::isfinite(uncertainty)) return number(value, 6);
-  const int last = static_cast<int>(std::floor(std::log10(uncertainty))) - 1;  // power of ten of the second digit
-  if (last > 0) {
-    const double unit = std::pow(10.0, last);
-    return with_minus_sign(fmt::format("{:.0f}", std::round(value / unit) * unit));
-  }
-  return last < -9 ? number(value, 7) : with_minus_sign(fmt::format("{:.{}f}", value, -last));
-}
+std::string rounded_to(double value, double uncertainty) { return with_minus_sign(text::to_digits_of(uncertainty, value)); }
 
-std::string uncertainty_text(double uncertainty) {
-  if (!std::isfinite(uncertainty)) return "not determined";
-  if (uncertainty == 0) return "0";
-  return rounded_to(uncertainty, uncertainty);
-}
+std::string uncertainty_text(double uncertainty) { return std::isfinite(uncertainty) ? text::two_digits(uncertainty) : "not determined"; }
 
 std::string readable_unit(std::string_view unit) {
   std::string out(unit);

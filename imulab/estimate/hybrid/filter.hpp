@@ -5,6 +5,7 @@
 #include "imulab/estimate/hybrid/states.hpp"
 #include "imulab/navigation/in_place/blocks.hpp"
 
+#include <functional>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -22,6 +23,7 @@ struct Data {
   SensorModel coarse;                    ///< the coarse solution
   std::vector<CoefficientIndex> wanted;  ///< to estimate; empty: all
   OptionalPriors priors = {};
+  std::function<void(double)> progress = {};  ///< told about which part of the iterations is done
 };
 
 /// The point of linearization.

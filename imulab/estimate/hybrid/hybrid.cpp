@@ -155,7 +155,8 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
             noise_of(start.noise, coarse, recording, session.imu),
             coarse,
             wanted,
-            {kernel::optional_priors(session.imu, coarse.accel.offset, coarse.gyro.offset), delay, delay * recording.interval_s}};
+            {kernel::optional_priors(session.imu, coarse.accel.offset, coarse.gyro.offset), delay, delay * recording.interval_s},
+            options.progress};
 
   Groups terms = wanted.empty() ? Groups{Group::quadratic, Group::g_sensitivity} : optional_groups(wanted);
   if (wanted.empty() && turntable) terms.insert({Group::lever_arm, Group::delay});

@@ -97,13 +97,14 @@ void set_optional_totals(Iterate& c) {
 
 /// Passes until the correction is below a hundredth of its sigma.
 Iterate converged(const Data& data, Iterate c) {
-  constexpr int most_iterations = 30, before_heading = 3;
+  constexpr int most_iterations = 30, before_heading = 3, usual = 5;  // with the pass of the review
   const States& states = c.states;
   const Index start_at = states.first(Group::start);
   VectorXd before;  // the last step, in sigmas
   c.converged = false;
   for (int k = 0; k < most_iterations; ++k) {
     c = repeated(data, std::move(c));
+    if (data.progress) data.progress(std::min(1.0, static_cast<double>(k + 1) / usual));
     const Errors errors = determined_errors(c);
     const VectorXd sigma = errors.covariance.diagonal().cwiseSqrt();
     VectorXd step = errors.mean;

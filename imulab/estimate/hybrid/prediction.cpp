@@ -19,8 +19,11 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+constexpr const char* no_hold = ": no hold among the steps; expected at least one, since the method needs rests";
+
 Plan plan_of(const Session& procedure) {
   const std::string& file = procedure.file;
+  if (procedure.steps.empty()) throw Error(file + no_hold);
   if (procedure.recordings.size() > 1)
     throw Error(fmt::format("{}: {} recordings; expected a procedure with one", file, procedure.recordings.size()));
   const DeclaredNoise noise = errors_at(file, [&] { return declared_noise(procedure.imu); });
@@ -39,7 +42,7 @@ Prediction predict(const Plan& plan) {
   // Readings that follow the motion: the rate does not matter as long as a sample turns by little.
   const Recording recording = rig::coarse_recording(plan.procedure, {earth_rate_enu(plan.place.latitude), plan.place.gravity});
   const std::vector<Range> rests = in_place::still_parts(recording, rests_of(recording, plan.procedure).ranges);
-  if (rests.empty()) throw Error(plan.procedure.file + ": no hold among the steps; expected at least one, since the method needs rests");
+  if (rests.empty()) throw Error(plan.procedure.file + no_hold);
   const Data data{recording, in_place::cut_into_blocks(recording, rests, plan.observe_motion).blocks, plan.place, plan.noise, SensorModel{}, {}};
   const Iterate pass = repeated(data, first_iterate(data, plan.terms));
   const Errors errors = determined_errors(pass);

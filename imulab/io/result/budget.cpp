@@ -69,7 +69,7 @@ constexpr std::array<Block, 3> blocks{{{"position, m", 0}, {"velocity, m/s", 3},
 template <class Value>
 std::string row_text(const Block& block, const Value& value) {
   std::string text;
-  for (Eigen::Index q = block.first; q < block.first + 3; ++q) text += fmt::format(" {:>10.3g}", value(q) / unit_of(q));
+  for (Eigen::Index q = block.first; q < block.first + 3; ++q) text += fmt::format(" {:>10}", text::number(value(q) / unit_of(q)));
   return text;
 }
 
@@ -124,7 +124,7 @@ std::string headline(const ErrorBudget& b) {
     if (shares[k] < 0.05 || std::count(largest.begin(), largest.end(), '%') == 3) break;
     largest += fmt::format("{}{} {:.0f} %", largest.empty() ? "" : ", ", b.groups[k].name, 100 * shares[k]);
   }
-  return text::wrapped("", fmt::format("after {:g} s: horizontal position error {:.3g} m RMS, {}", b.time.back(), rms, vertical_text(b.vertical))) +
+  return text::wrapped("", fmt::format("after {:g} s: horizontal position error {} m RMS, {}", b.time.back(), text::number(rms), vertical_text(b.vertical))) +
          (largest.empty() ? "" : text::wrapped("  most of it from: ", largest));
 }
 

@@ -17,7 +17,7 @@ struct JsonFields {
   std::vector<std::pair<std::string, JsonValue>> fields;
 };
 
-/// With a new line at the end.
-std::string fields_json(const JsonFields& object);
+/// On lines of their own, or all on one; with a new line at the end.
+std::string fields_json(const JsonFields& object, bool one_line = false);
 
 }  // namespace imulab

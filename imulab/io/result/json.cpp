@@ -243,7 +243,9 @@ Json to_json(const JsonFields& object) {
 
 }  // namespace
 
-std::string fields_json(const JsonFields& object) { return to_json(object).dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+std::string fields_json(const JsonFields& object, bool one_line) {
+  return to_json(object).dump(one_line ? -1 : 2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
 
 std::string path_json(const hybrid::Path& path, const Prediction& p, const std::vector<Shortfall>& missed) {
   Json turns = Json::array();

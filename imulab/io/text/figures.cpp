@@ -46,6 +46,12 @@ std::string to_digits_of(double uncertainty, double value) {
   return text;
 }
 
+std::string number(double value, int digits) {
+  const double size = std::abs(value);
+  if (!(size >= std::pow(10, digits)) || size >= 1e7) return fmt::format("{:.{}g}", value, digits);
+  return to_place(static_cast<int>(std::floor(std::log10(size))) - digits + 1, value);
+}
+
 std::string wrapped(std::string_view first, std::string_view sentence, std::size_t width) {
   std::string text(first);
   std::size_t column = columns_of(first), indent = column;

@@ -33,6 +33,15 @@ TEST(Figures, AValueEndsWhereItsUncertaintyDoes) {
   EXPECT_EQ(to_digits_of(1e-9, 1.5e-8), "1.5e-08");
 }
 
+TEST(Figures, NumbersOfEverySize) {
+  EXPECT_EQ(number(1364.2), "1360");
+  EXPECT_EQ(number(-2151000), "-2150000");
+  EXPECT_EQ(number(0.08732), "0.0873");
+  EXPECT_EQ(number(3.1244e-6), "3.12e-06");
+  EXPECT_EQ(number(2e9), "2e+09");
+  EXPECT_EQ(number(0), "0");
+}
+
 TEST(Figures, LinesEndBeforeTheWidth) {
   EXPECT_EQ(wrapped("  a: ", "one two three", 12), "  a: one two\n     three\n");
   EXPECT_EQ(wrapped("", "a b c 54 %, d", 8), "a b c\n54 %, d\n");

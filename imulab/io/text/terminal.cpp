@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -27,46 +28,41 @@ bool output_has_color() { return isatty(STDOUT_FILENO) != 0 && colors_wanted(); 
 bool errors_have_color() { return isatty(STDERR_FILENO) != 0 && colors_wanted(); }
 std::string in_color(Color color, const std::string& text) { return fmt::format("\033[1;{}m{}\033[0m", static_cast<int>(color), text); }
 
-Progress::Progress(std::string label, std::uint64_t total) : label_(std::move(label)), total_(total), terminal_(isatty(STDERR_FILENO) != 0) {}
+Progress::Progress(std::string label, double total) : label_(std::move(label)), total_(total) {
+  if (isatty(STDERR_FILENO) != 0) thread_ = std::thread([this] { watch(); });
+}
 
 Progress::~Progress() {
-  if (terminal_ && shown_ > 0) fmt::print(stderr, "\r\033[K");
-}
-
-void Progress::report(std::uint64_t done) {
-  if (!terminal_) return;
-  const std::lock_guard lock(mutex_);
-  if (done < shown_ + total_ / 100) return;  // a hundred times at most
-  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
-  if (elapsed < 1 || done == 0) return;
-  shown_ = done;
-  const double fraction = static_cast<double>(done) / static_cast<double>(total_);
-  fmt::print(stderr, "\r\033[K{}: {:.0f} %, {} left", label_, 100 * fraction, duration_text(elapsed * (1 - fraction) / fraction));
-  std::fflush(stderr);
-}
-
-Elapsed::Elapsed(std::string label) {
-  if (isatty(STDERR_FILENO) == 0) return;
-  thread_ = std::thread([this, label = std::move(label)] {
-    std::unique_lock lock(mutex_);
-    for (int seconds = 1; !done_.wait_for(lock, std::chrono::seconds(1), [this] { return finished_; }); ++seconds) {
-      if (seconds < 2) continue;
-      shown_ = true;
-      fmt::print(stderr, "\r\033[K{}: {} s", label, seconds);
-      std::fflush(stderr);
-    }
-  });
-}
-
-Elapsed::~Elapsed() {
   if (!thread_.joinable()) return;
   {
     const std::lock_guard lock(mutex_);
     finished_ = true;
   }
-  done_.notify_one();
+  wake_.notify_one();
   thread_.join();
-  if (shown_) fmt::print(stderr, "\r\033[K");
+}
+
+void Progress::report(double done) {
+  const std::lock_guard lock(mutex_);
+  done_ = done;
+}
+
+std::string Progress::line(double elapsed_s) const {
+  const double part = done_ / total_;
+  if (!(part > 0)) return fmt::format("{}: {:.0f} s", label_, elapsed_s);
+  return fmt::format("{}: {:.0f} %, {} left", label_, 100 * part, duration_text(elapsed_s * (1 - part) / part));
+}
+
+void Progress::watch() {
+  const auto begin = std::chrono::steady_clock::now();
+  bool shown = false;
+  std::unique_lock lock(mutex_);
+  for (auto pause = std::chrono::milliseconds(1000); !wake_.wait_for(lock, pause, [this] { return finished_; }); pause = std::chrono::milliseconds(250)) {
+    fmt::print(stderr, "\r\033[K{}", line(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()));
+    std::fflush(stderr);
+    shown = true;
+  }
+  if (shown) fmt::print(stderr, "\r\033[K");
 }
 
 }  // namespace imulab

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace imulab::text {
 
@@ -265,6 +266,16 @@ void TomlFields::done() const {
   }
   if (!node_->missing.empty())
     throw Error(fmt::format("{}:{}: {}: is missing", node_->file, std::max(node_->table->source().begin.line, 1U), node_->name(node_->missing)));
+}
+
+std::string toml_as_json(std::string_view toml) {
+  try {
+    std::ostringstream text;
+    text << toml::json_formatter{toml::parse(toml)} << "\n";
+    return text.str();
+  } catch (const toml::parse_error& e) {
+    throw Error(std::string(e.description()));
+  }
 }
 
 }  // namespace imulab::text

@@ -17,6 +17,9 @@
 
 namespace imulab::text {
 
+/// A TOML text as JSON. Throws Error where it is not TOML.
+std::string toml_as_json(std::string_view toml);
+
 enum class Presence { required, optional };
 
 /// A number's unit and range: multiplied by the factor it is in SI; the range is in the file's unit.

@@ -1,0 +1,86 @@
+#include "imulab/recording/short_gaps.hpp"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace imulab {
+
+namespace {
+
+constexpr std::size_t longest = 2;     // samples of a gap
+constexpr double largest_share = 0.1;  // of the recording
+
+/// How many samples are missing before sample i; 0: none, or not a whole number of few.
+std::size_t missing_before(const Recording& r, std::size_t i) {
+  const double intervals = (r.time_s(i) - r.time_s(i - 1)) / r.interval_s, whole = std::round(intervals);
+  const bool few = whole >= 2 && whole <= static_cast<double>(longest) + 1 && std::abs(intervals - whole) < 0.25;
+  return few ? static_cast<std::size_t>(whole) - 1 : 0;
+}
+
+/// Samples to insert before each sample of `gaps`; 0 where the neighbors do not support it.
+std::vector<std::size_t> to_fill(const Recording& r) {
+  std::vector<std::size_t> counts;
+  for (const std::size_t i : r.gaps) {
+    const bool inside = i >= 2 && i + 1 < r.size();
+    const bool alone = inside && r.gaps_in({i - 1, i + 2}) == 1 && r.saturated_in({i - 2, i + 2}) == 0;
+    counts.push_back(alone ? missing_before(r, i) : 0);
+  }
+  return counts;
+}
+
+/// Lagrange's weights at x for the nodes -1, 0, m, m + 1.
+std::array<double, 4> cubic_weights(double m, double x) {
+  const std::array<double, 4> node{-1, 0, m, m + 1};
+  std::array<double, 4> weight{};
+  for (std::size_t a = 0; a < 4; ++a) {
+    weight[a] = 1;
+    for (std::size_t b = 0; b < 4; ++b)
+      if (a != b) weight[a] *= (x - node[b]) / (node[a] - node[b]);
+  }
+  return weight;
+}
+
+/// A column with the inserted samples.
+std::vector<double> filled_column(const std::vector<double>& column, const std::vector<std::size_t>& gaps, const std::vector<std::size_t>& counts) {
+  std::vector<double> out;
+  std::size_t gap = 0;
+  for (std::size_t i = 0; i < column.size(); ++i) {
+    if (gap < gaps.size() && gaps[gap] == i) {
+      const std::size_t count = counts[gap++];
+      for (std::size_t k = 1; k <= count; ++k) {
+        const std::array<double, 4> w = cubic_weights(static_cast<double>(count) + 1, static_cast<double>(k));
+        out.push_back(w[0] * column[i - 2] + w[1] * column[i - 1] + w[2] * column[i] + w[3] * column[i + 1]);
+      }
+    }
+    out.push_back(column[i]);
+  }
+  return out;
+}
+
+}  // namespace
+
+FilledRecording with_short_gaps_filled(const Recording& r) {
+  FilledRecording out{r, 0};
+  const std::vector<std::size_t> counts = to_fill(r);
+  for (const std::size_t count : counts) out.filled += count;
+  if (out.filled == 0 || static_cast<double>(out.filled) > largest_share * static_cast<double>(r.size())) return {r, 0};
+  Recording& f = out.recording;
+  for (auto [to, from] : {std::pair{&f.gyro, &r.gyro}, {&f.accel, &r.accel}, {&f.gyro_temperature, &r.gyro_temperature}, {&f.accel_temperature, &r.accel_temperature}})
+    for (std::size_t axis = 0; axis < 3; ++axis) (*to)[axis] = filled_column((*from)[axis], r.gaps, counts);
+  f.time_ns.clear(), f.gaps.clear(), f.saturated.clear();
+  std::size_t gap = 0, limit = 0;
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    if (gap < r.gaps.size() && r.gaps[gap] == i) {
+      const std::size_t count = counts[gap++];
+      const std::int64_t step = count > 0 ? (r.time_ns[i] - r.time_ns[i - 1]) / static_cast<std::int64_t>(count + 1) : 0;
+      for (std::size_t k = 1; k <= count; ++k) f.time_ns.push_back(r.time_ns[i - 1] + static_cast<std::int64_t>(k) * step);
+      if (count == 0) f.gaps.push_back(f.time_ns.size());
+    }
+    if (limit < r.saturated.size() && r.saturated[limit] == i) f.saturated.push_back(f.time_ns.size()), ++limit;
+    f.time_ns.push_back(r.time_ns[i]);
+  }
+  return out;
+}
+
+}  // namespace imulab
