@@ -2,7 +2,6 @@
 // reaches in the same run. Outliers: 10 million samples/s. A stream: a third of the reader's own speed on the same file in the same run.
 #include "imulab/core/random.hpp"
 #include "imulab/io/recording/file.hpp"
-#include "imulab/io/recording/file.hpp"
 #include "imulab/io/recording/stream.hpp"
 #include "imulab/model/compensate.hpp"
 #include "imulab/model/outlier_filter.hpp"

@@ -6,7 +6,6 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <Eigen/SVD>
-
 #include <ceres/jet.h>
 #include <fmt/format.h>
 

@@ -16,7 +16,8 @@ namespace imulab {
 /// The unit and the place of a hand-held procedure, at rest at first, and turned about its own axes from there.
 class TurnedUnit {
  public:
-  TurnedUnit(const HandHeldOptions& options, std::uint64_t seed) : session(hand_held_procedure(options, seed)), rate_hz_(options.rate_hz), seed_(seed) {
+  TurnedUnit(const HandHeldOptions& options, std::uint64_t seed)
+      : session(hand_held_procedure(options, seed)), rate_hz_(options.rate_hz), seed_(seed) {
     session.steps.clear();
     truth = draw_truth(session, seed);
     rest(options.first_rest);

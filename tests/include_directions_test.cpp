@@ -33,7 +33,8 @@ std::optional<std::string> room_of(const std::string& path) {
 /// The folders of estimate/ know the kernel and the interface of a method, not each other; method.cpp itself, in no folder, knows all.
 std::string between_methods(const std::string& folder, const std::string& included) {
   const std::string own = "imulab/estimate/" + folder + "/";
-  if (folder.empty() || included.starts_with(own) || included.starts_with("imulab/estimate/kernel/") || included == "imulab/estimate/method.hpp") return "";
+  if (folder.empty() || included.starts_with(own) || included.starts_with("imulab/estimate/kernel/") || included == "imulab/estimate/method.hpp")
+    return "";
   return folder + " may not know another method";
 }
 
@@ -119,9 +120,9 @@ TEST(IncludeDirections, RoomsOfOneRankDoNotKnowEachOther) {
 TEST(IncludeDirections, MethodsDoNotKnowEachOther) {
   EXPECT_THAT(violations("imulab/estimate/hybrid/x.cpp", "#include \"imulab/estimate/rests/fit.hpp\""),
               ElementsAre(HasSubstr("hybrid may not know another method")));
-  EXPECT_THAT(violations("imulab/estimate/hybrid/x.cpp",
-                         "#include \"imulab/estimate/kernel/information.hpp\"\n#include \"imulab/estimate/method.hpp\"\n"),
-              IsEmpty());
+  EXPECT_THAT(
+      violations("imulab/estimate/hybrid/x.cpp", "#include \"imulab/estimate/kernel/information.hpp\"\n#include \"imulab/estimate/method.hpp\"\n"),
+      IsEmpty());
   EXPECT_THAT(violations("imulab/estimate/method.cpp", "#include \"imulab/estimate/hybrid/hybrid.hpp\""), IsEmpty());
 }
 

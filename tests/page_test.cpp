@@ -14,7 +14,8 @@ namespace {
 using ::testing::HasSubstr;
 
 constexpr const char* chromium =
-    "chromium --headless=new --no-sandbox --disable-gpu --disable-dev-shm-usage --disable-background-networking --disable-component-update --no-first-run "
+    "chromium --headless=new --no-sandbox --disable-gpu --disable-dev-shm-usage --disable-background-networking --disable-component-update "
+    "--no-first-run "
     "--user-data-dir=profile ";
 
 /// In front of a page's own scripts: what goes wrong, told to the page around it. The page's policy is taken out, so that text that could run would

@@ -3,10 +3,9 @@
 
 #include "imulab/io/recording/file.hpp"
 
+#include "tests/temporary_folder.hpp"
 #include <string>
 #include <vector>
-
-#include "tests/temporary_folder.hpp"
 
 namespace imulab {
 

@@ -24,7 +24,8 @@ struct CommandResult {
 /// Runs a shell command in `folder`.
 inline CommandResult run_shell(const TemporaryFolder& folder, const std::string& command) {
   const auto output = folder / ".standard-output", errors = folder / ".standard-error";
-  const int status = std::system(("cd '" + folder.path().string() + "' && (" + command + "\n) >.standard-output 2>.standard-error </dev/null").c_str());
+  const int status =
+      std::system(("cd '" + folder.path().string() + "' && (" + command + "\n) >.standard-output 2>.standard-error </dev/null").c_str());
   CommandResult result{WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(output), read_text(errors)};
   std::filesystem::remove(output);
   std::filesystem::remove(errors);

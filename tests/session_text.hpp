@@ -3,9 +3,8 @@
 
 #include "imulab/io/session/file.hpp"
 
-#include <string>
-
 #include "tests/temporary_folder.hpp"
+#include <string>
 
 namespace imulab {
 

@@ -8,7 +8,7 @@
 namespace imulab {
 
 struct SimulatedSession {
-  Session session;      ///< with the steps
+  Session session;  ///< with the steps
   Truth truth;
   Recording recording;
   std::vector<Range> rests;  ///< as the data show them

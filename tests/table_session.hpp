@@ -5,8 +5,8 @@
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/turntable/estimator.hpp"
 #include "imulab/estimate/turntable/turntable.hpp"
-#include "imulab/rig/table_readings.hpp"
 #include "imulab/model/coefficient.hpp"
+#include "imulab/rig/table_readings.hpp"
 
 #include <Eigen/Cholesky>
 

@@ -122,8 +122,8 @@ void add_budget(Verb app) {
   verb.option("mission", o->mission, "the mission file: a motion and its [errors]");
   Option grade = verb.option("--grade GRADE", o->grade, "sensors of this grade, in place of the mission's");
   Option system = verb.option("--system NAME", o->system, "sensors of this airliner system, in place of the mission's");
-  Option calibration = verb.option(
-      "--calibration FILE", o->calibration, "the errors that this calibration leaves, in place of the mission's; the noise is still the mission's own");
+  Option calibration = verb.option("--calibration FILE", o->calibration,
+                                   "the errors that this calibration leaves, in place of the mission's; the noise is still the mission's own");
   grade.excludes(system).excludes(calibration);
   system.excludes(calibration);
   verb.option("--runs", o->runs, "number of Monte Carlo runs; 0 for none").show_default().in_range(0., 1e7);

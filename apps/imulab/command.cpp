@@ -83,7 +83,9 @@ VerbDescription describe(const CLI::App& app, const std::string& before = "") {
   return verb;
 }
 
-std::string name_of(const CLI::App& app) { return app.get_parent() == nullptr ? "" : name_of(*app.get_parent()) + app.get_parent()->get_name() + " "; }
+std::string name_of(const CLI::App& app) {
+  return app.get_parent() == nullptr ? "" : name_of(*app.get_parent()) + app.get_parent()->get_name() + " ";
+}
 
 class Help : public CLI::FormatterBase {
  public:
@@ -93,9 +95,7 @@ class Help : public CLI::FormatterBase {
 }  // namespace
 
 Verb Verb::verb(const std::string& name, const std::string& about) { return Verb(app_->add_subcommand(name, about)); }
-void Verb::example(const std::string& command_line) {
-  app_->footer(app_->get_footer() + (app_->get_footer().empty() ? "" : "\n") + command_line);
-}
+void Verb::example(const std::string& command_line) { app_->footer(app_->get_footer() + (app_->get_footer().empty() ? "" : "\n") + command_line); }
 
 template <class Value>
 Option Verb::option(const std::string& names, Value& value, const std::string& help) {
@@ -178,7 +178,8 @@ void add_help(CLI::App& app) {
       const VerbDescription all = describe(app);
       write_whole(std::filesystem::path(a->manual) / "imulab.1", manual_page(all, IMULAB_VERSION));
       for (const VerbDescription& v : all.verbs)
-        write_whole(std::filesystem::path(a->manual) / fmt::format("imulab-{}.1", v.name.substr(v.name.rfind(' ') + 1)), manual_page(v, IMULAB_VERSION));
+        write_whole(std::filesystem::path(a->manual) / fmt::format("imulab-{}.1", v.name.substr(v.name.rfind(' ') + 1)),
+                    manual_page(v, IMULAB_VERSION));
       return;
     }
     const CLI::App* at = &app;
@@ -206,10 +207,10 @@ int run(std::vector<std::string> arguments) {
   add_demo(Verb(&app));
   add_help(app);
   for (CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) verb->group("start here");
-  for (const Group& group : {Group{"calibrate", {add_calibrate, add_live, add_compare, add_verify, add_report}},
-                             Group{"before the measurement", {add_procedure, add_simulate, add_predict, add_plan}},
-                             Group{"use a calibration", {add_compensate, add_export}},
-                             Group{"in navigation", {add_trajectory, add_navigate, add_budget}}})
+  for (const Group& group :
+       {Group{"calibrate", {add_calibrate, add_live, add_compare, add_verify, add_report}},
+        Group{"before the measurement", {add_procedure, add_simulate, add_predict, add_plan}},
+        Group{"use a calibration", {add_compensate, add_export}}, Group{"in navigation", {add_trajectory, add_navigate, add_budget}}})
     for (const auto add : group.verbs) {
       add(Verb(&app));
       app.get_subcommands([](const CLI::App*) { return true; }).back()->group(group.title);

@@ -71,8 +71,8 @@ void check_same_raw_units(const NamedCalibration& a, const NamedCalibration& b) 
 void check_same_imu(const NamedCalibration& a, const NamedCalibration& b) {
   const std::string &of_a = a.calibration.serial, &of_b = b.calibration.serial;
   if (!of_a.empty() && !of_b.empty() && of_a != of_b)
-    throw Error(fmt::format("{}: is of serial number {}, and {} is of {}; expected calibrations of one IMU, or --different-imus", b.name, of_b, a.name,
-                            of_a));
+    throw Error(fmt::format("{}: is of serial number {}, and {} is of {}; expected calibrations of one IMU, or --different-imus", b.name, of_b,
+                            a.name, of_a));
 }
 
 std::vector<NamedCalibration> read_all(const std::vector<std::string>& files, bool different_imus) {
@@ -110,8 +110,8 @@ void add_compare(Verb app) {
   const auto options = std::make_shared<Options>();
   Verb verb = app.verb("compare", "Compare calibrations of one IMU, coefficient by coefficient");
   verb.option("CALIBRATION", options->files,
-                   "two or more calibrations, or truth.json of a simulation; - for standard input. The others are compared with the first. Their "
-                   "errors count as independent; a file without uncertainties counts as the truth")
+              "two or more calibrations, or truth.json of a simulation; - for standard input. The others are compared with the first. Their "
+              "errors count as independent; a file without uncertainties counts as the truth")
       .required()
       .takes_several(2);
   verb.flag("--different-imus", options->different_imus, "compare calibrations of different serial numbers");

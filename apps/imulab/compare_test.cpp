@@ -87,7 +87,9 @@ TEST_F(CompareCommand, SeveralStandSideBySide) {
   EXPECT_THAT(result.output, ContainsRegex("gyro.matrix.xy +\\+0.0 +\\+0.0 +\\+10.0\\*\n"));
   const std::string sentences = on_one_line(result.output);
   EXPECT_THAT(sentences, HasSubstr("B - A: 0 of 2 coefficients differ significantly (* beyond 3.1 sigma: 1 % for all together) "));  // six tests
-  EXPECT_THAT(sentences, ContainsRegex("C - A: 1 of 2 coefficients differ significantly [^:]*: [^:]*2 coefficients together: chi2 = 50.0"));  // 100^2 / (2 * 10^2)
+  EXPECT_THAT(
+      sentences,
+      ContainsRegex("C - A: 1 of 2 coefficients differ significantly [^:]*: [^:]*2 coefficients together: chi2 = 50.0"));  // 100^2 / (2 * 10^2)
   EXPECT_THAT(result.output, HasSubstr("D - A: 1 of 2 coefficients differ significantly"));
   // 0, 10 and 100 ug with 10 ug each: 60.67 about their mean; the truth takes no part
   EXPECT_THAT(sentences, HasSubstr("All 3 calibrations about their weighted mean, 4 degrees of freedom: chi2 = 60.7, "));

@@ -89,9 +89,10 @@ void print_counts(const CompensateOptions& options, const std::vector<Compensate
   std::vector<JsonFields> list;
   for (const CompensateCounts& c : files) {
     if (!options.json)
-      fmt::print("{}", text::wrapped("", fmt::format("{}: {} samples, {} saturated, {} outside the calibrated temperatures{}", c.file, c.samples,
-                                                     c.saturated, c.out_of_range,
-                                                     options.outliers == Outliers::reject ? fmt::format(", {} with an outlier replaced", c.replaced) : "")));
+      fmt::print(
+          "{}", text::wrapped("", fmt::format("{}: {} samples, {} saturated, {} outside the calibrated temperatures{}", c.file, c.samples,
+                                              c.saturated, c.out_of_range,
+                                              options.outliers == Outliers::reject ? fmt::format(", {} with an outlier replaced", c.replaced) : "")));
     list.push_back({{{"file", c.file},
                      {"samples", std::uint64_t{c.samples}},
                      {"saturated", std::uint64_t{c.saturated}},

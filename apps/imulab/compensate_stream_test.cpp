@@ -83,9 +83,9 @@ TEST(CompensateStream, GivesTheRowsOfTheFileBitForBit) {
     EXPECT_EQ(to_file.exit_code, 0);
     EXPECT_EQ(read_text(folder / "stream.csv"), stream.output);
     // 17 spikes come after the noise is known; of the saturated readings, which are spikes of 3.5 g, all ten but the one at 5.
-    EXPECT_EQ(on_one_line(to_file.output), option.empty()
-                                  ? "stream.csv: 3000 samples, 10 saturated, 6 outside the calibrated temperatures"
-                                  : "stream.csv: 3000 samples, 10 saturated, 6 outside the calibrated temperatures, 26 with an outlier replaced");
+    EXPECT_EQ(on_one_line(to_file.output),
+              option.empty() ? "stream.csv: 3000 samples, 10 saturated, 6 outside the calibrated temperatures"
+                             : "stream.csv: 3000 samples, 10 saturated, 6 outside the calibrated temperatures, 26 with an outlier replaced");
   }
 }
 
@@ -102,7 +102,8 @@ TEST(CompensateStream, IncrementsNeedADeclaredRate) {
   const CommandResult refused = run_imulab(folder, "compensate calibration.json - --session no_rate.toml -o - < recording.csv");
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_EQ(refused.output, "");
-  EXPECT_EQ(refused.errors, "imulab: standard input: increments need rate_hz; expected it in the session, since the median interval is known only at the end\n");
+  EXPECT_EQ(refused.errors,
+            "imulab: standard input: increments need rate_hz; expected it in the session, since the median interval is known only at the end\n");
   EXPECT_THAT(run_imulab(folder, "compensate calibration.json - --session wrong_rate.toml -o - < recording.csv").errors,
               HasSubstr("standard input: rate_hz = 200 is declared, but the stamps do not say so"));
 }

@@ -110,7 +110,8 @@ DrivesReport drive_all(const Truth& truth, const std::vector<std::pair<std::stri
     progress.report(static_cast<double>(++done));
   });
   DrivesReport report;
-  for (std::size_t i = 0; i < errors[0][0].history.size(); i += minute) report.time.push_back(errors[0][0].history[i].time - errors[0][0].history[0].time);
+  for (std::size_t i = 0; i < errors[0][0].history.size(); i += minute)
+    report.time.push_back(errors[0][0].history[i].time - errors[0][0].history[0].time);
   for (std::size_t c = 0; c < calibrations.size(); ++c) {
     DrivenCalibration& driven = report.calibrations.emplace_back();
     driven.name = calibrations[c].first;
@@ -135,8 +136,10 @@ std::string misalignment(const Calibration& c) {
 }
 
 constexpr const char* story =
-    "A navigation-grade IMU is calibrated twice on a turntable that is accurate to 1 arcmin only: classically, with the table's angles as the reference, "
-    "and by the hybrid method, for which the table only turns the IMU. Then it is driven for an hour, twenty times with new noise, and navigated with "
+    "A navigation-grade IMU is calibrated twice on a turntable that is accurate to 1 arcmin only: classically, with the table's angles as the "
+    "reference, "
+    "and by the hybrid method, for which the table only turns the IMU. Then it is driven for an hour, twenty times with new noise, and navigated "
+    "with "
     "nothing but its own readings.";
 
 void demo(const Arguments& a) {
@@ -161,7 +164,8 @@ void demo(const Arguments& a) {
   report.title = "A good calibration from a poor table";
   report.story = story;
   report.calibrations[0].claim = misalignment(classical), report.calibrations[1].claim = misalignment(hybrid);
-  report.next = {"Calibrate your own sensor by hand: imulab calibrate FOLDER --method handheld -o calibration.json", "See what is there: imulab --help"};
+  report.next = {"Calibrate your own sensor by hand: imulab calibrate FOLDER --method handheld -o calibration.json",
+                 "See what is there: imulab --help"};
   write_whole(folder / "classical.json", calibration_text(classical));
   write_whole(folder / "hybrid.json", calibration_text(hybrid));
   write_whole(folder / "drives.svg", drives_picture(report));

@@ -1,9 +1,8 @@
 // The demo runs from nothing, twice over its own files, and leaves what is not its own.
-#include "tests/run_command.hpp"
-
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/run_command.hpp"
 #include <algorithm>
 
 namespace imulab {

@@ -71,9 +71,12 @@ std::string list(const std::vector<VerbDescription>& verbs) {
 std::string roff(std::string text) {
   std::string out;
   for (const char c : text) {
-    if (c == '\\') out += "\\\\";
-    else if (c == '-') out += "\\-";
-    else out += c;
+    if (c == '\\')
+      out += "\\\\";
+    else if (c == '-')
+      out += "\\-";
+    else
+      out += c;
   }
   return out.starts_with('.') || out.starts_with('\'') ? "\\&" + out : out;
 }
@@ -124,11 +127,13 @@ std::string word_cases(const VerbDescription& command, const std::string& words,
 
 /// The words of the command line that name a verb, in $verb.
 std::string verb_words(const VerbDescription& command) {
-  std::string text = fmt::format("      {}) verb=$word ;;\n", fmt::join([&] {
-                                   std::vector<std::string> names;
-                                   for (const VerbDescription& verb : command.verbs) names.push_back(own_name(verb));
-                                   return names;
-                                 }(), "|"));
+  std::string text = fmt::format("      {}) verb=$word ;;\n", fmt::join(
+                                                                  [&] {
+                                                                    std::vector<std::string> names;
+                                                                    for (const VerbDescription& verb : command.verbs) names.push_back(own_name(verb));
+                                                                    return names;
+                                                                  }(),
+                                                                  "|"));
   return text;
 }
 
@@ -136,11 +141,12 @@ std::string bash(const VerbDescription& command) {
   std::string nested;
   for (const VerbDescription& verb : command.verbs)
     for (const VerbDescription& own : verb.verbs) nested += fmt::format("      '{0} {1}') verb='{0} {1}' ;;\n", own_name(verb), own_name(own));
-  return "# bash completion of imulab\n_imulab() {\n  local current=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} verb='' word words=''\n"
+  return "# bash completion of imulab\n_imulab() {\n  local current=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} verb='' word "
+         "words=''\n"
          "  for word in \"${COMP_WORDS[@]:1:COMP_CWORD-1}\"; do\n    if [ -z \"$verb\" ]; then case \"$word\" in\n" +
          verb_words(command) + "    esac; else case \"$verb $word\" in\n" + nested +
-         "      *) ;;\n    esac; fi\n  done\n  case \"$verb $before\" in\n" + choice_cases(command, "words=") +
-         "    *) case \"$verb\" in\n" + word_cases(command, "", "words=") +
+         "      *) ;;\n    esac; fi\n  done\n  case \"$verb $before\" in\n" + choice_cases(command, "words=") + "    *) case \"$verb\" in\n" +
+         word_cases(command, "", "words=") +
          "    esac ;;\n  esac\n  COMPREPLY=($(compgen -W \"$words\" -- \"$current\"))\n"
          "  case \"$current\" in -*) ;; *) [ -n \"$verb\" ] && COMPREPLY+=($(compgen -f -- \"$current\")) ;; esac\n}\n"
          "complete -o filenames -F _imulab imulab\n";
@@ -151,9 +157,9 @@ std::string zsh(const VerbDescription& command) {
   for (const VerbDescription& verb : command.verbs)
     for (const VerbDescription& own : verb.verbs) nested += fmt::format("      '{0} {1}') verb='{0} {1}' ;;\n", own_name(verb), own_name(own));
   return "#compdef imulab\nlocal verb='' word list=''\nfor word in ${words[2,CURRENT-1]}; do\n  if [[ -z $verb ]]; then case $word in\n" +
-         verb_words(command) + "    esac; else case \"$verb $word\" in\n" + nested + "      *) ;;\n    esac; fi\ndone\ncase \"$verb ${words[CURRENT-1]}\" in\n" +
-         choice_cases(command, "list=") + "    *) case \"$verb\" in\n" + word_cases(command, "", "list=") +
-         "    esac ;;\nesac\ncompadd -- ${=list}\n[[ -n $verb && ${words[CURRENT]} != -* ]] && _files\n";
+         verb_words(command) + "    esac; else case \"$verb $word\" in\n" + nested +
+         "      *) ;;\n    esac; fi\ndone\ncase \"$verb ${words[CURRENT-1]}\" in\n" + choice_cases(command, "list=") + "    *) case \"$verb\" in\n" +
+         word_cases(command, "", "list=") + "    esac ;;\nesac\ncompadd -- ${=list}\n[[ -n $verb && ${words[CURRENT]} != -* ]] && _files\n";
 }
 
 std::string quoted(std::string text) {
@@ -170,8 +176,8 @@ std::string fish(const VerbDescription& command) {
   for (const auto& [words, verb] : leaves) {
     const std::string seen = fmt::format("'__fish_seen_subcommand_from {}'", words.substr(words.rfind(' ') + 1));
     if (const auto space = words.find(' '); space != std::string::npos)
-      text += fmt::format("complete -c imulab -n '__fish_seen_subcommand_from {}' -f -a {} -d {}\n", words.substr(0, space),
-                          words.substr(space + 1), quoted(verb->summary));
+      text += fmt::format("complete -c imulab -n '__fish_seen_subcommand_from {}' -f -a {} -d {}\n", words.substr(0, space), words.substr(space + 1),
+                          quoted(verb->summary));
     for (const OptionDescription& o : verb->options) {
       if (o.names.empty()) continue;
       std::string line = fmt::format("complete -c imulab -n {}", seen);
@@ -200,8 +206,8 @@ std::string help_text(const VerbDescription& verb) {
 std::string manual_page(const VerbDescription& verb, const std::string& version) {
   std::string title = verb.name;
   std::replace(title.begin(), title.end(), ' ', '-');
-  std::string text = fmt::format(".TH {} 1 \"\" \"imulab {}\" \"User commands\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n{}\n", upper(title), version, roff(title),
-                                 roff(verb.summary), roff(usage(verb)));
+  std::string text = fmt::format(".TH {} 1 \"\" \"imulab {}\" \"User commands\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n{}\n", upper(title), version,
+                                 roff(title), roff(verb.summary), roff(usage(verb)));
   if (!verb.verbs.empty()) text += ".SH COMMANDS\n";
   for (const VerbDescription& own : verb.verbs) text += fmt::format(".TP\n.B {}\n{}\n", roff(own_name(own)), roff(own.summary));
   text += ".SH OPTIONS\n";
@@ -210,7 +216,8 @@ std::string manual_page(const VerbDescription& verb, const std::string& version)
   for (const std::string& example : verb.examples) text += roff(example) + "\n";
   if (!verb.examples.empty()) text += ".fi\n";
   return text +
-         ".SH EXIT STATUS\n0: done. 1: the data do not support what was asked; what could be determined is still written. 2: the command or a file is "
+         ".SH EXIT STATUS\n0: done. 1: the data do not support what was asked; what could be determined is still written. 2: the command or a file "
+         "is "
          "wrong.\n";
 }
 

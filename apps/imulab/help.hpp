@@ -7,8 +7,8 @@
 namespace imulab::command {
 
 struct OptionDescription {
-  std::vector<std::string> names;    ///< "-o", "--output"; none for a value in its place
-  std::string value;                 ///< its name, "FILE"; empty for a flag
+  std::vector<std::string> names;  ///< "-o", "--output"; none for a value in its place
+  std::string value;               ///< its name, "FILE"; empty for a flag
   std::string help;
   std::string initial;               ///< default; empty: none to tell
   std::vector<std::string> choices;  ///< the only values, if they are limited to these

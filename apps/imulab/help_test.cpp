@@ -1,8 +1,7 @@
 // The command explains itself: in 80 columns, with examples that its own parser accepts, in manual pages and in shells.
-#include "tests/run_command.hpp"
-
 #include <gmock/gmock.h>
 
+#include "tests/run_command.hpp"
 #include <vector>
 
 namespace imulab {
@@ -10,8 +9,9 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::vector<std::string> verbs{"calibrate", "live", "compare", "verify", "report",     "procedure", "procedure hand-held", "procedure dai-unit", "simulate", "predict",
-                                     "plan",      "compensate", "export", "trajectory", "navigate", "budget", "demo", "help"};
+const std::vector<std::string> verbs{"calibrate",          "live",     "compare", "verify", "report",     "procedure", "procedure hand-held",
+                                     "procedure dai-unit", "simulate", "predict", "plan",   "compensate", "export",    "trajectory",
+                                     "navigate",           "budget",   "demo",    "help"};
 
 TEST(Help, FitsATerminal) {
   const TemporaryFolder folder;

@@ -110,7 +110,10 @@ class Display {
  public:
   /// On standard output, or standard error where the calibration is written to that.
   Display(std::FILE* out, bool json)
-      : out_(out), json_(json), terminal_(!json && isatty(fileno(out)) != 0 && !is("TERM", "dumb")), color_(terminal_ && std::getenv("NO_COLOR") == nullptr) {
+      : out_(out),
+        json_(json),
+        terminal_(!json && isatty(fileno(out)) != 0 && !is("TERM", "dumb")),
+        color_(terminal_ && std::getenv("NO_COLOR") == nullptr) {
     if (terminal_) fmt::print(out_, "\033[2J");
   }
   void show(const LiveView& view, bool new_rest) {
@@ -190,8 +193,11 @@ void conclude(const Options& options, const LiveProgress& progress) {
   if (!view.problem.empty()) throw Unsupported(view.problem + (view.next ? "\n  what helps most: " + turns_text({*view.next}) : ""));
   const Quality& quality = progress.result()->calibration.quality;
   for (const std::string& text : quality.warnings) warn(text);
-  const std::string written = options.output.empty() ? "not saved: no -o FILE was given" : "written: " + (options.output == "-" ? "standard output" : options.output);
-  if (!options.json) fmt::print(output_of(options), "{} rest{} in {:.0f} s: {}; {}\n", view.up.size(), view.up.size() == 1 ? "" : "s", view.time_s, verdict_text(quality), written);
+  const std::string written =
+      options.output.empty() ? "not saved: no -o FILE was given" : "written: " + (options.output == "-" ? "standard output" : options.output);
+  if (!options.json)
+    fmt::print(output_of(options), "{} rest{} in {:.0f} s: {}; {}\n", view.up.size(), view.up.size() == 1 ? "" : "s", view.time_s,
+               verdict_text(quality), written);
   if (progress.reached()) return;
   std::string list;
   for (const RequirementResult& r : quality.requirements)

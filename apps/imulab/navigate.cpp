@@ -73,7 +73,8 @@ void check_inputs_stay(const Options& options, const Session& session) {
 }
 
 /// What goes to the page beside the sessions: what each one's calibration explains, or why that is not known.
-void add_budget_to(NavigationReport& report, const Calibration& calibration, const Session& session, const Recording& recording, const Navigated& result) {
+void add_budget_to(NavigationReport& report, const Calibration& calibration, const Session& session, const Recording& recording,
+                   const Navigated& result) {
   report.budgets.emplace_back();
   try {
     report.budgets.back() = navigated_budget(calibration, session, recording, result);
@@ -81,7 +82,8 @@ void add_budget_to(NavigationReport& report, const Calibration& calibration, con
     report.missing.push_back(fmt::format("{}: the bands of the errors: {}", session.file, e.what()));
     return;
   }
-  if (!report.budgets.back()) report.missing.push_back(fmt::format("{}: the bands of the errors: the calibration has no uncertainties.", session.file));
+  if (!report.budgets.back())
+    report.missing.push_back(fmt::format("{}: the bands of the errors: the calibration has no uncertainties.", session.file));
 }
 
 NavigatedSession navigated(const Options& options, const Calibration& calibration, const std::string& name, NavigationReport& report) {
@@ -139,8 +141,7 @@ void add_navigate(Verb app) {
       .show_default();
   verb.option("--barometer FILE", o->barometer, "heights for aided and held: a CSV file with t,height_m");
   verb.flag("--align", o->navigate.align, "align on the first rest even if the session gives an attitude");
-  verb.option("--heading", o->heading_deg, "heading at the end of the rest, deg; only roll and pitch are then aligned")
-      .in_range(-360., 360.);
+  verb.option("--heading", o->heading_deg, "heading at the end of the rest, deg; only roll and pitch are then aligned").in_range(-360., 360.);
   verb.option("--heading-sigma", o->heading_sigma_deg, "standard uncertainty of --heading, deg; exact if absent").in_range(0., 180.);
   verb.option("--gaps HOW", o->gaps, "what to do at missing samples").one_of({"integrate", "refuse"}).show_default();
   verb.option("--truth FILE", o->truth, "reference solution; the session's [truth] if absent");

@@ -216,7 +216,8 @@ TEST(NavigateCommand, WhatIsWrongIsNamed) {
   };
   for (const Case& c :
        {Case{"counts.json session", "accel is in m/s^2, expected count, which the calibration was made from"},
-        Case{"none session/count.toml", "gyro is in count, expected rad/s"}, Case{"none session/huge.toml", "accel z is 1e+300 m/s^2; expected a reading that a sensor can give"},
+        Case{"none session/count.toml", "gyro is in count, expected rad/s"},
+        Case{"none session/huge.toml", "accel z is 1e+300 m/s^2; expected a reading that a sensor can give"},
         Case{"none session/pole.toml", "latitude 90.000000 deg"}, Case{"none session/pole.toml --align", "latitude 90.000000 deg"},
         Case{"none session/late.toml", "navigation starts at 4000.000000 s, expected inside the recording, 0.000000 s to 100.000000 s"},
         Case{"none session --truth elsewhen.csv",

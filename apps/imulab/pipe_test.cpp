@@ -1,16 +1,14 @@
 // - is standard input or output wherever a stream makes sense: verbs compose.
-#include "tests/run_command.hpp"
-
 #include <gmock/gmock.h>
+
+#include "tests/run_command.hpp"
 
 namespace imulab {
 namespace {
 
 struct Pipe : ::testing::Test {
   TemporaryFolder folder;
-  CommandResult shell(const std::string& command) const {
-    return run_shell(folder, "imulab() { '" IMULAB_COMMAND "' \"$@\"; }\n" + command);
-  }
+  CommandResult shell(const std::string& command) const { return run_shell(folder, "imulab() { '" IMULAB_COMMAND "' \"$@\"; }\n" + command); }
 };
 
 TEST_F(Pipe, AProcedureIsPredictedAndSimulated) {

@@ -13,10 +13,9 @@
 
 #include <fmt/core.h>
 
-#include <cstdlib>
-
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <memory>
 #include <optional>
 
@@ -105,7 +104,8 @@ void run(const Options& options) {
   else if (options.output != "-")
     fmt::print("{} turns in {}\n\n{}\n{}", path.turns.size(), minutes(path.duration), path_table(path), prediction_table(p, question.requirements));
   if (!options.report.empty()) {
-    PredictionSummary summary{.coefficients = p.coefficients, .undetermined = p.undetermined, .sigma = p.sigma, .cramer_rao = p.cramer_rao, .missed = missed};
+    PredictionSummary summary{
+        .coefficients = p.coefficients, .undetermined = p.undetermined, .sigma = p.sigma, .cramer_rao = p.cramer_rao, .missed = missed};
     write_whole(options.report, plan_page({question.requirements, path, std::move(summary)}));
   }
   const auto open = std::find_if(missed.begin(), missed.end(), [](const Shortfall& s) { return !std::isfinite(s.sigma); });
@@ -143,8 +143,7 @@ void add_plan(Verb app) {
       .show_default();
   verb.option("--time N", o->time, "find the best path within this many seconds instead of the shortest")
       .check(between(60, hybrid::longest_path, false, "seconds"));
-  verb.option("--rest", o->rest, "duration of every rest in whole seconds; if absent, each is chosen")
-      .check(between(6, 600, true, "whole seconds"));
+  verb.option("--rest", o->rest, "duration of every rest in whole seconds; if absent, each is chosen").check(between(6, 600, true, "whole seconds"));
   verb.option("-o,--output FILE", o->output, "the procedure to write; - for standard output in place of the table");
   add_report_option(verb, o->report);
   verb.flag("--json", o->json, "print the result as JSON");

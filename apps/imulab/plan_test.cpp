@@ -80,7 +80,8 @@ TEST_F(PlanCommand, APlanForAHandCalibratesAsItPromises) {  // few rests, whose 
   ASSERT_EQ(run_imulab(folder, "simulate hand.toml -o hand").exit_code, 0);
   const CommandResult calibrated = run_imulab(folder, "calibrate hand --method hybrid -o hand.json");
   EXPECT_EQ(calibrated.exit_code, 0) << calibrated.output << calibrated.errors;
-  EXPECT_THAT(run_imulab(folder, "compare hand.json hand/truth.json").output, testing::ContainsRegex("^0 of [0-9]+ coefficients differ significantly"));
+  EXPECT_THAT(run_imulab(folder, "compare hand.json hand/truth.json").output,
+              testing::ContainsRegex("^0 of [0-9]+ coefficients differ significantly"));
 }
 
 }  // namespace

@@ -86,7 +86,8 @@ void predict_by(const Method& chosen, const Options& options) {
     missed = shortfalls(p, requirements);
   }
   if (!options.report.empty()) {
-    PredictionSummary summary{.coefficients = p.coefficients, .undetermined = p.undetermined, .sigma = p.sigma, .cramer_rao = p.cramer_rao, .missed = missed};
+    PredictionSummary summary{
+        .coefficients = p.coefficients, .undetermined = p.undetermined, .sigma = p.sigma, .cramer_rao = p.cramer_rao, .missed = missed};
     if (advice) summary.advice = advice->turns;
     write_whole(options.report, prediction_page({.procedure = options.procedure, .summary = std::move(summary), .required = !requirements.empty()}));
   }
@@ -124,11 +125,18 @@ void run(const Options& options) {
     missed = shortfalls(plan, requirements);
   }
   if (!options.report.empty()) {
-    PredictionSummary summary{.coefficients = prediction.coefficients, .undetermined = prediction.undetermined, .sigma = prediction.sigma,
-                              .cramer_rao = prediction.cramer_rao, .sources = prediction.sources, .variance = prediction.variance, .missed = missed};
+    PredictionSummary summary{.coefficients = prediction.coefficients,
+                              .undetermined = prediction.undetermined,
+                              .sigma = prediction.sigma,
+                              .cramer_rao = prediction.cramer_rao,
+                              .sources = prediction.sources,
+                              .variance = prediction.variance,
+                              .missed = missed};
     if (sampled) summary.monte_carlo = sampled->sigma, summary.runs = sampled->runs;
-    write_whole(options.report, prediction_page({.procedure = options.procedure, .summary = std::move(summary),
-                                                 .tables = {requirements.empty() ? "" : tolerance_table(plan, missed, answers)}, .required = !requirements.empty()}));
+    write_whole(options.report, prediction_page({.procedure = options.procedure,
+                                                 .summary = std::move(summary),
+                                                 .tables = {requirements.empty() ? "" : tolerance_table(plan, missed, answers)},
+                                                 .required = !requirements.empty()}));
   }
   if (options.json) {
     fmt::print("{}", prediction_json(prediction, sampled, missed, answers));
@@ -162,11 +170,13 @@ void add_predict(Verb app) {
       .one_of(names)
       .show_default();
   verb.option("--require LIMITS", options->require,
-                   "requirements, as in \"gyro.matrix.off_diagonal <= 5 arcsec, accel.offset <= 20 ug\"; finds which table, "
-                   "timing and noise meet them");
-  const Option runs = verb.option("--runs", options->runs, "number of Monte Carlo procedures, at least 100; 0 for none").check(bad_runs).show_default();
+              "requirements, as in \"gyro.matrix.off_diagonal <= 5 arcsec, accel.offset <= 20 ug\"; finds which table, "
+              "timing and noise meet them");
+  const Option runs =
+      verb.option("--runs", options->runs, "number of Monte Carlo procedures, at least 100; 0 for none").check(bad_runs).show_default();
   const Option seed = verb.option("--seed", options->seed, "random seed; the same seed gives the same result").show_default();
-  const Option classical = verb.flag("--classical", options->classical, "Zhang 2010: weights from the sensors' noise alone, a separate gyro bias in turns");
+  const Option classical =
+      verb.flag("--classical", options->classical, "Zhang 2010: weights from the sensors' noise alone, a separate gyro bias in turns");
   add_report_option(verb, options->report);
   verb.flag("--json", options->json, "print the result as JSON");
   verb.flag("-v,--verbose", options->verbose, "print also first and second order and the Monte Carlo, with more digits");

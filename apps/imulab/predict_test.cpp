@@ -200,10 +200,9 @@ TEST_F(PredictCommand, AnswersTheInverseQuestion) {
 
   const CommandResult never = run_imulab(folder, "predict p.toml --runs 0 --require 'accel.matrix.diagonal <= 1 ppm'");
   EXPECT_EQ(never.exit_code, 1);
-  EXPECT_THAT(
-      on_one_line(never.output),
-      ContainsRegex("all else as declared none: not even a perfect table accel.matrix.diagonal <= 1 ppm: accel.matrix.[a-z]+ has 30.[0-9] "
-                    "ppm, most of it from gravity "));
+  EXPECT_THAT(on_one_line(never.output),
+              ContainsRegex("all else as declared none: not even a perfect table accel.matrix.diagonal <= 1 ppm: accel.matrix.[a-z]+ has 30.[0-9] "
+                            "ppm, most of it from gravity "));
   EXPECT_THAT(never.errors, HasSubstr("imulab: the requirements are not met with this procedure, not even with a hundredth of "));
 }
 
@@ -264,8 +263,7 @@ TEST_F(PredictCommand, AProcedureThatIsWrongIsExplained) {
         Case{"latitude_deg = 45\nheight_m = 0\n", "", ": neither gravity nor latitude of the site is given"},
         Case{"grade = \"navigation\"\n", "", ": the IMU's noise is not declared"},
         Case{"grade = \"navigation\"\n", "accel_noise_density = 5e-5\n", ": the IMU's noise is not declared"},
-        Case{"grade = \"navigation\"\n", "grade = \"navigation\"\ngyro_noise_density = 0\n",
-             ": the gyro noise density is 0; expected one above 0"},
+        Case{"grade = \"navigation\"\n", "grade = \"navigation\"\ngyro_noise_density = 0\n", ": the gyro noise density is 0; expected one above 0"},
         Case{steps, "", ": "}}) {
     folder.write(file, with(c.from, c.to));
     const CommandResult result = run_imulab(folder, "predict w.toml --runs 0");

@@ -52,8 +52,7 @@ void add_turntable(Verb verb, const char* name, const char* about, Session (*pro
   const auto a = std::make_shared<Arguments>();
   Verb own = verb.verb(name, about);
   own.option("--rest", a->options.rest, "seconds of each rest").show_default();
-  own.option("--table", a->table_arcsec, "declared uncertainty of the table's angles, orthogonality and zeros, one sigma, arcsec")
-      .show_default();
+  own.option("--table", a->table_arcsec, "declared uncertainty of the table's angles, orthogonality and zeros, one sigma, arcsec").show_default();
   add_output(own, a->output);
   own.does([a, procedure] {
     a->options.table = a->table_arcsec * unit::arcsec;
@@ -72,7 +71,7 @@ void add_dai_unit(Verb verb) {
   own.option("--record", a->options.record, "seconds recorded at each point").show_default();
   own.option("--rate-hz", a->options.rate_hz, "samples per second").show_default();
   own.option("--thermal KIND", a->thermal,
-                  "thermal readings: three sensors at each triad; one; resonance: the gyros' frequencies, and three sensors at the accelerometers")
+             "thermal readings: three sensors at each triad; one; resonance: the gyros' frequencies, and three sensors at the accelerometers")
       .one_of({"three", "one", "resonance"})
       .show_default();
   own.flag("--both-ways", a->options.both_ways, "the chamber warms and cools");

@@ -28,7 +28,9 @@ namespace imulab::command {
 
 namespace fs = std::filesystem;
 
-void add_report_option(Verb& verb, std::string& file) { verb.option("--report FILE", file, "write the result as a page, too: one HTML file, self-contained"); }
+void add_report_option(Verb& verb, std::string& file) {
+  verb.option("--report FILE", file, "write the result as a page, too: one HTML file, self-contained");
+}
 
 void expect_others_stay(const std::string& page, const std::vector<fs::path>& others) {
   if (page.empty()) return;
@@ -48,7 +50,9 @@ struct Options {
 
 constexpr const char* pictures = "The recording, gravity and rotations before and after, the directions of gravity";
 
-const char* reason(FileState state) { return state == FileState::changed ? "is not the file that was calibrated (its SHA-256 differs)" : "was not found"; }
+const char* reason(FileState state) {
+  return state == FileState::changed ? "is not the file that was calibrated (its SHA-256 differs)" : "was not found";
+}
 
 /// The recordings of the session whose files are those that were calibrated; what is missing goes to the report.
 void add_evidence(CalibrationReport& report, const Session& session, const std::set<std::string>& bad) {
@@ -76,7 +80,8 @@ CalibrationReport saved_calibration(Calibration calibration, const Options& o) {
   CalibrationReport report;
   report.result.calibration = std::move(calibration);
   const Calibration& c = report.result.calibration;
-  if (c.method == "hybrid") report.missing.emplace_back("Convergence curves: the calibration file does not keep them; imulab calibrate --report draws them.");
+  if (c.method == "hybrid")
+    report.missing.emplace_back("Convergence curves: the calibration file does not keep them; imulab calibrate --report draws them.");
   if (c.sources.empty() || c.session_file.empty()) {
     report.missing.push_back(fmt::format("{}: the file names no recordings with their hashes.", pictures));
     return report;
@@ -114,9 +119,10 @@ std::string page_of(SavedResult saved, const Options& o) {
         if constexpr (std::is_same_v<Result, ComparisonSummary>) return comparison_page(result);
         if constexpr (std::is_same_v<Result, PredictionSummary>) return prediction_page({.procedure = name, .summary = std::move(result)});
         if constexpr (std::is_same_v<Result, BudgetSummary>)
-          return budget_page({.mission = name,
-                              .summary = std::move(result),
-                              .missing = {"Errors and shares over time, and the track: the JSON has the end alone; imulab budget --report draws them."}});
+          return budget_page(
+              {.mission = name,
+               .summary = std::move(result),
+               .missing = {"Errors and shares over time, and the track: the JSON has the end alone; imulab budget --report draws them."}});
         if constexpr (std::is_same_v<Result, NavigationSummary>)
           return navigation_page({.sessions = std::move(result),
                                   .missing = {"Track and errors over time: the JSON has the end alone; imulab navigate --report draws them."}});
@@ -128,7 +134,8 @@ void run(const Options& o) {
   if (o.json && o.output == "-") throw Error("--json: standard output has the page; expected -o FILE");
   if (fs::is_directory(o.output)) throw Error(fmt::format("-o {}: is a folder; expected a file to write", o.output));
   std::error_code none;
-  if (o.output == o.result || fs::equivalent(o.output, o.result, none)) throw Error(fmt::format("-o {}: would overwrite the result; expected another file", o.output));
+  if (o.output == o.result || fs::equivalent(o.output, o.result, none))
+    throw Error(fmt::format("-o {}: would overwrite the result; expected another file", o.output));
   write_whole(o.output, page_of(read_result(o.result), o));
   if (o.json) fmt::print("{}", fields_json({{{"file", o.output}}}));
   if (!o.json && o.output != "-") fmt::print("written: {}\n", o.output);
@@ -139,7 +146,8 @@ void run(const Options& o) {
 void add_report(Verb app) {
   const auto o = std::make_shared<Options>();
   Verb verb = app.verb("report", "Show a saved result as a page: one HTML file, self-contained");
-  verb.option("RESULT", o->result, "calibration.json, or what compare, predict, navigate or budget print with --json; - for standard input").required();
+  verb.option("RESULT", o->result, "calibration.json, or what compare, predict, navigate or budget print with --json; - for standard input")
+      .required();
   verb.option("-o,--output FILE", o->output, "the page to write; - for standard output").required();
   verb.option("--session SESSION", o->session, "the session's folder or file, if it is not where it was (calibrations)");
   verb.flag("--json", o->json, "print what was written as JSON");

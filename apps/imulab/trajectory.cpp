@@ -133,8 +133,11 @@ void make(const Arguments& a) {
   write_session(folder.path() / "session.toml", session_of(mission, recording, solution.states.front()));
   folder.commit();
   if (a.json)
-    return fmt::print("{}", fields_json({{{"folder", a.folder}, {"samples", std::uint64_t{recording.size()}}, {"duration_s", solution.time.back()},
-                                        {"rate_hz", mission.rate}, {"truth_rows", std::uint64_t{solution.size()}}}}));
+    return fmt::print("{}", fields_json({{{"folder", a.folder},
+                                          {"samples", std::uint64_t{recording.size()}},
+                                          {"duration_s", solution.time.back()},
+                                          {"rate_hz", mission.rate},
+                                          {"truth_rows", std::uint64_t{solution.size()}}}}));
   fmt::print("{}\n", a.folder);
   fmt::print("  recording.csv  {} samples, {:.10g} s at {:g} Hz\n", recording.size(), solution.time.back(), mission.rate);
   fmt::print("  truth.csv      {} rows\n  session.toml\n", solution.size());

@@ -316,7 +316,8 @@ TEST(TrajectoryBadInput, ATrackIsRefusedWithItsLine) {
   };
   expect(good, file("position_sigma_m = -1\n"), "m.toml:4: track.position_sigma_m: -1 is out of range");
   expect(good, file() + start, "m.toml:4: start: cannot be combined with [track]");
-  expect(good, file() + start + segment("kind = \"rest\"\nduration_s = 5"), "m.toml:2: track: cannot be combined with [[segment]]; expected one of them");
+  expect(good, file() + start + segment("kind = \"rest\"\nduration_s = 5"),
+         "m.toml:2: track: cannot be combined with [[segment]]; expected one of them");
   expect(good, "format = \"imulab.mission/1\"\n[track]\nfile = \"no.csv\"\n", "no.csv: cannot be opened");
   expect(header + row(0, 47) + row(1, 47.001), file(), "m.toml: track: 2 rows, expected at least 4");
   expect(header, file(), "track.csv: has a header but no rows");

@@ -47,7 +47,8 @@ TEST(WrongDeclaration, IsNeverGood) {
                   s.declare("rate_hz = 100\n", "");
                 },
                 "the unit of the stamps is smaller than declared"},
-           Case{"increments for rates", [](SessionText& s) { s.declare(gyro_rate, "output = \"increment\", unit = \"rad\""); }, "the readings are rates"},
+           Case{"increments for rates", [](SessionText& s) { s.declare(gyro_rate, "output = \"increment\", unit = \"rad\""); },
+                "the readings are rates"},
            Case{"rates for increments", times(1, 4, 0.01), "the readings are increments"},
            Case{"half of the gyros' reading", times(1, 4, 0.5), "the gyros' scale is 2.0"},
            Case{"a thousandth", times(1, 4, 1000), "thousandths of the declared unit"},

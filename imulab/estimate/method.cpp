@@ -27,7 +27,10 @@ namespace imulab {
 namespace {
 
 constexpr std::array all{
-    Method{.name = "handheld", .summary = "from rests and the rotations between them", .calibrate = rests::calibrate_handheld, .predict = rests::predict_handheld},
+    Method{.name = "handheld",
+           .summary = "from rests and the rotations between them",
+           .calibrate = rests::calibrate_handheld,
+           .predict = rests::predict_handheld},
     Method{.name = "hybrid",
            .summary = "from rests and turns in one place, without a table's angles",
            .takes_curves = true,
@@ -73,7 +76,8 @@ std::vector<Recording> corrected_recordings(const CalibrationInput& input, std::
     if (out.empty()) out.assign(input.recordings.begin(), input.recordings.end());
     if (filled.filled > 0) {
       out[k] = std::move(filled.recording);
-      said.push_back(fmt::format("{}: {} samples are missing, one or two at a time; they were interpolated from their neighbors", r.name, filled.filled));
+      said.push_back(
+          fmt::format("{}: {} samples are missing, one or two at a time; they were interpolated from their neighbors", r.name, filled.filled));
       continue;
     }
     out[k] = with_even_stamps(std::move(out[k]), *clock);

@@ -30,9 +30,10 @@ struct CalibrationOptions {
   double outlier_level = 1e-3;          ///< probability of dropping anything from good data
 
   struct Handheld {
-    std::vector<Requirement> requirements = {};  ///< what the calibration is for: where it is not reached, the result names the turns that are missing
-    std::size_t advised_turns = 3;               ///< so many of them at most
-    double rest_s = 4;                           ///< of a rest to come
+    std::vector<Requirement> requirements =
+        {};                         ///< what the calibration is for: where it is not reached, the result names the turns that are missing
+    std::size_t advised_turns = 3;  ///< so many of them at most
+    double rest_s = 4;              ///< of a rest to come
   } handheld;
   struct Turntable {
     bool bias_while_turning = false;  ///< the gyros' bias in turns is a separate unknown, and W0 is that of the holds alone, as Zhang estimates it
@@ -72,9 +73,9 @@ struct CalibrationResult {
 /// Standard uncertainties to come, before any data. SI.
 struct Prediction {
   std::vector<CoefficientIndex> coefficients, undetermined;
-  Eigen::VectorXd sigma;           ///< of each of `coefficients`
-  Eigen::VectorXd cramer_rao;      ///< Cramer-Rao bound
-  Eigen::VectorXd remaining = {};  ///< sigma of each of `undetermined`; empty: not known
+  Eigen::VectorXd sigma;                          ///< of each of `coefficients`
+  Eigen::VectorXd cramer_rao;                     ///< Cramer-Rao bound
+  Eigen::VectorXd remaining = {};                 ///< sigma of each of `undetermined`; empty: not known
   std::vector<CoefficientIndex> considered = {};  ///< of `coefficients`: the procedure says nothing of them, and their prior counts in the others
   std::vector<std::string> notes = {};            ///< why something is not calibrated
 };

@@ -50,7 +50,8 @@ RawZero raw_zero(const Calibration& calibration, Triad triad) {
   }
   const Eigen::MatrixXd covariance = jacobian * calibration.covariance * jacobian.transpose();
   for (int axis = 0; axis < 3; ++axis)
-    if (standard_uncertainty(calibration, coefficient_index(triad, Term::offset, axis, axis))) zero.uncertainty[axis] = std::sqrt(covariance(axis, axis));
+    if (standard_uncertainty(calibration, coefficient_index(triad, Term::offset, axis, axis)))
+      zero.uncertainty[axis] = std::sqrt(covariance(axis, axis));
   return zero;
 }
 

@@ -68,11 +68,11 @@ struct RigErrorEstimate {
 struct Quality {
   double chi2_per_dof = 0;  ///< residuals against the declared or measured sample noise alone; on a turntable also its declared errors
   int degrees_of_freedom = 0;
-  double condition = 0;  ///< of the scaled normal equations
+  double condition = 0;   ///< of the scaled normal equations
   bool converged = true;  ///< false: the fit stopped before the correction was small against its uncertainty
   std::vector<std::string> unobservable;
   std::vector<std::string> warnings;
-  std::string verdict;                          ///< "good", or "doubtful" for the reasons in `because`
+  std::string verdict;  ///< "good", or "doubtful" for the reasons in `because`
   std::vector<std::string> because;
   std::vector<std::string> considered;          ///< coefficients that keep their prior value; its uncertainty counts in the others'
   std::optional<double> rotation_residual_deg;  ///< cross-validated, RMS over rotations left out of the fit (hand-held)
@@ -94,7 +94,7 @@ struct SourceFile {
   std::string file;  ///< as the session names it
   std::string sha256;
   std::uint64_t bytes = 0;
-  double first_s = 0, last_s = 0;                                              ///< first and last stamp
+  double first_s = 0, last_s = 0;                                            ///< first and last stamp
   std::optional<std::array<double, 2>> accel_temperature, gyro_temperature;  ///< least and largest thermal reading
   bool operator==(const SourceFile&) const = default;
 };
@@ -105,7 +105,7 @@ struct Calibration {
   std::string session_file, session_sha256;
   std::vector<SourceFile> sources;
   std::map<std::string, std::string> options;  ///< of the calibration, as they were given
-  std::string frame = "accelerometers";  ///< or "rig"
+  std::string frame = "accelerometers";        ///< or "rig"
   SensorModel model;
   std::vector<CoefficientIndex> estimated;  ///< table indices of the coefficients in `covariance`, in its order
   Eigen::MatrixXd covariance;               ///< SI, estimated.size() squared

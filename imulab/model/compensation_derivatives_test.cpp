@@ -38,8 +38,7 @@ TEST(CompensationDerivatives, AreThoseOfTheModel) {
     SensorModel up = model, down = model;
     set_coefficient(up, k, coefficient_value(model, k) + h);
     set_coefficient(down, k, coefficient_value(model, k) - h);
-    EXPECT_LT(((out(up, raw) - out(down, raw)) / (2 * h) - d.coefficients.col(k)).cwiseAbs().maxCoeff(), tolerance)
-        << coefficient(k).name;
+    EXPECT_LT(((out(up, raw) - out(down, raw)) / (2 * h) - d.coefficients.col(k)).cwiseAbs().maxCoeff(), tolerance) << coefficient(k).name;
   }
   for (int k = 0; k < 6; ++k) {
     const auto moved = [&](double by, bool temperature) {

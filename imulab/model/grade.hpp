@@ -42,8 +42,8 @@ struct Grade {
   double gyro_misalignment, accel_misalignment;  ///< rad; gyros: all six; accelerometers: the three non-orthogonalities
   double g_sensitivity;                          ///< (rad/s)/(m/s^2)
   TermSizes terms;
-  NoiseModel gyro_noise, accel_noise;            ///< resolution and range in SI: the raw unit of a drawn IMU
-  std::optional<NonlinearRanges> ranges{};       ///< drawn from these in place of the misalignments and g-sensitivity above, which are their RMS
+  NoiseModel gyro_noise, accel_noise;       ///< resolution and range in SI: the raw unit of a drawn IMU
+  std::optional<NonlinearRanges> ranges{};  ///< drawn from these in place of the misalignments and g-sensitivity above, which are their RMS
 };
 
 /// strategic, navigation, tactical, mems, mems-30g.

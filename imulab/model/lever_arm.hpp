@@ -5,8 +5,8 @@
 
 namespace imulab {
 
-/// S = [w' x] + w w^T - |w|^2 I: a point at r [m] has the acceleration S r = w' x r + w x (w x r) [m/s^2] against the origin. `rate` w [rad/s] against
-/// inertial space and its derivative [rad/s^2], all in body axes.
+/// S = [w' x] + w w^T - |w|^2 I: a point at r [m] has the acceleration S r = w' x r + w x (w x r) [m/s^2] against the origin. `rate` w [rad/s]
+/// against inertial space and its derivative [rad/s^2], all in body axes.
 inline Matrix3d size_effect(const Vector3d& rate, const Vector3d& angular_acceleration) {
   return skew<double>(angular_acceleration) + rate * rate.transpose() - rate.squaredNorm() * Matrix3d::Identity();
 }

@@ -34,8 +34,10 @@ InertialSamples samples_from(const Recording& r, double time, const NavigateOpti
   samples.time.erase(samples.time.begin(), samples.time.begin() + first);
   TimedIncrement& step = samples.steps.front();
   const double left = samples.time.front() - time, part = left / step.interval;
-  if (at_begin) step.interval = left;
-  else if (std::abs(left - step.interval) > tolerance) step = {{part * step.increment.angle, part * step.increment.velocity}, left};
+  if (at_begin)
+    step.interval = left;
+  else if (std::abs(left - step.interval) > tolerance)
+    step = {{part * step.increment.angle, part * step.increment.velocity}, left};
   samples.begin = time;
   return samples;
 }
@@ -54,28 +56,30 @@ void check_barometer(const NavigateOptions& options, double begin, double end) {
   const bool needed = options.vertical == VerticalChannel::aided || options.vertical == VerticalChannel::held;
   if (!needed) return;
   if (!options.barometer)
-    throw Error(fmt::format("vertical channel {}: no barometer's heights; expected them, or the vertical channel free or fixed", to_string(options.vertical)));
+    throw Error(fmt::format("vertical channel {}: no barometer's heights; expected them, or the vertical channel free or fixed",
+                            to_string(options.vertical)));
   const auto& time = options.barometer->time;
   if (time.empty() || time.front() > begin + 1 || time.back() < end - 1)
     throw Error(fmt::format("barometer: runs from {:.3f} s to {:.3f} s, expected all of {:.3f} s to {:.3f} s", time.empty() ? 0 : time.front(),
                             time.empty() ? 0 : time.back(), begin, end));
 }
 
-/// On the ground and in the air the specific force is about g most of the time; half or twice of it means another unit of readings, or a calibration of
-/// another IMU.
+/// On the ground and in the air the specific force is about g most of the time; half or twice of it means another unit of readings, or a calibration
+/// of another IMU.
 void warn_of_force(const InertialSamples& samples, const std::string& name, std::vector<std::string>& warnings) {
   std::vector<double> forces;
   forces.reserve(samples.steps.size());
   for (const TimedIncrement& step : samples.steps) forces.push_back(step.increment.velocity.norm() / step.interval);
   const double middle = median(std::move(forces));
   if (middle > 0.5 * unit::g && middle < 2 * unit::g) return;
-  warnings.push_back(fmt::format("{}: the compensated specific force is {:.3g} m/s^2 (median), expected about g: is the calibration that of this unit, "
-                                 "and are the session's units right? The solution is invalid otherwise",
-                                 name, middle));
+  warnings.push_back(
+      fmt::format("{}: the compensated specific force is {:.3g} m/s^2 (median), expected about g: is the calibration that of this unit, "
+                  "and are the session's units right? The solution is invalid otherwise",
+                  name, middle));
 }
 
-void integrate(const navigation::Start& start, const InertialSamples& samples, const Session& session, const Recording& recording, const NavigateOptions& options,
-               Navigated& out) {
+void integrate(const navigation::Start& start, const InertialSamples& samples, const Session& session, const Recording& recording,
+               const NavigateOptions& options, Navigated& out) {
   check_barometer(options, samples.begin, samples.time.back());
   warn_of_force(samples, recording.name, out.warnings);
   Strapdown strapdown(start.state, {.vertical = options.vertical, .gravity = session.site.given_gravity});
@@ -86,8 +90,9 @@ void integrate(const navigation::Start& start, const InertialSamples& samples, c
     std::optional<double> height;
     if (options.barometer) height = height_at(*options.barometer, samples.time[i]);
     if (!(step.increment.angle.norm() < 1e3 && step.increment.velocity.norm() < 1e6))  // far beyond any motion, and still to be integrated
-      throw Error(fmt::format("{}: the sample at {:.6f} s has increments of {:.3g} rad and {:.3g} m/s, beyond any motion; expected readings of a unit",
-                              recording.name, samples.time[i], step.increment.angle.norm(), step.increment.velocity.norm()));
+      throw Error(
+          fmt::format("{}: the sample at {:.6f} s has increments of {:.3g} rad and {:.3g} m/s, beyond any motion; expected readings of a unit",
+                      recording.name, samples.time[i], step.increment.angle.norm(), step.increment.velocity.norm()));
     strapdown.step(step.increment, step.interval, height);
     out.solution.time.push_back(samples.time[i]);
     out.solution.states.push_back(strapdown.state());
@@ -117,11 +122,11 @@ void warn_of_samples(const Recording& r, Navigated& out) {
                     r.name, out.saturated, out.saturated == 1 ? "" : "s", *first));
   const bool rates = !r.gyro_increment || !r.accel_increment;
   if (const double jitter = stamp_jitter(r); jitter > 0.1)
-    out.warnings.push_back(
-        fmt::format("{}: the stamps' differences scatter by {:.0f} % of the interval; {}", r.name, 100 * jitter,
-                    rates ? "rates are integrated over these differences. Where the stamps are late and the sampling is even, every rotation and every "
-                            "force is wrong by as much: give increments, or even stamps"
-                          : "increments are taken as they are, gravity by the stamps: each state is as late as its stamp"));
+    out.warnings.push_back(fmt::format(
+        "{}: the stamps' differences scatter by {:.0f} % of the interval; {}", r.name, 100 * jitter,
+        rates ? "rates are integrated over these differences. Where the stamps are late and the sampling is even, every rotation and every "
+                "force is wrong by as much: give increments, or even stamps"
+              : "increments are taken as they are, gravity by the stamps: each state is as late as its stamp"));
 }
 
 }  // namespace

@@ -39,7 +39,8 @@ NavigationState position_of(const Session& session, std::vector<std::string>& wa
   }
   const Site& site = session.site;
   if (!site.latitude)
-    throw Error(session.file + ": the position is not known; expected an initial state, or the latitude of the site: alignment finds an attitude alone");
+    throw Error(session.file +
+                ": the position is not known; expected an initial state, or the latitude of the site: alignment finds an attitude alone");
   if (!site.longitude) warnings.push_back("the site has no longitude; longitudes are counted from the start");
   if (!site.height) warnings.push_back("the site has no height; heights are counted from the ellipsoid, and gravity is that of height 0");
   state.latitude = *site.latitude;
@@ -51,11 +52,11 @@ NavigationState position_of(const Session& session, std::vector<std::string>& wa
 void check_heading(const FineAlignment& a) {
   const double sigma = std::sqrt(a.attitude.covariance(2, 2));
   if (sigma <= largest_heading_sigma) return;
-  throw Unsupported(
-      fmt::format("alignment: gyros with {2:.2g} deg/sqrt(h) and biases known to {3:.2g} deg/h do not resolve the Earth's rate in this rest; the sigma of "
-                  "the heading would be {0:.3g} deg (limit {1:.0f} deg); give a heading or an initial state",
-                  sigma / unit::deg, largest_heading_sigma / unit::deg, a.gyro_noise / unit::deg_per_sqrt_h,
-                  std::sqrt(a.gyro_bias_covariance.trace() / 3) / unit::deg_per_h));
+  throw Unsupported(fmt::format(
+      "alignment: gyros with {2:.2g} deg/sqrt(h) and biases known to {3:.2g} deg/h do not resolve the Earth's rate in this rest; the sigma of "
+      "the heading would be {0:.3g} deg (limit {1:.0f} deg); give a heading or an initial state",
+      sigma / unit::deg, largest_heading_sigma / unit::deg, a.gyro_noise / unit::deg_per_sqrt_h,
+      std::sqrt(a.gyro_bias_covariance.trace() / 3) / unit::deg_per_h));
 }
 
 constexpr double at_rest = 1e-3;  // m: a base that moves by less counts as unmoved
@@ -63,21 +64,23 @@ constexpr double at_rest = 1e-3;  // m: a base that moves by less counts as unmo
 void warn_of_innovations(const FineAlignment& a, std::vector<std::string>& warnings) {
   const double scatter = 1 / std::sqrt(static_cast<double>(a.updates));
   if (a.base_displacement > at_rest)
-    warnings.push_back(
-        fmt::format("alignment: the base moved by {:.2g} m (one sigma), or noise and biases are larger than declared; the stated uncertainty counts it as "
-                    "motion, and the solution starts with its velocity",
-                    a.base_displacement));
+    warnings.push_back(fmt::format(
+        "alignment: the base moved by {:.2g} m (one sigma), or noise and biases are larger than declared; the stated uncertainty counts it as "
+        "motion, and the solution starts with its velocity",
+        a.base_displacement));
   if (a.base_displacement <= at_rest && std::abs(a.innovation_correlation) > 5 * scatter)
-    warnings.push_back(
-        fmt::format("alignment: the innovations are correlated ({:.2f}); there are errors that are neither white noise nor constant, such as a drift, which the "
-                    "stated uncertainty does not count",
-                    a.innovation_correlation));
+    warnings.push_back(fmt::format(
+        "alignment: the innovations are correlated ({:.2f}); there are errors that are neither white noise nor constant, such as a drift, which the "
+        "stated uncertainty does not count",
+        a.innovation_correlation));
   if (a.innovation_square > 1 + 5 * scatter)
-    warnings.push_back(fmt::format("alignment: the innovations are {:.2g} times as large as the stated noise explains; its uncertainty is understated",
-                                   std::sqrt(a.innovation_square)));
+    warnings.push_back(
+        fmt::format("alignment: the innovations are {:.2g} times as large as the stated noise explains; its uncertainty is understated",
+                    std::sqrt(a.innovation_square)));
   if (a.innovation_square < 1 - 5 * scatter)
-    warnings.push_back(fmt::format("alignment: the innovations are only {:.2g} times as large as the stated noise explains; its uncertainty is overstated",
-                                   std::sqrt(a.innovation_square)));
+    warnings.push_back(
+        fmt::format("alignment: the innovations are only {:.2g} times as large as the stated noise explains; its uncertainty is overstated",
+                    std::sqrt(a.innovation_square)));
 }
 
 /// The first one declared; or the first one found that is long enough to align on, less a window on either side, in which motion may begin or end.

@@ -6,9 +6,10 @@
 
 namespace imulab {
 
-/// The samples at which a channel stands at its largest or its smallest value because it clips there, ascending. A value at which the readings pile up
-/// is taken for a limit: of readings that hardly ever repeat one that occurs three times, of readings in steps one that occurs three times as often as
-/// each of the three steps next to it and stays three times longer than any other. (The tail of a normal distribution thins out toward its end.)
+/// The samples at which a channel stands at its largest or its smallest value because it clips there, ascending. A value at which the readings pile
+/// up is taken for a limit: of readings that hardly ever repeat one that occurs three times, of readings in steps one that occurs three times as
+/// often as each of the three steps next to it and stays three times longer than any other. (The tail of a normal distribution thins out toward its
+/// end.)
 std::vector<std::size_t> clipped_samples(const std::vector<double>& channel);
 
 }  // namespace imulab

@@ -19,8 +19,8 @@ struct EvenClock {
   std::int64_t stamp_ns(std::size_t i) const;
 };
 
-/// The clock along the earliest stamps (a stamp can be late, not early); empty where the stamps do not support it: fewer than 200, samples missing, or
-/// earliest stamps of fifty that stray by more than a quarter of an interval from one line (a clock that wanders).
+/// The clock along the earliest stamps (a stamp can be late, not early); empty where the stamps do not support it: fewer than 200, samples missing,
+/// or earliest stamps of fifty that stray by more than a quarter of an interval from one line (a clock that wanders).
 std::optional<EvenClock> even_clock(const std::vector<std::int64_t>& time_ns);
 
 /// The clock that is to replace the recording's stamps: if that is wanted, or by itself where they scatter by more than a twentieth of an interval.

@@ -40,11 +40,12 @@ TEST(EvenStamps, ThatAreEvenStay) {
 }
 
 TEST(EvenStamps, StayWhereSamplesAreMissingOrTheClockWanders) {
-  for (const auto& stamp : {std::function<double(std::size_t)>([](std::size_t i) { return 0.01 * static_cast<double>(i + (i > 2500)) + lateness(i); }),
-                            std::function<double(std::size_t)>([](std::size_t i) {
-                              const double t = 0.01 * static_cast<double>(i);
-                              return t + 0.005 * std::sin(0.2 * t) + lateness(i);
-                            })}) {
+  for (const auto& stamp :
+       {std::function<double(std::size_t)>([](std::size_t i) { return 0.01 * static_cast<double>(i + (i > 2500)) + lateness(i); }),
+        std::function<double(std::size_t)>([](std::size_t i) {
+          const double t = 0.01 * static_cast<double>(i);
+          return t + 0.005 * std::sin(0.2 * t) + lateness(i);
+        })}) {
     Recording r = stamped(stamp);
     EXPECT_FALSE(replacing_clock(r, Stamps::automatic));
     EXPECT_THROW(replacing_clock(r, Stamps::uniform), Error);

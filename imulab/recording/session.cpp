@@ -23,9 +23,7 @@ std::string_view to_string(NoiseTerms terms) { return terms == NoiseTerms::white
 
 std::string_view to_string(Extent extent) { return extent == Extent::all ? "all" : "steps"; }
 
-std::string_view to_string(Stamps stamps) {
-  return stamps == Stamps::automatic ? "automatic" : stamps == Stamps::recorded ? "recorded" : "uniform";
-}
+std::string_view to_string(Stamps stamps) { return stamps == Stamps::automatic ? "automatic" : stamps == Stamps::recorded ? "recorded" : "uniform"; }
 std::string_view to_string(RigKind kind) {
   switch (kind) {
     case RigKind::turntable:

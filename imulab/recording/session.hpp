@@ -20,7 +20,8 @@ namespace imulab {
 enum class NoiseTerms { white, full };
 std::string_view to_string(NoiseTerms terms);
 
-/// One sigma of the terms that an IMU may have beyond offsets and matrices, SI: the priors of a calibration. Absent: by the grade, or the IMU's offsets.
+/// One sigma of the terms that an IMU may have beyond offsets and matrices, SI: the priors of a calibration. Absent: by the grade, or the IMU's
+/// offsets.
 struct TermSigmas {
   std::optional<double> accel_quadratic, accel_cubic;  ///< 1/(m/s^2), 1/(m/s^2)^2
   std::optional<double> gyro_quadratic, gyro_cubic;    ///< 1/(rad/s), 1/(rad/s)^2
@@ -171,8 +172,8 @@ struct InitialState {
 };
 
 struct Session {
-  std::string file;    ///< the TOML file
-  std::string sha256;  ///< of its text
+  std::string file;                        ///< the TOML file
+  std::string sha256;                      ///< of its text
   std::optional<std::string> operated_by;  ///< who took the data
   ImuDeclaration imu;
   Site site;

@@ -66,7 +66,8 @@ FilledRecording with_short_gaps_filled(const Recording& r) {
   for (const std::size_t count : counts) out.filled += count;
   if (out.filled == 0 || static_cast<double>(out.filled) > largest_share * static_cast<double>(r.size())) return {r, 0};
   Recording& f = out.recording;
-  for (auto [to, from] : {std::pair{&f.gyro, &r.gyro}, {&f.accel, &r.accel}, {&f.gyro_temperature, &r.gyro_temperature}, {&f.accel_temperature, &r.accel_temperature}})
+  for (auto [to, from] :
+       {std::pair{&f.gyro, &r.gyro}, {&f.accel, &r.accel}, {&f.gyro_temperature, &r.gyro_temperature}, {&f.accel_temperature, &r.accel_temperature}})
     for (std::size_t axis = 0; axis < 3; ++axis) (*to)[axis] = filled_column((*from)[axis], r.gaps, counts);
   f.time_ns.clear(), f.gaps.clear(), f.saturated.clear();
   std::size_t gap = 0, limit = 0;

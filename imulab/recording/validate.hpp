@@ -11,9 +11,9 @@ namespace imulab {
 double largest_reading(std::string_view unit);
 
 /// Throws Error, naming the column, the sample and what was expected, for: no samples; columns of another length than the stamps; stamps that go back
-/// or repeat; a reading or temperature that is NaN or infinite; a reading beyond largest_reading; units other than "count", "rad/s" (gyro) and "m/s^2" (accel); an interval that is not
-/// positive, or that differs from the stamps' differences outside gaps by more than 2 % (in median and mean); gaps or saturated samples that are out
-/// of range or not ascending. One pass over the columns.
+/// or repeat; a reading or temperature that is NaN or infinite; a reading beyond largest_reading; units other than "count", "rad/s" (gyro) and
+/// "m/s^2" (accel); an interval that is not positive, or that differs from the stamps' differences outside gaps by more than 2 % (in median and
+/// mean); gaps or saturated samples that are out of range or not ascending. One pass over the columns.
 void validate(const Recording& recording);
 
 }  // namespace imulab

@@ -1,6 +1,6 @@
 // Values with their uncertainties, as a certificate states them; correlations; tests of terms.
-#include "imulab/model/user_value.hpp"
 #include "imulab/model/expanded_uncertainty.hpp"
+#include "imulab/model/user_value.hpp"
 #include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/pictures.hpp"
@@ -26,13 +26,20 @@ struct Group {
 std::string kind_of(const Coefficient& c) {
   const std::string triad = c.triad == Triad::accel ? "accelerometer" : "gyro";
   switch (c.term) {
-    case Term::offset: return triad + " offset";
-    case Term::matrix: return triad + (c.row == c.column ? " scale" : " misalignment");
-    case Term::quadratic: return triad + " quadratic term";
-    case Term::cubic: return triad + " cubic term";
-    case Term::thermal: return triad + (c.column == 1 ? " thermal term" : " quadratic thermal term");
-    case Term::g_sensitivity: return "gyro g-sensitivity";
-    case Term::lever_arm: return "accelerometer lever arm";
+    case Term::offset:
+      return triad + " offset";
+    case Term::matrix:
+      return triad + (c.row == c.column ? " scale" : " misalignment");
+    case Term::quadratic:
+      return triad + " quadratic term";
+    case Term::cubic:
+      return triad + " cubic term";
+    case Term::thermal:
+      return triad + (c.column == 1 ? " thermal term" : " quadratic thermal term");
+    case Term::g_sensitivity:
+      return "gyro g-sensitivity";
+    case Term::lever_arm:
+      return "accelerometer lever arm";
   }
   return triad;
 }
@@ -88,8 +95,8 @@ std::string other_values(const Calibration& calibration) {
     const double value = coefficient_value(calibration.model, index);
     if (contains(calibration.estimated, index) || value == coefficient_value(ideal, index)) continue;
     const UserValue user = user_value(calibration, index);
-    t.rows.push_back({"<code>" + escaped(coefficient(index).name) + "</code>", number(user.value, 6), escaped(readable_unit(user.unit)), number(value, 8),
-                      escaped(readable_unit(coefficient(index).unit))});
+    t.rows.push_back({"<code>" + escaped(coefficient(index).name) + "</code>", number(user.value, 6), escaped(readable_unit(user.unit)),
+                      number(value, 8), escaped(readable_unit(coefficient(index).unit))});
   }
   return t.rows.empty() ? "" : "<h3>Values without uncertainties</h3>\n" + table(t);
 }
@@ -127,12 +134,15 @@ std::string coefficients_section(const Calibration& calibration) {
     figures.push_back(intervals_of(calibration, group));
     for (const CoefficientIndex index : group.members) t.rows.push_back(coefficient_cells(calibration, index));
   }
-  return section("coefficients", "Coefficients",
-                 "Bars show ± U, the expanded uncertainty: 95 % of such intervals contain the true value. Misalignments are relative to their row's scale; scales are "
-                 "differences from one, or the scale itself where the readings are counts.",
-                 beside(figures) +
-                     paragraph("u: standard uncertainty; ν: effective degrees of freedom; k: coverage factor of a t distribution for 95.45 %; U = k u. JCGM 100.") +
-                     table(t) + others);
+  return section(
+      "coefficients", "Coefficients",
+      "Bars show ± U, the expanded uncertainty: 95 % of such intervals contain the true value. Misalignments are relative to their row's scale; "
+      "scales are "
+      "differences from one, or the scale itself where the readings are counts.",
+      beside(figures) +
+          paragraph(
+              "u: standard uncertainty; ν: effective degrees of freedom; k: coverage factor of a t distribution for 95.45 %; U = k u. JCGM 100.") +
+          table(t) + others);
 }
 
 std::string uncertainty_section(const Calibration& calibration) {
@@ -143,8 +153,8 @@ std::string uncertainty_section(const Calibration& calibration) {
     if (u.declared == 0 || u.standard == 0) continue;
     const UserValue user = user_value(calibration, index);
     const double unit = user.uncertainty / u.standard;
-    t.rows.push_back({"<code>" + escaped(coefficient(index).name) + "</code>", uncertainty_text(user.uncertainty), uncertainty_text(u.from_fit * unit),
-                      uncertainty_text(u.declared * unit), escaped(readable_unit(user.unit))});
+    t.rows.push_back({"<code>" + escaped(coefficient(index).name) + "</code>", uncertainty_text(user.uncertainty),
+                      uncertainty_text(u.from_fit * unit), uncertainty_text(u.declared * unit), escaped(readable_unit(user.unit))});
   }
   Table rigs{.head = {"error of the rig", "declared sigma", "found", "u"}, .rows = {}};
   for (const RigErrorEstimate& e : calibration.quality.rig_errors)
@@ -153,10 +163,13 @@ std::string uncertainty_section(const Calibration& calibration) {
   for (const UncertaintySource& source : calibration.quality.sources) said.push_back(source.consequence);
   const bool rig = !calibration.quality.rig_errors.empty() || calibration.frame == "rig";
   std::string lead = "Type A comes from the residuals and the noise of the data, type B from declarations. ";
-  lead += t.rows.empty() ? "No declared part is known apart from the rest. " : "The uncertainty of g is the same part of all three accelerometer scales. ";
-  lead += rig ? "The rig's declared errors and the priors of terms act through the fit, so they are inside its part; imulab predict shows them one by one."
+  lead += t.rows.empty() ? "No declared part is known apart from the rest. "
+                         : "The uncertainty of g is the same part of all three accelerometer scales. ";
+  lead += rig ? "The rig's declared errors and the priors of terms act through the fit, so they are inside its part; imulab predict shows them one "
+                "by one."
               : "Priors of terms that the data do not show act through the fit, so they are inside its part.";
-  return section("uncertainty", "Type A and type B", lead, (t.rows.empty() ? "" : table(t)) + list(said) +
+  return section("uncertainty", "Type A and type B", lead,
+                 (t.rows.empty() ? "" : table(t)) + list(said) +
                      (rigs.rows.empty() ? "" : "<h3>Errors of the rig, estimated jointly [SI]</h3>\n" + table(rigs)));
 }
 
@@ -167,7 +180,8 @@ std::string correlation_section(const Calibration& calibration) {
   const Eigen::MatrixXd correlation = correlation_of(calibration.covariance);
   return section("correlation", "Correlations", "",
                  figure(correlation_map(names, correlation, "correlations of the coefficients"),
-                        "Correlation of the coefficients' errors. Strongest: " + strongest_pairs(names, correlation) + ". The covariance is in the calibration file.",
+                        "Correlation of the coefficients' errors. Strongest: " + strongest_pairs(names, correlation) +
+                            ". The covariance is in the calibration file.",
                         true));
 }
 
@@ -175,7 +189,10 @@ std::string tests_section(const Calibration& calibration) {
   Table t{.head = {"term", "result", "chi-square", "probability by chance"}, .rows = {}, .text_columns = true};
   for (const TermTest& test : calibration.quality.term_tests) {
     const bool tested = test.degrees_of_freedom > 0;
-    t.rows.push_back({"<code>" + escaped(test.term) + "</code>", !tested ? "the data say nothing of it" : test.kept ? "seen, estimated" : "not seen, its prior counts",
+    t.rows.push_back({"<code>" + escaped(test.term) + "</code>",
+                      !tested     ? "the data say nothing of it"
+                      : test.kept ? "seen, estimated"
+                                  : "not seen, its prior counts",
                       tested ? fmt::format("{} / {}", number(test.statistic), test.degrees_of_freedom) : "", tested ? number(test.p_value, 2) : ""});
   }
   const auto& considered = calibration.quality.considered;

@@ -50,7 +50,8 @@ std::string drives_picture(const DrivesReport& r) {
   std::vector<double> minutes;
   for (const double t : r.time) minutes.push_back(t / 60);
   if (!minutes.empty()) end = minutes.back();
-  Plot plot({"minutes of driving", 0, end}, {"horizontal error [km]", 0, 1.05 * most}, "Horizontal position error of each drive over time", {960, 380});
+  Plot plot({"minutes of driving", 0, end}, {"horizontal error [km]", 0, 1.05 * most}, "Horizontal position error of each drive over time",
+            {960, 380});
   for (std::size_t k = 0; k < r.calibrations.size(); ++k)
     for (const std::vector<double>& drive : r.calibrations[k].errors) {
       std::vector<double> km(drive);
@@ -69,7 +70,9 @@ std::string drives_page(const DrivesReport& r) {
   page.verdict = {.tone = Tone::neutral, .word = "", .meaning = r.story, .because = {}, .actions = r.next};
   for (const DrivenCalibration& c : r.calibrations) page.figures.push_back({number(median(c.largest), 2) + " m", c.name});
   page.verdict.word = fmt::format("{} m instead of {} m", number(median(r.calibrations[1].largest), 2), number(median(r.calibrations[0].largest), 2));
-  const std::string caption = "Each thin line is a drive, each thick one the median of the drives with one calibration. The figures above are medians of each drive's largest error.";
+  const std::string caption =
+      "Each thin line is a drive, each thick one the median of the drives with one calibration. The figures above are medians of each drive's "
+      "largest error.";
   page.body = section("drives", "The drives", "", figure(drives_picture(r) + drives_key(r), caption, true) + drives_table(r));
   return page_text(page);
 }

@@ -15,9 +15,8 @@ struct ClockOffset {
   double correlation = 0, uncorrected = 0;  ///< of the rate's size with the commanded one: with the offset, and without
 };
 
-/// The maximum of the correlation of |rate| with the commanded rates, refined by a parabola, its sigma from the curvature (methods section 10, clocks).
-/// Empty where the clocks agree, where fewer than three
-/// turns are commanded, and where the recording does not turn or has gaps.
+/// The maximum of the correlation of |rate| with the commanded rates, refined by a parabola, its sigma from the curvature (methods section 10,
+/// clocks). Empty where the clocks agree, where fewer than three turns are commanded, and where the recording does not turn or has gaps.
 std::optional<ClockOffset> clock_offset(const Recording& recording, std::span<const Step> steps);
 
 }  // namespace imulab

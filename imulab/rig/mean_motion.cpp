@@ -64,8 +64,16 @@ MeanMotion::MeanMotion(RigMotion motion, const Surroundings& surroundings)
     around.lever_arm += p.arm;
     const Vector3d jump = p.C_tb.transpose() * (p.C_tb * first.rate_nb_b - rate_before);
     const double bound = rate_bound(p), panel = std::min((p.end - p.begin) / panels_of_a_piece, bound > 0 ? panel_angle / bound : p.end - p.begin);
-    pieces_.push_back({p.begin, p.end, p.at_rest(), panel, !around.lever_arm.isZero(0), around, sensed_motion(first, around),
-                       size_effect(Vector3d::Zero(), jump, around.lever_arm), steady_rate(p), {}});
+    pieces_.push_back({p.begin,
+                       p.end,
+                       p.at_rest(),
+                       panel,
+                       !around.lever_arm.isZero(0),
+                       around,
+                       sensed_motion(first, around),
+                       size_effect(Vector3d::Zero(), jump, around.lever_arm),
+                       steady_rate(p),
+                       {}});
     if (pieces_.back().steady_rate != 0) find_harmonics(k);
     rate_before = p.C_tb * state_of(motion_, k, p.end).rate_nb_b;
   }

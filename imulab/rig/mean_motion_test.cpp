@@ -7,9 +7,8 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "tests/table_steps.hpp"
+#include <cmath>
 
 namespace imulab::rig {
 namespace {
@@ -32,7 +31,8 @@ struct Means {
 
 /// A hold, a fast move of all axes, a rotation with ramps; the joints fall inside samples.
 RigMotion lively() {
-  return rig_motion(std::vector{hold_between(0, 0.5013, 10, 20, 30), hold_between(2.0031, 2.2, 190, -60, -100), rotation_between(2.3007, 3.6007, RigAxis::middle, 180, 180)});
+  return rig_motion(std::vector{hold_between(0, 0.5013, 10, 20, 30), hold_between(2.0031, 2.2, 190, -60, -100),
+                                rotation_between(2.3007, 3.6007, RigAxis::middle, 180, 180)});
 }
 
 Surroundings surroundings() {
@@ -106,7 +106,8 @@ TEST(MeanMotion, IntegratedForceIsTheVelocityOfTheLeverArm) {
   const Vector3d r(0.05, -0.02, 0.03);
   for (int i = 0; i < 3; ++i) around.lever_arm.row(i) = r;
   for (const double end : {3.0, 3.5}) {  // without ramps, and with ramps of 0.5 s; joints on samples' bounds, where a jump must count once
-    const RigMotion motion = rig_motion(std::vector{hold_between(0, 1, 10, 20, 30), rotation_between(1, end, RigAxis::inner, 60, 30), hold_between(end, 5, 10, 20, 90)});
+    const RigMotion motion =
+        rig_motion(std::vector{hold_between(0, 1, 10, 20, 30), rotation_between(1, end, RigAxis::inner, 60, 30), hold_between(end, 5, 10, 20, 90)});
     const double rate_hz = 2000;
     const Means means(MeanMotion(motion, around), 10000, 1 / rate_hz);
     Vector3d v = Vector3d::Zero();

@@ -7,10 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/table_steps.hpp"
 #include <cmath>
 #include <numbers>
-
-#include "tests/table_steps.hpp"
 
 namespace imulab::rig {
 namespace {
@@ -26,8 +25,8 @@ Session table() {
   s.rigs[0].orthogonality.value = 50 * arcsec;
   s.rigs[0].zero.value = 40 * arcsec;
   s.rigs[0].timing.value = 10e-3;
-  s.steps = {hold_between(0, 1, 0), rotation_between(1, 10.2, RigAxis::middle, 90, 10), hold_between(10.2, 12, 0, 90), hold_between(20, 25, 45, 90, -30),
-             rotation_between(25, 205.2, RigAxis::inner, 1800, 10)};
+  s.steps = {hold_between(0, 1, 0), rotation_between(1, 10.2, RigAxis::middle, 90, 10), hold_between(10.2, 12, 0, 90),
+             hold_between(20, 25, 45, 90, -30), rotation_between(25, 205.2, RigAxis::inner, 1800, 10)};
   return s;
 }
 
@@ -139,8 +138,8 @@ TEST(RigErrors, AnAxisTakesUpAnErrorOnlyWhenItMoves) {
 
 TEST(RigErrors, ARotationEndsAtItsAngleButLater) {
   const double late = 10e-3;
-  const std::vector<Step> steps{hold_between(0, 1, 0), rotation_between(1, 10.2, RigAxis::middle, 90, 10), rotation_between(10.2, 19.4, RigAxis::middle, 90, 10),
-                                hold_between(19.4, 30, 0, 180)};
+  const std::vector<Step> steps{hold_between(0, 1, 0), rotation_between(1, 10.2, RigAxis::middle, 90, 10),
+                                rotation_between(10.2, 19.4, RigAxis::middle, 90, 10), hold_between(19.4, 30, 0, 180)};
   for (const double delay : {late, -late}) {
     const RigMotion m = rig_motion(steps, exactly(steps, {{"timing.2", delay}}));
     const auto middle = [&](double t) {

@@ -68,8 +68,8 @@ std::span<const Case> cases();
 /// the sessions with the verdict good and the others. Prints the sessions that a method refuses.
 std::vector<Check> misspecified(const Method& method, int sessions);
 
-/// A method's prediction of a short procedure, against what it states of simulated sessions of it (seeds 1 .. sessions), and against the scatter of the
-/// estimates.
+/// A method's prediction of a short procedure, against what it states of simulated sessions of it (seeds 1 .. sessions), and against the scatter of
+/// the estimates.
 std::vector<Check> predictions(const Method& method, int sessions);
 
 /// Of a turntable session whose readings have this white noise.

@@ -105,11 +105,10 @@ std::vector<DriveRun> drives(int runs) {
     exact.covariance.resize(0, 0);
     CalibrationOptions as_zhang;
     as_zhang.turntable.bias_while_turning = true;  // the gyros' offset is that of the positions
-    out[static_cast<std::size_t>(k)] = {
-        rate(d, recording, turntable::calibrate(input_of(good.session, good.recording), as_zhang).calibration),
-        rate(d, recording, turntable::calibrate(input_of(poor.session, poor.recording), as_zhang).calibration),
-        rate(d, recording, hybrid::calibrate(input_of(path.session, path.recording)).calibration),
-        rate(d, recording, exact)};
+    out[static_cast<std::size_t>(k)] = {rate(d, recording, turntable::calibrate(input_of(good.session, good.recording), as_zhang).calibration),
+                                        rate(d, recording, turntable::calibrate(input_of(poor.session, poor.recording), as_zhang).calibration),
+                                        rate(d, recording, hybrid::calibrate(input_of(path.session, path.recording)).calibration),
+                                        rate(d, recording, exact)};
   });
   return out;
 }

@@ -1,11 +1,10 @@
 // The linear covariance of navigation errors against full integrations, at full size.
-#include "tests/acceptance/acceptance.hpp"
-
+#include "imulab/core/units.hpp"
 #include "imulab/navigation/budget/monte_carlo.hpp"
 #include "imulab/navigation/budget/specification.hpp"
-#include "imulab/core/units.hpp"
 #include "imulab/navigation/motion/flight.hpp"
 
+#include "tests/acceptance/acceptance.hpp"
 #include <cmath>
 
 namespace imulab::acceptance {
@@ -32,7 +31,8 @@ void compare(const std::string& name, const Trajectory& motion, VerticalChannel 
   const double every = motion.duration / 4 + 0.01;  // the fourth is the end
   const ErrorSources sources = sources_after_alignment();
   const ErrorBudget linear = error_budget(nominal, sources, {.strapdown = strapdown, .output_interval = every});
-  const ErrorDistribution full = error_monte_carlo(nominal, sources, {.strapdown = strapdown, .output_interval = every, .runs = static_cast<std::uint64_t>(runs)});
+  const ErrorDistribution full =
+      error_monte_carlo(nominal, sources, {.strapdown = strapdown, .output_interval = every, .runs = static_cast<std::uint64_t>(runs)});
   const double bound = std::max(0.05, 4 / std::sqrt(2.0 * runs));  // 5 %, or four sampling sigmas
   for (std::size_t at = 0; at < linear.time.size(); ++at)
     for (const int q : {0, 1})

@@ -1,5 +1,3 @@
-#include "tests/acceptance/acceptance.hpp"
-
 #include "imulab/core/statistics.hpp"
 #include "imulab/model/coefficient.hpp"
 
@@ -8,6 +6,7 @@
 #include <fmt/core.h>
 #include <tbb/parallel_for.h>
 
+#include "tests/acceptance/acceptance.hpp"
 #include <cmath>
 #include <map>
 
@@ -43,7 +42,8 @@ std::vector<Check> judge(const std::vector<Run>& runs) {
                             {"consistency", consistency, chi_square_quantile(0.0005, dof) / dof, chi_square_quantile(0.9995, dof) / dof}};
   for (const auto& [name, at] : groups) {
     const double trials = n * static_cast<double>(at.size());
-    checks.push_back({"coverage " + name, inside[name] / trials, binomial_quantile(0.0005, trials, 0.95) / trials, binomial_quantile(0.9995, trials, 0.95) / trials});
+    checks.push_back({"coverage " + name, inside[name] / trials, binomial_quantile(0.0005, trials, 0.95) / trials,
+                      binomial_quantile(0.9995, trials, 0.95) / trials});
   }
   Index worst;
   squares.maxCoeff(&worst);
@@ -62,7 +62,8 @@ std::vector<Run> run_all(Run (*run)(std::uint64_t), int count) {
 std::string describe(const std::vector<Check>& checks) {
   std::string text;
   for (const Check& check : checks)
-    text += fmt::format("  {:<42} {:7.4f}  in [{:.4f}, {:.4f}]  {}\n", check.name, check.value, check.low, check.high, check.passed() ? "passed" : "FAILED");
+    text += fmt::format("  {:<42} {:7.4f}  in [{:.4f}, {:.4f}]  {}\n", check.name, check.value, check.low, check.high,
+                        check.passed() ? "passed" : "FAILED");
   return text;
 }
 

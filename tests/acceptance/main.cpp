@@ -1,9 +1,9 @@
 // imulab_accept [COUNT] [NAME] [METHOD]: the acceptance test at full size; docs/validation.md has its figures.
 #include "imulab/estimate/method.hpp"
-#include "tests/acceptance/acceptance.hpp"
 
 #include <fmt/core.h>
 
+#include "tests/acceptance/acceptance.hpp"
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -39,12 +39,13 @@ int main(int argc, char** argv) {
   if (chosen("misspecified"))
     for (const imulab::Method& method : imulab::methods())
       if (of_method.empty() || of_method == method.name)
-        passed &= report(fmt::format("misspecified {}: {} sessions, seeds 1..{}", method.name, count(500), count(500)),
-                         misspecified(method, count(500)));
+        passed &=
+            report(fmt::format("misspecified {}: {} sessions, seeds 1..{}", method.name, count(500), count(500)), misspecified(method, count(500)));
   if (chosen("predictions"))
     for (const imulab::Method& method : imulab::methods())
       if (of_method.empty() || of_method == method.name)
-        passed &= report(fmt::format("predictions {}: {} sessions, seeds 1..{}", method.name, count(200), count(200)), predictions(method, count(200)));
+        passed &=
+            report(fmt::format("predictions {}: {} sessions, seeds 1..{}", method.name, count(200), count(200)), predictions(method, count(200)));
   if (chosen("error-growth")) passed &= report(fmt::format("error-growth: {} runs, seed 1", count(2000)), error_growth(count(2000)));
   if (chosen("whole-unit"))
     passed &= report(fmt::format("whole-unit outputs: {} sessions, seeds 1..{}", count(200), count(200)), whole_unit_outputs(count(200)));
@@ -52,8 +53,8 @@ int main(int argc, char** argv) {
   if (chosen("dai-flight")) {
     const DaiFlights flown = dai_flights(count(200));
     for (const auto& [name, flights] : {std::pair{"dai-flight", &flown.with_roll}, std::pair{"dai-flight without its roll", &flown.without_roll}})
-      passed &= report(fmt::format("{}: {} flights, seeds 1..{}\n{}", name, count(200), count(200), describe_flights(*flights)),
-                       judge_flights(*flights));
+      passed &=
+          report(fmt::format("{}: {} flights, seeds 1..{}\n{}", name, count(200), count(200), describe_flights(*flights)), judge_flights(*flights));
   }
   return passed ? 0 : 1;
 }

@@ -4,7 +4,6 @@
 #include "imulab/core/rotation.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
-#include "tests/calibration_input.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/compensate.hpp"
 #include "imulab/recording/rests.hpp"
@@ -15,6 +14,7 @@
 #include <fmt/core.h>
 
 #include "tests/acceptance/acceptance.hpp"
+#include "tests/calibration_input.hpp"
 #include <cmath>
 #include <functional>
 
@@ -207,8 +207,7 @@ Run static_run(std::uint64_t seed) {
   options.first_rest = options.rest = 60;
   options.move = 4;
   options.grade = "navigation";
-  Scenario scenario{hand_held_procedure(options, seed), indices_of({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"}), false,
-                    "static"};
+  Scenario scenario{hand_held_procedure(options, seed), indices_of({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"}), false, "static"};
   return run(scenario, seed);
 }
 

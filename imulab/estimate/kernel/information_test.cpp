@@ -47,7 +47,8 @@ TEST(Solve, WhatIsHeldTakesItsPriorValueAsExact) {
   EXPECT_EQ(s.x[2], 0.7);
   EXPECT_EQ(s.covariance.row(2).norm(), 0);
   const std::vector<Index> others{0, 1, 3};
-  const VectorXd x = (j(Eigen::all, others).transpose() * j(Eigen::all, others)).inverse() * -j(Eigen::all, others).transpose() * (e + 0.7 * j.col(2));
+  const VectorXd x =
+      (j(Eigen::all, others).transpose() * j(Eigen::all, others)).inverse() * -j(Eigen::all, others).transpose() * (e + 0.7 * j.col(2));
   EXPECT_LT((s.x(others) - x).norm(), 1e-12);
 }
 

@@ -1,4 +1,5 @@
-// Is a calibration that of an IMU as it was declared? A wrong unit, axis or kind of output fits as well as the right one and shows in the result alone.
+// Is a calibration that of an IMU as it was declared? A wrong unit, axis or kind of output fits as well as the right one and shows in the result
+// alone.
 #pragma once
 
 #include "imulab/model/coefficient.hpp"
@@ -19,8 +20,8 @@ std::string_view mistaken_unit(Triad triad, double scale);
 /// Why a triad's matrix is not that of a sensor in its declared unit, with the likely cause; empty where each scale is within 20 %.
 std::string scale_contradiction(Triad triad, const Matrix3d& matrix, const Recording& recording);
 
-/// Throws Error with that reason for the gyros' coarse matrix of SI readings, where it is that of a triad: motion about too few axes gives an oblique one,
-/// which says nothing.
+/// Throws Error with that reason for the gyros' coarse matrix of SI readings, where it is that of a triad: motion about too few axes gives an oblique
+/// one, which says nothing.
 void expect_gyro_scale(const Matrix3d& coarse, const Recording& recording);
 
 /// What speaks against the model, each with its likely cause and what to change in the session: a scale more than 20 % from its declared unit, axes

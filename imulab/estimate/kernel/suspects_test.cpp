@@ -49,9 +49,7 @@ TEST(DropSuspects, TheLevelIsSharedAmongAll) {
   EXPECT_THAT(drop_suspects(Values{{}}, 1e-3).dropped, IsEmpty());
 }
 
-TEST(Improbable, WhatIsNoNumberIsNotExplainedByChance) {
-  EXPECT_THAT(improbable({{"good", -1}, {"nan", std::nan("")}}, 1e-3), ElementsAre(1));
-}
+TEST(Improbable, WhatIsNoNumberIsNotExplainedByChance) { EXPECT_THAT(improbable({{"good", -1}, {"nan", std::nan("")}}, 1e-3), ElementsAre(1)); }
 
 }  // namespace
 }  // namespace imulab::kernel

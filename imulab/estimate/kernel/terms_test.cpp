@@ -9,9 +9,9 @@
 namespace imulab::kernel {
 namespace {
 
-using ::testing::ElementsAre;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using ::testing::ElementsAre;
 
 TEST(Wald, IsTheSquaredDistanceInSigmas) {
   const TermTest test = wald("two", Eigen::Vector2d(3, 0.4), Eigen::Vector2d(1, 0.01).asDiagonal(), 0.01);

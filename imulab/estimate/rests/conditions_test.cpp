@@ -91,7 +91,8 @@ TEST(Adjustment, DeviationIsTheChiSquareSavedByLeavingRowsOut) {
     EXPECT_NEAR(deviation.chi2, saved, 1e-6 * saved);  // the weight of 1e-12 that remains
     // chi-square with 3 degrees of freedom: P(X > x) = erfc(sqrt(x/2)) + sqrt(2x/pi) exp(-x/2); the second term alone far out
     const double x = deviation.chi2;
-    const double log_tail = shift == 0 ? std::log(std::erfc(std::sqrt(x / 2)) + std::sqrt(2 * x / M_PI) * std::exp(-x / 2)) : 0.5 * std::log(2 * x / M_PI) - x / 2;
+    const double log_tail =
+        shift == 0 ? std::log(std::erfc(std::sqrt(x / 2)) + std::sqrt(2 * x / M_PI) * std::exp(-x / 2)) : 0.5 * std::log(2 * x / M_PI) - x / 2;
     EXPECT_NEAR(deviation.log_probability(endless), log_tail, 1e-9 * std::abs(log_tail) + 1e-9);
   }
   EXPECT_EQ(deviation_of(with, adjust(with, loose()), {}).log_probability(endless), 0) << "nothing is not suspicious";

@@ -110,8 +110,8 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   if (quality.rotation_residual_deg.value_or(0) > 1)
     findings.doubt(fmt::format("held-out rotations are predicted no better than to {:.2g} deg", *quality.rotation_residual_deg));
   kernel::conclude(result.calibration, findings);
-  result.missing_turns = next_turns(problem, fit, start, session.site,
-                                    {options.handheld.requirements, options.handheld.rest_s, options.handheld.advised_turns});
+  result.missing_turns =
+      next_turns(problem, fit, start, session.site, {options.handheld.requirements, options.handheld.rest_s, options.handheld.advised_turns});
   return result;
 }
 

@@ -56,8 +56,8 @@ void HandheldProblem::relink() {
 }
 
 void HandheldProblem::extend(const Vector3d& axis, double angle, double rest_s) {
-  constexpr int pieces = 40;                                                 // of the turn: of a few degrees each
-  constexpr double rate = 1.5, acceleration = 3;                             // rad/s, rad/s^2: of a hand
+  constexpr int pieces = 40;                      // of the turn: of a few degrees each
+  constexpr double rate = 1.5, acceleration = 3;  // rad/s, rad/s^2: of a hand
   const Vector3d force = gravity_ * last_up();
   const Matrix3d to_accel = model_.accel.matrix.inverse(), to_gyro = model_.gyro.matrix.inverse();
   const double duration = turn_duration(angle, rate, acceleration), dt = duration / pieces;
@@ -75,13 +75,13 @@ void HandheldProblem::extend(const Vector3d& axis, double angle, double rest_s) 
   turn.time_ns.resize(pieces);
   for (int i = 0; i < pieces; ++i) {
     const double begin = turned(i * dt), end = turned((i + 1) * dt);
-    const Vector3d accel = accel_of(0.5 * (begin + end)), a = reading_at(accel, true), g = reading_at(gyro_of((end - begin) / dt * axis, accel), false);
+    const Vector3d accel = accel_of(0.5 * (begin + end)), a = reading_at(accel, true),
+                   g = reading_at(gyro_of((end - begin) / dt * axis, accel), false);
     for (std::size_t j = 0; j < 3; ++j) turn.accel[j].push_back(a[static_cast<Index>(j)]), turn.gyro[j].push_back(g[static_cast<Index>(j)]);
   }
   Link link;
   link.usable = true;
-  link.rotation = link.now =
-      integrate_rotation(turn, {0, pieces}, model_, scaling_, std::sqrt(recording_->interval_s / dt) * turning_sigma_);
+  link.rotation = link.now = integrate_rotation(turn, {0, pieces}, model_, scaling_, std::sqrt(recording_->interval_s / dt) * turning_sigma_);
   link.at = model_;
   const Vector3d accel = accel_of(angle);
   RestMeans rest;

@@ -1,15 +1,14 @@
-#include "tests/calibration_input.hpp"
-
 #include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/model/coefficient.hpp"
-#include "tests/simulated_session.hpp"
 
 #include <Eigen/LU>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/calibration_input.hpp"
+#include "tests/simulated_session.hpp"
 #include <algorithm>
 
 namespace imulab {
@@ -61,12 +60,14 @@ TEST(Handheld, CountsGiveTheSameUnitAsSi) {
   // The same least squares in other units: converged to a hundredth of a sigma both times.
   for (int r = 0; r < 3; ++r)
     for (int k = 0; k <= r; ++k)
-      EXPECT_NEAR(gain * c.model.accel.matrix(r, k), si.model.accel.matrix(r, k), 0.03 * *standard_uncertainty(si, coefficient_index(Triad::accel, Term::matrix, r, k)));
+      EXPECT_NEAR(gain * c.model.accel.matrix(r, k), si.model.accel.matrix(r, k),
+                  0.03 * *standard_uncertainty(si, coefficient_index(Triad::accel, Term::matrix, r, k)));
   for (int r = 0; r < 3; ++r) {
     EXPECT_NEAR(c.model.accel.offset[r] + zero * c.model.accel.matrix.row(r).sum(), si.model.accel.offset[r],
                 0.03 * *standard_uncertainty(si, coefficient_index(Triad::accel, Term::offset, r, r)));
     for (int k = 0; k < 3; ++k)
-      EXPECT_NEAR(10 * gain * c.model.gyro.matrix(r, k), si.model.gyro.matrix(r, k), 0.03 * *standard_uncertainty(si, coefficient_index(Triad::gyro, Term::matrix, r, k)));
+      EXPECT_NEAR(10 * gain * c.model.gyro.matrix(r, k), si.model.gyro.matrix(r, k),
+                  0.03 * *standard_uncertainty(si, coefficient_index(Triad::gyro, Term::matrix, r, k)));
   }
   EXPECT_EQ(c.quality.verdict, "good");
   const Calibration all = calibrated("handheld", counts, s.rests, imu, s.site());

@@ -110,9 +110,7 @@ void check_uncertainties(const Field& field, const Calibration& calibration) {
   }
 }
 
-PartResidual read_part(const Field& f) {
-  return {f["begin_s"].number(), f["end_s"].number(), f["residual"].number_or_nan(), f["used"].truth()};
-}
+PartResidual read_part(const Field& f) { return {f["begin_s"].number(), f["end_s"].number(), f["residual"].number_or_nan(), f["used"].truth()}; }
 
 RequirementResult read_requirement(const Field& f) {
   return {f["requirement"].text(), f["coefficient"].text(), f["limit"].number(), f["reached"].number_or_infinity(), f["met"].truth()};
@@ -158,7 +156,7 @@ SourceFile read_source(const Field& f) {
     if (!f.has(key) || f[key].is_null()) return std::nullopt;
     return std::array{f[key].item(0, 2, "numbers").number(), f[key].item(1, 2, "numbers").number()};
   };
-  return {f["file"].text(),       f["sha256"].text(),         f["bytes"].size_in_bytes(), f["first_s"].number(),
+  return {f["file"].text(),     f["sha256"].text(),         f["bytes"].size_in_bytes(), f["first_s"].number(),
           f["last_s"].number(), range("accel_temperature"), range("gyro_temperature")};
 }
 
@@ -200,8 +198,6 @@ Calibration parse_calibration(std::string_view text, const std::string& file) {
   return c;
 }
 
-Calibration read_calibration(const std::filesystem::path& path) {
-  return parse_calibration(MappedFile(path).text(), input_name(path));
-}
+Calibration read_calibration(const std::filesystem::path& path) { return parse_calibration(MappedFile(path).text(), input_name(path)); }
 
 }  // namespace imulab

@@ -100,7 +100,8 @@ TEST(RecordingFile, KeepsThermalReadings) {
   source.gyro_temperature->unit = "K";
   source.accel_temperature.emplace().columns = {"tg", "t2", "t3"};
   source.accel_temperature->unit = "raw";
-  const Recording r = parse_recording("t,gx,gy,gz,ax,ay,az,tg,t2,t3\n0,1,2,3,4,5,6,300.5,5001,5002\n1,1,2,3,4,5,6,301.5,5003,5004\n", source).recording;
+  const Recording r =
+      parse_recording("t,gx,gy,gz,ax,ay,az,tg,t2,t3\n0,1,2,3,4,5,6,300.5,5001,5002\n1,1,2,3,4,5,6,301.5,5003,5004\n", source).recording;
   EXPECT_THAT(r.gyro_temperature, ElementsAre(ElementsAre(300.5, 301.5), ElementsAre(300.5, 301.5), ElementsAre(300.5, 301.5)));
   EXPECT_THAT(r.accel_temperature, ElementsAre(ElementsAre(300.5, 301.5), ElementsAre(5001, 5003), ElementsAre(5002, 5004)));
 }
@@ -163,13 +164,15 @@ TEST(RecordingFile, ListsSaturatedSamples) {
   source.gyro.unit = "deg/s";
   source.gyro.limits = {-100, 100};  // in the file's unit
   source.accel.limits = {-8, 8};
-  const auto [r, warnings] = parse_recording(header + "0.01,1,2,3,4,5,6\n# x\n0.02,1,2,100,4,5,6\n0.03,-99.9,2,3,4,5,7.9\n0.04,1,-101,3,4,5,9\n", source);
+  const auto [r, warnings] =
+      parse_recording(header + "0.01,1,2,3,4,5,6\n# x\n0.02,1,2,100,4,5,6\n0.03,-99.9,2,3,4,5,7.9\n0.04,1,-101,3,4,5,9\n", source);
   EXPECT_THAT(r.saturated, ElementsAre(1, 3));
   EXPECT_THAT(warnings, ElementsAre(HasSubstr("r.csv: 2 samples at a limit, the first at 0.02 s (line 4)")));
 }
 
 TEST(RecordingFile, DropsRepeatedRows) {
-  const auto [r, warnings] = parse_recording(header + "0.01,1,2,3,4,5,6\n0.01,1,2,3,4,5,6\n0.02,1,2,3,4,5,6\n0.020,1.0,2,3,4,5,6\n0.03,1,2,3,4,5,6\n");
+  const auto [r, warnings] =
+      parse_recording(header + "0.01,1,2,3,4,5,6\n0.01,1,2,3,4,5,6\n0.02,1,2,3,4,5,6\n0.020,1.0,2,3,4,5,6\n0.03,1,2,3,4,5,6\n");
   EXPECT_EQ(r.size(), 3U);
   EXPECT_THAT(warnings, ElementsAre(HasSubstr("r.csv: 2 rows equal to the row before dropped")));
 }
@@ -229,7 +232,8 @@ RC_GTEST_PROP(RecordingFile, ReadsBackExactlyWhatItWrites, ()) {
   for (std::size_t i = 0; i < count; ++i) {
     r.time_ns.push_back(begin + static_cast<std::int64_t>(1e9 * r.interval_s * static_cast<double>(i)));
     for (auto& column : r.gyro)  // increments are whole counts
-      column.push_back(increment ? *rc::gen::inRange(-40'000, 40'000) / r.interval_s : std::fmod(static_cast<double>(*rc::gen::arbitrary<float>()) * 1.1, 1e4));
+      column.push_back(increment ? *rc::gen::inRange(-40'000, 40'000) / r.interval_s
+                                 : std::fmod(static_cast<double>(*rc::gen::arbitrary<float>()) * 1.1, 1e4));
     for (auto& column : r.accel) {
       const double any = std::bit_cast<double>(*rc::gen::arbitrary<std::uint64_t>());
       column.push_back(std::isfinite(any) ? std::fmod(any, 1e5) : 0);  // what a sensor can give

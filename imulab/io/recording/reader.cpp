@@ -82,7 +82,8 @@ void expect_plausible(const Columns3& triad, const ReadingOptions& options, Quan
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t i = 0; i < triad[axis].size(); ++i)
       if (!(std::abs(triad[axis][i]) <= largest))
-        throw Error(fmt::format("{}: {}: {} {} is {:g} {}; expected a reading that a sensor can give", table.file, table.place(i), name, "xyz"[axis], triad[axis][i], options.unit));
+        throw Error(fmt::format("{}: {}: {} {} is {:g} {}; expected a reading that a sensor can give", table.file, table.place(i), name, "xyz"[axis],
+                                triad[axis][i], options.unit));
 }
 
 void expect_above_absolute_zero(const std::optional<ThermalSource>& source, const Columns3& readings, const TimedTable& table) {
@@ -100,9 +101,10 @@ void warn_of_rate(const RecordingSource& source, const Recording& recording, con
   if (!source.rate_hz || !(recording.gyro_increment || recording.accel_increment)) return;
   const double by_stamps = 1 / clock_interval(recording.time_ns, recording.interval_s), error = *source.rate_hz / by_stamps - 1;
   if (std::abs(error) > 1e-3)  // oscillators agree to 1e-4
-    warnings.push_back(fmt::format("{}: rate_hz = {} is declared, the stamps give {:.6g} Hz; increments are divided by the declared interval, so scales "
-                                   "are {:.2g} % off if the stamps are right",
-                                   table.file, *source.rate_hz, by_stamps, 100 * error));
+    warnings.push_back(
+        fmt::format("{}: rate_hz = {} is declared, the stamps give {:.6g} Hz; increments are divided by the declared interval, so scales "
+                    "are {:.2g} % off if the stamps are right",
+                    table.file, *source.rate_hz, by_stamps, 100 * error));
 }
 
 }  // namespace

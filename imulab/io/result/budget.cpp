@@ -75,7 +75,9 @@ std::string row_text(const Block& block, const Value& value) {
 
 constexpr std::size_t name_width = 26;
 
-std::string line_text(std::string_view name, const char* what, const std::string& row) { return fmt::format("{:<{}} {:<5}{}\n", name, name_width, what, row); }
+std::string line_text(std::string_view name, const char* what, const std::string& row) {
+  return fmt::format("{:<{}} {:<5}{}\n", name, name_width, what, row);
+}
 
 std::string total_rows(const Block& block, const ErrorBudget& b) {
   const auto end = static_cast<Eigen::Index>(b.time.size()) - 1;
@@ -124,17 +126,18 @@ std::string headline(const ErrorBudget& b) {
     if (shares[k] < 0.05 || std::count(largest.begin(), largest.end(), '%') == 3) break;
     largest += fmt::format("{}{} {:.0f} %", largest.empty() ? "" : ", ", b.groups[k].name, 100 * shares[k]);
   }
-  return text::wrapped("", fmt::format("after {:g} s: horizontal position error {} m RMS, {}", b.time.back(), text::number(rms), vertical_text(b.vertical))) +
+  return text::wrapped(
+             "", fmt::format("after {:g} s: horizontal position error {} m RMS, {}", b.time.back(), text::number(rms), vertical_text(b.vertical))) +
          (largest.empty() ? "" : text::wrapped("  most of it from: ", largest));
 }
 
 std::string monte_carlo_line(const ErrorDistribution& d) {
   const auto end = static_cast<Eigen::Index>(d.time.size()) - 1;
-  return text::wrapped("  ", fmt::format("Monte Carlo, {} runs: horizontal position median {:.4g} m, 5..95 % {:.4g}..{:.4g} m; pure-inertial rate {:.3g} "
-                                         "nmi/h RMS, CEP {:.3g} nmi/h, 95 % {:.3g} nmi/h",
-                                         d.drift.size(), d.median(budget_quantities, end), d.low(budget_quantities, end),
-                                         d.high(budget_quantities, end), d.drift_rms / unit::nmi_per_h, d.drift_cep / unit::nmi_per_h,
-                                         d.drift_95 / unit::nmi_per_h));
+  return text::wrapped("  ",
+                       fmt::format("Monte Carlo, {} runs: horizontal position median {:.4g} m, 5..95 % {:.4g}..{:.4g} m; pure-inertial rate {:.3g} "
+                                   "nmi/h RMS, CEP {:.3g} nmi/h, 95 % {:.3g} nmi/h",
+                                   d.drift.size(), d.median(budget_quantities, end), d.low(budget_quantities, end), d.high(budget_quantities, end),
+                                   d.drift_rms / unit::nmi_per_h, d.drift_cep / unit::nmi_per_h, d.drift_95 / unit::nmi_per_h));
 }
 
 std::string monte_carlo_rows(const Block& block, const ErrorDistribution& d) {

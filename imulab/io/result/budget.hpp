@@ -21,8 +21,8 @@ std::string distribution_csv(const ErrorDistribution& distribution);
 std::string runs_csv(const ErrorDistribution& distribution);
 /// The end: {"time_s", "vertical", "total", "sources", "coefficients", "shares", "monte_carlo"}; units are in the keys (docs/budget.md).
 std::string budget_json(const ErrorBudget& budget, const std::optional<ErrorDistribution>& monte_carlo);
-/// The end: the horizontal position error and its main causes, then a row a source, the largest share first. With `details` also velocity, attitude and
-/// the Monte Carlo.
+/// The end: the horizontal position error and its main causes, then a row a source, the largest share first. With `details` also velocity, attitude
+/// and the Monte Carlo.
 std::string budget_table(const ErrorBudget& budget, const std::optional<ErrorDistribution>& monte_carlo, bool details = false);
 
 }  // namespace imulab

@@ -96,9 +96,9 @@ std::string requirements_text(const Calibration& calibration) {
 std::string fit_text(const Calibration& calibration) {
   const Quality& quality = calibration.quality;
   const bool rig = calibration.method == "turntable" || calibration.frame == "rig";
-  std::string text = wrapped("  fit             ", fmt::format("chi2 per degree of freedom {:.3g} against {} ({} degrees of freedom)",
-                                                               quality.chi2_per_dof, rig ? "the noise and the declared rig errors" : "the noise alone",
-                                                               quality.degrees_of_freedom));
+  std::string text =
+      wrapped("  fit             ", fmt::format("chi2 per degree of freedom {:.3g} against {} ({} degrees of freedom)", quality.chi2_per_dof,
+                                                rig ? "the noise and the declared rig errors" : "the noise alone", quality.degrees_of_freedom));
   if (quality.rotation_residual_deg)
     text += fmt::format("  check           rotations left out of the fit are predicted to {} deg RMS\n", two_digits(*quality.rotation_residual_deg));
   return text;
@@ -120,7 +120,8 @@ std::string curves_csv(const CalibrationResult& result) {
 
 std::string calibration_summary(const Calibration& calibration) {
   std::string text = wrapped("", verdict_text(calibration.quality)) + "\n";
-  text += reached_text([&](CoefficientIndex index) { return relative_uncertainty(calibration, index); }) + fit_text(calibration) + requirements_text(calibration);
+  text += reached_text([&](CoefficientIndex index) { return relative_uncertainty(calibration, index); }) + fit_text(calibration) +
+          requirements_text(calibration);
   text += "\n" + wrapped("", fmt::format("{}{}method {}, frame: {}", calibration.imu, calibration.imu.empty() ? "" : ", ", calibration.method,
                                          calibration.frame));
   return text + "\n" + coefficient_rows(calibration) + hidden_text(calibration);

@@ -34,9 +34,7 @@ std::string heading(std::size_t comparisons) {
 
 std::string coefficient_row(const std::vector<Comparison>& comparisons, std::size_t row, double mark_from) {
   const CoefficientDifference& first = comparisons[0].coefficients[row];
-  const auto sigmas = [&](const CoefficientDifference& d) {
-    return or_dash(d.user_sigmas(), "{:+.1f}") + (significant(d, mark_from) ? "*" : " ");
-  };
+  const auto sigmas = [&](const CoefficientDifference& d) { return or_dash(d.user_sigmas(), "{:+.1f}") + (significant(d, mark_from) ? "*" : " "); };
   std::string text = fmt::format("{:<21}", coefficient(first.index).name);
   if (comparisons.size() == 1) {
     const double sigma = first.user_uncertainty.value_or(0);

@@ -18,8 +18,7 @@ std::string range(const std::array<double, 2>& r, double unit) {
 
 std::string grade_catalogue() {
   std::string text = "Grades as published (Xu 2024, table 1)\n\n";
-  text +=
-      fmt::format("  {:<12} {:>12} {:>13} {:>10} {:>13} {:>10}\n", "", "rate nmi/h", "gyro deg/h", "accel ug", "misal. arcsec", "scale ppm");
+  text += fmt::format("  {:<12} {:>12} {:>13} {:>10} {:>13} {:>10}\n", "", "rate nmi/h", "gyro deg/h", "accel ug", "misal. arcsec", "scale ppm");
   for (const PublishedGrade& g : published_grades())
     text += fmt::format(
         "  {:<12} {:>12} {:>13} {:>10} {:>13} {:>10}\n", g.name,
@@ -30,8 +29,10 @@ std::string grade_catalogue() {
   for (const AirlinerSystem& s : airliner_systems())
     text += fmt::format("  {:<12} {:<9} {:>10.2g} {:>11.2g}  {}\n", s.name, s.gyro, s.position_rate / unit::nmi_per_h, s.gyro_bias / unit::deg_per_h,
                         s.aircraft);
-  text += fmt::format("\nGrades to draw from (one sigma of each coefficient)\n\n  {:<12} {:>10} {:>8} {:>8} {:>9} {:>11} {:>10}\n  {:<12} {:>10} {:>8} {:>8} {:>9} {:>11} {:>10}\n", "", "gyro", "accel",
-                      "misal.", "scale", "ARW", "VRW", "", "deg/h", "ug", "arcsec", "ppm", "deg/sqrt(h)", "ug/sqrt(Hz)");
+  text += fmt::format(
+      "\nGrades to draw from (one sigma of each coefficient)\n\n  {:<12} {:>10} {:>8} {:>8} {:>9} {:>11} {:>10}\n  {:<12} {:>10} {:>8} {:>8} {:>9} "
+      "{:>11} {:>10}\n",
+      "", "gyro", "accel", "misal.", "scale", "ARW", "VRW", "", "deg/h", "ug", "arcsec", "ppm", "deg/sqrt(h)", "ug/sqrt(Hz)");
   for (const Grade& g : grades())
     text += fmt::format("  {:<12} {:>10.3g} {:>8.3g} {:>8.3g} {:>9.3g} {:>11.3g} {:>10.3g}\n", g.name, g.gyro_bias / unit::deg_per_h,
                         g.accel_bias / unit::ug, g.gyro_misalignment / unit::arcsec, g.gyro_scale / unit::ppm, g.gyro_noise.N / unit::deg_per_sqrt_h,

@@ -233,9 +233,11 @@ Json to_json(const JsonFields& object) {
       out[key] = Json::array();
       for (const JsonFields& item : *list) out[key].push_back(to_json(item));
     } else {
-      std::visit([&out, &key = key](const auto& own) {
-        if constexpr (!std::is_same_v<std::decay_t<decltype(own)>, std::vector<JsonFields>>) out[key] = own;
-      }, value);
+      std::visit(
+          [&out, &key = key](const auto& own) {
+            if constexpr (!std::is_same_v<std::decay_t<decltype(own)>, std::vector<JsonFields>>) out[key] = own;
+          },
+          value);
     }
   }
   return out;

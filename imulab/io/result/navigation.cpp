@@ -51,15 +51,15 @@ std::string error_text(const NavigationErrors& errors) {
 
 std::string headline(const NavigationErrors& errors) {
   const NavigationError& e = errors.history.back();
-  return fmt::format("position error {:.4g} m horizontal, {:.4g} nmi/h; heading error {:.3g} arcsec\n\n", e.horizontal(), errors.rate / unit::nmi_per_h,
-                     e.attitude.z() / unit::arcsec);
+  return fmt::format("position error {:.4g} m horizontal, {:.4g} nmi/h; heading error {:.3g} arcsec\n\n", e.horizontal(),
+                     errors.rate / unit::nmi_per_h, e.attitude.z() / unit::arcsec);
 }
 
 std::string one_session(const NavigatedSession& s) {
   const Solution& solution = s.navigated.solution;
   std::string text = s.errors ? headline(*s.errors) : "";
   text += fmt::format("{}: navigated from {:.3f} s to {:.3f} s ({:.1f} s), vertical channel {}\n", s.session, solution.time.front(),
-                                 solution.time.back(), solution.time.back() - solution.time.front(), to_string(s.navigated.vertical));
+                      solution.time.back(), solution.time.back() - solution.time.front(), to_string(s.navigated.vertical));
   text += s.navigated.aligned ? alignment_text(*s.navigated.aligned) : "started as the session says ([initial])\n";
   text += end_text(solution);
   return s.errors ? text + error_text(*s.errors) : text;

@@ -137,9 +137,11 @@ std::string monte_carlo_text(const turntable::Prediction& p, const turntable::Mo
   const Eigen::ArrayXd off = (sampled_ratio(p, monte_carlo) - 1).abs();
   Eigen::Index worst;
   const double most = off.maxCoeff(&worst);
-  return "\n" + text::wrapped("", fmt::format("Monte Carlo: {} procedures{}. At most {:.1f} % from the closed form ({}), where one sigma of chance is {:.1f} %.",
-                     monte_carlo.runs, undetermined ? ", without what is not determined" : "", 100 * most,
-                     coefficient(p.coefficients[static_cast<std::size_t>(worst)]).name, 100 * monte_carlo.sampling_sigma[worst]));
+  return "\n" +
+         text::wrapped("",
+                       fmt::format("Monte Carlo: {} procedures{}. At most {:.1f} % from the closed form ({}), where one sigma of chance is {:.1f} %.",
+                                   monte_carlo.runs, undetermined ? ", without what is not determined" : "", 100 * most,
+                                   coefficient(p.coefficients[static_cast<std::size_t>(worst)]).name, 100 * monte_carlo.sampling_sigma[worst]));
 }
 
 /// The least that any of the requirements allows it; none: 0.
@@ -161,7 +163,8 @@ std::string prediction_table(const turntable::Prediction& p, const std::optional
     for (const Shares& part : in_columns(all_shares(p))) text += "\n" + share_rows(p, part);
   if (details) text += sigma_rows(p, monte_carlo);
   if ((p.second_order.array() > 0.03 * p.first_order().array()).any())  // below, it changes nothing a person reads
-    text += "\n" + text::wrapped("", "The uncertainty contains products of errors (second order), the shares do not; calibrate subtracts their mean.");
+    text +=
+        "\n" + text::wrapped("", "The uncertainty contains products of errors (second order), the shares do not; calibrate subtracts their mean.");
   const bool undetermined = std::find(p.sources.begin(), p.sources.end(), turntable::undetermined_source) != p.sources.end();
   if (undetermined)
     text += "\n" + text::wrapped("", "not det.: effect of coefficients that the procedure does not determine and that keep their starting values");

@@ -26,13 +26,14 @@ struct KnobAnswer {
 std::string prediction_json(const turntable::Prediction& prediction, const std::optional<turntable::MonteCarloResult>& monte_carlo,
                             const std::vector<Shortfall>& shortfalls, const std::vector<KnobAnswer>& answers);
 /// Of the other methods; the hybrid method's advice where something is undetermined or not within its requirement.
-std::string prediction_json(const Prediction& prediction, const std::vector<Shortfall>& shortfalls,
-                            const std::optional<hybrid::Advice>& advice);
+std::string prediction_json(const Prediction& prediction, const std::vector<Shortfall>& shortfalls, const std::optional<hybrid::Advice>& advice);
 
-/// The worst of each group, then a row a coefficient: its uncertainty in user units, and the share of each source in its variance. With `details` also
-/// orders and Monte Carlo with more digits. Empty where no coefficient is determined.
-std::string prediction_table(const turntable::Prediction& prediction, const std::optional<turntable::MonteCarloResult>& monte_carlo, bool details = false);
-/// The worst of each group, then a row a coefficient: its uncertainty in user units, and beside it what is required, if anything is; then what is not determined.
+/// The worst of each group, then a row a coefficient: its uncertainty in user units, and the share of each source in its variance. With `details`
+/// also orders and Monte Carlo with more digits. Empty where no coefficient is determined.
+std::string prediction_table(const turntable::Prediction& prediction, const std::optional<turntable::MonteCarloResult>& monte_carlo,
+                             bool details = false);
+/// The worst of each group, then a row a coefficient: its uncertainty in user units, and beside it what is required, if anything is; then what is not
+/// determined.
 std::string prediction_table(const Prediction& prediction, const std::vector<Requirement>& requirements);
 
 /// Which requirements the plan does not meet as declared, and what table, timing and unit would meet them all.

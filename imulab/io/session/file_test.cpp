@@ -208,13 +208,13 @@ TEST(SessionFile, FindsTheFolderAndItsFiles) {
 
 TEST(SessionFile, LaysAProcedureOutInTime) {
   const Session s = parse_session(session_head +
-                          "[[step]]\nkind = \"hold\"\nduration_s = 100\n"                                    // at zero: no move
-                          "[[step]]\nkind = \"rotate\"\naxis = \"middle\"\nangle_deg = 90\nrate_dps = 10\n"  // 90/10 + 10/50
-                          "[[step]]\nkind = \"hold\"\nduration_s = 60\n"                                     // stays at 90
-                          "[[step]]\nkind = \"rotate\"\naxis = \"middle\"\nangle_deg = -1\nrate_dps = 10\n"  // never reaches 10 deg/s
-                          "[[step]]\nkind = \"hold\"\nduration_s = 60\nouter_deg = 30\n"                     // outer moves in 10 s
-                          "[[step]]\nkind = \"hold\"\nduration_s = 60\nmiddle_deg = 0\nmove_s = 25\n"        // middle moves in 25 s
-                          "[[step]]\nkind = \"hold\"\nduration_s = 60\nmiddle_deg = 0\nmove_s = 25\n");      // no move: there already
+                                  "[[step]]\nkind = \"hold\"\nduration_s = 100\n"                                    // at zero: no move
+                                  "[[step]]\nkind = \"rotate\"\naxis = \"middle\"\nangle_deg = 90\nrate_dps = 10\n"  // 90/10 + 10/50
+                                  "[[step]]\nkind = \"hold\"\nduration_s = 60\n"                                     // stays at 90
+                                  "[[step]]\nkind = \"rotate\"\naxis = \"middle\"\nangle_deg = -1\nrate_dps = 10\n"  // never reaches 10 deg/s
+                                  "[[step]]\nkind = \"hold\"\nduration_s = 60\nouter_deg = 30\n"                     // outer moves in 10 s
+                                  "[[step]]\nkind = \"hold\"\nduration_s = 60\nmiddle_deg = 0\nmove_s = 25\n"        // middle moves in 25 s
+                                  "[[step]]\nkind = \"hold\"\nduration_s = 60\nmiddle_deg = 0\nmove_s = 25\n");      // no move: there already
   ASSERT_EQ(s.steps.size(), 7U);
   const double turn = 9.2, short_turn = 2 * std::sqrt(1.0 / 50);
   const double starts[] = {0, 100, 100 + turn, 160 + turn, 170 + turn + short_turn, 255 + turn + short_turn, 315 + turn + short_turn};
@@ -228,9 +228,9 @@ TEST(SessionFile, LaysAProcedureOutInTime) {
 TEST(SessionFile, BeginsEachRecordingAnew) {
   const std::string other = std::string(session_recording).replace(session_recording.find("r.csv"), 5, "s.csv");
   const Session s = parse_session(session_head + session_recording + other +
-                          "[[step]]\nrecording = \"r.csv\"\nkind = \"hold\"\nduration_s = 10\ninner_deg = 90\n"  // reached by a move
-                          "[[step]]\nrecording = \"s.csv\"\nkind = \"hold\"\nduration_s = 10\n"
-                          "[[step]]\nrecording = \"r.csv\"\nkind = \"hold\"\nduration_s = 10\n");
+                                  "[[step]]\nrecording = \"r.csv\"\nkind = \"hold\"\nduration_s = 10\ninner_deg = 90\n"  // reached by a move
+                                  "[[step]]\nrecording = \"s.csv\"\nkind = \"hold\"\nduration_s = 10\n"
+                                  "[[step]]\nrecording = \"r.csv\"\nkind = \"hold\"\nduration_s = 10\n");
   EXPECT_EQ(s.steps[0].start, 10);
   EXPECT_EQ(s.steps[1].start, 0);
   EXPECT_EQ(s.steps[1].angles[static_cast<std::size_t>(RigAxis::inner)], 0);

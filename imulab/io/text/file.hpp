@@ -7,8 +7,8 @@
 
 namespace imulab {
 
-/// A file in memory for reading: a regular file is mapped; a pipe, a device or standard input ("-") is read to its end. Throws Error where it cannot be
-/// opened, is a folder, or is a stream of more than a gigabyte. An empty file has an empty text.
+/// A file in memory for reading: a regular file is mapped; a pipe, a device or standard input ("-") is read to its end. Throws Error where it cannot
+/// be opened, is a folder, or is a stream of more than a gigabyte. An empty file has an empty text.
 class MappedFile {
  public:
   explicit MappedFile(const std::filesystem::path& path);

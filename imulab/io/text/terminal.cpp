@@ -57,7 +57,8 @@ void Progress::watch() {
   const auto begin = std::chrono::steady_clock::now();
   bool shown = false;
   std::unique_lock lock(mutex_);
-  for (auto pause = std::chrono::milliseconds(1000); !wake_.wait_for(lock, pause, [this] { return finished_; }); pause = std::chrono::milliseconds(250)) {
+  for (auto pause = std::chrono::milliseconds(1000); !wake_.wait_for(lock, pause, [this] { return finished_; });
+       pause = std::chrono::milliseconds(250)) {
     fmt::print(stderr, "\r\033[K{}", line(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()));
     std::fflush(stderr);
     shown = true;

@@ -16,8 +16,8 @@ bool errors_have_color();
 /// The text between the terminal's marks for bold and for the color.
 std::string in_color(Color color, const std::string& text);
 
-/// Long work on a terminal: "LABEL: N %, S s left" where parts of it are reported, else "LABEL: S s", on a line of standard error that comes after the
-/// first second and is removed at the end. Nothing where that is no terminal. Any thread may report.
+/// Long work on a terminal: "LABEL: N %, S s left" where parts of it are reported, else "LABEL: S s", on a line of standard error that comes after
+/// the first second and is removed at the end. Nothing where that is no terminal. Any thread may report.
 class Progress {
  public:
   explicit Progress(std::string label, double total = 1);

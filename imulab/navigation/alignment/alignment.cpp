@@ -1,8 +1,8 @@
 #include "imulab/navigation/alignment/alignment.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/navigation/integration/attitude.hpp"
 #include "imulab/navigation/alignment/rest_motion.hpp"
+#include "imulab/navigation/integration/attitude.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

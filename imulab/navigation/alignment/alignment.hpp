@@ -54,8 +54,8 @@ inline constexpr double shortest_alignment = 10;
 Alignment coarse_alignment(std::span<const TimedIncrement> rest, const AlignmentSite& site, const AlignmentSensors& sensors,
                            const std::optional<GivenHeading>& heading = {});
 
-/// Kalman filter about the coarse attitude: the base stays at its place, so the horizontal displacement that the sensors show is error. The size of the
-/// base's motion about its place is estimated where the innovations require it. Biases are states that start from their covariance. Throws as
+/// Kalman filter about the coarse attitude: the base stays at its place, so the horizontal displacement that the sensors show is error. The size of
+/// the base's motion about its place is estimated where the innovations require it. Biases are states that start from their covariance. Throws as
 /// coarse_alignment does, and Unsupported where no motion of a base explains what the sensors show.
 FineAlignment fine_alignment(std::span<const TimedIncrement> rest, const AlignmentSite& site, const AlignmentSensors& sensors,
                              const std::optional<GivenHeading>& heading = {});

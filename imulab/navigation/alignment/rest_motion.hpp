@@ -22,8 +22,8 @@ struct RestMotion {
 /// With coning and sculling. Throws Error for a place near a pole, Unsupported for a rest that is too short.
 RestMotion rest_motion(std::span<const TimedIncrement> samples, const AlignmentSite& site);
 
-/// The velocity change [m/s] of each step in the body axes of the rest's start, as the gyros carry them; and the rotation to those from the body axes at
-/// the end.
+/// The velocity change [m/s] of each step in the body axes of the rest's start, as the gyros carry them; and the rotation to those from the body axes
+/// at the end.
 struct CarriedRest {
   std::vector<Vector3d> velocity;
   Matrix3d C_0b = Matrix3d::Identity();

@@ -1,8 +1,8 @@
 #include "imulab/navigation/budget/budget.hpp"
 
-#include "imulab/navigation/budget/growth.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/model/coefficient.hpp"
+#include "imulab/navigation/budget/growth.hpp"
 
 #include <fmt/format.h>
 
@@ -13,9 +13,9 @@ namespace imulab {
 namespace {
 
 using namespace budget;
-using motion::NominalMotion;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using motion::NominalMotion;
 using At = ErrorIndex;
 
 /// Position, velocity, attitude.

@@ -43,7 +43,7 @@ class NoiseGrowth {
   NoiseProcesses processes_;
   ErrorMatrix covariance_ = ErrorMatrix::Zero();
   std::vector<ErrorColumns> cross_;  // of the error state and each noise's processes
-  Eigen::MatrixXd own_;                                                          // of one noise's processes
+  Eigen::MatrixXd own_;              // of one noise's processes
 
   // Over an interval: decay, and what a process gives the integral by its start; second moments of what is new.
   double interval_ = 0;

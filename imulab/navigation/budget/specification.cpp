@@ -72,10 +72,10 @@ void check(const ErrorSpecification& s) {
   if (s.grade.has_value() + s.system.has_value() + s.calibration.has_value() > 1)
     throw Error("two of a grade, a system and a calibration; expected at most one");
   for (const auto& [name, t] : {std::pair{"gyro", &s.gyro}, std::pair{"accel", &s.accel}}) {
-    if (t->misalignment && t->nonorthogonality)
-      throw Error(std::string(name) + ": misalignment and nonorthogonality, expected one or the other");
+    if (t->misalignment && t->nonorthogonality) throw Error(std::string(name) + ": misalignment and nonorthogonality, expected one or the other");
     if (s.calibration && (t->bias || t->scale || t->misalignment || t->nonorthogonality || t->quadratic || t->g_sensitivity))
-      throw Error(std::string(name) + ": an error of a coefficient and a calibration, whose covariance already states it; expected noise and turn-on alone");
+      throw Error(std::string(name) +
+                  ": an error of a coefficient and a calibration, whose covariance already states it; expected noise and turn-on alone");
   }
   if (s.accel.g_sensitivity) throw Error("accel: a g-sensitivity; expected of gyros alone");
 }

@@ -1,5 +1,5 @@
-// A specification of inertial errors as in a data sheet: term by term, each fixed or one sigma; terms that are not given come from a grade, an airliner's
-// system or a calibration.
+// A specification of inertial errors as in a data sheet: term by term, each fixed or one sigma; terms that are not given come from a grade, an
+// airliner's system or a calibration.
 #pragma once
 
 #include "imulab/navigation/budget/sources.hpp"

@@ -9,8 +9,8 @@
 
 namespace imulab {
 
-using integration::BodyStep;
 using integration::body_step;
+using integration::BodyStep;
 using integration::earth_at;
 
 namespace {

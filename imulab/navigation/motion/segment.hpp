@@ -60,7 +60,8 @@ Segment rotate(const Eigen::Vector3d& body_axis, double angle, double rate);
 /// Both at once: `second` begins `after` [s] after `first`. Throws Error for a rest, and for rotations of the unit about two axes.
 Segment together(const Segment& first, const Segment& second, double after);
 
-/// What carries the IMU: an aircraft banks into a turn (tan(bank) = speed x rate / g); a vehicle stays level, and its wheels resist the lateral force.
+/// What carries the IMU: an aircraft banks into a turn (tan(bank) = speed x rate / g); a vehicle stays level, and its wheels resist the lateral
+/// force.
 struct Carrier {
   bool banks = true;
   double bank_limit = 60 * unit::deg;  // an aircraft's

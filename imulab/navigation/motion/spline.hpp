@@ -15,8 +15,8 @@ class Spline {
     Point value, first, second;
   };
 
-  /// Through the points at ascending knots, four or more, the third derivative continuous at the second and the last but one (not-a-knot ends). Throws
-  /// Error for fewer.
+  /// Through the points at ascending knots, four or more, the third derivative continuous at the second and the last but one (not-a-knot ends).
+  /// Throws Error for fewer.
   Spline(std::vector<double> knots, std::vector<Point> points);
 
   /// The smoothest (least integral of the squared second derivative) whose mean square distance from the points, all coordinates together, is
