@@ -97,7 +97,8 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
   const std::vector<Requirement> requirements =
       arguments.require ? errors_at("--require", [&] { return parse_requirements(*arguments.require); }) : std::vector<Requirement>{};
   Session session = read_session(arguments.session);
-  for (const std::string& output : {arguments.output, arguments.curves, arguments.report}) expect_inputs_stay(output, session);
+  for (const auto& [option, output] : {std::pair{"-o", arguments.output}, {"--curves", arguments.curves}, {"--report", arguments.report}})
+    expect_inputs_stay(option, output, session);
   expect_others_stay(arguments.report, {arguments.output, arguments.curves});
   expect_free("-o", arguments.output, arguments.force);
   errors_at(session.file + ": [site]", [&] { session.site.gravity(); });  // if neither gravity nor the latitude is known

@@ -60,8 +60,8 @@ void compensate_files(const CompensateOptions& options) {
   const Session session = read_session(options.session);
   if (session.recordings.empty()) throw Error(session.file + ": has no recordings; expected at least one");
   const std::vector<fs::path> files = output_files(session, options.output);
-  for (const fs::path& file : files) expect_inputs_stay(file.string(), session, {options.calibration});
-  if (!options.report.empty()) expect_inputs_stay(options.report, session, {options.calibration});
+  for (const fs::path& file : files) expect_inputs_stay("-o", file.string(), session, {options.calibration});
+  if (!options.report.empty()) expect_inputs_stay("--report", options.report, session, {options.calibration});
   expect_others_stay(options.report, files);
   std::vector<CompensatedRecording> recordings;  // all are compensated before any is written
   for (const auto& source : session.recordings) recordings.push_back(compensated(calibration, session, source, options.outliers));

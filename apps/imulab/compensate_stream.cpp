@@ -63,7 +63,7 @@ void compensate_stream(const CompensateOptions& options) {
   const Calibration calibration = read_usable(options.calibration, options.allow_undetermined);
   const Session session = read_session(options.stream_session);
   const RecordingSource& source = choose_recording(session, options.recording);
-  expect_inputs_stay(options.output, session, {options.calibration});
+  expect_inputs_stay("-o", options.output, session, {options.calibration});
   std::error_code no_such_file;
   if (std::filesystem::equivalent("/dev/stdin", options.output, no_such_file))
     throw Error(fmt::format("-o {}: would overwrite the file of standard input; expected another one", options.output));

@@ -9,7 +9,7 @@
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/terminal.hpp"
 #include "imulab/model/requirement.hpp"
-#include "imulab/navigation/motion/flight.hpp"
+#include "imulab/navigation/city_drive.hpp"
 #include "imulab/navigation/navigate.hpp"
 #include "imulab/navigation/navigation_error.hpp"
 #include "imulab/report/drives_page.hpp"
@@ -57,35 +57,8 @@ Calibration calibrated(Session session, const char* method, std::uint64_t seed, 
   return calibration;
 }
 
-/// A rest to align on, then an hour around a city at 60 km/h: straight roads and bends of 45 deg.
-struct Drive {
-  std::vector<Increment> increments;
-  Session session;
-  Solution truth;
-};
-
-Drive hour_of_driving() {
-  using namespace motion;
-  const FlightStart parked{.latitude = 40 * unit::deg, .longitude = 116.3 * unit::deg, .height = 50};
-  std::vector<Segment> segments{rest(301), accelerate(60 / 3.6, 20)};
-  for (int leg = 0; leg < 9; ++leg) segments.insert(segments.end(), {straight(375), turn(45 * unit::deg, 3 * unit::deg, 3)});
-  segments.push_back(accelerate(-60 / 3.6, 20));
-  Carrier vehicle;
-  vehicle.banks = false;
-  const Trajectory path = flight(parked, segments, vehicle);
-  Drive drive{ideal_increments(path, interval), {}, truth(path, interval, 50)};
-  InitialState& start = drive.session.initial.emplace();
-  start.latitude = parked.latitude, start.longitude = parked.longitude, start.height = parked.height;
-  drive.session.site.latitude = parked.latitude, drive.session.site.height = parked.height;
-  drive.session.recordings.emplace_back();
-  Step hold;
-  hold.end = 300;
-  drive.session.steps = {hold};
-  return drive;
-}
-
 /// Pure-inertial errors with a calibration.
-NavigationErrors errors_of(const Drive& drive, const Recording& recording, const Calibration& calibration) {
+NavigationErrors errors_of(const CityDrive& drive, const Recording& recording, const Calibration& calibration) {
   NavigateOptions options;
   options.vertical = VerticalChannel::fixed;
   options.align = true;
@@ -96,7 +69,7 @@ constexpr std::size_t minute = 60;  // of the truth's rows
 
 /// The same IMU with new noise on every drive, navigated with each of the calibrations.
 DrivesReport drive_all(const Truth& truth, const std::vector<std::pair<std::string, Calibration>>& calibrations, std::uint64_t seed) {
-  const Drive drive = hour_of_driving();
+  const CityDrive drive = city_drive(interval);
   Truth on_the_road;
   on_the_road.model = truth.model;
   on_the_road.gyro_noise.N = 0.001 * unit::deg_per_sqrt_h;
@@ -144,7 +117,9 @@ constexpr const char* story =
 
 void demo(const Arguments& a) {
   const fs::path folder = a.folder;
-  fs::create_directories(folder);
+  std::error_code failure;
+  fs::create_directories(folder, failure);
+  if (failure) throw Error(fmt::format("-o {}: cannot be made: {}; expected a folder", a.folder, failure.message()));
   const auto say = [&](const std::string& text) {
     if (a.json) return;
     fmt::print("{}", text);

@@ -8,6 +8,7 @@
 #include "imulab/io/result/fields.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/terminal.hpp"
 #include "imulab/recording/stamps.hpp"
 
 #include <fmt/core.h>
@@ -113,7 +114,7 @@ class Display {
       : out_(out),
         json_(json),
         terminal_(!json && isatty(fileno(out)) != 0 && !is("TERM", "dumb")),
-        color_(terminal_ && std::getenv("NO_COLOR") == nullptr) {
+        color_(terminal_ && (out == stdout ? output_has_color() : errors_have_color())) {
     if (terminal_) fmt::print(out_, "\033[2J");
   }
   void show(const LiveView& view, bool new_rest) {
@@ -149,7 +150,7 @@ class Display {
     if (!view.up.empty()) fmt::print(out_, "{}rest {}: {} up\n", at, view.up.size(), direction_text(view.up.back()));
     if (!view.problem.empty()) fmt::print(out_, "{}{}\n", at, view.problem);
     std::string reached;
-    for (const RequirementResult& r : view.requirements) reached += (reached.empty() ? "" : ", ") + reached_text(r);
+    for (const RequirementResult& r : view.requirements) reached += (reached.empty() ? "" : ", ") + progress_text(r);
     if (!reached.empty()) fmt::print(out_, "{}{}: {}\n", at, view.done ? "done" : "reached", reached);
     if (view.next && !view.done) fmt::print(out_, "{}next: {}, then hold still for {:g} s\n", at, turn_text(*view.next), view.rest_s);
   }
@@ -201,7 +202,7 @@ void conclude(const Options& options, const LiveProgress& progress) {
   if (progress.reached()) return;
   std::string list;
   for (const RequirementResult& r : quality.requirements)
-    if (!r.met) list += (list.empty() ? "" : ", ") + reached_text(r);
+    if (!r.met) list += (list.empty() ? "" : ", ") + progress_text(r);
   if (!quality.unobservable.empty()) list += fmt::format("{}{} coefficients not determined", list.empty() ? "" : ", ", quality.unobservable.size());
   throw Unsupported(fmt::format("not reached: {}{}", list.empty() ? "the fit did not converge" : list,
                                 view.next ? "\n  what helps most: " + turns_text(progress.result()->missing_turns) : ""));
@@ -230,7 +231,8 @@ void run(const Options& options) {
   session.recordings = {source};
   errors_at(session.file + ": [site]", [&] { session.site.gravity(); });
   LiveProgress progress(session, requirements_of(options, source, session.site), options.rest);
-  for (const std::string& file : {options.output, options.save}) expect_inputs_stay(file, session, {options.input});
+  for (const auto& [option, file] : {std::pair{"-o", options.output}, {"--save", options.save}})
+    expect_inputs_stay(option, file, session, {options.input});
   expect_free("-o", options.output, options.force);
   expect_free("--save", options.save, options.force);
   Input input(options.input);

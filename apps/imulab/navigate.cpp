@@ -65,11 +65,11 @@ void check(const Options& o) {
 void check_inputs_stay(const Options& options, const Session& session) {
   std::vector<fs::path> inputs{options.calibration, options.truth, options.barometer};
   if (session.truth_file) inputs.push_back(session_path(session, *session.truth_file));
-  if (!options.report.empty()) expect_inputs_stay(options.report, session, inputs);
+  if (!options.report.empty()) expect_inputs_stay("--report", options.report, session, inputs);
   expect_others_stay(options.report, {options.output});
   if (options.output.empty()) return;
   if (fs::is_directory(options.output)) throw Error(fmt::format("-o {}: expected a file to write", options.output));
-  expect_inputs_stay(options.output, session, inputs);
+  expect_inputs_stay("-o", options.output, session, inputs);
 }
 
 /// What goes to the page beside the sessions: what each one's calibration explains, or why that is not known.

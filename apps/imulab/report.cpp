@@ -102,7 +102,7 @@ CalibrationReport saved_calibration(Calibration calibration, const Options& o) {
     report.missing.push_back(fmt::format("{}: {}.", pictures, e.what()));
     return report;
   }
-  expect_inputs_stay(o.output, *report.session, {o.result});
+  expect_inputs_stay("-o", o.output, *report.session, {o.result});
   add_evidence(report, *report.session, bad);
   return report;
 }

@@ -1,6 +1,7 @@
 #include "imulab/report/calibration_page.hpp"
 
-#include "imulab/model/requirement.hpp"
+#include "imulab/io/result/live.hpp"
+#include "imulab/io/result/reached.hpp"
 #include "imulab/model/user_unit.hpp"
 #include "imulab/recording/coverage.hpp"
 #include "imulab/report/calibration_parts.hpp"
@@ -16,28 +17,8 @@ namespace imulab {
 namespace report {
 namespace {
 
-/// Of matrices relative to the row's scale; of readings in counts that of the output where it is zero: their offset is that of a reading far away.
-double uncertainty_of(const Calibration& calibration, CoefficientIndex index) {
-  const Coefficient& c = coefficient(index);
-  const TriadModel& triad = c.triad == Triad::accel ? calibration.model.accel : calibration.model.gyro;
-  if (c.term != Term::offset || triad.raw_unit != "count") return relative_uncertainty(calibration, index);
-  return raw_zero(calibration, c.triad).uncertainty[c.row] * std::abs(triad.matrix(c.row, c.row));
-}
-
-/// The worst standard uncertainty of a group, of matrices relative to the row's scale; empty where none was estimated.
-std::string worst_text(const Calibration& calibration, std::string_view selector) {
-  double worst = -1;
-  UserUnit unit{};
-  for (const CoefficientIndex index : select_coefficients(selector)) {
-    const double sigma = uncertainty_of(calibration, index);
-    if (!std::isfinite(sigma) || sigma <= worst) continue;
-    worst = sigma;
-    unit = user_unit(coefficient(index), sigma);
-  }
-  return worst < 0 ? "" : fmt::format("{} {}", uncertainty_text(worst / unit.size), readable_unit(unit.name));
-}
-
 std::vector<KeyFigure> key_figures(const Calibration& calibration) {
+  const auto sigma = [&](CoefficientIndex index) { return judged_uncertainty(calibration, index); };
   std::vector<KeyFigure> out;
   for (const auto& [selector, name] : {std::pair{"accel.matrix.diagonal", "accelerometer scale"},
                                        {"accel.matrix.off_diagonal", "accelerometer misalignment"},
@@ -45,7 +26,7 @@ std::vector<KeyFigure> key_figures(const Calibration& calibration) {
                                        {"gyro.matrix.diagonal", "gyro scale"},
                                        {"gyro.matrix.off_diagonal", "gyro misalignment"},
                                        {"gyro.offset", "gyro offset"}})
-    if (const std::string worst = worst_text(calibration, selector); !worst.empty()) out.push_back({"± " + worst, name});
+    if (const std::string worst = worst_text(selector, sigma); !worst.empty()) out.push_back({"± " + readable_unit(worst), name});
   return out;
 }
 
@@ -53,7 +34,8 @@ std::vector<KeyFigure> key_figures(const Calibration& calibration) {
 std::string missing_directions(const CalibrationReport& report) {
   constexpr double large = 0.9;  // rad: two rests along neighboring axes are 1.6 apart
   std::string text;
-  for (const CoverageGap& gap : coverage_gaps(rest_directions(report), large)) text += (text.empty() ? "" : "; ") + direction_text(gap.direction);
+  for (const CoverageGap& gap : coverage_gaps(rest_directions(report), large))
+    text += (text.empty() ? "" : "; ") + direction_text(gap.direction) + " up";
   return text.empty() ? text : "Add rests where none is near: " + text + ".";
 }
 

@@ -14,8 +14,6 @@ std::string before_and_after(const CalibrationReport& report);
 std::string recordings_section(const CalibrationReport& report);
 std::string residuals_section(const Calibration& calibration);
 std::string coverage_section(const CalibrationReport& report);
-/// "+x up and +y up": a direction in words.
-std::string direction_text(const Vector3d& up);
 std::vector<Vector3d> rest_directions(const CalibrationReport& report);
 
 // calibration_coefficients.cpp: values and uncertainties

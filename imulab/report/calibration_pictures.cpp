@@ -1,5 +1,6 @@
 // Pictures from the recordings, and the residuals.
 #include "imulab/core/units.hpp"
+#include "imulab/io/result/live.hpp"
 #include "imulab/recording/coverage.hpp"
 #include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/html.hpp"
@@ -234,14 +235,6 @@ std::vector<Vector3d> rest_directions(const CalibrationReport& report) {
   return out;
 }
 
-std::string direction_text(const Vector3d& up) {
-  const Vector3d u = up.normalized();
-  std::string text;
-  for (Eigen::Index axis = 0; axis < 3; ++axis)
-    if (std::abs(u[axis]) > 0.35) text += fmt::format("{}{}{}", text.empty() ? "" : " ", u[axis] > 0 ? "+" : "−", "xyz"[axis]);
-  return text + " up";
-}
-
 std::string coverage_section(const CalibrationReport& report) {
   const std::vector<Vector3d> directions = rest_directions(report);
   if (directions.empty()) return {};
@@ -251,7 +244,8 @@ std::string coverage_section(const CalibrationReport& report) {
   std::string gaps;
   for (const CoverageGap& gap : coverage_gaps(directions, least)) {
     marks.push_back({gap.direction, true});
-    gaps += fmt::format("{}{} ({:.0f}° from the nearest rest)", gaps.empty() ? "" : ", ", direction_text(gap.direction), gap.angle / unit::deg);
+    gaps +=
+        fmt::format("{}{} ({:.0f}° from the nearest rest)", gaps.empty() ? "" : ", ", direction_text(gap.direction) + " up", gap.angle / unit::deg);
   }
   const std::vector<double> parts = leverages(directions);
   Plot plot({"rest", 0.3, static_cast<double>(parts.size()) + 0.7}, {"parameters determined", 0, 1.05}, "what each rest contributes");

@@ -92,12 +92,7 @@ std::string shortened(std::string_view text, std::size_t most) {
   return characters <= most ? std::string(text) : fmt::format("{}… ({} characters)", text.substr(0, kept), characters);
 }
 
-std::string number(double value, int digits) {
-  if (!std::isfinite(value)) return "not determined";
-  const double size = std::abs(value);
-  if (size >= std::pow(10, digits) && size < 1e7) return with_minus_sign(fmt::format("{:.0f}", value));  // 2150 rather than 2.15e+03
-  return with_minus_sign(fmt::format("{:.{}g}", value, digits));
-}
+std::string number(double value, int digits) { return std::isfinite(value) ? with_minus_sign(text::number(value, digits)) : "not determined"; }
 
 std::string tick_text(double value) {
   const double size = std::abs(value);

@@ -14,7 +14,7 @@ namespace imulab::report {
 namespace {
 
 /// As JSON inside a script element: "<" would end it.
-std::string json_text(std::string_view text) {
+std::string json_string(std::string_view text) {
   std::string out = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\' || c == '<' || c == '>' || c == '&' || static_cast<unsigned char>(c) < 0x20)
@@ -86,8 +86,8 @@ std::string time_chart(const TimeChart& chart) {
   std::string data =
       fmt::format("{{\"x\":{},\"y\":{},\"labels\":{},\"colors\":{},\"xlabel\":{},\"ylabel\":{},\"log\":{},\"group\":{},\"marks\":{}}}",
                   json_list(chart.x, json_time), json_list(chart.y, [](const std::vector<double>& series) { return json_list(series, json_number); }),
-                  json_list(chart.names, json_text), json_list(colors, json_text), json_text(chart.x_label), json_text(chart.y_label),
-                  chart.logarithmic, json_text(chart.group), json_list(chart.marks, [](const MarkedTime& m) {
+                  json_list(chart.names, json_string), json_list(colors, json_string), json_string(chart.x_label), json_string(chart.y_label),
+                  chart.logarithmic, json_string(chart.group), json_list(chart.marks, [](const MarkedTime& m) {
                     return fmt::format("[{},{},\"{}\"]", json_time(m.begin), json_time(m.end), name_of(m.mark));
                   }));
   return fmt::format(

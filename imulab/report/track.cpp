@@ -126,17 +126,8 @@ std::string error_bands(const ErrorBands& bands) {
 Eigen::MatrixXd horizontal_shares(const ErrorBudget& b) {
   Eigen::MatrixXd out(static_cast<Eigen::Index>(b.time.size()), static_cast<Eigen::Index>(b.groups.size()) + 1);
   for (std::size_t i = 0; i < b.time.size(); ++i) {
-    const auto at = static_cast<Eigen::Index>(i);
-    Eigen::VectorXd sum = Eigen::VectorXd::Zero(out.cols());
-    double all = 0;
-    for (const int q : {0, 1}) {
-      const double square = b.mean(q, at) * b.mean(q, at) + b.covariance[i](q, q);
-      const std::vector<double> shares = b.shares(q, i);
-      if (!(square > 0)) continue;
-      all += square;
-      sum += square * Eigen::Map<const Eigen::VectorXd>(shares.data(), static_cast<Eigen::Index>(shares.size()));
-    }
-    out.row(at) = (all > 0 ? Eigen::VectorXd(sum / all) : Eigen::VectorXd::Zero(out.cols())).transpose();
+    const std::vector<double> shares = b.horizontal_shares(i);
+    out.row(static_cast<Eigen::Index>(i)) = Eigen::Map<const Eigen::RowVectorXd>(shares.data(), out.cols());
   }
   return out;
 }

@@ -2,7 +2,7 @@
 // on the poor one; then an hour at 60 km/h after an alignment of 300 s, navigated with each, the same recording for all.
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/turntable/turntable.hpp"
-#include "imulab/navigation/motion/flight.hpp"
+#include "imulab/navigation/city_drive.hpp"
 #include "imulab/navigation/navigate.hpp"
 #include "imulab/navigation/navigation_error.hpp"
 #include "imulab/simulate/simulate_motion.hpp"
@@ -18,8 +18,6 @@
 namespace imulab::acceptance {
 
 namespace {
-
-using namespace motion;
 
 constexpr double interval = 0.01, nmi_per_h = unit::nmi / unit::hour;
 constexpr double good_table = 0.001 * unit::deg, poor_table = 60 * unit::arcsec;
@@ -47,37 +45,16 @@ TableTime on_table(Session session, double sigma, const SensorModel& unit, std::
   return {session, simulate_recording(session, source, truth, seed, draw_rig_errors(session, source, seed))};
 }
 
-/// A rest, then an hour around a city: straight roads and bends of 45 deg.
-struct Drive {
-  std::vector<Increment> increments;
-  Session session;
-  Solution truth;
-};
-
-Drive drive() {
-  const FlightStart parked{.latitude = 40 * unit::deg, .longitude = 116.3 * unit::deg, .height = 50};
-  std::vector<Segment> segments{rest(301), accelerate(60 / 3.6, 20)};
-  for (int leg = 0; leg < 9; ++leg) segments.insert(segments.end(), {straight(375), turn(45 * unit::deg, 3 * unit::deg, 3)});
-  segments.push_back(accelerate(-60 / 3.6, 20));
-  Carrier vehicle;
-  vehicle.banks = false;
-  const Trajectory motion = flight(parked, segments, vehicle);
-  Drive out{ideal_increments(motion, interval), {}, truth(motion, interval, 100)};
-  InitialState& start = out.session.initial.emplace();
-  start.latitude = parked.latitude, start.longitude = parked.longitude, start.height = parked.height;
-  Site& site = out.session.site;
-  site.latitude = parked.latitude, site.longitude = parked.longitude, site.height = parked.height;
-  Step hold;
-  hold.recording = "recording.csv";
-  hold.end = 300;
-  out.session.steps = {hold};
+/// With the noise that the drive's IMU has.
+CityDrive drive() {
+  CityDrive out = city_drive(interval);
   out.session.imu.gyro_noise_density = 0.001 * unit::deg_per_sqrt_h;
   out.session.imu.accel_noise_density = 5 * unit::ug_per_sqrt_hz;
   return out;
 }
 
 /// Pure-inertial rate [nmi/h].
-double rate(const Drive& d, const Recording& recording, const Calibration& calibration) {
+double rate(const CityDrive& d, const Recording& recording, const Calibration& calibration) {
   NavigateOptions options;
   options.vertical = VerticalChannel::fixed;
   options.align = true;
@@ -87,7 +64,7 @@ double rate(const Drive& d, const Recording& recording, const Calibration& calib
 }  // namespace
 
 std::vector<DriveRun> drives(int runs) {
-  const Drive d = drive();
+  const CityDrive d = drive();
   std::vector<DriveRun> out(static_cast<std::size_t>(runs));
   tbb::parallel_for(0, runs, [&](int k) {
     const auto seed = static_cast<std::uint64_t>(k + 1);

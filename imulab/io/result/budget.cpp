@@ -43,22 +43,6 @@ std::string vertical_text(VerticalChannel vertical) {
   return "height held by a barometer, vertical velocity free";
 }
 
-/// Of the mean square of the horizontal position error; the last: the correlation between groups.
-std::vector<double> horizontal_shares(const ErrorBudget& b) {
-  const std::size_t end = b.time.size() - 1;
-  const auto at = static_cast<Eigen::Index>(end);
-  std::vector<double> out(b.groups.size() + 1, 0);
-  double all = 0;
-  for (const int q : {0, 1}) {
-    const double square = b.mean(q, at) * b.mean(q, at) + b.covariance[end](q, q);
-    const std::vector<double> shares = b.shares(q, end);
-    for (std::size_t k = 0; k < out.size(); ++k) out[k] += square * shares[k];
-    all += square;
-  }
-  for (double& share : out) share = all > 0 ? share / all : 0;
-  return out;
-}
-
 /// East, north and up of one quantity.
 struct Block {
   const char* title;
@@ -96,7 +80,7 @@ std::string percent(double share) { return fmt::format("{:.1f} %", std::round(10
 /// Sources by their share, the largest first.
 std::string source_rows(const Block& block, const ErrorBudget& b) {
   const auto end = static_cast<Eigen::Index>(b.time.size()) - 1;
-  const std::vector<double> shares = horizontal_shares(b);
+  const std::vector<double> shares = b.horizontal_shares(b.time.size() - 1);
   const bool shown = block.first == 0;  // shares are of the position
   std::string text;
   for (const std::size_t k : by_share(shares, b.groups.size())) {
@@ -120,7 +104,7 @@ std::string headline(const ErrorBudget& b) {
   const auto end = static_cast<Eigen::Index>(b.time.size()) - 1;
   const Eigen::VectorXd sigma = total_sigma(b).col(end);
   const double rms = std::sqrt(b.mean.col(end).head<2>().squaredNorm() + sigma.head<2>().squaredNorm());
-  const std::vector<double> shares = horizontal_shares(b);
+  const std::vector<double> shares = b.horizontal_shares(b.time.size() - 1);
   std::string largest;
   for (const std::size_t k : by_share(shares, b.groups.size())) {
     if (shares[k] < 0.05 || std::count(largest.begin(), largest.end(), '%') == 3) break;

@@ -120,7 +120,7 @@ std::string curves_csv(const CalibrationResult& result) {
 
 std::string calibration_summary(const Calibration& calibration) {
   std::string text = wrapped("", verdict_text(calibration.quality)) + "\n";
-  text += reached_text([&](CoefficientIndex index) { return relative_uncertainty(calibration, index); }) + fit_text(calibration) +
+  text += reached_text([&](CoefficientIndex index) { return judged_uncertainty(calibration, index); }) + fit_text(calibration) +
           requirements_text(calibration);
   text += "\n" + wrapped("", fmt::format("{}{}method {}, frame: {}", calibration.imu, calibration.imu.empty() ? "" : ", ", calibration.method,
                                          calibration.frame));

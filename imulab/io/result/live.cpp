@@ -1,6 +1,7 @@
 #include "imulab/io/result/live.hpp"
 
 #include "imulab/core/units.hpp"
+#include "imulab/io/text/terminal.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/user_unit.hpp"
 
@@ -61,7 +62,7 @@ class Discs {
   std::array<std::string, rows> lines_;
 };
 
-std::string colored(const std::string& text, const char* code, bool color) { return color ? fmt::format("\033[{}m{}\033[0m", code, text) : text; }
+std::string colored(const std::string& text, Color code, bool color) { return color ? in_color(code, text) : text; }
 
 std::string map_text(const LiveView& view, bool color) {
   Discs discs;
@@ -83,7 +84,9 @@ std::string map_text(const LiveView& view, bool color) {
   for (std::size_t row = 0; row < beside.size(); ++row) {
     std::string line;
     for (const char c : discs.lines()[row])
-      line += c == 'X' ? colored("X", "1;33", color) : c == '@' || c == 'o' ? colored(std::string(1, c), "1;32", color) : std::string(1, c);
+      line += c == 'X'               ? colored("X", Color::yellow, color)
+              : c == '@' || c == 'o' ? colored(std::string(1, c), Color::green, color)
+                                     : std::string(1, c);
     text += fmt::format(" {}  {}\n", line, beside[row]);
   }
   return text;
@@ -100,7 +103,7 @@ std::string requirements_text(const LiveView& view, bool color) {
     if (k < all.size()) {
       const int filled = static_cast<int>(std::floor(width * std::min(1.0, all[k].limit / all[k].reached)));
       const std::string bar = std::string(static_cast<std::size_t>(filled), '#') + std::string(static_cast<std::size_t>(width - filled), '.');
-      text += fmt::format(" {} {:.55}", colored(bar, all[k].met ? "32" : "33", color), reached_text(all[k]));
+      text += fmt::format(" {} {:.55}", colored(bar, all[k].met ? Color::green : Color::yellow, color), progress_text(all[k]));
       if (k + 1 == room && all.size() > room) text += fmt::format(" (and {})", all.size() - room);
     }
     text += "\n";
@@ -125,7 +128,7 @@ std::string turns_text(const std::vector<HandTurn>& turns) {
   return text;
 }
 
-std::string reached_text(const RequirementResult& r) {
+std::string progress_text(const RequirementResult& r) {
   const std::string selector = r.text.substr(0, r.text.find(" <="));
   const UserUnit unit = user_unit(coefficient(coefficient_index(r.coefficient)), r.limit);
   if (!std::isfinite(r.reached)) return selector + " not determined";
@@ -146,7 +149,8 @@ std::string live_picture(const LiveView& view, bool color) {
   text += map_text(view, color) + requirements_text(view, color) + "\n";
   if (view.done) return text;
   if (!view.problem.empty()) text += fmt::format(" {:.78}\n", view.problem);
-  if (view.next) text += colored(fmt::format(" next: {},\n       then hold still for {:g} s", turn_text(*view.next), view.rest_s), "1", color) + "\n";
+  if (view.next)
+    text += colored(fmt::format(" next: {},\n       then hold still for {:g} s", turn_text(*view.next), view.rest_s), Color::yellow, color) + "\n";
   return text;
 }
 

@@ -20,7 +20,7 @@ std::string turns_text(const std::vector<HandTurn>& turns);
 std::string direction_text(const Eigen::Vector3d& direction);
 
 /// "gyro.matrix.diagonal 812 ppm of 500 ppm", or "... not determined".
-std::string reached_text(const RequirementResult& requirement);
+std::string progress_text(const RequirementResult& requirement);
 
 /// What there is so far.
 struct LiveView {

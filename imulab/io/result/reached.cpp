@@ -1,6 +1,7 @@
 #include "imulab/io/result/reached.hpp"
 
 #include "imulab/io/text/figures.hpp"
+#include "imulab/model/requirement.hpp"
 #include "imulab/model/user_unit.hpp"
 
 #include <fmt/format.h>
@@ -10,10 +11,14 @@
 
 namespace imulab {
 
-namespace {
+double judged_uncertainty(const Calibration& calibration, CoefficientIndex index) {
+  const Coefficient& c = coefficient(index);
+  const TriadModel& triad = c.triad == Triad::accel ? calibration.model.accel : calibration.model.gyro;
+  if (c.term != Term::offset || triad.raw_unit != "count") return relative_uncertainty(calibration, index);
+  return raw_zero(calibration, c.triad).uncertainty[c.row] * std::abs(triad.matrix(c.row, c.row));
+}
 
-/// Of a group of coefficients, in user units; empty where none is known.
-std::string worst_of(const std::string& selector, const std::function<double(CoefficientIndex)>& sigma) {
+std::string worst_text(std::string_view selector, const std::function<double(CoefficientIndex)>& sigma) {
   double worst = -1;
   UserUnit unit{};
   for (const CoefficientIndex index : select_coefficients(selector)) {
@@ -25,14 +30,12 @@ std::string worst_of(const std::string& selector, const std::function<double(Coe
   return worst < 0 ? "" : fmt::format("{} {}", text::two_digits(worst / unit.size), unit.name);
 }
 
-}  // namespace
-
 std::string reached_text(const std::function<double(CoefficientIndex)>& sigma) {
   std::string lines;
   for (const auto& [name, triad] : {std::pair{"accelerometers", "accel"}, std::pair{"gyros", "gyro"}}) {
     std::string line;
     for (const auto& [what, term] : {std::pair{"scale", ".matrix.diagonal"}, {"misalignment", ".matrix.off_diagonal"}, {"offset", ".offset"}})
-      if (const std::string worst = worst_of(std::string(triad) + term, sigma); !worst.empty())
+      if (const std::string worst = worst_text(std::string(triad) + term, sigma); !worst.empty())
         line += fmt::format("{}{} {}", line.empty() ? "" : ", ", what, worst);
     if (!line.empty()) lines += text::wrapped(fmt::format("  {:<15} ", name), line);
   }

@@ -171,6 +171,20 @@ std::vector<double> ErrorBudget::shares(int quantity, std::size_t at) const {
   return out;
 }
 
+std::vector<double> ErrorBudget::horizontal_shares(std::size_t at) const {
+  std::vector<double> out(groups.size() + 1, 0);
+  double all = 0;
+  for (const int q : {0, 1}) {
+    const double square = std::pow(mean(q, static_cast<Eigen::Index>(at)), 2) + covariance[at](q, q);
+    if (!(square > 0)) continue;
+    const std::vector<double> own = shares(q, at);
+    for (std::size_t k = 0; k < out.size(); ++k) out[k] += square * own[k];
+    all += square;
+  }
+  for (double& share : out) share = all > 0 ? share / all : 0;
+  return out;
+}
+
 ErrorBudget error_budget(const NominalMotion& motion, const ErrorSources& sources, const BudgetOptions& options) {
   ErrorGrowth growth(motion, sources, options.strapdown);
   const Parameters p = parameters_of(sources, growth.columns());

@@ -33,6 +33,8 @@ struct ErrorBudget {
   /// Shares of the mean square error (mean^2 + variance) of a quantity: of each group, in their order, then of the correlation between groups. They
   /// add up to one; a source that partly cancels the others has a negative share.
   std::vector<double> shares(int quantity, std::size_t at) const;
+  /// The same of the horizontal position; all zero where its error is.
+  std::vector<double> horizontal_shares(std::size_t at) const;
 };
 
 struct BudgetOptions {
