@@ -43,21 +43,27 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
 // imulab/io/recording/imu7.cpp
 namespace recording_io {
 
-/// Rows of seven doubles, seconds first, after the four bytes "IMU7"; a session names its columns by number.
+/// Rows of seven doubles after the four bytes "IMU7".
 bool is_imu7(std::string_view head) { return head.starts_with("IMU7"); }
 
-TimedTable read_imu7(const std::filesystem::path& path, const RecordingSource&, const std::vector<Column>& columns) {
-  const MappedFile file(path);
-  TimedTable table;
-  table.file = path.string();
-  table.values.resize(columns.size());
-  std::array<double, 7> row;
-  for (std::string_view rows = file.text().substr(4); rows.size() >= sizeof row; rows.remove_prefix(sizeof row)) {
-    std::memcpy(row.data(), rows.data(), sizeof row);
-    table.time_ns.push_back(std::llround(1e9 * row[0]));
-    for (std::size_t k = 0; k < columns.size(); ++k) table.values[k].push_back(row.at(static_cast<std::size_t>(std::get<int>(columns[k]) - 1)));
+std::vector<TableDescription> describe_imu7(const TableRequest& request) {
+  TableDescription table;
+  for (const char* name : {"t", "gx", "gy", "gz", "ax", "ay", "az"}) table.columns.push_back({name});
+  table.rows = (MappedFile(request.file).text().size() - 4) / (7 * sizeof(double));
+  return {table};
+}
+
+RawTable imu7_columns(const TableRequest& request, const std::vector<Column>& columns) {
+  const TableDescription table = describe_imu7(request).front();
+  const MappedFile file(request.file);
+  RawTable raw;
+  for (const Column& column : columns) {
+    std::vector<double>& numbers = raw.columns.emplace_back().numbers;
+    numbers.resize(table.rows);
+    const char* first = file.text().data() + 4 + sizeof(double) * find_column(table, column, request.file.string());
+    for (std::size_t i = 0; i < table.rows; ++i) std::memcpy(&numbers[i], first + 7 * sizeof(double) * i, sizeof(double));
   }
-  return table;
+  return raw;
 }
 
 }  // namespace recording_io
@@ -86,6 +92,12 @@ std::vector<Row> with(const auto& table, Row row) {
 
 const std::array<std::array<double, 7>, 3> rows{{{0, 0.1, 0.2, 0.3, 0, 0, 9.8}, {0.01, 0.1, 0.4, 0.3, 0, 0, 9.8}, {0.02, 0.1, 0.3, 0.6, 0, 0, 9.8}}};
 
+// clang-format off
+const RecordingFormat imu7
+{.name = "rows of seven doubles", .recognizes = recording_io::is_imu7, .describe = recording_io::describe_imu7, .columns = recording_io::imu7_columns}
+;
+// clang-format on
+
 /// A session with one recording in the new format, and what is read of it.
 Recording read_imu7_session(const TemporaryFolder& folder, const std::vector<RecordingFormat>& formats) {
   std::string bytes = "IMU7";
@@ -107,7 +119,7 @@ TEST(Extension, ThePageShowsThisCode) {
 
 TEST(Extension, ARecordingFormatIsAFileAndARow) {
   const TemporaryFolder folder;
-  const auto formats = with<RecordingFormat>(recording_formats(), {"rows of seven doubles", recording_io::is_imu7, recording_io::read_imu7});
+  const auto formats = with<RecordingFormat>(recording_formats(), imu7);
   const Recording recording = read_imu7_session(folder, formats);
   EXPECT_EQ(recording.size(), 3u);
   EXPECT_DOUBLE_EQ(recording.interval_s, 0.01);
@@ -127,8 +139,7 @@ TEST(Extension, AnExportTargetIsAFileAndARow) {
 TEST(Extension, AMethodIsAFolderAndARow) {
   const auto table = with<Method>(methods(), {.name = "zeros", .summary = "the gyros' offsets from one rest", .calibrate = zeros::calibrate});
   const TemporaryFolder folder;
-  const Recording recording = read_imu7_session(
-      folder, with<RecordingFormat>(recording_formats(), {"rows of seven doubles", recording_io::is_imu7, recording_io::read_imu7}));
+  const Recording recording = read_imu7_session(folder, with<RecordingFormat>(recording_formats(), imu7));
   const Calibration c = method("zeros", table).calibrate({Session{}, {&recording, 1}}, {}).calibration;
   EXPECT_NEAR(c.model.gyro.offset[1], -0.3, 1e-15);
   EXPECT_NEAR(*standard_uncertainty(c, coefficient_index("gyro.offset.y")), std::sqrt(0.02 / 9), 1e-12);

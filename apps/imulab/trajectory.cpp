@@ -75,7 +75,7 @@ Session session_of(const Mission& mission, const Recording& recording, const Nav
   RecordingSource source;
   source.file = "recording.csv";
   source.rate_hz = mission.rate;
-  source.time = {.column = "t", .unit = "s", .zero_ns = 0};
+  source.time = {.column = "t"};
   const auto triad = [](std::vector<Column> columns, bool increment, const std::string& unit, const char* increment_unit) {
     return TriadSource{.file = {},
                        .columns = std::move(columns),

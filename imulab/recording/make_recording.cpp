@@ -69,7 +69,7 @@ void add_clipped(Recording& recording, const RecordingOptions& options) {
 }
 
 void to_si(Columns3& triad, const ReadingOptions& options, double interval_s) {
-  const double factor = si_factor(options.unit);
+  const double factor = si_factor(options.unit) / options.counts_per_unit;
   if (factor == 1 && !options.increment) return;
   for (auto& column : triad)
     for (double& value : column) value = options.increment ? value * factor / interval_s : value * factor;
@@ -78,7 +78,9 @@ void to_si(Columns3& triad, const ReadingOptions& options, double interval_s) {
 }  // namespace
 
 RecordingOptions recording_options(const RecordingSource& source) {
-  const auto triad = [](const TriadSource& from) { return ReadingOptions{from.unit, from.output == Output::increment, from.limits, {}}; };
+  const auto triad = [](const TriadSource& from) {
+    return ReadingOptions{from.unit, from.counts_per_unit.value_or(1), from.output == Output::increment, from.limits, {}};
+  };
   return {source.file, source.rate_hz ? std::optional(1 / *source.rate_hz) : std::nullopt, triad(source.gyro), triad(source.accel)};
 }
 

@@ -90,24 +90,33 @@ using Column = std::variant<std::string, int>;
 enum class Stamps { automatic, recorded, uniform };
 std::string_view to_string(Stamps stamps);
 
+/// Where the stamps of rows come from. A stamp is column + fraction_column, or the row's number times the interval.
 struct TimeSource {
-  Column column = 1;
-  std::string unit = "s";  ///< s, ms, us, ns
-  std::int64_t zero_ns = 0;
+  std::optional<Column> column = Column(1);  ///< absent: the rows follow each other at the declared rate
+  std::string unit = "s";                    ///< s, ms, us, ns; tick (ticks_per_s); sample: a number of samples at the declared rate
+  std::optional<Column> fraction_column;     ///< added to the first, as nanoseconds to seconds
+  std::string fraction_unit = "ns";
+  std::optional<double> ticks_per_s;
+  std::optional<int> wrap_bits;  ///< the column's number begins at 0 again after 2^wrap_bits of its unit
+  std::int64_t zero = 0;         ///< subtracted: ns, or ticks or samples
   Stamps stamps = Stamps::automatic;
   bool operator==(const TimeSource&) const = default;
 };
 
 struct TriadSource {
-  std::optional<std::string> file;  ///< if it differs from the recording's
-  std::vector<Column> columns;      ///< three
+  std::optional<std::string> file, topic;  ///< if they differ from the recording's
+  std::optional<TimeSource> time;
+  std::vector<Column> columns;  ///< three
   Output output = Output::rate;
   std::string unit = "count";
+  std::optional<double> counts_per_unit;        ///< the file has counts: so many are one `unit`
   std::optional<std::array<double, 2>> limits;  ///< in the file's unit
   bool operator==(const TriadSource&) const = default;
 };
 
 struct ThermalSource {
+  std::optional<std::string> file, topic;  ///< if they differ from the recording's
+  std::optional<TimeSource> time;
   std::vector<Column> columns;  ///< one or three
   std::string unit = "degC";
   // Of a simulation: a reading is at_25_degC + per_K (T - 25 degC) and noise; three columns, three sensors.
@@ -122,7 +131,9 @@ std::string_view to_string(Extent extent);
 
 struct RecordingSource {
   std::string file;
-  std::string rig;  ///< empty with one rig
+  std::string topic;   ///< the table of a file that has several: a bag's topic, a log's message; empty: the only one
+  std::string layout;  ///< of rows of binary numbers: "f8 f4x6"; empty: the file says itself what it is
+  std::string rig;     ///< empty with one rig
   std::optional<double> rate_hz;
   Extent extent = Extent::all;
   TimeSource time;

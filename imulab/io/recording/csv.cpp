@@ -1,6 +1,7 @@
 #include "imulab/io/recording/csv.hpp"
 
 #include "imulab/io/recording/csv_rows.hpp"
+#include "imulab/io/recording/format.hpp"
 #include "imulab/io/text/file.hpp"
 
 #include <algorithm>
@@ -21,11 +22,11 @@ void reserve(TimedTable& table, std::string_view rows) {
 
 bool is_text(std::string_view head) { return head.find('\0') == std::string_view::npos; }
 
-TimedTable read_csv(const std::filesystem::path& path, const TimeSource& time, const std::vector<Column>& columns) {
+TimedTable read_csv(const std::filesystem::path& path, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns) {
   const MappedFile file(path);
   const TableLayout layout = table_layout(path.string(), file.text(), names_a_column(time, columns));
   std::string_view text = file.text().substr(layout.offset);
-  RowReader reader(layout, time, columns);
+  RowReader reader(layout, time, rate_hz, columns);
 
   TimedTable table;
   table.file = path.string();
@@ -47,6 +48,24 @@ TimedTable read_csv(const std::filesystem::path& path, const TimeSource& time, c
   }
   table.values = std::move(values);
   return table;
+}
+
+std::vector<TableDescription> describe_text(const TableRequest& request) {
+  const MappedFile file(request.file);
+  const TableLayout layout = table_layout(request.file.string(), file.text(), false);
+  TableDescription table;
+  for (std::size_t i = 0; i < layout.columns; ++i) table.columns.push_back({layout.column_name(i)});
+  const std::string_view rows = file.text().substr(layout.offset);
+  table.rows = static_cast<std::size_t>(std::count(rows.begin(), rows.end(), '\n')) + !rows.ends_with('\n');
+  return {table};
+}
+
+RawTable text_columns(const TableRequest& request, const std::vector<Column>& columns) {
+  TimedTable table = read_csv(request.file, {.column = std::nullopt}, 1, columns);
+  RawTable raw;
+  raw.row = "line";
+  for (auto& column : table.values) raw.columns.push_back({std::move(column), {}});
+  return raw;
 }
 
 }  // namespace imulab::recording_io

@@ -71,7 +71,8 @@ std::size_t TableLayout::find(const Column& column) const {
 
 bool names_a_column(const TimeSource& time, const std::vector<Column>& columns) {
   const auto is_named = [](const Column& column) { return std::holds_alternative<std::string>(column); };
-  return is_named(time.column) || std::any_of(columns.begin(), columns.end(), is_named);
+  return (time.column && is_named(*time.column)) || (time.fraction_column && is_named(*time.fraction_column)) ||
+         std::any_of(columns.begin(), columns.end(), is_named);
 }
 
 std::optional<TableLayout> find_layout(const std::string& file, std::string_view text, bool named) {

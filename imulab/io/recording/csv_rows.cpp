@@ -15,7 +15,7 @@
 namespace imulab::recording_io {
 namespace {
 
-constexpr int unused = -1, time_field = -2;  // what a field of a row is for; else the column of the result
+constexpr int unused = -1, time_field = -2, fraction_field = -3;  // what a field of a row is for; else the column of the result
 
 /// Reads the number at p; nullptr where there is none that is finite.
 const char* read_number(const char* p, const char* last, double& value) {
@@ -24,12 +24,12 @@ const char* read_number(const char* p, const char* last, double& value) {
   return error == std::errc() && std::isfinite(value) ? end : nullptr;
 }
 
-/// Reads the stamp at p; nullptr where there is none, or one so far out that differences of stamps would not fit.
-const char* read_time(const char* p, const char* last, const RowPlan& plan, std::int64_t& time_ns) {
-  constexpr std::int64_t farthest = std::numeric_limits<std::int64_t>::max() / 2;  // 146 years
-  const text::ScaledInteger stamp = text::scaled_integer(p, last, plan.exponent);
-  if (stamp.status != text::ScaledInteger::Status::good || __builtin_sub_overflow(stamp.value, plan.zero_ns, &time_ns)) return nullptr;
-  return time_ns >= -farthest && time_ns <= farthest ? stamp.end : nullptr;
+/// Reads the stamp at p as an integer of 10^-exponent; nullptr where there is none.
+const char* read_stamp(const char* p, const char* last, int exponent, std::int64_t& stamp) {
+  const text::ScaledInteger number = text::scaled_integer(p, last, exponent);
+  if (number.status != text::ScaledInteger::Status::good) return nullptr;
+  stamp = number.value;
+  return number.end;
 }
 
 /// A field as it is quoted in a message.
@@ -38,8 +38,8 @@ std::string shortened(std::string_view field) {
   return field.size() <= longest ? std::string(field) : fmt::format("{}... ({} characters)", field.substr(0, longest), field.size());
 }
 
-/// Says what is wrong with a row that could not be read.
-[[noreturn]] void explain(std::string_view line, std::size_t number, const RowPlan& plan) {
+/// Says what is wrong with a row that could not be read, or whose stamp is too far from the zero.
+[[noreturn]] void explain(std::string_view line, std::size_t number, const RowPlan& plan, bool too_far = false) {
   const TableLayout& layout = plan.layout;
   const auto fields = fields_of(line, layout);
   if (fields.size() != layout.columns) {
@@ -52,10 +52,10 @@ std::string shortened(std::string_view field) {
     const std::string where = fmt::format("{}:{}: {}: ", layout.file, number, layout.column_name(i));
     if (field.empty()) throw Error(where + "is empty; expected a number");
     const char* last = field.data() + field.size();
-    if (plan.fields[i] == time_field) {
-      std::int64_t time_ns = 0;
-      const text::ScaledInteger stamp = text::scaled_integer(field.data(), last, plan.exponent);
-      if (stamp.status != text::ScaledInteger::Status::not_a_number && stamp.end == last && read_time(field.data(), last, plan, time_ns) == nullptr)
+    if (plan.fields[i] == time_field || plan.fields[i] == fraction_field) {
+      const text::ScaledInteger stamp =
+          text::scaled_integer(field.data(), last, plan.fields[i] == time_field ? plan.exponent : plan.fraction_exponent);
+      if (too_far || (stamp.status == text::ScaledInteger::Status::too_large && stamp.end == last))
         throw Error(fmt::format("{}{} is too far from the clock's zero; expected less than 146 years (is the unit right?)", where, shortened(field)));
       if (stamp.end != last) throw Error(fmt::format("{}\"{}\" is not a time; expected a decimal number", where, shortened(field)));
       continue;
@@ -88,7 +88,9 @@ const char* read_row(const char* p, const char* last, const RowPlan& plan, Row& 
     if (use >= 0) {
       p = read_number(p, last, row.values[static_cast<std::size_t>(use)]);
     } else if (use == time_field) {
-      p = read_time(p, last, plan, row.time_ns);
+      p = read_stamp(p, last, plan.exponent, row.stamp);
+    } else if (use == fraction_field) {
+      p = read_stamp(p, last, plan.fraction_exponent, row.fraction);
     } else {
       while (p < last && *p != '\n' && (Blanks ? !is_blank(*p) : *p != delimiter)) ++p;
     }
@@ -104,8 +106,8 @@ const char* read_row(const char* p, const char* last, const RowPlan& plan, Row& 
 
 /// For a row whose time is not after the one before: throws unless it is that row again.
 void expect_repetition(const Row& before, const Row& row, std::size_t line, const RowPlan& plan) {
-  const auto field = std::find(plan.fields.begin(), plan.fields.end(), time_field) - plan.fields.begin();
-  const std::string where = fmt::format("{}:{}: {}: ", plan.layout.file, line, plan.layout.column_name(static_cast<std::size_t>(field)));
+  const auto field = static_cast<std::size_t>(std::find(plan.fields.begin(), plan.fields.end(), time_field) - plan.fields.begin());
+  const std::string where = fmt::format("{}:{}: {}: ", plan.layout.file, line, plan.layout.column_name(field));
   if (row.time_ns < before.time_ns)
     throw Error(fmt::format("{}time runs backwards: {} s after {} s; expected ascending times", where, text::seconds_text(row.time_ns),
                             text::seconds_text(before.time_ns)));
@@ -115,22 +117,32 @@ void expect_repetition(const Row& before, const Row& row, std::size_t line, cons
 
 }  // namespace
 
-RowReader::RowReader(TableLayout layout, const TimeSource& time, const std::vector<Column>& columns) {
+RowReader::RowReader(TableLayout layout, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns)
+    : clock_(time, rate_hz) {
   plan_.layout = std::move(layout);
-  plan_.exponent = time_exponent(time.unit);
-  plan_.zero_ns = time.zero_ns;
+  plan_.exponent = clock_.exponent();
+  plan_.fraction_exponent = clock_.fraction_exponent();
   plan_.fields.assign(plan_.layout.columns, unused);
-  plan_.fields[plan_.layout.find(time.column)] = time_field;
+  stamped_ = time.column.has_value();
+  if (time.column) plan_.fields[plan_.layout.find(*time.column)] = time_field;
+  if (time.fraction_column) plan_.fields[plan_.layout.find(*time.fraction_column)] = fraction_field;
   int used = 0;
   for (const Column& column : columns) {
     int& use = plan_.fields[plan_.layout.find(column)];
-    if (use == time_field) throw Error(fmt::format("{}: the time column is also named as a reading; expected different columns", plan_.layout.file));
+    if (use <= time_field) throw Error(fmt::format("{}: the time column is also named as a reading; expected different columns", plan_.layout.file));
     if (use == unused) use = used++;
     places_.push_back(static_cast<std::size_t>(use));
   }
   row_.values.resize(static_cast<std::size_t>(used));
   next_.values.resize(static_cast<std::size_t>(used));
   next_line_ = plan_.layout.line;
+}
+
+/// Gives the row that was read its time; false where that is too far from the zero.
+bool RowReader::stamp() {
+  const auto time_ns = stamped_ ? clock_.next(next_.stamp, next_.fraction) : clock_.next();
+  next_.time_ns = time_ns.value_or(0);
+  return time_ns.has_value();
 }
 
 bool RowReader::next(std::string_view& text) {
@@ -143,6 +155,7 @@ bool RowReader::next(std::string_view& text) {
       const char* content = std::find_if_not(p, end, [](char c) { return c == ' ' || c == '\t' || c == '\r'; });
       if (content != end && *content != '#') explain({p, static_cast<std::size_t>(end - p)}, next_line_, plan_);
     }
+    if (is_row && !stamp()) explain({p, static_cast<std::size_t>(end - p)}, next_line_, plan_, true);
     const bool repeats = is_row && any_ && next_.time_ns <= row_.time_ns;
     if (repeats) expect_repetition(row_, next_, next_line_, plan_);
     repeated_ += repeats;

@@ -1,18 +1,21 @@
 // Rows of a text table, one after the other: the same for a mapped file and for a stream.
 #pragma once
 
+#include "imulab/io/recording/clock.hpp"
 #include "imulab/io/recording/csv_layout.hpp"
 #include "imulab/recording/session.hpp"
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 namespace imulab::recording_io {
 
 struct Row {
-  std::int64_t time_ns = 0;  ///< less the zero
+  std::int64_t stamp = 0, fraction = 0;  ///< as a clock takes them
+  std::int64_t time_ns = 0;              ///< less the zero
   std::vector<double> values;
 };
 
@@ -20,14 +23,14 @@ struct Row {
 struct RowPlan {
   TableLayout layout;
   std::vector<int> fields;
-  int exponent = 9;
-  std::int64_t zero_ns = 0;
+  int exponent = 9, fraction_exponent = 0;
 };
 
 class RowReader {
  public:
   /// `columns` are what is read beside the time; one may be asked for twice, and is then read once. Throws Error for a column that is not there.
-  RowReader(TableLayout layout, const TimeSource& time, const std::vector<Column>& columns);
+  /// `rate_hz`: of rows without stamps in seconds.
+  RowReader(TableLayout layout, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns);
 
   /// Reads the next row, taking it and what stands before it off the front of `text`, which holds whole lines; false where there is none.
   /// Comments, empty lines and rows equal to the one before are passed over. Throws Error with file, line and column for what is no such row.
@@ -39,10 +42,13 @@ class RowReader {
   const std::vector<std::size_t>& places() const { return places_; }
 
  private:
+  bool stamp();
+
   RowPlan plan_;
+  Clock clock_;
   std::vector<std::size_t> places_;
   Row row_, next_;
-  bool any_ = false;
+  bool any_ = false, stamped_ = true;
   std::size_t line_ = 0, next_line_ = 1, repeated_ = 0;
 };
 

@@ -107,7 +107,7 @@ void write_recording(const std::filesystem::path& path, const Recording& recordi
 }
 
 RecordingSource written_source(RecordingSource source) {
-  source.time = {.column = "t", .unit = "s", .zero_ns = 0};
+  source.time = {.column = "t"};
   const auto triad = [](TriadSource& t, const Names& names, const char* rate_unit, const char* increment_unit) {
     t.file.reset();
     t.columns = columns_of(names);

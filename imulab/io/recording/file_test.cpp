@@ -118,7 +118,7 @@ TEST(RecordingFile, KeepsEveryNanosecondOfUnixStamps) {
   };
   for (const auto& c : cases) {
     source.time.unit = c.unit;
-    source.time.zero_ns = 1'700'000'000'000'000'000;
+    source.time.zero = 1'700'000'000'000'000'000;
     EXPECT_THAT(parse_recording(rows_at({c.first, c.second}), source).recording.time_ns, ElementsAre(123'456'789, 133'456'790)) << c.unit;
   }
 }

@@ -1,18 +1,160 @@
 #include "imulab/io/recording/format.hpp"
 
+#include "imulab/core/error.hpp"
+#include "imulab/io/recording/clock.hpp"
 #include "imulab/io/recording/csv.hpp"
+#include "imulab/io/text/decimal.hpp"
+#include "imulab/io/text/file.hpp"
+#include "imulab/io/text/names.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace imulab {
 
 const std::vector<RecordingFormat>& recording_formats() {
   using namespace recording_io;
   static const std::vector<RecordingFormat> formats{
-      {"CSV or plain columns of numbers", is_text,
-       [](const std::filesystem::path& file, const RecordingSource& source, const std::vector<Column>& columns) {
-         return read_csv(file, source.time, columns);
-       }},
+      {.name = "CSV or plain columns of numbers",
+       .recognizes = is_text,
+       .describe = describe_text,
+       .columns = text_columns,
+       .read = [](const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz,
+                  const std::vector<Column>& columns) { return read_csv(request.file, time, rate_hz, columns); }},
   };
   return formats;
 }
 
+const RecordingFormat& format_of(const TableRequest& request, const std::vector<RecordingFormat>& formats) {
+  const MappedFile mapped(request.file);
+  const std::string_view head = mapped.text().substr(0, 4096);
+  const auto format = std::find_if(formats.begin(), formats.end(), [&](const RecordingFormat& f) {
+    return f.of_layout ? !request.layout.empty() : request.layout.empty() && f.recognizes(head);
+  });
+  if (format != formats.end()) return *format;
+  std::vector<std::string_view> names;
+  for (const RecordingFormat& f : formats) names.push_back(f.name);
+  throw Error(fmt::format("{}: unknown format; expected {}", request.file.string(), text::listed(names)));
+}
+
+namespace recording_io {
+namespace {
+
+/// A column's number as the integer that a clock takes; nothing where it is none.
+std::optional<std::int64_t> scaled(const RawColumn& column, std::size_t row, int exponent) {
+  constexpr double largest = 9e18;  // below 2^63
+  if (!column.integers.empty()) {
+    std::int64_t value = column.integers[row];
+    for (int i = 0; i < exponent; ++i)
+      if (__builtin_mul_overflow(value, 10, &value)) return std::nullopt;
+    return value;
+  }
+  const double value = column.numbers[row] * std::pow(10.0, exponent);
+  if (!(std::abs(value) < largest)) return std::nullopt;
+  return std::llround(value);
+}
+
+/// Reads stamp after stamp of a raw table.
+class StampReader {
+ public:
+  StampReader(const TimeSource& time, std::optional<double> rate_hz, const RawColumn* stamps, const RawColumn* fractions)
+      : clock_(time, rate_hz), stamps_(stamps), fractions_(fractions) {}
+
+  std::optional<std::int64_t> at(std::size_t row) {
+    if (stamps_ == nullptr) return clock_.next();
+    const auto stamp = scaled(*stamps_, row, clock_.exponent());
+    const auto fraction = fractions_ != nullptr ? scaled(*fractions_, row, clock_.fraction_exponent()) : 0;
+    return stamp && fraction ? clock_.next(*stamp, *fraction) : std::nullopt;
+  }
+
+ private:
+  Clock clock_;
+  const RawColumn *stamps_, *fractions_;
+};
+
+std::vector<double> as_numbers(RawColumn column) {
+  if (column.integers.empty()) return std::move(column.numbers);
+  return {column.integers.begin(), column.integers.end()};
+}
+
+std::string column_text(const Column& column) {
+  const std::string* name = std::get_if<std::string>(&column);
+  return name != nullptr ? *name : fmt::format("column {}", std::get<int>(column));
+}
+
+void expect_finite(const TimedTable& table, const std::vector<Column>& columns) {
+  for (std::size_t c = 0; c < table.values.size(); ++c)
+    for (std::size_t i = 0; i < table.values[c].size(); ++i)
+      if (!std::isfinite(table.values[c][i]))
+        throw Error(fmt::format("{}: {}: {}: {} is not a reading; expected a finite number", table.file, table.place(i), column_text(columns[c]),
+                                table.values[c][i]));
+}
+
+/// Takes out the rows that equal the row before. Throws Error where time does not ascend otherwise.
+void expect_ascending(TimedTable& table) {
+  const auto keep = [&](std::size_t to, std::size_t from) {
+    if (to == from) return;
+    table.time_ns[to] = table.time_ns[from];
+    for (auto& column : table.values) column[to] = column[from];
+  };
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < table.time_ns.size(); ++i) {
+    if (kept > 0 && table.time_ns[i] <= table.time_ns[kept - 1]) {
+      if (table.time_ns[i] < table.time_ns[kept - 1])
+        throw Error(fmt::format("{}: {}: time runs backwards: {} s after {} s; expected ascending times", table.file, table.place(i),
+                                text::seconds_text(table.time_ns[i]), text::seconds_text(table.time_ns[kept - 1])));
+      const bool same = std::all_of(table.values.begin(), table.values.end(), [&](const auto& column) { return column[i] == column[kept - 1]; });
+      if (!same)
+        throw Error(fmt::format("{}: {}: {} s is on two rows with different readings; expected one row for each time", table.file, table.place(i),
+                                text::seconds_text(table.time_ns[i])));
+      ++table.repeated;
+      continue;
+    }
+    keep(kept++, i);
+  }
+  table.time_ns.resize(kept);
+  for (auto& column : table.values) column.resize(kept);
+}
+
+TimedTable timed_table(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns,
+                       const RecordingFormat& format) {
+  std::vector<Column> all = columns;
+  if (time.column) all.push_back(*time.column);
+  if (time.column && time.fraction_column) all.push_back(*time.fraction_column);
+  RawTable raw = format.columns(request, all);
+  const auto after = [&](std::size_t i) { return columns.size() + i < all.size() ? &raw.columns[columns.size() + i] : nullptr; };
+  StampReader stamps(time, rate_hz, after(0), after(1));
+
+  TimedTable table;
+  table.file = request.topic.empty() ? request.file.string() : fmt::format("{}: {}", request.file.string(), request.topic);
+  table.row = raw.row;
+  table.warnings = std::move(raw.warnings);
+  const std::size_t rows = raw.columns.empty() ? 0 : raw.columns.front().size();
+  if (rows == 0) throw Error(table.file + ": has no rows; expected samples");
+  table.time_ns.reserve(rows);
+  for (std::size_t i = 0; i < rows; ++i) {
+    const auto ns = stamps.at(i);
+    if (!ns)
+      throw Error(fmt::format("{}: {}: the stamp is not a time within 146 years of the clock's zero; expected one (is the unit right?)", table.file,
+                              table.place(i)));
+    table.time_ns.push_back(*ns);
+  }
+  for (std::size_t c = 0; c < columns.size(); ++c) table.values.push_back(as_numbers(std::move(raw.columns[c])));
+  expect_finite(table, columns);
+  expect_ascending(table);
+  return table;
+}
+
+}  // namespace
+
+TimedTable read_table(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns,
+                      const std::vector<RecordingFormat>& formats) {
+  const RecordingFormat& format = format_of(request, formats);
+  return format.read != nullptr ? format.read(request, time, rate_hz, columns) : timed_table(request, time, rate_hz, columns, format);
+}
+
+}  // namespace recording_io
 }  // namespace imulab

@@ -1,26 +1,54 @@
 // The formats of recording files, in one table.
 #pragma once
 
+#include "imulab/io/recording/raw_table.hpp"
 #include "imulab/io/recording/timed_table.hpp"
 #include "imulab/recording/session.hpp"
 
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
 namespace imulab {
+
+/// A table of a recording file.
+struct TableRequest {
+  std::filesystem::path file;
+  std::string topic;   ///< its name; empty: the only table of the file
+  std::string layout;  ///< of rows of binary numbers, as declared: "f8 f4x6"
+};
 
 /// A format. To add one: a source file of this folder that reads it, and its row in recording_formats().
 struct RecordingFormat {
   std::string_view name;
   /// Whether a file is in this format, by its first bytes: 4096, or all of a shorter file.
   bool (*recognizes)(std::string_view head);
-  /// Reads the stamps as `source.time` says, and the requested columns in the file's units, in the order requested; a column may be requested twice.
-  /// Throws Error with file and place for a column that is not there, a value that is not finite, and stamps that do not ascend.
-  recording_io::TimedTable (*read)(const std::filesystem::path& file, const RecordingSource& source, const std::vector<Column>& columns);
+  /// The tables of a file, for people who have to choose among them. Throws Error where the file is damaged.
+  std::vector<recording_io::TableDescription> (*describe)(const TableRequest& request);
+  /// The columns of a table as they stand in the file, in the order requested; a column may be requested twice. Only they are held in memory. Throws
+  /// Error with file and place for a table or column that is not there (naming those that are) and for a damaged file.
+  recording_io::RawTable (*columns)(const TableRequest& request, const std::vector<Column>& columns);
+  /// Stamps and readings at once, where the format has a better way than its columns; else null.
+  recording_io::TimedTable (*read)(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz,
+                                   const std::vector<Column>& columns) = nullptr;
+  bool of_layout = false;  ///< reads files whose layout is declared, and no other
 };
 
 /// All formats. The first that recognizes a file reads it; text comes last, since other formats may begin like text.
 const std::vector<RecordingFormat>& recording_formats();
+
+/// The format of a file. Throws Error that names the formats where none is recognized.
+const RecordingFormat& format_of(const TableRequest& request, const std::vector<RecordingFormat>& formats = recording_formats());
+
+namespace recording_io {
+
+/// Reads a table with stamps as `time` says and readings in the file's units. Throws Error with file and place for a value that is not finite and
+/// stamps that do not ascend.
+TimedTable read_table(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns,
+                      const std::vector<RecordingFormat>& formats = recording_formats());
+
+}  // namespace recording_io
 
 }  // namespace imulab

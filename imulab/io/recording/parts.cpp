@@ -16,30 +16,27 @@ namespace {
 
 constexpr auto none = static_cast<std::size_t>(-1);
 
+/// What is read of one table.
 struct PartRequest {
-  std::string file;
+  std::string file, topic;
+  TimeSource time;
   std::vector<Column> columns;
 };
 
-PartColumns request(std::vector<PartRequest>& requests, const std::string& file, const std::vector<Column>& columns) {
-  auto part = std::find_if(requests.begin(), requests.end(), [&](const PartRequest& r) { return r.file == file; });
-  if (part == requests.end()) part = requests.insert(requests.end(), {file, {}});
+/// A triad or thermometer, which may name a file, topic and clock of its own.
+template <class Source>
+PartColumns request(std::vector<PartRequest>& requests, const RecordingSource& recording, const Source& source) {
+  const PartRequest own{
+      source.file.value_or(recording.file), source.topic.value_or(source.file ? "" : recording.topic), source.time.value_or(recording.time), {}};
+  auto part = std::find_if(requests.begin(), requests.end(),
+                           [&](const PartRequest& r) { return r.file == own.file && r.topic == own.topic && r.time == own.time; });
+  if (part == requests.end()) part = requests.insert(requests.end(), own);
   PartColumns which{static_cast<std::size_t>(part - requests.begin()), {}};
-  for (const Column& column : columns) {
+  for (const Column& column : source.columns) {
     which.columns.push_back(part->columns.size());
     part->columns.push_back(column);
   }
   return which;
-}
-
-const RecordingFormat& format_of(const std::filesystem::path& file, const std::vector<RecordingFormat>& formats) {
-  const MappedFile mapped(file);
-  const std::string_view head = mapped.text().substr(0, 4096);
-  const auto format = std::find_if(formats.begin(), formats.end(), [head](const RecordingFormat& f) { return f.recognizes(head); });
-  if (format != formats.end()) return *format;
-  std::vector<std::string_view> names;
-  for (const RecordingFormat& f : formats) names.push_back(f.name);
-  throw Error(fmt::format("{}: unknown format; expected {}", file.string(), text::listed(names)));
 }
 
 /// For each row of `a` the row of `b` with the nearest stamp, where it is at most `reach` away and `a`'s row is the nearest to it as well.
@@ -75,14 +72,13 @@ void keep_rows(TimedTable& table, const std::vector<std::size_t>& rows) {
 RecordingParts read_parts(const Session& session, const RecordingSource& source, const std::vector<RecordingFormat>& formats) {
   std::vector<PartRequest> requests;
   RecordingParts parts;
-  parts.gyro = request(requests, source.gyro.file.value_or(source.file), source.gyro.columns);
-  parts.accel = request(requests, source.accel.file.value_or(source.file), source.accel.columns);
-  if (source.gyro_temperature) parts.gyro_temperature = request(requests, source.file, source.gyro_temperature->columns);
-  if (source.accel_temperature) parts.accel_temperature = request(requests, source.file, source.accel_temperature->columns);
-  for (const PartRequest& part : requests) {
-    const std::filesystem::path file = session_path(session, part.file);
-    parts.tables.push_back(format_of(file, formats).read(file, source, part.columns));
-  }
+  parts.gyro = request(requests, source, source.gyro);
+  parts.accel = request(requests, source, source.accel);
+  if (source.gyro_temperature) parts.gyro_temperature = request(requests, source, *source.gyro_temperature);
+  if (source.accel_temperature) parts.accel_temperature = request(requests, source, *source.accel_temperature);
+  for (const PartRequest& part : requests)
+    parts.tables.push_back(
+        read_table({session_path(session, part.file), part.topic, source.layout}, part.time, source.rate_hz, part.columns, formats));
   return parts;
 }
 

@@ -113,6 +113,7 @@ RecordingReading read_recording(const Session& session, const RecordingSource& s
   RecordingParts parts = read_parts(session, source, formats);
   RecordingReading reading;
   TimedTable& reference = parts.tables[parts.gyro.table];
+  for (const TimedTable& table : parts.tables) reading.warnings.insert(reading.warnings.end(), table.warnings.begin(), table.warnings.end());
   for (const TimedTable& table : parts.tables)
     if (table.repeated > 0)
       reading.warnings.push_back(

@@ -23,7 +23,7 @@ const std::vector<Column> columns{"latitude_deg", "longitude_deg", "height_m", "
 }  // namespace
 
 Solution read_solution(const std::filesystem::path& path) {
-  const recording_io::TimedTable table = recording_io::read_csv(path, {.column = "t", .unit = "s", .zero_ns = 0}, columns);
+  const recording_io::TimedTable table = recording_io::read_csv(path, {.column = "t"}, std::nullopt, columns);
   const auto& v = table.values;
   Solution out;
   for (std::size_t i = 0; i < table.time_ns.size(); ++i) {
@@ -42,7 +42,7 @@ Solution read_solution(const std::filesystem::path& path) {
 }
 
 HeightRecord read_heights(const std::filesystem::path& path) {
-  recording_io::TimedTable table = recording_io::read_csv(path, {.column = "t", .unit = "s", .zero_ns = 0}, {Column("height_m")});
+  recording_io::TimedTable table = recording_io::read_csv(path, {.column = "t"}, std::nullopt, {Column("height_m")});
   HeightRecord out;
   for (const std::int64_t ns : table.time_ns) out.time.push_back(1e-9 * static_cast<double>(ns));
   out.height = std::move(table.values[0]);

@@ -68,7 +68,7 @@ bool RecordingStream::start() {
   auto layout = ended_ ? table_layout(name_, lines, named) : find_layout(name_, lines, named);
   if (!layout) return false;
   text_.erase(0, layout->offset);
-  reader_.emplace(*std::move(layout), source_.time, columns_);
+  reader_.emplace(*std::move(layout), source_.time, source_.rate_hz, columns_);
   return true;
 }
 

@@ -11,9 +11,9 @@ std::size_t LineNumbers::operator[](std::size_t row) const {
   return row + (std::prev(after)->second - std::prev(after)->first);
 }
 
-std::string TimedTable::place(std::size_t row) const {
-  const std::size_t line = lines[row];
-  return line > 0 ? "line " + std::to_string(line) : "row " + std::to_string(row + 1);
+std::string TimedTable::place(std::size_t index) const {
+  const std::size_t line = lines[index];
+  return line > 0 ? "line " + std::to_string(line) : row + " " + std::to_string(index + 1);
 }
 
 }  // namespace imulab::recording_io

@@ -28,9 +28,11 @@ struct TimedTable {
   std::vector<std::vector<double>> values;  ///< one column for each requested, as long as time_ns; all finite
   LineNumbers lines;                        ///< of a text file
   std::size_t repeated = 0;                 ///< rows dropped because they equal the row before
+  std::string row = "row";                  ///< what a row is called in a file that has no lines
+  std::vector<std::string> warnings;        ///< of reading
 
   /// "line 12", or "row 5" of a file that has no lines; for messages.
-  std::string place(std::size_t row) const;
+  std::string place(std::size_t index) const;
 };
 
 }  // namespace imulab::recording_io

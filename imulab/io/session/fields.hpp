@@ -7,6 +7,7 @@
 #include "imulab/recording/session.hpp"
 #include "imulab/recording/unit_names.hpp"
 
+#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -30,6 +31,14 @@ void transfer_size(Fields& f, std::string_view key, double& value, double factor
   std::optional<double> given = value == 0 ? std::nullopt : std::optional(value);
   f.number(key, given, not_negative(factor));
   value = given.value_or(0);
+}
+
+/// A text that may be absent: empty then.
+template <class Fields>
+void transfer_name(Fields& f, std::string_view key, std::string& value) {
+  std::optional<std::string> given = value.empty() ? std::nullopt : std::optional(value);
+  f.text(key, given);
+  value = given.value_or("");
 }
 
 /// Noise terms of a triad, except N: the densities have keys of their own.
@@ -107,11 +116,9 @@ void transfer_machine(Fields& f, RigDeclaration& rig) {
 
 template <class Fields>
 void transfer(Fields& f, RigDeclaration& rig, bool several) {
-  std::optional<std::string> name = rig.name.empty() ? std::nullopt : std::optional(rig.name);
-  f.text("name", name);
-  rig.name = name.value_or("");
+  transfer_name(f, "name", rig.name);
   f.choice("kind", rig.kind, std::vector{RigKind::turntable, RigKind::rate_table, RigKind::centrifuge, RigKind::chamber, RigKind::none});
-  f.check(!several || name, "name", "is missing; expected because there are several rigs");
+  f.check(!several || !rig.name.empty(), "name", "is missing; expected because there are several rigs");
   f.spread("zero_sigma_arcsec", rig.zero, unit::arcsec);
   if (rig.kind == RigKind::turntable || rig.kind == RigKind::none) {
     transfer_axes(f, rig);
@@ -122,24 +129,50 @@ void transfer(Fields& f, RigDeclaration& rig, bool several) {
 
 template <class Fields>
 void transfer(Fields& f, TimeSource& time) {
+  std::vector<std::string_view> units = unit_names(Quantity::time, false);
+  units.insert(units.end(), {"tick", "sample"});
   f.column("column", time.column);
-  f.choice("unit", time.unit, unit_names(Quantity::time, false), Presence::required);
-  f.clock_zero("zero", time.zero_ns, time_exponent(time.unit));
+  f.choice("unit", time.unit, units, Presence::required);
+  f.check(time.column || time.unit == "sample", "column", "is missing; expected the column of the stamps (or unit = \"sample\" and rate_hz)");
+  f.column("fraction_column", time.fraction_column);
+  if (time.fraction_column) {
+    f.check(time.unit == "s", "fraction_column", "is added to seconds; expected unit = \"s\"");
+    f.choice("fraction_unit", time.fraction_unit, {"ms", "us", "ns"}, Presence::required);
+  }
+  f.number("ticks_per_s", time.ticks_per_s, positive());
+  f.check((time.unit == "tick") == time.ticks_per_s.has_value(), "ticks_per_s",
+          time.unit == "tick" ? "is missing; expected because the unit is tick" : "is of unit = \"tick\"; expected none");
+  std::optional<double> bits = time.wrap_bits;
+  f.number("wrap_bits", bits, within(8, 32));
+  f.check(!bits || *bits == std::floor(*bits), "wrap_bits", "is no whole number; expected 16, 32 or another from 8 to 32");
+  if (bits) time.wrap_bits = static_cast<int>(*bits);
+  f.clock_zero("zero", time.zero, time_exponent(time.unit));
   f.choice("stamps", time.stamps, std::vector{Stamps::automatic, Stamps::recorded, Stamps::uniform}, Presence::optional);
+}
+
+/// The file, topic and clock of a triad or thermometer that has its own.
+template <class Fields, class Source>
+void transfer_place(Fields& f, Source& source) {
+  f.text("file", source.file);
+  f.text("topic", source.topic);
+  f.template table_of<TimeSource>("time", source.time, [](Fields& t, TimeSource& time) { transfer(t, time); });
 }
 
 template <class Fields>
 void transfer(Fields& f, TriadSource& triad, Quantity quantity) {
-  f.text("file", triad.file);
+  transfer_place(f, triad);
   f.columns("columns", triad.columns, {3});
   f.choice("output", triad.output, std::vector{Output::rate, Output::increment});
   f.choice("unit", triad.unit, unit_names(quantity, triad.output == Output::increment), Presence::required);
+  f.number("counts_per_unit", triad.counts_per_unit, positive());
+  f.check(!triad.counts_per_unit || triad.unit != "count", "counts_per_unit", "is of counts; expected the physical unit that so many counts are");
   f.pair("limits", triad.limits, any_number());
   f.check(!triad.limits || (*triad.limits)[0] < (*triad.limits)[1], "limits", "are not in order; expected [lower, upper]");
 }
 
 template <class Fields>
 void transfer(Fields& f, ThermalSource& thermal) {
+  transfer_place(f, thermal);
   f.columns("columns", thermal.columns, {1, 3});
   f.choice("unit", thermal.unit, unit_names(Quantity::temperature, false), Presence::required);
   transfer_size(f, "noise", thermal.noise);
@@ -153,12 +186,13 @@ void transfer(Fields& f, ThermalSource& thermal) {
 template <class Fields>
 void transfer(Fields& f, RecordingSource& recording) {
   f.text("file", recording.file);
-  std::optional<std::string> rig = recording.rig.empty() ? std::nullopt : std::optional(recording.rig);
-  f.text("rig", rig);
-  recording.rig = rig.value_or("");
+  transfer_name(f, "topic", recording.topic);
+  transfer_name(f, "layout", recording.layout);
+  transfer_name(f, "rig", recording.rig);
   f.number("rate_hz", recording.rate_hz, positive());
   f.choice("extent", recording.extent, std::vector{Extent::all, Extent::steps}, Presence::optional);
   f.table("time", Presence::required, [&](Fields& t) { transfer(t, recording.time); });
+  f.check(recording.time.unit != "sample" || recording.rate_hz, "rate_hz", "is missing; expected because time is in samples");
   f.table("gyro", Presence::required, [&](Fields& t) { transfer(t, recording.gyro, Quantity::gyro); });
   f.table("accel", Presence::required, [&](Fields& t) { transfer(t, recording.accel, Quantity::accel); });
   f.template table_of<ThermalSource>("gyro_temperature", recording.gyro_temperature, [](Fields& t, ThermalSource& s) { transfer(t, s); });

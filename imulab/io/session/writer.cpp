@@ -72,7 +72,9 @@ class TomlText {
     if (presence == Presence::required || value != values.front()) add(key, toml_string(to_string(value)));  // the first is the default
   }
   void choice(std::string_view key, const std::string& value, const std::vector<std::string_view>&, Presence) { add(key, toml_string(value)); }
-  void column(std::string_view key, const Column& value) { add(key, column_text(value)); }
+  void column(std::string_view key, const std::optional<Column>& value) {
+    if (value) add(key, column_text(*value));
+  }
   void columns(std::string_view key, const std::vector<Column>& values, const std::vector<std::size_t>&) {
     std::string list;
     for (const Column& value : values) list += (list.empty() ? "" : ", ") + column_text(value);

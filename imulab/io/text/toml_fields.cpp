@@ -174,8 +174,9 @@ void TomlFields::choice(std::string_view key, std::string& value, const std::vec
   if (index < names.size()) value = names[index];
 }
 
-void TomlFields::column(std::string_view key, Column& value) {
-  if (const toml::node* node = node_->find(key, Presence::required)) value = node_->column(*node, key);
+void TomlFields::column(std::string_view key, std::optional<Column>& value) {
+  const toml::node* node = node_->find(key, Presence::optional);
+  value = node != nullptr ? std::optional(node_->column(*node, key)) : std::nullopt;
 }
 
 void TomlFields::columns(std::string_view key, std::vector<Column>& value, const std::vector<std::size_t>& counts) {

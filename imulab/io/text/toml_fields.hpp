@@ -72,7 +72,7 @@ class TomlFields {
     if (index < names.size()) value = values[index];
   }
   void choice(std::string_view key, std::string& value, const std::vector<std::string_view>& names, Presence presence);
-  void column(std::string_view key, Column& value);
+  void column(std::string_view key, std::optional<Column>& value);
   void columns(std::string_view key, std::vector<Column>& value, const std::vector<std::size_t>& counts);  ///< as many as one of `counts`
   void axis(std::string_view key, std::optional<BodyAxis>& value);
   void clock_zero(std::string_view key, std::int64_t& zero_ns, int exponent);  ///< in units of 10^exponent ns, exactly

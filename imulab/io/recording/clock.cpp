@@ -1,0 +1,44 @@
+#include "imulab/io/recording/clock.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/recording/unit_names.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace imulab::recording_io {
+
+Clock::Clock(const TimeSource& source, std::optional<double> rate_hz) : zero_(source.zero) {
+  const bool counts = !source.column || source.unit == "sample" || source.unit == "tick";
+  if (counts) {
+    per_second_ = source.column && source.unit == "tick" ? source.ticks_per_s : rate_hz;
+    if (!per_second_) throw Error("the recording has no stamps in seconds; expected the rate");
+  }
+  exponent_ = counts ? 0 : time_exponent(source.unit);
+  fraction_exponent_ = time_exponent(source.fraction_unit);
+  if (source.wrap_bits) {
+    modulus_ = std::int64_t{1} << *source.wrap_bits;
+    for (int i = 0; i < exponent_; ++i) modulus_ *= 10;  // 2^32 s is 4.3e18 ns: it fits
+  }
+}
+
+std::optional<std::int64_t> Clock::next(std::int64_t stamp, std::int64_t fraction_ns) {
+  constexpr std::int64_t farthest = std::numeric_limits<std::int64_t>::max() / 2;
+  if (modulus_ > 0) {
+    if (last_ && stamp < *last_ - modulus_ / 2 && __builtin_add_overflow(wrapped_, modulus_, &wrapped_)) return std::nullopt;
+    last_ = stamp;
+  }
+  std::int64_t time = 0;
+  if (__builtin_add_overflow(stamp, wrapped_, &time) || __builtin_add_overflow(time, fraction_ns, &time) ||
+      __builtin_sub_overflow(time, zero_, &time))
+    return std::nullopt;
+  if (per_second_) {
+    const long double ns = std::round(static_cast<long double>(time) * 1e9L / static_cast<long double>(*per_second_));
+    if (!(std::abs(ns) <= static_cast<long double>(farthest))) return std::nullopt;
+    time = static_cast<std::int64_t>(ns);
+  }
+  if (time < -farthest || time > farthest) return std::nullopt;
+  return time;
+}
+
+}  // namespace imulab::recording_io
