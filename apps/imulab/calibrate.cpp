@@ -1,4 +1,5 @@
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/inspected.hpp"
 #include "apps/imulab/report.hpp"
 #include "apps/imulab/session_recording.hpp"
 #include "imulab/core/error.hpp"
@@ -7,7 +8,6 @@
 #include "imulab/io/recording/file.hpp"
 #include "imulab/io/result/calibration.hpp"
 #include "imulab/io/result/live.hpp"
-#include "imulab/io/session/file.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/terminal.hpp"
 #include "imulab/model/coefficient.hpp"
@@ -28,6 +28,7 @@ namespace {
 struct CalibrateArguments {
   std::string session, method, output, terms = "auto", recording, curves, report;
   std::optional<std::string> require;
+  std::vector<std::string> declarations;
   bool json = false, stepwise = false, force = false, verbose = false;
 };
 
@@ -96,7 +97,7 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
   options_of(arguments, chosen, {});  // errors of the command are reported before anything is read
   const std::vector<Requirement> requirements =
       arguments.require ? errors_at("--require", [&] { return parse_requirements(*arguments.require); }) : std::vector<Requirement>{};
-  Session session = read_session(arguments.session);
+  Session session = open_session(arguments.session, arguments.declarations);
   for (const auto& [option, output] : {std::pair{"-o", arguments.output}, {"--curves", arguments.curves}, {"--report", arguments.report}})
     expect_inputs_stay(option, output, session);
   expect_others_stay(arguments.report, {arguments.output, arguments.curves});
@@ -144,7 +145,8 @@ void expect_supported(const CalibrationResult& result) {
 void add_calibrate(Verb app) {
   const auto a = std::make_shared<CalibrateArguments>();
   Verb verb = app.verb("calibrate", "Compute a calibration and its uncertainties from a session");
-  verb.option("session", a->session, "a session folder or its session.toml").required();
+  verb.option("session", a->session, "a session folder or its session.toml; or a recording, which is inspected first").required();
+  add_declarations(verb, a->declarations);
   std::vector<std::string> names;
   for (const Method& m : methods()) names.emplace_back(m.name);
   verb.option(

@@ -24,6 +24,7 @@ namespace imulab::command {
 
 Option Option::required() { return Option(option_->required()); }
 Option Option::takes_several(int at_least) { return Option(option_->expected(at_least, -1)); }
+Option Option::repeats() { return Option(option_->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)); }
 Option Option::one_of(const std::vector<std::string>& names) { return Option(option_->check(CLI::IsMember(names))); }
 Option Option::in_range(double least, double most) { return Option(option_->check(CLI::Range(least, most))); }
 Option Option::check(const std::function<std::string(const std::string&)>& problem) { return Option(option_->check(problem)); }
@@ -133,6 +134,7 @@ void complain(Color color, const std::string& what, const std::string& text) {
 }  // namespace
 
 void warn(const std::string& text) { complain(Color::yellow, "warning: ", text); }
+void note(const std::string& text) { complain(Color::green, "", text); }
 
 namespace {
 
@@ -208,7 +210,7 @@ int run(std::vector<std::string> arguments) {
   add_help(app);
   for (CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) verb->group("start here");
   for (const Group& group :
-       {Group{"calibrate", {add_calibrate, add_live, add_compare, add_verify, add_report}},
+       {Group{"calibrate", {add_inspect, add_calibrate, add_live, add_compare, add_verify, add_report}},
         Group{"before the measurement", {add_procedure, add_simulate, add_predict, add_plan}},
         Group{"use a calibration", {add_compensate, add_export}}, Group{"in navigation", {add_trajectory, add_navigate, add_budget}}})
     for (const auto add : group.verbs) {

@@ -21,11 +21,15 @@ void print(const std::string& text);
 /// Warnings go to standard error, one a line, as "imulab: warning: ...", after what was printed before.
 void warn(const std::string& text);
 
+/// What was done without being asked for: on standard error like a warning, as "imulab: ...".
+void note(const std::string& text);
+
 /// An option of a verb. Each call changes it and returns it again.
 class Option {
  public:
   Option required();
   Option takes_several(int at_least);  ///< values, any number from this on
+  Option repeats();                    ///< one value each time
   Option one_of(const std::vector<std::string>& names);
   Option in_range(double least, double most);
   Option check(const std::function<std::string(const std::string& text)>& problem);  ///< what is wrong with the text; empty: nothing
@@ -61,6 +65,7 @@ class Verb {
 // One a verb, defined in the file of that name.
 void add_procedure(Verb app);
 void add_simulate(Verb app);
+void add_inspect(Verb app);
 void add_calibrate(Verb app);
 void add_compensate(Verb app);
 void add_compare(Verb app);

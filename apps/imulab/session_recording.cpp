@@ -59,8 +59,7 @@ void expect_inputs_stay(const std::string& option, const std::string& output, co
   namespace fs = std::filesystem;
   inputs.emplace_back(session.file);
   for (const auto& recording : session.recordings)
-    for (const auto& file : {std::optional(recording.file), recording.gyro.file, recording.accel.file})
-      if (file) inputs.push_back(session_path(session, *file));
+    for (const std::string& file : recording.files()) inputs.push_back(session_path(session, file));
   for (const auto& input : inputs)
     if (fs::exists(output) && fs::exists(input) && fs::equivalent(output, input))
       throw Error(fmt::format("{} {}: would overwrite {}; expected another file", option, output, input.string()));

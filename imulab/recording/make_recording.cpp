@@ -68,6 +68,19 @@ void add_clipped(Recording& recording, const RecordingOptions& options) {
   recording.saturated = marked(saturated);
 }
 
+/// Columns along other body axes than x, y, z, as columns along these.
+void to_body_axes(Columns3& triad, const ReadingOptions& options) {
+  if (!options.axes) return;
+  Columns3 body;
+  for (std::size_t column = 0; column < 3; ++column) {
+    const BodyAxis axis = (*options.axes)[column];
+    if (axis.sign < 0)
+      for (double& value : triad[column]) value = -value;
+    body[static_cast<std::size_t>(axis.index)] = std::move(triad[column]);
+  }
+  triad = std::move(body);
+}
+
 void to_si(Columns3& triad, const ReadingOptions& options, double interval_s) {
   const double factor = si_factor(options.unit) / options.counts_per_unit;
   if (factor == 1 && !options.increment) return;
@@ -79,7 +92,7 @@ void to_si(Columns3& triad, const ReadingOptions& options, double interval_s) {
 
 RecordingOptions recording_options(const RecordingSource& source) {
   const auto triad = [](const TriadSource& from) {
-    return ReadingOptions{from.unit, from.counts_per_unit.value_or(1), from.output == Output::increment, from.limits, {}};
+    return ReadingOptions{from.unit, from.counts_per_unit.value_or(1), from.output == Output::increment, from.axes, from.limits, {}};
   };
   return {source.file, source.rate_hz ? std::optional(1 / *source.rate_hz) : std::nullopt, triad(source.gyro), triad(source.accel)};
 }
@@ -106,6 +119,8 @@ Recording convert_readings(Columns3 gyro, Columns3 accel, RecordingOptions optio
   recording.accel_increment = options.accel.increment;
   recording.gyro_unit = options.gyro.unit == "count" ? "count" : "rad/s";
   recording.accel_unit = options.accel.unit == "count" ? "count" : "m/s^2";
+  to_body_axes(recording.gyro, options.gyro);
+  to_body_axes(recording.accel, options.accel);
   to_si(recording.gyro, options.gyro, recording.interval_s);
   to_si(recording.accel, options.accel, recording.interval_s);
   return recording;

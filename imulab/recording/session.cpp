@@ -68,6 +68,13 @@ std::string step_name(const Step& step, std::size_t index) {
   return fmt::format("step {} ({} at {:g} s)", index + 1, to_string(step.kind), step.start);
 }
 
+std::set<std::string> RecordingSource::files() const {
+  std::set<std::string> names{gyro.file.value_or(file), accel.file.value_or(file)};
+  for (const auto& thermal : {gyro_temperature, accel_temperature})
+    if (thermal) names.insert(thermal->file.value_or(file));
+  return names;
+}
+
 RecordingSource Session::source_of(std::string_view name) const {
   for (const RecordingSource& source : recordings)
     if (source.file == name) return source;

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -103,10 +104,17 @@ struct TimeSource {
   bool operator==(const TimeSource&) const = default;
 };
 
+/// A body axis with its sign: index 0..2, sign +1 or -1.
+struct BodyAxis {
+  int index = 2, sign = 1;
+  bool operator==(const BodyAxis&) const = default;
+};
+
 struct TriadSource {
   std::optional<std::string> file, topic;  ///< if they differ from the recording's
   std::optional<TimeSource> time;
-  std::vector<Column> columns;  ///< three
+  std::vector<Column> columns;                   ///< three
+  std::optional<std::array<BodyAxis, 3>> axes;  ///< along which body axis each column measures; absent: x, y, z
   Output output = Output::rate;
   std::string unit = "count";
   std::optional<double> counts_per_unit;        ///< the file has counts: so many are one `unit`
@@ -139,13 +147,10 @@ struct RecordingSource {
   TimeSource time;
   TriadSource gyro, accel;
   std::optional<ThermalSource> gyro_temperature, accel_temperature;
-  bool operator==(const RecordingSource&) const = default;
-};
 
-/// A body axis with its sign: index 0..2, sign +1 or -1.
-struct BodyAxis {
-  int index = 2, sign = 1;
-  bool operator==(const BodyAxis&) const = default;
+  /// The files that its columns are in, each once.
+  std::set<std::string> files() const;
+  bool operator==(const RecordingSource&) const = default;
 };
 
 struct Mount {

@@ -26,13 +26,6 @@ std::optional<std::array<double, 2>> range_of(const Columns3& columns) {
   return range[0] <= range[1] ? std::optional(range) : std::nullopt;
 }
 
-/// The files that a recording's columns are in: its own, and those that its triads name.
-std::set<std::string> files_of(const RecordingSource& source) {
-  std::set<std::string> files{source.gyro.file.value_or(source.file), source.accel.file.value_or(source.file)};
-  if (source.gyro_temperature || source.accel_temperature) files.insert(source.file);
-  return files;
-}
-
 }  // namespace
 
 std::string software() { return "imulab " IMULAB_VERSION; }
@@ -47,7 +40,7 @@ void add_provenance(Calibration& calibration, const Session& session, std::span<
   calibration.sources.clear();
   for (std::size_t k = 0; k < recordings.size(); ++k) {
     const Recording& r = recordings[k];
-    for (const std::string& file : files_of(session.recordings[k])) {
+    for (const std::string& file : session.recordings[k].files()) {
       const MappedFile mapped(session_path(session, file));
       calibration.sources.push_back({file, sha256(mapped.text()), mapped.text().size(), r.time_s(0), r.time_s(r.size() - 1),
                                      range_of(r.accel_temperature), range_of(r.gyro_temperature)});

@@ -4,6 +4,8 @@
 #include "imulab/io/recording/format.hpp"
 #include "imulab/io/text/file.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -38,6 +40,9 @@ TimedTable read_csv(const std::filesystem::path& path, const TimeSource& time, s
     for (std::size_t k = 0; k < table.values.size(); ++k) table.values[k].push_back(reader.row().values[k]);
   }
   table.repeated = reader.repeated();
+  if (layout.skipped > 0)
+    table.warnings.push_back(fmt::format("{}: {} line{} of other text before the table passed over", table.file, layout.skipped,
+                                         layout.skipped == 1 ? "" : "s"));
 
   const std::vector<std::size_t>& places = reader.places();
   std::vector<std::vector<double>> values(places.size());

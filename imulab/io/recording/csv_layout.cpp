@@ -75,43 +75,104 @@ bool names_a_column(const TimeSource& time, const std::vector<Column>& columns) 
          std::any_of(columns.begin(), columns.end(), is_named);
 }
 
-std::optional<TableLayout> find_layout(const std::string& file, std::string_view text, bool named) {
-  TableLayout layout;
-  layout.file = file;
-  if (text.substr(0, 4096).find('\0') != std::string_view::npos) throw Error(file + ": is not text; expected CSV or plain columns of numbers");
-  if (text.starts_with("\xEF\xBB\xBF")) layout.offset = 3;  // UTF-8 byte order mark
-  std::string_view comment;
-  for (bool header = false; layout.offset < text.size(); ++layout.line) {
-    const std::size_t length = std::min(text.find('\n', layout.offset), text.size()) - layout.offset;
-    const std::string_view line = text.substr(layout.offset, length);
-    const std::string_view content = trimmed(line);
-    const std::size_t next = std::min(layout.offset + length + 1, text.size());
-    if (content.empty() || content.front() == '#') {
-      if (!content.empty() && !header) comment = content;
-      layout.offset = next;
-      continue;
-    }
-    if (header) return layout;
-    layout.delimiter = delimiter_of(content);
-    const auto fields = fields_of(line, layout);
-    layout.columns = fields.size();
-    if (std::none_of(fields.begin(), fields.end(), is_number)) {  // a row with one bad field is a bad row, not a header
-      header = true;
-      layout.names = names_of(line, layout);
-      layout.offset = next;
-      continue;
-    }
-    if (!named) return layout;
-    if (!comment.empty()) layout.names = names_of(comment.substr(1), layout);  // a header may be a comment
-    if (layout.names.size() == layout.columns) return layout;
-    throw Error(fmt::format("{}:{}: has no header; expected one because columns are named (or give columns by number)", file, layout.line));
+namespace {
+
+/// A line with something in it that is no comment, and what such a line is.
+struct Line {
+  std::string_view text;
+  std::size_t offset = 0, number = 0;
+};
+
+/// The first lines of a text.
+std::vector<Line> content_lines(std::string_view text, std::size_t begin, std::size_t most) {
+  std::vector<Line> lines;
+  std::size_t offset = begin, number = 1;
+  for (; offset < text.size() && lines.size() < most; ++number) {
+    const std::size_t length = std::min(text.find('\n', offset), text.size()) - offset;
+    const std::string_view line = text.substr(offset, length), content = trimmed(line);
+    if (!content.empty() && content.front() != '#') lines.push_back({line, offset, number});
+    offset = std::min(offset + length + 1, text.size());
+  }
+  return lines;
+}
+
+/// A row: half of its fields or more are numbers.
+bool is_row(const std::vector<std::string_view>& fields) {
+  return 2 * static_cast<std::size_t>(std::count_if(fields.begin(), fields.end(), is_number)) >= fields.size();
+}
+
+/// Where text of another kind stands before the table (a device's name, settings): the first line of at least four rows of as many fields, of which no
+/// line before the header has as many. Nothing where there is no such text.
+std::optional<std::size_t> begin_after_preamble(const std::vector<Line>& lines, TableLayout layout) {
+  constexpr std::size_t enough = 4;
+  for (std::size_t i = 1; i + enough <= lines.size(); ++i) {
+    layout.delimiter = delimiter_of(trimmed(lines[i].text));
+    const std::size_t columns = fields_of(lines[i].text, layout).size();
+    const auto fits = [&](const Line& line) {
+      const auto fields = fields_of(line.text, layout);
+      return fields.size() == columns && is_row(fields);
+    };
+    const auto at = lines.begin() + static_cast<std::ptrdiff_t>(i);
+    if (columns < 3 || !std::all_of(at, at + enough, fits)) continue;
+    const auto header = fields_of(lines[i - 1].text, layout);
+    const bool has_header = header.size() == columns && std::none_of(header.begin(), header.end(), is_number);
+    const std::size_t first = has_header ? i - 1 : i;
+    for (std::size_t k = 0; k < first; ++k)
+      if (fields_of(lines[k].text, layout).size() == columns) return std::nullopt;  // a damaged row rather than text
+    return first > 0 ? std::optional(first) : std::nullopt;
   }
   return std::nullopt;
 }
 
+/// The names in a comment directly before the rows, if there are as many.
+std::vector<std::string> commented_names(std::string_view text, std::size_t offset, const TableLayout& layout) {
+  std::string_view before = text.substr(0, offset), comment;
+  while (comment.empty() && !before.empty()) {
+    before = before.substr(0, before.size() - 1);  // the line's end
+    const std::size_t begin = before.rfind('\n') + 1;
+    const std::string_view content = trimmed(before.substr(begin));
+    if (!content.empty() && content.front() == '#') comment = content.substr(1);
+    if (!content.empty() && content.front() != '#') break;
+    before = before.substr(0, begin);
+  }
+  std::vector<std::string> names = comment.empty() ? std::vector<std::string>{} : names_of(comment, layout);
+  return names.size() == layout.columns ? names : std::vector<std::string>{};
+}
+
+}  // namespace
+
+std::optional<TableLayout> find_layout(const std::string& file, std::string_view text, bool named, bool complete) {
+  constexpr std::size_t longest_preamble = 200;  // lines
+  TableLayout layout;
+  layout.file = file;
+  if (text.substr(0, 4096).find('\0') != std::string_view::npos) throw Error(file + ": is not text; expected CSV or plain columns of numbers");
+  const std::size_t begin = text.starts_with("\xEF\xBB\xBF") ? 3 : 0;  // UTF-8 byte order mark
+  const std::vector<Line> lines = content_lines(text, begin, longest_preamble);
+  if (lines.empty()) return std::nullopt;
+  std::size_t first = 0;
+  if (const auto after = begin_after_preamble(lines, layout)) {
+    first = *after;
+    layout.skipped = lines[first].number - 1;
+  }
+  layout.delimiter = delimiter_of(trimmed(lines[first].text));
+  const auto fields = fields_of(lines[first].text, layout);
+  layout.columns = fields.size();
+  const bool header = std::none_of(fields.begin(), fields.end(), is_number);  // a row with one bad field is a bad row, not a header
+  if (header) layout.names = names_of(lines[first].text, layout);
+  if (header && first + 1 == lines.size()) return std::nullopt;
+  const Line& row = lines[header ? first + 1 : first];
+  if (!complete && header && fields_of(row.text, layout).size() != layout.columns) return std::nullopt;  // a preamble, as what follows may show
+  layout.offset = row.offset;
+  layout.line = row.number;
+  if (!header) layout.names = commented_names(text, row.offset, layout);
+  if (named && layout.names.empty())
+    throw Error(fmt::format("{}:{}: has no header; expected one because columns are named (or give columns by number)", file, layout.line));
+  return layout;
+}
+
 TableLayout table_layout(const std::string& file, std::string_view text, bool named) {
-  if (auto layout = find_layout(file, text, named)) return *std::move(layout);
-  const bool header = !find_layout(file, std::string(text) + "\n0", false)->names.empty();  // of what a row would have
+  if (auto layout = find_layout(file, text, named, true)) return *std::move(layout);
+  const bool header = !find_layout(file, std::string(text) + "\n0", false, true)->names.empty();  // of what a row would have
   throw Error(fmt::format("{}: {}; expected rows of numbers", file, text.empty() ? "is empty" : header ? "has a header but no rows" : "has no rows"));
 }
 

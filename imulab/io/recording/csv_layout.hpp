@@ -18,6 +18,7 @@ struct TableLayout {
   std::vector<std::string> names;  ///< of the header; empty without one
   std::size_t offset = 0;          ///< where the first row begins
   std::size_t line = 1;            ///< its line
+  std::size_t skipped = 0;         ///< lines of other text before the header or the first row
 
   bool is_blank(char c) const { return c == ' ' || c == '\r' || (c == '\t' && delimiter != '\t'); }
   /// "gx" or "column 3", for messages.
@@ -28,8 +29,8 @@ struct TableLayout {
 
 /// Finds the layout in the text. `named`: columns are asked by name, so that a header is needed.
 TableLayout table_layout(const std::string& file, std::string_view text, bool named);
-/// The same of the beginning of a text: nothing where it ends before the first row.
-std::optional<TableLayout> find_layout(const std::string& file, std::string_view text, bool named);
+/// The same of the beginning of a text, or of a complete one: nothing where it ends before the first row.
+std::optional<TableLayout> find_layout(const std::string& file, std::string_view text, bool named, bool complete);
 /// Whether any of the columns is asked for by its name.
 bool names_a_column(const TimeSource& time, const std::vector<Column>& columns);
 

@@ -65,7 +65,7 @@ bool RecordingStream::start() {
   if (reader_) return true;
   const std::string_view lines(text_.data(), ended_ ? text_.size() : text_.rfind('\n') + 1);
   const bool named = names_a_column(source_.time, columns_);
-  auto layout = ended_ ? table_layout(name_, lines, named) : find_layout(name_, lines, named);
+  auto layout = ended_ ? table_layout(name_, lines, named) : find_layout(name_, lines, named, false);
   if (!layout) return false;
   text_.erase(0, layout->offset);
   reader_.emplace(*std::move(layout), source_.time, source_.rate_hz, columns_);

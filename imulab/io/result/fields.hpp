@@ -10,7 +10,11 @@
 namespace imulab {
 
 struct JsonFields;
-using JsonValue = std::variant<bool, std::uint64_t, double, std::string, std::vector<std::string>, std::vector<JsonFields>>;
+/// An object in an object.
+struct JsonObject {
+  std::vector<JsonFields> one;
+};
+using JsonValue = std::variant<bool, std::uint64_t, double, std::string, std::vector<std::string>, std::vector<JsonFields>, JsonObject>;
 
 /// An object's keys and values, in their order. Numbers that are not finite become null.
 struct JsonFields {

@@ -232,10 +232,13 @@ Json to_json(const JsonFields& object) {
     if (const auto* list = std::get_if<std::vector<JsonFields>>(&value)) {
       out[key] = Json::array();
       for (const JsonFields& item : *list) out[key].push_back(to_json(item));
+    } else if (const auto* object_inside = std::get_if<JsonObject>(&value)) {
+      out[key] = object_inside->one.empty() ? Json::object() : to_json(object_inside->one.front());
     } else {
       std::visit(
           [&out, &key = key](const auto& own) {
-            if constexpr (!std::is_same_v<std::decay_t<decltype(own)>, std::vector<JsonFields>>) out[key] = own;
+            using Own = std::decay_t<decltype(own)>;
+            if constexpr (!std::is_same_v<Own, std::vector<JsonFields>> && !std::is_same_v<Own, JsonObject>) out[key] = own;
           },
           value);
     }

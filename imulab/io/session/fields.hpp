@@ -162,6 +162,7 @@ template <class Fields>
 void transfer(Fields& f, TriadSource& triad, Quantity quantity) {
   transfer_place(f, triad);
   f.columns("columns", triad.columns, {3});
+  f.axes("axes", triad.axes);
   f.choice("output", triad.output, std::vector{Output::rate, Output::increment});
   f.choice("unit", triad.unit, unit_names(quantity, triad.output == Output::increment), Presence::required);
   f.number("counts_per_unit", triad.counts_per_unit, positive());

@@ -83,6 +83,12 @@ class TomlText {
   void axis(std::string_view key, const std::optional<BodyAxis>& value) {
     if (value) add(key, fmt::format("\"{}{}\"", value->sign > 0 ? '+' : '-', "xyz"[value->index]));
   }
+  void axes(std::string_view key, const std::optional<std::array<BodyAxis, 3>>& value) {
+    if (!value) return;
+    std::string list;
+    for (const BodyAxis& axis : *value) list += fmt::format("{}\"{}{}\"", list.empty() ? "" : ", ", axis.sign > 0 ? '+' : '-', "xyz"[axis.index]);
+    add(key, "[" + list + "]");
+  }
   void clock_zero(std::string_view key, std::int64_t zero_ns, int exponent) {
     std::int64_t one = 1;
     for (int i = 0; i < exponent; ++i) one *= 10;

@@ -8,6 +8,7 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <utility>
 #include <cmath>
 #include <sstream>
 
@@ -202,6 +203,22 @@ void TomlFields::axis(std::string_view key, std::optional<BodyAxis>& value) {
   std::size_t index = names.size();
   choose(key, names, Presence::optional, index);
   if (index < names.size()) value = BodyAxis{static_cast<int>(index % 3), index < 3 ? 1 : -1};
+}
+
+void TomlFields::axes(std::string_view key, std::optional<std::array<BodyAxis, 3>>& value) {
+  const toml::node* node = node_->find(key, Presence::optional);
+  if (node == nullptr) return;
+  const std::string expected = "expected three different body axes, as in [\"+x\", \"-y\", \"+z\"]";
+  const toml::array* list = node->as_array();
+  if (list == nullptr || list->size() != 3) node_->fail(*node, key, fmt::format("{}; {}", list == nullptr ? Node::kind_of(*node) : "not three axes", expected));
+  std::array<bool, 3> used{};
+  value.emplace();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::string name = (*list)[i].value_or(std::string());
+    const bool good = name.size() == 2 && (name[0] == '+' || name[0] == '-') && name[1] >= 'x' && name[1] <= 'z';
+    if (!good || std::exchange(used[static_cast<std::size_t>(name[1] - 'x')], true)) node_->fail(*node, key, "is not such a list; " + expected);
+    (*value)[i] = {name[1] - 'x', name[0] == '+' ? 1 : -1};
+  }
 }
 
 void TomlFields::clock_zero(std::string_view key, std::int64_t& zero_ns, int exponent) {

@@ -75,6 +75,7 @@ class TomlFields {
   void column(std::string_view key, std::optional<Column>& value);
   void columns(std::string_view key, std::vector<Column>& value, const std::vector<std::size_t>& counts);  ///< as many as one of `counts`
   void axis(std::string_view key, std::optional<BodyAxis>& value);
+  void axes(std::string_view key, std::optional<std::array<BodyAxis, 3>>& value);
   void clock_zero(std::string_view key, std::int64_t& zero_ns, int exponent);  ///< in units of 10^exponent ns, exactly
   bool table(std::string_view key, Presence presence, const Body& body);       ///< false where it is absent
   template <class T>

@@ -1,0 +1,95 @@
+// imulab inspect FILE...
+#include "apps/imulab/command.hpp"
+#include "apps/imulab/inspected.hpp"
+#include "apps/imulab/report.hpp"
+#include "imulab/core/error.hpp"
+#include "imulab/io/recording/file.hpp"
+#include "imulab/io/result/inspection.hpp"
+#include "imulab/io/text/file.hpp"
+#include "imulab/report/inspection_page.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace imulab::command {
+
+namespace {
+
+struct Options {
+  std::vector<std::string> files, topics, declarations;
+  std::string output, report;
+  bool json = false, force = false;
+};
+
+/// A session beside its recordings names them without their folder; elsewhere by their full path.
+Session placed(Session session, const Options& o) {
+  namespace fs = std::filesystem;
+  const fs::path place = fs::absolute(o.output).parent_path();
+  const auto rename = [&](std::string& name) {
+    for (const std::string& file : o.files)
+      if (fs::path(file).filename().string() == name) name = fs::absolute(file).lexically_normal().lexically_proximate(place.lexically_normal()).string();
+  };
+  for (RecordingSource& source : session.recordings) {
+    rename(source.file);
+    for (auto* triad : {&source.gyro, &source.accel})
+      if (triad->file) rename(*triad->file);
+  }
+  return session;
+}
+
+void run(const Options& o) {
+  for (const std::string& output : {o.output, o.report})
+    for (const std::string& file : o.files)
+      if (!output.empty() && std::filesystem::exists(output) && std::filesystem::exists(file) && std::filesystem::equivalent(output, file))
+        throw Error(fmt::format("-o {}: would overwrite {}; expected another file", output, file));
+  if (!o.output.empty() && o.output != "-" && !o.force && std::filesystem::exists(o.output))
+    throw Error(fmt::format("-o {}: exists; expected a new file, or --force to replace it", o.output));
+  const Declarations declared = parse_declarations(o.declarations);
+  const Site site = errors_at("--set", [&] { return declared_site(declared); });
+  const Inspection inspection = inspect_files(o.files, o.topics, declared);
+  if (o.json) {
+    fmt::print("{}", inspection_json(inspection));
+  } else if (o.output != "-") {
+    print(inspection_text(inspection));
+  }
+  Session session = inspected_session(inspection, site);
+  session.file = o.files.front();  // its folder is that of the recording
+  if (!o.output.empty() && inspection.complete()) {
+    write_whole(o.output, inspected_session_text(inspection, placed(session, o)));
+    if (!o.json && o.output != "-") fmt::print("\nwritten: {}\n", o.output);
+  } else if (!o.json && o.output.empty() && inspection.complete()) {
+    fmt::print("\nnot saved: no -o session.toml was given\n");
+  }
+  if (!o.report.empty()) {
+    std::optional<Overview> overview;
+    if (inspection.complete()) overview = imulab::overview(SensorModel{}, read_recording(session, session.recordings.front()).recording, 1500);
+    write_whole(o.report, inspection_page(inspection, overview));
+  }
+  if (!inspection.complete())
+    throw Unsupported(fmt::format("{}: no session: {} open; declare with --set KEY=VALUE", inspection.file,
+                                  inspection.ambiguous.size() == 1 ? "one question is" : fmt::format("{} questions are", inspection.ambiguous.size())));
+}
+
+}  // namespace
+
+void add_inspect(Verb app) {
+  const auto o = std::make_shared<Options>();
+  Verb verb = app.verb("inspect", "Say what a recording holds, and write a session for it");
+  verb.option("FILE", o->files, "the files of one recording: text, bags, logs, arrays; - for standard input").required();
+  verb.option("--topic TOPIC", o->topics, "of a file with several tables; repeat it where gyros and accelerometers are in different ones").repeats();
+  add_declarations(verb, o->declarations);
+  verb.option("-o,--output FILE", o->output, "the session to write; - for standard output");
+  add_report_option(verb, o->report);
+  verb.flag("--force", o->force, "replace the session if there is one");
+  verb.flag("--json", o->json, "print the result as JSON");
+  verb.example("imulab inspect log.csv -o session.toml");
+  verb.example("imulab inspect log.csv --set gyro.unit=deg/s --set latitude_deg=47.4 -o session.toml");
+  verb.does([o] { run(*o); });
+}
+
+}  // namespace imulab::command

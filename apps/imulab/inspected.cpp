@@ -1,0 +1,70 @@
+#include "apps/imulab/inspected.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/inspect/join.hpp"
+#include "imulab/io/recording/signals.hpp"
+#include "imulab/io/session/file.hpp"
+#include "imulab/io/text/file.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace imulab::command {
+namespace {
+
+/// A session says so in its first lines; a folder has one.
+bool is_session(const std::filesystem::path& path) {
+  if (std::filesystem::is_directory(path) || path.extension() == ".toml" || !std::filesystem::is_regular_file(path)) return true;
+  const MappedFile mapped(path);
+  const std::string_view head = mapped.text().substr(0, 4096);
+  return head.find("\"imulab.session/") != std::string_view::npos;
+}
+
+}  // namespace
+
+void add_declarations(Verb& verb, std::vector<std::string>& declarations) {
+  verb.option("--set KEY=VALUE", declarations,
+              fmt::format("declare of a recording what its data leave open, as often as needed: {}", fmt::join(declaration_keys(), ", ")))
+      .repeats();
+}
+
+Declarations parse_declarations(const std::vector<std::string>& texts) {
+  Declarations declared;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) throw Error(fmt::format("--set {}: has no value; expected KEY=VALUE", text));
+    declared[text.substr(0, equals)] = text.substr(equals + 1);
+  }
+  return declared;
+}
+
+Inspection inspect_files(const std::vector<std::string>& files, const std::vector<std::string>& topics, const Declarations& declared) {
+  std::vector<SignalTable> tables;
+  for (const std::string& file : files)
+    for (const std::string& topic : topics.empty() ? std::vector<std::string>{""} : topics) tables.push_back(read_signals(file, topic));
+  return inspect(inspection::joined(std::move(tables)), declared);
+}
+
+Session open_session(const std::filesystem::path& path, const std::vector<std::string>& texts) {
+  if (is_session(path)) {
+    if (!texts.empty()) throw Error("--set: declares a recording; expected it without a session, which declares all itself");
+    return read_session(path);
+  }
+  const Declarations declared = parse_declarations(texts);
+  const Inspection inspection = inspect_files({path.string()}, {}, declared);
+  if (!inspection.complete()) {
+    std::string questions;
+    for (const std::string& question : inspection.ambiguous) questions += "\n  " + question;
+    throw Unsupported(fmt::format("{}: its data leave open what it holds; declare with --set KEY=VALUE, or write a session:{}", path.string(), questions));
+  }
+  for (const std::string& line : inspection.evidence) note("assumed: " + line);
+  Session session = inspected_session(inspection, declared_site(declared));
+  if (!session.site.latitude && session.site.given_gravity_sigma)
+    note("assumed: gravity 9.806 +/- 0.015 m/s^2, as anywhere on Earth; declare the place: --set latitude_deg=47.4");
+  session.file = path.string();
+  session.sha256 = sha256(MappedFile(path).text());
+  return session;
+}
+
+}  // namespace imulab::command

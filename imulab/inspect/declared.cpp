@@ -1,0 +1,179 @@
+#include "imulab/inspect/declared.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/recording/unit_names.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+namespace imulab {
+
+std::vector<std::string> declaration_keys() {
+  return {"rate_hz",    "time.column",   "time.unit", "time.ticks_per_s", "gyro.columns", "gyro.unit",
+          "gyro.output", "gyro.axes", "accel.columns", "accel.unit", "accel.output",     "accel.axes",
+          "latitude_deg", "height_m", "gravity_mps2"};
+}
+
+Site declared_site(const Declarations& declared) {
+  Site site;
+  const auto number = [&](const char* key, double low, double high, double factor) -> std::optional<double> {
+    const auto found = declared.find(key);
+    if (found == declared.end()) return std::nullopt;
+    double value = 0;
+    const std::string& text = found->second;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !(value >= low && value <= high))
+      throw Error(fmt::format("{} = {}: is out of range; expected a number from {} to {}", key, text, low, high));
+    return value * factor;
+  };
+  site.latitude = number("latitude_deg", -90, 90, unit::deg);
+  site.height = number("height_m", -12e3, 100e3, 1);
+  site.given_gravity = number("gravity_mps2", 9, 10.5, 1);
+  return site;
+}
+
+namespace inspection {
+namespace {
+
+const std::string* find(const Declarations& declared, const std::string& key) {
+  const auto found = declared.find(key);
+  return found == declared.end() ? nullptr : &found->second;
+}
+
+std::vector<std::string> parts_of(const std::string& text) {
+  std::vector<std::string> parts(1);
+  for (const char c : text) {
+    if (c == ',' || c == ' ') {
+      if (!parts.back().empty()) parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
+  }
+  if (parts.back().empty()) parts.pop_back();
+  return parts;
+}
+
+std::size_t column_index(const SignalTable& table, const std::string& text, const std::string& key) {
+  for (std::size_t i = 0; i < table.signals.size(); ++i)
+    if (table.signals[i].name == text) return i;
+  std::size_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error == std::errc() && end == text.data() + text.size() && number >= 1 && number <= table.signals.size()) return number - 1;
+  throw Error(fmt::format("{} = {}: {} has no such column; expected a name in its header or a number from 1 to {}", key, text, table.file,
+                          table.signals.size()));
+}
+
+double positive_number(const std::string& text, const std::string& key) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !(value > 0) || !std::isfinite(value))
+    throw Error(fmt::format("{} = {}: is not above 0; expected a number", key, text));
+  return value;
+}
+
+std::optional<Triad> columns(const SignalTable& table, const Declarations& declared, const std::string& key) {
+  const std::string* text = find(declared, key);
+  if (text == nullptr) return std::nullopt;
+  const std::vector<std::string> parts = parts_of(*text);
+  if (parts.size() != 3) throw Error(fmt::format("{} = {}: {} columns; expected three", key, *text, parts.size()));
+  return Triad{column_index(table, parts[0], key), column_index(table, parts[1], key), column_index(table, parts[2], key)};
+}
+
+}  // namespace
+
+void check_declarations(const Declarations& declared) {
+  const std::vector<std::string> keys = declaration_keys();
+  for (const auto& [key, value] : declared)
+    if (std::find(keys.begin(), keys.end(), key) == keys.end())
+      throw Error(fmt::format("{} is not a key; expected one of {}", key, fmt::join(keys, ", ")));
+}
+
+DeclaredColumns declared_columns(const SignalTable& table, const Declarations& declared) {
+  return {columns(table, declared, "gyro.columns"), columns(table, declared, "accel.columns")};
+}
+
+TimeGuess declared_time(const SignalTable& table, const Declarations& declared, TimeGuess guess) {
+  if (const std::string* column = find(declared, "time.column")) {
+    const std::size_t index = column_index(table, *column, "time.column");
+    SignalTable alone = table;
+    for (std::size_t i = 0; i < alone.signals.size(); ++i)
+      if (i != index) alone.signals[i].values.assign(table.rows(), 0);
+    guess = recognize_time(alone);
+    guess.column = index;
+    guess.source.column = table.signals[index].column;
+  }
+  if (const std::string* unit = find(declared, "time.unit")) {
+    std::vector<std::string_view> units = unit_names(Quantity::time, false);
+    units.insert(units.end(), {"tick", "sample"});
+    if (std::find(units.begin(), units.end(), *unit) == units.end())
+      throw Error(fmt::format("time.unit = {}: is no unit of time; expected one of {}", *unit, fmt::join(units, ", ")));
+    guess.source.unit = *unit;
+    guess.open.clear();
+    guess.evidence = fmt::format("{}, as declared", *unit);
+  }
+  if (const std::string* ticks = find(declared, "time.ticks_per_s")) {
+    guess.source.unit = "tick";
+    guess.source.ticks_per_s = positive_number(*ticks, "time.ticks_per_s");
+    guess.open.clear();
+    guess.evidence = fmt::format("{} ticks to a second, as declared", *ticks);
+  }
+  if (guess.source.unit == "tick" && !guess.source.ticks_per_s) guess.open = "time.ticks_per_s: how many ticks are a second";
+  if (const std::string* rate = find(declared, "rate_hz")) {
+    guess.rate_hz = positive_number(*rate, "rate_hz");
+    if (guess.source.unit == "sample" || !guess.column) guess.open.clear();
+    guess.evidence += fmt::format("; {} Hz, as declared", *rate);
+  } else if (guess.column && guess.open.empty()) {
+    const std::vector<std::int64_t> stamps = guess.source.unit == "sample" ? std::vector<std::int64_t>{} : stamps_of(table, guess);
+    if (stamps.size() > 2) guess.rate_hz = 1e9 * static_cast<double>(stamps.size() - 1) / static_cast<double>(stamps.back() - stamps.front());
+    if (guess.source.unit == "sample") guess.open = "rate_hz: samples are numbered, not timed";
+  }
+  return guess;
+}
+
+void declare_unit(const Declarations& declared, const std::string& triad, UnitGuess& guess) {
+  if (const std::string* output = find(declared, triad + ".output")) {
+    if (*output != "rate" && *output != "increment")
+      throw Error(fmt::format("{}.output = {}: is not known; expected rate or increment", triad, *output));
+    guess.output = *output == "rate" ? Output::rate : Output::increment;
+  }
+  const std::string* unit = find(declared, triad + ".unit");
+  if (unit == nullptr) return;
+  const Quantity quantity = triad == "gyro" ? Quantity::gyro : Quantity::accel;
+  const auto has = [&](bool increment) {
+    const auto names = unit_names(quantity, increment);
+    return std::find(names.begin(), names.end(), *unit) != names.end();
+  };
+  if (!has(false) && !has(true))
+    throw Error(fmt::format("{}.unit = {}: is no unit of these readings; expected one of {} or of {}", triad, *unit,
+                            fmt::join(unit_names(quantity, false), ", "), fmt::join(unit_names(quantity, true), ", ")));
+  if (!find(declared, triad + ".output")) guess.output = has(false) ? Output::rate : Output::increment;
+  guess.unit = *unit;
+  guess.evidence = fmt::format("{}, as declared", *unit);
+  guess.open.clear();
+}
+
+std::optional<std::array<BodyAxis, 3>> declared_axes(const Declarations& declared, const std::string& triad) {
+  const std::string* text = find(declared, triad + ".axes");
+  if (text == nullptr) return std::nullopt;
+  const std::vector<std::string> parts = parts_of(*text);
+  std::array<BodyAxis, 3> axes;
+  std::array<int, 3> used{};
+  bool good = parts.size() == 3;
+  for (std::size_t i = 0; good && i < 3; ++i) {
+    const std::string& part = parts[i];
+    good = part.size() == 2 && (part[0] == '+' || part[0] == '-') && part[1] >= 'x' && part[1] <= 'z';
+    if (!good) break;
+    axes[i] = {part[1] - 'x', part[0] == '+' ? 1 : -1};
+    good = ++used[static_cast<std::size_t>(axes[i].index)] == 1;
+  }
+  if (!good) throw Error(fmt::format("{}.axes = {}: is not three different body axes; expected as in +x,-y,+z", triad, *text));
+  return axes;
+}
+
+}  // namespace inspection
+}  // namespace imulab

@@ -1,0 +1,28 @@
+// What the user declares of a recording, in place of what the data say.
+#pragma once
+
+#include "imulab/inspect/inspection.hpp"
+#include "imulab/inspect/time.hpp"
+#include "imulab/inspect/units.hpp"
+
+#include <optional>
+#include <string>
+
+namespace imulab::inspection {
+
+struct DeclaredColumns {
+  std::optional<Triad> gyro, accel;
+};
+
+/// Throws Error for a key that there is not.
+void check_declarations(const Declarations& declared);
+/// Three names or numbers, divided by commas or blanks. Throws Error for a column that is not there.
+DeclaredColumns declared_columns(const SignalTable& table, const Declarations& declared);
+/// The clock with what is declared of it. Throws Error for a column that is not there and for a unit that is none.
+TimeGuess declared_time(const SignalTable& table, const Declarations& declared, TimeGuess guess);
+/// The unit, output and axes of a triad, by its name.
+void declare_unit(const Declarations& declared, const std::string& triad, UnitGuess& guess);
+/// Body axes as "+x,+y,-z"; nothing where none are declared.
+std::optional<std::array<BodyAxis, 3>> declared_axes(const Declarations& declared, const std::string& triad);
+
+}  // namespace imulab::inspection

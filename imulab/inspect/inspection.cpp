@@ -1,0 +1,286 @@
+#include "imulab/inspect/inspection.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/inspect/clock_quality.hpp"
+#include "imulab/inspect/declared.hpp"
+#include "imulab/inspect/names.hpp"
+#include "imulab/inspect/support.hpp"
+#include "imulab/inspect/time.hpp"
+#include "imulab/inspect/units.hpp"
+#include "imulab/model/triad_axes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+namespace imulab {
+namespace {
+
+using namespace inspection;
+
+bool whole_numbers(const SignalTable& table, const Triad& triad) {
+  return std::all_of(triad.begin(), triad.end(), [&](std::size_t i) {
+    const std::vector<double>& values = table.signals[i].values;
+    return std::all_of(values.begin(), values.end(), [](double v) { return v == std::floor(v); });
+  });
+}
+
+std::string name_of(const SignalTable& table, std::size_t i) {
+  return table.signals[i].name.empty() ? fmt::format("column {}", i + 1) : table.signals[i].name;
+}
+
+std::string names_of(const SignalTable& table, const Triad& triad) {
+  return fmt::format("{}, {}, {}", name_of(table, triad[0]), name_of(table, triad[1]), name_of(table, triad[2]));
+}
+
+/// The unit that the file or the column's name states for a triad.
+std::string stated_unit(const SignalTable& table, const Triad& triad) {
+  const Signal& signal = table.signals[triad[0]];
+  return !signal.unit.empty() ? signal.unit : hint_of(signal.name).unit;
+}
+
+bool has_role(const SignalTable& table, const Triad& triad, Role role) {
+  return std::all_of(triad.begin(), triad.end(), [&](std::size_t i) { return hint_of(table.signals[i].name).role == role; });
+}
+
+/// The pair of triads that the data, or else the names, speak for.
+class TriadSearch {
+ public:
+  TriadSearch(const SignalTable& table, const std::vector<std::int64_t>& time_ns, const std::vector<double>& scales)
+      : table_(table), time_ns_(time_ns), scales_(scales) {}
+
+  void consider(const Triad& gyro, const Triad& accel) {
+    for (const std::size_t i : gyro)
+      if (std::find(accel.begin(), accel.end(), i) != accel.end()) return;
+    constexpr std::size_t samples = 200'000;  // enough to tell triads apart
+    found_.push_back(evidence_for(table_, time_ns_, gyro, accel, scales_, samples));
+  }
+
+  /// The best of those considered that explains the turns: least unexplained, with the least spread of the norm. Of two for one triad of gyros, that
+  /// whose norm changes in motion: a magnetometer's does not.
+  std::optional<TriadEvidence> best() const {
+    const TriadEvidence* best = nullptr;
+    for (const TriadEvidence& e : found_) {
+      if (!e.explained()) continue;
+      if (best == nullptr || merit(e) < merit(*best)) best = &e;
+    }
+    if (best == nullptr) return std::nullopt;
+    for (const TriadEvidence& e : found_)
+      if (e.explained() && e.gyro == best->gyro && disjoint(e.accel, best->accel) && e.norm_in_motion > 2 * best->norm_in_motion &&
+          merit(e) < merit(*best) + 0.1)
+        best = &e;
+    return *best;
+  }
+
+ private:
+  static bool disjoint(const Triad& a, const Triad& b) {
+    return std::none_of(a.begin(), a.end(), [&](std::size_t i) { return std::find(b.begin(), b.end(), i) != b.end(); });
+  }
+  static double merit(const TriadEvidence& e) { return e.error / e.turned + (e.norm_most - e.norm_least) / e.norm; }
+
+  const SignalTable& table_;
+  const std::vector<std::int64_t>& time_ns_;
+  const std::vector<double>& scales_;
+  std::vector<TriadEvidence> found_;
+};
+
+/// Which columns are which triad; nothing where neither the data nor the names tell.
+std::optional<TriadEvidence> find_triads(const SignalTable& table, const std::vector<std::int64_t>& time_ns, const TimeGuess& time,
+                                         const DeclaredColumns& declared, const std::vector<double>& scales) {
+  std::vector<std::size_t> taken;
+  for (const auto& index : {time.column, time.fraction})
+    if (index) taken.push_back(*index);
+  std::vector<Triad> triads = possible_triads(table, taken);
+  for (const auto& triad : {declared.gyro, declared.accel})
+    if (triad && std::find(triads.begin(), triads.end(), *triad) == triads.end()) triads.push_back(*triad);
+  std::optional<Triad> gyro = declared.gyro, accel = declared.accel;
+  for (const Triad& triad : triads) {
+    if (!gyro && has_role(table, triad, Role::gyro)) gyro = triad;
+    if (!accel && has_role(table, triad, Role::accel)) accel = triad;
+  }
+  TriadSearch search(table, time_ns, scales);
+  if (gyro && accel) search.consider(*gyro, *accel);
+  if (auto named = search.best()) return named;
+  if (!(declared.gyro && declared.accel)) {
+    for (const Triad& g : triads)
+      for (const Triad& a : triads)
+        if ((!declared.gyro || g == *declared.gyro) && (!declared.accel || a == *declared.accel)) search.consider(g, a);
+    if (auto best = search.best()) return best;
+  }
+  if (gyro && accel) return evidence_for(table, time_ns, *gyro, *accel, scales);
+  return std::nullopt;
+}
+
+/// The gyros' columns in the order of the accelerometers' axes, where they are merely exchanged; what speaks against them otherwise.
+std::string settle_axes(const SignalTable& table, const Declarations& declared, TriadEvidence& triads, Inspection& result) {
+  result.source.gyro.axes = declared_axes(declared, "gyro");
+  result.source.accel.axes = declared_axes(declared, "accel");
+  if (result.source.gyro.axes || result.source.accel.axes) return "axes: as declared";
+  if (!triads.explained()) return {};
+  const std::string wrong = wrong_axes(*triads.gyro_matrix);
+  if (wrong.empty()) return "axes: the gyros turn as gravity does, right-handed";
+  Triad ordered = triads.gyro;
+  bool reversed = false;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    Eigen::Index from = 0;
+    triads.gyro_matrix->row(axis).cwiseAbs().maxCoeff(&from);
+    ordered[static_cast<std::size_t>(axis)] = triads.gyro[static_cast<std::size_t>(from)];
+    reversed = reversed || (*triads.gyro_matrix)(axis, from) < 0;
+  }
+  if (reversed) {
+    result.ambiguous.push_back("gyro.axes: " + wrong + "; which sensor is reversed the data do not tell (accel.axes, or gyro.axes = +x,+y,-z)");
+    return {};
+  }
+  Matrix3d exchange = Matrix3d::Zero();
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    for (Eigen::Index from = 0; from < 3; ++from)
+      exchange(from, axis) = ordered[static_cast<std::size_t>(axis)] == triads.gyro[static_cast<std::size_t>(from)] ? 1 : 0;
+  triads.gyro_matrix = *triads.gyro_matrix * exchange;
+  triads.gyro = ordered;
+  return fmt::format("axes: {}; taken as x, y, z: {}", wrong, names_of(table, ordered));
+}
+
+void settle_triad(const SignalTable& table, const Triad& triad, const UnitGuess& guess, const std::string& role, TriadSource& source,
+                  Inspection& result) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    ColumnFinding& column = result.columns[triad[axis]];
+    column.role = role + "." + "xyz"[axis];
+    column.unit = guess.unit;
+    column.evidence = guess.evidence;
+    source.columns.push_back(table.signals[triad[axis]].column);
+  }
+  source.unit = guess.unit;
+  source.output = guess.output;
+  if (const std::size_t part = table.signals[triad[0]].table; part > 0) {
+    if (!table.parts[part - 1].file.empty()) source.file = table.parts[part - 1].file;
+    if (!table.parts[part - 1].topic.empty()) source.topic = table.parts[part - 1].topic;
+    if (!(table.parts[part - 1].time == result.source.time)) source.time = table.parts[part - 1].time;
+  }
+  if (!guess.open.empty()) result.ambiguous.push_back(guess.open);
+}
+
+/// Units of both triads.
+void settle_units(const SignalTable& table, const TriadEvidence& triads, const TimeGuess& time, const Declarations& declared, Inspection& result) {
+  const double interval_s = time.rate_hz ? 1 / *time.rate_hz : 0;
+  const bool whole_accel = whole_numbers(table, triads.accel), whole_gyro = whole_numbers(table, triads.gyro);
+  UnitGuess accel;
+  if (triads.rests.empty()) {
+    accel.open = "accel.unit: no rest was found, which would show gravity";
+  } else if (triads.offset_taken_out) {
+    accel.evidence = fmt::format("readings at rest lie on a sphere of radius {:.5g} about a point far from zero: counts", triads.norm);
+  } else {
+    accel = accel_unit(triads.norm, triads.norm_least, triads.norm_most, interval_s, stated_unit(table, triads.accel), whole_accel);
+  }
+  declare_unit(declared, "accel", accel);
+  UnitGuess gyro;
+  const std::string stated = stated_unit(table, triads.gyro);
+  if (!triads.explained() || !time.rate_hz) {
+    gyro.unit = stated.empty() ? "count" : stated;
+    gyro.evidence = stated.empty() ? "" : stated + " as the file says; the data do not confirm it (fewer than three turns between rests)";
+    if (triads.turns >= 3 && !triads.explained())
+      gyro.open = fmt::format("gyro.columns: they leave {:.3g} deg of turns of {:.3g} deg unexplained", triads.error / unit::deg, triads.turned / unit::deg);
+    else if (stated.empty())
+      gyro.open = time.rate_hz ? "gyro.unit: fewer than three turns between rests, which would show it" : "gyro.unit: without a rate turns do not show it";
+  } else {
+    gyro = gyro_unit(triads.gyro_scale(), interval_s, stated, whole_gyro);
+  }
+  declare_unit(declared, "gyro", gyro);
+  settle_triad(table, triads.accel, accel, "accel", result.source.accel, result);
+  settle_triad(table, triads.gyro, gyro, "gyro", result.source.gyro, result);
+  if (!accel.evidence.empty()) result.evidence.push_back(fmt::format("accelerometers: {}: {}", names_of(table, triads.accel), accel.evidence));
+  if (!gyro.evidence.empty()) result.evidence.push_back(fmt::format("gyros: {}: {}", names_of(table, triads.gyro), gyro.evidence));
+  if (triads.explained())
+    result.evidence.push_back(fmt::format("gyros explain {} turns of {:.3g} deg RMS to {:.2g} deg", triads.turns, triads.turned / unit::deg,
+                                          triads.error / unit::deg));
+}
+
+/// The temperature, by a column's name and its numbers.
+void settle_temperature(const SignalTable& table, Inspection& result) {
+  for (std::size_t i = 0; i < table.signals.size(); ++i) {
+    const Signal& signal = table.signals[i];
+    if (hint_of(signal.name).role != Role::temperature || result.columns[i].role != "unused") continue;
+    const auto [low, high] = std::minmax_element(signal.values.begin(), signal.values.end());
+    if (!std::isfinite(*low) || !std::isfinite(*high) || *low == *high) continue;
+    const std::string stated = !signal.unit.empty() ? signal.unit : hint_of(signal.name).unit;
+    const std::string unit = stated == "degC" || stated == "K" ? stated : *low > -60 && *high < 150 ? "degC" : *low > 200 && *high < 430 ? "K" : "raw";
+    result.columns[i].role = "temperature";
+    result.columns[i].unit = unit;
+    result.columns[i].evidence = fmt::format("its name, and {:.4g} to {:.4g}", *low, *high);
+    result.evidence.push_back(fmt::format("temperature: {}: {:.4g} to {:.4g}: {}", name_of(table, i), *low, *high, unit));
+    ThermalSource thermal;
+    thermal.columns = {signal.column};
+    thermal.unit = unit;
+    result.source.gyro_temperature = result.source.accel_temperature = thermal;
+    return;
+  }
+}
+
+TimeGuess settle_time(const SignalTable& table, const Declarations& declared, Inspection& result) {
+  TimeGuess time = declared_time(table, declared, recognize_time(table));
+  for (const auto& [index, role] : {std::pair{time.column, "time"}, {time.fraction, "time"}})
+    if (index) result.columns[*index] = {name_of(table, *index), role, time.source.unit, time.evidence};
+  if (time.fraction) result.columns[*time.fraction].unit = time.source.fraction_unit;
+  result.source.time = time.source;
+  if (!time.column || time.source.unit == "sample") result.source.rate_hz = time.rate_hz;
+  result.rate_hz = time.rate_hz;
+  result.evidence.push_back("time: " + time.evidence);
+  if (!time.others.empty()) result.evidence.back() += fmt::format(" (could be time as well: {})", fmt::join(time.others, ", "));
+  if (!time.open.empty()) result.ambiguous.push_back(time.open);
+  return time;
+}
+
+}  // namespace
+
+Inspection inspect(const SignalTable& table, const Declarations& declared) {
+  check_declarations(declared);
+  if (table.rows() < 20) throw Error(fmt::format("{}: {} rows; expected at least 20 to recognize anything", table.file, table.rows()));
+  Inspection result;
+  result.file = table.file;
+  result.topic = result.source.topic = table.topic;
+  result.source.file = std::filesystem::path(table.file).filename().string();
+  result.format = table.format;
+  result.rows = table.rows();
+  for (std::size_t i = 0; i < table.signals.size(); ++i) result.columns.push_back({name_of(table, i), "unused", "", ""});
+
+  const TimeGuess time = settle_time(table, declared, result);
+  TimeGuess assumed = time;  // what does not depend on the rate is found without it
+  if (!assumed.rate_hz) assumed.rate_hz = 100;
+  result.time_ns = stamps_of(table, assumed);
+  const ClockQuality clock = clock_quality(result.time_ns);
+  const double interval_s = time.rate_hz ? 1 / *time.rate_hz : clock.interval_s;
+  const DeclaredColumns columns = declared_columns(table, declared);
+  if (clock.backward == 0 && !result.time_ns.empty())
+    result.triads = find_triads(table, ascending(result.time_ns), time, columns, gyro_scales(interval_s));
+  if (clock.backward > 0) {
+    result.ambiguous.push_back(fmt::format("time.column: time runs backwards {} times, first at row {}", clock.backward, clock.first_backward + 1));
+  } else if (!result.triads) {
+    result.ambiguous.push_back("accel.columns, gyro.columns: no two triads of which one measures gravity at rest and the other turns it; and the names do not tell");
+  } else {
+    const std::string axes = settle_axes(table, declared, *result.triads, result);
+    settle_units(table, *result.triads, time, declared, result);
+    if (!axes.empty()) result.evidence.push_back(axes);
+    settle_temperature(table, result);
+    add_support(table, *result.triads, result);
+  }
+  if (time.rate_hz) add_clock(clock, result);
+  if (!time.rate_hz) result.time_ns.clear();
+  return result;
+}
+
+Session inspected_session(const Inspection& inspection, const Site& site) {
+  Session session;
+  session.imu.name = std::filesystem::path(inspection.file).stem().string();
+  session.site = site;
+  if (!site.latitude && !site.given_gravity) {
+    session.site.given_gravity = 9.806;
+    session.site.given_gravity_sigma = 0.015;  // 9.780 at the equator to 9.832 at the poles
+  }
+  session.recordings = {inspection.source};
+  return session;
+}
+
+}  // namespace imulab

@@ -1,0 +1,67 @@
+// What a recording holds, with the evidence for it: the declaration that a session needs, from the data.
+#pragma once
+
+#include "imulab/inspect/signals.hpp"
+#include "imulab/inspect/triads.hpp"
+#include "imulab/recording/recording.hpp"
+#include "imulab/recording/session.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+/// What the user says of a recording, by key: "rate_hz", "time.column", "time.unit", "gyro.columns", "gyro.unit", "gyro.output", "gyro.axes", and the
+/// same of accel. It counts before the data.
+using Declarations = std::map<std::string, std::string>;
+/// The keys that there are: those, and latitude_deg, height_m and gravity_mps2 of the place.
+std::vector<std::string> declaration_keys();
+/// The place. Throws Error for what is no number in range.
+Site declared_site(const Declarations& declared);
+
+/// One column.
+struct ColumnFinding {
+  std::string name;
+  std::string role;  ///< "time", "gyro.x", "accel.z", "temperature", "unused"
+  std::string unit;  ///< as a session names it; empty of what is not used
+  std::string evidence;
+};
+
+/// Whether the data can support a method, and why.
+struct MethodFinding {
+  std::string name;
+  bool supported = false;
+  std::string why;
+};
+
+struct Inspection {
+  std::string file, topic, format;
+  std::size_t rows = 0;
+  double duration_s = 0;
+  std::vector<ColumnFinding> columns;
+  std::optional<double> rate_hz;
+  double jitter_s = 0;                     ///< RMS of the stamps about an even clock; 0 where none was found
+  std::size_t gaps = 0;
+  std::vector<std::string> evidence;       ///< a line each: time, accelerometers, gyros, axes, temperature, clock, readings, rests
+  std::vector<std::string> ambiguous;      ///< "KEY: what is not known": what the user has to declare
+  std::vector<MethodFinding> methods;
+  std::vector<std::int64_t> time_ns;       ///< of the rows, from the first on; empty without a rate
+  std::optional<inspection::TriadEvidence> triads; ///< where two triads were found
+  RecordingSource source;                  ///< the declaration, complete where nothing is ambiguous
+
+  bool complete() const { return ambiguous.empty(); }
+};
+
+/// Looks at the columns. Throws Error for a table without rows or with fewer than six columns of numbers that vary, and for declarations that the table
+/// contradicts.
+Inspection inspect(const SignalTable& table, const Declarations& declared = {});
+
+/// A session of one recording with what was found; where the place is not known, gravity as anywhere on Earth.
+Session inspected_session(const Inspection& inspection, const Site& site);
+
+}  // namespace imulab

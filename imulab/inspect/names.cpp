@@ -1,0 +1,129 @@
+#include "imulab/inspect/names.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <utility>
+#include <vector>
+
+namespace imulab::inspection {
+namespace {
+
+char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
+
+std::string lowered(std::string_view text) {
+  std::string result(text);
+  std::transform(result.begin(), result.end(), result.begin(), lower);
+  return result;
+}
+
+/// "accelX_raw.1" -> accel, x, raw, 1
+std::vector<std::string> words_of(std::string_view name) {
+  std::vector<std::string> words;
+  const auto kind = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) ? 1 : std::isalpha(static_cast<unsigned char>(c)) ? 2 : 0; };
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    const char c = name[i], before = i > 0 ? name[i - 1] : ' ';
+    if (kind(c) == 0) continue;
+    const bool camel = std::isupper(static_cast<unsigned char>(c)) && std::islower(static_cast<unsigned char>(before));
+    if (words.empty() || kind(before) != kind(c) || camel) words.emplace_back();
+    words.back() += lower(c);
+  }
+  return words;
+}
+
+template <std::size_t N>
+bool is_among(const std::string& word, const std::array<std::string_view, N>& list) {
+  return std::find(list.begin(), list.end(), word) != list.end();
+}
+
+constexpr std::array<std::string_view, 9> accel_words{"a", "acc", "accel", "acceleration", "accelerometer", "accelerations", "accels", "f", "force"};
+constexpr std::array<std::string_view, 13> gyro_words{"g",       "gyr",     "gyro", "gyros", "gyroscope", "w",    "omega",
+                                                      "angular", "angvel", "rate", "rates", "rot",       "angrate"};
+constexpr std::array<std::string_view, 22> other_words{"m",   "mag",  "magnetometer", "magnetic", "compass", "q",        "quat",     "quaternion", "orientation", "roll", "pitch",
+                                                       "yaw", "heading", "gps",       "lat",      "lon",     "altitude", "pressure", "baro",       "covariance", "euler", "velocity"};
+constexpr std::array<std::string_view, 6> temperature_words{"temp", "temperature", "thermometer", "tmp", "temps", "degc"};
+constexpr std::array<std::string_view, 11> time_words{"t", "time", "timestamp", "stamp", "ts", "clock", "epoch", "millis", "micros", "utc", "tow"};
+constexpr std::array<std::string_view, 4> second_words{"s", "sec", "secs", "seconds"};
+constexpr std::array<std::string_view, 3> nanosecond_words{"nsec", "nsecs", "nanosec"};
+constexpr std::array<std::string_view, 10> number_words{"n", "i", "idx", "index", "sample", "samples", "seq", "counter", "count", "packet"};
+
+/// The unit in brackets, or behind the last blank or underline: "acc_x [m/s^2]", "time_us".
+std::string unit_in(std::string_view name) {
+  for (const auto& [open, close] : {std::pair{'[', ']'}, {'(', ')'}}) {
+    const std::size_t begin = name.find(open), end = name.find(close, begin == std::string_view::npos ? 0 : begin);
+    if (begin != std::string_view::npos && end != std::string_view::npos) return unit_of(name.substr(begin + 1, end - begin - 1));
+  }
+  for (const char c : {' ', '_'})
+    if (const std::size_t cut = name.rfind(c); cut != std::string_view::npos)
+      if (std::string unit = unit_of(name.substr(cut + 1)); !unit.empty() && unit != "g" && unit != "m/s") return unit;  // ..._g may be a gyro's
+  if (name.ends_with("US") && name.size() > 2) return "us";  // TimeUS
+  return {};
+}
+
+int axis_of(const std::vector<std::string>& words) {
+  for (auto word = words.rbegin(); word != words.rend(); ++word) {
+    if (*word == "x" || *word == "y" || *word == "z") return (*word)[0] - 'x';
+    const bool letter = word->size() > 1 && (word->back() == 'x' || word->back() == 'y' || word->back() == 'z');
+    if (letter) {
+      const std::string stem = word->substr(0, word->size() - 1);
+      if (is_among(stem, accel_words) || is_among(stem, gyro_words) || is_among(stem, other_words)) return word->back() - 'x';
+    }
+  }
+  return -1;
+}
+
+Role role_of(std::vector<std::string> words) {
+  for (std::string& word : words)  // "gx" is g and x, "accx" acc and x
+    if (word.size() > 1 && (word.back() == 'x' || word.back() == 'y' || word.back() == 'z')) {
+      const std::string stem = word.substr(0, word.size() - 1);
+      if (is_among(stem, accel_words) || is_among(stem, gyro_words) || is_among(stem, other_words)) word = stem;
+    }
+  const auto any = [&](const auto& list) { return std::any_of(words.begin(), words.end(), [&](const std::string& w) { return is_among(w, list); }); };
+  const bool angular = std::find(words.begin(), words.end(), "angular") != words.end();
+  if (any(temperature_words)) return Role::temperature;
+  if (any(nanosecond_words)) return Role::fraction;
+  const bool timed = any(time_words) || (words.size() <= 2 && !words.empty() && is_among(words.front(), second_words));
+  for (const auto& word : words)  // whole words of a sensor before single letters
+    if (word.size() > 1 && (is_among(word, accel_words) || is_among(word, gyro_words))) return is_among(word, accel_words) ? Role::accel : Role::gyro;
+  if (timed) return Role::time;
+  if (any(other_words) && !angular) return Role::other;
+  if (any(accel_words)) return Role::accel;
+  if (any(gyro_words)) return Role::gyro;
+  if (any(number_words)) return Role::sample_number;
+  return Role::unknown;
+}
+
+}  // namespace
+
+std::string unit_of(std::string_view text) {
+  std::string key = lowered(text);
+  std::erase_if(key, [](char c) { return c == ' ' || c == '^' || c == '*' || c == '.' || c == '\"'; });
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 47> units{{
+      {"m/s2", "m/s^2"},    {"m/s²", "m/s^2"},       {"mps2", "m/s^2"},   {"m/s/s", "m/s^2"},  {"ms-2", "m/s^2"},     {"m/sec2", "m/s^2"},
+      {"m/s-2", "m/s^2"},   {"g", "g"},              {"gee", "g"},        {"mg", "mg"},        {"ug", "ug"},          {"µg", "ug"},
+      {"rad/s", "rad/s"},   {"rad/sec", "rad/s"},    {"radps", "rad/s"},  {"rads-1", "rad/s"}, {"rps", "rad/s"},      {"deg/s", "deg/s"},
+      {"deg/sec", "deg/s"}, {"degps", "deg/s"},      {"dps", "deg/s"},    {"°/s", "deg/s"},    {"mdps", "mdeg/s"},    {"mdeg/s", "mdeg/s"},
+      {"deg/h", "deg/h"},   {"deg/hr", "deg/h"},     {"dph", "deg/h"},    {"°/h", "deg/h"},    {"deg/min", "deg/min"}, {"m/s", "m/s"},
+      {"gs", "g*s"},        {"arcsec", "arcsec"},    {"s", "s"},          {"sec", "s"},        {"secs", "s"},         {"seconds", "s"},
+      {"ms", "ms"},         {"msec", "ms"},          {"us", "us"},        {"µs", "us"},        {"usec", "us"},        {"ns", "ns"},
+      {"nsec", "ns"},       {"nanosec", "ns"},       {"degc", "degC"},    {"°c", "degC"},      {"k", "K"},
+  }};
+  const auto found = std::find_if(units.begin(), units.end(), [&](const auto& unit) { return unit.first == key; });
+  return found == units.end() ? std::string() : std::string(found->second);
+}
+
+NameHint hint_of(std::string_view name) {
+  NameHint hint;
+  hint.unit = unit_in(name);
+  const std::string_view stem = name.substr(0, std::min(name.find('['), name.find('(')));
+  const std::vector<std::string> words = words_of(stem);
+  hint.role = role_of(words);
+  hint.axis = axis_of(words);
+  if (hint.axis < 0 && !words.empty() && words.back().size() == 1 && std::isdigit(static_cast<unsigned char>(words.back()[0])))
+    hint.axis = words.back()[0] - '1';  // gyro.1, gyro.2, gyro.3
+  if (hint.axis > 2) hint.axis = -1;
+  if (hint.role == Role::fraction && hint.unit.empty()) hint.unit = "ns";
+  return hint;
+}
+
+}  // namespace imulab::inspection

@@ -1,0 +1,37 @@
+// The columns of one table of a recording, before anybody knows what they are.
+#pragma once
+
+#include "imulab/recording/session.hpp"
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+struct Signal {
+  std::string name;            ///< of the column; empty where the file has none
+  std::string unit;            ///< where the file's format states it; else empty
+  Column column = 1;           ///< how a session names it
+  std::vector<double> values;  ///< one a row; NaN where the field holds no number
+  std::size_t table = 0;       ///< of several that were joined: which
+};
+
+/// Where a table that was joined to another one comes from, and its clock.
+struct SignalPart {
+  std::string file, topic;  ///< empty where they are the first table's
+  TimeSource time;
+};
+
+struct SignalTable {
+  std::string file;
+  std::string topic;   ///< of a file with several tables; else empty
+  std::string format;  ///< in words: "CSV, delimiter \",\", a header in line 1"
+  std::vector<Signal> signals;
+  std::vector<SignalPart> parts;   ///< of the tables after the first
+  std::vector<std::string> notes;  ///< what reading met, with its consequence
+
+  std::size_t rows() const { return signals.empty() ? 0 : signals.front().values.size(); }
+};
+
+}  // namespace imulab

@@ -1,0 +1,218 @@
+#include "imulab/inspect/time.hpp"
+
+#include "imulab/core/statistics.hpp"
+#include "imulab/inspect/names.hpp"
+#include "imulab/recording/unit_names.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace imulab::inspection {
+namespace {
+
+constexpr std::size_t looked_at = 200'000;                  // rows: enough to know a clock
+constexpr double slowest_hz = 10, fastest_hz = 10e3;        // of an IMU that is to be calibrated; a thousand apart, so that one unit of time fits
+constexpr std::array<const char*, 4> units{"s", "ms", "us", "ns"};
+
+/// How the numbers of a column advance.
+struct Steps {
+  double typical = 0;        ///< median of those above 0
+  double even = 0;           ///< part of the steps that are within half of it
+  bool whole = false;        ///< all numbers are whole
+  bool ones = false;         ///< each step is exactly 1
+  std::optional<int> bits;   ///< the numbers begin again after 2^bits
+  std::size_t backward = 0;  ///< steps back that are no such beginning
+  double first = 0;
+};
+
+std::optional<Steps> steps_of(const std::vector<double>& values) {
+  Steps s;
+  const std::size_t n = std::min(values.size(), looked_at);
+  std::vector<double> forward, backward;
+  s.whole = s.ones = true;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!std::isfinite(values[i])) return std::nullopt;
+    s.whole = s.whole && values[i] == std::floor(values[i]);
+    if (i == 0) continue;
+    const double step = values[i] - values[i - 1];
+    s.ones = s.ones && step == 1;
+    if (step > 0) forward.push_back(step);
+    if (step < 0) backward.push_back(step);
+  }
+  if (n < 3 || forward.size() * 2 < n) return std::nullopt;
+  s.first = values.front();
+  s.typical = median(forward);
+  for (const double step : forward) s.even += std::abs(step - s.typical) < 0.5 * s.typical ? 1.0 / static_cast<double>(forward.size()) : 0.0;
+  for (const double step : backward) {
+    bool wraps = false;
+    if (s.whole)
+      for (const int bits : {16, 24, 32})
+        if (std::abs(step + std::ldexp(1, bits)) < 20 * s.typical && (!s.bits || *s.bits == bits)) s.bits = bits, wraps = true;
+    s.backward += !wraps;
+  }
+  return s;
+}
+
+/// Whether the numbers advance as a clock's do: in even steps, forward.
+bool is_clock(const Steps& s) { return s.even > 0.6 && s.backward == 0; }
+
+double in_seconds(const char* unit) { return std::pow(10.0, time_exponent(unit) - 9); }
+
+bool is_date(double first, const char* unit) {
+  const double seconds = first * in_seconds(unit);
+  return seconds > 9.5e8 && seconds < 2.5e9;  // 2000 to 2049
+}
+
+/// Seconds in one column and their fraction in another: the second falls back where the first goes on by one.
+std::optional<std::pair<std::size_t, std::size_t>> split_clock(const SignalTable& table, const char*& unit) {
+  for (std::size_t a = 0; a < table.signals.size(); ++a) {
+    const std::vector<double>& seconds = table.signals[a].values;
+    const std::size_t n = std::min(seconds.size(), looked_at);
+    std::size_t turns = 0;
+    bool whole = n > 2;
+    for (std::size_t i = 1; i < n && whole; ++i) {
+      const double step = seconds[i] - seconds[i - 1];
+      whole = step >= 0 && step == std::floor(step) && seconds[i] == std::floor(seconds[i]);
+      turns += step > 0;
+    }
+    if (!whole || turns == 0 || turns * 4 > n) continue;
+    for (std::size_t b = 0; b < table.signals.size(); ++b) {
+      if (b == a) continue;
+      const std::vector<double>& fraction = table.signals[b].values;
+      std::size_t falls = 0, together = 0;
+      double largest = 0;
+      for (std::size_t i = 1; i < n; ++i) {
+        const bool falling = fraction[i] < fraction[i - 1];
+        falls += falling;
+        together += falling && seconds[i] > seconds[i - 1];
+        largest = std::max(largest, fraction[i]);
+      }
+      if (falls == 0 || falls != together || falls + 1 < turns || fraction[0] != std::floor(fraction[0])) continue;
+      for (const auto& [name, full] : {std::pair{"ms", 1e3}, {"us", 1e6}, {"ns", 1e9}})
+        if (largest < full && largest > 0.5 * full) {
+          unit = name;
+          return std::pair{a, b};
+        }
+    }
+  }
+  return std::nullopt;
+}
+
+/// The unit of a clock's column: nothing in `unit` where the data do not tell.
+void choose_unit(TimeGuess& guess, const Signal& signal, const Steps& steps) {
+  const NameHint hint = hint_of(signal.name);
+  const std::string stated = !signal.unit.empty() ? signal.unit : hint.unit;
+  std::vector<const char*> fit, dated;
+  for (const char* unit : units) {
+    const double rate = 1 / (steps.typical * in_seconds(unit));
+    if (rate >= slowest_hz * 0.999 && rate < fastest_hz * 0.999) fit.push_back(unit);
+    if (is_date(steps.first, unit) && rate > 0.5 && rate < 100e3) dated.push_back(unit);
+  }
+  const std::string name = signal.name.empty() ? fmt::format("column {}", std::get<int>(signal.column)) : signal.name;
+  const auto decide = [&](const std::string& unit, const std::string& why) {
+    guess.source.unit = unit;
+    guess.rate_hz = 1 / (steps.typical * in_seconds(unit.c_str()));
+    guess.evidence = fmt::format("{} advances by {:.6g}: {} ({}), {:.5g} Hz", name, steps.typical, unit, why, *guess.rate_hz);
+  };
+  if (!stated.empty() && std::find(units.begin(), units.end(), stated) != units.end()) {
+    decide(stated, signal.unit.empty() ? "its name" : "the format");
+    if (*guess.rate_hz < 0.5 || *guess.rate_hz > 100e3)
+      guess.open = fmt::format("time.unit: {} says {}, which gives {:.3g} Hz", name, stated, *guess.rate_hz);
+    return;
+  }
+  if (dated.size() == 1) return decide(dated[0], "it begins at a date since 1970");
+  if (steps.ones && hint.role != Role::time) {
+    guess.source.unit = "sample";
+    guess.evidence = fmt::format("{} advances by exactly 1: it numbers the samples", name);
+    guess.open = "rate_hz: samples are numbered, not timed";
+    return;
+  }
+  if (steps.ones || fit.size() != 1) {
+    guess.source.unit = "s";
+    guess.evidence = fmt::format("{} advances by {:.6g}", name, steps.typical);
+    guess.open = fmt::format("time.unit: {} advances by {:.6g}; {}", name, steps.typical,
+                             steps.ones ? "a number of the sample, or ms" : "no unit of time makes 10 Hz to 10 kHz of it");
+    return;
+  }
+  decide(fit[0], "in no other unit the rate is between 10 Hz and 10 kHz");
+}
+
+}  // namespace
+
+TimeGuess recognize_time(const SignalTable& table) {
+  TimeGuess guess;
+  guess.source.column.reset();
+  guess.source.unit = "sample";
+  const char* fraction_unit = "ns";
+  if (const auto split = split_clock(table, fraction_unit)) {
+    guess.column = split->first;
+    guess.fraction = split->second;
+    guess.source.column = table.signals[split->first].column;
+    guess.source.unit = "s";
+    guess.source.fraction_column = table.signals[split->second].column;
+    guess.source.fraction_unit = fraction_unit;
+    const std::vector<std::int64_t> stamps = stamps_of(table, guess);
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < std::min(stamps.size(), looked_at); ++i) steps.push_back(1e-9 * static_cast<double>(stamps[i] - stamps[i - 1]));
+    guess.rate_hz = 1 / median(steps);
+    guess.evidence = fmt::format("whole seconds in one column, {} in another that falls back with each: {:.5g} Hz", fraction_unit, *guess.rate_hz);
+    return guess;
+  }
+  struct Candidate {
+    std::size_t index;
+    Steps steps;
+    int merit;
+  };
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i < table.signals.size(); ++i) {
+    const auto steps = steps_of(table.signals[i].values);
+    if (!steps || !is_clock(*steps)) continue;
+    const Role role = hint_of(table.signals[i].name).role;
+    if (role == Role::gyro || role == Role::accel || role == Role::other || role == Role::temperature) continue;
+    const bool time = role == Role::time || !table.signals[i].unit.empty();
+    candidates.push_back({i, *steps, (time ? 4 : 0) + (steps->ones ? 0 : 2)});
+  }
+  if (candidates.empty()) {
+    guess.evidence = "no column advances in even steps: the rows have no stamps";
+    guess.open = "rate_hz: the rows have no stamps";
+    return guess;
+  }
+  const auto best = std::max_element(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) { return a.merit < b.merit; });
+  for (const Candidate& c : candidates)
+    if (&c != &*best && !table.signals[c.index].name.empty()) guess.others.push_back(table.signals[c.index].name);
+  const Signal& signal = table.signals[best->index];
+  guess.column = best->index;
+  guess.source.column = signal.column;
+  guess.source.wrap_bits = best->steps.bits;
+  choose_unit(guess, signal, best->steps);
+  if (best->steps.bits) guess.evidence += fmt::format("; begins again after 2^{}", *best->steps.bits);
+  return guess;
+}
+
+std::vector<std::int64_t> stamps_of(const SignalTable& table, const TimeGuess& time, std::optional<double> origin) {
+  std::vector<std::int64_t> stamps;
+  const std::size_t rows = table.rows();
+  stamps.reserve(rows);
+  const bool counted = !time.column || time.source.unit == "sample" || time.source.unit == "tick";
+  const std::optional<double> per_second = time.source.unit == "tick" ? time.source.ticks_per_s : time.rate_hz;
+  if (counted && !per_second) return {};
+  const double unit_ns = counted ? 1e9 / *per_second : 1e9 * in_seconds(time.source.unit.c_str());
+  const double modulus = time.source.wrap_bits ? std::ldexp(1, *time.source.wrap_bits) : 0;
+  double wrapped = 0;
+  const double first = origin ? *origin : time.column ? table.signals[*time.column].values.front() : 0;
+  for (std::size_t i = 0; i < rows; ++i) {
+    double value = time.column ? table.signals[*time.column].values[i] : static_cast<double>(i);
+    if (modulus > 0 && i > 0 && value < table.signals[*time.column].values[i - 1] - 0.5 * modulus) wrapped += modulus;
+    double ns = (value + wrapped - first) * unit_ns;
+    if (time.fraction) ns += table.signals[*time.fraction].values[i] * 1e9 * in_seconds(time.source.fraction_unit.c_str());
+    if (!(std::abs(ns) < 9e18)) return {};
+    stamps.push_back(std::llround(ns));
+  }
+  return stamps;
+}
+
+}  // namespace imulab::inspection

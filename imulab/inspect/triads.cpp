@@ -1,0 +1,178 @@
+#include "imulab/inspect/triads.hpp"
+
+#include "imulab/core/statistics.hpp"
+#include "imulab/estimate/kernel/coarse.hpp"
+#include "imulab/inspect/names.hpp"
+#include "imulab/recording/agreement_at_rest.hpp"
+#include "imulab/recording/make_recording.hpp"
+#include "imulab/recording/rest_detection.hpp"
+#include "imulab/recording/rest_means.hpp"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace imulab::inspection {
+namespace {
+
+constexpr double least_turn = 5 * 3.14159265358979 / 180;
+
+bool varies(const std::vector<double>& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return std::isfinite(*low) && std::isfinite(*high) && *low < *high;
+}
+
+/// The column, in steps of its noise so that the thresholds for counts hold whatever its unit: its middle step between samples is 100.
+std::vector<double> in_steps(const std::vector<double>& values, std::size_t n, double& step) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < std::min<std::size_t>(n, 20'000); ++i)
+    if (values[i] != values[i - 1]) steps.push_back(std::abs(values[i] - values[i - 1]));
+  step = steps.empty() ? 1 : 0.01 * median(steps);
+  std::vector<double> result(n);
+  for (std::size_t i = 0; i < n; ++i) result[i] = values[i] / step;
+  return result;
+}
+
+/// One step for the three axes: scales between them stay.
+Columns3 columns_of(const SignalTable& table, const Triad& triad, std::size_t n, double& step) {
+  step = 0;
+  for (const std::size_t i : triad) {
+    double own = 0;
+    in_steps(table.signals[i].values, n, own);
+    step = std::max(step, own);
+  }
+  Columns3 columns;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::vector<double>& values = table.signals[triad[axis]].values;
+    columns[axis].resize(n);
+    for (std::size_t i = 0; i < n; ++i) columns[axis][i] = values[i] / step;
+  }
+  return columns;
+}
+
+/// A center far from zero that the rests' means lie about on a sphere: that of unsigned counts.
+std::optional<Vector3d> far_center(const std::vector<RestMeans>& rests) {
+  Vector3d center = Vector3d::Zero();
+  for (const RestMeans& rest : rests) center += rest.accel / static_cast<double>(rests.size());
+  double reach = 0;
+  for (const RestMeans& rest : rests) reach = std::max(reach, (rest.accel - center).norm());
+  if (rests.size() < 6 || center.norm() < 3 * reach || reach == 0) return std::nullopt;
+  std::vector<Vector3d> readings;
+  for (const RestMeans& rest : rests) readings.emplace_back((rest.accel - center) / reach);
+  const auto coarse = kernel::coarse_accel(readings, 1);
+  if (!coarse) return std::nullopt;
+  const Vector3d bias = -coarse->matrix.inverse() * coarse->offset;
+  return Vector3d(center + reach * bias);
+}
+
+/// Spread of the norm between the rests, part of its mean.
+double norm_spread_in_motion(const Recording& recording, const std::vector<Range>& rests, const Vector3d& center) {
+  std::vector<double> norms;
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < recording.size(); i += 7) {
+    while (next < rests.size() && rests[next].end <= i) ++next;
+    if (next < rests.size() && i >= rests[next].begin) continue;
+    norms.push_back((reading_at(recording.accel, i) - center).norm());
+  }
+  return norms.size() < 10 ? 0 : robust_sigma(norms) / median(norms);
+}
+
+}  // namespace
+
+double TriadEvidence::gyro_scale() const { return gyro_matrix ? std::cbrt(std::abs(gyro_matrix->determinant())) : 0; }
+
+std::vector<Triad> possible_triads(const SignalTable& table, const std::vector<std::size_t>& without) {
+  std::vector<Triad> triads;
+  const auto add = [&](const Triad& triad) {
+    if (std::find(triads.begin(), triads.end(), triad) == triads.end()) triads.push_back(triad);
+  };
+  std::vector<std::size_t> usable;
+  std::map<std::string, std::array<std::optional<std::size_t>, 3>> named;
+  std::map<std::string, std::size_t> known;  // columns of one role
+  for (std::size_t i = 0; i < table.signals.size(); ++i) {
+    const NameHint hint = hint_of(table.signals[i].name);
+    const bool taken = std::find(without.begin(), without.end(), i) != without.end();
+    if (taken || hint.role == Role::other || hint.role == Role::temperature || !varies(table.signals[i].values)) continue;
+    usable.push_back(i);
+    if (hint.axis < 0 || (hint.role != Role::gyro && hint.role != Role::accel)) continue;
+    auto& places = named[hint.role == Role::gyro ? "gyro" : "accel"];
+    auto& place = places[static_cast<std::size_t>(hint.axis)];
+    if (!place) place = i;
+  }
+  for (const auto& [role, places] : named)
+    if (places[0] && places[1] && places[2]) add({*places[0], *places[1], *places[2]});
+  if (triads.size() == 2) return triads;
+  for (const std::size_t stride : {std::size_t{1}, std::size_t{2}})
+    for (std::size_t k = 0; k + 2 * stride < usable.size(); ++k) {
+      const Triad triad{usable[k], usable[k + stride], usable[k + 2 * stride]};
+      const bool even = triad[1] - triad[0] == triad[2] - triad[1];
+      if (even || usable.size() == 6) add(triad);
+    }
+  return triads;
+}
+
+TriadEvidence evidence_for(const SignalTable& table, const std::vector<std::int64_t>& time_ns, const Triad& gyro, const Triad& accel,
+                           const std::vector<double>& possible_scales, std::size_t most) {
+  TriadEvidence evidence;
+  evidence.gyro = gyro;
+  evidence.accel = accel;
+  const std::size_t n = std::min(time_ns.size(), most);
+  double gyro_step = 1, accel_step = 1;
+  Columns3 gyro_columns = columns_of(table, gyro, n, gyro_step), accel_columns = columns_of(table, accel, n, accel_step);
+  RecordingOptions options;
+  options.name = table.file;
+  options.gyro.unit = options.accel.unit = "count";
+  const Recording recording =
+      make_recording(std::vector<std::int64_t>(time_ns.begin(), time_ns.begin() + static_cast<std::ptrdiff_t>(n)), std::move(gyro_columns),
+                     std::move(accel_columns), options);
+  const RestDetection detection = detect_rests(recording);
+  evidence.rests = detection.rests;
+  evidence.turning = detection.turning;
+  const std::vector<RestMeans> rests = summarize_rests(recording, evidence.rests);
+  if (rests.empty()) return evidence;
+
+  const std::optional<Vector3d> center = far_center(rests);
+  evidence.offset_taken_out = center.has_value();
+  std::vector<double> norms;
+  for (const RestMeans& rest : rests) {
+    const Vector3d force = rest.accel - center.value_or(Vector3d::Zero());
+    norms.push_back(accel_step * force.norm());
+    evidence.up.push_back(force.normalized());
+  }
+  evidence.norm = median(norms);
+  evidence.norm_least = *std::min_element(norms.begin(), norms.end());
+  evidence.norm_most = *std::max_element(norms.begin(), norms.end());
+  evidence.norm_in_motion = norm_spread_in_motion(recording, evidence.rests, center.value_or(Vector3d::Zero()));
+  if (rests.size() < 2 || !(evidence.norm > 0)) return evidence;
+
+  SensorModel model;
+  model.accel.matrix = Matrix3d::Identity() * (9.8 * accel_step / evidence.norm);
+  model.accel.offset = -model.accel.matrix * center.value_or(Vector3d::Zero());
+  const auto judge = [&](const Matrix3d& matrix) {
+    model.gyro.matrix = matrix;
+    model.gyro.offset = -matrix * mean_gyro(rests);
+    double turned = 0, error = 0;
+    std::size_t turns = 0;
+    for (const TurnError& turn : turn_errors(recording, gravity_at_rests(recording, evidence.rests, model, model), model, model)) {
+      if (turn.angle < least_turn) continue;
+      ++turns;
+      turned += turn.angle * turn.angle;
+      error += turn.after * turn.after;
+    }
+    const double count = std::max<double>(1, static_cast<double>(turns));
+    if (evidence.gyro_matrix && std::sqrt(error / count) >= evidence.error) return;
+    evidence.turns = turns;
+    evidence.turned = std::sqrt(turned / count);
+    evidence.error = std::sqrt(error / count);
+    evidence.gyro_matrix = matrix / gyro_step;
+  };
+  if (const auto matrix = kernel::coarse_gyro_in_motion(recording, rests, model, Scaling{})) judge(*matrix);
+  if (!evidence.explained())  // few turns, or about one or two axes only: one scale, of those that units have
+    for (const double scale : possible_scales) judge(Matrix3d::Identity() * (scale * gyro_step));
+  return evidence;
+}
+
+}  // namespace imulab::inspection

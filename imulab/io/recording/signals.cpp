@@ -1,0 +1,132 @@
+#include "imulab/io/recording/signals.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/inspect/names.hpp"
+#include "imulab/io/recording/csv.hpp"
+#include "imulab/io/recording/csv_layout.hpp"
+#include "imulab/io/text/file.hpp"
+#include "imulab/io/text/names.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+#include <utility>
+
+namespace imulab {
+namespace {
+
+using namespace recording_io;
+
+double number_in(std::string_view field) {
+  if (!field.empty() && field.front() == '+') field.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+  return error == std::errc() && end == field.data() + field.size() ? value : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::string delimiter_name(char delimiter) {
+  switch (delimiter) {
+    case ',': return "comma";
+    case ';': return "semicolon";
+    case '\t': return "tab";
+    default: return "blanks";
+  }
+}
+
+/// The table that has columns named like those of an IMU, where only one has.
+const TableDescription& table_of_imu(const std::vector<TableDescription>& tables, const std::string& topic, const std::string& file) {
+  if (!topic.empty() || tables.size() < 2) return find_table(tables, topic, file);
+  std::vector<const TableDescription*> named;
+  for (const TableDescription& table : tables) {
+    const auto has = [&](inspection::Role role) {
+      return std::count_if(table.columns.begin(), table.columns.end(),
+                           [&](const ColumnDescription& c) { return inspection::hint_of(c.name).role == role; }) >= 3;
+    };
+    if (has(inspection::Role::gyro) && has(inspection::Role::accel)) named.push_back(&table);
+  }
+  if (named.size() == 1) return *named.front();
+  std::vector<std::string_view> names;
+  for (const TableDescription& table : tables)
+    if (named.empty() || std::find(named.begin(), named.end(), &table) != named.end()) names.push_back(table.name);
+  throw Error(fmt::format("{}: {} tables; expected --topic with one of {}", file,
+                          named.empty() ? "none of its tables has both gyros and accelerometers by name, of several" : "several IMUs in its",
+                          text::listed(names)));
+}
+
+SignalTable signals_of(const RecordingFormat& format, const TableRequest& request) {
+  const std::string file = request.file.string();
+  const std::vector<TableDescription> tables = format.describe(request);
+  const TableDescription& table = table_of_imu(tables, request.topic, file);
+  SignalTable result;
+  result.file = file;
+  result.topic = tables.size() > 1 || !request.topic.empty() ? table.name : "";
+  result.format = std::string(format.name) + (table.type.empty() ? "" : ": " + table.type) + (table.name.empty() ? "" : " " + table.name);
+  std::vector<Column> columns;
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    const std::string& name = table.columns[i].name;
+    columns.push_back(name.empty() ? Column(static_cast<int>(i) + 1) : Column(name));
+  }
+  TableRequest own = request;
+  own.topic = table.name;
+  RawTable raw = format.columns(own, columns);
+  result.notes = raw.warnings;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    Signal signal{table.columns[i].name, table.columns[i].unit, columns[i], {}};
+    if (raw.columns[i].integers.empty()) {
+      signal.values = std::move(raw.columns[i].numbers);
+    } else {
+      signal.values.assign(raw.columns[i].integers.begin(), raw.columns[i].integers.end());
+    }
+    result.signals.push_back(std::move(signal));
+  }
+  return result;
+}
+
+}  // namespace
+
+SignalTable signals_of_text(const std::string& name, std::string_view text) {
+  const TableLayout layout = table_layout(name, text, false);
+  SignalTable table;
+  table.file = name;
+  table.format = fmt::format("text, divided by {}, {} columns, {}{}", delimiter_name(layout.delimiter), layout.columns,
+                             layout.names.empty() ? "no header" : "with a header",
+                             layout.skipped > 0 ? fmt::format(", after {} lines of other text", layout.skipped) : "");
+  table.signals.resize(layout.columns);
+  for (std::size_t i = 0; i < layout.columns; ++i) {
+    Signal& signal = table.signals[i];
+    signal.name = i < layout.names.size() ? layout.names[i] : "";
+    const bool usable = !signal.name.empty() && std::count(layout.names.begin(), layout.names.end(), signal.name) == 1;
+    signal.column = usable ? Column(signal.name) : Column(static_cast<int>(i) + 1);
+  }
+  std::size_t ragged = 0;
+  for (std::size_t offset = layout.offset; offset < text.size();) {
+    const std::size_t end = std::min(text.find('\n', offset), text.size());
+    const std::string_view line = text.substr(offset, end - offset);
+    offset = end + 1;
+    const std::size_t first = line.find_first_not_of(" \t\r");
+    if (first == std::string_view::npos || line[first] == '#') continue;
+    const std::vector<std::string_view> fields = fields_of(line, layout);
+    if (fields.size() != layout.columns) {
+      ++ragged;
+      continue;
+    }
+    for (std::size_t i = 0; i < fields.size(); ++i) table.signals[i].values.push_back(number_in(fields[i]));
+  }
+  if (ragged > 0)
+    table.notes.push_back(fmt::format("{} lines do not have {} fields: a session with this file is refused until they are mended", ragged, layout.columns));
+  return table;
+}
+
+SignalTable read_signals(const std::filesystem::path& file, const std::string& topic, const std::vector<RecordingFormat>& formats) {
+  const TableRequest request{file, topic, ""};
+  const RecordingFormat& format = format_of(request, formats);
+  if (format.recognizes == is_text) {
+    const MappedFile mapped(file);
+    return signals_of_text(input_name(file), mapped.text());
+  }
+  return signals_of(format, request);
+}
+
+}  // namespace imulab

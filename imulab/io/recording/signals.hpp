@@ -1,0 +1,21 @@
+// All columns of a recording file, for imulab/inspect: nothing is known of them yet.
+#pragma once
+
+#include "imulab/inspect/signals.hpp"
+#include "imulab/io/recording/format.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+/// The columns of one table of a file. `topic`: empty takes the only table, or the only one whose columns are named like those of an IMU. Throws Error
+/// for a file of no known format, and where it has to be said which table.
+SignalTable read_signals(const std::filesystem::path& file, const std::string& topic = "",
+                         const std::vector<RecordingFormat>& formats = recording_formats());
+
+/// The same of text, whose lines need not all be rows of numbers: those that are not are counted in a note. `name` stands for the file.
+SignalTable signals_of_text(const std::string& name, std::string_view text);
+
+}  // namespace imulab

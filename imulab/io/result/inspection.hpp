@@ -1,0 +1,17 @@
+// What a recording holds, for people and for programs.
+#pragma once
+
+#include "imulab/inspect/inspection.hpp"
+
+#include <string>
+
+namespace imulab {
+
+/// Verdict first, then the evidence, a line each, and the columns.
+std::string inspection_text(const Inspection& inspection);
+/// JSON (docs/inspect.md).
+std::string inspection_json(const Inspection& inspection);
+/// The session with the evidence as comments. Throws Error where something is ambiguous.
+std::string inspected_session_text(const Inspection& inspection, const Session& session);
+
+}  // namespace imulab

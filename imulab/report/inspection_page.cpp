@@ -1,0 +1,105 @@
+#include "imulab/report/inspection_page.hpp"
+
+#include "imulab/core/units.hpp"
+#include "imulab/recording/coverage.hpp"
+#include "imulab/report/html.hpp"
+#include "imulab/report/page.hpp"
+#include "imulab/report/pictures.hpp"
+#include "imulab/report/time_chart.hpp"
+
+#include <fmt/format.h>
+
+namespace imulab {
+namespace report {
+namespace {
+
+Verdict inspection_verdict(const Inspection& inspection) {
+  Verdict v;
+  if (!inspection.complete()) {
+    v = {Tone::doubtful, "open", "The data do not answer everything that a session needs:", inspection.ambiguous, {}};
+    v.actions = {"Declare it: imulab inspect FILE --set KEY=VALUE"};
+    return v;
+  }
+  v = {Tone::good, "understood", "The data say what every column is, and in which unit.", {}, {}};
+  std::string methods;
+  for (const MethodFinding& method : inspection.methods)
+    if (method.supported) methods += (methods.empty() ? "" : " or ") + method.name;
+  if (methods.empty()) {
+    v.tone = Tone::neutral;
+    v.because = {"They support no calibration from rests alone."};
+  } else {
+    v.actions = {"Calibrate with the method " + methods + "."};
+  }
+  return v;
+}
+
+TimeChart signal_chart(const Inspection& inspection, const Overview& overview, const Columns3& columns, const std::string& title, const std::string& label,
+                       double unit) {
+  TimeChart chart{.title = title, .y_label = label, .x = overview.time, .names = {"x", "y", "z"}, .y = {}};
+  for (const auto& column : columns) {
+    chart.y.push_back(column);
+    for (double& value : chart.y.back()) value /= unit;
+  }
+  const double begin = overview.time.empty() ? 0 : overview.time.front();
+  if (inspection.triads)
+    for (const Range& rest : inspection.triads->rests)
+      chart.marks.push_back({begin + 1e-9 * static_cast<double>(inspection.time_ns[rest.begin]),
+                             begin + 1e-9 * static_cast<double>(inspection.time_ns[rest.end - 1]), Mark::rest});
+  return chart;
+}
+
+std::string signals_section(const Inspection& inspection, const Overview& overview) {
+  return section("signals", "Signals",
+                 overview.samples_per_interval > 1
+                     ? fmt::format("Rests are shaded. The charts show the least and the greatest of every {} samples.", overview.samples_per_interval)
+                     : "Rests are shaded.",
+                 time_chart(signal_chart(inspection, overview, overview.force, "Specific force", "m/s²", 1)) +
+                     time_chart(signal_chart(inspection, overview, overview.rate, "Angular rate", "deg/s", unit::deg)));
+}
+
+std::string columns_section(const Inspection& inspection) {
+  Table columns{.head = {"column", "is", "unit", "because"}, .rows = {}, .text_columns = true};
+  for (const ColumnFinding& c : inspection.columns)
+    columns.rows.push_back({escaped(shortened(c.name, 60)), escaped(c.role), escaped(readable_unit(c.unit)), escaped(shortened(c.evidence, 200))});
+  return section("columns", "Columns", inspection.format, table(columns));
+}
+
+std::string directions_section(const Inspection& inspection) {
+  if (!inspection.triads || inspection.triads->up.empty()) return "";
+  std::vector<SphereMark> marks;
+  for (const Vector3d& up : inspection.triads->up) marks.push_back({up, false});
+  constexpr double far = 0.7;  // rad: a face between faces
+  for (const CoverageGap& gap : coverage_gaps(inspection.triads->up, far)) marks.push_back({gap.direction, true});
+  return section("directions", "Directions of gravity at the rests", "Crosses: where no rest is near.",
+                 figure(sphere(marks, "directions that pointed up at the rests"), "What pointed up, in the accelerometers' axes."));
+}
+
+std::string methods_section(const Inspection& inspection) {
+  Table methods{.head = {"method", "supported", "because"}, .rows = {}, .text_columns = true};
+  for (const MethodFinding& m : inspection.methods) methods.rows.push_back({escaped(m.name), m.supported ? "yes" : "no", escaped(m.why)});
+  return section("methods", "Methods", "What the data support.", table(methods));
+}
+
+}  // namespace
+}  // namespace report
+
+std::string inspection_page(const Inspection& inspection, const std::optional<Overview>& overview) {
+  using namespace report;
+  Page page;
+  page.kind = "Inspection";
+  page.title = inspection.file;
+  page.subtitle = inspection.topic;
+  page.verdict = inspection_verdict(inspection);
+  page.figures.push_back({std::to_string(inspection.rows), "rows"});
+  if (inspection.rate_hz) {
+    page.figures.push_back({number(*inspection.rate_hz, 5) + " Hz", "samples"});
+    page.figures.push_back({number(inspection.duration_s) + " s", "duration"});
+  }
+  if (inspection.triads) page.figures.push_back({std::to_string(inspection.triads->rests.size()), "rests"});
+  page.body = section("evidence", "What was found", "Each guess with what speaks for it.", list(inspection.evidence, "evidence"));
+  if (overview) page.body += signals_section(inspection, *overview);
+  page.body += columns_section(inspection) + directions_section(inspection) + methods_section(inspection);
+  return page_text(page);
+}
+
+}  // namespace imulab
