@@ -1,5 +1,6 @@
 #include "imulab/estimate/rests/handheld_problem.hpp"
 
+#include "imulab/core/error.hpp"
 #include "imulab/earth/earth.hpp"
 #include "imulab/recording/turn.hpp"
 
@@ -28,12 +29,29 @@ std::size_t integral_of(const Coefficient& c) {
 
 }  // namespace
 
-HandheldProblem::HandheldProblem(const Recording& recording, const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices)
+HandheldProblem::HandheldProblem(const Recording& recording, const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices,
+                                 const std::vector<DeclaredTurn>& turns)
     : RestProblem(start, site, std::move(indices)), recording_(&recording), links_(rests_.empty() ? 0 : rests_.size() - 1) {
   if (latitude_) earth_up_ = earth_rate * std::sin(*latitude_);
   turning_sigma_ = (noise_.sample.gyro.cwiseAbs2() + noise_.rounding.gyro.cwiseAbs2()).cwiseSqrt();
   common_rounding_ = rounding_in_common();
   relink();
+  add_turns(turns);
+}
+
+void HandheldProblem::add_turns(const std::vector<DeclaredTurn>& turns) {
+  if (turns.empty()) return;
+  const double scale = recording_->gyro_unit == "count" ? 0.5 : 0.2;  // of counts it is taken from the motion; else as far as anywhere
+  integrate();
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    const auto between = [&](const DeclaredTurn& turn) { return rests_[k].mid_s < turn.middle() && turn.middle() < rests_[k + 1].mid_s; };
+    if (!linked(k) || std::count_if(turns.begin(), turns.end(), between) != 1) continue;
+    const DeclaredTurn& turn = *std::find_if(turns.begin(), turns.end(), between);
+    if (turn.moves_on) continue;
+    links_[k].turn = turn;
+    if (const std::string wrong = contradiction(turn, swept(links_[k]), scale); !wrong.empty())
+      throw Error(fmt::format("{}: {}; expected the turn as it was done", recording_->name, wrong));
+  }
 }
 
 Vector3d HandheldProblem::rounding_in_common() const {
@@ -96,6 +114,16 @@ std::size_t HandheldProblem::rotations() const {
   return static_cast<std::size_t>(std::count_if(links_.begin(), links_.end(), [](const Link& link) { return link.usable; }));
 }
 
+std::size_t HandheldProblem::turns() const {
+  return static_cast<std::size_t>(std::count_if(links_.begin(), links_.end(), [](const Link& link) { return link.usable && link.turn; }));
+}
+
+std::size_t HandheldProblem::refused_turns() const {
+  return static_cast<std::size_t>(std::count_if(links_.begin(), links_.end(), [](const Link& link) { return link.refused && link.turn; }));
+}
+
+Vector3d HandheldProblem::swept(const Link& link) const { return model_.gyro.offset * link.now.duration_s + model_.gyro.matrix * link.now.reading; }
+
 Vector3d HandheldProblem::earth_rate_of(std::size_t rest) const {
   const Eigen::Vector2d& h = earth_horizontal_[stretch_[rest]];
   return {h.x(), h.y(), earth_up_};
@@ -156,12 +184,13 @@ Eigen::VectorXd HandheldProblem::longest_step() const {
 Conditions HandheldProblem::conditions(const Spreads& spreads) {
   integrate();
   follow_attitudes();
-  Conditions c(static_cast<Index>(4 * rests_.size() + 2 * rotations()), rounding_column() + 3);
+  Conditions c(static_cast<Index>(4 * rests_.size() + 2 * rotations() + turns()), rounding_column() + 3);
   Index row = 0;
   for (std::size_t k = 0; k < rests_.size(); ++k) {
     c.blocks.push_back(block_of(row, k, spreads));
     add_rest_rows(c, row, k);
     if (linked(k)) add_rotation_rows(c, row + 4, k);
+    if (turned(k)) add_turn_row(c, row + 6, k);
     row += c.blocks.back().size;
   }
   return c;
@@ -180,7 +209,7 @@ HandheldProblem::Carried HandheldProblem::carried(std::size_t k) const {
 
 /// The noise of a rest's rows: of its force, its rate and the rotation after it. Neighbors share the force of the rest between them.
 CovarianceBlock HandheldProblem::block_of(Index row, std::size_t k, const Spreads& spreads) const {
-  CovarianceBlock block{row, linked(k) ? 6 : 4, {}, {}};
+  CovarianceBlock block{row, 4 + rotation_rows_after(k), {}, {}};
   const Matrix3d p = force_covariance(rests_[k], spreads[0]);
   MatrixXd by_force = MatrixXd::Zero(block.size, 3);
   const Vector3d up = force_at(rests_[k]).normalized();
@@ -189,16 +218,24 @@ CovarianceBlock HandheldProblem::block_of(Index row, std::size_t k, const Spread
   block.covariance.block<3, 3>(1, 1) = rate_covariance(rests_[k], spreads[1]);
   if (linked(k)) {
     const Carried c = carried(k);
-    const Matrix23 by_rotation = c.basis * links_[k].now.C.transpose() * skew<double>(up);
-    by_force.bottomRows<2>() = c.by_force;
-    block.covariance.bottomRightCorner<2, 2>() =
-        by_rotation * (links_[k].now.covariance + spreads[2] * spreads[2] * Matrix3d::Identity()) * by_rotation.transpose() +
-        c.by_next * force_covariance(rests_[k + 1], spreads[0]) * c.by_next.transpose();
+    MatrixXd by_rotation(rotation_rows_after(k), 3);
+    by_rotation.topRows<2>() = c.basis * links_[k].now.C.transpose() * skew<double>(up);
+    if (turned(k)) by_rotation.row(2) = links_[k].turn->axis_b.transpose();
+    by_force.middleRows<2>(4) = c.by_force;
+    block.covariance.bottomRightCorner(by_rotation.rows(), by_rotation.rows()) =
+        by_rotation * (links_[k].now.covariance + spreads[2] * spreads[2] * Matrix3d::Identity()) * by_rotation.transpose();
+    block.covariance.block<2, 2>(4, 4) += c.by_next * force_covariance(rests_[k + 1], spreads[0]) * c.by_next.transpose();
+    if (turned(k)) {
+      const double tilt = links_[k].turn->tilt_sigma(), angle = links_[k].turn->angle_sigma();
+      block.covariance.diagonal().tail<3>() += Vector3d(tilt * tilt, tilt * tilt, angle * angle);
+    }
   }
   block.covariance += by_force * p * by_force.transpose();
   if (k > 0 && linked(k - 1)) {
-    block.coupling.setZero(block.size, 6);
-    block.coupling.rightCols<2>() = by_force * p * carried(k - 1).by_next.transpose();
+    block.coupling.setZero(block.size, 4 + rotation_rows_after(k - 1));
+    block.coupling.middleCols<2>(4) = by_force * p * carried(k - 1).by_next.transpose();
+    if (turned(k) && turned(k - 1) && links_[k].turn->axis == links_[k - 1].turn->axis)  // one begins where the other ended
+      block.coupling(6, 6) = -std::pow(links_[k].turn->sigma, 2);
   }
   return block;
 }
@@ -236,6 +273,21 @@ void HandheldProblem::add_rotation_rows(Conditions& c, Index row, std::size_t k)
   c.jacobian.block<2, 2>(row, earth_column(stretch_[k])) = by_earth.leftCols<2>();
 }
 
+/// The angle about the turn's axis is the declared one. While the unit turns, so does the Earth.
+void HandheldProblem::add_turn_row(Conditions& c, Index row, std::size_t k) const {
+  const Link& link = links_[k];
+  const double duration = link.now.duration_s;
+  const Vector3d axis = link.turn->axis_b, by_earth = -duration * C_nb_[k] * axis;
+  const Vector3d earth_b = C_nb_[k].transpose() * earth_rate_of(k);
+  c.value[row] = angle_beyond(*link.turn, rotation_exp(-duration * earth_b) * link.now.C, swept(link));
+  c.kind[static_cast<std::size_t>(row)] = Kind::turn;
+  for (std::size_t i = 0; i < indices_.size(); ++i)
+    if (const Coefficient& term = coefficient(indices_[i]); term.triad == Triad::gyro)
+      c.jacobian(row, static_cast<Index>(i)) = axis.dot(link.now.phi[integral_of(term)].col(term.row));
+  if (!latitude_) c.jacobian(row, static_cast<Index>(indices_.size())) = by_earth.z();
+  c.jacobian.block<1, 2>(row, earth_column(stretch_[k])) = by_earth.head<2>().transpose();
+}
+
 void HandheldProblem::correct(const Eigen::VectorXd& correction) {
   correct_coefficients(correction);
   if (!latitude_) earth_up_ += correction[static_cast<Index>(indices_.size())];
@@ -259,7 +311,7 @@ std::vector<SuspectRows> HandheldProblem::suspects(const Conditions& conditions)
                         rests_[k].end_s,
                         rests_[k + 1].begin_s,
                         true};
-    if (linked(k)) suspect.rows = {conditions.blocks[k].first + 4, conditions.blocks[k].first + 5};
+    for (Index row = 0; row < rotation_rows_after(k); ++row) suspect.rows.push_back(conditions.blocks[k].first + 4 + row);
     std::vector<Index>& next_rest = all[k + 1].rows;  // its force is in the rotation, too
     next_rest.insert(next_rest.end(), suspect.rows.begin(), suspect.rows.end());
     all.push_back(std::move(suspect));
