@@ -85,7 +85,7 @@ void add_turns(kernel::Findings& findings, const std::vector<DeclaredTurn>& turn
   if (usable < turns.size())
     findings.warn(fmt::format("{} of {} turns have no rest of their own before and after them, or a gap: their angle is not used",
                               turns.size() - usable, turns.size()));
-  if (problem.refused_turns() > 0) findings.doubt("a turn does not fit its declared angle");
+  if (problem.turns(true) > 0) findings.doubt("a turn does not fit its declared angle");
 }
 
 }  // namespace

@@ -35,8 +35,7 @@ class HandheldProblem : public RestProblem {
   Vector3d last_up() const { return force_at(rests_.back()).normalized(); }
 
   std::size_t rotations() const;
-  std::size_t turns() const;          ///< with a declared angle
-  std::size_t refused_turns() const;  ///< dropped as outliers
+  std::size_t turns(bool refused = false) const;  ///< with a declared angle: used, or dropped as outliers
   struct RotationRows {
     std::size_t block;   ///< of the rest before it
     Eigen::Index first;  ///< of its rows: two of gravity, one of a declared angle; the last of the block
@@ -54,11 +53,13 @@ class HandheldProblem : public RestProblem {
     std::optional<SensorModel> at{};  ///< the model `rotation` was integrated with
     IntegratedRotation now{};         ///< at the present model
   };
+  using ByRotation = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, 3, 3>;
   /// Up before a rotation, carried by the gyros, less up after it: in the plane of `basis`, across the latter. The derivatives are by the force
-  /// before and after it, and by the rotation.
+  /// before and after it, and by the rotation: these with those of a turn's angle.
   struct Carried {
     Vector3d difference;
-    Eigen::Matrix<double, 2, 3> basis, by_force, by_next, by_rotation;
+    Eigen::Matrix<double, 2, 3> basis, by_force, by_next;
+    ByRotation by_rotation;
   };
   void relink();
   void add_turns(const std::vector<DeclaredTurn>& turns);
@@ -72,7 +73,6 @@ class HandheldProblem : public RestProblem {
   Carried carried(std::size_t k) const;
   void add_rest_rows(Conditions& c, Eigen::Index row, std::size_t k) const;
   void add_rotation_rows(Conditions& c, Eigen::Index row, std::size_t k) const;
-  void add_turn_row(Conditions& c, Eigen::Index row, std::size_t k) const;
   CovarianceBlock block_of(Eigen::Index row, std::size_t k, const Spreads& spreads) const;
   Eigen::Index earth_column(std::size_t stretch) const;
   Eigen::Index rounding_column() const { return earth_column(earth_horizontal_.size()); }
