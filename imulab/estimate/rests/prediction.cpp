@@ -46,9 +46,9 @@ Foreseen foresee(const Session& procedure) {
   out.recording = ideal_recording(procedure, procedure.recordings.empty() ? RecordingSource{} : procedure.recordings.front(),
                                   {earth_rate_enu(latitude), gravity});
   const auto is_hold = [](const Step& step) { return step.kind == StepKind::hold; };
-  if (std::none_of(procedure.steps.begin(), procedure.steps.end(), is_hold))
-    throw Error(procedure.file + ": no hold among the steps; expected at least one, since the method needs rests");
-  const std::vector<Range> rests = rests_of(out.recording, procedure).ranges;
+  std::vector<Range> rests;  // of the holds: an ideal recording shows no others
+  if (std::any_of(procedure.steps.begin(), procedure.steps.end(), is_hold)) rests = rests_of(out.recording, procedure).ranges;
+  if (rests.empty()) throw Error(procedure.file + ": no hold among the steps; expected at least one, since the method needs rests");
   kernel::RestStart& start = out.start;
   start.rests = summarize_rests(out.recording, rests);
   start.scaling = choose_scaling(out.recording, start.rests);

@@ -4,7 +4,6 @@
 #include "imulab/core/rotation.hpp"
 #include "imulab/recording/session.hpp"
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,8 +31,7 @@ std::vector<DeclaredTurn> declared_turns(const Session& session, const Recording
 /// integral of the rate in body axes, which tells whole turns apart. First order in the rotation's other components.
 double angle_beyond(const DeclaredTurn& turn, const Matrix3d& C, const Vector3d& swept);
 
-/// Why the gyros contradict a turn: another angle, direction or axis; empty where they do not, with a scale that may be off by
-/// the part `scale`, and an axis by as much.
+/// Why the gyros contradict a turn: another angle, direction or axis; empty where they do not, with scales and axes off by up to the part `scale`.
 std::string contradiction(const DeclaredTurn& turn, const Vector3d& swept, double scale);
 
 }  // namespace imulab::rests

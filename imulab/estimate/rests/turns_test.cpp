@@ -12,6 +12,7 @@
 #include "tests/calibration_input.hpp"
 #include "tests/simulated_session.hpp"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <span>
@@ -229,6 +230,21 @@ TEST(DeclaredTurns, APredictionHasThem) {
   EXPECT_LT(with, 3.93e-3);
   procedure.rigs.front().kind = RigKind::none, procedure.rigs.front().angle = {};
   EXPECT_GT(scale_sigma(), with);
+}
+
+TEST(DeclaredTurns, ShareTheErrorOfTheRestBetweenThem) {
+  const auto scale_sigma = [](double first, double second) {
+    TableProcedureOptions options = ferraris_options();
+    const std::array turns{TableTurn{RigAxis::outer, first, 5}, TableTurn{RigAxis::outer, second, 5}};
+    const Prediction p = predict_handheld(turns_procedure("two turns", 5, turns, options));
+    const auto at = std::find(p.coefficients.begin(), p.coefficients.end(), coefficient_index("gyro.matrix.zz"));
+    return at == p.coefficients.end() ? HUGE_VAL : p.sigma[at - p.coefficients.begin()];
+  };
+  // On and on, the error in the middle cancels: sqrt(2) deg of 720. There and back it counts twice: sqrt(1 + 4 + 1) deg. The least squares of both
+  // turns have these variances whatever their correlation; gravity adds a little.
+  const double deg_of_720 = 1.0 / 720;
+  EXPECT_NEAR(scale_sigma(360, 360), std::sqrt(2.0) * deg_of_720, 0.05 * deg_of_720);
+  EXPECT_NEAR(scale_sigma(360, -360), std::sqrt(6.0) * deg_of_720, 0.05 * deg_of_720);
 }
 
 }  // namespace
