@@ -78,8 +78,14 @@ CrossValidation cross_validate(const HandheldProblem& problem, const Fit& fit) {
   return {std::sqrt(squares / static_cast<double>(std::max<std::size_t>(rotations.size(), 1))) / unit::deg, rotations.size()};
 }
 
-void add_turns(kernel::Findings& findings, const std::vector<DeclaredTurn>& turns, std::size_t usable, const HandheldProblem& problem) {
-  if (turns.empty()) return;
+void add_turns(kernel::Findings& findings, const std::vector<Step>& steps, const std::vector<DeclaredTurn>& turns, std::size_t usable,
+               const HandheldProblem& problem) {
+  if (turns.empty()) {
+    const auto rotates = [](const Step& step) { return step.kind == StepKind::rotate; };
+    if (std::any_of(steps.begin(), steps.end(), rotates))
+      findings.warn("turns are declared, but not how well their angles are known: they are not used; declare the sigma of the rig's angles");
+    return;
+  }
   findings.note(fmt::format("{} of {} turns were used with their declared angle, each known to {:.2g} deg", problem.turns(), turns.size(),
                             turns.front().angle_sigma() / unit::deg));
   if (usable < turns.size())
@@ -112,7 +118,7 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   quality.term_tests = test_terms(problem, fit, options.significance);
   kernel::Findings& findings = start.findings;
   findings.note(fmt::format("{} rests and {} rotations between them were used", problem.rests().size(), problem.rotations()));
-  add_turns(findings, turns, whole.turns(), problem);
+  add_turns(findings, session.steps, turns, whole.turns(), problem);
   if (const CrossValidation check = cross_validate(problem, fit); check.rotations >= 10) {  // a tenth of fewer is not a rotation
     quality.rotation_residual_deg = check.rms_deg;
     findings.note(fmt::format("held-out rotations are predicted to {:.3f} deg RMS (10-fold cross-validation over {} rotations of more than 10 deg)",

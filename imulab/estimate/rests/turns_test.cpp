@@ -172,6 +172,12 @@ TEST(DeclaredTurns, OffByMoreThanDeclaredAreDoubtful) {
   EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("dropped as an outlier: the rotation between")));
 }
 
+TEST(DeclaredTurns, WithoutASigmaAreNotUsed) {
+  SimulatedSession s = ferraris(3);
+  s.session.rigs.front().kind = RigKind::none, s.session.rigs.front().angle = {};
+  EXPECT_THAT(calibrated(s).quality.warnings, Contains(HasSubstr("turns are declared, but not how well their angles are known")));
+}
+
 TEST(DeclaredTurns, NeedARestBeforeAndAfter) {
   SimulatedSession s = ferraris(3);
   std::vector<Step>& steps = s.session.steps;
