@@ -43,13 +43,14 @@ void add_hand_held(Verb verb) {
   hand_held.does([a] { write(a->output, hand_held_procedure(a->options, a->seed)); });
 }
 
-void add_turntable(Verb verb, const char* name, const char* about, Session (*procedure)(const TableProcedureOptions&)) {
+void add_turntable(Verb verb, const char* name, const char* about, Session (*procedure)(const TableProcedureOptions&),
+                   const TableProcedureOptions& options = {}) {
   struct Arguments {
     TableProcedureOptions options;
-    double table_arcsec = TableProcedureOptions{}.table / unit::arcsec;
+    double table_arcsec;
     Output output;
   };
-  const auto a = std::make_shared<Arguments>();
+  const auto a = std::make_shared<Arguments>(Arguments{options, options.table / unit::arcsec, {}});
   Verb own = verb.verb(name, about);
   own.option("--rest", a->options.rest, "seconds of each rest").show_default();
   own.option("--table", a->table_arcsec, "declared uncertainty of the table's angles, orthogonality and zeros, one sigma, arcsec").show_default();
@@ -93,6 +94,8 @@ void add_procedure(Verb app) {
   add_turntable(verb, "cheng-path", "Turntable: 20 turns of 90 and 180 deg between rests", cheng_path_procedure);
   add_hand_held(verb);
   add_dai_unit(verb);
+  add_turntable(verb, "ferraris", "By hand against a box: each axis up and down, a turn of 360 deg about each", ferraris_procedure,
+                ferraris_options());
 }
 
 }  // namespace imulab::command

@@ -198,6 +198,13 @@ void settle_units(const SignalTable& table, const TriadEvidence& triads, const T
                                           triads.error / unit::deg));
 }
 
+/// Names that contradict the data are asked about.
+void ask_about_names(const SignalTable& table, const TriadEvidence& triads, Inspection& result) {
+  if (has_role(table, triads.gyro, Role::accel) || has_role(table, triads.accel, Role::gyro))
+    result.ambiguous.push_back(fmt::format("gyro.columns, accel.columns: by the turns {} are the gyros and {} the accelerometers; the names say otherwise",
+                                           names_of(table, triads.gyro), names_of(table, triads.accel)));
+}
+
 /// The temperature, by a column's name and its numbers.
 void settle_temperature(const SignalTable& table, Inspection& result) {
   for (std::size_t i = 0; i < table.signals.size(); ++i) {
@@ -262,6 +269,7 @@ Inspection inspect(const SignalTable& table, const Declarations& declared) {
   } else {
     const std::string axes = settle_axes(table, declared, *result.triads, result);
     settle_units(table, *result.triads, time, declared, result);
+    if (!columns.gyro && !columns.accel) ask_about_names(table, *result.triads, result);
     if (!axes.empty()) result.evidence.push_back(axes);
     settle_temperature(table, result);
     add_support(table, *result.triads, result);

@@ -15,7 +15,8 @@ namespace imulab::inspection {
 namespace {
 
 constexpr std::size_t looked_at = 200'000;                  // rows: enough to know a clock
-constexpr double slowest_hz = 10, fastest_hz = 10e3;        // of an IMU that is to be calibrated; a thousand apart, so that one unit of time fits
+constexpr double slowest_hz = 10, fastest_hz = 10e3;  // of an IMU; a thousand apart, so that one unit of time fits
+constexpr double usual_hz = 2500;                     // above, the same step is more often ticks or the slow rate of a larger unit: asked for
 constexpr std::array<const char*, 4> units{"s", "ms", "us", "ns"};
 
 /// How the numbers of a column advance.
@@ -139,6 +140,7 @@ void choose_unit(TimeGuess& guess, const Signal& signal, const Steps& steps) {
     return;
   }
   decide(fit[0], "in no other unit the rate is between 10 Hz and 10 kHz");
+  if (*guess.rate_hz > usual_hz) guess.open = fmt::format("time.unit: {} advances by {:.6g}: {} would make {:.5g} Hz", name, steps.typical, fit[0], *guess.rate_hz);
 }
 
 }  // namespace

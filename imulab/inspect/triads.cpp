@@ -154,13 +154,18 @@ TriadEvidence evidence_for(const SignalTable& table, const std::vector<std::int6
   const auto judge = [&](const Matrix3d& matrix) {
     model.gyro.matrix = matrix;
     model.gyro.offset = -matrix * mean_gyro(rests);
+    const std::vector<GravityAtRest> gravity = gravity_at_rests(recording, evidence.rests, model, model);
+    std::map<double, double> left;  // by the turn's begin: unexplained
+    for (const TurnError& turn : turn_errors(recording, gravity, model, model)) left[turn.begin_s] = turn.after;
     double turned = 0, error = 0;
     std::size_t turns = 0;
-    for (const TurnError& turn : turn_errors(recording, gravity_at_rests(recording, evidence.rests, model, model), model, model)) {
-      if (turn.angle < least_turn) continue;
+    for (std::size_t i = 0; i + 1 < gravity.size(); ++i) {
+      const double angle = std::atan2(gravity[i].force.cross(gravity[i + 1].force).norm(), gravity[i].force.dot(gravity[i + 1].force));
+      if (angle < least_turn) continue;
+      const auto found = left.find(gravity[i].end_s);  // a scale far too small sees no turn at all
       ++turns;
-      turned += turn.angle * turn.angle;
-      error += turn.after * turn.after;
+      turned += angle * angle;
+      error += std::pow(found == left.end() ? angle : found->second, 2);
     }
     const double count = std::max<double>(1, static_cast<double>(turns));
     if (evidence.gyro_matrix && std::sqrt(error / count) >= evidence.error) return;

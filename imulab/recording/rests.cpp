@@ -4,6 +4,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 namespace imulab {
 
 namespace {
@@ -23,13 +25,16 @@ void expect_axis_angles(const Recording& recording, const Session& session, cons
 
 Rests rests_of(const Recording& recording, const Session& session) {
   Rests rests;
-  if (session.steps.empty()) {
+  const RecordingSource source = session.source_of(recording.name);
+  if (!session.steps.empty()) expect_axis_angles(recording, session, source);
+  const std::vector<Step> steps = session.steps_of(source);
+  if (std::none_of(steps.begin(), steps.end(), [](const Step& step) { return step.kind == StepKind::hold; })) {
     RestDetection detection = detect_rests(recording);
+    for (const Step& step : steps)  // a hand that takes a new grip
+      std::erase_if(detection.rests, [&](Range r) { return recording.time_s(r.begin) > step.start && recording.time_s(r.end - 1) < step.end; });
     return {std::move(detection.rests), std::move(detection.notes)};
   }
-  const RecordingSource source = session.source_of(recording.name);
-  expect_axis_angles(recording, session, source);
-  for (const Step& step : session.steps_of(source)) {
+  for (const Step& step : steps) {
     if (step.kind != StepKind::hold) continue;
     for (const Range& piece : without_interruptions(recording, recording.samples_in(step.start, step.end), still_s))
       if (piece.size() >= 2) rests.ranges.push_back(piece);

@@ -14,8 +14,8 @@ struct Rests {
   std::vector<std::string> notes;  ///< their source, and the thresholds used
 };
 
-/// The holds of the steps that belong to the recording; where the session has no steps, the rests that detect_rests finds. Throws Error for steps of
-/// machines: a rate table, centrifuge or chamber.
+/// The holds of the steps that belong to the recording; where it has none, the rests that detect_rests finds, less those inside a turn that the steps
+/// declare. Throws Error for steps of machines: a rate table, centrifuge or chamber.
 Rests rests_of(const Recording& recording, const Session& session);
 
 }  // namespace imulab

@@ -68,14 +68,13 @@ Session hand_held_procedure(const HandHeldOptions& options, std::uint64_t seed) 
 
 namespace {
 
-constexpr double move = 10;  // s, from one position to the next where no turn is commanded
 constexpr double acceleration = default_acceleration_dps2 * unit::deg;
 
 /// Writes steps one after the other, in whole degrees.
 class Table {
  public:
   Table(std::string name, const TableProcedureOptions& o) : options_(o) {
-    if (!(o.rest > 0 && o.turn_rate > 0 && o.rate_hz > 0))
+    if (!(o.rest > 0 && o.move > 0 && o.turn_rate > 0 && o.rate_hz > 0))
       throw Error(name + ": expected a duration of the rests, a rate of the turns and a sampling rate above 0");
     if (!(o.table >= 0)) throw Error(name + ": expected a table sigma of at least 0");
     if (o.turns < 1) throw Error(name + ": no turns; expected at least one");
@@ -95,8 +94,8 @@ class Table {
   /// A rest at other angles.
   void rest_at(double outer, double middle, double inner) {
     const std::array<double, 3> angles{outer, middle, inner};
-    if (angles != degrees_ && !session_.steps.empty()) time_ += move;
-    if (angles != degrees_ && session_.steps.empty()) time_ = move;
+    if (angles != degrees_ && !session_.steps.empty()) time_ += options_.move;
+    if (angles != degrees_ && session_.steps.empty()) time_ = options_.move;
     degrees_ = angles;
     rest();
   }
@@ -132,6 +131,27 @@ Session six_position_procedure(const TableProcedureOptions& options) {
   Table table("six-position", options);
   for (const auto& [middle, inner] : {std::pair{0.0, 0.0}, {0.0, 90.0}, {90.0, 0.0}, {0.0, 180.0}, {0.0, -90.0}, {-90.0, 0.0}})
     table.rest_at(0, middle, inner);
+  return table.session();
+}
+
+TableProcedureOptions ferraris_options() {
+  TableProcedureOptions options;
+  options.rest = 5, options.move = 2, options.turn_rate = 90 * unit::deg, options.table = 1 * unit::deg, options.grade = "mems";
+  return options;
+}
+
+Session ferraris_procedure(const TableProcedureOptions& options) {
+  struct Face {
+    double middle, inner;
+  };
+  Table table("ferraris", options);
+  for (const Face face : {Face{-90, 0}, {90, 0}, {0, 90}, {0, -90}, {0, 0}, {0, 180}}) table.rest_at(0, face.middle, face.inner);
+  double heading = 0;
+  for (const Face face : {Face{-90, 0}, {0, 90}, {0, 0}}) {
+    table.rest_at(heading += 90, face.middle, face.inner);  // put down anew
+    table.turn(RigAxis::outer, 360);
+    table.rest();
+  }
   return table.session();
 }
 

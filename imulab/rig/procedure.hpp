@@ -27,6 +27,7 @@ Session hand_held_procedure(const HandHeldOptions& options, std::uint64_t seed);
 
 struct TableProcedureOptions {
   double rest = 60;                   ///< s, each
+  double move = 10;                   ///< s, from one position to the next where no turn is commanded
   double turn_rate = 10 * unit::deg;  ///< rad/s
   int turns = 5;                      ///< zhang-24: each way about each axis
   double table = 2 * unit::arcsec;    ///< rad: declared sigma of angles, orthogonality and zero
@@ -38,6 +39,11 @@ struct TableProcedureOptions {
 
 /// Each body axis up and down once, by the middle and inner axes of a turntable.
 Session six_position_procedure(const TableProcedureOptions& options);
+
+/// Ferraris 1995, by hand: a box with the IMU is put on each of its six faces, and turned by 360 deg about each axis while that is up. The rig is a
+/// turntable of a hand's accuracy; for a hand, of MEMS grade: `ferraris_options`.
+Session ferraris_procedure(const TableProcedureOptions& options);
+TableProcedureOptions ferraris_options();
 
 /// Zhang 2010: turns forward and back about each axis, then 24 positions: each body axis up and down by the inner and middle axes, at each
 /// four headings by the outer. In his frame (x north, y up, z east) the faces are x, y, z up, then x, y, z down.

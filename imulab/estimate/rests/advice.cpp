@@ -1,6 +1,7 @@
 #include "imulab/estimate/rests/advice.hpp"
 
 #include "imulab/core/units.hpp"
+#include "imulab/recording/turn.hpp"
 
 #include <Eigen/Geometry>
 
@@ -94,6 +95,43 @@ class Ratios {
 };
 
 }  // namespace
+
+void HandheldProblem::extend(const Vector3d& axis, double angle, double rest_s) {
+  constexpr int pieces = 40;                      // of the turn: of a few degrees each
+  constexpr double rate = 1.5, acceleration = 3;  // rad/s, rad/s^2: of a hand
+  const Vector3d force = gravity_ * last_up();
+  const Matrix3d to_accel = model_.accel.matrix.inverse(), to_gyro = model_.gyro.matrix.inverse();
+  const double duration = turn_duration(angle, rate, acceleration), dt = duration / pieces;
+  const auto turned = [&](double t) { return turn_state(angle, rate, acceleration, t).angle; };
+  const auto accel_of = [&](double by) { return Vector3d(to_accel * (rotation_exp(Vector3d(-by * axis)) * force - model_.accel.offset)); };
+  const auto reading_at = [&](const Vector3d& scaled, bool accel) {
+    return Vector3d(accel ? scaling_.accel_center + scaling_.accel_scale.cwiseProduct(scaled)
+                          : scaling_.gyro_center + scaling_.gyro_scale.cwiseProduct(scaled));
+  };
+  const auto gyro_of = [&](const Vector3d& rate_b, const Vector3d& accel) {
+    return Vector3d(to_gyro * (rate_b - model_.gyro.offset - model_.g_sensitivity * output(model_.accel, accel)));
+  };
+  Recording turn;
+  turn.interval_s = dt, turn.gyro_increment = true;  // every sample lasts dt
+  turn.time_ns.resize(pieces);
+  for (int i = 0; i < pieces; ++i) {
+    const double begin = turned(i * dt), end = turned((i + 1) * dt);
+    const Vector3d accel = accel_of(0.5 * (begin + end)), a = reading_at(accel, true),
+                   g = reading_at(gyro_of((end - begin) / dt * axis, accel), false);
+    for (std::size_t j = 0; j < 3; ++j) turn.accel[j].push_back(a[static_cast<Index>(j)]), turn.gyro[j].push_back(g[static_cast<Index>(j)]);
+  }
+  Link link;
+  link.usable = true;
+  link.rotation = link.now = integrate_rotation(turn, {0, pieces}, model_, scaling_, std::sqrt(recording_->interval_s / dt) * turning_sigma_);
+  link.at = model_;
+  const Vector3d accel = accel_of(angle);
+  RestMeans rest;
+  rest.range = {0, std::max<std::size_t>(1, static_cast<std::size_t>(rest_s / recording_->interval_s))};
+  rest.accel = reading_at(accel, true), rest.gyro = reading_at(gyro_of(Vector3d::Zero(), accel), false);
+  rests_.push_back(rest);
+  links_.push_back(link);
+  stretch_.push_back(stretch_.back());
+}
 
 std::vector<HandTurn> next_turns(HandheldProblem problem, const Fit& fit, const kernel::RestStart& start, const Site& site, const Goal& goal) {
   const Ratios ratios(problem, start, site, goal);

@@ -14,8 +14,8 @@
 
 namespace imulab::rests {
 
-/// What a condition compares; each kind may spread by more than the sample noise explains.
-enum class Kind { gravity, gyro_rest, rotation };
+/// What a condition compares; each kind but the last, whose spread is declared, may spread by more than the sample noise explains.
+enum class Kind { gravity, gyro_rest, rotation, turn };
 inline constexpr int kinds = 3;
 using Spreads = std::array<double, kinds>;  ///< additional standard deviation by kind: m/s^2, rad/s, rad
 

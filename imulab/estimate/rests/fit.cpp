@@ -118,7 +118,7 @@ PartResidual part_residual(const SuspectRows& part, const Conditions& conditions
   PartResidual out{part.begin_s, part.end_s, 0, true};
   int rows = 0;
   for (const Index i : part.rows) {  // a rest is suspected with the rotation before it, which is a part of its own
-    if ((conditions.kind[static_cast<std::size_t>(i)] == Kind::rotation) != part.rotation) continue;
+    if ((conditions.kind[static_cast<std::size_t>(i)] >= Kind::rotation) != part.rotation) continue;
     out.residual += adjustment.residual[i] * adjustment.residual[i] / adjustment.variance[i];
     ++rows;
   }

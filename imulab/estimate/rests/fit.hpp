@@ -5,6 +5,7 @@
 #pragma once
 
 #include "imulab/core/decomposition.hpp"
+#include "imulab/core/error.hpp"
 #include "imulab/estimate/kernel/suspects.hpp"
 #include "imulab/estimate/rests/problem.hpp"
 
@@ -153,7 +154,11 @@ struct SuspectFit {
     if (lowest == 0 || most == 0) return all;
     next = std::make_shared<SuspectFit>(*this);
     next->problem.drop(worst);
-    next->fit = converge(next->problem);
+    try {
+      next->fit = converge(next->problem);
+    } catch (const Unsupported&) {  // the others say nothing of it
+      return all;
+    }
     next->most = most - 1;
     // With fewer degrees of freedom left nothing can be called an outlier.
     if (next->fit.adjustment.solution.degrees_of_freedom < 5) return all;

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace imulab::rests {
 
@@ -32,10 +33,12 @@ bool possible(const Matrix3d& matrix) {
   return lengths.minCoeff() > 0.8 && lengths.maxCoeff() < 1.2;  // 20 % as elsewhere: scales are off by a few percent
 }
 
-/// Gyro offset and matrix for the start: from the motion where it determines them, else as the declared unit says.
-void start_gyro(RestStart& start, const Recording& recording) {
-  const auto coarse = kernel::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
+/// Gyro offset and matrix for the start: from the motion where it determines them, else as the declared unit says. Turns of a declared angle tell
+/// whether it is as declared better than fast motion of a hand does.
+void start_gyro(RestStart& start, const Recording& recording, bool declared_turns) {
   const bool counts = recording.gyro_unit == "count";
+  std::optional<Matrix3d> coarse;
+  if (counts || !declared_turns) coarse = kernel::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
   TriadModel& gyro = start.model.gyro;
   if (coarse) gyro.matrix = *coarse;
   if (!coarse && counts)
@@ -68,11 +71,27 @@ CrossValidation cross_validate(const HandheldProblem& problem, const Fit& fit) {
   for (std::size_t fold = 0; fold < folds; ++fold) {
     Conditions held_out = fit.conditions;
     for (std::size_t i = fold; i < rotations.size(); i += folds)
-      held_out.blocks[rotations[i].block].covariance.diagonal().tail<2>() *= 1e10;  // no weight
+      held_out.blocks[rotations[i].block].covariance.diagonal().tail(held_out.blocks[rotations[i].block].size - 4) *= 1e10;  // no weight
     const Eigen::VectorXd residual = adjust(held_out, fit.parameters).residual;
     for (std::size_t i = fold; i < rotations.size(); i += folds) squares += residual.segment<2>(rotations[i].first).squaredNorm();
   }
   return {std::sqrt(squares / static_cast<double>(std::max<std::size_t>(rotations.size(), 1))) / unit::deg, rotations.size()};
+}
+
+void add_turns(kernel::Findings& findings, const std::vector<Step>& steps, const std::vector<DeclaredTurn>& turns, std::size_t usable,
+               const HandheldProblem& problem) {
+  if (turns.empty()) {
+    const auto rotates = [](const Step& step) { return step.kind == StepKind::rotate; };
+    if (std::any_of(steps.begin(), steps.end(), rotates))
+      findings.warn("turns are declared, but not how well their angles are known: they are not used; declare the sigma of the rig's angles");
+    return;
+  }
+  findings.note(fmt::format("{} of {} turns were used with their declared angle, each known to {:.2g} deg", problem.turns(), turns.size(),
+                            turns.front().angle_sigma() / unit::deg));
+  if (usable < turns.size())
+    findings.warn(fmt::format("{} of {} turns have no rest of their own before and after them, or a gap: their angle is not used",
+                              turns.size() - usable, turns.size()));
+  if (problem.turns(true) > 0) findings.doubt("a turn does not fit its declared angle");
 }
 
 }  // namespace
@@ -82,12 +101,13 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   const Recording& recording = input.recordings.front();
   const Session& session = input.session;
   kernel::expect_alive(recording.gyro, recording.name, "gyro", "the method static calibrates the accelerometers alone");
-  start_gyro(start, recording);
+  const std::vector<DeclaredTurn> turns = declared_turns(session, session.source_of(recording.name));
+  start_gyro(start, recording, !turns.empty());
   kernel::use_declared_gyro_noise(start, recording, session.imu);
   kernel::expect_terms(start, session.imu, session.site.gravity());
   const std::vector<CoefficientIndex> indices = kernel::choose_coefficients(start, options.terms, handheld_coefficients(), "handheld");
 
-  const HandheldProblem whole(recording, start, session.site, indices);
+  const HandheldProblem whole(recording, start, session.site, indices, turns);
   auto cleaned = kernel::drop_suspects(SuspectFit(whole), options.outlier_level);
   HandheldProblem& problem = cleaned.fit.problem;
   const Fit fit = fit_determined(problem);
@@ -98,6 +118,7 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   quality.term_tests = test_terms(problem, fit, options.significance);
   kernel::Findings& findings = start.findings;
   findings.note(fmt::format("{} rests and {} rotations between them were used", problem.rests().size(), problem.rotations()));
+  add_turns(findings, session.steps, turns, whole.turns(), problem);
   if (const CrossValidation check = cross_validate(problem, fit); check.rotations >= 10) {  // a tenth of fewer is not a rotation
     quality.rotation_residual_deg = check.rms_deg;
     findings.note(fmt::format("held-out rotations are predicted to {:.3f} deg RMS (10-fold cross-validation over {} rotations of more than 10 deg)",

@@ -1,7 +1,7 @@
 #include "imulab/estimate/rests/handheld_problem.hpp"
 
+#include "imulab/core/error.hpp"
 #include "imulab/earth/earth.hpp"
-#include "imulab/recording/turn.hpp"
 
 #include <Eigen/LU>
 #include <fmt/core.h>
@@ -28,12 +28,29 @@ std::size_t integral_of(const Coefficient& c) {
 
 }  // namespace
 
-HandheldProblem::HandheldProblem(const Recording& recording, const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices)
+HandheldProblem::HandheldProblem(const Recording& recording, const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices,
+                                 const std::vector<DeclaredTurn>& turns)
     : RestProblem(start, site, std::move(indices)), recording_(&recording), links_(rests_.empty() ? 0 : rests_.size() - 1) {
   if (latitude_) earth_up_ = earth_rate * std::sin(*latitude_);
   turning_sigma_ = (noise_.sample.gyro.cwiseAbs2() + noise_.rounding.gyro.cwiseAbs2()).cwiseSqrt();
   common_rounding_ = rounding_in_common();
   relink();
+  add_turns(turns);
+}
+
+void HandheldProblem::add_turns(const std::vector<DeclaredTurn>& turns) {
+  if (turns.empty()) return;
+  const double scale = recording_->gyro_unit == "count" ? 0.5 : 0.2;  // of counts it is taken from the motion; else as far as anywhere
+  integrate();
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    const auto between = [&](const DeclaredTurn& turn) { return rests_[k].mid_s < turn.middle() && turn.middle() < rests_[k + 1].mid_s; };
+    if (!linked(k) || std::count_if(turns.begin(), turns.end(), between) != 1) continue;
+    const DeclaredTurn& turn = *std::find_if(turns.begin(), turns.end(), between);
+    if (turn.moves_on) continue;
+    links_[k].turn = turn;
+    if (const std::string wrong = contradiction(turn, swept(links_[k]), scale); !wrong.empty())
+      throw Error(fmt::format("{}: {}; expected the turn as it was done", recording_->name, wrong));
+  }
 }
 
 Vector3d HandheldProblem::rounding_in_common() const {
@@ -55,46 +72,16 @@ void HandheldProblem::relink() {
   earth_horizontal_.assign(rests_.empty() ? 0 : stretch_.back() + 1, Eigen::Vector2d::Zero());
 }
 
-void HandheldProblem::extend(const Vector3d& axis, double angle, double rest_s) {
-  constexpr int pieces = 40;                      // of the turn: of a few degrees each
-  constexpr double rate = 1.5, acceleration = 3;  // rad/s, rad/s^2: of a hand
-  const Vector3d force = gravity_ * last_up();
-  const Matrix3d to_accel = model_.accel.matrix.inverse(), to_gyro = model_.gyro.matrix.inverse();
-  const double duration = turn_duration(angle, rate, acceleration), dt = duration / pieces;
-  const auto turned = [&](double t) { return turn_state(angle, rate, acceleration, t).angle; };
-  const auto accel_of = [&](double by) { return Vector3d(to_accel * (rotation_exp(Vector3d(-by * axis)) * force - model_.accel.offset)); };
-  const auto reading_at = [&](const Vector3d& scaled, bool accel) {
-    return Vector3d(accel ? scaling_.accel_center + scaling_.accel_scale.cwiseProduct(scaled)
-                          : scaling_.gyro_center + scaling_.gyro_scale.cwiseProduct(scaled));
-  };
-  const auto gyro_of = [&](const Vector3d& rate_b, const Vector3d& accel) {
-    return Vector3d(to_gyro * (rate_b - model_.gyro.offset - model_.g_sensitivity * output(model_.accel, accel)));
-  };
-  Recording turn;
-  turn.interval_s = dt, turn.gyro_increment = true;  // every sample lasts dt
-  turn.time_ns.resize(pieces);
-  for (int i = 0; i < pieces; ++i) {
-    const double begin = turned(i * dt), end = turned((i + 1) * dt);
-    const Vector3d accel = accel_of(0.5 * (begin + end)), a = reading_at(accel, true),
-                   g = reading_at(gyro_of((end - begin) / dt * axis, accel), false);
-    for (std::size_t j = 0; j < 3; ++j) turn.accel[j].push_back(a[static_cast<Index>(j)]), turn.gyro[j].push_back(g[static_cast<Index>(j)]);
-  }
-  Link link;
-  link.usable = true;
-  link.rotation = link.now = integrate_rotation(turn, {0, pieces}, model_, scaling_, std::sqrt(recording_->interval_s / dt) * turning_sigma_);
-  link.at = model_;
-  const Vector3d accel = accel_of(angle);
-  RestMeans rest;
-  rest.range = {0, std::max<std::size_t>(1, static_cast<std::size_t>(rest_s / recording_->interval_s))};
-  rest.accel = reading_at(accel, true), rest.gyro = reading_at(gyro_of(Vector3d::Zero(), accel), false);
-  rests_.push_back(rest);
-  links_.push_back(link);
-  stretch_.push_back(stretch_.back());
-}
-
 std::size_t HandheldProblem::rotations() const {
   return static_cast<std::size_t>(std::count_if(links_.begin(), links_.end(), [](const Link& link) { return link.usable; }));
 }
+
+std::size_t HandheldProblem::turns(bool refused) const {
+  return static_cast<std::size_t>(
+      std::count_if(links_.begin(), links_.end(), [&](const Link& link) { return link.turn && (refused ? link.refused : link.usable); }));
+}
+
+Vector3d HandheldProblem::swept(const Link& link) const { return model_.gyro.offset * link.now.duration_s + model_.gyro.matrix * link.now.reading; }
 
 Vector3d HandheldProblem::earth_rate_of(std::size_t rest) const {
   const Eigen::Vector2d& h = earth_horizontal_[stretch_[rest]];
@@ -156,7 +143,7 @@ Eigen::VectorXd HandheldProblem::longest_step() const {
 Conditions HandheldProblem::conditions(const Spreads& spreads) {
   integrate();
   follow_attitudes();
-  Conditions c(static_cast<Index>(4 * rests_.size() + 2 * rotations()), rounding_column() + 3);
+  Conditions c(static_cast<Index>(4 * rests_.size() + 2 * rotations() + turns()), rounding_column() + 3);
   Index row = 0;
   for (std::size_t k = 0; k < rests_.size(); ++k) {
     c.blocks.push_back(block_of(row, k, spreads));
@@ -174,13 +161,15 @@ HandheldProblem::Carried HandheldProblem::carried(std::size_t k) const {
   const Matrix3d C_next = rotation.C.transpose();
   const Vector3d turned_up = up + C_nb_[k].transpose() * (rotation_exp(rotation.duration_s * earth_rate_of(k)) * up_n - up_n);
   const Matrix23 basis = tangent_basis(next_up);
-  return {C_next * turned_up - next_up, basis, basis * C_next * direction_derivative(force), -basis * direction_derivative(next_force),
-          basis * C_next * skew<double>(turned_up)};
+  ByRotation by_rotation(rotation_rows_after(k), 3);
+  by_rotation.topRows<2>() = basis * C_next * skew<double>(turned_up);
+  if (turned(k)) by_rotation.row(2) = links_[k].turn->axis_b.transpose();
+  return {C_next * turned_up - next_up, basis, basis * C_next * direction_derivative(force), -basis * direction_derivative(next_force), by_rotation};
 }
 
 /// The noise of a rest's rows: of its force, its rate and the rotation after it. Neighbors share the force of the rest between them.
 CovarianceBlock HandheldProblem::block_of(Index row, std::size_t k, const Spreads& spreads) const {
-  CovarianceBlock block{row, linked(k) ? 6 : 4, {}, {}};
+  CovarianceBlock block{row, 4 + rotation_rows_after(k), {}, {}};
   const Matrix3d p = force_covariance(rests_[k], spreads[0]);
   MatrixXd by_force = MatrixXd::Zero(block.size, 3);
   const Vector3d up = force_at(rests_[k]).normalized();
@@ -189,16 +178,21 @@ CovarianceBlock HandheldProblem::block_of(Index row, std::size_t k, const Spread
   block.covariance.block<3, 3>(1, 1) = rate_covariance(rests_[k], spreads[1]);
   if (linked(k)) {
     const Carried c = carried(k);
-    const Matrix23 by_rotation = c.basis * links_[k].now.C.transpose() * skew<double>(up);
-    by_force.bottomRows<2>() = c.by_force;
-    block.covariance.bottomRightCorner<2, 2>() =
-        by_rotation * (links_[k].now.covariance + spreads[2] * spreads[2] * Matrix3d::Identity()) * by_rotation.transpose() +
-        c.by_next * force_covariance(rests_[k + 1], spreads[0]) * c.by_next.transpose();
+    by_force.middleRows<2>(4) = c.by_force;
+    block.covariance.bottomRightCorner(c.by_rotation.rows(), c.by_rotation.rows()) =
+        c.by_rotation * (links_[k].now.covariance + spreads[2] * spreads[2] * Matrix3d::Identity()) * c.by_rotation.transpose();
+    block.covariance.block<2, 2>(4, 4) += c.by_next * force_covariance(rests_[k + 1], spreads[0]) * c.by_next.transpose();
+    if (turned(k)) {
+      const double tilt = links_[k].turn->tilt_sigma(), angle = links_[k].turn->angle_sigma();
+      block.covariance.diagonal().tail<3>() += Vector3d(tilt * tilt, tilt * tilt, angle * angle);
+    }
   }
   block.covariance += by_force * p * by_force.transpose();
   if (k > 0 && linked(k - 1)) {
-    block.coupling.setZero(block.size, 6);
-    block.coupling.rightCols<2>() = by_force * p * carried(k - 1).by_next.transpose();
+    block.coupling.setZero(block.size, 4 + rotation_rows_after(k - 1));
+    block.coupling.middleCols<2>(4) = by_force * p * carried(k - 1).by_next.transpose();
+    if (turned(k) && turned(k - 1) && links_[k].turn->axis == links_[k - 1].turn->axis)  // one begins where the other ended
+      block.coupling(6, 6) = -std::pow(links_[k].turn->sigma, 2);
   }
   return block;
 }
@@ -224,16 +218,22 @@ void HandheldProblem::add_rotation_rows(Conditions& c, Index row, std::size_t k)
   const Carried up = carried(k);
   c.value.segment<2>(row) = up.basis * up.difference;
   std::fill_n(c.kind.begin() + row, 2, Kind::rotation);
+  if (turned(k)) {  // against the Earth
+    const Vector3d earth_b = C_nb_[k].transpose() * earth_rate_of(k);
+    c.value[row + 2] = angle_beyond(*links_[k].turn, rotation_exp(-rotation.duration_s * earth_b) * rotation.C, swept(links_[k]));
+    c.kind[static_cast<std::size_t>(row + 2)] = Kind::turn;
+  }
   add_derivatives(c, row, Triad::accel, rests_[k], up.by_force);
   add_derivatives(c, row, Triad::accel, rests_[k + 1], up.by_next);
+  const Index rows = up.by_rotation.rows();
   for (std::size_t i = 0; i < indices_.size(); ++i) {
     const Coefficient& term = coefficient(indices_[i]);
     if (term.triad != Triad::gyro) continue;
-    c.jacobian.col(static_cast<Index>(i)).segment<2>(row) = up.by_rotation * rotation.phi[integral_of(term)].col(term.row);
+    c.jacobian.col(static_cast<Index>(i)).segment(row, rows) = up.by_rotation * rotation.phi[integral_of(term)].col(term.row);
   }
-  const Matrix23 by_earth = -rotation.duration_s * up.basis * rotation.C.transpose() * C_nb_[k].transpose() * skew<double>(up_n);
-  if (!latitude_) c.jacobian.block<2, 1>(row, static_cast<Index>(indices_.size())) = by_earth.col(2);
-  c.jacobian.block<2, 2>(row, earth_column(stretch_[k])) = by_earth.leftCols<2>();
+  const ByRotation by_earth = -rotation.duration_s * up.by_rotation * C_nb_[k].transpose();
+  if (!latitude_) c.jacobian.block(row, static_cast<Index>(indices_.size()), rows, 1) = by_earth.col(2);
+  c.jacobian.block(row, earth_column(stretch_[k]), rows, 2) = by_earth.leftCols<2>();
 }
 
 void HandheldProblem::correct(const Eigen::VectorXd& correction) {
@@ -259,7 +259,7 @@ std::vector<SuspectRows> HandheldProblem::suspects(const Conditions& conditions)
                         rests_[k].end_s,
                         rests_[k + 1].begin_s,
                         true};
-    if (linked(k)) suspect.rows = {conditions.blocks[k].first + 4, conditions.blocks[k].first + 5};
+    for (Index row = 0; row < rotation_rows_after(k); ++row) suspect.rows.push_back(conditions.blocks[k].first + 4 + row);
     std::vector<Index>& next_rest = all[k + 1].rows;  // its force is in the rotation, too
     next_rest.insert(next_rest.end(), suspect.rows.begin(), suspect.rows.end());
     all.push_back(std::move(suspect));

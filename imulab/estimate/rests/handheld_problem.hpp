@@ -2,6 +2,7 @@
 #pragma once
 
 #include "imulab/estimate/rests/problem.hpp"
+#include "imulab/estimate/rests/turns.hpp"
 #include "imulab/navigation/integration/integrated_rotation.hpp"
 
 #include <optional>
@@ -14,7 +15,9 @@ namespace imulab::rests {
 /// the gyros' rounding where all rests share it: the same rate to within a step, rounded the same way, does not average out over the rests.
 class HandheldProblem : public RestProblem {
  public:
-  HandheldProblem(const Recording& recording, const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices);
+  /// A turn counts if it is the only one between two rests. Throws Error for one that the gyros of `start.model` contradict.
+  HandheldProblem(const Recording& recording, const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices,
+                  const std::vector<DeclaredTurn>& turns = {});
 
   Conditions conditions(const Spreads& spreads);
   kernel::Parameters parameters() const;
@@ -32,9 +35,10 @@ class HandheldProblem : public RestProblem {
   Vector3d last_up() const { return force_at(rests_.back()).normalized(); }
 
   std::size_t rotations() const;
+  std::size_t turns(bool refused = false) const;  ///< with a declared angle: used, or dropped as outliers
   struct RotationRows {
     std::size_t block;   ///< of the rest before it
-    Eigen::Index first;  ///< of its two rows, the last of the block
+    Eigen::Index first;  ///< of its rows: two of gravity, one of a declared angle; the last of the block
     double angle;        ///< by which the unit turned, rad
   };
   /// Of each rotation in `conditions`, in time order.
@@ -44,20 +48,27 @@ class HandheldProblem : public RestProblem {
   struct Link {  ///< from a rest to the next
     bool usable = false;
     bool refused = false;  ///< dropped as an outlier
+    std::optional<DeclaredTurn> turn{};
     IntegratedRotation rotation{};
     std::optional<SensorModel> at{};  ///< the model `rotation` was integrated with
     IntegratedRotation now{};         ///< at the present model
   };
+  using ByRotation = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, 3, 3>;
   /// Up before a rotation, carried by the gyros, less up after it: in the plane of `basis`, across the latter. The derivatives are by the force
-  /// before and after it, and by the rotation.
+  /// before and after it, and by the rotation: these with those of a turn's angle.
   struct Carried {
     Vector3d difference;
-    Eigen::Matrix<double, 2, 3> basis, by_force, by_next, by_rotation;
+    Eigen::Matrix<double, 2, 3> basis, by_force, by_next;
+    ByRotation by_rotation;
   };
   void relink();
+  void add_turns(const std::vector<DeclaredTurn>& turns);
   void integrate();
   void follow_attitudes();
   bool linked(std::size_t rest) const { return rest < links_.size() && links_[rest].usable; }  ///< to the next
+  bool turned(std::size_t rest) const { return linked(rest) && links_[rest].turn; }
+  Eigen::Index rotation_rows_after(std::size_t rest) const { return (linked(rest) ? 2 : 0) + (turned(rest) ? 1 : 0); }
+  Vector3d swept(const Link& link) const;
   Vector3d earth_rate_of(std::size_t rest) const;
   Carried carried(std::size_t k) const;
   void add_rest_rows(Conditions& c, Eigen::Index row, std::size_t k) const;

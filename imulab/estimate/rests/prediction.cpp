@@ -45,7 +45,9 @@ Foreseen foresee(const Session& procedure) {
   const double latitude = procedure.site.latitude.value_or(45 * unit::deg);
   out.recording = ideal_recording(procedure, procedure.recordings.empty() ? RecordingSource{} : procedure.recordings.front(),
                                   {earth_rate_enu(latitude), gravity});
-  const std::vector<Range> rests = rests_of(out.recording, procedure).ranges;
+  const auto is_hold = [](const Step& step) { return step.kind == StepKind::hold; };
+  std::vector<Range> rests;  // of the holds: an ideal recording shows no others
+  if (std::any_of(procedure.steps.begin(), procedure.steps.end(), is_hold)) rests = rests_of(out.recording, procedure).ranges;
   if (rests.empty()) throw Error(procedure.file + ": no hold among the steps; expected at least one, since the method needs rests");
   kernel::RestStart& start = out.start;
   start.rests = summarize_rests(out.recording, rests);
@@ -80,7 +82,9 @@ Prediction predict_static(const Session& procedure) {
 Prediction predict_handheld(const Session& procedure) {
   Foreseen f = foresee(procedure);
   kernel::expect_terms(f.start, f.session.imu, f.session.site.gravity());
-  return prediction("handheld", f, HandheldProblem(f.recording, f.start, f.session.site, handheld_coefficients()));
+  return prediction("handheld", f,
+                    HandheldProblem(f.recording, f.start, f.session.site, handheld_coefficients(),
+                                    declared_turns(f.session, f.session.source_of(f.recording.name))));
 }
 
 }  // namespace imulab::rests

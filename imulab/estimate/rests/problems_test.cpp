@@ -64,6 +64,27 @@ TEST(HandheldProblem, DerivativesEqualDifferences) {
   }
 }
 
+TEST(HandheldProblem, DerivativesOfDeclaredTurnsEqualDifferences) {
+  SimulatedSession s;
+  s.session = ferraris_procedure(ferraris_options());
+  s.truth = draw_truth(s.session, 5);
+  s.recording = simulate_recording(s.session, s.session.recordings.front(), s.truth, 5);
+  s.rests = rests_of(s.recording, s.session).ranges;
+  const std::vector<DeclaredTurn> turns = declared_turns(s.session, s.session.recordings.front());
+  for (const bool latitude : {true, false}) {
+    const auto make = [&] {
+      Site site = s.site();
+      site.given_gravity = s.truth.gravity;
+      if (!latitude) site.latitude.reset();
+      return HandheldProblem(s.recording, start_at_truth(s), site, all_coefficients(), turns);
+    };
+    EXPECT_EQ(make().turns(), 3u);
+    // As above; and the turns' angles are off by a degree and their axes by two: 2e-2 to either side is left out.
+    expect_jacobian(
+        make, [](Eigen::Index) { return 1e-6; }, 2e-2);
+  }
+}
+
 TEST(StaticProblem, DerivativesEqualDifferences) {
   HandHeldOptions options;
   options.poses = 8;

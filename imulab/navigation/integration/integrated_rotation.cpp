@@ -19,6 +19,7 @@ IntegratedRotation integrate_rotation(const Recording& recording, Range range, c
   sum.C.setIdentity();
   for (Matrix3d& phi : sum.phi) phi.setZero();
   sum.covariance.setZero();
+  sum.reading.setZero();
   sum.duration_s = 0;
 
   const Matrix3d noise = model.gyro.matrix * gyro_sigma.cwiseAbs2().asDiagonal() * model.gyro.matrix.transpose();
@@ -44,6 +45,7 @@ IntegratedRotation integrate_rotation(const Recording& recording, Range range, c
     sum.phi[7] += middle * square.asDiagonal();
     sum.phi[8] += middle * square.cwiseProduct(vg).asDiagonal();
     sum.covariance += middle * noise * middle.transpose();
+    sum.reading += vg * dt;
     sum.duration_s += dt;
   }
   return sum;

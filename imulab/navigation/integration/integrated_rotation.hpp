@@ -16,6 +16,7 @@ struct IntegratedRotation {
   Matrix3d C;
   std::array<Matrix3d, 9> phi;
   Matrix3d covariance;  ///< of dphi from the gyros' sample noise, rad^2
+  Vector3d reading;     ///< integral of the scaled gyro readings
   double duration_s;
 
   /// dphi from one gyro model to another.
