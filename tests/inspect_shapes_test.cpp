@@ -53,13 +53,19 @@ struct Shape {
 };
 
 Shape shape_of(int i) {
-  return {accel_units[static_cast<std::size_t>(i) % 7], gyro_units[static_cast<std::size_t>(i) % 8], clocks[static_cast<std::size_t>(i) % 9],
-          delimiters[static_cast<std::size_t>(i / 3) % 4], i % 4, (i / 2) % 3, i % 5 == 0, i % 7 == 3 ? 3 : 0};
+  return {accel_units[static_cast<std::size_t>(i) % 7],
+          gyro_units[static_cast<std::size_t>(i) % 8],
+          clocks[static_cast<std::size_t>(i) % 9],
+          delimiters[static_cast<std::size_t>(i / 3) % 4],
+          i % 4,
+          (i / 2) % 3,
+          i % 5 == 0,
+          i % 7 == 3 ? 3 : 0};
 }
 
 std::string name_of(const Shape& s) {
-  return fmt::format("accel {} gyro {} clock {} delimiter '{}' order {} header {} extras {} preamble {}", s.accel.unit, s.gyro.unit, s.clock, s.delimiter,
-                     s.order, s.header, s.extras, s.preamble);
+  return fmt::format("accel {} gyro {} clock {} delimiter '{}' order {} header {} extras {} preamble {}", s.accel.unit, s.gyro.unit, s.clock,
+                     s.delimiter, s.order, s.header, s.extras, s.preamble);
 }
 
 /// The readings of a hand-held unit in SI, and the magnetic field beside them.
@@ -241,8 +247,9 @@ TEST(Inspect, AReversedAxisIsAskedAboutAndDeclared) {
   EXPECT_TRUE(declared.complete());
   ASSERT_TRUE(declared.source.gyro.axes);
   EXPECT_EQ((*declared.source.gyro.axes)[2], (BodyAxis{2, -1}));
-  EXPECT_THAT(inspected(head, [](std::array<double, 6>& v) { for (double& x : v) x = -x; }).ambiguous, testing::IsEmpty())
-      << "all six reversed is a unit that was turned over: that the data cannot tell, and the evidence says so";
+  const Inspection turned_over = inspected(head, [](std::array<double, 6>& v) { v[3] = -v[3], v[4] = -v[4], v[5] = -v[5]; });
+  EXPECT_TRUE(turned_over.complete()) << "all accelerometers reversed look like a unit that lies the other way up";
+  EXPECT_THAT(turned_over.evidence, Contains(HasSubstr("if it was the other side, the accelerometers' signs are reversed")));
 }
 
 TEST(Inspect, ANameThatContradictsTheDataIsAskedAbout) {
@@ -258,16 +265,25 @@ TEST(Inspect, WhatTheDataDoNotShowIsAskedAbout) {
   EXPECT_THAT(still.ambiguous, ElementsAre(HasSubstr("gyro.unit: fewer than three turns")));
   EXPECT_FALSE(still.methods.at(0).supported);
   EXPECT_TRUE(inspected(head, same, {{"gyro.unit", "deg/s"}}, first_rest).complete());
-  EXPECT_TRUE(inspected("t,gx [dps],gy [dps],gz [dps],ax,ay,az\n", same, {}, first_rest).complete()) << "a name counts where nothing speaks against it";
+  EXPECT_TRUE(inspected("t,gx [dps],gy [dps],gz [dps],ax,ay,az\n", same, {}, first_rest).complete())
+      << "a name counts where nothing speaks against it";
   EXPECT_THAT(inspected("", same, {}, first_rest).ambiguous, Contains(HasSubstr("accel.columns, gyro.columns")));
   EXPECT_THAT(inspected(head, same, {}, 1'000'000, 32768).ambiguous, Contains(HasSubstr("time.unit"))) << "ticks of a watch crystal";
   EXPECT_TRUE(inspected(head, same, {{"time.ticks_per_s", "32768"}}, 1'000'000, 32768).complete());
-  EXPECT_THAT(inspected(head, [](std::array<double, 6>& v) { for (double& x : v) x *= 1.37; }).ambiguous,
+  EXPECT_THAT(inspected(head,
+                        [](std::array<double, 6>& v) {
+                          for (double& x : v) x *= 1.37;
+                        })
+                  .ambiguous,
               ElementsAre(HasSubstr("accel.unit"), HasSubstr("gyro.unit")));
 }
 
 TEST(Inspect, DeclarationsAreChecked) {
-  EXPECT_THAT([] { inspected(head, same, {{"gyro.sign", "1"}}); }, testing::ThrowsMessage<Error>(HasSubstr("gyro.sign is not a key; expected one of rate_hz")));
+  EXPECT_THAT(
+      [] {
+        inspected(head, same, {{"gyro.sign", "1"}});
+      },
+      testing::ThrowsMessage<Error>(HasSubstr("gyro.sign is not a key; expected one of rate_hz")));
   EXPECT_THAT([] { inspected(head, same, {{"gyro.unit", "furlong"}}); }, testing::ThrowsMessage<Error>(HasSubstr("is no unit of these readings")));
   EXPECT_THAT([] { inspected(head, same, {{"gyro.columns", "gx gy"}}); }, testing::ThrowsMessage<Error>(HasSubstr("2 columns; expected three")));
   EXPECT_THAT([] { inspected(head, same, {{"gyro.axes", "+x,+x,+z"}}); }, testing::ThrowsMessage<Error>(HasSubstr("three different body axes")));

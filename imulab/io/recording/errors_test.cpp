@@ -83,8 +83,7 @@ TEST(RecordingFile, NamesFilesThatDoNotBelongTogether) {
   const struct {
     std::string accel, message;
   } cases[] = {
-      {"t,ax,ay,az\n100,1,2,3\n101,4,5,6\n", "a.csv: no row within half an interval of a row of "},
-      {"t,ax,ay,az\n0,1,2,3\n2,4,5,6\n", "a.csv: rows every 2 s; expected every 1 s (within 2 %) as in "},
+      {"t,ax,ay,az\n100,1,2,3\n101,4,5,6\n", "a.csv: no time in common with "},
       {"t,ax,ay,az\n0,1,2,3\n1,4,x,6\n", "a.csv:3: ay: \"x\" is not a number"},
   };
   for (const auto& c : cases) EXPECT_THAT([&] { parse_recording(gyro, source, c.accel); }, testing::ThrowsMessage<Error>(HasSubstr(c.message)));

@@ -249,5 +249,59 @@ RC_GTEST_PROP(RecordingFile, ReadsBackExactlyWhatItWrites, ()) {
   RC_ASSERT(back.interval_s == r.interval_s);
 }
 
+TEST(RecordingFile, TriadsOfDifferentRatesAreJoinedByTime) {
+  RecordingSource source = plain_source();
+  source.accel.file = "a.csv";
+  std::string accel = "t,ax,ay,az\n";
+  for (int i = 1; i <= 8; ++i) accel += fmt::format("{},{},{},{}\n", 0.5 * i, i, 2 * i, -i);
+  const auto [r, warnings] = parse_recording("t,gx,gy,gz\n1,1,2,3\n2,4,5,6\n3,7,8,9\n4,1,1,1\n5,2,2,2\n", source, accel);
+  EXPECT_THAT(r.time_ns, ElementsAre(1'000'000'000, 2'000'000'000, 3'000'000'000, 4'000'000'000)) << "the accelerometers end at 4 s";
+  EXPECT_THAT(r.accel[0], ElementsAre(1.5, 3.5, 5.5, 7.5));
+  EXPECT_THAT(r.accel[2], ElementsAre(-1.5, -3.5, -5.5, -7.5));
+  EXPECT_THAT(warnings, testing::Contains(HasSubstr("accelerometers every 0.5 s, gyros every 1 s")));
+}
+
+TEST(RecordingFile, ClocksOfManyKinds) {
+  const std::string six = ",1,2,3,4,5,6\n", named = ",gx,gy,gz,ax,ay,az\n";
+  RecordingSource source = plain_source();
+  source.time.unit = "us";
+  source.time.wrap_bits = 16;
+  EXPECT_THAT(parse_recording("t" + named + "65000" + six + "464,2,2,3,4,5,6\n1464" + six, source).recording.time_ns,
+              ElementsAre(65'000'000, 66'000'000, 67'000'000))
+      << "65536 us are 0 again";
+  source = plain_source();
+  source.time.column = "sec";
+  source.time.fraction_column = "nsec";
+  source.time.zero = 1'700'000'000'000'000'000;
+  EXPECT_THAT(parse_recording("sec,nsec" + named + "1700000000,999999999" + six + "1700000001,9999999,2,2,3,4,5,6\n", source).recording.time_ns,
+              ElementsAre(999'999'999, 1'009'999'999));
+  source = plain_source();
+  source.time.unit = "tick";
+  source.time.ticks_per_s = 32768;
+  EXPECT_THAT(parse_recording("t" + named + "32768" + six + "65536,2,2,3,4,5,6\n", source).recording.time_ns,
+              ElementsAre(1'000'000'000, 2'000'000'000));
+  source = plain_source();
+  source.time = {.column = std::nullopt, .unit = "sample"};
+  source.rate_hz = 50;
+  EXPECT_THAT(parse_recording("gx,gy,gz,ax,ay,az\n1,2,3,4,5,6\n2,2,3,4,5,6\n", source).recording.time_ns, ElementsAre(20'000'000, 40'000'000));
+}
+
+TEST(RecordingFile, CountsOfAUnitAndAxes) {
+  RecordingSource source = plain_source();
+  source.accel.unit = "g";
+  source.accel.counts_per_unit = 4096;
+  source.gyro.axes = std::array{BodyAxis{1, 1}, BodyAxis{0, -1}, BodyAxis{2, 1}};
+  const Recording r = parse_recording(header + "0.01,1,2,3,4096,0,-2048\n0.02,7,8,9,0,4096,0\n", source).recording;
+  EXPECT_THAT(r.accel[0], ElementsAre(testing::DoubleEq(unit::g), 0));
+  EXPECT_THAT(r.accel[2], ElementsAre(testing::DoubleEq(-unit::g / 2), 0));
+  EXPECT_THAT(r.gyro, ElementsAre(ElementsAre(-2, -8), ElementsAre(1, 7), ElementsAre(3, 9)));
+}
+
+TEST(RecordingFile, TextBeforeTheTableIsPassedOver) {
+  const auto [r, warnings] = parse_recording("Logger 5\nrange 16 g, 2000 deg/s\n" + header + two_rows + "0.03,1,2,3,4,5,6\n0.04,1,2,3,4,5,7\n");
+  EXPECT_EQ(r.size(), 4u);
+  EXPECT_THAT(warnings, ElementsAre(HasSubstr("2 lines of other text before the table passed over")));
+}
+
 }  // namespace
 }  // namespace imulab

@@ -1,10 +1,13 @@
 #include "imulab/io/recording/parts.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/statistics.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/decimal.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/names.hpp"
+#include "imulab/recording/resample.hpp"
+#include "imulab/recording/stamps.hpp"
 
 #include <fmt/core.h>
 
@@ -80,6 +83,61 @@ RecordingParts read_parts(const Session& session, const RecordingSource& source,
     parts.tables.push_back(
         read_table({session_path(session, part.file), part.topic, source.layout}, part.time, source.rate_hz, part.columns, formats));
   return parts;
+}
+
+namespace {
+
+/// Whether most rows of two tables of one rate are stamped together: a tenth of an interval is as a computer stamps what it reads one after the
+/// other.
+bool stamped_together(const TimedTable& a, const TimedTable& b, double interval_s) {
+  std::vector<double> apart;
+  const std::vector<std::size_t> partner = partners(a.time_ns, b.time_ns, static_cast<std::int64_t>(0.5e9 * interval_s));
+  for (std::size_t i = 0; i < partner.size(); ++i)
+    if (partner[i] != none) apart.push_back(std::abs(static_cast<double>(a.time_ns[i] - b.time_ns[partner[i]])));
+  return !apart.empty() && median(apart) <= 0.1e9 * interval_s;
+}
+
+/// A table at the stamps of another one; rows that it does not cover are left out.
+void bring_to(TimedTable& table, const TimedTable& reference, const std::vector<std::size_t>& sensor_columns, bool increment, double own_interval_s,
+              double interval_s) {
+  std::vector<std::vector<double>> sensor, slow;
+  std::vector<char> is_sensor(table.values.size(), 0);
+  for (const std::size_t c : sensor_columns) is_sensor[c] = 1;
+  for (std::size_t c = 0; c < table.values.size(); ++c) (is_sensor[c] ? sensor : slow).push_back(std::move(table.values[c]));
+  Resampled means;
+  means.covered.assign(reference.time_ns.size(), 1);
+  if (!sensor.empty()) means = resample_means(table.time_ns, own_interval_s, sensor, increment, reference.time_ns, interval_s);
+  slow = interpolate(table.time_ns, slow, reference.time_ns);
+  for (std::size_t c = 0, s = 0, l = 0; c < table.values.size(); ++c) table.values[c] = std::move(is_sensor[c] ? means.columns[s++] : slow[l++]);
+  table.time_ns = reference.time_ns;
+  table.lines = reference.lines;
+  std::vector<std::size_t> covered;
+  for (std::size_t i = 0; i < means.covered.size(); ++i)
+    if (means.covered[i]) covered.push_back(i);
+  keep_rows(table, covered);
+}
+
+}  // namespace
+
+void join_by_time(RecordingParts& parts, double interval_s, bool accel_increment, std::vector<std::string>& warnings) {
+  const TimedTable& reference = parts.tables[parts.gyro.table];
+  for (std::size_t t = 0; t < parts.tables.size(); ++t) {
+    TimedTable& table = parts.tables[t];
+    if (t == parts.gyro.table || table.time_ns == reference.time_ns) continue;
+    const bool has_accel = t == parts.accel.table;
+    const double own = table.time_ns.size() < 2 ? interval_s : stamp_intervals(table.time_ns).median;
+    if (has_accel && same_interval(own, interval_s) && stamped_together(reference, table, interval_s)) continue;  // rows are matched
+    if (table.time_ns.front() > reference.time_ns.back() || table.time_ns.back() < reference.time_ns.front())
+      throw Error(fmt::format("{}: no time in common with {}; expected the same clock ({} to {} s here, {} to {} s there)", table.file,
+                              reference.file, text::seconds_text(table.time_ns.front()), text::seconds_text(table.time_ns.back()),
+                              text::seconds_text(reference.time_ns.front()), text::seconds_text(reference.time_ns.back())));
+    bring_to(table, reference, has_accel ? parts.accel.columns : std::vector<std::size_t>{}, accel_increment, own, interval_s);
+    if (has_accel)
+      warnings.push_back(
+          fmt::format("{}: accelerometers every {:.6g} s, gyros every {:.6g} s, or at other instants: their readings are taken as means "
+                      "over the gyros' intervals",
+                      table.file, own, interval_s));
+  }
 }
 
 void match_rows(RecordingParts& parts, double interval_s, std::vector<std::string>& warnings) {

@@ -23,6 +23,10 @@ struct RecordingParts {
 
 RecordingParts read_parts(const Session& session, const RecordingSource& source, const std::vector<RecordingFormat>& formats);
 
+/// Brings tables of another rate, or stamped at other instants, to the gyro's stamps: accelerometers as means over the gyro's intervals (said in a
+/// warning), temperatures on straight lines. Throws Error where a table has no time in common with the gyro's.
+void join_by_time(RecordingParts& parts, double interval_s, bool accel_increment, std::vector<std::string>& warnings);
+
 /// Keeps the gyro's rows that have a partner in every other table: mutually nearest stamps at most half an interval apart. The others are
 /// dropped with a warning. Throws Error where nothing matches.
 void match_rows(RecordingParts& parts, double interval_s, std::vector<std::string>& warnings);

@@ -120,12 +120,7 @@ RecordingReading read_recording(const Session& session, const RecordingSource& s
           fmt::format("{}: {} row{} equal to the row before dropped", table.file, table.repeated, table.repeated == 1 ? "" : "s"));
 
   const double interval_s = nominal_interval_s(reference, source, reading.warnings);
-  for (const TimedTable& table : parts.tables) {
-    const double median = stamp_intervals(table.time_ns).median;
-    if (&table != &reference && median > 0 && !same_interval(median, interval_s))
-      throw Error(
-          fmt::format("{}: rows every {:.6g} s; expected every {:.6g} s (within 2 %) as in {}", table.file, median, interval_s, reference.file));
-  }
+  join_by_time(parts, interval_s, source.accel.output == Output::increment, reading.warnings);
   match_rows(parts, interval_s, reading.warnings);
   RecordingOptions options = recording_options(source);
   options.interval_s = interval_s;
