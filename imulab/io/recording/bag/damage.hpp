@@ -18,7 +18,9 @@ class Damage {
   void chunk(std::uint64_t at, const std::string& what) { chunks_.emplace(at, what); }
   /// The file is of no use from this byte on.
   void end(std::uint64_t at, const std::string& what) { ends_.emplace(at, what); }
+  /// The index cannot be used.
   void index(const std::string& what) { index_ = what; }
+  bool any_index() const { return !index_.empty(); }
 
   bool any() const { return !chunks_.empty() || !ends_.empty(); }
   std::vector<std::string> warnings() const;

@@ -59,7 +59,9 @@ Mcap::Mcap(const std::filesystem::path& path) : file_(path), damage_(path.string
   } catch (const Damaged&) {
     throw Error(path.string() + ": is no MCAP file of version 0; expected one");
   }
-  if (!read_summary()) scan();
+  if (read_summary()) return;
+  if (!footer_ && !damage_.any_index()) damage_.index("was not closed and has no summary");
+  scan();
 }
 
 /// False where there is none, or none that tells topics and chunks.

@@ -69,6 +69,7 @@ void Query::bind(int parameter, std::string_view data) {
 void Query::reset() { sqlite3_reset(statement_); }
 
 Ros2Database::Ros2Database(const std::filesystem::path& path) : database_(path), file_(path.string()) {
+  expect_all_pages(path);
   try {
     for (Query topics(database_, "SELECT id, name, type, serialization_format FROM topics ORDER BY id"); topics.next();) {
       const std::int64_t id = topics.integer(0);
@@ -80,6 +81,15 @@ Ros2Database::Ros2Database(const std::filesystem::path& path) : database_(path),
   }
 }
 
+/// SQLite takes a last page that is cut off for zeros.
+void Ros2Database::expect_all_pages(const std::filesystem::path& path) {
+  Query pages(database_, "SELECT page_count * page_size FROM pragma_page_count, pragma_page_size");
+  const std::uintmax_t bytes = pages.next() ? static_cast<std::uintmax_t>(pages.integer(0)) : 0;
+  Query mode(database_, "PRAGMA journal_mode");
+  if (mode.next() && mode.bytes(0) != "wal" && std::filesystem::file_size(path) < bytes)  // the rest of a wal is in another file
+    throw Error(fmt::format("{}: is cut off at byte {} of {}; expected a whole bag", file_, std::filesystem::file_size(path), bytes));
+}
+
 void Ros2Database::count_messages() {
   for (Query counts(database_, "SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id"); counts.next();)
     if (Topic* topic = topic_of(topics_, static_cast<std::uint32_t>(counts.integer(0))); topic != nullptr)
@@ -88,8 +98,9 @@ void Ros2Database::count_messages() {
 
 void Ros2Database::each_row(const Topic& topic, const std::function<void(std::int64_t, std::int64_t, std::string_view)>& sink) {
   // A row's data are read only where the topic is the one: cameras stay on the disk.
-  Query rows(database_,
-             fmt::format("SELECT id, timestamp, data FROM messages WHERE topic_id IN ({}) ORDER BY id", fmt::join(topic.channels, ",")).c_str());
+  Query rows(
+      database_,
+      fmt::format("SELECT rowid, timestamp, data FROM messages WHERE topic_id IN ({}) ORDER BY rowid", fmt::join(topic.channels, ",")).c_str());
   while (rows.next()) {
     const std::string_view message = rows.bytes(2);
     if (message.starts_with("\x28\xB5\x2F\xFD"))  // the first bytes of Zstandard

@@ -64,6 +64,8 @@ class Ros2Database : public Bag {
   Database& database() { return database_; }
 
  private:
+  void expect_all_pages(const std::filesystem::path& path);
+
   Database database_;
   std::string file_;
 };

@@ -6,7 +6,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <numeric>
+#include <utility>
 
 namespace imulab::bag {
 namespace {
@@ -82,7 +82,12 @@ recording_io::RawTable topic_columns(Bag& bag, const TableRequest& request, cons
       throw Error(fmt::format("{}: {}: message {}: {}", file, topic.name, read.rows() + 1, e.what()));
     }
   });
-  return {read.take(), "message", bag.warnings()};
+  std::vector<std::string> warnings = bag.warnings();
+  if (warnings.empty() && topic.messages > read.rows())
+    warnings.push_back(fmt::format("{}: {}: {} messages were found and its index promises {}: the others are missing", file, topic.name, read.rows(),
+                                   topic.messages));
+  if (read.rows() == 0 && !warnings.empty()) throw Error(warnings.front() + "; expected messages");
+  return {read.take(), "message", std::move(warnings)};
 }
 
 }  // namespace imulab::bag
