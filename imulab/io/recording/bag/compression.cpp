@@ -3,7 +3,7 @@
 #include "imulab/core/error.hpp"
 
 #include <algorithm>
-#include <array>
+#include <memory>
 #ifdef IMULAB_WITH_BZIP2
 #include <bzlib.h>
 #endif
@@ -129,19 +129,6 @@ std::string pack_bzip2(std::string_view bytes) {
 }
 #endif
 
-/// tables[k][b]: what the byte b does to the checksum when k more bytes follow it.
-constexpr auto crc_tables = [] {
-  std::array<std::array<std::uint32_t, 256>, 16> tables{};
-  for (std::uint32_t b = 0; b < 256; ++b) {
-    std::uint32_t c = b;
-    for (int bit = 0; bit < 8; ++bit) c = (c & 1) != 0 ? (c >> 1) ^ 0xEDB88320u : c >> 1;
-    tables[0][b] = c;
-  }
-  for (std::size_t k = 1; k < 16; ++k)
-    for (std::size_t b = 0; b < 256; ++b) tables[k][b] = (tables[k - 1][b] >> 8) ^ tables[0][tables[k - 1][b] & 255];
-  return tables;
-}();
-
 }  // namespace
 
 Compression compression_of(std::string_view name) {
@@ -192,22 +179,6 @@ std::string pack([[maybe_unused]] Compression compression, std::string_view byte
   if (compression == Compression::bzip2) return pack_bzip2(bytes);
 #endif
   return std::string(bytes);
-}
-
-std::uint32_t crc32(std::string_view bytes, std::uint32_t before) {
-  std::uint32_t c = ~before;
-  const char* p = bytes.data();
-  std::size_t left = bytes.size();
-  for (; left >= 16; p += 16, left -= 16) {  // sixteen bytes at once: the look-ups do not wait for each other
-    const auto a = number_at<std::uint32_t>(p) ^ c, b = number_at<std::uint32_t>(p + 4), d = number_at<std::uint32_t>(p + 8),
-               e = number_at<std::uint32_t>(p + 12);
-    const auto part = [](std::uint32_t word, std::size_t k) {
-      return crc_tables[k][word & 255] ^ crc_tables[k - 1][(word >> 8) & 255] ^ crc_tables[k - 2][(word >> 16) & 255] ^ crc_tables[k - 3][word >> 24];
-    };
-    c = part(a, 15) ^ part(b, 11) ^ part(d, 7) ^ part(e, 3);
-  }
-  for (; left > 0; ++p, --left) c = (c >> 8) ^ crc_tables[0][(c ^ static_cast<unsigned char>(*p)) & 255];
-  return ~c;
 }
 
 }  // namespace imulab::bag

@@ -1,4 +1,4 @@
-// The compressions of a bag's chunks, and the checksum of MCAP.
+// The compressions of a bag's chunks.
 #pragma once
 
 #include "imulab/io/recording/bag/bytes.hpp"
@@ -20,8 +20,5 @@ std::string_view unpack(Compression compression, std::string_view packed, std::u
 
 /// The reverse. LZ4 is a frame of independent blocks with a checksum, which ROS 1 asks for.
 std::string pack(Compression compression, std::string_view bytes);
-
-/// CRC-32 as in zlib: of more bytes after those of `before`.
-std::uint32_t crc32(std::string_view bytes, std::uint32_t before = 0);
 
 }  // namespace imulab::bag

@@ -1,6 +1,6 @@
 #include "imulab/io/recording/bag/copy.hpp"
 
-#include "imulab/io/recording/bag/compression.hpp"
+#include "imulab/io/recording/bag/crc32.hpp"
 
 #include <algorithm>
 #include <iterator>

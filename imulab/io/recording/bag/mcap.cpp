@@ -1,6 +1,7 @@
 #include "imulab/io/recording/bag/mcap.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/io/recording/bag/crc32.hpp"
 
 #include <fmt/core.h>
 

@@ -1,5 +1,6 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording/bag/copy.hpp"
+#include "imulab/io/recording/bag/crc32.hpp"
 #include "imulab/io/recording/bag/mcap.hpp"
 #include "imulab/io/recording/bag/rewrite.hpp"
 
