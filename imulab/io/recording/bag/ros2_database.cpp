@@ -13,9 +13,29 @@
 
 namespace imulab::bag {
 
+namespace {
+
+/// The file as SQLite names one that nobody changes: it is read without locks and files beside it.
+std::string unchanging(const std::string& file) {
+  std::string name = "file:";
+  for (const char c : file) name += c == '%' || c == '?' || c == '#' ? fmt::format("%{:02X}", static_cast<unsigned>(c)) : std::string(1, c);
+  return name + "?immutable=1";
+}
+
+}  // namespace
+
 Database::Database(const std::filesystem::path& path, bool write) : file_(path.string()) {
-  const int flags = write ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY;
-  if (sqlite3_open_v2(file_.c_str(), &handle_, flags, nullptr) != SQLITE_OK) {
+  const auto open = [&](const std::string& name, int flags) {
+    const int opened = sqlite3_open_v2(name.c_str(), &handle_, flags, nullptr);
+    return opened == SQLITE_OK ? sqlite3_exec(handle_, "PRAGMA schema_version", nullptr, nullptr, nullptr) : opened;
+  };
+  int opened = open(file_, write ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY);
+  if (const int kind = opened & 255;
+      !write && (kind == SQLITE_CANTOPEN || kind == SQLITE_READONLY)) {  // a bag with a write-ahead log, in a folder that cannot be written
+    sqlite3_close(handle_);
+    opened = open(unchanging(file_), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+  }
+  if (opened != SQLITE_OK) {
     const std::string why = sqlite3_errmsg(handle_);
     sqlite3_close(handle_);
     throw Error(fmt::format("{}: {}; expected a bag of ROS 2 in SQLite", file_, why));
