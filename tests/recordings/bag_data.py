@@ -6,6 +6,8 @@ INTERVAL_NS = 5_000_000
 SAMPLES = 60
 IMAGE_EVERY = 20           # a camera image comes with every twentieth sample
 TEMPERATURE_EVERY = 10
+SPARSE_SAMPLES = 4         # of a bag with one large picture among them, in a chunk of its own size
+SPARSE_IMAGE = 40_000
 
 
 def stamp_ns(i):
@@ -37,10 +39,10 @@ def temperature(i):
     return 20 + i / 16
 
 
-def image(i):
+def image(i, size=768):
     """A fake picture: not all compressible."""
     state, out = i + 1, bytearray()
-    for _ in range(768):
+    for _ in range(size):
         state = (1103515245 * state + 12345) % 2**31
         out.append(state >> 16 & 255 if _ % 2 else 7)
     return bytes(out)

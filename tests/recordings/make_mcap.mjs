@@ -1,8 +1,9 @@
-// Writes imu_none.mcap, imu_lz4.mcap, imu_zstd.mcap, imu_no_chunks.mcap and imu_big_endian.mcap with Foxglove's libraries (npm: @mcap/core, @foxglove/cdr,
-// @foxglove/rosmsg, @foxglove/rosmsg2-serialization, @foxglove/wasm-zstd, lz4js). Run by hand; the files are in the tree. The numbers are those of bag_data.py.
+// Writes imu_none.mcap, imu_lz4.mcap, imu_zstd.mcap, imu_no_chunks.mcap, imu_big_endian.mcap, imu_ros1.mcap and sparse.mcap with Foxglove's libraries (npm: @mcap/core, @foxglove/cdr,
+// @foxglove/rosmsg, @foxglove/rosmsg-serialization, @foxglove/rosmsg2-serialization, @foxglove/wasm-zstd, lz4js). Run by hand; the files are in the tree. The numbers are those of bag_data.py.
 import { McapWriter } from "@mcap/core";
 import { CdrWriter, EncapsulationKind } from "@foxglove/cdr";
 import { parse } from "@foxglove/rosmsg";
+import { MessageWriter as Ros1Writer } from "@foxglove/rosmsg-serialization";
 import { MessageWriter } from "@foxglove/rosmsg2-serialization";
 import zstd from "@foxglove/wasm-zstd";
 import lz4 from "lz4js";
@@ -25,8 +26,8 @@ const imu = (i) => ({
   linear_acceleration_covariance: covariance(0.5),
 });
 const temperature = (i) => ({ header: header(i, "imu"), temperature: 20 + i / 16, variance: 0.125 });
-const image = (i) => {
-  const data = new Uint8Array(768);
+const image = (i, size) => {
+  const data = new Uint8Array(size);
   let state = BigInt(i + 1);
   for (let k = 0; k < data.length; ++k) {
     state = (1103515245n * state + 12345n) % 2n ** 31n;
@@ -60,6 +61,10 @@ function bigEndian(type, m) {
   return cdr.data;
 }
 
+// The header of ROS 1 has a sequence number, and its time is a type of the language.
+const ros1Definition = (text) =>
+  text.replace("builtin_interfaces/Time stamp", "uint32 seq\ntime stamp").replace(LINE + "MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n", "");
+
 class Memory {
   parts = [];
   size = 0n;
@@ -72,25 +77,28 @@ class Memory {
   }
 }
 
-async function write(path, options, big = false) {
+async function write(path, options, { big = false, ros1 = false, samples = SAMPLES, pictureSize = 768 } = {}) {
   const writable = new Memory();
   const writer = new McapWriter({ writable, chunkSize: 6000, ...options });
-  await writer.start({ profile: "ros2", library: "fixture" });
+  await writer.start({ profile: ros1 ? "ros1" : "ros2", library: "fixture" });
   const channels = {};
   for (const [topic, schema] of [["/imu0", "sensor_msgs/msg/Imu"], ["/temp", "sensor_msgs/msg/Temperature"], ["/cam0", "sensor_msgs/msg/CompressedImage"]]) {
-    const schemaId = await writer.registerSchema({ name: schema, encoding: "ros2msg", data: new TextEncoder().encode(TYPES[schema]) });
-    const id = await writer.registerChannel({ schemaId, topic, messageEncoding: "cdr", metadata: new Map([["offered_qos_profiles", ""]]) });
-    const messages = new MessageWriter(parse(TYPES[schema], { ros2: true }));
+    const definition = ros1 ? ros1Definition(TYPES[schema]) : TYPES[schema];
+    const schemaId = await writer.registerSchema({
+      name: ros1 ? schema.replace("/msg", "") : schema, encoding: ros1 ? "ros1msg" : "ros2msg", data: new TextEncoder().encode(definition) });
+    const id = await writer.registerChannel({ schemaId, topic, messageEncoding: ros1 ? "ros1" : "cdr", metadata: new Map([["offered_qos_profiles", ""]]) });
+    const messages = ros1 ? new Ros1Writer(parse(definition)) : new MessageWriter(parse(definition, { ros2: true }));
     let sequence = 0;
     channels[topic] = async (i, message) => {
+      if (ros1) message.header = { seq: i, stamp: { sec: message.header.stamp.sec, nsec: message.header.stamp.nanosec }, frame_id: message.header.frame_id };
       const data = big ? bigEndian(schema, message) : messages.writeMessage(message);
       await writer.addMessage({ channelId: id, sequence: sequence++, logTime: logNs(i), publishTime: stampNs(i), data });
     };
   }
-  for (let i = 0; i < SAMPLES; ++i) {
+  for (let i = 0; i < samples; ++i) {
     await channels["/imu0"](i, imu(i));
     if (i % TEMPERATURE_EVERY === 0) await channels["/temp"](i, temperature(i));
-    if (i % IMAGE_EVERY === 0) await channels["/cam0"](i, image(i));
+    if (i % IMAGE_EVERY === 0) await channels["/cam0"](i, image(i, pictureSize));
     if (i === 40) {
       await writer.addMetadata({ name: "place", metadata: new Map([["room", "12"]]) });
       await writer.addAttachment({ logTime: logNs(i), createTime: 0n, name: "note.txt", mediaType: "text/plain", data: new TextEncoder().encode("a note") });
@@ -107,4 +115,6 @@ await write(`${folder}/imu_none.mcap`, {});
 await write(`${folder}/imu_lz4.mcap`, packing("lz4", (bytes) => lz4.compress(bytes)));
 await write(`${folder}/imu_zstd.mcap`, packing("zstd", (bytes) => zstd.compress(bytes, 3)));
 await write(`${folder}/imu_no_chunks.mcap`, { useChunks: false });
-await write(`${folder}/imu_big_endian.mcap`, packing("zstd", (bytes) => zstd.compress(bytes, 3)), true);
+await write(`${folder}/imu_big_endian.mcap`, packing("zstd", (bytes) => zstd.compress(bytes, 3)), { big: true });
+await write(`${folder}/imu_ros1.mcap`, packing("lz4", (bytes) => lz4.compress(bytes)), { ros1: true });
+await write(`${folder}/sparse.mcap`, { chunkSize: 1 << 20 }, { samples: 4, pictureSize: 40_000 });

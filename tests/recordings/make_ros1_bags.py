@@ -1,4 +1,4 @@
-"""Writes imu_none.bag, imu_bz2.bag, imu_lz4.bag with ROS's own library: Debian's python3-rosbag. Run by hand; the bags are in the tree."""
+"""Writes imu_none.bag, imu_bz2.bag, imu_lz4.bag and sparse.bag with ROS's own library: Debian's python3-rosbag. Run by hand; the bags are in the tree."""
 
 import sys
 
@@ -35,11 +35,11 @@ def fill_header(message, i, frame):
     return message
 
 
-def write(path, compression):
+def write(path, compression, samples=data.SAMPLES, picture_size=768, chunk=6000):
     Imu, Temperature = message_class("sensor_msgs/Imu", IMU), message_class("sensor_msgs/Temperature", TEMPERATURE)
     Image = message_class("sensor_msgs/CompressedImage", IMAGE)
-    with rosbag.Bag(path, "w", compression=compression, chunk_threshold=6000) as bag:
-        for i in range(data.SAMPLES):
+    with rosbag.Bag(path, "w", compression=compression, chunk_threshold=chunk) as bag:
+        for i in range(samples):
             at = ros_time(data.log_ns(i))
             imu = fill_header(Imu(), i, "imu")
             imu.orientation.x, imu.orientation.y, imu.orientation.z, imu.orientation.w = data.orientation(i)
@@ -55,10 +55,11 @@ def write(path, compression):
                 bag.write("/temp", t, at)
             if i % data.IMAGE_EVERY == 0:
                 picture = fill_header(Image(), i, "cam0")
-                picture.format, picture.data = "raw", data.image(i)
+                picture.format, picture.data = "raw", data.image(i, picture_size)
                 bag.write("/cam0", picture, at)
 
 
 folder = sys.argv[1] if len(sys.argv) > 1 else "."
 for compression in ("none", "bz2", "lz4"):
     write(f"{folder}/imu_{compression}.bag", compression)
+write(f"{folder}/sparse.bag", "none", data.SPARSE_SAMPLES, data.SPARSE_IMAGE, 1 << 20)

@@ -44,7 +44,8 @@ std::map<std::string, Messages> all_messages(const fs::path& path) {
 RecordingSource imu_source(const std::string& file) {
   RecordingSource source;
   source.file = file;
-  source.time = {.column = "header.stamp", .unit = "ns"};
+  source.time.column = "header.stamp";
+  source.time.unit = "ns";
   source.gyro.columns = {"angular_velocity.x", "angular_velocity.y", "angular_velocity.z"};
   source.gyro.unit = "rad/s";
   source.accel.columns = {"linear_acceleration.x", "linear_acceleration.y", "linear_acceleration.z"};
@@ -106,7 +107,7 @@ TEST_P(BagCopies, HaveTheReadingsReplacedAndNothingElse) {
 TEST_P(BagCopies, OfTheSameReadingsAreTheSame) {
   write();
   const bool packed = GetParam().find("lz4") != std::string::npos || GetParam().find("zstd") != std::string::npos ||
-                      GetParam().find("big_endian") != std::string::npos;
+                      GetParam().find("big_endian") != std::string::npos || GetParam() == "imu_ros1.mcap";
   if (packed)
     EXPECT_EQ(all_messages(output_), all_messages(input_));
   else if (output_.extension() == ".db3")  // SQLite counts its transactions in the first page
@@ -137,10 +138,28 @@ TEST_P(BagCopies, AppearWholeOrNotAtAll) {
 TEST_P(BagCopies, AreOfTheirOwnKindAndOneTopic) {
   const auto write_to = [&](const std::string& name) { write_compensated_bag(folder_ / name, session_, session_.recordings[0], compensated_); };
   for (const std::string other : {".bag", ".mcap", ".db3"})
-    if (other != input_.extension())
+    if (other != input_.extension()) {
       EXPECT_THAT([&] { write_to("out" + other); }, ThrowsMessage<Error>(HasSubstr("expected a file *" + input_.extension().string())));
+    }
   session_.recordings[0].accel.topic = "/imu1";
   EXPECT_THAT([&] { write(); }, ThrowsMessage<Error>(HasSubstr("not in the messages of one topic")));
+}
+
+TEST(CompensatedBag, OfSingleMessagesBesideALargePicture) {
+  const TemporaryFolder folder;
+  for (const std::string& name : bag::sparse_names()) {
+    const fs::path out = folder / name;
+    const bag::Topic topic = bag::choose_topic(open_bag(bag::fixture(name))->topics(), "", name);
+    const std::array<double, 6> readings{1, 2, 3, 4, 5, 6};
+    WholeFile file(out);
+    bag::rewrite_bag(
+        bag::fixture(name), topic, [&](std::span<char> message) { bag::put_readings(topic.message_encoding(), message, readings); }, file);
+    file.commit();
+    const recording_io::RawTable table = bag::read_columns(out, "/imu0", bag::imu_columns());
+    EXPECT_THAT(table.warnings, testing::IsEmpty());
+    for (std::size_t k = 0; k < 6; ++k) EXPECT_EQ(table.columns[3 + k].numbers, std::vector<double>(bag::sparse_samples, readings[k]));
+    EXPECT_EQ(all_messages(out)["/cam0"], all_messages(bag::fixture(name))["/cam0"]);
+  }
 }
 
 TEST(CompensatedBag, IsNamedLikeABag) {

@@ -46,9 +46,15 @@ int outcome(const std::filesystem::path& file, bool always_said = true) {
   return messages;
 }
 
+/// A new file each time: one that replaces another is flushed to the disk.
+std::filesystem::path write_new(const TemporaryFolder& folder, const std::string& name, std::string_view text) {
+  std::filesystem::remove(folder / name);
+  return folder.write(name, text);
+}
+
 class BadBags : public testing::TestWithParam<std::string> {
  protected:
-  std::filesystem::path write(std::string_view text) const { return folder_.write("bad" + fixture(GetParam()).extension().string(), text); }
+  std::filesystem::path write(std::string_view text) const { return write_new(folder_, "bad" + fixture(GetParam()).extension().string(), text); }
 
   TemporaryFolder folder_;
   const std::string bytes_ = read_text(fixture(GetParam()));
@@ -83,6 +89,21 @@ TEST_P(BadBags, OfNothingElse) {
   EXPECT_EQ(outcome(write(std::string_view("\x89MCAP1\r\n\0\0\0", 11))), -1);
   EXPECT_EQ(outcome(write(std::string_view("SQLite format 3\0 and nothing more", 33))), -1);
   EXPECT_EQ(outcome(write(bytes_.substr(0, 12) + std::string(5000, '\xFF'))), -1);
+}
+
+/// Indexes that lead to single messages, with wrong places in them.
+TEST(BadBag, WithAnyByteOfItsIndexesChanged) {
+  const TemporaryFolder folder;
+  for (const std::string& name : sparse_names()) {
+    const std::string whole = read_text(fixture(name));
+    const std::size_t messages = std::min(whole.size(), std::size_t{6000}), indexes = whole.size() - 3500;  // the picture is between them
+    for (const char wrong : {'\xFF', '\0', '\x01'})
+      for (std::size_t at = 0; at < whole.size(); at += at < messages || at > indexes ? 5 : 1000) {
+        std::string bytes = whole;
+        bytes[at] = wrong;
+        outcome(write_new(folder, "bad" + fixture(name).extension().string(), bytes), false);
+      }
+  }
 }
 
 /// `from` replaced by `to` of the same length, everywhere.
