@@ -39,8 +39,8 @@ inline FlightSession flight_session(double noise, std::uint64_t seed = 1) {
   source.file = "recording.csv";
   source.rate_hz = 1 / interval;
   source.time.column = "t";
-  source.gyro = {{}, {"gx", "gy", "gz"}, Output::rate, "rad/s", std::array{-0.5, 0.5}};
-  source.accel = {{}, {"ax", "ay", "az"}, Output::rate, "m/s^2", {}};
+  source.gyro = {.columns = {"gx", "gy", "gz"}, .unit = "rad/s", .limits = std::array{-0.5, 0.5}};
+  source.accel = {.columns = {"ax", "ay", "az"}, .unit = "m/s^2"};
   out.session.recordings.push_back(source);
   out.session.truth_file = "truth.csv";
 

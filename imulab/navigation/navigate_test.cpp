@@ -117,8 +117,8 @@ TEST(Navigate, LateStampsOnEvenIncrementsMakeNoMotion) {
   FlightSession f = flight_session(0);
   f.session.initial = flight_start();
   RecordingSource& source = f.session.recordings[0];
-  source.gyro = {{}, {"gx", "gy", "gz"}, Output::increment, "rad", {}};
-  source.accel = {{}, {"ax", "ay", "az"}, Output::increment, "m/s", {}};
+  source.gyro = {.columns = {"gx", "gy", "gz"}, .output = Output::increment, .unit = "rad"};
+  source.accel = {.columns = {"ax", "ay", "az"}, .output = Output::increment, .unit = "m/s"};
   f.recording.gyro_increment = f.recording.accel_increment = true;
   const RandomStream draws(3, "late stamps");
   for (std::size_t i = 0; i + 1 < f.recording.size(); ++i)  // clipped, so that they ascend
