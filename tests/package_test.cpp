@@ -89,6 +89,16 @@ TEST(Package, TheTutorialNamesItsDependencies) {
     ASSERT_TRUE(packages.contains((*i)[1])) << (*i)[1];
     EXPECT_THAT(page, HasSubstr(packages.at((*i)[1])));
   }
+  const std::map<std::string, std::string> optional{
+      {"LZ4", "liblz4-dev"}, {"ZSTD", "libzstd-dev"}, {"BZIP2", "libbz2-dev"}, {"SQLITE", "libsqlite3-dev"}};
+  const std::string optional_list = read_text(IMULAB_SOURCE "/cmake/optional_dependencies.cmake");
+  const std::regex row("\"(\\w+)[|]");
+  std::size_t rows = 0;
+  for (std::sregex_iterator i(optional_list.begin(), optional_list.end(), row), end; i != end; ++i, ++rows) {
+    ASSERT_TRUE(optional.contains((*i)[1])) << (*i)[1];
+    EXPECT_THAT(page, HasSubstr(optional.at((*i)[1])));
+  }
+  EXPECT_EQ(rows, optional.size());
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "apps/imulab/session_recording.hpp"
 #include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
+#include "imulab/io/recording/compensated_bag.hpp"
 #include "imulab/io/recording/file.hpp"
 #include "imulab/io/result/fields.hpp"
 #include "imulab/io/session/file.hpp"
@@ -34,14 +35,14 @@ CompensatedRecording compensated(const Calibration& calibration, const Session& 
   return out;
 }
 
-/// The output file of each recording: a .csv file for one, else files named like the recordings in a folder.
+/// The output file of each recording: a .csv file or a bag for one, else files named like the recordings in a folder.
 std::vector<fs::path> output_files(const Session& session, const fs::path& output) {
-  const bool one_file = output.extension() == ".csv" || output == "-";
+  const bool one_file = output.extension() == ".csv" || output == "-" || is_bag_name(output);
   if (one_file && session.recordings.size() > 1)
     throw Error(fmt::format("-o {}: the session has {} recordings; expected a folder", output.string(), session.recordings.size()));
   if (one_file) return {output};
   if (fs::exists(output) && !fs::is_directory(output))
-    throw Error(fmt::format("-o {}: exists and is not a folder; expected a folder or a .csv file", output.string()));
+    throw Error(fmt::format("-o {}: exists and is not a folder; expected a folder, a .csv file or a bag", output.string()));
   std::vector<fs::path> files;
   for (const auto& recording : session.recordings) {
     fs::path file = output / fs::path(recording.file).filename().replace_extension(".csv");
@@ -51,6 +52,16 @@ std::vector<fs::path> output_files(const Session& session, const fs::path& outpu
     files.push_back(std::move(file));
   }
   return files;
+}
+
+/// As a table, or as the bag that it came from.
+void write_compensated(const fs::path& file, const Session& session, const RecordingSource& source, const CompensatedRecording& c) {
+  if (!is_bag_name(file)) return write_whole(file, compensated_text(c));
+  write_compensated_bag(file, session, source, c);
+  if (const std::size_t flags = c.recording.saturated.size() + c.out_of_range.size() + c.replaced.size(); flags > 0)
+    warn(fmt::format(
+        "{}: messages have no flags: {} saturated, {} outside the calibrated temperatures and {} replaced samples are in it like the others",
+        file.string(), c.recording.saturated.size(), c.out_of_range.size(), c.replaced.size()));
 }
 
 void compensate_files(const CompensateOptions& options) {
@@ -73,7 +84,7 @@ void compensate_files(const CompensateOptions& options) {
   std::vector<CompensateCounts> counts;
   for (std::size_t i = 0; i < files.size(); ++i) {
     const CompensatedRecording& c = recordings[i];
-    write_whole(files[i], compensated_text(c));
+    write_compensated(files[i], session, session.recordings[i], c);
     counts.push_back({files[i].string(), c.recording.size(), c.recording.saturated.size(), c.out_of_range.size(), c.replaced.size()});
   }
   if (files[0] != "-") print_counts(options, counts);
@@ -108,7 +119,9 @@ void add_compensate(Verb app) {
   verb.option("CALIBRATION", options->calibration, "calibration.json").required();
   verb.option("SESSION", options->session, "a session folder or its session.toml; - for rows from standard input, as --session declares them")
       .required();
-  verb.option("-o,--output FILE", options->output, "a folder; for one recording also a .csv file, or - for standard output").required();
+  verb.option("-o,--output FILE", options->output,
+              "a folder; for one recording also a .csv file, the bag that it is (.bag, .mcap, .db3), or - for standard output")
+      .required();
   add_allow_undetermined(verb, options->allow_undetermined);
   verb.flag("--reject-outliers", options->reject_outliers, "replace spikes of one or two samples first");
   add_report_option(verb, options->report);
@@ -116,6 +129,7 @@ void add_compensate(Verb app) {
   verb.option("--recording FILE", options->recording, "the file of the recording to use, if that session has several");
   verb.flag("--json", options->json, "print what was written as JSON");
   verb.example("imulab compensate calibration.json session -o compensated.csv");
+  verb.example("imulab compensate calibration.json session -o compensated.mcap");
   verb.example("producer | imulab compensate calibration.json - --session session -o -");
   verb.does([options] {
     if (options->json && options->output == "-") throw Error("--json: standard output has the rows; expected -o FILE");

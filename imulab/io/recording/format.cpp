@@ -1,6 +1,10 @@
 #include "imulab/io/recording/format.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/io/recording/bag/folder.hpp"
+#include "imulab/io/recording/bag/mcap.hpp"
+#include "imulab/io/recording/bag/ros1_bag.hpp"
+#include "imulab/io/recording/bag/ros2_database.hpp"
 #include "imulab/io/recording/clock.hpp"
 #include "imulab/io/recording/csv.hpp"
 #include "imulab/io/text/decimal.hpp"
@@ -18,6 +22,9 @@ namespace imulab {
 const std::vector<RecordingFormat>& recording_formats() {
   using namespace recording_io;
   static const std::vector<RecordingFormat> formats{
+      {.name = "ROS 1 bag", .recognizes = bag::is_ros1_bag, .describe = bag::describe_ros1_bag, .columns = bag::ros1_bag_columns},
+      {.name = "ROS 2 bag in MCAP", .recognizes = bag::is_mcap, .describe = bag::describe_mcap, .columns = bag::mcap_columns},
+      {.name = "ROS 2 bag in SQLite", .recognizes = bag::is_sqlite, .describe = bag::describe_ros2_database, .columns = bag::ros2_database_columns},
       {.name = "CSV or plain columns of numbers",
        .recognizes = is_text,
        .describe = describe_text,
@@ -29,12 +36,14 @@ const std::vector<RecordingFormat>& recording_formats() {
 }
 
 const RecordingFormat& format_of(const TableRequest& request, const std::vector<RecordingFormat>& formats) {
+  bag::expect_no_folder(request.file);
   const MappedFile mapped(request.file);
   const std::string_view head = mapped.text().substr(0, 4096);
   const auto format = std::find_if(formats.begin(), formats.end(), [&](const RecordingFormat& f) {
     return f.of_layout ? !request.layout.empty() : request.layout.empty() && f.recognizes(head);
   });
   if (format != formats.end()) return *format;
+  bag::expect_not_packed(request.file, head);
   std::vector<std::string_view> names;
   for (const RecordingFormat& f : formats) names.push_back(f.name);
   throw Error(fmt::format("{}: unknown format; expected {}", request.file.string(), text::listed(names)));
@@ -119,19 +128,23 @@ void expect_ascending(TimedTable& table) {
   for (auto& column : table.values) column.resize(kept);
 }
 
-TimedTable timed_table(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns,
-                       const RecordingFormat& format) {
-  std::vector<Column> all = columns;
-  if (time.column) all.push_back(*time.column);
-  if (time.column && time.fraction_column) all.push_back(*time.fraction_column);
-  RawTable raw = format.columns(request, all);
-  const auto after = [&](std::size_t i) { return columns.size() + i < all.size() ? &raw.columns[columns.size() + i] : nullptr; };
+/// The columns and, behind them, those of time.
+RawTable with_time(const TableRequest& request, const TimeSource& time, std::vector<Column> columns, const RecordingFormat& format) {
+  if (time.column) columns.push_back(*time.column);
+  if (time.column && time.fraction_column) columns.push_back(*time.fraction_column);
+  return format.columns(request, columns);
+}
+
+/// A table with the stamps of its rows, whose columns of time stand behind `before` others.
+TimedTable stamped_table(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz, const RawTable& raw,
+                         std::size_t before) {
+  const auto after = [&](std::size_t i) { return before + i < raw.columns.size() ? &raw.columns[before + i] : nullptr; };
   StampReader stamps(time, rate_hz, after(0), after(1));
 
   TimedTable table;
   table.file = request.topic.empty() ? request.file.string() : fmt::format("{}: {}", request.file.string(), request.topic);
   table.row = raw.row;
-  table.warnings = std::move(raw.warnings);
+  table.warnings = raw.warnings;
   const std::size_t rows = raw.columns.empty() ? 0 : raw.columns.front().size();
   if (rows == 0) throw Error(table.file + ": has no rows; expected samples");
   table.time_ns.reserve(rows);
@@ -142,6 +155,13 @@ TimedTable timed_table(const TableRequest& request, const TimeSource& time, std:
                               table.place(i)));
     table.time_ns.push_back(*ns);
   }
+  return table;
+}
+
+TimedTable timed_table(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns,
+                       const RecordingFormat& format) {
+  RawTable raw = with_time(request, time, columns, format);
+  TimedTable table = stamped_table(request, time, rate_hz, raw, columns.size());
   for (std::size_t c = 0; c < columns.size(); ++c) table.values.push_back(as_numbers(std::move(raw.columns[c])));
   expect_finite(table, columns);
   expect_ascending(table);
@@ -154,6 +174,12 @@ TimedTable read_table(const TableRequest& request, const TimeSource& time, std::
                       const std::vector<RecordingFormat>& formats) {
   const RecordingFormat& format = format_of(request, formats);
   return format.read != nullptr ? format.read(request, time, rate_hz, columns) : timed_table(request, time, rate_hz, columns, format);
+}
+
+std::vector<std::int64_t> read_stamps(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz,
+                                      const std::vector<RecordingFormat>& formats) {
+  const std::vector<Column> first = time.column ? std::vector<Column>{} : std::vector<Column>{1};  // for the number of rows
+  return stamped_table(request, time, rate_hz, with_time(request, time, first, format_of(request, formats)), first.size()).time_ns;
 }
 
 }  // namespace recording_io

@@ -5,6 +5,7 @@
 #include "imulab/io/recording/timed_table.hpp"
 #include "imulab/recording/session.hpp"
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -48,6 +49,10 @@ namespace recording_io {
 /// stamps that do not ascend.
 TimedTable read_table(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns,
                       const std::vector<RecordingFormat>& formats = recording_formats());
+
+/// The stamps alone, of every row of the file in its order: also of those that read_table drops. Not of text.
+std::vector<std::int64_t> read_stamps(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz,
+                                      const std::vector<RecordingFormat>& formats = recording_formats());
 
 }  // namespace recording_io
 

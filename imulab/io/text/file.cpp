@@ -109,6 +109,16 @@ void WholeFile::write(std::string_view text) {
   }
 }
 
+void WholeFile::write_at(std::uint64_t place, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = ::pwrite(descriptor_, text.data(), text.size(), static_cast<off_t>(place));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail(path_, "cannot be written");
+    place += static_cast<std::uint64_t>(written);
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
 void WholeFile::commit() {
   if (temporary_.empty()) return;
   const mode_t mask = ::umask(0);  // mkstemp's file is private: give it what the user gives new files

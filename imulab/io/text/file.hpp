@@ -1,6 +1,7 @@
 // Whole files: mapped for reading, written atomically. All throw Error with the path and the reason of the system.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -32,6 +33,10 @@ class WholeFile {
   WholeFile(const WholeFile&) = delete;
   WholeFile& operator=(const WholeFile&) = delete;
   void write(std::string_view text);
+  /// In place of what was written there before; not of a device or a pipe.
+  void write_at(std::uint64_t place, std::string_view text);
+  /// The name until commit(), for a library that writes by name; empty where it is written directly.
+  const std::string& temporary() const { return temporary_; }
   void commit();
 
  private:

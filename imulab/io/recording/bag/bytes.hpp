@@ -1,0 +1,90 @@
+// Bytes of a bag: little-endian numbers and counted strings, read with every length checked.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+namespace imulab::bag {
+
+/// What is wrong with the bytes; whoever knows the file and the place makes an Error or a warning of it.
+struct Damaged : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// A number as it stands in memory, least significant byte first, or last where `big`.
+template <class T>
+T number_at(const char* bytes, bool big = false) {
+  T value;
+  std::memcpy(&value, bytes, sizeof value);
+  if (big == (std::endian::native == std::endian::big)) return value;
+  char reversed[sizeof value];
+  for (std::size_t i = 0; i < sizeof value; ++i) reversed[i] = bytes[sizeof value - 1 - i];
+  std::memcpy(&value, reversed, sizeof value);
+  return value;
+}
+
+template <class T>
+void put_number(char* bytes, T value, bool big = false) {
+  const T stored = number_at<T>(reinterpret_cast<const char*>(&value), big);
+  std::memcpy(bytes, &stored, sizeof stored);
+}
+
+template <class T>
+void append_number(std::string& out, std::type_identity_t<T> value) {
+  char bytes[sizeof value];
+  put_number<T>(bytes, value);
+  out.append(bytes, sizeof bytes);
+}
+
+/// Takes one thing after the other off the front. Throws Damaged where less is left.
+class Bytes {
+ public:
+  explicit Bytes(std::string_view bytes) : rest_(bytes) {}
+
+  bool empty() const { return rest_.empty(); }
+  std::string_view rest() const { return rest_; }
+  std::string_view take(std::uint64_t count) {
+    if (count > rest_.size()) throw Damaged("a length points beyond the end");
+    const std::string_view taken = rest_.substr(0, static_cast<std::size_t>(count));
+    rest_.remove_prefix(taken.size());
+    return taken;
+  }
+  template <class T>
+  T number() {
+    return number_at<T>(take(sizeof(T)).data());
+  }
+  /// Its length in four bytes, then as many.
+  std::string_view counted() { return take(number<std::uint32_t>()); }
+
+ private:
+  std::string_view rest_;
+};
+
+/// Memory that is used again and never cleared.
+class Buffer {
+ public:
+  /// At least `size` bytes; the first `kept` stay as they are.
+  char* of(std::size_t size, std::size_t kept = 0) {
+    if (size <= size_) return bytes_.get();
+    std::unique_ptr<char[]> larger(new char[size]);
+    if (kept > 0) std::memcpy(larger.get(), bytes_.get(), kept);
+    bytes_ = std::move(larger);
+    size_ = size;
+    return bytes_.get();
+  }
+  std::size_t size() const { return size_; }
+  char* data() { return bytes_.get(); }
+
+ private:
+  std::unique_ptr<char[]> bytes_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace imulab::bag

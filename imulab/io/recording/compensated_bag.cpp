@@ -1,0 +1,117 @@
+#include "imulab/io/recording/compensated_bag.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/io/recording/bag/mcap.hpp"
+#include "imulab/io/recording/bag/rewrite.hpp"
+#include "imulab/io/recording/bag/ros1_bag.hpp"
+#include "imulab/io/recording/bag/ros2_database.hpp"
+#include "imulab/io/recording/format.hpp"
+#include "imulab/io/session/file.hpp"
+#include "imulab/io/text/file.hpp"
+#include "imulab/recording/compensate_recording.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+
+namespace imulab {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct BagKind {
+  std::string_view extension, name;
+  bool (*recognizes)(std::string_view head);
+};
+constexpr std::array<BagKind, 3> bag_kinds{
+    {{".bag", "a bag of ROS 1", bag::is_ros1_bag}, {".mcap", "a bag in MCAP", bag::is_mcap}, {".db3", "a bag of ROS 2 in SQLite", bag::is_sqlite}}};
+
+const BagKind* bag_kind(const fs::path& path) {
+  const std::string extension = path.extension().string();
+  const auto found = std::find_if(bag_kinds.begin(), bag_kinds.end(), [&](const BagKind& kind) { return kind.extension == extension; });
+  return found != bag_kinds.end() ? &*found : nullptr;
+}
+
+void expect_kind(const fs::path& path, const fs::path& input) {
+  bag::Buffer buffer;
+  const std::string_view head = bag::ByteFile(input).read_some(0, 16, buffer);
+  const BagKind* kind = bag_kind(path);
+  if (kind != nullptr && kind->recognizes(head)) return;
+  const auto is = std::find_if(bag_kinds.begin(), bag_kinds.end(), [&](const BagKind& k) { return k.recognizes(head); });
+  throw Error(fmt::format("{}: {} is {}; expected {} for the compensated recording", path.string(), input.string(),
+                          is != bag_kinds.end() ? is->name : "no bag",
+                          is != bag_kinds.end() ? fmt::format("a file *{}", is->extension) : "a .csv file"));
+}
+
+/// Both triads are in the messages of one topic, as rates.
+void expect_one_topic(const RecordingSource& source, const fs::path& path) {
+  const auto own = [&](const TriadSource& triad) {
+    return triad.file.value_or(source.file) != source.file || triad.topic.value_or(source.topic) != source.topic ||
+           triad.time.value_or(source.time) != source.time;
+  };
+  if (own(source.gyro) || own(source.accel))
+    throw Error(fmt::format("{}: gyros and accelerometers of {} are not in the messages of one topic; expected one, or a .csv file", path.string(),
+                            source.file));
+  if (source.gyro.output == Output::increment || source.accel.output == Output::increment)
+    throw Error(fmt::format("{}: the session has increments, and messages have rates; expected output = \"rate\", or a .csv file", path.string()));
+}
+
+std::vector<bag::Topic> topics_of(const fs::path& input) {
+  bag::Buffer buffer;
+  const std::string_view head = bag::ByteFile(input).read_some(0, 16, buffer);
+  if (bag::is_mcap(head)) return bag::Mcap(input).topics();
+  if (bag::is_ros1_bag(head)) return bag::Ros1Bag(input).topics();
+  return bag::database_topics(input);
+}
+
+/// For each message its compensated sample. A message that repeats the one before has the same.
+std::vector<std::size_t> samples_of(const std::vector<std::int64_t>& stamps, const Recording& recording, const fs::path& path) {
+  std::vector<std::size_t> samples;
+  samples.reserve(stamps.size());
+  std::size_t missing = 0;
+  for (const std::int64_t stamp : stamps) {
+    const auto at = std::lower_bound(recording.time_ns.begin(), recording.time_ns.end(), stamp);
+    if (at == recording.time_ns.end() || *at != stamp) ++missing;
+    samples.push_back(static_cast<std::size_t>(at - recording.time_ns.begin()));
+  }
+  if (missing > 0)
+    throw Error(
+        fmt::format("{}: {} of {} messages have no compensated sample, since they have no partner in another table (a temperature); expected a "
+                    "table that covers all messages, or a .csv file",
+                    path.string(), missing, stamps.size()));
+  return samples;
+}
+
+}  // namespace
+
+bool is_bag_name(const fs::path& path) { return bag_kind(path) != nullptr; }
+
+void write_compensated_bag(const fs::path& path, const Session& session, const RecordingSource& source, const CompensatedRecording& compensated) {
+  const fs::path input = session_path(session, source.file);
+  expect_kind(path, input);
+  expect_one_topic(source, path);
+  const std::vector<bag::Topic> topics = topics_of(input);
+  const bag::Topic& topic = bag::choose_topic(topics, source.topic, input.string());
+  if (!bag::is_imu(topic.type))
+    throw Error(fmt::format("{}: topic {} has messages of {}; expected sensor_msgs/Imu", path.string(), topic.name, topic.type));
+  const Recording& recording = compensated.recording;
+  const std::vector<std::size_t> samples =
+      samples_of(recording_io::read_stamps({input, source.topic, source.layout}, source.time, source.rate_hz), recording, path);
+
+  std::size_t next = 0;
+  const auto replace = [&](std::span<char> message) {
+    if (next == samples.size()) throw Error(input.string() + ": changed while it was read; expected it to stay");
+    const std::size_t i = samples[next++];
+    const std::array<double, 6> readings{recording.gyro[0][i],  recording.gyro[1][i],  recording.gyro[2][i],
+                                         recording.accel[0][i], recording.accel[1][i], recording.accel[2][i]};
+    bag::put_readings(topic.message_encoding(), message, readings);
+  };
+  WholeFile out(path);
+  bag::rewrite_bag(input, topic, replace, out);
+  if (next != samples.size()) throw Error(input.string() + ": changed while it was read, or is damaged; expected a whole bag");
+  out.commit();
+}
+
+}  // namespace imulab
