@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 const std::map<std::string, int> ranks{{"core", 0},     {"model", 1},    {"earth", 1}, {"recording", 2}, {"navigation", 3}, {"rig", 4},
-                                       {"simulate", 5}, {"estimate", 5}, {"inspect", 6}, {"io", 7}, {"report", 7}, {"fleet", 7}, {"apps", 8}};
+                                       {"simulate", 5}, {"estimate", 5}, {"inspection", 6}, {"io", 7}, {"report", 7}, {"fleet", 7}, {"apps", 8}};
 
 /// The room of a path: imulab/ROOM/... or apps/...; none for anything else.
 std::optional<std::string> room_of(const std::string& path) {

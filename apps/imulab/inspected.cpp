@@ -1,7 +1,7 @@
 #include "apps/imulab/inspected.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/inspect/join.hpp"
+#include "imulab/inspection/join.hpp"
 #include "imulab/io/recording/signals.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/file.hpp"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "apps/imulab/command.hpp"
-#include "imulab/inspect/inspection.hpp"
+#include "imulab/inspection/inspection.hpp"
 
 #include <filesystem>
 #include <string>

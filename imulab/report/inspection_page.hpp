@@ -1,7 +1,7 @@
 // The page of an inspection: the signals, the rests, and what was recognized.
 #pragma once
 
-#include "imulab/inspect/inspection.hpp"
+#include "imulab/inspection/inspection.hpp"
 #include "imulab/recording/overview.hpp"
 
 #include <optional>

@@ -1,7 +1,7 @@
 #include "imulab/io/recording/signals.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/inspect/names.hpp"
+#include "imulab/inspection/names.hpp"
 #include "imulab/io/recording/csv.hpp"
 #include "imulab/io/recording/csv_layout.hpp"
 #include "imulab/io/text/file.hpp"

@@ -1,7 +1,7 @@
-// All columns of a recording file, for imulab/inspect: nothing is known of them yet.
+// All columns of a recording file, for imulab/inspection: nothing is known of them yet.
 #pragma once
 
-#include "imulab/inspect/signals.hpp"
+#include "imulab/inspection/signals.hpp"
 #include "imulab/io/recording/format.hpp"
 
 #include <filesystem>

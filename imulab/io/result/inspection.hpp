@@ -1,7 +1,7 @@
 // What a recording holds, for people and for programs.
 #pragma once
 
-#include "imulab/inspect/inspection.hpp"
+#include "imulab/inspection/inspection.hpp"
 
 #include <string>
 

@@ -1,8 +1,8 @@
 // What a recording holds, with the evidence for it: the declaration that a session needs, from the data.
 #pragma once
 
-#include "imulab/inspect/signals.hpp"
-#include "imulab/inspect/triads.hpp"
+#include "imulab/inspection/signals.hpp"
+#include "imulab/inspection/triads.hpp"
 #include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"
 

@@ -1,8 +1,8 @@
 // What the data can support: rests, directions, turns; and what is wrong with the readings.
 #pragma once
 
-#include "imulab/inspect/clock_quality.hpp"
-#include "imulab/inspect/inspection.hpp"
+#include "imulab/inspection/clock_quality.hpp"
+#include "imulab/inspection/inspection.hpp"
 
 namespace imulab::inspection {
 

@@ -1,7 +1,7 @@
 // Which column of a recording is time, and in which unit.
 #pragma once
 
-#include "imulab/inspect/signals.hpp"
+#include "imulab/inspection/signals.hpp"
 #include "imulab/recording/session.hpp"
 
 #include <cstddef>

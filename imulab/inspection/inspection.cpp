@@ -1,13 +1,13 @@
-#include "imulab/inspect/inspection.hpp"
+#include "imulab/inspection/inspection.hpp"
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/inspect/clock_quality.hpp"
-#include "imulab/inspect/declared.hpp"
-#include "imulab/inspect/names.hpp"
-#include "imulab/inspect/support.hpp"
-#include "imulab/inspect/time.hpp"
-#include "imulab/inspect/units.hpp"
+#include "imulab/inspection/clock_quality.hpp"
+#include "imulab/inspection/declared.hpp"
+#include "imulab/inspection/names.hpp"
+#include "imulab/inspection/support.hpp"
+#include "imulab/inspection/time.hpp"
+#include "imulab/inspection/units.hpp"
 #include "imulab/model/triad_axes.hpp"
 
 #include <fmt/format.h>

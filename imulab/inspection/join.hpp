@@ -1,7 +1,7 @@
 // Tables of different files or topics as one: gyros in one, accelerometers in another.
 #pragma once
 
-#include "imulab/inspect/signals.hpp"
+#include "imulab/inspection/signals.hpp"
 
 #include <vector>
 

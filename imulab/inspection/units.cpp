@@ -1,4 +1,4 @@
-#include "imulab/inspect/units.hpp"
+#include "imulab/inspection/units.hpp"
 
 #include "imulab/core/units.hpp"
 #include "imulab/recording/unit_names.hpp"

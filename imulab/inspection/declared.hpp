@@ -1,9 +1,9 @@
 // What the user declares of a recording, in place of what the data say.
 #pragma once
 
-#include "imulab/inspect/inspection.hpp"
-#include "imulab/inspect/time.hpp"
-#include "imulab/inspect/units.hpp"
+#include "imulab/inspection/inspection.hpp"
+#include "imulab/inspection/time.hpp"
+#include "imulab/inspection/units.hpp"
 
 #include <optional>
 #include <string>

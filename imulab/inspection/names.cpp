@@ -1,4 +1,4 @@
-#include "imulab/inspect/names.hpp"
+#include "imulab/inspection/names.hpp"
 
 #include <algorithm>
 #include <array>

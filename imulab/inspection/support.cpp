@@ -1,4 +1,4 @@
-#include "imulab/inspect/support.hpp"
+#include "imulab/inspection/support.hpp"
 
 #include "imulab/core/units.hpp"
 #include "imulab/recording/clipping.hpp"

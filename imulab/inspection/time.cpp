@@ -1,7 +1,7 @@
-#include "imulab/inspect/time.hpp"
+#include "imulab/inspection/time.hpp"
 
 #include "imulab/core/statistics.hpp"
-#include "imulab/inspect/names.hpp"
+#include "imulab/inspection/names.hpp"
 #include "imulab/recording/unit_names.hpp"
 
 #include <fmt/core.h>

@@ -1,7 +1,7 @@
-#include "imulab/inspect/join.hpp"
+#include "imulab/inspection/join.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/inspect/time.hpp"
+#include "imulab/inspection/time.hpp"
 
 #include <fmt/core.h>
 

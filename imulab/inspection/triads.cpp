@@ -1,8 +1,8 @@
-#include "imulab/inspect/triads.hpp"
+#include "imulab/inspection/triads.hpp"
 
 #include "imulab/core/statistics.hpp"
 #include "imulab/estimate/kernel/coarse.hpp"
-#include "imulab/inspect/names.hpp"
+#include "imulab/inspection/names.hpp"
 #include "imulab/recording/agreement_at_rest.hpp"
 #include "imulab/recording/make_recording.hpp"
 #include "imulab/recording/rest_detection.hpp"

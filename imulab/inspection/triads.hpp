@@ -2,7 +2,7 @@
 #pragma once
 
 #include "imulab/core/rotation.hpp"
-#include "imulab/inspect/signals.hpp"
+#include "imulab/inspection/signals.hpp"
 #include "imulab/recording/recording.hpp"
 
 #include <array>

@@ -1,4 +1,4 @@
-#include "imulab/inspect/clock_quality.hpp"
+#include "imulab/inspection/clock_quality.hpp"
 
 #include "imulab/recording/even_stamps.hpp"
 #include "imulab/recording/stamps.hpp"

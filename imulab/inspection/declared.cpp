@@ -1,4 +1,4 @@
-#include "imulab/inspect/declared.hpp"
+#include "imulab/inspection/declared.hpp"
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
