@@ -3,6 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording/clock.hpp"
 #include "imulab/io/recording/csv.hpp"
+#include "imulab/io/recording/formats.hpp"
 #include "imulab/io/text/decimal.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/names.hpp"
@@ -18,6 +19,8 @@ namespace imulab {
 const std::vector<RecordingFormat>& recording_formats() {
   using namespace recording_io;
   static const std::vector<RecordingFormat> formats{
+      numpy_format(),
+      binary_rows_format(),
       {.name = "CSV or plain columns of numbers",
        .recognizes = is_text,
        .describe = describe_text,

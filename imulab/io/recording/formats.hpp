@@ -1,0 +1,11 @@
+// The rows of the table of formats (format.cpp), each from its own file.
+#pragma once
+
+#include "imulab/io/recording/format.hpp"
+
+namespace imulab::recording_io {
+
+RecordingFormat numpy_format();
+RecordingFormat binary_rows_format();
+
+}  // namespace imulab::recording_io
