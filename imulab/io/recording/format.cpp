@@ -20,6 +20,7 @@ const std::vector<RecordingFormat>& recording_formats() {
   using namespace recording_io;
   static const std::vector<RecordingFormat> formats{
       numpy_format(),
+      ulog_format(),
       binary_rows_format(),
       {.name = "CSV or plain columns of numbers",
        .recognizes = is_text,

@@ -7,5 +7,6 @@ namespace imulab::recording_io {
 
 RecordingFormat numpy_format();
 RecordingFormat binary_rows_format();
+RecordingFormat ulog_format();
 
 }  // namespace imulab::recording_io
