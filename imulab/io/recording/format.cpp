@@ -21,6 +21,7 @@ const std::vector<RecordingFormat>& recording_formats() {
   static const std::vector<RecordingFormat> formats{
       numpy_format(),
       ulog_format(),
+      dataflash_format(),
       binary_rows_format(),
       {.name = "CSV or plain columns of numbers",
        .recognizes = is_text,

@@ -8,5 +8,6 @@ namespace imulab::recording_io {
 RecordingFormat numpy_format();
 RecordingFormat binary_rows_format();
 RecordingFormat ulog_format();
+RecordingFormat dataflash_format();
 
 }  // namespace imulab::recording_io
