@@ -6,3 +6,15 @@ find_package(tomlplusplus REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(GeographicLib REQUIRED IMPORTED_TARGET geographiclib) # its Find module gives no target in Debian 12
+
+# The libraries of some recording formats are used where they are found, unless IMULAB_WITH_... says otherwise. A package says it by what it was built with.
+foreach(library HDF5 MATIO)
+  string(TOLOWER ${library} name)
+  set(required)
+  if(IMULAB_WITH_${library})
+    set(required REQUIRED)
+  endif()
+  if(NOT DEFINED IMULAB_WITH_${library} OR IMULAB_WITH_${library})
+    pkg_check_modules(${name} ${required} IMPORTED_TARGET ${name})
+  endif()
+endforeach()

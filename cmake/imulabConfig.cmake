@@ -1,2 +1,3 @@
+include(${CMAKE_CURRENT_LIST_DIR}/imulabBuiltWith.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/dependencies.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/imulabTargets.cmake)

@@ -20,6 +20,8 @@ const std::vector<RecordingFormat>& recording_formats() {
   using namespace recording_io;
   static const std::vector<RecordingFormat> formats{
       numpy_format(),
+      matlab_format(),
+      hdf5_format(),
       ulog_format(),
       dataflash_format(),
       binary_rows_format(),

@@ -6,6 +6,8 @@
 namespace imulab::recording_io {
 
 RecordingFormat numpy_format();
+RecordingFormat matlab_format();
+RecordingFormat hdf5_format();
 RecordingFormat binary_rows_format();
 RecordingFormat ulog_format();
 RecordingFormat dataflash_format();
