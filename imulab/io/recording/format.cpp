@@ -7,6 +7,7 @@
 #include "imulab/io/recording/bag/ros2_database.hpp"
 #include "imulab/io/recording/clock.hpp"
 #include "imulab/io/recording/csv.hpp"
+#include "imulab/io/recording/formats.hpp"
 #include "imulab/io/text/decimal.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/names.hpp"
@@ -25,6 +26,12 @@ const std::vector<RecordingFormat>& recording_formats() {
       {.name = "ROS 1 bag", .recognizes = bag::is_ros1_bag, .describe = bag::describe_ros1_bag, .columns = bag::ros1_bag_columns},
       {.name = "ROS 2 bag in MCAP", .recognizes = bag::is_mcap, .describe = bag::describe_mcap, .columns = bag::mcap_columns},
       {.name = "ROS 2 bag in SQLite", .recognizes = bag::is_sqlite, .describe = bag::describe_ros2_database, .columns = bag::ros2_database_columns},
+      numpy_format(),
+      matlab_format(),
+      hdf5_format(),
+      ulog_format(),
+      dataflash_format(),
+      binary_rows_format(),
       {.name = "CSV or plain columns of numbers",
        .recognizes = is_text,
        .describe = describe_text,

@@ -17,8 +17,8 @@ namespace imulab {
 /// A table of a recording file.
 struct TableRequest {
   std::filesystem::path file;
-  std::string topic;   ///< its name; empty: the only table of the file
-  std::string layout;  ///< of rows of binary numbers, as declared: "f8 f4x6"
+  std::string topic{};   ///< its name; empty: the only table of the file
+  std::string layout{};  ///< of rows of binary numbers, as declared: "f8 f4x6"
 };
 
 /// A format. To add one: a source file of this folder that reads it, and its row in recording_formats().

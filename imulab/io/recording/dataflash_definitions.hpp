@@ -1,0 +1,59 @@
+// How the messages of an ArduPilot DataFlash log are laid out.
+#pragma once
+
+#include "imulab/io/recording/binary.hpp"
+#include "imulab/io/recording/raw_table.hpp"
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace imulab::recording_io {
+
+/// A label of a message.
+struct DataflashField {
+  std::string name;
+  char format = 0;         ///< of the log: 'f', 'Q' ...
+  std::size_t offset = 0;  ///< in the message, with its head of three bytes
+};
+
+struct DataflashMessage {
+  std::string name;
+  std::size_t length = 0;  ///< with its head; 0: not defined
+  std::vector<DataflashField> fields;
+  std::string units, multipliers;         ///< a character for each field, of FMTU; may be empty
+  std::optional<std::size_t> instance{};  ///< offset of the sensor's number
+};
+
+struct DataflashColumn {
+  ColumnDescription description;
+  NumberField field;
+  double divisor = 1;
+};
+
+class DataflashDefinitions {
+ public:
+  /// Takes a message that defines others (FMT, FMTU, UNIT, MULT): all of its bytes, of a message defined before. True where it defines which message
+  /// has instances.
+  bool add(std::string_view message);
+  const DataflashMessage& operator[](unsigned char id) const { return messages_[id]; }
+  /// The numbers of a message, with the divisors that bring them to their units. Times in microseconds stay so: they are exact.
+  std::vector<DataflashColumn> columns(unsigned char id) const;
+
+ private:
+  void define(std::string_view message);
+
+  std::array<DataflashMessage, 256> messages_;
+  std::map<char, std::string> units_;
+  std::map<char, double> multipliers_;
+};
+
+/// The message that defines messages: its number, and its length with the head.
+inline constexpr unsigned char dataflash_fmt = 128;
+inline constexpr std::size_t dataflash_fmt_length = 89;
+
+}  // namespace imulab::recording_io

@@ -1,0 +1,58 @@
+// HDF5 files that h5py wrote (tests/recordings/hdf5_files.py).
+#include <gmock/gmock.h>
+
+#include "tests/recording_files.hpp"
+
+#ifdef __SANITIZE_ADDRESS__
+// Of damaged files libhdf5 and libmatio keep memory, and libmatio asks for more than there is.
+extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5\nleak:libmatio\nleak:inflateCopy\n"; }
+extern "C" const char* __asan_default_options() { return "allocator_may_return_null=1"; }
+#endif
+
+namespace imulab {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+bool built_without(const TableRequest& request) { return error_of(request, {1}).find("built without") != std::string::npos; }
+
+TEST(Hdf5, DatasetsInGroups) {
+  TableRequest request{.file = recording_file("groups.h5"), .topic = "/imu/t"};
+  if (built_without(request)) GTEST_SKIP();
+  const auto tables = format_of(request).describe(request);
+  ASSERT_EQ(tables.size(), 2u);
+  EXPECT_EQ(tables[0].name, "/baro/height");
+  EXPECT_THAT(column_texts(tables[1]),
+              ElementsAre("/imu/accel.1 [m/s^2]", "/imu/accel.2 [m/s^2]", "/imu/accel.3 [m/s^2]", "/imu/counts.1", "/imu/counts.2", "/imu/counts.3",
+                          "/imu/gyro.1", "/imu/gyro.2", "/imu/gyro.3", "/imu/stamp", "/imu/t"));
+  expect_columns(request, {"/imu/gyro.1", "/imu/gyro.2", "/imu/gyro.3"}, fixture_gyro);
+  expect_columns(request, {"/imu/accel.1", "/imu/accel.2", "/imu/accel.3"}, fixture_accel);
+  expect_columns(request, {"/imu/accel.3", "/imu/accel.2"}, [](std::size_t i, std::size_t c) { return fixture_accel(i, 2 - c); });
+  expect_columns(request, {"/imu/counts.1", "/imu/counts.2", "/imu/counts.3"}, fixture_counts);
+  EXPECT_EQ(columns_of(request, {"/imu/stamp"}).columns[0].integers.at(39), fixture_ns(39));
+  EXPECT_THAT(error_of(request, {"/imu/mag"}), HasSubstr("groups.h5: /imu/accel: column /imu/mag is not there; expected one of /imu/accel.1"));
+  request.topic = "/imu";
+  EXPECT_THAT(error_of(request, {1}), HasSubstr("topic /imu is not there; expected one of /baro/height, /imu/accel"));
+}
+
+TEST(Hdf5, CompoundElements) {
+  const TableRequest request{.file = recording_file("compound.h5")};
+  if (built_without(request)) GTEST_SKIP();
+  EXPECT_THAT(column_texts(format_of(request).describe(request).at(0)),
+              ElementsAre("/samples.stamp", "/samples.gyro.1", "/samples.gyro.2", "/samples.gyro.3", "/samples.imu.ax", "/samples.imu.ay",
+                          "/samples.imu.az"));
+  expect_columns(request, {"/samples.gyro.1", "/samples.gyro.2", "/samples.gyro.3"}, fixture_gyro);
+  expect_columns(request, {"/samples.imu.ax", "/samples.imu.ay", "/samples.imu.az"}, fixture_accel);
+  EXPECT_EQ(columns_of(request, {1}).columns[0].integers.at(39), fixture_ns(39));
+}
+
+TEST(Hdf5, DamageIsSurvived) {
+  const TableRequest request{.file = recording_file("groups.h5"), .topic = "/imu/t"};
+  if (built_without(request)) GTEST_SKIP();
+  expect_damage_is_survived(request, {"/imu/t", "/imu/accel.1"}, 101);
+  expect_damage_is_survived({.file = recording_file("compound.h5")}, {"/samples.gyro.1"}, 23);
+}
+
+}  // namespace
+}  // namespace imulab

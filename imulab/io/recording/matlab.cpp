@@ -1,0 +1,175 @@
+// MATLAB's .mat files of version 4 and 5 (to 7.2, also compressed), as libmatio reads them: variables, and fields of structures. Version 7.3 is HDF5.
+#include "imulab/core/error.hpp"
+#include "imulab/io/recording/arrays.hpp"
+#include "imulab/io/recording/binary.hpp"
+#include "imulab/io/recording/formats.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#ifdef IMULAB_WITH_MATIO
+#include <matio.h>
+#endif
+
+namespace imulab::recording_io {
+namespace {
+
+/// Version 4 has no signature: the head of its first variable has to be one.
+bool is_matlab_4(std::string_view head) {
+  if (head.size() < 22) return false;
+  for (const bool big_endian : {false, true}) {
+    const auto number = [&](std::size_t i) { return load<std::uint32_t>(head.data() + 4 * i, big_endian); };
+    const std::uint32_t type = number(0), name = number(4);
+    if (type / 1000 != (big_endian ? 1u : 0u) || type / 100 % 10 != 0 || type / 10 % 10 > 5 || type % 10 > 2) continue;
+    constexpr std::uint32_t most = std::numeric_limits<std::int32_t>::max();
+    if (number(1) > most || number(2) > most || number(3) > 1 || name < 2 || name > 64 || head.size() < 20 + name) continue;
+    const std::string_view letters = head.substr(20, name - 1);
+    const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_'; };
+    if (head[20 + name - 1] == '\0' && std::all_of(letters.begin(), letters.end(), is_letter)) return true;
+  }
+  return false;
+}
+
+bool is_matlab(std::string_view head) {
+  if (is_matlab_4(head)) return true;
+  if (head.size() < 128 || !head.starts_with("MATLAB ")) return false;
+  return head.substr(124, 4) == std::string_view("\0\1IM", 4) || head.substr(124, 4) == std::string_view("\1\0MI", 4);
+}
+
+#ifdef IMULAB_WITH_MATIO
+
+struct CloseMat {
+  void operator()(mat_t* file) const { Mat_Close(file); }
+  void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
+};
+
+/// A variable, or a field of one, that is a table of numbers.
+struct MatArray {
+  NumberArray array;
+  matvar_t* variable = nullptr;
+  NumberType type;
+  bool lying = false;  // 3 x N
+};
+
+struct MatFile {
+  std::string name;
+  std::uintmax_t bytes = 0;
+  std::unique_ptr<mat_t, CloseMat> file;
+  std::vector<std::unique_ptr<matvar_t, CloseMat>> variables;
+  std::vector<MatArray> arrays;
+
+  std::vector<NumberArray> numbers() const {
+    std::vector<NumberArray> result;
+    for (const MatArray& a : arrays) result.push_back(a.array);
+    return result;
+  }
+};
+
+std::optional<NumberType> mat_type(const matvar_t& variable) {
+  const bool big_endian = std::endian::native == std::endian::big;  // in memory
+  switch (variable.class_type) {
+    case MAT_C_DOUBLE:
+      return NumberType{'f', 8, big_endian};
+    case MAT_C_SINGLE:
+      return NumberType{'f', 4, big_endian};
+    case MAT_C_INT8:
+      return NumberType{'i', 1, big_endian};
+    case MAT_C_UINT8:
+      return NumberType{'u', 1, big_endian};
+    case MAT_C_INT16:
+      return NumberType{'i', 2, big_endian};
+    case MAT_C_UINT16:
+      return NumberType{'u', 2, big_endian};
+    case MAT_C_INT32:
+      return NumberType{'i', 4, big_endian};
+    case MAT_C_UINT32:
+      return NumberType{'u', 4, big_endian};
+    case MAT_C_INT64:
+      return NumberType{'i', 8, big_endian};
+    case MAT_C_UINT64:
+      return NumberType{'u', 8, big_endian};
+    default:
+      return std::nullopt;
+  }
+}
+
+void add_variable(MatFile& file, matvar_t* variable, const std::string& name, int depth) {
+  if (variable == nullptr || variable->rank != 2 || variable->dims == nullptr) return;
+  const std::size_t rows = variable->dims[0], columns = variable->dims[1];
+  if (variable->class_type == MAT_C_STRUCT && rows == 1 && columns == 1 && depth < 8) {
+    const unsigned fields = Mat_VarGetNumberOfFields(variable);
+    char* const* const names = Mat_VarGetStructFieldnames(variable);
+    for (unsigned i = 0; i < fields && names != nullptr; ++i)
+      if (names[i] != nullptr) add_variable(file, Mat_VarGetStructFieldByIndex(variable, i, 0), name + "." + names[i], depth + 1);
+    return;
+  }
+  const auto type = mat_type(*variable);
+  if (!type || variable->isComplex != 0 || rows == 0 || columns == 0) return;
+  // A compressed file holds no more than this; the sizes may be damaged.
+  if (static_cast<double>(rows) * static_cast<double>(columns) > 1100.0 * static_cast<double>(file.bytes) ||
+      std::max(rows, columns) > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+    throw Error(fmt::format("{}: {}: is larger than the file can hold", file.name, name));
+  const ArrayShape shape = table_shape({rows, columns}, false);
+  file.arrays.push_back({{name, shape.rows, column_names(name, shape.columns)}, variable, *type, !shape.by_column});
+}
+
+MatFile open_mat(const std::filesystem::path& path) {
+  MatFile file;
+  file.name = path.string();
+  file.bytes = std::filesystem::file_size(path);
+  file.file.reset(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
+  if (!file.file) throw Error(file.name + ": cannot be opened as a MATLAB file; expected a whole one (is it truncated?)");
+  while (matvar_t* const variable = Mat_VarReadNextInfo(file.file.get())) {
+    file.variables.emplace_back(variable);
+    if (variable->name != nullptr) add_variable(file, variable, variable->name, 0);
+  }
+  return file;
+}
+
+/// Some columns of an array. It is read as a whole: of a field of a compressed structure libmatio gives no part.
+std::vector<RawColumn> read_variable(const MatFile& file, const MatArray& array, const std::vector<std::size_t>& wanted) {
+  const std::size_t size = array.type.bytes, rows = array.array.rows, columns = array.array.columns.size();
+  std::string buffer(size * rows * columns, '\0');
+  std::array<int, 2> start{0, 0}, stride{1, 1};
+  std::array<int, 2> edge{static_cast<int>(array.variable->dims[0]), static_cast<int>(array.variable->dims[1])};
+  if (Mat_VarReadData(file.file.get(), array.variable, buffer.data(), start.data(), stride.data(), edge.data()) != 0)
+    throw Error(fmt::format("{}: {}: cannot be read; expected a whole variable", file.name, array.array.name));
+  std::vector<NumberField> fields;
+  for (const std::size_t c : wanted) fields.push_back({array.type, size * c * (array.lying ? 1 : rows)});
+  ColumnBuilder builder(std::move(fields), rows);
+  builder.add(buffer.data(), size * (array.lying ? columns : 1), rows);
+  return builder.take();
+}
+
+std::vector<TableDescription> describe_matlab(const TableRequest& request) { return descriptions_of(open_mat(request.file).numbers()); }
+
+RawTable matlab_columns(const TableRequest& request, const std::vector<Column>& columns) {
+  const MatFile file = open_mat(request.file);
+  const std::vector<ArrayColumn> places = find_array_columns(file.numbers(), request.topic, columns, file.name);
+  return gather_columns(places, file.arrays.size(),
+                        [&](std::size_t a, const std::vector<std::size_t>& wanted) { return read_variable(file, file.arrays[a], wanted); });
+}
+
+#else
+
+[[noreturn]] void fail_without_matio(const TableRequest& request) {
+  throw Error(request.file.string() +
+              ": is a MATLAB file, and this imulab was built without them; expected another format, or a build with libmatio-dev installed");
+}
+std::vector<TableDescription> describe_matlab(const TableRequest& request) { fail_without_matio(request); }
+RawTable matlab_columns(const TableRequest& request, const std::vector<Column>&) { fail_without_matio(request); }
+
+#endif
+
+}  // namespace
+
+RecordingFormat matlab_format() { return {.name = "MATLAB .mat", .recognizes = is_matlab, .describe = describe_matlab, .columns = matlab_columns}; }
+
+}  // namespace imulab::recording_io

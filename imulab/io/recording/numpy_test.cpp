@@ -1,0 +1,133 @@
+// Files that NumPy wrote (tests/recordings/numpy_files.py).
+#include <gmock/gmock.h>
+
+#include "tests/recording_files.hpp"
+
+namespace imulab {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+double row_value(std::size_t i, std::size_t c) { return c == 0 ? fixture_t(i) : c < 4 ? fixture_gyro(i, c - 1) : fixture_accel(i, c - 4); }
+
+TEST(NumPy, RowsInAnyOrderAndByteOrder) {
+  const std::vector<Column> all{1, 2, 3, 4, 5, 6, 7};
+  for (const char* name : {"rows.npy", "rows_fortran.npy", "lying.npy"}) {
+    expect_columns({.file = recording_file(name)}, all, row_value);
+    expect_columns({.file = recording_file(name)}, {"5", 1, 1}, [](std::size_t i, std::size_t c) { return row_value(i, c == 0 ? 4 : 0); });
+  }
+  expect_columns({.file = recording_file("rows_f4_big.npy")}, {2, 3, 4, 5, 6, 7}, [](std::size_t i, std::size_t c) { return row_value(i, c + 1); });
+}
+
+TEST(NumPy, StampsStayExact) {
+  const auto table = columns_of({.file = recording_file("stamps.npy")}, {1});
+  ASSERT_EQ(table.columns[0].integers.size(), fixture_samples);
+  for (std::size_t i = 0; i < fixture_samples; ++i) EXPECT_EQ(table.columns[0].integers[i], fixture_ns(i));
+}
+
+TEST(NumPy, FieldsAreColumns) {
+  const TableRequest request{.file = recording_file("fields.npy")};
+  const auto tables = format_of(request).describe(request);
+  ASSERT_EQ(tables.size(), 1u);
+  EXPECT_EQ(tables[0].rows, fixture_samples);
+  EXPECT_THAT(column_texts(tables[0]), ElementsAre("stamp", "gyro.1", "gyro.2", "gyro.3", "imu.ax", "imu.ay", "imu.az"));
+  expect_columns(request, {"gyro.1", "gyro.2", "gyro.3"}, fixture_gyro);
+  expect_columns(request, {"imu.ax", "imu.ay", "imu.az"}, fixture_accel);
+  EXPECT_EQ(columns_of(request, {"stamp"}).columns[0].integers[7], fixture_ns(7));
+}
+
+TEST(NumPy, ArraysOfOneLengthAreOneTable) {
+  for (const char* name : {"arrays.npz", "arrays_deflated.npz"}) {
+    const TableRequest request{.file = recording_file(name)};
+    const auto tables = format_of(request).describe(request);
+    ASSERT_EQ(tables.size(), 1u) << name;
+    EXPECT_EQ(tables[0].name, "");
+    EXPECT_THAT(column_texts(tables[0]), ElementsAre("gyro.1", "gyro.2", "gyro.3", "accel.1", "accel.2", "accel.3", "stamp", "time [ns]", "counts.1",
+                                                     "counts.2", "counts.3", "flags"));
+    expect_columns(request, {"gyro.1", "gyro.2", "gyro.3"}, fixture_gyro);
+    expect_columns(request, {"accel.1", "accel.2", "accel.3"}, fixture_accel);
+    expect_columns(request, {"counts.1", "counts.2", "counts.3"}, fixture_counts);
+    expect_columns(request, {"flags"}, [](std::size_t i, std::size_t) { return i % 2 == 0 ? 1.0 : 0.0; });
+    EXPECT_EQ(columns_of(request, {"stamp"}).columns[0].integers[39], fixture_ns(39));
+    EXPECT_EQ(columns_of(request, {"time"}).columns[0].integers[39], fixture_ns(39));
+    expect_columns(request, {"accel.3", "gyro.1", "accel.3"},
+                   [](std::size_t i, std::size_t c) { return c == 1 ? fixture_gyro(i, 0) : fixture_accel(i, 2); });
+  }
+}
+
+TEST(NumPy, AnyArrayNamesItsTable) {
+  TableRequest request{.file = recording_file("two_lengths.npz")};
+  EXPECT_THAT(error_of(request, {"gyro.1"}), HasSubstr("has several topics and the session names none; expected topic = one of gyro_t, accel_t"));
+  request.topic = "accel";
+  expect_columns(request, {"accel.1", "accel.2", "accel.3"}, fixture_accel, 37);
+  EXPECT_THAT(error_of(request, {"gyro.1"}), HasSubstr("two_lengths.npz: accel_t: column gyro.1 is not there; expected one of accel_t, accel.1"));
+  request.topic = "gyro_t";
+  expect_columns(request, {"gyro.1", "gyro.2", "gyro.3"}, fixture_gyro);
+  request.topic = "mag";
+  EXPECT_THAT(error_of(request, {"gyro.1"}), HasSubstr("two_lengths.npz: topic mag is not there; expected one of gyro_t, accel_t"));
+}
+
+TEST(NumPy, ReadsAsARecording) {
+  const auto table = recording_io::read_table({.file = recording_file("arrays_deflated.npz")},
+                                              {.column = "stamp", .unit = "ns", .zero = fixture_ns(0)}, std::nullopt, {"gyro.1"});
+  EXPECT_EQ(table.time_ns[1], 8'000'000);
+  EXPECT_EQ(table.values[0][1], fixture_gyro(1, 0));
+}
+
+/// An array's file with this head.
+std::string npy_with(std::string head, std::size_t data) {
+  std::string bytes("\x93NUMPY\1\0", 8);
+  bytes += static_cast<char>(head.size() & 255);
+  bytes += static_cast<char>(head.size() >> 8);
+  return bytes + head + std::string(data, '\1');
+}
+
+TEST(NumPy, ACutFileIsReadWithAWarning) {
+  const TemporaryFolder folder;
+  const std::string bytes = file_bytes(recording_file("rows.npy"));
+  const TableRequest request{.file = folder.write("cut.npy", bytes.substr(0, bytes.size() - 60))};
+  const auto table = columns_of(request, {1});
+  EXPECT_EQ(table.columns[0].size(), 38u);  // 60 bytes are two rows of 56, the second in part
+  EXPECT_THAT(table.warnings, ElementsAre(HasSubstr("cut.npy: ends after 38 of 40 rows: the others are lost")));
+}
+
+TEST(NumPy, WrongHeadsAreErrors) {
+  const TemporaryFolder folder;
+  const struct {
+    std::string bytes, message;
+  } cases[] = {
+      {npy_with("{'descr': '<f8', 'fortran_order': False, 'shape': (100000000, 100000000), }", 64), "has less than a row of numbers"},
+      {npy_with("{'descr': '<f8', 'fortran_order': True, 'shape': (1000000000, 7), }", 64), "ends after 64 of 56000000000 bytes"},
+      {npy_with("{'descr': '<f8', 'fortran_order': False, 'shape': (4000000000, 4000000000, 4000000000), }", 64), "larger than any file"},
+      {npy_with("{'descr': [('a', '<f8', (65000,65000))], 'fortran_order': False, 'shape': (1,), }", 64), "field a has 4225000000 elements"},
+      {npy_with("{'descr': '|O', 'fortran_order': False, 'shape': (4,), }", 64), "an array of |O, empty or of more than two dimensions"},
+      {npy_with("{'descr': '<f8', 'fortran_order': False, 'shape': (2, 2, 2), }", 64), "of more than two dimensions"},
+      {npy_with("{'descr': '<f8', 'fortran_order': False, 'shape': (4", 64), "the head ends too early"},
+      {npy_with("{'descr': '<f8', 'shape': (4,)}", 64), "the head has no fortran_order"},
+      {npy_with(std::string(300, '('), 64), "nested too deep"},
+      {npy_with("{'descr': 'f', 'fortran_order': False, 'shape': (4,), }", 64), "f is not a type"},
+      {npy_with("", 0).substr(0, 11), "its head is damaged"},
+      {std::string("PK\3\4", 4) + std::string(60, '\0'), "has no directory at its end"},
+  };
+  for (const auto& c : cases) EXPECT_THAT(error_of({.file = folder.write("x.npy", c.bytes)}, {1}), HasSubstr("x.npy: ")) << c.message;
+  for (const auto& c : cases) EXPECT_THAT(error_of({.file = folder.write("x.npy", c.bytes)}, {1}), HasSubstr(c.message));
+}
+
+TEST(NumPy, DamageIsSurvived) {
+  for (const char* name : {"rows.npy", "rows_fortran.npy", "fields.npy"}) expect_damage_is_survived({.file = recording_file(name)}, {1}, 11);
+  for (const char* name : {"arrays.npz", "arrays_deflated.npz"})
+    expect_damage_is_survived({.file = recording_file(name)}, {"gyro.1", "counts.2"}, 17);
+  expect_damage_is_survived({.file = recording_file("two_lengths.npz"), .topic = "gyro"}, {"gyro.1"}, 7);
+}
+
+TEST(NumPy, DamagedCompressedDataAreNotReadings) {
+  const TemporaryFolder folder;
+  std::string bytes = file_bytes(recording_file("arrays_deflated.npz"));
+  const std::size_t at = bytes.find("accel.npy") - 70;
+  bytes[at] = static_cast<char>(bytes[at] ^ 8);
+  EXPECT_THAT(error_of({.file = folder.write("x.npz", bytes)}, {"gyro.1"}), testing::AnyOf(HasSubstr("damaged"), HasSubstr("too early")));
+}
+
+}  // namespace
+}  // namespace imulab

@@ -1,0 +1,29 @@
+"""h5py writes HDF5: datasets in groups, chunked and compressed, of compound elements, 3 x N, and in single precision with the most significant byte first."""
+import h5py
+import numpy as np
+from imu import *
+
+time = np.array([t(i) for i in range(SAMPLES)])
+gyros = np.array([gyro(i) for i in range(SAMPLES)])
+accels = np.array([accel(i) for i in range(SAMPLES)])
+stamps = np.array([stamp_ns(i) for i in range(SAMPLES)])
+
+with h5py.File("groups.h5", "w") as f:
+    f["imu/t"] = time
+    f["imu/stamp"] = stamps
+    f["imu/gyro"] = gyros.astype(">f4")
+    f["imu/gyro"].attrs["units"] = "rad/s"  # of varying length: not read
+    f.create_dataset("imu/accel", data=accels, chunks=(7, 2), compression="gzip", shuffle=True)
+    f["imu/accel"].attrs["units"] = np.bytes_("m/s^2")
+    f.create_dataset("imu/counts", data=np.array([counts(i) for i in range(SAMPLES)], dtype="i2").T, chunks=(3, 16))  # 3 x N
+    f["imu/names"] = ["x", "y", "z"]
+    f["rate"] = 125.0
+    f["baro/height"] = np.arange(10.0)
+
+fields = np.zeros(SAMPLES, dtype=[("stamp", "<i8"), ("label", "S3"), ("gyro", ">f4", (3,)), ("imu", [("ax", "f8"), ("ay", "f8"), ("az", "<f4")])])
+fields["stamp"] = stamps
+fields["gyro"] = gyros
+for k, name in enumerate(["ax", "ay", "az"]):
+    fields["imu"][name] = accels[:, k]
+with h5py.File("compound.h5", "w", libver="latest") as f:
+    f["samples"] = fields
