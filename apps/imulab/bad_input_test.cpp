@@ -51,7 +51,7 @@ TEST(BadInput, ARecordingNamesFileLineAndColumn) {
       {[](SessionText& s) { s.set(5, 0, "0.015"); }, file + ":5: t: time runs backwards: 0.015 s after 0.03 s"},
       {[](SessionText& s) { s.set(5, 0, "0.03"); }, file + ":5: t: 0.03 s is on two rows with different readings"},
       {[](SessionText& s) { s.declare("rate_hz = 100", "rate_hz = 200"); }, file + ": rate_hz = 200 is declared, but the stamps give 100 Hz"},
-      {[](SessionText& s) { s.lines[9] = std::string("\0\1\2\3", 4); }, file + ": unknown format; expected CSV"},
+      {[](SessionText& s) { s.lines[9] = std::string("\0\1\2\3", 4); }, file + ": unknown format; expected "},
   });
 }
 
