@@ -57,28 +57,22 @@ struct DataflashContents {
   std::vector<DataflashTable> tables;  // those with rows
   DataflashLosses losses;
 
-  std::size_t length(unsigned char id) const {
-    return id == dataflash_fmt ? std::max(dataflash_fmt_length, definitions[id].length) : definitions[id].length;
-  }
   /// Of a message; 0 where it has none.
   std::size_t instance(unsigned char id, std::string_view bytes) const {
-    const auto& offset = definitions[id].instance;
-    return offset && *offset < bytes.size() ? static_cast<unsigned char>(bytes[*offset]) : 0;
+    const std::size_t offset = definitions.instance_offset(id);
+    return offset < bytes.size() ? static_cast<unsigned char>(bytes[offset]) : 0;
   }
 };
-
-/// The numbers of the messages that define others.
-bool defines(const DataflashMessage& message) { return message.name == "FMTU" || message.name == "UNIT" || message.name == "MULT"; }
 
 DataflashContents dataflash_contents(std::string_view text) {
   DataflashContents contents;
   std::vector<std::array<std::size_t, 256>> rows(256);
-  const auto length = [&](unsigned char id) { return contents.length(id); };
+  const auto length = [&](unsigned char id) { return contents.definitions.length(id); };
   bool again = false;
   contents.losses = walk_dataflash(text, length, [&](unsigned char id, std::string_view bytes) {
     const std::size_t instance = contents.instance(id, bytes);
     ++rows[id][instance];
-    if ((id == dataflash_fmt || defines(contents.definitions[id])) && contents.definitions.add(bytes)) again = true;
+    if (contents.definitions.defines_others(id) && contents.definitions.add(bytes)) again = true;
   });
   if (again) {  // instances may have been defined after the first messages
     rows.assign(256, {});
@@ -133,7 +127,7 @@ RawTable dataflash_columns(const TableRequest& request, const std::vector<Column
   }
   ColumnBuilder builder(std::move(fields), description.rows);
   walk_dataflash(
-      mapped.text(), [&](unsigned char id) { return contents.length(id); },
+      mapped.text(), [&](unsigned char id) { return contents.definitions.length(id); },
       [&](unsigned char id, std::string_view bytes) {
         if (id == table.id && contents.instance(id, bytes) == table.instance) builder.add(bytes.data());
       });

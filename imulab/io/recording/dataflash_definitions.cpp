@@ -73,6 +73,10 @@ void DataflashDefinitions::define(std::string_view message) {
     if (defined.fields.size() == before.fields.size()) defined.instance = before.instance;
   }
   messages_[id] = std::move(defined);
+  const DataflashMessage& now = messages_[id];
+  const bool defines_others = id == dataflash_fmt || now.name == "FMTU" || now.name == "UNIT" || now.name == "MULT";
+  const std::size_t length = id == dataflash_fmt ? std::max(dataflash_fmt_length, now.length) : now.length;
+  brief_[id] = {static_cast<std::uint16_t>(length), static_cast<std::uint16_t>(now.instance), defines_others};
 }
 
 bool DataflashDefinitions::add(std::string_view message) {
@@ -97,10 +101,10 @@ bool DataflashDefinitions::add(std::string_view message) {
     defined.units = units;
     defined.multipliers = multipliers;
     const std::size_t number = defined.units.find('#');
-    const std::optional<std::size_t> instance =
-        number < defined.fields.size() && defined.fields[number].format == 'B' ? std::optional(defined.fields[number].offset) : std::nullopt;
+    const std::size_t instance = number < defined.fields.size() && defined.fields[number].format == 'B' ? defined.fields[number].offset : no_instance;
     const bool changes = instance != defined.instance;
     defined.instance = instance;
+    brief_[static_cast<unsigned char>(of[0])].instance = static_cast<std::uint16_t>(instance);
     return changes;
   }
   return false;

@@ -133,7 +133,7 @@ MatFile open_mat(const std::filesystem::path& path) {
   return file;
 }
 
-/// Some columns of an array. It is read as a whole: of a field of a compressed structure libmatio gives no part.
+/// Some columns of an array. It is read as a whole: of a structure's field libmatio gives no part.
 std::vector<RawColumn> read_variable(const MatFile& file, const MatArray& array, const std::vector<std::size_t>& wanted) {
   const std::size_t size = array.type.bytes, rows = array.array.rows, columns = array.array.columns.size();
   std::string buffer(size * rows * columns, '\0');

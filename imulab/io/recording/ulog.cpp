@@ -20,6 +20,13 @@ constexpr std::string_view ulog_magic("ULog\x01\x12\x35", 7);
 constexpr std::size_t ulog_head = 16, message_head = 3;
 constexpr std::string_view sync_bytes("\x2F\x73\x13\x20\x25\x0C\xBB\x12", 8);
 
+/// The types of messages, by their letters.
+constexpr auto is_known = [] {
+  std::array<bool, 256> known{};
+  for (const char type : std::string_view("BFIMPQARDLCSO")) known[static_cast<unsigned char>(type)] = true;
+  return known;
+}();
+
 bool is_ulog(std::string_view head) { return head.starts_with(ulog_magic); }
 
 /// What a log has lost.
@@ -67,8 +74,7 @@ class UlogReader {
 
   /// Whether a message of a known type may begin here.
   bool begins_message(std::size_t at, std::size_t end) const {
-    constexpr std::string_view known = "BFIMPQARDLCSO";
-    return end - at >= message_head && load<std::uint16_t>(text_.data() + at) > 0 && known.find(text_[at + 2]) != std::string_view::npos;
+    return end - at >= message_head && load<std::uint16_t>(text_.data() + at) > 0 && is_known[static_cast<unsigned char>(text_[at + 2])];
   }
 
   /// Where reading goes on after what is no message of a known type: behind one of a newer type, or at the next sync message.
