@@ -76,11 +76,12 @@ TEST_P(BadBags, CutOffAnywhere) {
 /// Lengths, counts, places, kinds: each byte is one of these somewhere.
 TEST_P(BadBags, WithAnyByteChanged) {
   const std::size_t step = bytes_.size() < 10000 ? 23 : 131;
+  const bool counted = bytes_.starts_with("\x89MCAP") && GetParam() != "imu_no_chunks.mcap" && GetParam() != "imu_bare.mcap";  // and has checksums
   for (const char wrong : {'\xFF', '\0'})
     for (std::size_t at = 0; at < bytes_.size(); at += step) {
       std::string bytes = bytes_;
       bytes[at] = bytes[at] == wrong ? '\x7F' : wrong;
-      outcome(write(bytes), bytes_.starts_with("\x89MCAP") && GetParam() != "imu_no_chunks.mcap");  // others have no checksums
+      outcome(write(bytes), counted);
     }
 }
 
