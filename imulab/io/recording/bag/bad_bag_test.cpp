@@ -150,6 +150,20 @@ TEST(BadBag, AnUnfinishedMcapIsReadToItsEnd) {
       ThrowsMessage<Error>(HasSubstr("mcap recover")));
 }
 
+/// A recorder that was stopped leaves no index, and a header that says so.
+TEST(BadBag, ARos1BagThatWasNotClosedIsReadToItsEnd) {
+  const TemporaryFolder folder;
+  std::string bytes = read_text(fixture("imu_lz4.bag"));
+  const std::size_t place = bytes.find("index_pos=") + 10;
+  const auto index = number_at<std::uint64_t>(bytes.data() + place);
+  put_number<std::uint64_t>(bytes.data() + place, 0);
+  const auto file = folder.write("a.bag.active", bytes.substr(0, index));
+  const RawTable table = read_columns(file, "", imu_columns());
+  EXPECT_EQ(table.columns[0].size(), fixture_samples);
+  ASSERT_EQ(table.warnings.size(), 1u);
+  EXPECT_THAT(table.warnings[0], HasSubstr("the bag was not closed and has no index: read from its beginning"));
+}
+
 TEST(BadBag, AMessageTooShortNamesIt) {
   const TemporaryFolder folder;
   const auto file = folder / "a.db3";
