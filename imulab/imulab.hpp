@@ -13,6 +13,7 @@
 #include "imulab/inspection/inspection.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/export/target.hpp"
+#include "imulab/io/recording/compensated_bag.hpp"
 #include "imulab/io/recording/file.hpp"
 #include "imulab/io/recording/format.hpp"
 #include "imulab/io/recording/signals.hpp"

@@ -23,8 +23,12 @@ inline std::array<double, 6> fixture_readings(std::size_t sample) {
 
 inline std::filesystem::path fixture(const std::string& name) { return std::filesystem::path(IMULAB_SOURCE) / "tests" / "recordings" / name; }
 inline const std::vector<std::string>& fixture_names() {
-  static const std::vector<std::string> names{"imu_none.bag",  "imu_bz2.bag",        "imu_lz4.bag",         "imu_none.mcap", "imu_lz4.mcap",
-                                              "imu_zstd.mcap", "imu_no_chunks.mcap", "imu_big_endian.mcap", "imu_ros1.mcap", "imu.db3"};
+  static const std::vector<std::string> names{"imu_none.bag",       "imu_bz2.bag",
+                                              "imu_lz4.bag",        "imu_none.mcap",
+                                              "imu_lz4.mcap",       "imu_zstd.mcap",
+                                              "imu_no_chunks.mcap", "imu_big_endian.mcap",
+                                              "imu_ros1.mcap",      "imu_no_message_index.mcap",
+                                              "imu_bare.mcap",      "imu.db3"};
   return names;
 }
 

@@ -1,4 +1,5 @@
-// Writes imu_none.mcap, imu_lz4.mcap, imu_zstd.mcap, imu_no_chunks.mcap, imu_big_endian.mcap, imu_ros1.mcap and sparse.mcap with Foxglove's libraries (npm: @mcap/core, @foxglove/cdr,
+// Writes imu_none.mcap, imu_lz4.mcap, imu_zstd.mcap, imu_no_chunks.mcap, imu_big_endian.mcap, imu_ros1.mcap, sparse.mcap,
+// imu_no_message_index.mcap and imu_bare.mcap (with nothing that a writer may leave out of the summary) with Foxglove's libraries (npm: @mcap/core, @foxglove/cdr,
 // @foxglove/rosmsg, @foxglove/rosmsg-serialization, @foxglove/rosmsg2-serialization, @foxglove/wasm-zstd, lz4js). Run by hand; the files are in the tree. The numbers are those of bag_data.py.
 import { McapWriter } from "@mcap/core";
 import { CdrWriter, EncapsulationKind } from "@foxglove/cdr";
@@ -118,3 +119,6 @@ await write(`${folder}/imu_no_chunks.mcap`, { useChunks: false });
 await write(`${folder}/imu_big_endian.mcap`, packing("zstd", (bytes) => zstd.compress(bytes, 3)), { big: true });
 await write(`${folder}/imu_ros1.mcap`, packing("lz4", (bytes) => lz4.compress(bytes)), { ros1: true });
 await write(`${folder}/sparse.mcap`, { chunkSize: 1 << 20 }, { samples: 4, pictureSize: 40_000 });
+await write(`${folder}/imu_no_message_index.mcap`, { useMessageIndex: false });
+const bare = Object.fromEntries(["repeatSchemas", "useStatistics", "useSummaryOffsets", "useAttachmentIndex", "useMetadataIndex"].map((what) => [what, false]));
+await write(`${folder}/imu_bare.mcap`, { ...packing("zstd", (bytes) => zstd.compress(bytes, 3)), ...bare });

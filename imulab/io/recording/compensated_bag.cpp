@@ -58,14 +58,6 @@ void expect_one_topic(const RecordingSource& source, const fs::path& path) {
     throw Error(fmt::format("{}: the session has increments, and messages have rates; expected output = \"rate\", or a .csv file", path.string()));
 }
 
-std::vector<bag::Topic> topics_of(const fs::path& input) {
-  bag::Buffer buffer;
-  const std::string_view head = bag::ByteFile(input).read_some(0, 16, buffer);
-  if (bag::is_mcap(head)) return bag::Mcap(input).topics();
-  if (bag::is_ros1_bag(head)) return bag::Ros1Bag(input).topics();
-  return bag::database_topics(input);
-}
-
 /// For each message its compensated sample. A message that repeats the one before has the same.
 std::vector<std::size_t> samples_of(const std::vector<std::int64_t>& stamps, const Recording& recording, const fs::path& path) {
   std::vector<std::size_t> samples;
@@ -92,8 +84,7 @@ void write_compensated_bag(const fs::path& path, const Session& session, const R
   const fs::path input = session_path(session, source.file);
   expect_kind(path, input);
   expect_one_topic(source, path);
-  const std::vector<bag::Topic> topics = topics_of(input);
-  const bag::Topic& topic = bag::choose_topic(topics, source.topic, input.string());
+  const bag::Topic topic = bag::choose_topic(bag::open_bag(input)->topics(), source.topic, input.string());
   if (!bag::is_imu(topic.type))
     throw Error(fmt::format("{}: topic {} has messages of {}; expected sensor_msgs/Imu", path.string(), topic.name, topic.type));
   const Recording& recording = compensated.recording;

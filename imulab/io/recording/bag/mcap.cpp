@@ -88,10 +88,13 @@ bool Mcap::read_summary() {
     damage_.index(e.what());
     footer_.reset();
     topics_.clear(), schemas_.clear(), chunks_.clear();
-    counted_ = false;
+    counted_ = unknown_schema_ = false;
     return false;
   }
-  return !topics_.empty() && (counted_ || !chunks_.empty());
+  if (!topics_.empty() && !unknown_schema_ && (counted_ || !chunks_.empty())) return true;
+  topics_.clear();
+  counted_ = unknown_schema_ = false;
+  return false;
 }
 
 /// A record of the summary, of a chunk or between chunks.
@@ -102,7 +105,9 @@ void Mcap::take(McapOp op, std::string_view content) {
     schemas_.emplace(id, bytes.counted());
   } else if (op == McapOp::channel) {
     const auto id = bytes.number<std::uint16_t>();
-    const auto schema = schemas_.find(bytes.number<std::uint16_t>());
+    const auto schema_id = bytes.number<std::uint16_t>();
+    const auto schema = schemas_.find(schema_id);
+    unknown_schema_ |= schema_id != 0 && schema == schemas_.end();  // 0: none
     const std::string_view topic = bytes.counted(), encoding = bytes.counted();
     add_channel(topics_, id, topic, schema != schemas_.end() ? schema->second : "", encoding);
   } else if (op == McapOp::chunk_index) {
@@ -161,6 +166,7 @@ void Mcap::scan() {
       data_end_ = at;
     }
   }
+  counted_ = true;
 }
 
 void Mcap::scan_chunk(const McapRecord& record) {
@@ -185,6 +191,15 @@ void Mcap::count_message(std::uint16_t channel) {
 /// The first bytes of a message's content.
 std::string_view Mcap::message_head(const McapRecord& record) {
   return file_.read(record.begin, std::min(record.size, mcap_head_bytes + message_head_bytes), small_).substr(mcap_head_bytes);
+}
+
+void Mcap::count_all() {
+  if (counted_) return;
+  for (Topic& topic : topics_) {
+    std::uint64_t messages = 0;
+    each_message(topic, [&](std::int64_t, std::string_view) { ++messages; });
+    topic.messages = messages;
+  }
 }
 
 void Mcap::each_message(const Topic& topic, const MessageSink& sink) {
@@ -245,7 +260,7 @@ bool Mcap::read_by_index(const McapRecord& record, const McapChunkPlace& place, 
       offsets.push_back(entries.number<std::uint64_t>());
     }
   }
-  if (offsets.size() * sparse_bytes > chunk.size) return false;
+  if (offsets.empty() || offsets.size() * sparse_bytes > chunk.size) return false;
   std::sort(offsets.begin(), offsets.end());
   for (const std::uint64_t offset : offsets) {
     if (offset >= chunk.size) throw Damaged("an index points outside");
@@ -264,7 +279,11 @@ bool Mcap::read_by_index(const McapRecord& record, const McapChunkPlace& place, 
 
 bool is_mcap(std::string_view head) { return head.starts_with(mcap_magic.substr(0, 5)); }
 
-std::vector<recording_io::TableDescription> describe_mcap(const TableRequest& request) { return describe_topics(Mcap(request.file)); }
+std::vector<recording_io::TableDescription> describe_mcap(const TableRequest& request) {
+  Mcap bag(request.file);
+  bag.count_all();
+  return describe_topics(bag);
+}
 
 recording_io::RawTable mcap_columns(const TableRequest& request, const std::vector<Column>& columns) {
   Mcap bag(request.file);

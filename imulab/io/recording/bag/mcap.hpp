@@ -74,6 +74,9 @@ class Mcap : public Bag {
 
   void each_message(const Topic& topic, const MessageSink& sink) override;
 
+  /// For describe(), where the summary does not tell how many messages there are.
+  void count_all();
+
   const ByteFile& file() const { return file_; }
   bool complete() const { return footer_.has_value(); }
   std::uint64_t summary_start() const { return footer_ ? (*footer_)[0] : 0; }  ///< 0 without one
@@ -102,7 +105,8 @@ class Mcap : public Bag {
   std::uint64_t data_end_ = 0;
   std::map<std::uint16_t, std::string> schemas_;  // names
   std::map<std::uint64_t, McapChunkPlace> chunks_;
-  bool counted_ = false;  // the summary says how many messages there are
+  bool counted_ = false;         // the summary says how many messages there are
+  bool unknown_schema_ = false;  // a channel came before its schema, or without
   Buffer packed_, unpacked_, small_;
 };
 

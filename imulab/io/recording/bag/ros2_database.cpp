@@ -133,7 +133,7 @@ void Ros2Database::each_message(const Topic& topic, const MessageSink& sink) {
   each_row(topic, [&](std::int64_t, std::int64_t log_time_ns, std::string_view message) { sink(log_time_ns, message); });
 }
 
-std::vector<Topic> database_topics(const std::filesystem::path& path) { return Ros2Database(path).topics(); }
+std::unique_ptr<Bag> open_ros2_database(const std::filesystem::path& path) { return std::make_unique<Ros2Database>(path); }
 
 std::vector<recording_io::TableDescription> describe_ros2_database(const TableRequest& request) {
   Ros2Database bag(request.file);
@@ -159,7 +159,7 @@ namespace {
 
 }  // namespace
 
-std::vector<Topic> database_topics(const std::filesystem::path& path) { without_sqlite(path); }
+std::unique_ptr<Bag> open_ros2_database(const std::filesystem::path& path) { without_sqlite(path); }
 std::vector<recording_io::TableDescription> describe_ros2_database(const TableRequest& request) { without_sqlite(request.file); }
 recording_io::RawTable ros2_database_columns(const TableRequest& request, const std::vector<Column>&) { without_sqlite(request.file); }
 

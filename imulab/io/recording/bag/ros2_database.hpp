@@ -6,6 +6,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -70,7 +72,8 @@ class Ros2Database : public Bag {
   std::string file_;
 };
 
-std::vector<Topic> database_topics(const std::filesystem::path& path);
+/// Throws Error in a build without SQLite.
+std::unique_ptr<Bag> open_ros2_database(const std::filesystem::path& path);
 
 bool is_sqlite(std::string_view head);
 std::vector<recording_io::TableDescription> describe_ros2_database(const TableRequest& request);
