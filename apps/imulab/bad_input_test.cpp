@@ -85,7 +85,7 @@ TEST(BadInput, ASessionNamesLineAndKey) {
   expect_each_refused({
       {[](SessionText& s) { s.declare("height_m", "hight_m"); }, file + ":9: site.hight_m: is not a known key; expected height_m"},
       {[](SessionText& s) { s.declare("rad/s", "rpm"); },
-       file + ":18: recording.gyro.unit: \"rpm\" is not allowed; expected one of count, rad/s, deg/s, deg/h"},
+       file + ":18: recording.gyro.unit: \"rpm\" is not allowed; expected one of count, rad/s, deg/s, mdeg/s, deg/min, deg/h"},
       {[](SessionText& s) { s.declare("session/1", "session/7"); }, file + ":1: format: \"imulab.session/7\" is a format this version does not know"},
       {[](SessionText& s) { s.declare("[rig]", "[rig"); }, file + ":11: "},
       {[](SessionText& s) { s.session.resize(s.session.find("[[recording]]")); }, file + ": has no recordings; expected at least one [[recording]]"},
@@ -98,7 +98,7 @@ TEST(BadInput, ACommandThatIsWrong) {
   hand_held_session().write(folder);
   folder.write("file", "");
   for (const auto& [arguments, message] : std::vector<std::pair<std::string, std::string>>{
-           {"calibarte session", "calibarte is not a command, expected one of demo, help, calibrate, "},
+           {"calibarte session", "calibarte is not a command, expected one of demo, help, inspect, calibrate, "},
            {"calibrate", "session is required"},
            {"calibrate session", "--method is required"},
            {"calibrate session --method magic", "--method: magic not in {handheld,hybrid,static,turntable,whole-unit}"},
@@ -110,7 +110,7 @@ TEST(BadInput, ACommandThatIsWrong) {
            {"calibrate session --method static --recording other.csv",
             "session/session.toml: has no recording other.csv; expected --recording with one of recording.csv"},
            {"calibrate nowhere --method static", "nowhere: cannot be opened: No such file"},
-           {"calibrate session/recording.csv --method static", "session/recording.csv:1: "},
+           {"calibrate file --method static", "file: is empty; expected rows of numbers"},
            {"calibrate session --method static -o nowhere/c.json", "nowhere/c.json: cannot be written: No such file"},
            {"calibrate session --method static -o session", "session: cannot be written: Is a directory"},
            {"procedure hand-held -o nowhere/hand.toml", "nowhere/hand.toml: cannot be written: No such file"},

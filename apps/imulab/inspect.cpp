@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -49,6 +50,8 @@ void run(const Options& o) {
         throw Error(fmt::format("-o {}: would overwrite {}; expected another file", output, file));
   if (!o.output.empty() && o.output != "-" && !o.force && std::filesystem::exists(o.output))
     throw Error(fmt::format("-o {}: exists; expected a new file, or --force to replace it", o.output));
+  if (!o.output.empty() && std::find(o.files.begin(), o.files.end(), "-") != o.files.end())
+    throw Error("-o: a session names files; expected a recording that is one, not standard input");
   const Declarations declared = parse_declarations(o.declarations);
   const Site site = errors_at("--set", [&] { return declared_site(declared); });
   const Inspection inspection = inspect_files(o.files, o.topics, declared);

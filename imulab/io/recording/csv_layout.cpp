@@ -172,7 +172,7 @@ std::optional<TableLayout> find_layout(const std::string& file, std::string_view
 
 TableLayout table_layout(const std::string& file, std::string_view text, bool named) {
   if (auto layout = find_layout(file, text, named, true)) return *std::move(layout);
-  const bool header = !find_layout(file, std::string(text) + "\n0", false, true)->names.empty();  // of what a row would have
+  const bool header = !content_lines(text, 0, 1).empty();  // a row would have been found
   throw Error(fmt::format("{}: {}; expected rows of numbers", file, text.empty() ? "is empty" : header ? "has a header but no rows" : "has no rows"));
 }
 

@@ -183,7 +183,7 @@ TEST(RecordingFile, MatchesATriadOfItsOwnFileByTime) {
   std::string gyro = "t,gx,gy,gz\n", accel = "t,ax,ay,az\n";
   for (int i = 0; i < 10; ++i) gyro += fmt::format("{},{},0,0\n", 0.01 * i, i);
   for (int i = -2; i < 8; ++i)
-    if (i != 4) accel += fmt::format("{},0,0,{}\n", 0.01 * i + 0.004, i);  // two too early, one missing, two too few
+    if (i != 4) accel += fmt::format("{},0,0,{}\n", 0.01 * i + 0.0005, i);  // two too early, one missing, two too few
   const auto [r, warnings] = parse_recording(gyro, source, accel);
   EXPECT_THAT(r.gyro[0], ElementsAre(0, 1, 2, 3, 5, 6, 7));
   EXPECT_THAT(r.accel[2], ElementsAre(0, 1, 2, 3, 5, 6, 7));

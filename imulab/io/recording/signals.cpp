@@ -120,6 +120,7 @@ SignalTable signals_of_text(const std::string& name, std::string_view text) {
 }
 
 SignalTable read_signals(const std::filesystem::path& file, const std::string& topic, const std::vector<RecordingFormat>& formats) {
+  if (file == "-") return signals_of_text(input_name(file), MappedFile(file).text());  // a stream is read once
   const TableRequest request{file, topic, ""};
   const RecordingFormat& format = format_of(request, formats);
   if (format.recognizes == is_text) {
