@@ -168,12 +168,17 @@ void settle_units(const SignalTable& table, const TriadEvidence& triads, const T
   const double interval_s = time.rate_hz ? 1 / *time.rate_hz : 0;
   const bool whole_accel = whole_numbers(table, triads.accel), whole_gyro = whole_numbers(table, triads.gyro);
   UnitGuess accel;
-  if (triads.rests.empty()) {
-    accel.open = "accel.unit: no rest was found, which would show gravity";
+  if (const std::string stated_accel = stated_unit(table, triads.accel); triads.rests.empty()) {
+    accel.unit = stated_accel.empty() ? "count" : stated_accel;
+    if (stated_accel.empty()) {
+      accel.open = "accel.unit: no rest was found, which would show gravity";
+    } else {
+      accel.evidence = stated_accel + " as the file says; no rest was found that would confirm it";
+    }
   } else if (triads.offset_taken_out) {
     accel.evidence = fmt::format("readings at rest lie on a sphere of radius {:.5g} about a point far from zero: counts", triads.norm);
   } else {
-    accel = accel_unit(triads.norm, triads.norm_least, triads.norm_most, interval_s, stated_unit(table, triads.accel), whole_accel);
+    accel = accel_unit(triads.norm, triads.norm_least, triads.norm_most, interval_s, stated_accel, whole_accel);
   }
   declare_unit(declared, "accel", accel);
   UnitGuess gyro;
