@@ -2,11 +2,13 @@
 #include "apps/imulab/compensate.hpp"
 
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/inspected.hpp"
 #include "apps/imulab/report.hpp"
 #include "apps/imulab/session_recording.hpp"
 #include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording/compensated_bag.hpp"
+#include "imulab/io/recording/compensated_npz.hpp"
 #include "imulab/io/recording/file.hpp"
 #include "imulab/io/result/fields.hpp"
 #include "imulab/io/session/file.hpp"
@@ -35,14 +37,14 @@ CompensatedRecording compensated(const Calibration& calibration, const Session& 
   return out;
 }
 
-/// The output file of each recording: a .csv file or a bag for one, else files named like the recordings in a folder.
+/// The output file of each recording: a .csv or .npz file or a bag for one, else files named like the recordings in a folder.
 std::vector<fs::path> output_files(const Session& session, const fs::path& output) {
-  const bool one_file = output.extension() == ".csv" || output == "-" || is_bag_name(output);
+  const bool one_file = output.extension() == ".csv" || output.extension() == ".npz" || output == "-" || is_bag_name(output);
   if (one_file && session.recordings.size() > 1)
     throw Error(fmt::format("-o {}: the session has {} recordings; expected a folder", output.string(), session.recordings.size()));
   if (one_file) return {output};
   if (fs::exists(output) && !fs::is_directory(output))
-    throw Error(fmt::format("-o {}: exists and is not a folder; expected a folder, a .csv file or a bag", output.string()));
+    throw Error(fmt::format("-o {}: exists and is not a folder; expected a folder, a .csv or .npz file, or a bag", output.string()));
   std::vector<fs::path> files;
   for (const auto& recording : session.recordings) {
     fs::path file = output / fs::path(recording.file).filename().replace_extension(".csv");
@@ -54,8 +56,9 @@ std::vector<fs::path> output_files(const Session& session, const fs::path& outpu
   return files;
 }
 
-/// As a table, or as the bag that it came from.
+/// As a table, as arrays, or as the bag that it came from.
 void write_compensated(const fs::path& file, const Session& session, const RecordingSource& source, const CompensatedRecording& c) {
+  if (file.extension() == ".npz") return write_compensated_npz(file, c);
   if (!is_bag_name(file)) return write_whole(file, compensated_text(c));
   write_compensated_bag(file, session, source, c);
   if (const std::size_t flags = c.recording.saturated.size() + c.out_of_range.size() + c.replaced.size(); flags > 0)
@@ -68,7 +71,7 @@ void compensate_files(const CompensateOptions& options) {
   if (!options.stream_session.empty() || !options.recording.empty())
     throw Error("--session and --recording belong to standard input; expected - in place of the session");
   const Calibration calibration = read_usable(options.calibration, options.allow_undetermined);
-  const Session session = read_session(options.session);
+  const Session session = open_session(options.session, options.declarations);
   if (session.recordings.empty()) throw Error(session.file + ": has no recordings; expected at least one");
   const std::vector<fs::path> files = output_files(session, options.output);
   for (const fs::path& file : files) expect_inputs_stay("-o", file.string(), session, {options.calibration});
@@ -117,10 +120,13 @@ void add_compensate(Verb app) {
   const auto options = std::make_shared<CompensateOptions>();
   Verb verb = app.verb("compensate", "Apply a calibration: raw recordings to angular rates and specific forces in SI");
   verb.option("CALIBRATION", options->calibration, "calibration.json").required();
-  verb.option("SESSION", options->session, "a session folder or its session.toml; - for rows from standard input, as --session declares them")
+  verb.option(
+          "SESSION", options->session,
+          "a session folder or its session.toml; a recording, which is inspected first; - for rows from standard input, as --session declares them")
       .required();
+  add_declarations(verb, options->declarations);
   verb.option("-o,--output FILE", options->output,
-              "a folder; for one recording also a .csv file, the bag that it is (.bag, .mcap, .db3), or - for standard output")
+              "a folder; for one recording also a .csv or .npz file, the bag that it is (.bag, .mcap, .db3), or - for standard output")
       .required();
   add_allow_undetermined(verb, options->allow_undetermined);
   verb.flag("--reject-outliers", options->reject_outliers, "replace spikes of one or two samples first");

@@ -12,6 +12,7 @@ namespace imulab::command {
 
 struct CompensateOptions {
   std::string calibration, session, output, report;
+  std::vector<std::string> declarations;  ///< of a recording without a session
   Outliers outliers = Outliers::keep;
   bool reject_outliers = false, allow_undetermined = false, json = false;
   std::string stream_session, recording;  ///< of a stream

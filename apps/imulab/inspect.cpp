@@ -15,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace imulab::command {
@@ -33,7 +34,8 @@ Session placed(Session session, const Options& o) {
   const fs::path place = fs::absolute(o.output).parent_path();
   const auto rename = [&](std::string& name) {
     for (const std::string& file : o.files)
-      if (fs::path(file).filename().string() == name) name = fs::absolute(file).lexically_normal().lexically_proximate(place.lexically_normal()).string();
+      if (fs::path(file).filename().string() == name)
+        name = fs::absolute(file).lexically_normal().lexically_proximate(place.lexically_normal()).string();
   };
   for (RecordingSource& source : session.recordings) {
     rename(source.file);
@@ -41,6 +43,19 @@ Session placed(Session session, const Options& o) {
       if (triad->file) rename(*triad->file);
   }
   return session;
+}
+
+/// The recording as its session declares it, from files; what is wrong with it is a problem of the inspection.
+std::optional<Recording> read_as_declared(const Session& session, Inspection& inspection) {
+  if (!inspection.complete() || session.file == "-") return std::nullopt;
+  try {
+    RecordingReading reading = read_recording(session, session.recordings.front());
+    for (const std::string& text : reading.warnings) inspection.evidence.push_back(text);
+    return std::move(reading.recording);
+  } catch (const Error& e) {
+    inspection.problems.emplace_back(e.what());
+    return std::nullopt;
+  }
 }
 
 void run(const Options& o) {
@@ -54,14 +69,15 @@ void run(const Options& o) {
     throw Error("-o: a session names files; expected a recording that is one, not standard input");
   const Declarations declared = parse_declarations(o.declarations);
   const Site site = errors_at("--set", [&] { return declared_site(declared); });
-  const Inspection inspection = inspect_files(o.files, o.topics, declared);
+  Inspection inspection = inspect_files(o.files, o.topics, declared);
+  Session session = inspected_session(inspection, site);
+  session.file = o.files.front();  // its folder is that of the recording
+  const std::optional<Recording> recording = read_as_declared(session, inspection);
   if (o.json) {
     fmt::print("{}", inspection_json(inspection));
   } else if (o.output != "-") {
     print(inspection_text(inspection));
   }
-  Session session = inspected_session(inspection, site);
-  session.file = o.files.front();  // its folder is that of the recording
   if (!o.output.empty() && inspection.complete()) {
     write_whole(o.output, inspected_session_text(inspection, placed(session, o)));
     if (!o.json && o.output != "-") fmt::print("\nwritten: {}\n", o.output);
@@ -70,12 +86,14 @@ void run(const Options& o) {
   }
   if (!o.report.empty()) {
     std::optional<Overview> overview;
-    if (inspection.complete()) overview = imulab::overview(SensorModel{}, read_recording(session, session.recordings.front()).recording, 1500);
+    if (recording) overview = imulab::overview(SensorModel{}, *recording, 1500);
     write_whole(o.report, inspection_page(inspection, overview));
   }
+  if (!inspection.problems.empty()) throw Unsupported(fmt::format("{}: no session: {}", inspection.file, inspection.problems.front()));
   if (!inspection.complete())
-    throw Unsupported(fmt::format("{}: no session: {} open; declare with --set KEY=VALUE", inspection.file,
-                                  inspection.ambiguous.size() == 1 ? "one question is" : fmt::format("{} questions are", inspection.ambiguous.size())));
+    throw Unsupported(
+        fmt::format("{}: no session: {} open; declare with --set KEY=VALUE", inspection.file,
+                    inspection.ambiguous.size() == 1 ? "one question is" : fmt::format("{} questions are", inspection.ambiguous.size())));
 }
 
 }  // namespace

@@ -53,10 +53,12 @@ Session open_session(const std::filesystem::path& path, const std::vector<std::s
   }
   const Declarations declared = parse_declarations(texts);
   const Inspection inspection = inspect_files({path.string()}, {}, declared);
+  if (!inspection.problems.empty()) throw Error(fmt::format("{}: {}", path.string(), inspection.problems.front()));
   if (!inspection.complete()) {
     std::string questions;
     for (const std::string& question : inspection.ambiguous) questions += "\n  " + question;
-    throw Unsupported(fmt::format("{}: its data leave open what it holds; declare with --set KEY=VALUE, or write a session:{}", path.string(), questions));
+    throw Unsupported(
+        fmt::format("{}: its data leave open what it holds; declare with --set KEY=VALUE, or write a session:{}", path.string(), questions));
   }
   for (const std::string& line : inspection.evidence) note("assumed: " + line);
   Session session = inspected_session(inspection, declared_site(declared));

@@ -187,9 +187,11 @@ void settle_units(const SignalTable& table, const TriadEvidence& triads, const T
     gyro.unit = stated.empty() ? "count" : stated;
     gyro.evidence = stated.empty() ? "" : stated + " as the file says; the data do not confirm it (fewer than three turns between rests)";
     if (triads.turns >= 3 && !triads.explained())
-      gyro.open = fmt::format("gyro.columns: they leave {:.3g} deg of turns of {:.3g} deg unexplained", triads.error / unit::deg, triads.turned / unit::deg);
+      gyro.open =
+          fmt::format("gyro.columns: they leave {:.3g} deg of turns of {:.3g} deg unexplained", triads.error / unit::deg, triads.turned / unit::deg);
     else if (stated.empty())
-      gyro.open = time.rate_hz ? "gyro.unit: fewer than three turns between rests, which would show it" : "gyro.unit: without a rate turns do not show it";
+      gyro.open =
+          time.rate_hz ? "gyro.unit: fewer than three turns between rests, which would show it" : "gyro.unit: without a rate turns do not show it";
   } else {
     gyro = gyro_unit(triads.gyro_scale(), interval_s, stated, whole_gyro);
   }
@@ -199,15 +201,16 @@ void settle_units(const SignalTable& table, const TriadEvidence& triads, const T
   if (!accel.evidence.empty()) result.evidence.push_back(fmt::format("accelerometers: {}: {}", names_of(table, triads.accel), accel.evidence));
   if (!gyro.evidence.empty()) result.evidence.push_back(fmt::format("gyros: {}: {}", names_of(table, triads.gyro), gyro.evidence));
   if (triads.explained())
-    result.evidence.push_back(fmt::format("gyros explain {} turns of {:.3g} deg RMS to {:.2g} deg", triads.turns, triads.turned / unit::deg,
-                                          triads.error / unit::deg));
+    result.evidence.push_back(
+        fmt::format("gyros explain {} turns of {:.3g} deg RMS to {:.2g} deg", triads.turns, triads.turned / unit::deg, triads.error / unit::deg));
 }
 
 /// Names that contradict the data are asked about.
 void ask_about_names(const SignalTable& table, const TriadEvidence& triads, Inspection& result) {
   if (has_role(table, triads.gyro, Role::accel) || has_role(table, triads.accel, Role::gyro))
-    result.ambiguous.push_back(fmt::format("gyro.columns, accel.columns: by the turns {} are the gyros and {} the accelerometers; the names say otherwise",
-                                           names_of(table, triads.gyro), names_of(table, triads.accel)));
+    result.ambiguous.push_back(
+        fmt::format("gyro.columns, accel.columns: by the turns {} are the gyros and {} the accelerometers; the names say otherwise",
+                    names_of(table, triads.gyro), names_of(table, triads.accel)));
 }
 
 /// The temperature, by a column's name and its numbers.
@@ -218,7 +221,10 @@ void settle_temperature(const SignalTable& table, Inspection& result) {
     const auto [low, high] = std::minmax_element(signal.values.begin(), signal.values.end());
     if (!std::isfinite(*low) || !std::isfinite(*high) || *low == *high) continue;
     const std::string stated = !signal.unit.empty() ? signal.unit : hint_of(signal.name).unit;
-    const std::string unit = stated == "degC" || stated == "K" ? stated : *low > -60 && *high < 150 ? "degC" : *low > 200 && *high < 430 ? "K" : "raw";
+    const std::string unit = stated == "degC" || stated == "K" ? stated
+                             : *low > -60 && *high < 150       ? "degC"
+                             : *low > 200 && *high < 430       ? "K"
+                                                               : "raw";
     result.columns[i].role = "temperature";
     result.columns[i].unit = unit;
     result.columns[i].evidence = fmt::format("its name, and {:.4g} to {:.4g}", *low, *high);
@@ -268,9 +274,11 @@ Inspection inspect(const SignalTable& table, const Declarations& declared) {
   if (clock.backward == 0 && !result.time_ns.empty())
     result.triads = find_triads(table, ascending(result.time_ns), time, columns, gyro_scales(interval_s));
   if (clock.backward > 0) {
-    result.ambiguous.push_back(fmt::format("time.column: time runs backwards {} times, first at row {}", clock.backward, clock.first_backward + 1));
+    result.problems.push_back(fmt::format("time runs backwards {} times, first at row {}; expected one recording, with one clock", clock.backward,
+                                          clock.first_backward + 1));
   } else if (!result.triads) {
-    result.ambiguous.push_back("accel.columns, gyro.columns: no two triads of which one measures gravity at rest and the other turns it; and the names do not tell");
+    result.ambiguous.push_back(
+        "accel.columns, gyro.columns: no two triads of which one measures gravity at rest and the other turns it; and the names do not tell");
   } else {
     const std::string axes = settle_axes(table, declared, *result.triads, result);
     settle_units(table, *result.triads, time, declared, result);
@@ -280,6 +288,7 @@ Inspection inspect(const SignalTable& table, const Declarations& declared) {
     add_support(table, *result.triads, result);
   }
   if (time.rate_hz) add_clock(clock, result);
+  result.evidence.insert(result.evidence.end(), table.notes.begin(), table.notes.end());
   if (!time.rate_hz) result.time_ns.clear();
   return result;
 }

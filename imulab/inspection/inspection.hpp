@@ -45,20 +45,21 @@ struct Inspection {
   double duration_s = 0;
   std::vector<ColumnFinding> columns;
   std::optional<double> rate_hz;
-  double jitter_s = 0;                     ///< RMS of the stamps about an even clock; 0 where none was found
+  double jitter_s = 0;  ///< RMS of the stamps about an even clock; 0 where none was found
   std::size_t gaps = 0;
-  std::vector<std::string> evidence;       ///< a line each: time, accelerometers, gyros, axes, temperature, clock, readings, rests
-  std::vector<std::string> ambiguous;      ///< "KEY: what is not known": what the user has to declare
+  std::vector<std::string> evidence;   ///< a line each: time, accelerometers, gyros, axes, temperature, clock, readings, rests
+  std::vector<std::string> ambiguous;  ///< "KEY: what is not known": what the user has to declare
+  std::vector<std::string> problems;   ///< what has to be mended in the file before it can be used
   std::vector<MethodFinding> methods;
-  std::vector<std::int64_t> time_ns;       ///< of the rows, from the first on; empty without a rate
-  std::optional<inspection::TriadEvidence> triads; ///< where two triads were found
-  RecordingSource source;                  ///< the declaration, complete where nothing is ambiguous
+  std::vector<std::int64_t> time_ns;                ///< of the rows, from the first on; empty without a rate
+  std::optional<inspection::TriadEvidence> triads;  ///< where two triads were found
+  RecordingSource source;                           ///< the declaration, complete where nothing is ambiguous
 
-  bool complete() const { return ambiguous.empty(); }
+  bool complete() const { return ambiguous.empty() && problems.empty(); }
 };
 
-/// Looks at the columns. Throws Error for a table without rows or with fewer than six columns of numbers that vary, and for declarations that the table
-/// contradicts.
+/// Looks at the columns. Throws Error for a table without rows or with fewer than six columns of numbers that vary, and for declarations that the
+/// table contradicts.
 Inspection inspect(const SignalTable& table, const Declarations& declared = {});
 
 /// A session of one recording with what was found; where the place is not known, gravity as anywhere on Earth.

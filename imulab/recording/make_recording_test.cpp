@@ -76,9 +76,10 @@ TEST(MakeRecording, RefusesWhatIsNoRecording) {
   const Columns3 gyro = columns(0, 0, 0);
   EXPECT_EQ(refusal({}, gyro, {}), "recording: 0 samples; expected at least two, or the interval");
   EXPECT_EQ(refusal({0, 0.01}, gyro, {.name = "imu0"}), "imu0: gyro x: 100 samples; expected 2, one for each stamp");
-  EXPECT_EQ(refusal(times, gyro, {.gyro = {.unit = "rpm"}}), "recording: gyro: the unit is \"rpm\"; expected one of count, rad/s, deg/s, mdeg/s, deg/min, deg/h");
+  EXPECT_EQ(refusal(times, gyro, {.gyro = {.unit = "rpm"}}),
+            "recording: gyro: the unit is \"rpm\"; expected one of count, rad/s, deg/s, mdeg/s, deg/min, deg/h");
   EXPECT_EQ(refusal(times, gyro, {.gyro = {.unit = "deg/s", .increment = true}}),
-            "recording: gyro: the unit is \"deg/s\"; expected one of count, rad, deg");
+            "recording: gyro: the unit is \"deg/s\"; expected one of count, rad, deg, arcsec");
   EXPECT_EQ(refusal(times, gyro, {.accel = {.limits = {{4, -4}}}}), "recording: accel: the limits are 4 and -4; expected the lower one first");
   EXPECT_EQ(refusal(times, gyro, {.accel = {.temperature = {{}, {}}}}), "recording: accel: 2 temperature columns; expected none, one or three");
   EXPECT_THAT(refusal(times, gyro, {.interval_s = 0.02}), HasSubstr("the interval is 0.02 s, but the stamps' differences are 0.01 s"));

@@ -15,6 +15,7 @@ namespace {
 
 Verdict inspection_verdict(const Inspection& inspection) {
   Verdict v;
+  if (!inspection.problems.empty()) return {Tone::doubtful, "not usable", "The file has to be mended first:", inspection.problems, {}};
   if (!inspection.complete()) {
     v = {Tone::doubtful, "open", "The data do not answer everything that a session needs:", inspection.ambiguous, {}};
     v.actions = {"Declare it: imulab inspect FILE --set KEY=VALUE"};
@@ -33,8 +34,8 @@ Verdict inspection_verdict(const Inspection& inspection) {
   return v;
 }
 
-TimeChart signal_chart(const Inspection& inspection, const Overview& overview, const Columns3& columns, const std::string& title, const std::string& label,
-                       double unit) {
+TimeChart signal_chart(const Inspection& inspection, const Overview& overview, const Columns3& columns, const std::string& title,
+                       const std::string& label, double unit) {
   TimeChart chart{.title = title, .y_label = label, .x = overview.time, .names = {"x", "y", "z"}, .y = {}};
   for (const auto& column : columns) {
     chart.y.push_back(column);

@@ -18,6 +18,9 @@ class Clock {
   int exponent() const { return exponent_; }
   int fraction_exponent() const { return fraction_exponent_; }
 
+  /// Whether a stamp's time does not depend on those before.
+  bool is_independent() const { return modulus_ == 0; }
+
   /// The stamp of the next row; nothing where it is more than 146 years from the zero, so that differences would not fit.
   std::optional<std::int64_t> next(std::int64_t stamp, std::int64_t fraction_ns = 0);
   /// The same of a table without stamps.

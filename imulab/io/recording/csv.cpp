@@ -1,10 +1,13 @@
 #include "imulab/io/recording/csv.hpp"
 
+#include "imulab/core/error.hpp"
 #include "imulab/io/recording/csv_rows.hpp"
 #include "imulab/io/recording/format.hpp"
 #include "imulab/io/text/file.hpp"
 
 #include <fmt/core.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <utility>
@@ -20,18 +23,9 @@ void reserve(TimedTable& table, std::string_view rows) {
   for (auto& column : table.values) column.reserve(estimate);
 }
 
-}  // namespace
-
-bool is_text(std::string_view head) { return head.find('\0') == std::string_view::npos; }
-
-TimedTable read_csv(const std::filesystem::path& path, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns) {
-  const MappedFile file(path);
-  const TableLayout layout = table_layout(path.string(), file.text(), names_a_column(time, columns));
-  std::string_view text = file.text().substr(layout.offset);
-  RowReader reader(layout, time, rate_hz, columns);
-
+/// Rows of whole lines, and how many lines they are.
+TimedTable read_rows(RowReader reader, std::string_view text, std::size_t* lines = nullptr) {
   TimedTable table;
-  table.file = path.string();
   table.values.resize(reader.row().values.size());
   reserve(table, text);
   while (reader.next(text)) {
@@ -40,9 +34,88 @@ TimedTable read_csv(const std::filesystem::path& path, const TimeSource& time, s
     for (std::size_t k = 0; k < table.values.size(); ++k) table.values[k].push_back(reader.row().values[k]);
   }
   table.repeated = reader.repeated();
+  if (lines != nullptr) *lines = reader.lines_read();
+  return table;
+}
+
+/// The text in parts of whole lines.
+std::vector<std::string_view> parts_of_lines(std::string_view text, std::size_t count) {
+  std::vector<std::string_view> parts;
+  for (std::size_t left = count; left > 1 && !text.empty(); --left) {
+    const std::size_t end = std::min(text.find('\n', text.size() / left), text.size() - 1) + 1;
+    parts.push_back(text.substr(0, end));
+    text.remove_prefix(end);
+  }
+  if (!text.empty()) parts.push_back(text);
+  return parts;
+}
+
+/// One table of several, whose lines follow each other; nothing where time does not go on from one to the next.
+std::optional<TimedTable> in_sequence(std::vector<TimedTable> parts, const std::vector<std::size_t>& lines) {
+  TimedTable all = std::move(parts.front());
+  std::size_t rows = 0, line = lines.front();
+  for (const TimedTable& part : parts) rows += part.time_ns.size();
+  all.time_ns.reserve(rows + all.time_ns.size());
+  for (std::size_t p = 1; p < parts.size(); ++p) {
+    TimedTable& part = parts[p];
+    if (!part.time_ns.empty() && !all.time_ns.empty() && part.time_ns.front() <= all.time_ns.back()) return std::nullopt;
+    all.lines.append(part.lines, all.time_ns.size(), line);
+    all.time_ns.insert(all.time_ns.end(), part.time_ns.begin(), part.time_ns.end());
+    all.repeated += part.repeated;
+    line += lines[p];
+  }
+  tbb::parallel_for(std::size_t{0}, all.values.size(), [&](std::size_t c) {
+    all.values[c].reserve(all.time_ns.size());
+    for (std::size_t p = 1; p < parts.size(); ++p) {
+      all.values[c].insert(all.values[c].end(), parts[p].values[c].begin(), parts[p].values[c].end());
+      std::vector<double>().swap(parts[p].values[c]);
+    }
+  });
+  return all;
+}
+
+/// The same by several threads, where rows do not depend on those before; nothing where something is wrong, which is found again in order.
+std::optional<TimedTable> read_rows_in_parallel(const RowReader& reader, std::string_view text) {
+  constexpr std::size_t worth_it = std::size_t{4} << 20;  // bytes: a hundredth of a second
+  const std::size_t count = std::min<std::size_t>(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()), text.size() / worth_it);
+  if (count < 2 || !reader.is_independent()) return std::nullopt;
+  const std::vector<std::string_view> texts = parts_of_lines(text, count);
+  std::vector<TimedTable> parts(texts.size());
+  std::vector<std::size_t> lines(texts.size());
+  try {
+    tbb::parallel_for(std::size_t{0}, texts.size(), [&](std::size_t p) { parts[p] = read_rows(reader, texts[p], &lines[p]); });
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+  return in_sequence(std::move(parts), lines);
+}
+
+/// A logger that was switched off: the last line has no end, and fewer fields than the others.
+bool ends_inside_a_row(std::string_view text, const TableLayout& layout) {
+  const std::size_t last = text.rfind('\n') + 1;
+  if (last == 0 || last == text.size() || text[last] == '#') return false;
+  const std::size_t fields = fields_of(text.substr(last), layout).size();
+  return text.find_first_not_of(" \t\r", last) != std::string_view::npos && fields < layout.columns;
+}
+
+}  // namespace
+
+bool is_text(std::string_view head) { return head.find('\0') == std::string_view::npos; }
+
+TimedTable read_csv(const std::filesystem::path& path, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns) {
+  const MappedFile file(path);
+  const TableLayout layout = table_layout(path.string(), file.text(), names_a_column(time, columns));
+  std::string_view text = file.text().substr(layout.offset);
+  const bool cut = ends_inside_a_row(text, layout);
+  if (cut) text = text.substr(0, text.rfind('\n') + 1);
+  const RowReader reader(layout, time, rate_hz, columns);
+  std::optional<TimedTable> parallel = read_rows_in_parallel(reader, text);
+  TimedTable table = parallel ? *std::move(parallel) : read_rows(reader, text);
+  table.file = path.string();
+  if (cut) table.warnings.push_back(table.file + ": ends inside a row, which is left out");
   if (layout.skipped > 0)
-    table.warnings.push_back(fmt::format("{}: {} line{} of other text before the table passed over", table.file, layout.skipped,
-                                         layout.skipped == 1 ? "" : "s"));
+    table.warnings.push_back(
+        fmt::format("{}: {} line{} of other text before the table passed over", table.file, layout.skipped, layout.skipped == 1 ? "" : "s"));
 
   const std::vector<std::size_t>& places = reader.places();
   std::vector<std::vector<double>> values(places.size());

@@ -36,6 +36,9 @@ class RowReader {
   /// Comments, empty lines and rows equal to the one before are passed over. Throws Error with file, line and column for what is no such row.
   bool next(std::string_view& text);
   const Row& row() const { return row_; }
+  /// Whether a row means the same whatever rows stand before it: its time is in it.
+  bool is_independent() const { return stamped_ && clock_.is_independent(); }
+  std::size_t lines_read() const { return next_line_ - plan_.layout.line; }
   std::size_t line() const { return line_; }          ///< of row()
   std::size_t repeated() const { return repeated_; }  ///< rows passed over because they equal the one before
   /// For each column asked for, its place in row().values.

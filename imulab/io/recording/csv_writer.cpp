@@ -108,17 +108,20 @@ void write_recording(const std::filesystem::path& path, const Recording& recordi
 
 RecordingSource written_source(RecordingSource source) {
   source.time = {.column = "t"};
+  source.topic.clear(), source.layout.clear();
   const auto triad = [](TriadSource& t, const Names& names, const char* rate_unit, const char* increment_unit) {
-    t.file.reset();
+    t.file.reset(), t.topic.reset(), t.time.reset(), t.axes.reset();
     t.columns = columns_of(names);
     if (t.unit == "count") return;
     if (t.limits)
-      for (double& limit : *t.limits) limit *= si_factor(t.unit);
+      for (double& limit : *t.limits) limit *= si_factor(t.unit) / t.counts_per_unit.value_or(1);
+    t.counts_per_unit.reset();
     t.unit = t.output == Output::rate ? rate_unit : increment_unit;
   };
   triad(source.gyro, gyro_names, "rad/s", "rad");
   triad(source.accel, accel_names, "m/s^2", "m/s");
   const auto thermal = [](std::optional<ThermalSource>& t, std::string_view name, const Names& names) {
+    if (t) t->file.reset(), t->topic.reset(), t->time.reset();
     if (t && t->columns.size() == 3)
       t->columns = columns_of(names);
     else if (t)

@@ -1,5 +1,6 @@
 #include "imulab/io/recording/file.hpp"
 
+#include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/units.hpp"
 
@@ -301,6 +302,29 @@ TEST(RecordingFile, TextBeforeTheTableIsPassedOver) {
   const auto [r, warnings] = parse_recording("Logger 5\nrange 16 g, 2000 deg/s\n" + header + two_rows + "0.03,1,2,3,4,5,6\n0.04,1,2,3,4,5,7\n");
   EXPECT_EQ(r.size(), 4u);
   EXPECT_THAT(warnings, ElementsAre(HasSubstr("2 lines of other text before the table passed over")));
+}
+
+TEST(RecordingFile, ALongTextIsReadInPartsAsInOne) {
+  // 12 MB: parts for several threads. Comments and a repeated row in between; a wrong row near the end is named by its line.
+  std::string text = header;
+  const int rows = 300'000;
+  for (int i = 0; i < rows; ++i) {
+    text += fmt::format("{}.{:03},{},2.5,3.5,-4.25,5.125,{}\n", i / 1000, i % 1000, i, 2 * i);
+    if (i % 50'000 == 7) text += "# a comment\n" + fmt::format("{}.{:03},{},2.5,3.5,-4.25,5.125,{}\n", i / 1000, i % 1000, i, 2 * i);
+  }
+  const auto [r, warnings] = parse_recording(text);
+  ASSERT_EQ(r.size(), static_cast<std::size_t>(rows));
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    ASSERT_EQ(r.time_ns[i], static_cast<std::int64_t>(i) * 1'000'000);
+    ASSERT_EQ(r.gyro[0][i], static_cast<double>(i));
+    ASSERT_EQ(r.accel[2][i], 2 * static_cast<double>(i));
+  }
+  EXPECT_THAT(warnings, ElementsAre(HasSubstr("6 rows equal to the row before dropped")));
+  EXPECT_THAT([&] { parse_recording(text + "400,1,2,x,4,5,6\n"); }, testing::ThrowsMessage<Error>(HasSubstr(":300014: gz: \"x\" is not a number")));
+  EXPECT_THAT([&] { parse_recording(text + "5,1,2,3,4,5,6\n"); }, testing::ThrowsMessage<Error>(HasSubstr(":300014: t: time runs backwards")));
+  RecordingSource source = plain_source();
+  source.accel.limits = {-1e9, 599'998};
+  EXPECT_THAT(parse_recording(text, source).warnings, testing::Contains(HasSubstr("(line 300013)")));
 }
 
 }  // namespace

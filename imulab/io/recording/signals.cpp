@@ -4,6 +4,7 @@
 #include "imulab/inspection/names.hpp"
 #include "imulab/io/recording/csv.hpp"
 #include "imulab/io/recording/csv_layout.hpp"
+#include "imulab/io/recording/csv_rows.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/names.hpp"
 
@@ -28,10 +29,14 @@ double number_in(std::string_view field) {
 
 std::string delimiter_name(char delimiter) {
   switch (delimiter) {
-    case ',': return "comma";
-    case ';': return "semicolon";
-    case '\t': return "tab";
-    default: return "blanks";
+    case ',':
+      return "comma";
+    case ';':
+      return "semicolon";
+    case '\t':
+      return "tab";
+    default:
+      return "blanks";
   }
 }
 
@@ -84,6 +89,42 @@ SignalTable signals_of(const RecordingFormat& format, const TableRequest& reques
   return result;
 }
 
+/// Where every row is one of numbers.
+bool read_numbers(const TableLayout& layout, std::string_view text, SignalTable& table) {
+  std::vector<Column> columns;
+  for (std::size_t i = 0; i < layout.columns; ++i) columns.emplace_back(static_cast<int>(i) + 1);
+  try {
+    RowReader reader(layout, {.column = std::nullopt}, 1, columns);
+    for (std::string_view rows = text.substr(layout.offset); reader.next(rows);)
+      for (std::size_t i = 0; i < layout.columns; ++i) table.signals[i].values.push_back(reader.row().values[i]);
+    return true;
+  } catch (const Error&) {
+    for (Signal& signal : table.signals) signal.values.clear();
+    return false;
+  }
+}
+
+/// Fields that are no numbers become NaN; rows of another length are left out.
+void read_what_there_is(const TableLayout& layout, std::string_view text, SignalTable& table) {
+  std::size_t ragged = 0;
+  for (std::size_t offset = layout.offset; offset < text.size();) {
+    const std::size_t end = std::min(text.find('\n', offset), text.size());
+    const std::string_view line = text.substr(offset, end - offset);
+    offset = end + 1;
+    const std::size_t first = line.find_first_not_of(" \t\r");
+    if (first == std::string_view::npos || line[first] == '#') continue;
+    const std::vector<std::string_view> fields = fields_of(line, layout);
+    if (fields.size() != layout.columns) {
+      ++ragged;
+      continue;
+    }
+    for (std::size_t i = 0; i < fields.size(); ++i) table.signals[i].values.push_back(number_in(fields[i]));
+  }
+  if (ragged > 0)
+    table.notes.push_back(
+        fmt::format("{} lines do not have {} fields: a session with this file is refused until they are mended", ragged, layout.columns));
+}
+
 }  // namespace
 
 SignalTable signals_of_text(const std::string& name, std::string_view text) {
@@ -100,22 +141,7 @@ SignalTable signals_of_text(const std::string& name, std::string_view text) {
     const bool usable = !signal.name.empty() && std::count(layout.names.begin(), layout.names.end(), signal.name) == 1;
     signal.column = usable ? Column(signal.name) : Column(static_cast<int>(i) + 1);
   }
-  std::size_t ragged = 0;
-  for (std::size_t offset = layout.offset; offset < text.size();) {
-    const std::size_t end = std::min(text.find('\n', offset), text.size());
-    const std::string_view line = text.substr(offset, end - offset);
-    offset = end + 1;
-    const std::size_t first = line.find_first_not_of(" \t\r");
-    if (first == std::string_view::npos || line[first] == '#') continue;
-    const std::vector<std::string_view> fields = fields_of(line, layout);
-    if (fields.size() != layout.columns) {
-      ++ragged;
-      continue;
-    }
-    for (std::size_t i = 0; i < fields.size(); ++i) table.signals[i].values.push_back(number_in(fields[i]));
-  }
-  if (ragged > 0)
-    table.notes.push_back(fmt::format("{} lines do not have {} fields: a session with this file is refused until they are mended", ragged, layout.columns));
+  if (!read_numbers(layout, text, table)) read_what_there_is(layout, text, table);
   return table;
 }
 

@@ -11,6 +11,10 @@ std::size_t LineNumbers::operator[](std::size_t row) const {
   return row + (std::prev(after)->second - std::prev(after)->first);
 }
 
+void LineNumbers::append(const LineNumbers& next, std::size_t row, std::size_t line) {
+  for (const auto& [own_row, own_line] : next.jumps_) add(row + own_row, line + own_line);
+}
+
 std::string TimedTable::place(std::size_t index) const {
   const std::size_t line = lines[index];
   return line > 0 ? "line " + std::to_string(line) : row + " " + std::to_string(index + 1);

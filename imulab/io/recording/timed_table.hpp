@@ -15,6 +15,8 @@ class LineNumbers {
   void add(std::size_t row, std::size_t line) {
     if (jumps_.empty() || line - row != jumps_.back().second - jumps_.back().first) jumps_.emplace_back(row, line);
   }
+  /// The lines of rows that follow from `row` on, which count from `line` on.
+  void append(const LineNumbers& next, std::size_t row, std::size_t line);
   /// 0 where no line is known.
   std::size_t operator[](std::size_t row) const;
 

@@ -21,6 +21,7 @@ std::vector<std::string> supported_methods(const Inspection& inspection) {
 }
 
 std::string verdict(const Inspection& inspection) {
+  if (!inspection.problems.empty()) return text::wrapped("not usable: ", "the file has to be mended first");
   if (!inspection.complete())
     return text::wrapped("open: ", fmt::format("{} question{} that the data do not answer; declare with --set KEY=VALUE", inspection.ambiguous.size(),
                                                inspection.ambiguous.size() == 1 ? "" : "s"));
@@ -33,6 +34,7 @@ std::string verdict(const Inspection& inspection) {
 
 std::string inspection_text(const Inspection& inspection) {
   std::string out = verdict(inspection);
+  for (const std::string& problem : inspection.problems) out += text::wrapped("  ! ", problem);
   for (const std::string& question : inspection.ambiguous) out += text::wrapped("  ? ", question);
   out += fmt::format("\n{}\n", inspection.file);
   out += text::wrapped("  ", fmt::format("{}; {} rows{}", inspection.format, inspection.rows,
@@ -64,12 +66,14 @@ std::string inspection_json(const Inspection& inspection) {
                        {"time", time},
                        {"evidence", inspection.evidence},
                        {"ambiguous", inspection.ambiguous},
+                       {"problems", inspection.problems},
                        {"methods", supported_methods(inspection)}}});
 }
 
 std::string inspected_session_text(const Inspection& inspection, const Session& session) {
   if (!inspection.complete())
-    throw Error(fmt::format("{}: no session can be written: {}", inspection.file, fmt::join(inspection.ambiguous, "; ")));
+    throw Error(fmt::format("{}: no session can be written: {}", inspection.file,
+                            fmt::join(inspection.problems.empty() ? inspection.ambiguous : inspection.problems, "; ")));
   std::string out = "# Written by imulab inspect, which found in the recording:\n";
   for (const std::string& line : inspection.evidence) out += "# - " + line + "\n";
   if (session.site.given_gravity_sigma && !session.site.latitude)
