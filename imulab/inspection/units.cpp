@@ -89,7 +89,7 @@ UnitGuess gyro_unit(double scale, double interval_s, const std::string& named, b
   for (const Possible& p : all)
     if (std::abs(scale * p.size - 1) < tolerance) fit.push_back(p);
   const double per_degree = unit::deg / scale;
-  const std::string what = fmt::format("turns between rests give {:.4g} of it to 1 deg/s", per_degree);
+  const std::string what = fmt::format("1 deg/s reads {:.4g}, by the turns between rests", per_degree);
   if (whole && fit.size() == 1 && named.empty() && fit.front().unit != "mdeg/s") fit.push_back({"count", Output::rate, 1 / scale});
   return choose(fit, all, named, what, "gyro", whole);
 }
