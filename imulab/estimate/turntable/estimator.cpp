@@ -257,7 +257,7 @@ Vector3d Estimator::variance_ratios(const VectorXd& readings) const {
   for (Index k = 0; k < of_table.size(); ++k)
     if (of_site(motion_.sources()[static_cast<std::size_t>(k)])) of_table[k] = 0;
   const MatrixXd noise = weight_.asDiagonal() * noise_ * weight_.asDiagonal(), table = weight_.asDiagonal() * table_jacobian_ * of_table.asDiagonal();
-  const auto ratio = [&](const MatrixXd& variance) { return z.dot(variance * z) / covariance.cwiseProduct(variance).sum(); };
+  const auto ratio = [&z = z, &covariance = covariance](const MatrixXd& variance) { return z.dot(variance * z) / covariance.cwiseProduct(variance).sum(); };
   const VectorXd gyro = VectorXd::Ones(accel.size()) - accel;
   return {ratio(accel.asDiagonal() * noise * accel.asDiagonal()), ratio(gyro.asDiagonal() * noise * gyro.asDiagonal()),
           ratio(table * table.transpose())};
