@@ -114,10 +114,9 @@ Log log_of(const Shape& shape) {
     if (shape.clock == "s and ns") {
       add("sec"), add("nanosec");
     } else if (shape.clock != "none") {
-      add(units ? "time [" + shape.clock.substr(0, shape.clock.find(' ')) + "]" : "time");
+      add(units ? "time [" + (shape.clock == "unix s" ? "s" : shape.clock.substr(0, shape.clock.find(' '))) + "]" : "time");
     }
   };
-  if (shape.clock == "unix s" && units) names.clear();
   if (shape.order != 2) add_time();
   for (std::size_t k = 0; k < 3; ++k) {
     if (shape.order == 3) log.gyro[k] = add(fmt::format("g{}{}", axes[k], units ? fmt::format(" [{}]", shape.gyro.unit) : ""));

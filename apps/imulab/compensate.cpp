@@ -40,6 +40,9 @@ CompensatedRecording compensated(const Calibration& calibration, const Session& 
 /// The output file of each recording: a .csv or .npz file or a bag for one, else files named like the recordings in a folder.
 std::vector<fs::path> output_files(const Session& session, const fs::path& output) {
   const bool one_file = output.extension() == ".csv" || output.extension() == ".npz" || output == "-" || is_bag_name(output);
+  for (const char* other : {".mat", ".h5", ".hdf5", ".npy", ".ulg", ".bin", ".txt"})
+    if (output.extension() == other)
+      throw Error(fmt::format("-o {}: {} files are not written; expected .csv, .npz, a bag or a folder", output.string(), other));
   if (one_file && session.recordings.size() > 1)
     throw Error(fmt::format("-o {}: the session has {} recordings; expected a folder", output.string(), session.recordings.size()));
   if (one_file) return {output};

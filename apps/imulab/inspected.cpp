@@ -43,7 +43,7 @@ Inspection inspect_files(const std::vector<std::string>& files, const std::vecto
   std::vector<SignalTable> tables;
   for (const std::string& file : files)
     for (const std::string& topic : topics.empty() ? std::vector<std::string>{""} : topics) tables.push_back(read_signals(file, topic));
-  return inspect(inspection::joined(std::move(tables)), declared);
+  return inspect(inspection::joined(std::move(tables), declared), declared);
 }
 
 Session open_session(const std::filesystem::path& path, const std::vector<std::string>& texts) {

@@ -2,6 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/inspection/clock_quality.hpp"
 #include "imulab/recording/unit_names.hpp"
 
 #include <fmt/format.h>
@@ -14,9 +15,8 @@
 namespace imulab {
 
 std::vector<std::string> declaration_keys() {
-  return {"rate_hz",    "time.column",   "time.unit", "time.ticks_per_s", "gyro.columns", "gyro.unit",
-          "gyro.output", "gyro.axes", "accel.columns", "accel.unit", "accel.output",     "accel.axes",
-          "latitude_deg", "height_m", "gravity_mps2"};
+  return {"rate_hz",   "time.column",   "time.unit",  "time.ticks_per_s", "time.wrap_bits", "gyro.columns", "gyro.unit", "gyro.output",
+          "gyro.axes", "accel.columns", "accel.unit", "accel.output",     "accel.axes",     "latitude_deg", "height_m",  "gravity_mps2"};
 }
 
 Site declared_site(const Declarations& declared) {
@@ -122,14 +122,22 @@ TimeGuess declared_time(const SignalTable& table, const Declarations& declared, 
     guess.open.clear();
     guess.evidence = fmt::format("{} ticks to a second, as declared", *ticks);
   }
+  if (const std::string* bits = find(declared, "time.wrap_bits")) {
+    const double value = positive_number(*bits, "time.wrap_bits");
+    if (value < 8 || value > 32 || value != std::floor(value)) throw Error(fmt::format("time.wrap_bits = {}: expected 8 to 32", *bits));
+    guess.source.wrap_bits = static_cast<int>(value);
+  }
   if (guess.source.unit == "tick" && !guess.source.ticks_per_s) guess.open = "time.ticks_per_s: how many ticks are a second";
   if (const std::string* rate = find(declared, "rate_hz")) {
-    guess.rate_hz = positive_number(*rate, "rate_hz");
-    if (guess.source.unit == "sample" || !guess.column) guess.open.clear();
+    const double declared_hz = positive_number(*rate, "rate_hz");
+    if (guess.column && guess.source.unit != "sample")
+      throw Error(fmt::format("rate_hz = {}: the rows have stamps; expected no rate, or time.unit = sample", *rate));
+    guess.rate_hz = declared_hz;
+    guess.open.clear();
     guess.evidence += fmt::format("; {} Hz, as declared", *rate);
   } else if (guess.column && guess.open.empty()) {
     const std::vector<std::int64_t> stamps = guess.source.unit == "sample" ? std::vector<std::int64_t>{} : stamps_of(table, guess);
-    if (stamps.size() > 2) guess.rate_hz = 1e9 * static_cast<double>(stamps.size() - 1) / static_cast<double>(stamps.back() - stamps.front());
+    if (const ClockQuality clock = clock_quality(stamps); clock.rate_hz > 0) guess.rate_hz = clock.rate_hz;
     if (guess.source.unit == "sample") guess.open = "rate_hz: samples are numbered, not timed";
   }
   return guess;

@@ -40,7 +40,8 @@ std::string names_of(const SignalTable& table, const Triad& triad) {
 /// The unit that the file or the column's name states for a triad.
 std::string stated_unit(const SignalTable& table, const Triad& triad) {
   const Signal& signal = table.signals[triad[0]];
-  return !signal.unit.empty() ? signal.unit : hint_of(signal.name).unit;
+  const NameHint hint = hint_of(signal.name);
+  return !signal.unit.empty() ? signal.unit : !hint.unknown.empty() ? hint.unknown : hint.unit;
 }
 
 bool has_role(const SignalTable& table, const Triad& triad, Role role) {
@@ -58,6 +59,9 @@ class TriadSearch {
       if (std::find(accel.begin(), accel.end(), i) != accel.end()) return;
     constexpr std::size_t samples = 200'000;  // enough to tell triads apart
     found_.push_back(evidence_for(table_, time_ns_, gyro, accel, scales_, samples));
+  }
+  std::size_t explained() const {
+    return static_cast<std::size_t>(std::count_if(found_.begin(), found_.end(), [](const TriadEvidence& e) { return e.explained(); }));
   }
 
   /// The best of those considered that explains the turns: least unexplained, with the least spread of the norm. Of two for one triad of gyros, that
@@ -90,29 +94,40 @@ class TriadSearch {
 
 /// Which columns are which triad; nothing where neither the data nor the names tell.
 std::optional<TriadEvidence> find_triads(const SignalTable& table, const std::vector<std::int64_t>& time_ns, const TimeGuess& time,
-                                         const DeclaredColumns& declared, const std::vector<double>& scales) {
+                                         const DeclaredColumns& declared, const std::vector<double>& scales, Inspection& result) {
   std::vector<std::size_t> taken;
   for (const auto& index : {time.column, time.fraction})
     if (index) taken.push_back(*index);
   std::vector<Triad> triads = possible_triads(table, taken);
   for (const auto& triad : {declared.gyro, declared.accel})
     if (triad && std::find(triads.begin(), triads.end(), *triad) == triads.end()) triads.push_back(*triad);
-  std::optional<Triad> gyro = declared.gyro, accel = declared.accel;
+  std::vector<Triad> gyros, accels;
   for (const Triad& triad : triads) {
-    if (!gyro && has_role(table, triad, Role::gyro)) gyro = triad;
-    if (!accel && has_role(table, triad, Role::accel)) accel = triad;
+    if (has_role(table, triad, Role::gyro)) gyros.push_back(triad);
+    if (has_role(table, triad, Role::accel)) accels.push_back(triad);
   }
-  TriadSearch search(table, time_ns, scales);
-  if (gyro && accel) search.consider(*gyro, *accel);
-  if (auto named = search.best()) return named;
+  if (declared.gyro) gyros = {*declared.gyro};
+  if (declared.accel) accels = {*declared.accel};
+  const std::size_t all = time_ns.size();
+  TriadSearch named(table, time_ns, scales);
+  for (const Triad& g : gyros)
+    for (const Triad& a : accels) named.consider(g, a);
+  if (named.explained() > 1)
+    result.ambiguous.push_back(fmt::format("gyro.columns, accel.columns: {} pairs of triads fit each other; which are meant", named.explained()));
+  if (const auto best = named.best()) return evidence_for(table, time_ns, best->gyro, best->accel, scales, all);
   if (!(declared.gyro && declared.accel)) {
+    TriadSearch search(table, time_ns, scales);
     for (const Triad& g : triads)
       for (const Triad& a : triads)
         if ((!declared.gyro || g == *declared.gyro) && (!declared.accel || a == *declared.accel)) search.consider(g, a);
-    if (auto best = search.best()) return best;
+    if (const auto best = search.best()) return evidence_for(table, time_ns, best->gyro, best->accel, scales, all);
   }
-  if (gyro && accel) return evidence_for(table, time_ns, *gyro, *accel, scales);
-  return std::nullopt;
+  if (gyros.empty() || accels.empty()) return std::nullopt;
+  if (gyros.size() > 1 || accels.size() > 1)
+    result.ambiguous.push_back(
+        fmt::format("gyro.columns, accel.columns: {} triads are named gyros, {} accelerometers, and no turns between rests tell them apart",
+                    gyros.size(), accels.size()));
+  return evidence_for(table, time_ns, gyros.front(), accels.front(), scales, all);
 }
 
 /// The gyros' columns in the order of the accelerometers' axes, where they are merely exchanged; what speaks against them otherwise.
@@ -186,7 +201,7 @@ void settle_units(const SignalTable& table, const TriadEvidence& triads, const T
   if (!triads.explained() || !time.rate_hz) {
     gyro.unit = stated.empty() ? "count" : stated;
     gyro.evidence = stated.empty() ? "" : stated + " as the file says; the data do not confirm it (fewer than three turns between rests)";
-    if (triads.turns >= 3 && !triads.explained())
+    if (triads.turns >= 3 && !triads.explained() && !(declared.contains("gyro.columns") && declared.contains("accel.columns")))
       gyro.open =
           fmt::format("gyro.columns: they leave {:.3g} deg of turns of {:.3g} deg unexplained", triads.error / unit::deg, triads.turned / unit::deg);
     else if (stated.empty())
@@ -220,8 +235,10 @@ void settle_temperature(const SignalTable& table, Inspection& result) {
     if (hint_of(signal.name).role != Role::temperature || result.columns[i].role != "unused") continue;
     const auto [low, high] = std::minmax_element(signal.values.begin(), signal.values.end());
     if (!std::isfinite(*low) || !std::isfinite(*high) || *low == *high) continue;
-    const std::string stated = !signal.unit.empty() ? signal.unit : hint_of(signal.name).unit;
-    const std::string unit = stated == "degC" || stated == "K" ? stated
+    const NameHint hint = hint_of(signal.name);
+    const bool other_unit = !hint.unknown.empty() || signal.name.ends_with("_F");
+    const std::string stated = !signal.unit.empty() ? signal.unit : other_unit ? "raw" : hint.unit;
+    const std::string unit = stated == "degC" || stated == "K" || stated == "raw" ? stated
                              : *low > -60 && *high < 150       ? "degC"
                              : *low > 200 && *high < 430       ? "K"
                                                                : "raw";
@@ -272,7 +289,7 @@ Inspection inspect(const SignalTable& table, const Declarations& declared) {
   const double interval_s = time.rate_hz ? 1 / *time.rate_hz : clock.interval_s;
   const DeclaredColumns columns = declared_columns(table, declared);
   if (clock.backward == 0 && !result.time_ns.empty())
-    result.triads = find_triads(table, ascending(result.time_ns), time, columns, gyro_scales(interval_s));
+    result.triads = find_triads(table, ascending(result.time_ns), time, columns, gyro_scales(interval_s), result);
   if (clock.backward > 0) {
     result.problems.push_back(fmt::format("time runs backwards {} times, first at row {}; expected one recording, with one clock", clock.backward,
                                           clock.first_backward + 1));
@@ -288,8 +305,11 @@ Inspection inspect(const SignalTable& table, const Declarations& declared) {
     add_support(table, *result.triads, result);
   }
   if (time.rate_hz) add_clock(clock, result);
+  for (const SignalPart& part : table.parts)
+    if (!part.open.empty()) result.ambiguous.push_back(fmt::format("{} (of {}{})", part.open, part.file, part.topic));
   result.evidence.insert(result.evidence.end(), table.notes.begin(), table.notes.end());
   if (!time.rate_hz) result.time_ns.clear();
+  if (!time.open.empty()) result.ambiguous = {time.open};  // what else is asked follows from it
   return result;
 }
 

@@ -1,6 +1,7 @@
 #include "imulab/inspection/join.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/inspection/declared.hpp"
 #include "imulab/inspection/time.hpp"
 
 #include <fmt/core.h>
@@ -40,23 +41,27 @@ std::pair<std::size_t, std::size_t> covered(const std::vector<std::int64_t>& at,
 
 }  // namespace
 
-SignalTable joined(std::vector<SignalTable> tables) {
+SignalTable joined(std::vector<SignalTable> tables, const Declarations& declared) {
   SignalTable result = std::move(tables.front());
   if (tables.size() == 1) return result;
-  const TimeGuess reference = recognize_time(result);
+  Declarations of_all;  // what a column of another table may be called is not asked here
+  for (const char* key : {"time.unit", "time.ticks_per_s", "time.wrap_bits"})
+    if (const auto found = declared.find(key); found != declared.end()) of_all.insert(*found);
+  const TimeGuess reference = declared_time(result, declared, recognize_time(result));
   const std::vector<std::int64_t> time_ns = stamps_of(result, reference);
   if (!reference.column || time_ns.empty()) throw Error(result.file + ": has no stamps; expected them, since several tables are joined by time");
   std::size_t begin = 0, end = time_ns.size();
   for (std::size_t t = 1; t < tables.size(); ++t) {
     SignalTable& table = tables[t];
-    const TimeGuess time = recognize_time(table);
+    const TimeGuess time = declared_time(table, of_all, recognize_time(table));
     if (!time.column) throw Error(table.file + ": has no stamps; expected them, since several tables are joined by time");
-    const std::vector<std::int64_t> own = stamps_of(table, time, result.signals[*reference.column].values.front());
+    const std::vector<std::int64_t> own = stamps_of(table, time, first_stamp_s(result, reference));
     if (own.empty() || own.back() < time_ns.front() || own.front() > time_ns.back())
       throw Error(fmt::format("{}: has no time in common with {}; expected recordings by one clock", table.file, result.file));
     const auto [from, to] = covered(time_ns, own);
     begin = std::max(begin, from), end = std::min(end, to);
-    result.parts.push_back({table.file == result.file ? "" : std::filesystem::path(table.file).filename().string(), table.topic, time.source});
+    result.parts.push_back(
+        {table.file == result.file ? "" : std::filesystem::path(table.file).filename().string(), table.topic, time.source, time.open});
     for (std::size_t i = 0; i < table.signals.size(); ++i) {
       if (i == *time.column || (time.fraction && i == *time.fraction)) continue;
       Signal signal = std::move(table.signals[i]);

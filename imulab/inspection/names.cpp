@@ -37,26 +37,35 @@ bool is_among(const std::string& word, const std::array<std::string_view, N>& li
 }
 
 constexpr std::array<std::string_view, 9> accel_words{"a", "acc", "accel", "acceleration", "accelerometer", "accelerations", "accels", "f", "force"};
-constexpr std::array<std::string_view, 13> gyro_words{"g",       "gyr",     "gyro", "gyros", "gyroscope", "w",    "omega",
+constexpr std::array<std::string_view, 13> gyro_words{"g",       "gyr",    "gyro", "gyros", "gyroscope", "w",      "omega",
                                                       "angular", "angvel", "rate", "rates", "rot",       "angrate"};
-constexpr std::array<std::string_view, 22> other_words{"m",   "mag",  "magnetometer", "magnetic", "compass", "q",        "quat",     "quaternion", "orientation", "roll", "pitch",
-                                                       "yaw", "heading", "gps",       "lat",      "lon",     "altitude", "pressure", "baro",       "covariance", "euler", "velocity"};
-constexpr std::array<std::string_view, 6> temperature_words{"temp", "temperature", "thermometer", "tmp", "temps", "degc"};
-constexpr std::array<std::string_view, 11> time_words{"t", "time", "timestamp", "stamp", "ts", "clock", "epoch", "millis", "micros", "utc", "tow"};
+constexpr std::array<std::string_view, 22> other_words{
+    "m",   "mag",     "magnetometer", "magnetic", "compass", "q",        "quat",     "quaternion", "orientation", "roll",  "pitch",
+    "yaw", "heading", "gps",          "lat",      "lon",     "altitude", "pressure", "baro",       "covariance",  "euler", "velocity"};
+constexpr std::array<std::string_view, 6> temperature_words{"temp", "temperature", "thermometer", "tmp", "temperatures", "degc"};
+constexpr std::array<std::string_view, 14> time_words{"t",      "time",   "timestamp", "stamp", "ts",    "clock", "epoch",
+                                                      "millis", "micros", "utc",       "tow",   "temps", "zeit",  "tiempo"};
+constexpr std::array<std::string_view, 4> tick_words{"tick", "ticks", "cycles", "cnt"};
 constexpr std::array<std::string_view, 4> second_words{"s", "sec", "secs", "seconds"};
 constexpr std::array<std::string_view, 3> nanosecond_words{"nsec", "nsecs", "nanosec"};
 constexpr std::array<std::string_view, 10> number_words{"n", "i", "idx", "index", "sample", "samples", "seq", "counter", "count", "packet"};
 
-/// The unit in brackets, or behind the last blank or underline: "acc_x [m/s^2]", "time_us".
-std::string unit_in(std::string_view name) {
+/// What stands in brackets.
+std::string_view in_brackets(std::string_view name) {
   for (const auto& [open, close] : {std::pair{'[', ']'}, {'(', ')'}}) {
     const std::size_t begin = name.find(open), end = name.find(close, begin == std::string_view::npos ? 0 : begin);
-    if (begin != std::string_view::npos && end != std::string_view::npos) return unit_of(name.substr(begin + 1, end - begin - 1));
+    if (begin != std::string_view::npos && end != std::string_view::npos) return name.substr(begin + 1, end - begin - 1);
   }
+  return {};
+}
+
+/// The unit in brackets, or behind the last blank or underline: "acc_x [m/s^2]", "time_us".
+std::string unit_in(std::string_view name) {
+  if (const std::string_view inside = in_brackets(name); !inside.empty()) return unit_of(inside);
   for (const char c : {' ', '_'})
     if (const std::size_t cut = name.rfind(c); cut != std::string_view::npos)
       if (std::string unit = unit_of(name.substr(cut + 1)); !unit.empty() && unit != "g" && unit != "m/s") return unit;  // ..._g may be a gyro's
-  if (name.ends_with("US") && name.size() > 2) return "us";  // TimeUS
+  if (name.ends_with("US") && name.size() > 2) return "us";                                                              // TimeUS
   return {};
 }
 
@@ -80,6 +89,7 @@ Role role_of(std::vector<std::string> words) {
     }
   const auto any = [&](const auto& list) { return std::any_of(words.begin(), words.end(), [&](const std::string& w) { return is_among(w, list); }); };
   const bool angular = std::find(words.begin(), words.end(), "angular") != words.end();
+  if (any(tick_words)) return Role::time;
   if (any(temperature_words)) return Role::temperature;
   if (any(nanosecond_words)) return Role::fraction;
   const bool timed = any(time_words) || (words.size() <= 2 && !words.empty() && is_among(words.front(), second_words));
@@ -98,15 +108,18 @@ Role role_of(std::vector<std::string> words) {
 std::string unit_of(std::string_view text) {
   std::string key = lowered(text);
   std::erase_if(key, [](char c) { return c == ' ' || c == '^' || c == '*' || c == '.' || c == '\"'; });
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 47> units{{
-      {"m/s2", "m/s^2"},    {"m/s²", "m/s^2"},       {"mps2", "m/s^2"},   {"m/s/s", "m/s^2"},  {"ms-2", "m/s^2"},     {"m/sec2", "m/s^2"},
-      {"m/s-2", "m/s^2"},   {"g", "g"},              {"gee", "g"},        {"mg", "mg"},        {"ug", "ug"},          {"µg", "ug"},
-      {"rad/s", "rad/s"},   {"rad/sec", "rad/s"},    {"radps", "rad/s"},  {"rads-1", "rad/s"}, {"rps", "rad/s"},      {"deg/s", "deg/s"},
-      {"deg/sec", "deg/s"}, {"degps", "deg/s"},      {"dps", "deg/s"},    {"°/s", "deg/s"},    {"mdps", "mdeg/s"},    {"mdeg/s", "mdeg/s"},
-      {"deg/h", "deg/h"},   {"deg/hr", "deg/h"},     {"dph", "deg/h"},    {"°/h", "deg/h"},    {"deg/min", "deg/min"}, {"m/s", "m/s"},
-      {"gs", "g*s"},        {"arcsec", "arcsec"},    {"s", "s"},          {"sec", "s"},        {"secs", "s"},         {"seconds", "s"},
-      {"ms", "ms"},         {"msec", "ms"},          {"us", "us"},        {"µs", "us"},        {"usec", "us"},        {"ns", "ns"},
-      {"nsec", "ns"},       {"nanosec", "ns"},       {"degc", "degC"},    {"°c", "degC"},      {"k", "K"},
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 52> units{{
+      {"m/s2", "m/s^2"},   {"m/s²", "m/s^2"},    {"mps2", "m/s^2"},  {"m/s/s", "m/s^2"},     {"ms-2", "m/s^2"},
+      {"m/sec2", "m/s^2"}, {"m/s-2", "m/s^2"},   {"g", "g"},         {"gee", "g"},           {"mg", "mg"},
+      {"ug", "ug"},        {"µg", "ug"},         {"rad/s", "rad/s"}, {"rad/sec", "rad/s"},   {"radps", "rad/s"},
+      {"rads-1", "rad/s"}, {"rps", "rad/s"},     {"deg/s", "deg/s"}, {"deg/sec", "deg/s"},   {"degps", "deg/s"},
+      {"dps", "deg/s"},    {"°/s", "deg/s"},     {"mdps", "mdeg/s"}, {"mdeg/s", "mdeg/s"},   {"deg/h", "deg/h"},
+      {"deg/hr", "deg/h"}, {"dph", "deg/h"},     {"°/h", "deg/h"},   {"deg/min", "deg/min"}, {"m/s", "m/s"},
+      {"gs", "g*s"},       {"arcsec", "arcsec"}, {"s", "s"},         {"sec", "s"},           {"secs", "s"},
+      {"seconds", "s"},    {"ms", "ms"},         {"msec", "ms"},     {"us", "us"},           {"µs", "us"},
+      {"usec", "us"},      {"ns", "ns"},         {"nsec", "ns"},     {"nanosec", "ns"},      {"degc", "degC"},
+      {"°c", "degC"},      {"k", "K"},           {"count", "count"}, {"counts", "count"},    {"lsb", "count"},
+      {"raw", "count"},    {"adc", "count"},
   }};
   const auto found = std::find_if(units.begin(), units.end(), [&](const auto& unit) { return unit.first == key; });
   return found == units.end() ? std::string() : std::string(found->second);
@@ -122,6 +135,14 @@ NameHint hint_of(std::string_view name) {
   if (hint.axis < 0 && !words.empty() && words.back().size() == 1 && std::isdigit(static_cast<unsigned char>(words.back()[0])))
     hint.axis = words.back()[0] - '1';  // gyro.1, gyro.2, gyro.3
   if (hint.axis > 2) hint.axis = -1;
+  if (const std::string_view inside = in_brackets(name); hint.unit.empty()) hint.unknown = std::string(inside);
+  const bool of_time = hint.unit == "s" || hint.unit == "ms" || hint.unit == "us" || hint.unit == "ns";
+  if (of_time && hint.role != Role::fraction) hint.role = Role::time;  // "Temps (s)" is no temperature
+  hint.ticks = std::any_of(words.begin(), words.end(), [](const std::string& w) { return is_among(w, tick_words); });
+  for (const std::string& word : words) {
+    const bool is_axis = word == "x" || word == "y" || word == "z" || (&word == &words.back() && word.size() == 1);
+    if (!is_axis) hint.sensor += (hint.sensor.empty() ? "" : " ") + (hint.axis >= 0 && axis_of({word}) >= 0 ? word.substr(0, word.size() - 1) : word);
+  }
   if (hint.role == Role::fraction && hint.unit.empty()) hint.unit = "ns";
   return hint;
 }

@@ -21,6 +21,7 @@ struct Signal {
 struct SignalPart {
   std::string file, topic;  ///< empty where they are the first table's
   TimeSource time;
+  std::string open;  ///< what its clock leaves open; else empty
 };
 
 struct SignalTable {

@@ -9,14 +9,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace imulab::inspection {
 namespace {
 
-constexpr std::size_t looked_at = 200'000;                  // rows: enough to know a clock
+constexpr std::size_t looked_at = 200'000;            // rows: enough to know a clock
 constexpr double slowest_hz = 10, fastest_hz = 10e3;  // of an IMU; a thousand apart, so that one unit of time fits
-constexpr double usual_hz = 2500;                     // above, the same step is more often ticks or the slow rate of a larger unit: asked for
+constexpr double usual_hz = 1000.5;                   // above, the same step is more often ticks or the slow rate of a larger unit: asked for
 constexpr std::array<const char*, 4> units{"s", "ms", "us", "ns"};
 
 /// How the numbers of a column advance.
@@ -24,7 +25,7 @@ struct Steps {
   double typical = 0;        ///< median of those above 0
   double even = 0;           ///< part of the steps that are within half of it
   bool whole = false;        ///< all numbers are whole
-  bool ones = false;         ///< each step is exactly 1
+  bool ones = false;         ///< nearly every step is exactly 1
   std::optional<int> bits;   ///< the numbers begin again after 2^bits
   std::size_t backward = 0;  ///< steps back that are no such beginning
   double first = 0;
@@ -32,34 +33,41 @@ struct Steps {
 
 std::optional<Steps> steps_of(const std::vector<double>& values) {
   Steps s;
-  const std::size_t n = std::min(values.size(), looked_at);
   std::vector<double> forward, backward;
-  s.whole = s.ones = true;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!std::isfinite(values[i])) return std::nullopt;
+  std::size_t missing = 0, ones = 0;
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  s.whole = true;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values[i])) {
+      ++missing;
+      continue;
+    }
     s.whole = s.whole && values[i] == std::floor(values[i]);
-    if (i == 0) continue;
-    const double step = values[i] - values[i - 1];
-    s.ones = s.ones && step == 1;
-    if (step > 0) forward.push_back(step);
+    least = std::min(least, values[i]), most = std::max(most, values[i]);
+    const double step = i == 0 || !std::isfinite(values[i - 1]) ? 0 : values[i] - values[i - 1];
+    ones += step == 1;
+    if (step > 0 && forward.size() < looked_at) forward.push_back(step);
     if (step < 0) backward.push_back(step);
   }
-  if (n < 3 || forward.size() * 2 < n) return std::nullopt;
+  const std::size_t n = std::min(values.size(), looked_at);
+  if (n < 3 || forward.size() * 2 < n || missing * 100 > values.size()) return std::nullopt;
   s.first = values.front();
   s.typical = median(forward);
+  s.ones = s.whole && s.typical == 1 && ones * 10 > 9 * values.size();
   for (const double step : forward) s.even += std::abs(step - s.typical) < 0.5 * s.typical ? 1.0 / static_cast<double>(forward.size()) : 0.0;
-  for (const double step : backward) {
-    bool wraps = false;
-    if (s.whole)
-      for (const int bits : {16, 24, 32})
-        if (std::abs(step + std::ldexp(1, bits)) < 20 * s.typical && (!s.bits || *s.bits == bits)) s.bits = bits, wraps = true;
-    s.backward += !wraps;
+  for (const int bits : {16, 24, 32}) {  // a counter's numbers, with a sign or without, jump back by its range
+    const double range = std::ldexp(1, bits);
+    const bool fits =
+        s.whole && !backward.empty() && ((least >= 0 && most < range) || (least >= -range / 2 && most < range / 2)) &&
+        std::all_of(backward.begin(), backward.end(), [&](double step) { return std::abs(step + range) < std::min(20 * s.typical, range / 4); });
+    if (fits && !s.bits) s.bits = bits;
   }
+  s.backward = s.bits ? 0 : backward.size();
   return s;
 }
 
-/// Whether the numbers advance as a clock's do: in even steps, forward.
-bool is_clock(const Steps& s) { return s.even > 0.6 && s.backward == 0; }
+/// Whether the numbers advance as a clock's do: in even steps, forward but for a few rows out of order.
+bool is_clock(const Steps& s, std::size_t rows) { return s.even > 0.6 && s.backward * 100 < rows; }
 
 double in_seconds(const char* unit) { return std::pow(10.0, time_exponent(unit) - 9); }
 
@@ -119,6 +127,17 @@ void choose_unit(TimeGuess& guess, const Signal& signal, const Steps& steps) {
     guess.rate_hz = 1 / (steps.typical * in_seconds(unit.c_str()));
     guess.evidence = fmt::format("{} advances by {:.6g}: {} ({}), {:.5g} Hz", name, steps.typical, unit, why, *guess.rate_hz);
   };
+  if (!hint.unknown.empty() && signal.unit.empty()) {
+    guess.open =
+        fmt::format("time.unit: {} advances by {:.6g} of a unit that is not known here; expected s, ms, us, ns, tick or sample", name, steps.typical);
+    return;
+  }
+  if (hint.ticks) {
+    guess.source.unit = "tick";
+    guess.evidence = fmt::format("{} advances by {:.6g}: ticks, by its name", name, steps.typical);
+    guess.open = "time.ticks_per_s: how many ticks are a second";
+    return;
+  }
   if (!stated.empty() && std::find(units.begin(), units.end(), stated) != units.end()) {
     decide(stated, signal.unit.empty() ? "its name" : "the format");
     if (*guess.rate_hz < 0.5 || *guess.rate_hz > 100e3)
@@ -128,7 +147,7 @@ void choose_unit(TimeGuess& guess, const Signal& signal, const Steps& steps) {
   if (dated.size() == 1) return decide(dated[0], "it begins at a date since 1970");
   if (steps.ones && hint.role != Role::time) {
     guess.source.unit = "sample";
-    guess.evidence = fmt::format("{} advances by exactly 1: it numbers the samples", name);
+    guess.evidence = fmt::format("{} advances by 1: it numbers the samples", name);
     guess.open = "rate_hz: samples are numbered, not timed";
     return;
   }
@@ -140,7 +159,8 @@ void choose_unit(TimeGuess& guess, const Signal& signal, const Steps& steps) {
     return;
   }
   decide(fit[0], "in no other unit the rate is between 10 Hz and 10 kHz");
-  if (*guess.rate_hz > usual_hz) guess.open = fmt::format("time.unit: {} advances by {:.6g}: {} would make {:.5g} Hz", name, steps.typical, fit[0], *guess.rate_hz);
+  if (*guess.rate_hz > usual_hz)
+    guess.open = fmt::format("time.unit: {} advances by {:.6g}: {} would make {:.5g} Hz", name, steps.typical, fit[0], *guess.rate_hz);
 }
 
 }  // namespace
@@ -172,7 +192,7 @@ TimeGuess recognize_time(const SignalTable& table) {
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < table.signals.size(); ++i) {
     const auto steps = steps_of(table.signals[i].values);
-    if (!steps || !is_clock(*steps)) continue;
+    if (!steps || !is_clock(*steps, table.rows())) continue;
     const Role role = hint_of(table.signals[i].name).role;
     if (role == Role::gyro || role == Role::accel || role == Role::other || role == Role::temperature) continue;
     const bool time = role == Role::time || !table.signals[i].unit.empty();
@@ -195,7 +215,14 @@ TimeGuess recognize_time(const SignalTable& table) {
   return guess;
 }
 
-std::vector<std::int64_t> stamps_of(const SignalTable& table, const TimeGuess& time, std::optional<double> origin) {
+double first_stamp_s(const SignalTable& table, const TimeGuess& time) {
+  if (!time.column) return 0;
+  const bool counted = time.source.unit == "sample" || time.source.unit == "tick";
+  const double per_second = time.source.unit == "tick" ? time.source.ticks_per_s.value_or(1) : time.rate_hz.value_or(1);
+  return table.signals[*time.column].values.front() * (counted ? 1 / per_second : in_seconds(time.source.unit.c_str()));
+}
+
+std::vector<std::int64_t> stamps_of(const SignalTable& table, const TimeGuess& time, std::optional<double> origin_s) {
   std::vector<std::int64_t> stamps;
   const std::size_t rows = table.rows();
   stamps.reserve(rows);
@@ -205,7 +232,7 @@ std::vector<std::int64_t> stamps_of(const SignalTable& table, const TimeGuess& t
   const double unit_ns = counted ? 1e9 / *per_second : 1e9 * in_seconds(time.source.unit.c_str());
   const double modulus = time.source.wrap_bits ? std::ldexp(1, *time.source.wrap_bits) : 0;
   double wrapped = 0;
-  const double first = origin ? *origin : time.column ? table.signals[*time.column].values.front() : 0;
+  const double first = origin_s ? *origin_s * 1e9 / unit_ns : time.column ? table.signals[*time.column].values.front() : 0;
   for (std::size_t i = 0; i < rows; ++i) {
     double value = time.column ? table.signals[*time.column].values[i] : static_cast<double>(i);
     if (modulus > 0 && i > 0 && value < table.signals[*time.column].values[i - 1] - 0.5 * modulus) wrapped += modulus;

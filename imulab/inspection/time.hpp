@@ -14,19 +14,21 @@ namespace imulab::inspection {
 
 /// What is known of the clock, and why.
 struct TimeGuess {
-  TimeSource source;                         ///< without a column where the rows have no stamps
+  TimeSource source;                            ///< without a column where the rows have no stamps
   std::optional<std::size_t> column, fraction;  ///< indices of the signals
-  std::optional<double> rate_hz;             ///< of the samples; absent where it cannot be known
+  std::optional<double> rate_hz;                ///< of the samples; absent where it cannot be known
   std::string evidence;
-  std::vector<std::string> others;           ///< columns that could be time as well
-  std::string open;                          ///< a question that the data do not answer; empty where there is none
+  std::vector<std::string> others;  ///< columns that could be time as well
+  std::string open;                 ///< a question that the data do not answer; empty where there is none
 };
 
-/// Finds the column whose numbers advance in even steps, and the unit in which these are the interval of an IMU (10 Hz to 10 kHz), by the unit that the
-/// column states, its beginning (a date since 1970), and its name.
+/// Finds the column whose numbers advance in even steps, and the unit in which these are the interval of an IMU (10 Hz to 10 kHz), by the unit that
+/// the column states, its beginning (a date since 1970), and its name.
 TimeGuess recognize_time(const SignalTable& table);
 
-/// Stamps [ns] of the rows by that clock; empty without a rate. `origin`: the column's number that is zero; absent: the first row's.
-std::vector<std::int64_t> stamps_of(const SignalTable& table, const TimeGuess& time, std::optional<double> origin = {});
+/// Stamps [ns] of the rows by that clock; empty without a rate. `origin_s`: the time that is zero; absent: the first row's.
+std::vector<std::int64_t> stamps_of(const SignalTable& table, const TimeGuess& time, std::optional<double> origin_s = {});
+/// Seconds of the column's number in the first row.
+double first_stamp_s(const SignalTable& table, const TimeGuess& time);
 
 }  // namespace imulab::inspection

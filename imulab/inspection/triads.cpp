@@ -7,8 +7,11 @@
 #include "imulab/recording/make_recording.hpp"
 #include "imulab/recording/rest_detection.hpp"
 #include "imulab/recording/rest_means.hpp"
+#include "imulab/recording/short_gaps.hpp"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
@@ -68,6 +71,24 @@ std::optional<Vector3d> far_center(const std::vector<RestMeans>& rests) {
   return Vector3d(center + reach * bias);
 }
 
+/// Whether the accelerometers read the same in both halves of a rest: a log that never rests has quiet parts, too.
+bool is_steady(const Recording& recording, const Range& rest) {
+  const auto mean = [&](std::size_t begin, std::size_t end) {
+    Vector3d sum = Vector3d::Zero();
+    for (std::size_t i = begin; i < end; ++i) sum += reading_at(recording.accel, i);
+    return Vector3d(sum / static_cast<double>(end - begin));
+  };
+  const std::size_t quarter = rest.size() / 4;
+  if (quarter == 0) return false;
+  const Vector3d whole = mean(rest.begin, rest.end);
+  double apart = 0, spread = 0;
+  for (std::size_t k = 0; k < 4; ++k) apart = std::max(apart, (mean(rest.begin + k * quarter, rest.begin + (k + 1) * quarter) - whole).norm());
+  for (std::size_t i = rest.begin; i < rest.end; ++i) spread += (reading_at(recording.accel, i) - whole).squaredNorm();
+  spread = std::sqrt(spread / static_cast<double>(rest.size()));
+  constexpr double noise_of_gravity = 0.15;  // more is motion, whatever the sensor
+  return apart < 0.03 * whole.norm() && spread < noise_of_gravity * whole.norm();
+}
+
 /// Spread of the norm between the rests, part of its mean.
 double norm_spread_in_motion(const Recording& recording, const std::vector<Range>& rests, const Vector3d& center) {
   std::vector<double> norms;
@@ -90,21 +111,19 @@ std::vector<Triad> possible_triads(const SignalTable& table, const std::vector<s
     if (std::find(triads.begin(), triads.end(), triad) == triads.end()) triads.push_back(triad);
   };
   std::vector<std::size_t> usable;
-  std::map<std::string, std::array<std::optional<std::size_t>, 3>> named;
-  std::map<std::string, std::size_t> known;  // columns of one role
+  std::map<std::string, std::array<std::optional<std::size_t>, 3>> named;  // by what the names have in common
   for (std::size_t i = 0; i < table.signals.size(); ++i) {
     const NameHint hint = hint_of(table.signals[i].name);
     const bool taken = std::find(without.begin(), without.end(), i) != without.end();
     if (taken || hint.role == Role::other || hint.role == Role::temperature || !varies(table.signals[i].values)) continue;
     usable.push_back(i);
     if (hint.axis < 0 || (hint.role != Role::gyro && hint.role != Role::accel)) continue;
-    auto& places = named[hint.role == Role::gyro ? "gyro" : "accel"];
-    auto& place = places[static_cast<std::size_t>(hint.axis)];
+    auto& place = named[fmt::format("{} {} {}", hint.role == Role::gyro ? "gyro" : "accel", table.signals[i].table, hint.sensor)]
+                       [static_cast<std::size_t>(hint.axis)];
     if (!place) place = i;
   }
-  for (const auto& [role, places] : named)
+  for (const auto& [sensor, places] : named)
     if (places[0] && places[1] && places[2]) add({*places[0], *places[1], *places[2]});
-  if (triads.size() == 2) return triads;
   for (const std::size_t stride : {std::size_t{1}, std::size_t{2}})
     for (std::size_t k = 0; k + 2 * stride < usable.size(); ++k) {
       const Triad triad{usable[k], usable[k + stride], usable[k + 2 * stride]};
@@ -126,12 +145,20 @@ TriadEvidence evidence_for(const SignalTable& table, const std::vector<std::int6
   options.name = table.file;
   options.gyro.unit = options.accel.unit = "count";
   const Recording recording =
-      make_recording(std::vector<std::int64_t>(time_ns.begin(), time_ns.begin() + static_cast<std::ptrdiff_t>(n)), std::move(gyro_columns),
-                     std::move(accel_columns), options);
+      with_short_gaps_filled(make_recording(std::vector<std::int64_t>(time_ns.begin(), time_ns.begin() + static_cast<std::ptrdiff_t>(n)),
+                                            std::move(gyro_columns), std::move(accel_columns), options))
+          .recording;
   const RestDetection detection = detect_rests(recording);
-  evidence.rests = detection.rests;
+  std::vector<Range> steady;  // samples of the recording with its short gaps filled
+  for (const Range& rest : detection.rests) {
+    if (!is_steady(recording, rest)) continue;
+    steady.push_back(rest);
+    const auto begin = std::lower_bound(time_ns.begin(), time_ns.end(), recording.time_ns[rest.begin]);
+    const auto end = std::upper_bound(time_ns.begin(), time_ns.end(), recording.time_ns[rest.end - 1]);
+    evidence.rests.push_back({static_cast<std::size_t>(begin - time_ns.begin()), static_cast<std::size_t>(end - time_ns.begin())});
+  }
   evidence.turning = detection.turning;
-  const std::vector<RestMeans> rests = summarize_rests(recording, evidence.rests);
+  const std::vector<RestMeans> rests = summarize_rests(recording, steady);
   if (rests.empty()) return evidence;
 
   const std::optional<Vector3d> center = far_center(rests);
@@ -145,7 +172,7 @@ TriadEvidence evidence_for(const SignalTable& table, const std::vector<std::int6
   evidence.norm = median(norms);
   evidence.norm_least = *std::min_element(norms.begin(), norms.end());
   evidence.norm_most = *std::max_element(norms.begin(), norms.end());
-  evidence.norm_in_motion = norm_spread_in_motion(recording, evidence.rests, center.value_or(Vector3d::Zero()));
+  evidence.norm_in_motion = norm_spread_in_motion(recording, steady, center.value_or(Vector3d::Zero()));
   if (rests.size() < 2 || !(evidence.norm > 0)) return evidence;
 
   SensorModel model;
@@ -154,7 +181,7 @@ TriadEvidence evidence_for(const SignalTable& table, const std::vector<std::int6
   const auto judge = [&](const Matrix3d& matrix) {
     model.gyro.matrix = matrix;
     model.gyro.offset = -matrix * mean_gyro(rests);
-    const std::vector<GravityAtRest> gravity = gravity_at_rests(recording, evidence.rests, model, model);
+    const std::vector<GravityAtRest> gravity = gravity_at_rests(recording, steady, model, model);
     std::map<double, double> left;  // by the turn's begin: unexplained
     for (const TurnError& turn : turn_errors(recording, gravity, model, model)) left[turn.begin_s] = turn.after;
     double turned = 0, error = 0;

@@ -49,6 +49,14 @@ UnitGuess choose(const std::vector<Possible>& fit, const std::vector<Possible>& 
     guess.open = fmt::format("{}.unit: the file says {}, but {}", key, named, what + (instead.empty() ? "" : ", as in " + instead));
     return guess;
   }
+  if (!named.empty() && named != "count") {
+    guess.open = fmt::format("{}.unit: the file says {}, which is no unit known here; {}", key, named, what);
+    return guess;
+  }
+  if (named == "count") {
+    guess.evidence = what + ": counts, as the file says";
+    return guess;
+  }
   if (fit.size() == 1) {
     take(fit.front());
     return guess;

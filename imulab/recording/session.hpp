@@ -95,11 +95,11 @@ std::string_view to_string(Stamps stamps);
 struct TimeSource {
   std::optional<Column> column = Column(1);  ///< absent: the rows follow each other at the declared rate
   std::string unit = "s";                    ///< s, ms, us, ns; tick (ticks_per_s); sample: a number of samples at the declared rate
-  std::optional<Column> fraction_column;     ///< added to the first, as nanoseconds to seconds
+  std::optional<Column> fraction_column{};   ///< added to the first, as nanoseconds to seconds
   std::string fraction_unit = "ns";
-  std::optional<double> ticks_per_s;
-  std::optional<int> wrap_bits;  ///< the column's number begins at 0 again after 2^wrap_bits of its unit
-  std::int64_t zero = 0;         ///< subtracted: ns, or ticks or samples
+  std::optional<double> ticks_per_s{};
+  std::optional<int> wrap_bits{};  ///< the column's number begins at 0 again after 2^wrap_bits of its unit
+  std::int64_t zero = 0;           ///< subtracted: ns, or ticks or samples
   Stamps stamps = Stamps::automatic;
   bool operator==(const TimeSource&) const = default;
 };
@@ -111,20 +111,20 @@ struct BodyAxis {
 };
 
 struct TriadSource {
-  std::optional<std::string> file, topic;  ///< if they differ from the recording's
-  std::optional<TimeSource> time;
-  std::vector<Column> columns;                   ///< three
-  std::optional<std::array<BodyAxis, 3>> axes;  ///< along which body axis each column measures; absent: x, y, z
+  std::optional<std::string> file{}, topic{};  ///< if they differ from the recording's
+  std::optional<TimeSource> time{};
+  std::vector<Column> columns{};                  ///< three
+  std::optional<std::array<BodyAxis, 3>> axes{};  ///< along which body axis each column measures; absent: x, y, z
   Output output = Output::rate;
   std::string unit = "count";
-  std::optional<double> counts_per_unit;        ///< the file has counts: so many are one `unit`
-  std::optional<std::array<double, 2>> limits;  ///< in the file's unit
+  std::optional<double> counts_per_unit{};        ///< the file has counts: so many are one `unit`
+  std::optional<std::array<double, 2>> limits{};  ///< in the file's unit
   bool operator==(const TriadSource&) const = default;
 };
 
 struct ThermalSource {
-  std::optional<std::string> file, topic;  ///< if they differ from the recording's
-  std::optional<TimeSource> time;
+  std::optional<std::string> file{}, topic{};  ///< if they differ from the recording's
+  std::optional<TimeSource> time{};
   std::vector<Column> columns;  ///< one or three
   std::string unit = "degC";
   // Of a simulation: a reading is at_25_degC + per_K (T - 25 degC) and noise; three columns, three sensors.

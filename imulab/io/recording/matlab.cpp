@@ -3,10 +3,13 @@
 #include "imulab/io/recording/arrays.hpp"
 #include "imulab/io/recording/binary.hpp"
 #include "imulab/io/recording/formats.hpp"
+#include "imulab/io/text/file.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -44,6 +47,39 @@ bool is_matlab(std::string_view head) {
 }
 
 #ifdef IMULAB_WITH_MATIO
+
+/// Where the variable at `offset` ends, by its own head; 0 where no head is there.
+std::uint64_t end_of_variable(std::string_view text, std::uint64_t offset, bool version_4) {
+  if (!version_4) {
+    constexpr std::uint32_t matrix = 14, compressed = 15;
+    const bool big_endian = text.substr(126, 2) == "MI";
+    if (text.size() - offset < 8) return 0;
+    const auto type = load<std::uint32_t>(text.data() + offset, big_endian), bytes = load<std::uint32_t>(text.data() + offset + 4, big_endian);
+    return type == matrix || type == compressed ? offset + 8 + bytes : 0;
+  }
+  constexpr std::uint64_t head = 20;
+  if (text.size() - offset < head) return 0;
+  const bool big_endian = load<std::uint32_t>(text.data() + offset, false) / 1000 > 5;  // its thousands say so: 0 or 1
+  const auto number = [&](std::size_t i) { return std::uint64_t{load<std::uint32_t>(text.data() + offset + 4 * i, big_endian)}; };
+  constexpr std::array<std::uint64_t, 6> bytes{8, 4, 4, 2, 2, 1};
+  const std::uint64_t precision = number(0) / 10 % 10;
+  if (precision > 5 || number(1) > UINT32_MAX / 2 || number(2) > UINT32_MAX / 2) return 0;
+  return offset + head + number(4) + number(1) * number(2) * bytes[precision] * (number(3) == 1 ? 2 : 1);
+}
+
+/// Throws Error where the file ends inside a variable: libmatio makes up what is missing.
+void expect_whole_mat(const std::filesystem::path& path) {
+  const MappedFile mapped(path);
+  const std::string_view text = mapped.text();
+  const bool version_4 = !text.starts_with("MATLAB ");
+  for (std::uint64_t offset = version_4 ? 0 : 128; offset < text.size();) {
+    const std::uint64_t end = end_of_variable(text, offset, version_4);
+    if (end > text.size() || (end == 0 && text.size() - offset < 20))
+      throw Error(fmt::format("{}: ends inside a variable, at byte {}; expected a whole file", path.string(), text.size()));
+    if (end <= offset) return;  // damaged otherwise, which libmatio says
+    offset = end;
+  }
+}
 
 struct CloseMat {
   void operator()(mat_t* file) const { Mat_Close(file); }
@@ -124,6 +160,7 @@ MatFile open_mat(const std::filesystem::path& path) {
   MatFile file;
   file.name = path.string();
   file.bytes = std::filesystem::file_size(path);
+  expect_whole_mat(path);
   file.file.reset(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
   if (!file.file) throw Error(file.name + ": cannot be opened as a MATLAB file; expected a whole one (is it truncated?)");
   while (matvar_t* const variable = Mat_VarReadNextInfo(file.file.get())) {

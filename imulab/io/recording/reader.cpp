@@ -78,7 +78,7 @@ void warn_of_saturated(const Recording& recording, const TimedTable& table, std:
 void expect_plausible(const Columns3& triad, const ReadingOptions& options, Quantity quantity, double interval_s, const TimedTable& table) {
   const char* const name = quantity == Quantity::gyro ? "gyro" : "accel";
   const std::string_view si = options.unit == "count" ? "count" : quantity == Quantity::gyro ? "rad/s" : "m/s^2";
-  const double largest = largest_reading(si) / si_factor(options.unit) * (options.increment ? interval_s : 1);
+  const double largest = largest_reading(si) / si_factor(options.unit) * options.counts_per_unit * (options.increment ? interval_s : 1);
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (std::size_t i = 0; i < triad[axis].size(); ++i)
       if (!(std::abs(triad[axis][i]) <= largest))

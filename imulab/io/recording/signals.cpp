@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -122,7 +123,17 @@ void read_what_there_is(const TableLayout& layout, std::string_view text, Signal
   }
   if (ragged > 0)
     table.notes.push_back(
-        fmt::format("{} lines do not have {} fields: a session with this file is refused until they are mended", ragged, layout.columns));
+        fmt::format("{} line{} do not have {} fields; in the middle of the file they are an error", ragged, ragged == 1 ? "" : "s", layout.columns));
+  const std::string_view first = text.substr(layout.offset, std::min(text.find('\n', layout.offset), text.size()) - layout.offset);
+  if (first.find('"') != std::string_view::npos) table.notes.push_back("numbers stand in quotes; expected them without");
+  for (std::size_t i = 0; i < layout.columns && !table.signals[i].values.empty(); ++i) {
+    const std::string field(i < fields_of(first, layout).size() ? fields_of(first, layout)[i] : "");
+    if (std::isfinite(table.signals[i].values.front()) || field.empty() || field.front() == '"') continue;
+    const bool decimal_comma = layout.delimiter != ',' && field.find(',') != std::string::npos;
+    table.notes.push_back(
+        fmt::format("column {}: \"{}\" is {}", i + 1, field.substr(0, 40),
+                    decimal_comma ? "written with a decimal comma; expected a point" : "no number: such columns are not used (no dates)"));
+  }
 }
 
 }  // namespace

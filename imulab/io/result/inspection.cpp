@@ -75,7 +75,11 @@ std::string inspected_session_text(const Inspection& inspection, const Session& 
     throw Error(fmt::format("{}: no session can be written: {}", inspection.file,
                             fmt::join(inspection.problems.empty() ? inspection.ambiguous : inspection.problems, "; ")));
   std::string out = "# Written by imulab inspect, which found in the recording:\n";
-  for (const std::string& line : inspection.evidence) out += "# - " + line + "\n";
+  for (std::string line : inspection.evidence) {
+    std::replace_if(
+        line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }, '?');  // a name may hold anything
+    out += "# - " + line + "\n";
+  }
   if (session.site.given_gravity_sigma && !session.site.latitude)
     out += "# The place is not declared: gravity is as anywhere on Earth, which leaves the accelerometers' scale open by 0.15 %.\n";
   return out + session_text(session);
