@@ -95,7 +95,7 @@ TEST(InspectCommand, RefusesWhatIsNoRecording) {
   folder.write("empty.csv", "");
   folder.write("short.csv", "t,ax\n1,2\n2,3\n");
   folder.write("prose.txt", "It was a dark and stormy night.\nThe rain fell in torrents.\n");
-  for (const std::string& file : {"empty.csv", "short.csv", "prose.txt", "absent.csv"}) {
+  for (const std::string file : {"empty.csv", "short.csv", "prose.txt", "absent.csv"}) {
     const CommandResult result = run_imulab(folder, "inspect " + file);
     EXPECT_EQ(result.exit_code, 2) << file << result.output;
     EXPECT_THAT(result.errors, HasSubstr(file)) << file;
