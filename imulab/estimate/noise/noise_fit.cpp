@@ -20,6 +20,7 @@ constexpr int terms = 4;  // Q, N, B, K; all squared
 using Terms = Eigen::Array<double, terms, 1>;
 using Eigen::Index;
 constexpr double absent = -1e300;                                               // logarithm of a term that is not there
+constexpr double precision = 0.01;                                              // of a bound, as a part of its distance from the value
 constexpr double two_sided = 3.841458820694124, one_sided = 2.705543454095404;  // chi-square of one degree: 95 % and 90 %
 
 /// A spectrum up to some frequency, with the density of each unit term.
@@ -156,7 +157,7 @@ double crossing(const Problem& problem, const Point& best, int term, double dire
     outside = inside + direction * (step *= 2);
     if (step > 60) return std::numeric_limits<double>::quiet_NaN();
   }
-  for (int i = 0; i < 24; ++i) {
+  while (std::abs(outside - inside) > precision * std::abs(outside - best.log[term])) {
     const double middle = 0.5 * (inside + outside);
     (risen(middle) < 0 ? inside : outside) = middle;
   }
@@ -207,7 +208,7 @@ NoiseCoefficient ramp_coefficient(const Problem& problem, const Point& best, dou
   const auto edge = [&](double direction) {
     double inside = best.ramp, step = sigma, outside = inside + direction * step;
     while (risen(outside) < 0 && step < 1e6 * sigma) inside = outside, outside += direction * (step *= 2);
-    for (int i = 0; i < 24; ++i) {
+    while (std::abs(outside - inside) > precision * std::abs(outside - best.ramp)) {
       const double middle = 0.5 * (inside + outside);
       (risen(middle) < 0 ? inside : outside) = middle;
     }
