@@ -20,6 +20,7 @@ constexpr int terms = 4;  // Q, N, B, K; all squared
 using Terms = Eigen::Array<double, terms, 1>;
 using Eigen::Index;
 constexpr double absent = -1e300;                                               // logarithm of a term that is not there
+constexpr int most_halvings = 24;                                               // of an interval that holds a bound
 constexpr double precision = 0.01;                                              // of a bound, as a part of its distance from the value
 constexpr double two_sided = 3.841458820694124, one_sided = 2.705543454095404;  // chi-square of one degree: 95 % and 90 %
 
@@ -27,16 +28,22 @@ constexpr double two_sided = 3.841458820694124, one_sided = 2.705543454095404;  
 struct Problem {
   std::vector<noise::SpectrumBin> bins;
   Eigen::Array<double, Eigen::Dynamic, terms> unit;
+  Eigen::ArrayXd counts, power;
 };
 
 Problem problem_of(const noise::Spectrum& spectrum, double highest_hz) {
   Problem problem;
   for (const noise::SpectrumBin& bin : spectrum.bins)
     if (bin.high_hz() <= highest_hz) problem.bins.push_back(bin);
-  problem.unit.resize(static_cast<Index>(problem.bins.size()), terms);
+  const auto size = static_cast<Index>(problem.bins.size());
+  problem.unit.resize(size, terms);
+  problem.counts.resize(size);
+  problem.power.resize(size);
   for (std::size_t i = 0; i < problem.bins.size(); ++i) {
     const noise::Densities d = noise::unit_densities(problem.bins[i]);
     problem.unit.row(static_cast<Index>(i)) << d.Q, d.N, d.B, d.K;
+    problem.counts[static_cast<Index>(i)] = problem.bins[i].count;
+    problem.power[static_cast<Index>(i)] = problem.bins[i].power;
   }
   return problem;
 }
@@ -70,46 +77,38 @@ double best_ramp(const Problem& problem, const Eigen::ArrayXd& model) {
   return sum / ramp_information(problem, model).sum();
 }
 
+/// Without the ramp, where an ordinate has its amplitude.
 Eigen::ArrayXd power_of(const Problem& problem, double ramp) {
-  Eigen::ArrayXd power(static_cast<Index>(problem.bins.size()));
-  for (std::size_t i = 0; i < problem.bins.size(); ++i) {
-    const noise::SpectrumBin& bin = problem.bins[i];
-    power[static_cast<Index>(i)] = bin.ramp != 0 ? std::pow(bin.amplitude - ramp * bin.ramp, 2) : bin.power;
-  }
+  Eigen::ArrayXd power = problem.power;
+  for (std::size_t i = 0; i < problem.bins.size() && problem.bins[i].ramp != 0; ++i)
+    power[static_cast<Index>(i)] = std::pow(problem.bins[i].amplitude - ramp * problem.bins[i].ramp, 2);
   return power;
 }
 
-Eigen::ArrayXd counts_of(const Problem& problem) {
-  Eigen::ArrayXd counts(static_cast<Index>(problem.bins.size()));
-  for (std::size_t i = 0; i < problem.bins.size(); ++i) counts[static_cast<Index>(i)] = problem.bins[i].count;
-  return counts;
-}
-
 /// Sets ramp and misfit of a point from its terms. A fitted ramp takes power from the lowest ordinates, which the restricted likelihood allows for.
-void judge(Point& point, const Problem& problem, const Fixed& fixed, const Eigen::ArrayXd& counts) {
+void judge(Point& point, const Problem& problem, const Fixed& fixed) {
   const Eigen::ArrayXd model = model_of(problem, point.log);
   point.ramp = fixed.ramp ? *fixed.ramp : best_ramp(problem, model);
-  point.misfit = (counts * (model.log() + power_of(problem, point.ramp) / model)).sum();
+  point.misfit = (problem.counts * (model.log() + power_of(problem, point.ramp) / model)).sum();
   if (!fixed.ramp) point.misfit += std::log(ramp_information(problem, model).sum());
 }
 
 /// Fisher scoring in the logarithms, damped (Levenberg and Marquardt).
 Point fitted(Point point, const Problem& problem, const Fixed& fixed) {
-  const Eigen::ArrayXd counts = counts_of(problem);
-  judge(point, problem, fixed, counts);
+  judge(point, problem, fixed);
   double damping = 1e-3;
   for (int iteration = 0; iteration < 200; ++iteration) {
     const Eigen::ArrayXd model = model_of(problem, point.log);
     Eigen::Matrix<double, Eigen::Dynamic, terms> share = problem.unit.matrix() * point.log.exp().matrix().asDiagonal();
     share.array().colwise() /= model;
     if (fixed.term >= 0) share.col(fixed.term).setZero();
-    const Eigen::ArrayXd rest = counts * (1 - power_of(problem, point.ramp) / model);
+    const Eigen::ArrayXd rest = problem.counts * (1 - power_of(problem, point.ramp) / model);
     Eigen::Matrix<double, terms, 1> gradient = share.transpose() * rest.matrix();
     if (!fixed.ramp) {
       const Eigen::ArrayXd ramp = ramp_information(problem, model);
       gradient -= share.transpose() * (ramp / ramp.sum()).matrix();
     }
-    const Eigen::Matrix<double, terms, terms> information = share.transpose() * counts.matrix().asDiagonal() * share;
+    const Eigen::Matrix<double, terms, terms> information = share.transpose() * problem.counts.matrix().asDiagonal() * share;
     Point next;
     bool better = false;
     for (; !better && damping < 1e12; damping *= 10) {
@@ -118,14 +117,14 @@ Point fitted(Point point, const Problem& problem, const Fixed& fixed) {
       next = point;
       next.log -= damped.ldlt().solve(gradient).array().max(-3.0).min(3.0);
       next.log = next.log.max(absent).min(700.0);
-      judge(next, problem, fixed, counts);
+      judge(next, problem, fixed);
       better = std::isfinite(next.misfit) && next.misfit <= point.misfit;
     }
     if (!better) return point;
     const double gain = point.misfit - next.misfit;
     point = next;
     damping = std::max(1e-9, damping * 1e-2);
-    if (gain < 1e-7) return point;
+    if (gain < 1e-5) return point;  // of the 3.84 that a bound rises
   }
   return point;
 }
@@ -146,10 +145,11 @@ Point start_of(const Problem& problem) {
 
 /// From a term's logarithm outward by `direction` until the misfit has risen by `rise`; NaN where it does not within e^60.
 double crossing(const Problem& problem, const Point& best, int term, double direction, double rise) {
+  Point at = best;  // each fit starts where the one before ended
   const auto risen = [&](double log) {
-    Point at = best;
     at.log[term] = log;
-    return fitted(at, problem, {term, {}}).misfit - best.misfit - rise;
+    at = fitted(at, problem, {term, {}});
+    return at.misfit - best.misfit - rise;
   };
   double inside = best.log[term], step = 0.1, outside = inside + direction * step;
   while (risen(outside) < 0) {
@@ -157,7 +157,7 @@ double crossing(const Problem& problem, const Point& best, int term, double dire
     outside = inside + direction * (step *= 2);
     if (step > 60) return std::numeric_limits<double>::quiet_NaN();
   }
-  while (std::abs(outside - inside) > precision * std::abs(outside - best.log[term])) {
+  for (int i = 0; i < most_halvings && std::abs(outside - inside) > precision * std::abs(outside - best.log[term]); ++i) {
     const double middle = 0.5 * (inside + outside);
     (risen(middle) < 0 ? inside : outside) = middle;
   }
@@ -192,7 +192,7 @@ double degrees_below_ramp(const Problem& problem, const Point& best) {
   const Eigen::ArrayXd model = model_of(problem, best.log), ramp = ramp_information(problem, model);
   Eigen::Matrix<double, Eigen::Dynamic, terms> share = problem.unit.matrix() * best.log.exp().matrix().asDiagonal();
   share.array().colwise() /= model;
-  Eigen::Matrix<double, terms, terms> information = 0.5 * (share.transpose() * counts_of(problem).matrix().asDiagonal() * share);
+  Eigen::Matrix<double, terms, terms> information = 0.5 * (share.transpose() * problem.counts.matrix().asDiagonal() * share);
   information.diagonal().array() += 1e-6;  // of a term that is absent: nothing
   const Eigen::Matrix<double, terms, 1> direction = share.transpose() * (ramp / ramp.sum()).matrix();
   return std::max(1.0, 2 / direction.dot(information.ldlt().solve(direction)));
@@ -208,7 +208,7 @@ NoiseCoefficient ramp_coefficient(const Problem& problem, const Point& best, dou
   const auto edge = [&](double direction) {
     double inside = best.ramp, step = sigma, outside = inside + direction * step;
     while (risen(outside) < 0 && step < 1e6 * sigma) inside = outside, outside += direction * (step *= 2);
-    while (std::abs(outside - inside) > precision * std::abs(outside - best.ramp)) {
+    for (int i = 0; i < most_halvings && std::abs(outside - inside) > precision * std::abs(outside - best.ramp); ++i) {
       const double middle = 0.5 * (inside + outside);
       (risen(middle) < 0 ? inside : outside) = middle;
     }

@@ -9,7 +9,7 @@ namespace imulab {
 
 /// A table of coefficients in customary units, with 95 % intervals; what is not determined has its bound alone.
 std::string noise_text(const NoiseAnalysis& analysis);
-/// JSON (docs/formats.md, "Noise"): SI, or counts; null for what is not determined.
+/// JSON (docs/noise.md): SI, or counts; null for what is not determined.
 std::string noise_json(const NoiseAnalysis& analysis);
 
 const char* to_string(DeviationKind kind);  ///< "overlapping-allan"
