@@ -66,6 +66,7 @@ class Verb {
 void add_procedure(Verb app);
 void add_simulate(Verb app);
 void add_inspect(Verb app);
+void add_noise(Verb app);
 void add_calibrate(Verb app);
 void add_compensate(Verb app);
 void add_compare(Verb app);

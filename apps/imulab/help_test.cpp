@@ -9,7 +9,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::vector<std::string> verbs{"calibrate",          "live",     "compare", "verify", "report",     "procedure", "procedure hand-held",
+const std::vector<std::string> verbs{"calibrate",          "live",     "noise", "compare", "verify", "report",     "procedure", "procedure hand-held",
                                      "procedure dai-unit", "simulate", "predict", "plan",   "compensate", "export",    "trajectory",
                                      "navigate",           "budget",   "demo",    "help"};
 

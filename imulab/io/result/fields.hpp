@@ -14,7 +14,8 @@ struct JsonFields;
 struct JsonObject {
   std::vector<JsonFields> one;
 };
-using JsonValue = std::variant<bool, std::uint64_t, double, std::string, std::vector<std::string>, std::vector<JsonFields>, JsonObject>;
+using JsonValue =
+    std::variant<bool, std::uint64_t, double, std::string, std::vector<std::string>, std::vector<double>, std::vector<JsonFields>, JsonObject>;
 
 /// An object's keys and values, in their order. Numbers that are not finite become null.
 struct JsonFields {

@@ -1,0 +1,48 @@
+// The noise of an IMU from a recording at rest: which part is still, and the deviation and the coefficients of each axis.
+#pragma once
+
+#include "imulab/estimate/noise/deviation.hpp"
+#include "imulab/estimate/noise/noise_fit.hpp"
+#include "imulab/recording/recording.hpp"
+#include "imulab/recording/session.hpp"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+/// The longest stretch at rest without a gap or a saturated sample. A shorter one than 30 s or 1024 samples says too little.
+struct StillPart {
+  Recording recording;             ///< the whole one; lost samples filled, one or two at a time
+  Range range;                     ///< of its samples
+  std::vector<std::string> notes;  ///< what was cut, and why
+};
+
+/// Where the session has holds, they are the rests, else they are found. Throws Unsupported where no stretch is long enough: in motion, interrupted,
+/// saturated or short; Error as detect_rests.
+StillPart still_part(const Recording& recording, const Session& session);
+
+struct NoiseAxis {
+  std::string name;  ///< "gyro.x"
+  std::string unit;  ///< of its readings: "rad/s", "m/s^2" or "count"
+  std::vector<DeviationPoint> deviation;
+  std::optional<NoiseFit> fit;  ///< none where the axis says nothing:
+  std::string problem;          ///< why
+};
+
+struct NoiseAnalysis {
+  std::string recording;
+  double begin_s = 0, end_s = 0, interval_s = 0;
+  std::size_t samples = 0;
+  DeviationKind kind = DeviationKind::overlapping_allan;
+  std::vector<NoiseAxis> axes;        ///< gyros, then accelerometers
+  std::vector<std::string> notes;     ///< what was cut
+  std::vector<std::string> warnings;  ///< what was found, and what it means for the result
+};
+
+/// Axes in parallel; the result does not depend on the number of threads.
+NoiseAnalysis analyze_noise(const StillPart& still, DeviationKind kind = DeviationKind::overlapping_allan);
+
+}  // namespace imulab

@@ -1,0 +1,32 @@
+// The rate's integral, and sums of its squared differences: the hot loops behind the deviations.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace imulab::noise {
+
+/// x[0] = 0, x[k] = sum of the first k rates less their mean: no difference of second order changes by that, and less is rounded. Unit of the rate
+/// times samples. Throws Error for a reading that is not finite.
+std::vector<double> phase_of(std::span<const double> rate);
+
+struct SquareSum {
+  double sum = 0;
+  std::size_t terms = 0;
+};
+
+/// Of every second difference x[i + 2m] - 2 x[i + m] + x[i], for each factor m; in one pass over the phase, piece by piece, so that it stays in
+/// cache.
+std::vector<SquareSum> second_differences(const std::vector<double>& phase, const std::vector<std::size_t>& factors);
+/// Likewise of third differences.
+std::vector<SquareSum> third_differences(const std::vector<double>& phase, const std::vector<std::size_t>& factors);
+
+/// Of the differences of this order (2 or 3) at every m-th point only.
+SquareSum strided_differences(const std::vector<double>& phase, std::size_t m, int order);
+/// Of sums of m neighboring second differences.
+SquareSum modified_differences(const std::vector<double>& phase, std::size_t m);
+/// Of second differences about every inner point of the phase, reflected at both ends.
+SquareSum total_differences(const std::vector<double>& phase, std::size_t m);
+
+}  // namespace imulab::noise
