@@ -83,16 +83,15 @@ TEST(Package, TheTutorialNamesItsDependencies) {
   const std::map<std::string, std::string> packages{{"Eigen3", "libeigen3-dev"}, {"fmt", "libfmt-dev"},
                                                     {"TBB", "libtbb-dev"},       {"tomlplusplus", "libtomlplusplus-dev"},
                                                     {"PkgConfig", "pkg-config"}, {"GeographicLib", "libgeographiclib-dev"},
-                                                    {"ZLIB", "zlib1g-dev"},      {"hdf5", "libhdf5-dev"},
-                                                    {"matio", "libmatio-dev"}};
+                                                    {"ZLIB", "zlib1g-dev"}};
   const std::string page = read_text(IMULAB_SOURCE "/docs/tutorial-library.md"), list = read_text(IMULAB_SOURCE "/cmake/dependencies.cmake");
   const std::regex dependency("(?:find_package|pkg_check_modules)\\((\\w+)");
   for (std::sregex_iterator i(list.begin(), list.end(), dependency), end; i != end; ++i) {
     ASSERT_TRUE(packages.contains((*i)[1])) << (*i)[1];
     EXPECT_THAT(page, HasSubstr(packages.at((*i)[1])));
   }
-  const std::map<std::string, std::string> optional{
-      {"LZ4", "liblz4-dev"}, {"ZSTD", "libzstd-dev"}, {"BZIP2", "libbz2-dev"}, {"SQLITE", "libsqlite3-dev"}};
+  const std::map<std::string, std::string> optional{{"LZ4", "liblz4-dev"},        {"ZSTD", "libzstd-dev"}, {"BZIP2", "libbz2-dev"},
+                                                    {"SQLITE", "libsqlite3-dev"}, {"HDF5", "libhdf5-dev"}, {"MATIO", "libmatio-dev"}};
   const std::string optional_list = read_text(IMULAB_SOURCE "/cmake/optional_dependencies.cmake");
   const std::regex row("\"(\\w+)[|]");
   std::size_t rows = 0;
