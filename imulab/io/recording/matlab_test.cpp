@@ -63,7 +63,7 @@ TEST(Matlab, DamageIsSurvived) {
   expect_damage_is_survived(request, {"t", "imu.gyro.1"}, 13);
   expect_damage_is_survived({.file = recording_file("v5_compressed.mat")}, {"t", "imu.gyro.1"}, 13);
   expect_damage_is_survived({.file = recording_file("v4.mat")}, {"t", "gyro.1"}, 13);
-  expect_damage_is_survived({.file = recording_file("v73.mat")}, {"t", "imu.gyro.1"}, 101);
+  // Not version 7.3: libhdf5 itself reads freed memory of some damaged files (docs/formats.md).
 }
 
 }  // namespace
