@@ -22,27 +22,27 @@ using namespace imulab::bag;
 constexpr std::size_t messages_in_chunk = 11000, chunks = 24;  // 4 MB each, as recorders write them
 
 void append_text(std::string& out, std::string_view text) {
-  append_number<std::uint32_t>(out, text.size());
+  append<std::uint32_t>(out, text.size());
   out += text;
 }
 
 void append_record(std::string& out, McapOp op, const std::string& content) {
   out += static_cast<char>(op);
-  append_number<std::uint64_t>(out, content.size());
+  append<std::uint64_t>(out, content.size());
   out += content;
 }
 
 /// Record of a message of sensor_msgs/msg/Imu.
 void append_message(std::string& out, std::size_t i) {
   std::string message;
-  append_number<std::uint16_t>(message, 1);
-  append_number<std::uint32_t>(message, i);
-  for (int k = 0; k < 2; ++k) append_number<std::uint64_t>(message, 5'000'000 * i);
+  append<std::uint16_t>(message, 1);
+  append<std::uint32_t>(message, i);
+  for (int k = 0; k < 2; ++k) append<std::uint64_t>(message, 5'000'000 * i);
   message.append("\0\1\0\0", 4);
-  append_number<std::int32_t>(message, static_cast<std::int32_t>(i / 200));
-  append_number<std::uint32_t>(message, static_cast<std::uint32_t>(i % 200 * 5'000'000));
+  append<std::int32_t>(message, static_cast<std::int32_t>(i / 200));
+  append<std::uint32_t>(message, static_cast<std::uint32_t>(i % 200 * 5'000'000));
   append_text(message, std::string_view("imu\0", 4));
-  for (std::size_t k = 0; k < 37; ++k) append_number<double>(message, k >= 13 && k < 28 ? std::sin(0.01 * static_cast<double>(i + k)) : 0);
+  for (std::size_t k = 0; k < 37; ++k) append<double>(message, k >= 13 && k < 28 ? std::sin(0.01 * static_cast<double>(i + k)) : 0);
   append_record(out, McapOp::message, message);
 }
 
@@ -53,17 +53,17 @@ class Example {
     std::string file(mcap_magic), summary;
     append_record(file, static_cast<McapOp>(1), std::string(8, '\0'));
     std::string schema, channel;
-    append_number<std::uint16_t>(schema, 1);
+    append<std::uint16_t>(schema, 1);
     for (const char* text : {"sensor_msgs/msg/Imu", "ros2msg", ""}) append_text(schema, text);
-    for (int k = 0; k < 2; ++k) append_number<std::uint16_t>(channel, 1);
+    for (int k = 0; k < 2; ++k) append<std::uint16_t>(channel, 1);
     for (const char* text : {"/imu0", "cdr", ""}) append_text(channel, text);
     append_record(summary, McapOp::schema, schema);
     append_record(summary, McapOp::channel, channel);
     for (std::size_t c = 0; c < chunks; ++c) append_chunk(file, summary, c, compression);
     std::string end, footer;
-    append_number<std::uint32_t>(end, 0);
+    append<std::uint32_t>(end, 0);
     append_record(file, McapOp::data_end, end);
-    append_number<std::uint64_t>(footer, file.size());
+    append<std::uint64_t>(footer, file.size());
     footer.append(12, '\0');
     file += summary;
     append_record(file, McapOp::footer, footer);
@@ -82,18 +82,18 @@ class Example {
     for (std::size_t i = 0; i < messages_in_chunk; ++i) append_message(records, number * messages_in_chunk + i);
     unpacked_ += records.size();
     const std::string packed = pack(compression_of(compression), records);
-    append_number<std::uint64_t>(chunk, records.size());
-    append_number<std::uint32_t>(chunk, crc32(records));
+    append<std::uint64_t>(chunk, records.size());
+    append<std::uint32_t>(chunk, crc32(records));
     append_text(chunk, compression);
-    append_number<std::uint64_t>(chunk, packed.size());
+    append<std::uint64_t>(chunk, packed.size());
     chunk += packed;
-    append_number<std::uint64_t>(index, file.size());
-    append_number<std::uint64_t>(index, mcap_head_bytes + chunk.size());
+    append<std::uint64_t>(index, file.size());
+    append<std::uint64_t>(index, mcap_head_bytes + chunk.size());
     append_text(index, "");
-    append_number<std::uint64_t>(index, 0);
+    append<std::uint64_t>(index, 0);
     append_text(index, compression);
-    append_number<std::uint64_t>(index, packed.size());
-    append_number<std::uint64_t>(index, records.size());
+    append<std::uint64_t>(index, packed.size());
+    append<std::uint64_t>(index, records.size());
     append_record(file, McapOp::chunk, chunk);
     append_record(summary, McapOp::chunk_index, index);
   }

@@ -5,4 +5,5 @@ find_package(TBB REQUIRED)
 find_package(tomlplusplus REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(PkgConfig REQUIRED)
+pkg_check_modules(libdeflate REQUIRED IMPORTED_TARGET libdeflate)
 pkg_check_modules(GeographicLib REQUIRED IMPORTED_TARGET geographiclib) # its Find module gives no target in Debian 12

@@ -83,7 +83,7 @@ TEST(Package, TheTutorialNamesItsDependencies) {
   const std::map<std::string, std::string> packages{{"Eigen3", "libeigen3-dev"}, {"fmt", "libfmt-dev"},
                                                     {"TBB", "libtbb-dev"},       {"tomlplusplus", "libtomlplusplus-dev"},
                                                     {"PkgConfig", "pkg-config"}, {"GeographicLib", "libgeographiclib-dev"},
-                                                    {"ZLIB", "zlib1g-dev"}};
+                                                    {"ZLIB", "zlib1g-dev"},      {"libdeflate", "libdeflate-dev"}};
   const std::string page = read_text(IMULAB_SOURCE "/docs/tutorial-library.md"), list = read_text(IMULAB_SOURCE "/cmake/dependencies.cmake");
   const std::regex dependency("(?:find_package|pkg_check_modules)\\((\\w+)");
   for (std::sregex_iterator i(list.begin(), list.end(), dependency), end; i != end; ++i) {

@@ -58,7 +58,7 @@ TEST_F(CompensateBag, NeverOverwritesItsInputAndRefusesOtherKinds) {
   EXPECT_EQ(read_text(folder_ / "run.mcap"), before);
   const CommandResult other = run_imulab(folder_, "compensate cal.json session.toml -o out.bag");
   EXPECT_EQ(other.exit_code, 2);
-  EXPECT_THAT(on_one_line(other.errors), HasSubstr("out.bag: run.mcap is a bag in MCAP; expected a file *.mcap for the compensated recording"));
+  EXPECT_THAT(on_one_line(other.errors), HasSubstr("out.bag: run.mcap is a ROS 2 bag in MCAP; expected a file *.mcap for the compensated recording"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "out.bag"));
   EXPECT_EQ(run_imulab(folder_, "compensate cal.json hand -o out.mcap").exit_code, 2) << "a table is no bag";
 }

@@ -2,6 +2,7 @@
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/inspected.hpp"
 #include "apps/imulab/report.hpp"
+#include "apps/imulab/session_recording.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording/file.hpp"
 #include "imulab/io/result/inspection.hpp"
@@ -59,12 +60,11 @@ std::optional<Recording> read_as_declared(const Session& session, Inspection& in
 }
 
 void run(const Options& o) {
-  for (const std::string& output : {o.output, o.report})
-    for (const std::string& file : o.files)
-      if (!output.empty() && std::filesystem::exists(output) && std::filesystem::exists(file) && std::filesystem::equivalent(output, file))
-        throw Error(fmt::format("-o {}: would overwrite {}; expected another file", output, file));
-  if (!o.output.empty() && o.output != "-" && !o.force && std::filesystem::exists(o.output))
-    throw Error(fmt::format("-o {}: exists; expected a new file, or --force to replace it", o.output));
+  std::vector<std::filesystem::path> others(o.files.begin(), o.files.end());
+  if (!o.output.empty()) expect_inputs_stay("-o", o.output, {}, others);
+  others.emplace_back(o.output);
+  expect_others_stay(o.report, others);
+  expect_free("-o", o.output, o.force);
   if (!o.output.empty() && std::find(o.files.begin(), o.files.end(), "-") != o.files.end())
     throw Error("-o: a session names files; expected a recording that is one, not standard input");
   const Declarations declared = parse_declarations(o.declarations);

@@ -63,7 +63,8 @@ Session open_session(const std::filesystem::path& path, const std::vector<std::s
   for (const std::string& line : inspection.evidence) note("assumed: " + line);
   Session session = inspected_session(inspection, declared_site(declared));
   if (!session.site.latitude && session.site.given_gravity_sigma)
-    note("assumed: gravity 9.806 +/- 0.015 m/s^2, as anywhere on Earth; declare the place: --set latitude_deg=47.4");
+    note(fmt::format("assumed: gravity {} +/- {} m/s^2, as anywhere on Earth; declare the place: --set latitude_deg=47.4",
+                     *session.site.given_gravity, *session.site.given_gravity_sigma));
   session.file = path.string();
   session.sha256 = sha256(MappedFile(path).text());
   return session;

@@ -40,17 +40,17 @@ DeviationKind kind_of(const std::string& name) {
 }
 
 void run(const Options& o) {
-  if (!o.output.empty()) expect_free("-o", o.output, o.force);
+  expect_free("-o", o.output, o.force);
   const Session session = open_session(o.recording, o.declarations);
   const RecordingSource& source = choose_recording(session, o.one);
   if (!o.output.empty()) expect_inputs_stay("-o", o.output, session);
   const RecordingReading reading = read_recording(session, source);
   for (const std::string& text : reading.warnings) warn(text);
   const NoiseAnalysis analysis = analyze_noise(still_part(reading.recording, session), kind_of(o.deviation));
-  fmt::print("{}", o.json ? noise_json(analysis) : noise_text(analysis));
+  if (o.json || o.output != "-") fmt::print("{}", o.json ? noise_json(analysis) : noise_text(analysis));
   for (const std::string& text : analysis.warnings) warn(text);
   if (!o.output.empty()) {
-    write_whole(o.output, noise_json(analysis));
+    if (!(o.json && o.output == "-")) write_whole(o.output, noise_json(analysis));
     if (!o.json && o.output != "-") fmt::print("\nwritten: {}\n", o.output);
   }
   std::string silent;

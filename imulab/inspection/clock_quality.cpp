@@ -14,7 +14,8 @@ ClockQuality clock_quality(const std::vector<std::int64_t>& time_ns) {
     if (time_ns[i] < time_ns[i - 1] && quality.backward++ == 0) quality.first_backward = i;
   }
   if (quality.backward > 0 || time_ns.size() < 3) return quality;
-  const std::vector<std::int64_t> stamps = ascending(time_ns);
+  std::vector<std::int64_t> stamps = ascending(time_ns);
+  for (std::int64_t& stamp : stamps) stamp -= time_ns.front();
   const StampIntervals intervals = stamp_intervals(stamps);
   quality.interval_s = intervals.median;
   quality.rate_hz = intervals.mean > 0 ? 1 / intervals.mean : 0;

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <span>
 #include <utility>
 
 namespace imulab {
@@ -200,6 +201,9 @@ Inspection inspect(const SignalTable& table, const Declarations& declared) {
   TimeGuess assumed = time;  // what does not depend on the rate is found without it
   if (!assumed.rate_hz) assumed.rate_hz = 100;
   result.time_ns = stamps_of(table, assumed);
+  if (time.column && result.time_ns.empty()) result.problems.push_back(fmt::format("{} has no stamp in some row", name_of(table, *time.column)));
+  for (std::int64_t& stamp : std::span(result.time_ns).subspan(result.time_ns.empty() ? 0 : 1)) stamp -= result.time_ns.front();
+  if (!result.time_ns.empty()) result.time_ns.front() = 0;
   const ClockQuality clock = clock_quality(result.time_ns);
   const double interval_s = time.rate_hz ? 1 / *time.rate_hz : clock.interval_s;
   const DeclaredColumns columns = declared_columns(table, declared);

@@ -55,7 +55,7 @@ SignalTable joined(std::vector<SignalTable> tables, const Declarations& declared
     SignalTable& table = tables[t];
     const TimeGuess time = declared_time(table, of_all, recognize_time(table));
     if (!time.column) throw Error(table.file + ": has no stamps; expected them, since several tables are joined by time");
-    const std::vector<std::int64_t> own = stamps_of(table, time, first_stamp_s(result, reference));
+    const std::vector<std::int64_t> own = stamps_of(table, time);
     if (own.empty() || own.back() < time_ns.front() || own.front() > time_ns.back())
       throw Error(fmt::format("{}: has no time in common with {}; expected recordings by one clock", table.file, result.file));
     const auto [from, to] = covered(time_ns, own);

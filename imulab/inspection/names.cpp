@@ -108,18 +108,20 @@ Role role_of(std::vector<std::string> words) {
 std::string unit_of(std::string_view text) {
   std::string key = lowered(text);
   std::erase_if(key, [](char c) { return c == ' ' || c == '^' || c == '*' || c == '.' || c == '\"'; });
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 52> units{{
-      {"m/s2", "m/s^2"},   {"m/s²", "m/s^2"},    {"mps2", "m/s^2"},  {"m/s/s", "m/s^2"},     {"ms-2", "m/s^2"},
-      {"m/sec2", "m/s^2"}, {"m/s-2", "m/s^2"},   {"g", "g"},         {"gee", "g"},           {"mg", "mg"},
-      {"ug", "ug"},        {"µg", "ug"},         {"rad/s", "rad/s"}, {"rad/sec", "rad/s"},   {"radps", "rad/s"},
-      {"rads-1", "rad/s"}, {"rps", "rad/s"},     {"deg/s", "deg/s"}, {"deg/sec", "deg/s"},   {"degps", "deg/s"},
-      {"dps", "deg/s"},    {"°/s", "deg/s"},     {"mdps", "mdeg/s"}, {"mdeg/s", "mdeg/s"},   {"deg/h", "deg/h"},
-      {"deg/hr", "deg/h"}, {"dph", "deg/h"},     {"°/h", "deg/h"},   {"deg/min", "deg/min"}, {"m/s", "m/s"},
-      {"gs", "g*s"},       {"arcsec", "arcsec"}, {"s", "s"},         {"sec", "s"},           {"secs", "s"},
-      {"seconds", "s"},    {"ms", "ms"},         {"msec", "ms"},     {"us", "us"},           {"µs", "us"},
-      {"usec", "us"},      {"ns", "ns"},         {"nsec", "ns"},     {"nanosec", "ns"},      {"degc", "degC"},
-      {"°c", "degC"},      {"k", "K"},           {"count", "count"}, {"counts", "count"},    {"lsb", "count"},
-      {"raw", "count"},    {"adc", "count"},
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 51> units{{
+      {"m/s2", "m/s^2"},   {"m/s²", "m/s^2"},    {"mps2", "m/s^2"},    {"m/s/s", "m/s^2"},
+      {"ms-2", "m/s^2"},   {"m/sec2", "m/s^2"},  {"m/s-2", "m/s^2"},   {"g", "g"},
+      {"gee", "g"},        {"mg", "mg"},         {"ug", "ug"},         {"µg", "ug"},
+      {"rad/s", "rad/s"},  {"rad/sec", "rad/s"}, {"radps", "rad/s"},   {"rads-1", "rad/s"},
+      {"deg/s", "deg/s"},  {"deg/sec", "deg/s"}, {"degps", "deg/s"},   {"dps", "deg/s"},
+      {"°/s", "deg/s"},    {"mdps", "mdeg/s"},   {"mdeg/s", "mdeg/s"}, {"deg/h", "deg/h"},
+      {"deg/hr", "deg/h"}, {"dph", "deg/h"},     {"°/h", "deg/h"},     {"deg/min", "deg/min"},
+      {"m/s", "m/s"},      {"gs", "g*s"},        {"arcsec", "arcsec"}, {"s", "s"},
+      {"sec", "s"},        {"secs", "s"},        {"seconds", "s"},     {"ms", "ms"},
+      {"msec", "ms"},      {"us", "us"},         {"µs", "us"},         {"usec", "us"},
+      {"ns", "ns"},        {"nsec", "ns"},       {"nanosec", "ns"},    {"degc", "degC"},
+      {"°c", "degC"},      {"k", "K"},           {"count", "count"},   {"counts", "count"},
+      {"lsb", "count"},    {"raw", "count"},     {"adc", "count"},
   }};
   const auto found = std::find_if(units.begin(), units.end(), [&](const auto& unit) { return unit.first == key; });
   return found == units.end() ? std::string() : std::string(found->second);

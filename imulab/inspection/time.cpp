@@ -2,6 +2,7 @@
 
 #include "imulab/core/statistics.hpp"
 #include "imulab/inspection/names.hpp"
+#include "imulab/recording/clock.hpp"
 #include "imulab/recording/unit_names.hpp"
 
 #include <fmt/core.h>
@@ -215,31 +216,23 @@ TimeGuess recognize_time(const SignalTable& table) {
   return guess;
 }
 
-double first_stamp_s(const SignalTable& table, const TimeGuess& time) {
-  if (!time.column) return 0;
-  const bool counted = time.source.unit == "sample" || time.source.unit == "tick";
-  const double per_second = time.source.unit == "tick" ? time.source.ticks_per_s.value_or(1) : time.rate_hz.value_or(1);
-  return table.signals[*time.column].values.front() * (counted ? 1 / per_second : in_seconds(time.source.unit.c_str()));
-}
-
-std::vector<std::int64_t> stamps_of(const SignalTable& table, const TimeGuess& time, std::optional<double> origin_s) {
+std::vector<std::int64_t> stamps_of(const SignalTable& table, const TimeGuess& time) {
+  const bool counted = !time.column || time.source.unit == "sample";
+  if ((counted && !time.rate_hz) || (time.source.unit == "tick" && !time.source.ticks_per_s)) return {};
+  Clock clock(time.source, time.rate_hz);
   std::vector<std::int64_t> stamps;
-  const std::size_t rows = table.rows();
-  stamps.reserve(rows);
-  const bool counted = !time.column || time.source.unit == "sample" || time.source.unit == "tick";
-  const std::optional<double> per_second = time.source.unit == "tick" ? time.source.ticks_per_s : time.rate_hz;
-  if (counted && !per_second) return {};
-  const double unit_ns = counted ? 1e9 / *per_second : 1e9 * in_seconds(time.source.unit.c_str());
-  const double modulus = time.source.wrap_bits ? std::ldexp(1, *time.source.wrap_bits) : 0;
-  double wrapped = 0;
-  const double first = origin_s ? *origin_s * 1e9 / unit_ns : time.column ? table.signals[*time.column].values.front() : 0;
-  for (std::size_t i = 0; i < rows; ++i) {
-    double value = time.column ? table.signals[*time.column].values[i] : static_cast<double>(i);
-    if (modulus > 0 && i > 0 && value < table.signals[*time.column].values[i - 1] - 0.5 * modulus) wrapped += modulus;
-    double ns = (value + wrapped - first) * unit_ns;
-    if (time.fraction) ns += table.signals[*time.fraction].values[i] * 1e9 * in_seconds(time.source.fraction_unit.c_str());
-    if (!(std::abs(ns) < 9e18)) return {};
-    stamps.push_back(std::llround(ns));
+  stamps.reserve(table.rows());
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    std::optional<std::int64_t> ns;
+    if (!time.column) {
+      ns = clock.next();
+    } else {
+      const auto stamp = scaled_stamp(table.signals[*time.column].values[i], clock.exponent());
+      const auto fraction = time.fraction ? scaled_stamp(table.signals[*time.fraction].values[i], clock.fraction_exponent()) : 0;
+      if (stamp && fraction) ns = clock.next(*stamp, *fraction);
+    }
+    if (!ns) return {};
+    stamps.push_back(*ns);
   }
   return stamps;
 }

@@ -26,9 +26,7 @@ struct TimeGuess {
 /// the column states, its beginning (a date since 1970), and its name.
 TimeGuess recognize_time(const SignalTable& table);
 
-/// Stamps [ns] of the rows by that clock; empty without a rate. `origin_s`: the time that is zero; absent: the first row's.
-std::vector<std::int64_t> stamps_of(const SignalTable& table, const TimeGuess& time, std::optional<double> origin_s = {});
-/// Seconds of the column's number in the first row.
-double first_stamp_s(const SignalTable& table, const TimeGuess& time);
+/// Stamps [ns] of the rows by that clock; empty without a rate, and where a row has no stamp.
+std::vector<std::int64_t> stamps_of(const SignalTable& table, const TimeGuess& time);
 
 }  // namespace imulab::inspection

@@ -1,13 +1,12 @@
 // Binary numbers -> columns, for all formats that store rows of them.
 #pragma once
 
+#include "imulab/io/recording/number_bytes.hpp"
 #include "imulab/io/recording/raw_table.hpp"
 
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -56,15 +55,5 @@ class ColumnBuilder {
   std::array<const char*, 256> rows_{};
   std::size_t gathered_ = 0;
 };
-
-/// The number at `p`, which need not be aligned.
-template <class T>
-T load(const char* p, bool big_endian = false) {
-  std::array<char, sizeof(T)> bytes;
-  std::memcpy(bytes.data(), p, sizeof(T));
-  if (big_endian != (std::endian::native == std::endian::big))
-    for (std::size_t i = 0; i < sizeof(T) / 2; ++i) std::swap(bytes[i], bytes[sizeof(T) - 1 - i]);
-  return std::bit_cast<T>(bytes);
-}
 
 }  // namespace imulab::recording_io

@@ -1,8 +1,8 @@
 #include "imulab/io/recording/compensated_bag.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/io/recording/bag/kinds.hpp"
 #include "imulab/io/recording/bag/mcap.hpp"
-#include "imulab/io/recording/bag/rewrite.hpp"
 #include "imulab/io/recording/bag/ros1_bag.hpp"
 #include "imulab/io/recording/bag/ros2_database.hpp"
 #include "imulab/io/recording/format.hpp"
@@ -21,28 +21,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct BagKind {
-  std::string_view extension, name;
-  bool (*recognizes)(std::string_view head);
-};
-constexpr std::array<BagKind, 3> bag_kinds{
-    {{".bag", "a bag of ROS 1", bag::is_ros1_bag}, {".mcap", "a bag in MCAP", bag::is_mcap}, {".db3", "a bag of ROS 2 in SQLite", bag::is_sqlite}}};
-
-const BagKind* bag_kind(const fs::path& path) {
+/// The kind that a file's name says; null for another name.
+const bag::BagKind* named_kind(const fs::path& path) {
   const std::string extension = path.extension().string();
-  const auto found = std::find_if(bag_kinds.begin(), bag_kinds.end(), [&](const BagKind& kind) { return kind.extension == extension; });
-  return found != bag_kinds.end() ? &*found : nullptr;
+  const auto found =
+      std::find_if(bag::bag_kinds().begin(), bag::bag_kinds().end(), [&](const bag::BagKind& kind) { return kind.extension == extension; });
+  return found != bag::bag_kinds().end() ? &*found : nullptr;
 }
 
 void expect_kind(const fs::path& path, const fs::path& input) {
-  bag::Buffer buffer;
-  const std::string_view head = bag::ByteFile(input).read_some(0, 16, buffer);
-  const BagKind* kind = bag_kind(path);
-  if (kind != nullptr && kind->recognizes(head)) return;
-  const auto is = std::find_if(bag_kinds.begin(), bag_kinds.end(), [&](const BagKind& k) { return k.recognizes(head); });
+  const bag::BagKind* kind = bag::kind_of(input);
+  if (kind != nullptr && kind == named_kind(path)) return;
   throw Error(fmt::format("{}: {} is {}; expected {} for the compensated recording", path.string(), input.string(),
-                          is != bag_kinds.end() ? is->name : "no bag",
-                          is != bag_kinds.end() ? fmt::format("a file *{}", is->extension) : "a .csv file"));
+                          kind != nullptr ? fmt::format("a {}", kind->name) : "no bag",
+                          kind != nullptr ? fmt::format("a file *{}", kind->extension) : "a .csv file"));
 }
 
 /// Both triads are in the messages of one topic, as rates.
@@ -78,7 +70,7 @@ std::vector<std::size_t> samples_of(const std::vector<std::int64_t>& stamps, con
 
 }  // namespace
 
-bool is_bag_name(const fs::path& path) { return bag_kind(path) != nullptr; }
+bool is_bag_name(const fs::path& path) { return named_kind(path) != nullptr; }
 
 void write_compensated_bag(const fs::path& path, const Session& session, const RecordingSource& source, const CompensatedRecording& compensated) {
   const fs::path input = session_path(session, source.file);

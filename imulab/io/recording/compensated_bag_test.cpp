@@ -2,7 +2,7 @@
 #include "imulab/io/recording/compensated_bag.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/io/recording/bag/rewrite.hpp"
+#include "imulab/io/recording/bag/kinds.hpp"
 #include "imulab/io/recording/file.hpp"
 #include "imulab/recording/compensate_recording.hpp"
 

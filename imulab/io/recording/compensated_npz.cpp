@@ -1,6 +1,8 @@
 #include "imulab/io/recording/compensated_npz.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/io/recording/crc32.hpp"
+#include "imulab/io/recording/number_bytes.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/recording/compensate_recording.hpp"
 
@@ -12,17 +14,13 @@
 #include <string_view>
 #include <utility>
 #include <vector>
-#include <zlib.h>
 
 namespace imulab {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "arrays are written as they are in memory");
 
-template <class T>
-void append_number(std::string& out, T value) {
-  out.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
+using recording_io::append;
 
 /// The head of an .npy file, version 1.0: a dictionary padded to a multiple of 64 bytes.
 std::string npy_head(std::string_view type, const std::string& shape) {
@@ -31,7 +29,7 @@ std::string npy_head(std::string_view type, const std::string& shape) {
   dictionary.append((multiple - (magic + dictionary.size() + 1) % multiple) % multiple, ' ');
   dictionary += '\n';
   std::string head("\x93NUMPY\x01\x00", 8);
-  append_number(head, static_cast<std::uint16_t>(dictionary.size()));
+  append<std::uint16_t>(head, static_cast<std::uint16_t>(dictionary.size()));
   return head + dictionary;
 }
 
@@ -45,7 +43,7 @@ std::string triad_array(const Columns3& triad, double factor) {
   std::string array = npy_head("<f8", fmt::format("{}, 3", triad[0].size()));
   array.reserve(array.size() + 3 * sizeof(double) * triad[0].size());
   for (std::size_t i = 0; i < triad[0].size(); ++i)
-    for (const auto& column : triad) append_number(array, column[i] * factor);
+    for (const auto& column : triad) append<double>(array, column[i] * factor);
   return array;
 }
 
@@ -63,17 +61,17 @@ class ZipWriter {
   ZipWriter(WholeFile& file, std::string name) : file_(file), name_(std::move(name)) {}
 
   void add(const std::string& name, const std::string& content) {
-    const auto check = static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(content.data()), content.size()));
+    const auto check = recording_io::crc32(content);
     const std::uint64_t end = offset_ + content.size() + name.size() + local_head;
     if (end > UINT32_MAX) throw Error(name_ + ": more than 4 GB do not fit into .npz; expected .csv");
     std::string head("PK\x03\x04", 4);
     const std::string common = description(name, content.size(), check);
     head += common + name;
     directory_ += std::string("PK\x01\x02", 4);
-    append_number(directory_, std::uint16_t{20});  // made by version 2.0
+    append<std::uint16_t>(directory_, 20);  // made by version 2.0
     directory_ += common;
     directory_.append(10, '\0');  // comment, disk, attributes
-    append_number(directory_, static_cast<std::uint32_t>(offset_));
+    append<std::uint32_t>(directory_, static_cast<std::uint32_t>(offset_));
     directory_ += name;
     file_.write(head);
     file_.write(content);
@@ -82,11 +80,11 @@ class ZipWriter {
   }
   void finish() {
     std::string end("PK\x05\x06\0\0\0\0", 8);
-    append_number(end, members_);
-    append_number(end, members_);
-    append_number(end, static_cast<std::uint32_t>(directory_.size()));
-    append_number(end, static_cast<std::uint32_t>(offset_));
-    append_number(end, std::uint16_t{0});
+    append<std::uint16_t>(end, members_);
+    append<std::uint16_t>(end, members_);
+    append<std::uint32_t>(end, static_cast<std::uint32_t>(directory_.size()));
+    append<std::uint32_t>(end, static_cast<std::uint32_t>(offset_));
+    append<std::uint16_t>(end, 0);
     file_.write(directory_ + end);
   }
 
@@ -96,12 +94,12 @@ class ZipWriter {
   /// What a member's own head and the directory have in common.
   static std::string description(const std::string& name, std::size_t size, std::uint32_t check) {
     std::string out;
-    for (const std::uint16_t word : {20, 0, 0, 0, 0x21}) append_number(out, word);  // version 2.0, no flags, stored, 1980-01-01
-    append_number(out, check);
-    append_number(out, static_cast<std::uint32_t>(size));
-    append_number(out, static_cast<std::uint32_t>(size));
-    append_number(out, static_cast<std::uint16_t>(name.size()));
-    append_number(out, std::uint16_t{0});
+    for (const std::uint16_t word : {20, 0, 0, 0, 0x21}) append<std::uint16_t>(out, word);  // version 2.0, no flags, stored, 1980-01-01
+    append<std::uint32_t>(out, check);
+    append<std::uint32_t>(out, static_cast<std::uint32_t>(size));
+    append<std::uint32_t>(out, static_cast<std::uint32_t>(size));
+    append<std::uint16_t>(out, static_cast<std::uint16_t>(name.size()));
+    append<std::uint16_t>(out, 0);
     return out;
   }
 

@@ -2,7 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording/csv_rows.hpp"
-#include "imulab/io/recording/format.hpp"
+#include "imulab/io/recording/formats.hpp"
 #include "imulab/io/text/file.hpp"
 
 #include <fmt/core.h>
@@ -128,6 +128,8 @@ TimedTable read_csv(const std::filesystem::path& path, const TimeSource& time, s
   return table;
 }
 
+namespace {
+
 std::vector<TableDescription> describe_text(const TableRequest& request) {
   const MappedFile file(request.file);
   const TableLayout layout = table_layout(request.file.string(), file.text(), false);
@@ -144,6 +146,18 @@ RawTable text_columns(const TableRequest& request, const std::vector<Column>& co
   raw.row = "line";
   for (auto& column : table.values) raw.columns.push_back({std::move(column), {}});
   return raw;
+}
+
+}  // namespace
+
+RecordingFormat text_format() {
+  return {.name = "CSV or plain columns of numbers",
+          .recognizes = is_text,
+          .describe = describe_text,
+          .columns = text_columns,
+          .read = [](const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns) {
+            return read_csv(request.file, time, rate_hz, columns);
+          }};
 }
 
 }  // namespace imulab::recording_io

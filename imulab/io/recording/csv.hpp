@@ -1,7 +1,6 @@
 // CSV and plain columns of numbers, as docs/formats.md says: the text format of recordings, solutions and heights.
 #pragma once
 
-#include "imulab/io/recording/raw_table.hpp"
 #include "imulab/io/recording/timed_table.hpp"
 #include "imulab/recording/session.hpp"
 
@@ -10,10 +9,6 @@
 #include <string_view>
 #include <vector>
 
-namespace imulab {
-struct TableRequest;
-}
-
 namespace imulab::recording_io {
 
 /// Reads the time column and `columns`, each a header name or a 1-based number. The delimiter (comma, semicolon, tab, blanks) and the header
@@ -21,10 +16,6 @@ namespace imulab::recording_io {
 /// finite number, time that runs backwards or does not advance between different rows, a missing column, and a file without rows.
 /// `rate_hz`: of rows without stamps in seconds.
 TimedTable read_csv(const std::filesystem::path& path, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns);
-
-/// What a RecordingFormat has, of text (format.hpp).
-std::vector<TableDescription> describe_text(const TableRequest& request);
-RawTable text_columns(const TableRequest& request, const std::vector<Column>& columns);
 
 /// Whether the first bytes of a file can be text.
 bool is_text(std::string_view head);

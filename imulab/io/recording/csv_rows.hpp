@@ -1,8 +1,8 @@
 // Rows of a text table, one after the other: the same for a mapped file and for a stream.
 #pragma once
 
-#include "imulab/io/recording/clock.hpp"
 #include "imulab/io/recording/csv_layout.hpp"
+#include "imulab/recording/clock.hpp"
 #include "imulab/recording/session.hpp"
 
 #include <cstddef>

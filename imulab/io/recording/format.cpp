@@ -2,15 +2,12 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording/bag/folder.hpp"
-#include "imulab/io/recording/bag/mcap.hpp"
-#include "imulab/io/recording/bag/ros1_bag.hpp"
-#include "imulab/io/recording/bag/ros2_database.hpp"
-#include "imulab/io/recording/clock.hpp"
-#include "imulab/io/recording/csv.hpp"
+#include "imulab/io/recording/bag/kinds.hpp"
 #include "imulab/io/recording/formats.hpp"
 #include "imulab/io/text/decimal.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/names.hpp"
+#include "imulab/recording/clock.hpp"
 
 #include <fmt/core.h>
 
@@ -22,23 +19,14 @@ namespace imulab {
 
 const std::vector<RecordingFormat>& recording_formats() {
   using namespace recording_io;
-  static const std::vector<RecordingFormat> formats{
-      {.name = "ROS 1 bag", .recognizes = bag::is_ros1_bag, .describe = bag::describe_ros1_bag, .columns = bag::ros1_bag_columns},
-      {.name = "ROS 2 bag in MCAP", .recognizes = bag::is_mcap, .describe = bag::describe_mcap, .columns = bag::mcap_columns},
-      {.name = "ROS 2 bag in SQLite", .recognizes = bag::is_sqlite, .describe = bag::describe_ros2_database, .columns = bag::ros2_database_columns},
-      numpy_format(),
-      matlab_format(),
-      hdf5_format(),
-      ulog_format(),
-      dataflash_format(),
-      binary_rows_format(),
-      {.name = "CSV or plain columns of numbers",
-       .recognizes = is_text,
-       .describe = describe_text,
-       .columns = text_columns,
-       .read = [](const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz,
-                  const std::vector<Column>& columns) { return read_csv(request.file, time, rate_hz, columns); }},
-  };
+  static const std::vector<RecordingFormat> formats = [] {
+    std::vector<RecordingFormat> all{
+        numpy_format(), matlab_format(), hdf5_format(), ulog_format(), dataflash_format(), binary_rows_format(), text_format(),
+    };
+    for (const bag::BagKind& kind : bag::bag_kinds())
+      all.insert(all.begin(), {.name = kind.name, .recognizes = kind.recognizes, .describe = bag::describe_bag, .columns = bag::bag_columns});
+    return all;
+  }();
   return formats;
 }
 
@@ -61,16 +49,11 @@ namespace {
 
 /// A column's number as the integer that a clock takes; nothing where it is none.
 std::optional<std::int64_t> scaled(const RawColumn& column, std::size_t row, int exponent) {
-  constexpr double largest = 9e18;  // below 2^63
-  if (!column.integers.empty()) {
-    std::int64_t value = column.integers[row];
-    for (int i = 0; i < exponent; ++i)
-      if (__builtin_mul_overflow(value, 10, &value)) return std::nullopt;
-    return value;
-  }
-  const double value = column.numbers[row] * std::pow(10.0, exponent);
-  if (!(std::abs(value) < largest)) return std::nullopt;
-  return std::llround(value);
+  if (column.integers.empty()) return scaled_stamp(column.numbers[row], exponent);
+  std::int64_t value = column.integers[row];
+  for (int i = 0; i < exponent; ++i)
+    if (__builtin_mul_overflow(value, 10, &value)) return std::nullopt;
+  return value;
 }
 
 /// Reads stamp after stamp of a raw table.

@@ -11,5 +11,6 @@ RecordingFormat hdf5_format();
 RecordingFormat binary_rows_format();
 RecordingFormat ulog_format();
 RecordingFormat dataflash_format();
+RecordingFormat text_format();
 
 }  // namespace imulab::recording_io

@@ -63,7 +63,8 @@ std::uint64_t end_of_variable(std::string_view text, std::uint64_t offset, bool 
   const auto number = [&](std::size_t i) { return std::uint64_t{load<std::uint32_t>(text.data() + offset + 4 * i, big_endian)}; };
   constexpr std::array<std::uint64_t, 6> bytes{8, 4, 4, 2, 2, 1};
   const std::uint64_t precision = number(0) / 10 % 10;
-  if (precision > 5 || number(1) > UINT32_MAX / 2 || number(2) > UINT32_MAX / 2) return 0;
+  if (precision > 5) return 0;
+  if (number(1) > 0 && number(2) > text.size() / number(1)) return text.size() + 1;  // beyond the end, whatever a number's size
   return offset + head + number(4) + number(1) * number(2) * bytes[precision] * (number(3) == 1 ? 2 : 1);
 }
 

@@ -1,7 +1,8 @@
 #include "imulab/io/recording/zip.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/io/recording/binary.hpp"
+#include "imulab/io/recording/crc32.hpp"
+#include "imulab/io/recording/number_bytes.hpp"
 
 #include <fmt/core.h>
 
@@ -120,7 +121,7 @@ void ZipReader::read(char* to, std::size_t size) {
     const int state = inflate(&stream, Z_NO_FLUSH);
     const std::size_t got = out - stream.avail_out;
     at_ += in - stream.avail_in;
-    check_ = static_cast<std::uint32_t>(crc32(check_, reinterpret_cast<const Bytef*>(to), static_cast<uInt>(got)));
+    check_ = recording_io::crc32({to, got}, check_);
     to += got;
     size -= got;
     if (size == 0) return;

@@ -81,7 +81,8 @@ std::string inspected_session_text(const Inspection& inspection, const Session& 
     out += "# - " + line + "\n";
   }
   if (session.site.given_gravity_sigma && !session.site.latitude)
-    out += "# The place is not declared: gravity is as anywhere on Earth, which leaves the accelerometers' scale open by 0.15 %.\n";
+    out += fmt::format("# The place is not declared: gravity is as anywhere on Earth, which leaves the accelerometers' scale open by {:.2g} %.\n",
+                       100 * *session.site.given_gravity_sigma / *session.site.given_gravity);
   return out + session_text(session);
 }
 

@@ -1,7 +1,9 @@
-// Bytes of a bag: little-endian numbers and counted strings, read with every length checked.
+// Bytes of a bag: numbers and counted strings, read with every length checked.
 #pragma once
 
-#include <bit>
+#include "imulab/io/recording/crc32.hpp"
+#include "imulab/io/recording/number_bytes.hpp"
+
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -9,7 +11,6 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <type_traits>
 
 namespace imulab::bag {
 
@@ -18,30 +19,10 @@ struct Damaged : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A number as it stands in memory, least significant byte first, or last where `big`.
-template <class T>
-T number_at(const char* bytes, bool big = false) {
-  T value;
-  std::memcpy(&value, bytes, sizeof value);
-  if (big == (std::endian::native == std::endian::big)) return value;
-  char reversed[sizeof value];
-  for (std::size_t i = 0; i < sizeof value; ++i) reversed[i] = bytes[sizeof value - 1 - i];
-  std::memcpy(&value, reversed, sizeof value);
-  return value;
-}
-
-template <class T>
-void put_number(char* bytes, T value, bool big = false) {
-  const T stored = number_at<T>(reinterpret_cast<const char*>(&value), big);
-  std::memcpy(bytes, &stored, sizeof stored);
-}
-
-template <class T>
-void append_number(std::string& out, std::type_identity_t<T> value) {
-  char bytes[sizeof value];
-  put_number<T>(bytes, value);
-  out.append(bytes, sizeof bytes);
-}
+using recording_io::append;
+using recording_io::crc32;
+using recording_io::load;
+using recording_io::store;
 
 /// Takes one thing after the other off the front. Throws Damaged where less is left.
 class Bytes {
@@ -58,7 +39,7 @@ class Bytes {
   }
   template <class T>
   T number() {
-    return number_at<T>(take(sizeof(T)).data());
+    return load<T>(take(sizeof(T)).data());
   }
   /// Its length in four bytes, then as many.
   std::string_view counted() { return take(number<std::uint32_t>()); }

@@ -1,7 +1,5 @@
 #include "imulab/io/recording/bag/copy.hpp"
 
-#include "imulab/io/recording/bag/crc32.hpp"
-
 #include <algorithm>
 #include <iterator>
 #include <limits>

@@ -1,7 +1,6 @@
 #include "imulab/io/recording/bag/mcap.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/io/recording/bag/crc32.hpp"
 
 #include <fmt/core.h>
 
@@ -23,7 +22,7 @@ struct MessageView {
 
 MessageView message_of(std::string_view content) {
   if (content.size() < message_head_bytes) throw Damaged("a message without its head");
-  return {number_at<std::uint16_t>(content.data()), number_at<std::int64_t>(content.data() + 6), content.substr(message_head_bytes)};
+  return {load<std::uint16_t>(content.data()), load<std::int64_t>(content.data() + 6), content.substr(message_head_bytes)};
 }
 
 }  // namespace
@@ -47,7 +46,7 @@ McapChunk mcap_chunk(std::string_view content) {
 void each_mcap_record(std::string_view records, const std::function<void(McapOp, std::size_t, std::string_view)>& sink) {
   for (std::size_t at = 0; at < records.size();) {
     if (records.size() - at < mcap_head_bytes) throw Damaged("a record without its head");
-    const auto size = number_at<std::uint64_t>(records.data() + at + 1);
+    const auto size = load<std::uint64_t>(records.data() + at + 1);
     if (size > records.size() - at - mcap_head_bytes) throw Damaged("a record's length points beyond the end");
     sink(static_cast<McapOp>(records[at]), at, records.substr(at + mcap_head_bytes, static_cast<std::size_t>(size)));
     at += static_cast<std::size_t>(mcap_head_bytes + size);
@@ -71,9 +70,9 @@ bool Mcap::read_summary() {
   if (file_.size() < mcap_magic.size() + tail_bytes) return false;
   const std::uint64_t footer_at = file_.size() - tail_bytes;
   const std::string_view tail = file_.read(footer_at, tail_bytes, small_);
-  if (!tail.ends_with(mcap_magic) || static_cast<McapOp>(tail[0]) != McapOp::footer || number_at<std::uint64_t>(tail.data() + 1) != 20) return false;
-  const auto begin = number_at<std::uint64_t>(tail.data() + 9), offsets = number_at<std::uint64_t>(tail.data() + 17);
-  const auto crc = number_at<std::uint32_t>(tail.data() + 25);
+  if (!tail.ends_with(mcap_magic) || static_cast<McapOp>(tail[0]) != McapOp::footer || load<std::uint64_t>(tail.data() + 1) != 20) return false;
+  const auto begin = load<std::uint64_t>(tail.data() + 9), offsets = load<std::uint64_t>(tail.data() + 17);
+  const auto crc = load<std::uint32_t>(tail.data() + 25);
   const std::string covered(tail.substr(0, mcap_footer_bytes - 4));
   footer_ = {begin, offsets};
   data_end_ = footer_at;
@@ -133,7 +132,7 @@ void Mcap::take(McapOp op, std::string_view content) {
 
 McapRecord Mcap::record_at(std::uint64_t place) {
   const std::string_view head = file_.read(place, mcap_head_bytes, small_);
-  const auto size = number_at<std::uint64_t>(head.data() + 1);
+  const auto size = load<std::uint64_t>(head.data() + 1);
   if (size > file_.size() - place - mcap_head_bytes) throw Damaged("a record is cut off");
   return {static_cast<McapOp>(head[0]), place, mcap_head_bytes + size};
 }
@@ -158,7 +157,7 @@ void Mcap::scan() {
         break;
       }
       if (record.op == McapOp::chunk) scan_chunk(record);
-      if (record.op == McapOp::schema || record.op == McapOp::channel) count_messages(file_.read(at, record.size, packed_));
+      if (record.op == McapOp::schema || record.op == McapOp::channel) take_records(file_.read(at, record.size, packed_));
       if (record.op == McapOp::message) count_message(message_of(message_head(record)).channel);
       at = record.end();
     } catch (const Damaged& e) {
@@ -171,13 +170,13 @@ void Mcap::scan() {
 
 void Mcap::scan_chunk(const McapRecord& record) {
   try {
-    count_messages(chunk_records(record));
+    take_records(chunk_records(record));
   } catch (const Damaged& e) {
     damage_.chunk(record.begin, e.what());
   }
 }
 
-void Mcap::count_messages(std::string_view records) {
+void Mcap::take_records(std::string_view records) {
   each_mcap_record(records, [this](McapOp op, std::size_t, std::string_view content) {
     op == McapOp::message ? count_message(message_of(content).channel) : take(op, content);
   });
@@ -193,7 +192,7 @@ std::string_view Mcap::message_head(const McapRecord& record) {
   return file_.read(record.begin, std::min(record.size, mcap_head_bytes + message_head_bytes), small_).substr(mcap_head_bytes);
 }
 
-void Mcap::count_all() {
+void Mcap::count_messages() {
   if (counted_) return;
   for (Topic& topic : topics_) {
     std::uint64_t messages = 0;
@@ -278,16 +277,5 @@ bool Mcap::read_by_index(const McapRecord& record, const McapChunkPlace& place, 
 }
 
 bool is_mcap(std::string_view head) { return head.starts_with(mcap_magic.substr(0, 5)); }
-
-std::vector<recording_io::TableDescription> describe_mcap(const TableRequest& request) {
-  Mcap bag(request.file);
-  bag.count_all();
-  return describe_topics(bag);
-}
-
-recording_io::RawTable mcap_columns(const TableRequest& request, const std::vector<Column>& columns) {
-  Mcap bag(request.file);
-  return topic_columns(bag, request, columns);
-}
 
 }  // namespace imulab::bag

@@ -4,6 +4,7 @@
 #include "imulab/io/recording/bag/byte_file.hpp"
 #include "imulab/io/recording/bag/damage.hpp"
 #include "imulab/io/recording/bag/topics.hpp"
+#include "imulab/io/text/file.hpp"
 
 #include <array>
 #include <cstdint>
@@ -74,8 +75,7 @@ class Mcap : public Bag {
 
   void each_message(const Topic& topic, const MessageSink& sink) override;
 
-  /// For describe(), where the summary does not tell how many messages there are.
-  void count_all();
+  void count_messages() override;
 
   const ByteFile& file() const { return file_; }
   bool complete() const { return footer_.has_value(); }
@@ -93,7 +93,7 @@ class Mcap : public Bag {
   void scan();
   void scan_chunk(const McapRecord& record);
   void take(McapOp op, std::string_view content);
-  void count_messages(std::string_view records);
+  void take_records(std::string_view records);
   void count_message(std::uint16_t channel);
   std::string_view message_head(const McapRecord& record);
   void read_chunk(const McapRecord& record, const McapChunkPlace* place, const Topic& topic, const MessageSink& sink);
@@ -111,7 +111,6 @@ class Mcap : public Bag {
 };
 
 bool is_mcap(std::string_view head);
-std::vector<recording_io::TableDescription> describe_mcap(const TableRequest& request);
-recording_io::RawTable mcap_columns(const TableRequest& request, const std::vector<Column>& columns);
+void rewrite_mcap(const std::filesystem::path& in, const Topic& topic, const MessageChange& change, WholeFile& out);
 
 }  // namespace imulab::bag

@@ -1,8 +1,6 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording/bag/copy.hpp"
-#include "imulab/io/recording/bag/crc32.hpp"
 #include "imulab/io/recording/bag/mcap.hpp"
-#include "imulab/io/recording/bag/rewrite.hpp"
 
 #include <fmt/core.h>
 
@@ -42,7 +40,7 @@ class McapRewriter {
   bool data_end_is_checked() {
     const std::uint64_t at = bag_.data_end() - std::min<std::uint64_t>(bag_.data_end(), mcap_head_bytes + 4);
     const std::string_view record = bag_.file().read(at, bag_.data_end() - at, buffer_);
-    return static_cast<McapOp>(record[0]) == McapOp::data_end && number_at<std::uint32_t>(record.data() + mcap_head_bytes) != 0;
+    return static_cast<McapOp>(record[0]) == McapOp::data_end && load<std::uint32_t>(record.data() + mcap_head_bytes) != 0;
   }
 
   /// Copies or changes one record, or more that need no look; gives where the next begins.
@@ -59,7 +57,7 @@ class McapRewriter {
       copy_.until(at);
       std::string bytes(bag_.file().read(at, record.size, buffer_));
       if (bytes.size() < mcap_head_bytes + 4) throw Damaged("its data section has no end");
-      put_number(bytes.data() + mcap_head_bytes, copy_.crc());
+      store<std::uint32_t>(bytes.data() + mcap_head_bytes, copy_.crc());
       copy_.put(bytes, record.end());
     }
     return record.end();
@@ -67,7 +65,7 @@ class McapRewriter {
 
   bool change_message(std::span<char> content) {
     if (content.size() < data_in_message) throw Damaged("a message without its head");
-    if (!topic_.channels.contains(number_at<std::uint16_t>(content.data()))) return false;
+    if (!topic_.channels.contains(load<std::uint16_t>(content.data()))) return false;
     change_(content.subspan(data_in_message));
     return true;
   }
@@ -83,17 +81,17 @@ class McapRewriter {
     const McapChunk chunk = mcap_chunk(old);
     const std::string packed = pack(bag_.damage().compression(chunk.compression, record.begin), records);
     std::string bytes(1, static_cast<char>(McapOp::chunk));
-    append_number<std::uint64_t>(bytes, chunk.records + packed.size());
+    append<std::uint64_t>(bytes, chunk.records + packed.size());
     bytes += old.substr(0, chunk.records);
-    if (chunk.crc != 0) put_number(bytes.data() + mcap_head_bytes + crc_in_chunk, crc32(records));
-    put_number<std::uint64_t>(bytes.data() + bytes.size() - 8, packed.size());
+    if (chunk.crc != 0) store<std::uint32_t>(bytes.data() + mcap_head_bytes + crc_in_chunk, crc32(records));
+    store<std::uint64_t>(bytes.data() + bytes.size() - 8, packed.size());
     bytes += packed;
     copy_.until(record.begin);
     copy_.put(bytes, record.end());
     chunks_[record.begin] = {bytes.size(), packed.size()};
   }
 
-  void move(char* place) { put_number(place, copy_.moved(number_at<std::uint64_t>(place))); }
+  void move(char* place) { store<std::uint64_t>(place, copy_.moved(load<std::uint64_t>(place))); }
 
   void change_summary(std::span<char> summary) {
     each_mcap_record({summary.data(), summary.size()}, [&](McapOp op, std::size_t at, std::string_view content) {
@@ -121,16 +119,16 @@ class McapRewriter {
     }
     move(bytes + 16);
     if (old == chunks_.end()) return;
-    put_number(bytes + 24, old->second.length);
-    put_number(bytes + packed_at, old->second.packed);
+    store<std::uint64_t>(bytes + 24, old->second.length);
+    store<std::uint64_t>(bytes + packed_at, old->second.packed);
   }
 
   void change_footer(std::span<char> summary_and_footer, std::size_t footer_at) {
     char* footer = summary_and_footer.data() + footer_at + mcap_head_bytes;
     for (const std::size_t at : {0, 8})
-      if (number_at<std::uint64_t>(footer + at) != 0) move(footer + at);
+      if (load<std::uint64_t>(footer + at) != 0) move(footer + at);
     char* crc = footer + 16;
-    if (number_at<std::uint32_t>(crc) != 0) put_number(crc, crc32({summary_and_footer.data(), summary_and_footer.size() - 4}));
+    if (load<std::uint32_t>(crc) != 0) store<std::uint32_t>(crc, crc32({summary_and_footer.data(), summary_and_footer.size() - 4}));
   }
 
   Mcap& bag_;

@@ -1,6 +1,5 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording/bag/copy.hpp"
-#include "imulab/io/recording/bag/rewrite.hpp"
 #include "imulab/io/recording/bag/ros1_bag.hpp"
 
 #include <fmt/core.h>
@@ -13,9 +12,9 @@ namespace {
 
 std::string record_bytes(const std::string& head, std::string_view data) {
   std::string bytes;
-  append_number<std::uint32_t>(bytes, head.size());
+  append<std::uint32_t>(bytes, head.size());
   bytes += head;
-  append_number<std::uint32_t>(bytes, data.size());
+  append<std::uint32_t>(bytes, data.size());
   return bytes.append(data);
 }
 
@@ -23,7 +22,7 @@ std::string record_bytes(const std::string& head, std::string_view data) {
 std::string with_place(Ros1Record record, std::string_view field, std::uint64_t place, std::string_view data) {
   const std::string_view value = record.fields().text(field);
   if (value.size() != sizeof place) throw Damaged("a place of another length");
-  put_number(record.head.data() + (value.data() - record.head.data()), place);
+  store<std::uint64_t>(record.head.data() + (value.data() - record.head.data()), place);
   return record_bytes(record.head, data);
 }
 

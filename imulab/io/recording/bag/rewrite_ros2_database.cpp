@@ -1,5 +1,4 @@
 #include "imulab/core/error.hpp"
-#include "imulab/io/recording/bag/rewrite.hpp"
 #include "imulab/io/recording/bag/ros2_database.hpp"
 
 #include <fmt/core.h>

@@ -23,9 +23,7 @@ std::optional<std::string_view> field_of(std::string_view bytes, std::string_vie
   return std::nullopt;
 }
 
-std::int64_t nanoseconds_at(const char* bytes) {
-  return std::int64_t{number_at<std::uint32_t>(bytes)} * 1'000'000'000 + number_at<std::uint32_t>(bytes + 4);
-}
+std::int64_t nanoseconds_at(const char* bytes) { return std::int64_t{load<std::uint32_t>(bytes)} * 1'000'000'000 + load<std::uint32_t>(bytes + 4); }
 
 }  // namespace
 
@@ -70,7 +68,7 @@ Ros1Record Ros1Bag::record_at(std::uint64_t place) {
   const auto head_size = sizes.number<std::uint32_t>();
   if (head_size + std::uint64_t{8} > bytes.size()) bytes = file_.read(place, head_size + std::uint64_t{8}, small_);
   Ros1Record record{.begin = place, .data = place + 8 + head_size, .head = std::string(bytes.substr(4, head_size))};
-  record.data_size = number_at<std::uint32_t>(bytes.data() + 4 + head_size);
+  record.data_size = load<std::uint32_t>(bytes.data() + 4 + head_size);
   if (record.data_size > file_.size() - record.data) throw Damaged("a record is cut off");
   return record;
 }
@@ -199,12 +197,5 @@ bool Ros1Bag::read_by_index(const Ros1Record& chunk, std::uint64_t messages, con
 }
 
 bool is_ros1_bag(std::string_view head) { return head.starts_with("#ROSBAG V"); }
-
-std::vector<recording_io::TableDescription> describe_ros1_bag(const TableRequest& request) { return describe_topics(Ros1Bag(request.file)); }
-
-recording_io::RawTable ros1_bag_columns(const TableRequest& request, const std::vector<Column>& columns) {
-  Ros1Bag bag(request.file);
-  return topic_columns(bag, request, columns);
-}
 
 }  // namespace imulab::bag

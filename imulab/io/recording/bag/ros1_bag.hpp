@@ -4,6 +4,7 @@
 #include "imulab/io/recording/bag/byte_file.hpp"
 #include "imulab/io/recording/bag/damage.hpp"
 #include "imulab/io/recording/bag/topics.hpp"
+#include "imulab/io/text/file.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -30,7 +31,7 @@ class Ros1Fields {
   T number(std::string_view name) const {
     const std::string_view value = text(name);
     if (value.size() != sizeof(T)) throw Damaged("a field " + std::string(name) + " of another length");
-    return number_at<T>(value.data());
+    return load<T>(value.data());
   }
   /// Seconds, then nanoseconds.
   std::int64_t time_ns(std::string_view name) const;
@@ -85,7 +86,6 @@ class Ros1Bag : public Bag {
 void each_ros1_record(std::string_view bytes, const std::function<void(const Ros1Fields&, std::string_view)>& sink);
 
 bool is_ros1_bag(std::string_view head);
-std::vector<recording_io::TableDescription> describe_ros1_bag(const TableRequest& request);
-recording_io::RawTable ros1_bag_columns(const TableRequest& request, const std::vector<Column>& columns);
+void rewrite_ros1_bag(const std::filesystem::path& in, const Topic& topic, const MessageChange& change, WholeFile& out);
 
 }  // namespace imulab::bag

@@ -135,33 +135,15 @@ void Ros2Database::each_message(const Topic& topic, const MessageSink& sink) {
 
 std::unique_ptr<Bag> open_ros2_database(const std::filesystem::path& path) { return std::make_unique<Ros2Database>(path); }
 
-std::vector<recording_io::TableDescription> describe_ros2_database(const TableRequest& request) {
-  Ros2Database bag(request.file);
-  bag.count_messages();
-  return describe_topics(bag);
-}
-
-recording_io::RawTable ros2_database_columns(const TableRequest& request, const std::vector<Column>& columns) {
-  Ros2Database bag(request.file);
-  return topic_columns(bag, request, columns);
-}
-
 }  // namespace imulab::bag
 
 #else
 
 namespace imulab::bag {
-namespace {
 
-[[noreturn]] void without_sqlite(const std::filesystem::path& path) {
+std::unique_ptr<Bag> open_ros2_database(const std::filesystem::path& path) {
   throw Error(path.string() + ": this imulab was built without SQLite; expected a build with libsqlite3, or the bag as MCAP");
 }
-
-}  // namespace
-
-std::unique_ptr<Bag> open_ros2_database(const std::filesystem::path& path) { without_sqlite(path); }
-std::vector<recording_io::TableDescription> describe_ros2_database(const TableRequest& request) { without_sqlite(request.file); }
-recording_io::RawTable ros2_database_columns(const TableRequest& request, const std::vector<Column>&) { without_sqlite(request.file); }
 
 }  // namespace imulab::bag
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "imulab/io/recording/bag/topics.hpp"
+#include "imulab/io/text/file.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -59,8 +60,7 @@ class Ros2Database : public Bag {
   explicit Ros2Database(const std::filesystem::path& path);
 
   void each_message(const Topic& topic, const MessageSink& sink) override;
-  /// For describe(): it looks at every row.
-  void count_messages();
+  void count_messages() override;  ///< looks at every row
   /// The messages with the numbers of their rows.
   void each_row(const Topic& topic, const std::function<void(std::int64_t id, std::int64_t log_time_ns, std::string_view message)>& sink);
   Database& database() { return database_; }
@@ -76,7 +76,6 @@ class Ros2Database : public Bag {
 std::unique_ptr<Bag> open_ros2_database(const std::filesystem::path& path);
 
 bool is_sqlite(std::string_view head);
-std::vector<recording_io::TableDescription> describe_ros2_database(const TableRequest& request);
-recording_io::RawTable ros2_database_columns(const TableRequest& request, const std::vector<Column>& columns);
+void rewrite_ros2_database(const std::filesystem::path& in, const Topic& topic, const MessageChange& change, WholeFile& out);
 
 }  // namespace imulab::bag

@@ -40,9 +40,9 @@ MessagePlaces places_after(std::size_t origin, std::size_t at, bool aligned, boo
     return from + count;
   };
   after(at, 12);
-  const auto nanoseconds = number_at<std::uint32_t>(message.data() + at + 4, big), name = number_at<std::uint32_t>(message.data() + at + 8, big);
-  const std::int64_t seconds = aligned ? std::int64_t{number_at<std::int32_t>(message.data() + at, big)}  // of ROS 2; ROS 1 has no sign
-                                       : std::int64_t{number_at<std::uint32_t>(message.data() + at, big)};
+  const auto nanoseconds = load<std::uint32_t>(message.data() + at + 4, big), name = load<std::uint32_t>(message.data() + at + 8, big);
+  const std::int64_t seconds = aligned ? std::int64_t{load<std::int32_t>(message.data() + at, big)}  // of ROS 2; ROS 1 has no sign
+                                       : std::int64_t{load<std::uint32_t>(message.data() + at, big)};
   std::size_t numbers = after(at + 12, name);
   if (aligned) numbers = origin + (numbers - origin + 7) / 8 * 8;
   after(numbers, sizeof(double) * type.numbers);
@@ -92,7 +92,7 @@ void MessageColumns::add(std::int64_t log_time_ns, std::string_view message) {
     else if (column == log_time_column)
       raw_[k].integers.push_back(log_time_ns);
     else
-      raw_[k].numbers.push_back(number_at<double>(message.data() + places.of(type_.fields[column - first_field].index), places.big));
+      raw_[k].numbers.push_back(load<double>(message.data() + places.of(type_.fields[column - first_field].index), places.big));
   }
   ++rows_;
 }
@@ -100,7 +100,7 @@ void MessageColumns::add(std::int64_t log_time_ns, std::string_view message) {
 void put_readings(Encoding encoding, std::span<char> message, std::span<const double, 6> gyro_and_accel) {
   const MessagePlaces places = message_places(encoding, message_types().front(), {message.data(), message.size()});
   for (std::size_t k = 0; k < 6; ++k)
-    put_number(message.data() + places.of(k < 3 ? angular_velocity + k : linear_acceleration + k - 3), gyro_and_accel[k], places.big);
+    store<double>(message.data() + places.of(k < 3 ? angular_velocity + k : linear_acceleration + k - 3), gyro_and_accel[k], places.big);
 }
 
 }  // namespace imulab::bag

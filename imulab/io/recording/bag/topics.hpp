@@ -42,6 +42,8 @@ class Bag {
   /// What was lost, and what it means.
   const std::vector<std::string>& warnings() const { return warnings_; }
   virtual void each_message(const Topic& topic, const MessageSink& sink) = 0;
+  /// Counts the messages of each topic, where that was not done on opening.
+  virtual void count_messages() {}
 
  protected:
   std::vector<Topic> topics_;

@@ -1,4 +1,4 @@
-#include "imulab/io/recording/clock.hpp"
+#include "imulab/recording/clock.hpp"
 
 #include "imulab/core/error.hpp"
 #include "imulab/recording/unit_names.hpp"
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace imulab::recording_io {
+namespace imulab {
 
 Clock::Clock(const TimeSource& source, std::optional<double> rate_hz) : zero_(source.zero) {
   const bool counts = !source.column || source.unit == "sample" || source.unit == "tick";
@@ -41,4 +41,11 @@ std::optional<std::int64_t> Clock::next(std::int64_t stamp, std::int64_t fractio
   return time;
 }
 
-}  // namespace imulab::recording_io
+std::optional<std::int64_t> scaled_stamp(double number, int exponent) {
+  constexpr double largest = 9e18;  // below 2^63
+  const double value = number * std::pow(10.0, exponent);
+  if (!(std::abs(value) < largest)) return std::nullopt;
+  return std::llround(value);
+}
+
+}  // namespace imulab

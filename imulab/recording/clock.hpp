@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace imulab::recording_io {
+namespace imulab {
 
 /// Turns the stamps of a table, one after the other, into nanoseconds less the zero.
 class Clock {
@@ -33,4 +33,7 @@ class Clock {
   std::optional<double> per_second_;  // of ticks or samples
 };
 
-}  // namespace imulab::recording_io
+/// A number times 10^exponent as such an integer; nothing where it does not fit or is none.
+std::optional<std::int64_t> scaled_stamp(double number, int exponent);
+
+}  // namespace imulab
