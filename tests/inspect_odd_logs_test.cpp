@@ -116,6 +116,16 @@ TEST(InspectOddLogs, FilesOfDifferentUnitsOfTimeAreJoined) {
   EXPECT_EQ(found.source.accel.file, "a.csv");
 }
 
+TEST(InspectOddLogs, AnAxisThatNeverChangesIsStillASensorsByItsName) {
+  std::string text = "t,gx [deg/s],gy [deg/s],gz [deg/s],ax [g],ay [g],az [g]\n";
+  for (int i = 0; i < 3000; ++i)
+    text += fmt::format("{:.2f},{:.2f},{:.2f},0.01,{:.2f},0.02,1\n", 0.01 * i, 0.01 * (i % 3), -0.01 * (i % 2), 0.01 * (i % 5 == 0));
+  const Inspection found = inspected(text);
+  EXPECT_THAT(found.ambiguous, IsEmpty());
+  EXPECT_EQ(found.source.accel.columns, (std::vector<Column>{"ax [g]", "ay [g]", "az [g]"}));
+  EXPECT_EQ(found.source.gyro.unit, "deg/s");
+}
+
 TEST(InspectOddLogs, AMovingLogIsNoRest) {
   std::string text = "t,gx [deg/s],gy [deg/s],gz [deg/s],ax,ay,az\n";
   for (int i = 0; i < 20'000; ++i) {  // always turning and shaken, as on a boat

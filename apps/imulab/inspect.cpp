@@ -68,9 +68,8 @@ void run(const Options& o) {
   if (!o.output.empty() && std::find(o.files.begin(), o.files.end(), "-") != o.files.end())
     throw Error("-o: a session names files; expected a recording that is one, not standard input");
   const Declarations declared = parse_declarations(o.declarations);
-  const Site site = errors_at("--set", [&] { return declared_site(declared); });
   Inspection inspection = inspect_files(o.files, o.topics, declared);
-  Session session = inspected_session(inspection, site);
+  Session session = inspected_session(inspection, declared_site(declared));
   session.file = o.files.front();  // its folder is that of the recording
   const std::optional<Recording> recording = read_as_declared(session, inspection);
   if (o.json) {

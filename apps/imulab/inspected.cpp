@@ -1,6 +1,7 @@
 #include "apps/imulab/inspected.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/inspection/declared.hpp"
 #include "imulab/inspection/join.hpp"
 #include "imulab/io/recording/signals.hpp"
 #include "imulab/io/session/file.hpp"
@@ -36,6 +37,10 @@ Declarations parse_declarations(const std::vector<std::string>& texts) {
     if (equals == std::string::npos || equals == 0) throw Error(fmt::format("--set {}: has no value; expected KEY=VALUE", text));
     declared[text.substr(0, equals)] = text.substr(equals + 1);
   }
+  errors_at("--set", [&] {
+    inspection::check_declarations(declared);
+    declared_site(declared);
+  });
   return declared;
 }
 

@@ -23,9 +23,12 @@ namespace {
 
 constexpr double least_turn = 5 * 3.14159265358979 / 180;
 
-bool varies(const std::vector<double>& values) {
+enum class Variation { not_finite, constant, varies };
+
+Variation variation_of(const std::vector<double>& values) {
+  if (!std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); })) return Variation::not_finite;
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  return std::isfinite(*low) && std::isfinite(*high) && *low < *high;
+  return *low < *high ? Variation::varies : Variation::constant;
 }
 
 /// The column, in steps of its noise so that the thresholds for counts hold whatever its unit: its middle step between samples is 100.
@@ -115,8 +118,10 @@ std::vector<Triad> possible_triads(const SignalTable& table, const std::vector<s
   for (std::size_t i = 0; i < table.signals.size(); ++i) {
     const NameHint hint = hint_of(table.signals[i].name);
     const bool taken = std::find(without.begin(), without.end(), i) != without.end();
-    if (taken || hint.role == Role::other || hint.role == Role::temperature || !varies(table.signals[i].values)) continue;
-    usable.push_back(i);
+    if (taken || hint.role == Role::other || hint.role == Role::temperature) continue;
+    const Variation variation = variation_of(table.signals[i].values);
+    if (variation == Variation::not_finite) continue;
+    if (variation == Variation::varies) usable.push_back(i);  // a constant one is a sensor's only if its name says so: at rest, in coarse steps
     if (hint.axis < 0 || (hint.role != Role::gyro && hint.role != Role::accel)) continue;
     auto& place = named[fmt::format("{} {} {}", hint.role == Role::gyro ? "gyro" : "accel", table.signals[i].table, hint.sensor)]
                        [static_cast<std::size_t>(hint.axis)];

@@ -13,7 +13,6 @@
 #include <optional>
 
 namespace imulab {
-
 namespace {
 
 constexpr int terms = 4;  // Q, N, B, K; all squared

@@ -56,9 +56,8 @@ const TableDescription& table_of_imu(const std::vector<TableDescription>& tables
   std::vector<std::string_view> names;
   for (const TableDescription& table : tables)
     if (named.empty() || std::find(named.begin(), named.end(), &table) != named.end()) names.push_back(table.name);
-  throw Error(fmt::format("{}: {} tables; expected --topic with one of {}", file,
-                          named.empty() ? "none of its tables has both gyros and accelerometers by name, of several" : "several IMUs in its",
-                          text::listed(names)));
+  throw Error(fmt::format("{}: {} both gyros and accelerometers by name; expected a topic of {}", file,
+                          named.empty() ? "no table has" : "several tables have", text::listed(names)));
 }
 
 SignalTable signals_of(const RecordingFormat& format, const TableRequest& request) {

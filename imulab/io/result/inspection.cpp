@@ -44,7 +44,7 @@ std::string inspection_text(const Inspection& inspection) {
   for (const ColumnFinding& column : inspection.columns)
     if (column.role == "unused") unused += (unused.empty() ? "" : ", ") + column.name;
   if (!unused.empty()) out += text::wrapped("  ", "not used: " + unused);
-  out += "\nmethods\n";
+  if (!inspection.methods.empty()) out += "\nmethods\n";
   for (const MethodFinding& method : inspection.methods)
     out += text::wrapped(fmt::format("  {:<11}{:<5}", method.name, method.supported ? "yes" : "no"), method.why);
   return out;
