@@ -1,7 +1,7 @@
 // The noise coefficients of a rate at rest by maximum likelihood on its spectrum (Whittle), with intervals from the profile of the likelihood.
 #pragma once
 
-#include "imulab/model/noise.hpp"
+#include "imulab/model/imu_noise.hpp"
 
 #include <array>
 #include <span>
@@ -10,21 +10,12 @@
 
 namespace imulab {
 
-/// Names as in NoiseModel, units too. A coefficient whose interval holds zero is not determined: value and standard uncertainty are NaN, and `upper`
-/// bounds its size with 95 %.
-struct NoiseCoefficient {
-  double value = 0, standard_uncertainty = 0;
-  double lower = 0, upper = 0;  ///< 95 %
-  bool determined = false;
-};
-
 /// A range of frequencies in which the spectrum is not the model's.
 struct NoiseMisfit {
   double low_hz = 0, high_hz = 0, ratio = 1;  ///< measured power over the model's
 };
 
-struct NoiseFit {
-  NoiseCoefficient Q, N, B, K, R;
+struct NoiseFit : NoiseCoefficients {
   double chi2_per_dof = 0;           ///< of the power in some dozens of ranges of frequency
   bool accepted = false;             ///< no misfit is left
   double highest_hz = 0;             ///< higher frequencies were left out because the model does not hold there; else half the rate

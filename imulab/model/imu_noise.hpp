@@ -1,0 +1,38 @@
+// The noise of an IMU as its logs at rest tell it: coefficients with intervals. Terms as in model/noise.hpp.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+/// Unit as in NoiseModel. Where the interval holds zero the coefficient is not determined: value and standard uncertainty are NaN, and `upper` bounds
+/// its size with 95 %.
+struct NoiseCoefficient {
+  double value = 0, standard_uncertainty = 0;
+  double lower = 0, upper = 0;  ///< 95 %
+  bool determined = false;
+};
+
+/// A first-order Gauss-Markov process: standard deviation [u] and correlation time [s]. Two-sided density 2 sigma^2 time / (1 + (2 pi f time)^2).
+struct MarkovTerm {
+  NoiseCoefficient sigma, time;
+};
+
+/// Of one axis.
+struct NoiseCoefficients {
+  NoiseCoefficient Q, N, B, K, R;
+  std::vector<MarkovTerm> markov;  ///< by falling correlation time
+};
+
+/// Axes without coefficients (constant readings) have none.
+struct ImuNoise {
+  std::string recording;
+  double interval_s = 0;
+  std::string gyro_unit, accel_unit;  ///< of u: "rad/s", "m/s^2", or "count"
+  std::array<std::optional<NoiseCoefficients>, 3> gyro, accel;
+};
+
+}  // namespace imulab
