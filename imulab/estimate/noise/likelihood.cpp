@@ -34,9 +34,8 @@ Problem::Problem(const Spectrum& spectrum, double highest_hz, double resolution,
     rounding_ = resolution * resolution / 12 * bin.interval / static_cast<double>(bin.averaged);
   }
   if (size > 0) Q_scale_ = (power_ / unit_.col(Terms::Q)).minCoeff();
-  shortest_time_ = fewest_intervals * shortest;
+  shortest_interval_ = shortest;
   longest_time_ = spectrum.record_s / fewest_times;
-  highest_cutoff_ = 1 / shortest;
 }
 
 Problem Problem::with(Terms terms) const {
@@ -47,7 +46,7 @@ Problem Problem::with(Terms terms) const {
 
 ArrayXd Problem::density(const Parameters& at) const {
   ArrayXd S = unit_.rightCols<3>().matrix() * at.segment(Terms::N, 3).exp().matrix();
-  const bool filtered = terms_.low_pass > 0;
+  const bool filtered = terms_.low_pass.order > 0;
   const double white = std::exp(at[Terms::N]), cutoff = filtered ? std::exp(at[terms_.cutoff()]) : 0;
   for (Index i = 0; i < S.size(); ++i) {
     const SpectrumBin& bin = bins_[static_cast<std::size_t>(i)];
@@ -66,7 +65,7 @@ MatrixXd Problem::sensitivity(const Parameters& at, const ArrayXd& density) cons
   for (Index i = 0; i < density.size(); ++i) {
     const SpectrumBin& bin = bins_[static_cast<std::size_t>(i)];
     Passed share;
-    if (terms_.low_pass > 0) share = passed(bin, std::exp(at[terms_.cutoff()]), terms_.low_pass);
+    if (terms_.low_pass.order > 0) share = passed(bin, std::exp(at[terms_.cutoff()]), terms_.low_pass);
     double red = flicker * unit_(i, Terms::B) + walk * unit_(i, Terms::K);
     D(i, Terms::Q) = Q_scale_ * unit_(i, Terms::Q);
     D(i, Terms::N) = white * share.white;
@@ -79,7 +78,7 @@ MatrixXd Problem::sensitivity(const Parameters& at, const ArrayXd& density) cons
       D(i, Terms::time(m)) = power * process.by_log_time * share.red;
       red += power * process.value;
     }
-    if (terms_.low_pass > 0) D(i, terms_.cutoff()) = white * share.white_by_log_cutoff + red * share.red_by_log_cutoff;
+    if (terms_.low_pass.order > 0) D(i, terms_.cutoff()) = white * share.white_by_log_cutoff + red * share.red_by_log_cutoff;
   }
   D.array().colwise() /= density;
   return D;
@@ -115,12 +114,13 @@ void Problem::judge(Point& point, const Fixed& fixed) const {
 /// Whether correlation times and cutoff are where they can be told from the other terms.
 bool Problem::possible(const Parameters& at) const {
   for (int m = 0; m < terms_.markov; ++m)
-    if (at[Terms::time(m)] < std::log(shortest_time_) || at[Terms::time(m)] > std::log(longest_time_)) return false;
-  return terms_.low_pass == 0 || at[terms_.cutoff()] <= std::log(highest_cutoff_);
+    if (at[Terms::time(m)] < std::log(fewest_intervals * shortest_interval_) || at[Terms::time(m)] > std::log(longest_time_)) return false;
+  return terms_.low_pass.order == 0 || at[terms_.cutoff()] <= std::log((terms_.low_pass.digital ? 0.49 : 1.0) / shortest_interval_);
 }
 
-Point Problem::start() const {
+Point Problem::start(double below_hz) const {
   Point start;
+  start.at = Parameters::Constant(terms_.count(), absent);
   const ArrayXd ones = ArrayXd::Ones(counts_.size());
   double sum = 0;
   for (const SpectrumBin& bin : bins_) sum += bin.ramp * bin.amplitude;
@@ -128,12 +128,18 @@ Point Problem::start() const {
   for (int j = 0; j < 4; ++j) {
     std::vector<double> ratios;
     for (Index i = 0; i < P.size(); ++i)
-      if (counts_[i] >= 3) ratios.push_back(P[i] / unit_(i, j));
+      if (counts_[i] >= 3 && bins_[static_cast<std::size_t>(i)].middle_hz() < below_hz) ratios.push_back(P[i] / unit_(i, j));
     if (ratios.empty()) ratios.push_back(P.mean() / unit_.col(j).mean());
     const double size = std::max(quantile(ratios, 0.05), 1e-290);
     start.at[j] = j == Terms::Q ? size / Q_scale_ : std::log(size);
   }
   return start;
+}
+
+Point Problem::revived(Point point) const {
+  const ArrayXd S = density(point.at);
+  for (const int j : {Terms::N, Terms::B, Terms::K}) point.at[j] = std::max(point.at[j], std::log(1e-3 / (unit_.col(j) / S).maxCoeff()));
+  return point;
 }
 
 Point Problem::fitted(Point point, const Fixed& fixed, double precision, int iterations) const {

@@ -6,6 +6,7 @@
 // Rounding to steps r and quantization come after the sensor's low-pass.
 #pragma once
 
+#include "imulab/estimate/noise/spectral_terms.hpp"
 #include "imulab/estimate/noise/spectrum.hpp"
 
 #include <Eigen/Core>
@@ -18,14 +19,14 @@ namespace imulab::noise {
 
 /// Which terms the model has besides Q, N, B, K and the ramp.
 struct Terms {
-  int markov = 0;    ///< processes, at most two
-  int low_pass = 0;  ///< order; 0: none
+  int markov = 0;  ///< processes, at most two
+  LowPassShape low_pass{};
   /// Places in Point::at.
   static constexpr int Q = 0, N = 1, B = 2, K = 3;
   static int sigma(int process) { return 4 + 2 * process; }
   static int time(int process) { return 5 + 2 * process; }
   int cutoff() const { return 4 + 2 * markov; }
-  int count() const { return 4 + 2 * markov + (low_pass > 0 ? 1 : 0); }
+  int count() const { return 4 + 2 * markov + (low_pass.order > 0 ? 1 : 0); }
 };
 
 inline constexpr double absent = -1e300;  ///< logarithm of a term that is not there
@@ -64,8 +65,10 @@ class Problem {
   Eigen::MatrixXd sensitivity(const Parameters& at, const Eigen::ArrayXd& density) const;
   const Eigen::ArrayXd& counts() const { return counts_; }
 
-  /// Each of Q, N, B, K as large as the spectrum admits anywhere, over several of them.
-  Point start() const;
+  /// Each of Q, N, B, K as large as the spectrum below a frequency admits anywhere, over several of them; of the terms besides, nothing.
+  Point start(double below_hz = std::numeric_limits<double>::infinity()) const;
+  /// The same point with N, B and K at least a thousandth of the density somewhere: a fit does not find back what has vanished.
+  Point revived(Point point) const;
   /// Fisher scoring, damped (Levenberg and Marquardt), until the misfit falls by less than `precision`, at most `iterations` times.
   Point fitted(Point from, const Fixed& fixed = {}, double precision = 1e-5, int iterations = 200) const;
 
@@ -77,7 +80,7 @@ class Problem {
   std::vector<SpectrumBin> bins_;
   Eigen::ArrayXXd unit_;  // columns Q, N, B, K
   Eigen::ArrayXd counts_, power_;
-  double Q_scale_ = 1, rounding_ = 0, shortest_time_, longest_time_, highest_cutoff_;
+  double Q_scale_ = 1, rounding_ = 0, shortest_interval_, longest_time_;
 };
 
 }  // namespace imulab::noise

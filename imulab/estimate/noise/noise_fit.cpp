@@ -61,8 +61,8 @@ NoiseFit fit_noise(std::span<const double> rate, double interval_s) {
   for (int m = 0; m < problem.terms().markov; ++m)
     fit.markov.push_back({noise::size_of(problem, best, Terms::sigma(m), widening), noise::scale_of(problem, best, Terms::time(m), widening)});
   std::sort(fit.markov.begin(), fit.markov.end(), [](const MarkovTerm& a, const MarkovTerm& b) { return a.time.value > b.time.value; });
-  if (problem.terms().low_pass > 0)
-    fit.low_pass = LowPass{problem.terms().low_pass, noise::scale_of(problem, best, problem.terms().cutoff(), widening)};
+  if (const noise::LowPassShape& shape = problem.terms().low_pass; shape.order > 0)
+    fit.low_pass = LowPass{shape.order, shape.digital, noise::scale_of(problem, best, problem.terms().cutoff(), widening)};
   fit.R = noise::ramp_of(problem, best, found.spectrum.slope, widening);
   return fit;
 }

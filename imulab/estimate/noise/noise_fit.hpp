@@ -22,9 +22,10 @@ struct NoiseLine {
   NoiseCoefficient amplitude;
 };
 
-/// The sensor's own: a Butterworth filter.
+/// The sensor's own: a Butterworth filter, before the readings are taken or digital at their rate.
 struct LowPass {
   int order = 1;
+  bool digital = false;
   NoiseCoefficient cutoff_hz;
 };
 

@@ -19,6 +19,7 @@ constexpr double least_gain = 18;
 constexpr int most_processes = 2, coarse_iterations = 15;
 constexpr double coarse_precision = 0.5;
 constexpr std::size_t fewest_bins = 12;
+constexpr LowPassShape low_passes[] = {{1, false}, {1, true}, {2, false}, {2, true}, {4, false}, {4, true}};
 
 struct Model {
   Problem problem;
@@ -46,7 +47,7 @@ Point moved(const Point& from, const Terms& old, const Terms& terms) {
   Point out = from;
   out.at.resize(terms.count());
   out.at.head(4 + 2 * old.markov) = from.at.head(4 + 2 * old.markov);
-  if (old.low_pass > 0 && terms.low_pass > 0) out.at[terms.cutoff()] = from.at[old.cutoff()];
+  if (old.low_pass.order > 0 && terms.low_pass.order > 0) out.at[terms.cutoff()] = from.at[old.cutoff()];
   return out;
 }
 
@@ -67,8 +68,9 @@ std::optional<Model> with_process(const Model& model, double shortest_s, double 
   const Problem problem = model.problem.with(terms);
   const Eigen::ArrayXd density = model.problem.density(model.best.at);
   std::vector<Point> starts;
+  const Point base = moved(model.problem.revived(model.best), model.problem.terms(), terms);
   for (double time = 3 * shortest_s; time < record_s / 11; time *= 3) {
-    Point start = moved(model.best, model.problem.terms(), terms);
+    Point start = base;
     const double corner = 1 / (2 * std::numbers::pi * time);
     start.at[Terms::time(place)] = std::log(time);
     start.at[Terms::sigma(place)] = std::log(density_near(problem, density, corner) / (3 * time));  // its density there is sigma^2 time
@@ -77,20 +79,22 @@ std::optional<Model> with_process(const Model& model, double shortest_s, double 
   return best_of(problem, starts);
 }
 
-std::optional<Model> with_low_pass(const Model& model, int order, double highest_hz) {
+std::optional<Model> with_low_pass(const Model& model, const LowPassShape& shape, double highest_hz) {
   Terms terms = model.problem.terms();
-  const bool other = terms.low_pass > 0;
-  terms.low_pass = order;
+  const bool other = terms.low_pass.order > 0;
+  terms.low_pass = shape;
   std::vector<Point> starts;
-  const Point base = moved(model.best, model.problem.terms(), terms);
+  const Problem problem = model.problem.with(terms);
+  const Point base = moved(model.problem.revived(model.best), model.problem.terms(), terms);
   if (other) starts.push_back(base);
-  for (double cutoff = 1.5 * highest_hz; !other && cutoff > highest_hz / 64; cutoff /= 1.6) {
+  for (double cutoff = 0.95 * highest_hz; !other && cutoff > highest_hz / 64; cutoff /= 1.6) {
     Point start = base;
-    start.at[terms.cutoff()] = std::log(cutoff);
+    start.at.head(4) = problem.start(cutoff / 2).at.head(4);
     start.at[Terms::Q] = 0;
+    start.at[terms.cutoff()] = std::log(cutoff);
     starts.push_back(start);
   }
-  return best_of(model.problem.with(terms), starts);
+  return best_of(problem, starts);
 }
 
 Model choose(const Problem& simple, double shortest_s, double record_s, double highest_hz) {
@@ -105,8 +109,8 @@ Model choose(const Problem& simple, double shortest_s, double record_s, double h
       chosen = std::move(found);
     };
     const Terms& terms = model.problem.terms();
-    for (const int order : {1, 2, 4})
-      if (order != terms.low_pass) offer(with_low_pass(model, order, highest_hz), terms.low_pass > 0 ? 1 : least_gain);
+    for (const LowPassShape& shape : low_passes)
+      if (shape != terms.low_pass) offer(with_low_pass(model, shape, highest_hz), terms.low_pass.order > 0 ? 1 : least_gain);
     if (terms.markov < most_processes) offer(with_process(model, shortest_s, record_s), least_gain + 2);
     if (!chosen) return model;
     model = std::move(*chosen);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace imulab::noise {
 
@@ -22,13 +23,28 @@ struct Share {
   double value, by_log_cutoff;
 };
 
-/// |H|^2 = 1 / (1 + (f / cutoff)^2n).
-Share butterworth(double hz, double cutoff_hz, int order) {
-  const double x = hz / cutoff_hz;
+/// |H|^2 = 1 / (1 + (f / cutoff)^2n), and bilinear: of the tangents of half the angles.
+Share butterworth(double hz, double cutoff_hz, const LowPassShape& shape, double reading_s) {
+  const double x = shape.digital ? std::tan(pi * hz * reading_s) / std::tan(pi * cutoff_hz * reading_s) : hz / cutoff_hz;
+  // d ln x / d ln cutoff, less its sign
+  const double falls = shape.digital ? 2 * pi * cutoff_hz * reading_s / std::sin(2 * pi * cutoff_hz * reading_s) : 1;
   double power = 1;
-  for (int i = 0; i < order; ++i) power *= x * x;
+  for (int i = 0; i < shape.order; ++i) power *= x * x;
   const double share = 1 / (1 + power);
-  return {share, 2 * order * power * share * share};
+  return {share, 2 * shape.order * power * share * share * falls};
+}
+
+/// White noise that passed an analog filter, in readings: sampling folds what lies above half their rate.
+Share sampled_white(double hz, double cutoff_hz, const LowPassShape& shape, double reading_s) {
+  Share sum{0, 0}, at_zero{0, 0};
+  for (int fold = -2; fold <= 2; ++fold) {
+    const double f = fold / reading_s;
+    const Share here = butterworth(std::abs(hz + f), cutoff_hz, shape, reading_s), there = butterworth(std::abs(f), cutoff_hz, shape, reading_s);
+    sum.value += here.value, sum.by_log_cutoff += here.by_log_cutoff;
+    at_zero.value += there.value, at_zero.by_log_cutoff += there.by_log_cutoff;
+  }
+  const double value = sum.value / at_zero.value;
+  return {value, (sum.by_log_cutoff - value * at_zero.by_log_cutoff) / at_zero.value};
 }
 
 /// (sin(n x) / (n sin x))^2: the mean of n readings.
@@ -37,7 +53,7 @@ double mean_of(std::size_t n, double x) {
   return std::abs(sine) < 1e-12 ? 1 : std::pow(std::sin(nn * x) / (nn * sine), 2);
 }
 
-constexpr std::size_t most_folds = 16;
+constexpr std::size_t most_folds = 6;
 
 }  // namespace
 
@@ -70,19 +86,26 @@ MarkovDensity markov_density(const SpectrumBin& bin, double time_s) {
   return {at(time_s), (at(time_s * (1 + step)) - at(time_s * (1 - step))) / (2 * step)};
 }
 
-Passed passed(const SpectrumBin& bin, double cutoff_hz, int order) {
-  const double hz = bin.middle_hz();
-  const Share red = butterworth(hz, cutoff_hz, order);
+namespace {
+
+Passed passed_at(const SpectrumBin& bin, double hz, double cutoff_hz, const LowPassShape& shape) {
+  const double reading = bin.interval / static_cast<double>(bin.averaged);
+  const Share red = butterworth(hz, cutoff_hz, shape, reading);
   Passed out{red.value, red.by_log_cutoff, red.value, red.by_log_cutoff};
-  if (bin.averaged == 1) return out;
-  const double folding = 1 / bin.interval, reading = bin.interval / static_cast<double>(bin.averaged);
+  if (bin.averaged == 1) {
+    if (shape.digital) return out;
+    const Share white = sampled_white(hz, cutoff_hz, shape, reading);
+    out.white = white.value, out.white_by_log_cutoff = white.by_log_cutoff;
+    return out;
+  }
   double rest = 1;
   out.white = out.white_by_log_cutoff = 0;
   const auto add = [&](double f, double weight) {
-    const Share share = butterworth(f, cutoff_hz, order);
+    const Share share = butterworth(std::min(f, 0.499 / reading), cutoff_hz, shape, reading);
     out.white += weight * share.value, out.white_by_log_cutoff += weight * share.by_log_cutoff;
     rest -= weight;
   };
+  const double folding = 1 / bin.interval;
   add(hz, mean_of(bin.averaged, pi * hz * reading));
   const std::size_t folds = std::min(most_folds, (bin.averaged - 1) / 2);
   for (std::size_t j = 1; j <= folds; ++j)
@@ -90,6 +113,21 @@ Passed passed(const SpectrumBin& bin, double cutoff_hz, int order) {
       add(f, mean_of(bin.averaged, pi * f * reading));
   add((static_cast<double>(folds) + 1) * folding, rest);
   return out;
+}
+
+}  // namespace
+
+Passed passed(const SpectrumBin& bin, double cutoff_hz, const LowPassShape& shape) {
+  const double middle = bin.middle_hz();
+  if (middle < 0.1 * cutoff_hz) return passed_at(bin, middle, cutoff_hz, shape);
+  // Simpson's rule over the bin: a filter of fourth order falls by a factor of 1.5 across one.
+  Passed mean{0, 0, 0, 0};
+  for (const auto& [hz, weight] : {std::pair{bin.low_hz(), 1.0 / 6}, std::pair{middle, 4.0 / 6}, std::pair{bin.high_hz(), 1.0 / 6}}) {
+    const Passed at = passed_at(bin, std::min(hz, 0.4999 * static_cast<double>(bin.averaged) / bin.interval), cutoff_hz, shape);
+    mean.red += weight * at.red, mean.red_by_log_cutoff += weight * at.red_by_log_cutoff;
+    mean.white += weight * at.white, mean.white_by_log_cutoff += weight * at.white_by_log_cutoff;
+  }
+  return mean;
 }
 
 }  // namespace imulab::noise

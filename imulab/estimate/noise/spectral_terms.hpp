@@ -17,12 +17,19 @@ struct MarkovDensity {
 };
 MarkovDensity markov_density(const SpectrumBin& bin, double time_s);
 
-/// A Butterworth filter's share of the power of white noise, and its derivative by the logarithm of the cutoff. Of means over many readings: with the
-/// frequencies that averaging folds in.
+/// A Butterworth filter before the readings are taken; or one that runs at their rate, by the bilinear transform.
+struct LowPassShape {
+  int order = 0;  ///< 0: none
+  bool digital = false;
+  bool operator==(const LowPassShape&) const = default;
+};
+
+/// The share of the power that a filter passes, and its derivative by the logarithm of the cutoff. Of means over many readings: with the frequencies
+/// that averaging folds in; of readings of a filter before them: with those that sampling folds in, one at frequency 0.
 struct Passed {
   double red = 1, red_by_log_cutoff = 0;      ///< at the bin's frequency: of noise that falls with frequency
   double white = 1, white_by_log_cutoff = 0;  ///< of white noise
 };
-Passed passed(const SpectrumBin& bin, double cutoff_hz, int order);
+Passed passed(const SpectrumBin& bin, double cutoff_hz, const LowPassShape& shape);
 
 }  // namespace imulab::noise

@@ -13,8 +13,10 @@ namespace imulab::noise {
 namespace {
 
 using std::numbers::pi;
-constexpr std::size_t longest_transform = 65536, segment = 4096, finest_step = 64;
+constexpr std::size_t longest_transform = 65536, finest_step = 64;
+constexpr std::size_t shortest_piece = 4096, longest_piece = 32768, fewest_pieces = 16;
 constexpr std::size_t single_ordinates = 32;
+constexpr std::size_t widest_bin = 64;  // ordinates: at half the rate a filter may fall steeply
 constexpr double bin_ratio = 1.05;      // of the frequencies of a bin
 constexpr double beside = 2.5;          // ordinates left out about a sinusoid's
 constexpr double fewest_periods = 1.5;  // of a sinusoid in a transform's readings; fewer tell it from a ramp badly
@@ -146,7 +148,8 @@ void add_bins(Spectrum& spectrum, const SpectrumLevel& level, const std::vector<
       ++k;
       continue;
     }
-    const auto widest = std::min(level.end, std::max(k + 1, static_cast<std::size_t>(std::floor(bin_ratio * static_cast<double>(k)))));
+    const auto wide = static_cast<std::size_t>(std::floor(bin_ratio * static_cast<double>(k)));
+    const auto widest = std::min({level.end, std::max(k + 1, wide), k + std::max<std::size_t>(widest_bin, level.power.size() / 64)});
     SpectrumBin bin;
     bin.interval = level.interval;
     bin.averaged = level.averaged;
@@ -182,10 +185,18 @@ void add_record(Spectrum& spectrum, std::span<const double> rate, double interva
   spectrum.levels.push_back(std::move(level));
 }
 
-/// Pieces of `segment` means of p samples, from the frequency on where the level before ended.
+/// What leaks from strong frequencies to weak ones falls with the length of a piece.
+std::size_t piece_of(std::size_t means) {
+  std::size_t length = shortest_piece;
+  while (2 * length <= longest_piece && 2 * length * fewest_pieces <= means) length *= 2;
+  return length;
+}
+
+/// Pieces of means of p samples, from the frequency on where the level before ended.
 void add_segments(Spectrum& spectrum, std::span<const double> rate, double interval_s, std::size_t p, double from_hz,
                   const std::vector<double>& without) {
   const double T = interval_s * static_cast<double>(p);
+  const std::size_t segment = piece_of(rate.size() / p);
   CosineTransform transform(segment);
   const auto first = static_cast<std::size_t>(std::ceil(from_hz * 2 * T * static_cast<double>(segment)));
   SpectrumLevel level{T, p, first, p == 1 ? segment : segment / 4, 0, std::vector<double>(segment)};
