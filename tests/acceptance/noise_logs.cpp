@@ -5,11 +5,13 @@
 #include "imulab/estimate/noise/noise_fit.hpp"
 #include "imulab/model/sensor_noise.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <fmt/core.h>
 #include <tbb/parallel_for.h>
 
 #include "tests/acceptance/acceptance.hpp"
+#include "tests/flicker_log.hpp"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -28,7 +30,7 @@ struct NoiseTruth {
   NoiseModel model{};
   double sigma = 0, time = 0;  ///< of a Markov process; 0: none
   double cutoff = 0;           ///< of a second-order low-pass [Hz]; 0: none
-  bool digital = false;        ///< at the readings' rate; else at 16 times it, every 16th value taken
+  bool digital = false;        ///< at the readings' rate; else analog, before sampling
   double step = 0;             ///< of the readings
   double value(std::size_t j) const { return std::array{model.Q, model.N, model.B, model.K}[j]; }
 };
@@ -68,55 +70,43 @@ class LowPassFilter {
   double b_, a1_, a2_, x1_ = 0, x2_ = 0, y1_ = 0, y2_ = 0;
 };
 
-void low_pass(std::vector<double>& x, double cutoff_hz, double interval_s) {
-  LowPassFilter filter(cutoff_hz, interval_s);
+void low_pass(std::vector<double>& x, double cutoff_hz) {
+  LowPassFilter filter(cutoff_hz, interval);
   for (double& value : x) value = filter(value);
 }
 
-/// The flicker's first-order processes, an octave apart, of equal variance B^2 ln 2 / pi, each sample the mean of one's ends: B^2 / (2 pi f) within 1
-/// %.
-void add_markov(std::vector<double>& x, double sigma, double time, double interval_s, const RandomStream& draws) {
-  const double decay = std::exp(-interval_s / time), driven = sigma * std::sqrt(-std::expm1(-2 * interval_s / time));
-  std::array<double, 512> z;
-  double state = sigma * draws.normal(0);
-  for (std::size_t begin = 0; begin < x.size(); begin += z.size()) {
-    const std::size_t n = std::min(z.size(), x.size() - begin);
-    draws.normals(1 + begin, std::span(z).first(n));
-    for (std::size_t k = 0; k < n; ++k) {
-      const double before = state;
-      state = decay * state + driven * z[k];
-      x[begin + k] += 0.5 * (before + state);
-    }
-  }
-}
-
-/// White noise through a filter at 16 times the rate, every 16th value; with what sampling folds in, its density at low frequency is N^2.
+/// White noise through an analog filter y'' + sqrt(2) w y' + w^2 y = w^2 u, sampled: the exact transition of y and y' / w over an interval. With what
+/// sampling folds in, the density at low frequency is N^2.
 void add_analog(std::vector<double>& x, const NoiseTruth& truth, const RandomStream& draws) {
-  constexpr std::size_t oversampling = 16, chunk = 4096;
-  const double fine = interval / oversampling;
-  LowPassFilter filter(truth.cutoff, fine);
-  double density = 1;
-  for (int fold = 1; fold <= 4; ++fold) density += 2 / (1 + std::pow(fold / interval / truth.cutoff, 4));
-  const double size = truth.model.N / std::sqrt(fine * density);
-  std::vector<double> z(chunk * oversampling);
-  for (std::size_t begin = 0; begin < x.size(); begin += chunk) {
-    draws.normals(begin * oversampling, z);
-    for (std::size_t k = 0; k < z.size(); ++k)
-      if (const double y = filter(z[k]); k % oversampling == 0 && begin + k / oversampling < x.size()) x[begin + k / oversampling] += size * y;
+  const double w = 2 * std::numbers::pi * truth.cutoff, a = w * interval / std::numbers::sqrt2, e = std::exp(-a), c = e * std::cos(a),
+               s = e * std::sin(a);
+  Eigen::Matrix2d transition;
+  transition << c + s, std::numbers::sqrt2 * s, -std::numbers::sqrt2 * s, c - s;
+  double folded = 1;
+  for (int fold = 1; fold <= 100; ++fold) folded += 2 / (1 + std::pow(fold / interval / truth.cutoff, 4));
+  const double variance = truth.model.N * truth.model.N / folded * w / (2 * std::numbers::sqrt2);  // of y, and of y' / w
+  const Eigen::Matrix2d driven = variance * (Eigen::Matrix2d::Identity() - transition * transition.transpose());
+  const Eigen::Matrix2d root = driven.llt().matrixL();
+  Eigen::Vector2d state = std::sqrt(variance) * Eigen::Vector2d(draws.normal(0), draws.normal(1));
+  std::array<double, 1024> z{};
+  for (std::size_t begin = 0; begin < x.size(); begin += z.size() / 2) {
+    draws.normals(2 + 2 * begin, z);
+    for (std::size_t k = 0; k < z.size() / 2 && begin + k < x.size(); ++k) {
+      state = transition * state + root * Eigen::Vector2d(z[2 * k], z[2 * k + 1]);
+      x[begin + k] += state[0];
+    }
   }
 }
 
 std::vector<double> noise_log(const NoiseTruth& truth, std::uint64_t seed) {
   std::vector<double> x(samples);
-  NoiseModel passes = truth.model;
   const bool analog = truth.cutoff > 0 && !truth.digital;
-  passes.Q = 0;
-  if (analog) passes.N = 0;
-  const AxisNoise noise(passes, interval, seed, "noise of a log");
-  noise.add_slow(x);
-  noise.add_fast(0, x);
-  if (truth.sigma > 0) add_markov(x, truth.sigma, truth.time, interval, RandomStream(seed, "process of a log"));
-  if (truth.cutoff > 0) low_pass(x, truth.cutoff, interval);
+  add_flicker(x, truth.model.B, interval, seed);
+  if (truth.sigma > 0) add_process(x, truth.sigma, truth.time, interval, RandomStream(seed, "process of a log"));
+  const AxisNoise rest({.N = analog ? 0 : truth.model.N, .K = truth.model.K}, interval, seed, "noise of a log");
+  rest.add_slow(x);
+  rest.add_fast(0, x);
+  if (truth.cutoff > 0) low_pass(x, truth.cutoff);
   if (analog) add_analog(x, truth, RandomStream(seed, "white noise of a log"));
   AxisNoise({.Q = truth.model.Q}, interval, seed, "quantization of a log").add_fast(0, x);
   if (truth.step > 0)

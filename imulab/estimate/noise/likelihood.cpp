@@ -34,6 +34,7 @@ Problem::Problem(const Spectrum& spectrum, double highest_hz, double resolution,
     rounding_ = resolution * resolution / 12 * bin.interval / static_cast<double>(bin.averaged);
   }
   if (size > 0) Q_scale_ = (power_ / unit_.col(Terms::Q)).minCoeff();
+  filter_ = FilterShares(bins_, terms.low_pass);
   shortest_interval_ = shortest;
   longest_time_ = spectrum.record_s / fewest_times;
 }
@@ -41,20 +42,22 @@ Problem::Problem(const Spectrum& spectrum, double highest_hz, double resolution,
 Problem Problem::with(Terms terms) const {
   Problem other = *this;
   other.terms_ = terms;
+  if (terms.low_pass != terms_.low_pass) other.filter_ = FilterShares(bins_, terms.low_pass);
   return other;
 }
 
 ArrayXd Problem::density(const Parameters& at) const {
   ArrayXd S = unit_.rightCols<3>().matrix() * at.segment(Terms::N, 3).exp().matrix();
-  const bool filtered = terms_.low_pass.order > 0;
-  const double white = std::exp(at[Terms::N]), cutoff = filtered ? std::exp(at[terms_.cutoff()]) : 0;
-  for (Index i = 0; i < S.size(); ++i) {
-    const SpectrumBin& bin = bins_[static_cast<std::size_t>(i)];
-    for (int m = 0; m < terms_.markov; ++m)
-      if (at[Terms::sigma(m)] != absent) S[i] += std::exp(at[Terms::sigma(m)]) * markov_density(bin, std::exp(at[Terms::time(m)])).value;
-    if (!filtered) continue;
-    const Passed share = passed(bin, cutoff, terms_.low_pass);
-    S[i] = (S[i] - white) * share.red + white * share.white;
+  const double white = std::exp(at[Terms::N]);
+  for (int m = 0; m < terms_.markov; ++m)
+    if (const double power = std::exp(at[Terms::sigma(m)]); power > 0)
+      for (Index i = 0; i < S.size(); ++i) S[i] += power * markov_density(bins_[static_cast<std::size_t>(i)], std::exp(at[Terms::time(m)])).value;
+  if (terms_.low_pass.order > 0) {
+    const FilterShares::Shares shares = filter_.at(std::exp(at[terms_.cutoff()]));
+    for (std::size_t i = 0; i < bins_.size(); ++i) {
+      double& density = S[static_cast<Index>(i)];
+      density = (density - white) * shares.red[i].share + white * shares.white[i].share;
+    }
   }
   return S + at[Terms::Q] * Q_scale_ * unit_.col(Terms::Q) + rounding_;
 }
@@ -62,23 +65,24 @@ ArrayXd Problem::density(const Parameters& at) const {
 MatrixXd Problem::sensitivity(const Parameters& at, const ArrayXd& density) const {
   MatrixXd D(density.size(), terms_.count());
   const double white = std::exp(at[Terms::N]), flicker = std::exp(at[Terms::B]), walk = std::exp(at[Terms::K]);
+  const bool filtered = terms_.low_pass.order > 0;
+  const FilterShares::Shares shares = filtered ? filter_.at(std::exp(at[terms_.cutoff()])) : FilterShares::Shares{};
   for (Index i = 0; i < density.size(); ++i) {
-    const SpectrumBin& bin = bins_[static_cast<std::size_t>(i)];
-    Passed share;
-    if (terms_.low_pass.order > 0) share = passed(bin, std::exp(at[terms_.cutoff()]), terms_.low_pass);
+    const auto k = static_cast<std::size_t>(i);
+    const Passed of_red = filtered ? shares.red[k] : Passed{}, of_white = filtered ? shares.white[k] : Passed{};
     double red = flicker * unit_(i, Terms::B) + walk * unit_(i, Terms::K);
     D(i, Terms::Q) = Q_scale_ * unit_(i, Terms::Q);
-    D(i, Terms::N) = white * share.white;
-    D(i, Terms::B) = flicker * unit_(i, Terms::B) * share.red;
-    D(i, Terms::K) = walk * unit_(i, Terms::K) * share.red;
+    D(i, Terms::N) = white * of_white.share;
+    D(i, Terms::B) = flicker * unit_(i, Terms::B) * of_red.share;
+    D(i, Terms::K) = walk * unit_(i, Terms::K) * of_red.share;
     for (int m = 0; m < terms_.markov; ++m) {
       const double power = std::exp(at[Terms::sigma(m)]);
-      const MarkovDensity process = markov_density(bin, std::exp(at[Terms::time(m)]));
-      D(i, Terms::sigma(m)) = power * process.value * share.red;
-      D(i, Terms::time(m)) = power * process.by_log_time * share.red;
+      const MarkovDensity process = markov_density(bins_[k], std::exp(at[Terms::time(m)]));
+      D(i, Terms::sigma(m)) = power * process.value * of_red.share;
+      D(i, Terms::time(m)) = power * process.by_log_time * of_red.share;
       red += power * process.value;
     }
-    if (terms_.low_pass.order > 0) D(i, terms_.cutoff()) = white * share.white_by_log_cutoff + red * share.red_by_log_cutoff;
+    if (filtered) D(i, terms_.cutoff()) = white * of_white.by_log_cutoff + red * of_red.by_log_cutoff;
   }
   D.array().colwise() /= density;
   return D;
@@ -171,8 +175,9 @@ Point Problem::fitted(Point point, const Fixed& fixed, double precision, int ite
     if (!better) return point;
     const double gain = point.misfit - next.misfit;
     point = next;
+    const bool full_step = damping < 1e-1;  // a damped one gains little wherever it is
     damping = std::max(1e-9, damping * 1e-2);
-    if (gain < precision) return point;
+    if (gain < precision && full_step) return point;
   }
   return point;
 }

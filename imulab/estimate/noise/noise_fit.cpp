@@ -4,6 +4,7 @@
 #include "imulab/core/statistics.hpp"
 #include "imulab/estimate/noise/lines.hpp"
 #include "imulab/estimate/noise/noise_interval.hpp"
+#include "imulab/estimate/noise/noise_terms.hpp"
 
 #include <fmt/core.h>
 
@@ -41,20 +42,23 @@ double resolution_of(std::span<const double> rate) {
   return static_cast<double>(whole) >= enough * static_cast<double>(gaps.size()) ? step : 0;
 }
 
-NoiseFit fit_noise(std::span<const double> rate, double interval_s) {
+NoiseFit fit_noise(std::span<const double> rate, double interval_s) { return fit_noise(rate, interval_s, resolution_of(rate)); }
+
+NoiseFit fit_noise(std::span<const double> rate, double interval_s, double step) {
   check(rate, interval_s);
   NoiseFit fit;
-  fit.resolution = resolution_of(rate);
-  noise::WithoutLines found = noise::without_lines(rate, interval_s, fit.resolution);
-  const noise::Problem& problem = found.model.problem;
-  const noise::Point& best = found.model.best;
+  fit.resolution = step;
   const double half_rate = 0.5 / interval_s;
+  noise::WithoutLines found = noise::without_lines(rate, interval_s);
+  const noise::ChosenModel model = noise::choose_terms(found.spectrum, half_rate, fit.resolution);
+  const noise::Problem& problem = model.problem;
+  const noise::Point& best = model.best;
   fit.lines = std::move(found.lines);
-  fit.chi2_per_dof = found.model.agreement.chi2_per_dof;
-  fit.misfits = found.model.agreement.misfits;
+  fit.chi2_per_dof = model.agreement.chi2_per_dof;
+  fit.misfits = model.agreement.misfits;
   fit.accepted = fit.misfits.empty();
-  fit.cut = found.model.highest_hz < half_rate;
-  fit.highest_hz = std::min(found.model.highest_hz, half_rate);
+  fit.cut = model.highest_hz < half_rate;
+  fit.highest_hz = std::min(model.highest_hz, half_rate);
   const double widening = fit.accepted ? 1 : std::max(1.0, fit.chi2_per_dof);
   NoiseCoefficient* const sizes[] = {&fit.Q, &fit.N, &fit.B, &fit.K};
   for (int j = 0; j < 4; ++j) *sizes[j] = noise::size_of(problem, best, j, widening);
@@ -63,6 +67,9 @@ NoiseFit fit_noise(std::span<const double> rate, double interval_s) {
   std::sort(fit.markov.begin(), fit.markov.end(), [](const MarkovTerm& a, const MarkovTerm& b) { return a.time.value > b.time.value; });
   if (const noise::LowPassShape& shape = problem.terms().low_pass; shape.order > 0)
     fit.low_pass = LowPass{shape.order, shape.digital, noise::scale_of(problem, best, problem.terms().cutoff(), widening)};
+  const Eigen::ArrayXd density = problem.density(best.at), power = problem.power(best.ramp);
+  for (Eigen::Index i = 0; i < density.size(); ++i)
+    fit.spectrum.push_back({problem.bins()[static_cast<std::size_t>(i)].middle_hz(), power[i], density[i], problem.counts()[i]});
   fit.R = noise::ramp_of(problem, best, found.spectrum.slope, widening);
   return fit;
 }

@@ -14,7 +14,9 @@ namespace {
 constexpr int most_halvings = 24;                                               // of an interval that holds a bound
 constexpr double precision = 0.01;                                              // of a bound, as a part of its distance from the value
 constexpr double two_sided = 3.841458820694124, one_sided = 2.705543454095404;  // chi-square of one degree: 95 % and 90 %
-constexpr double widest = 60;                                                   // of an interval, in the logarithm of a square
+constexpr double profile_precision = 1e-3;                                      // of the 3.84 that the misfit rises
+constexpr double farthest = 0.5;  // that another logarithm is expected to follow: one that hardly matters would run away
+constexpr double widest = 60;     // of an interval, in the logarithm of a square
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// A parameter as the logarithm of a square, also Q's.
@@ -27,17 +29,46 @@ void set_log_square(const Problem& problem, Point& point, int parameter, double 
   point.at[parameter] = parameter == Terms::Q ? std::exp(log) / problem.Q_scale() : log;
 }
 
+/// How the other parameters follow one near the maximum, per unit of it, and its own standard deviation: from the information matrix.
+struct Following {
+  Parameters slope;
+  double sigma = 0;
+};
+
+Following following(const Problem& problem, const Point& best, int parameter) {
+  const Eigen::ArrayXd S = problem.density(best.at);
+  const Eigen::MatrixXd D = problem.sensitivity(best.at, S);
+  Eigen::MatrixXd information = 0.5 * (D.transpose() * problem.counts().matrix().asDiagonal() * D);
+  information.diagonal().array() += 1e-9;  // of a term that is absent: nothing
+  const Eigen::VectorXd column = information.ldlt().solve(Eigen::VectorXd::Unit(information.rows(), parameter));
+  return {(column / column[parameter]).array(), std::sqrt(column[parameter])};
+}
+
 /// From a parameter outward by `direction` until the misfit has risen by `rise`; NaN where it does not within e^60.
 double crossing(const Problem& problem, const Point& best, int parameter, double from, double direction, double rise) {
-  Point at = best;  // each fit starts where the one before ended
+  const Following others = following(problem, best, parameter);
+  Point last = best;
   const auto risen = [&](double log) {
-    set_log_square(problem, at, parameter, log);
-    const Point found = problem.fitted(at, {parameter, {}});
+    // From where the others are expected; if the model does not admit that, from where the fit before ended.
+    Point start = last;
+    set_log_square(problem, start, parameter, log);
+    const Parameters step = others.slope * (start.at[parameter] - last.at[parameter]);
+    start.at += step.max(-farthest).min(farthest);
+    start = problem.revived(start);
+    set_log_square(problem, start, parameter, log);
+    Point found = problem.fitted(start, {parameter, {}}, profile_precision);
+    if (!std::isfinite(found.misfit)) {
+      start.at = last.at;
+      set_log_square(problem, start, parameter, log);
+      found = problem.fitted(start, {parameter, {}}, profile_precision);
+    }
     if (!std::isfinite(found.misfit)) return 1.0;  // beyond what the model admits
-    at = found;
-    return at.misfit - best.misfit - rise;
+    last = found;
+    return last.misfit - best.misfit - rise;
   };
-  double inside = from, step = 0.1, outside = inside + direction * step;
+  // Of Q the parameter is the square itself, relative to which its logarithm changes.
+  const double sigma = parameter == Terms::Q ? others.sigma / std::max(best.at[parameter], others.sigma) : others.sigma;
+  double inside = from, step = std::clamp(sigma, 1e-6, 1.0), outside = inside + direction * step;
   while (risen(outside) < 0) {
     inside = outside;
     outside = inside + direction * (step *= 2);
@@ -63,7 +94,7 @@ double degrees_below_ramp(const Problem& problem, const Point& best) {
 }  // namespace
 
 NoiseCoefficient size_of(const Problem& problem, const Point& best, int parameter, double widening) {
-  Point without = best;
+  Point without = problem.revived(best);
   without.at[parameter] = parameter == Terms::Q ? 0 : absent;
   NoiseCoefficient c;
   double from = log_square(problem, best, parameter);
@@ -98,7 +129,7 @@ NoiseCoefficient scale_of(const Problem& problem, const Point& best, int paramet
 NoiseCoefficient ramp_of(const Problem& problem, const Point& best, double slope, double widening) {
   const double degrees = degrees_below_ramp(problem, best), quantile = student_quantile(0.975, degrees);
   const double rise = (degrees + 1) * std::log1p(quantile * quantile / degrees) * widening;
-  const Point base = problem.fitted(best, {-1, best.ramp});
+  const Point base = problem.fitted(problem.revived(best), {-1, best.ramp});
   const auto risen = [&](double ramp) { return problem.fitted(base, {-1, ramp}).misfit - base.misfit - rise; };
   const double sigma = 1 / std::sqrt(problem.ramp_information(problem.density(best.at)).sum());
   const auto edge = [&](double direction) {

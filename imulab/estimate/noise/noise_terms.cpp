@@ -57,8 +57,20 @@ std::optional<Model> best_of(const Problem& problem, const std::vector<Point>& s
     if (const Point p = problem.fitted(start, {}, coarse_precision, coarse_iterations); std::isfinite(p.misfit) && (!best || p.misfit < best->misfit))
       best = p;
   if (!best) return {};
-  *best = problem.fitted(*best);
+  *best = problem.fitted(problem.revived(*best));
   return Model{problem, *best, misfit_of(problem, *best)};
+}
+
+/// White noise through a filter looks like a process that is all there is at the highest frequencies.
+bool stands_for_a_filter(const Model& model) {
+  const Terms& terms = model.problem.terms();
+  const Eigen::ArrayXd density = model.problem.density(model.best.at);
+  const SpectrumBin& highest = model.problem.bins().back();
+  for (int m = 0; m < terms.markov; ++m)
+    if (std::exp(model.best.at[Terms::sigma(m)]) * markov_density(highest, std::exp(model.best.at[Terms::time(m)])).value >
+        0.5 * density[density.size() - 1])
+      return true;
+  return false;
 }
 
 /// Another process, tried at correlation times a factor of 3 apart with a third of the power about its corner.
@@ -76,7 +88,9 @@ std::optional<Model> with_process(const Model& model, double shortest_s, double 
     start.at[Terms::sigma(place)] = std::log(density_near(problem, density, corner) / (3 * time));  // its density there is sigma^2 time
     starts.push_back(start);
   }
-  return best_of(problem, starts);
+  std::optional<Model> found = best_of(problem, starts);
+  if (found && (stands_for_a_filter(*found) || model.best.misfit - found->best.misfit < least_gain)) return {};
+  return found;
 }
 
 std::optional<Model> with_low_pass(const Model& model, const LowPassShape& shape, double highest_hz) {
@@ -97,8 +111,8 @@ std::optional<Model> with_low_pass(const Model& model, const LowPassShape& shape
   return best_of(problem, starts);
 }
 
-Model choose(const Problem& simple, double shortest_s, double record_s, double highest_hz) {
-  Point best = simple.fitted(simple.start());
+Model choose(const Problem& simple, double shortest_s, double record_s, double highest_hz, bool filters) {
+  const Point best = simple.fitted(simple.revived(simple.fitted(simple.start())));
   Model model{simple, best, misfit_of(simple, best)};
   for (;;) {
     std::optional<Model> chosen;
@@ -110,7 +124,7 @@ Model choose(const Problem& simple, double shortest_s, double record_s, double h
     };
     const Terms& terms = model.problem.terms();
     for (const LowPassShape& shape : low_passes)
-      if (shape != terms.low_pass) offer(with_low_pass(model, shape, highest_hz), terms.low_pass.order > 0 ? 1 : least_gain);
+      if (filters && shape != terms.low_pass) offer(with_low_pass(model, shape, highest_hz), terms.low_pass.order > 0 ? 1 : least_gain);
     if (terms.markov < most_processes) offer(with_process(model, shortest_s, record_s), least_gain + 2);
     if (!chosen) return model;
     model = std::move(*chosen);
@@ -150,24 +164,16 @@ ChosenModel choose_terms(const Spectrum& spectrum, double half_rate_hz, double r
   for (double highest = 2 * half_rate_hz; highest > half_rate_hz / 32; highest = std::min(highest, half_rate_hz) * 0.8) {
     const Problem simple(spectrum, highest, resolution, {});
     if (simple.bins().size() < fewest_bins) break;
-    Model model = choose(simple, shortest, spectrum.record_s, std::min(highest, half_rate_hz));
+    Model model = choose(simple, shortest, spectrum.record_s, std::min(highest, half_rate_hz), highest > half_rate_hz);
     Agreement found = agreement(model.problem, model.best);
-    const bool holds = found.misfits.empty();
+    // A quantization that is negative beyond chance (three sigma) stands for a filter.
+    const bool holds = found.misfits.empty() && model.misfit - model.best.misfit < 9;
     if (!chosen || holds || found.chi2_per_dof < chosen->agreement.chi2_per_dof)
       chosen = ChosenModel{std::move(model.problem), model.best, highest, std::move(found)};
     if (holds) break;
   }
   if (!chosen) throw Unsupported("too few frequencies are left to see noise; expected a longer record");
   return *chosen;
-}
-
-ChosenModel fitted_again(const ChosenModel& chosen, const Spectrum& spectrum, double resolution) {
-  ChosenModel out{Problem(spectrum, chosen.highest_hz, resolution, chosen.problem.terms()), {}, chosen.highest_hz, {}};
-  Point from = chosen.best;
-  from.at[Terms::Q] *= chosen.problem.Q_scale() / out.problem.Q_scale();
-  out.best = out.problem.fitted(from);
-  out.agreement = agreement(out.problem, out.best);
-  return out;
 }
 
 }  // namespace imulab::noise

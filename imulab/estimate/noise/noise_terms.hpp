@@ -24,7 +24,4 @@ struct ChosenModel {
 /// end is left out, at most down to a 32nd. Throws Unsupported where too little of the spectrum is left.
 ChosenModel choose_terms(const Spectrum& spectrum, double half_rate_hz, double resolution);
 
-/// The same terms for another spectrum of the record.
-ChosenModel fitted_again(const ChosenModel& chosen, const Spectrum& spectrum, double resolution);
-
 }  // namespace imulab::noise

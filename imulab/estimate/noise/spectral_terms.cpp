@@ -19,41 +19,13 @@ double mirrored_flicker(std::size_t k) {
   return k < first.size() ? first[k] : 1 - 2 / (pi * pi * static_cast<double>(k));
 }
 
-struct Share {
-  double value, by_log_cutoff;
-};
-
-/// |H|^2 = 1 / (1 + (f / cutoff)^2n), and bilinear: of the tangents of half the angles.
-Share butterworth(double hz, double cutoff_hz, const LowPassShape& shape, double reading_s) {
-  const double x = shape.digital ? std::tan(pi * hz * reading_s) / std::tan(pi * cutoff_hz * reading_s) : hz / cutoff_hz;
-  // d ln x / d ln cutoff, less its sign
-  const double falls = shape.digital ? 2 * pi * cutoff_hz * reading_s / std::sin(2 * pi * cutoff_hz * reading_s) : 1;
-  double power = 1;
-  for (int i = 0; i < shape.order; ++i) power *= x * x;
-  const double share = 1 / (1 + power);
-  return {share, 2 * shape.order * power * share * share * falls};
-}
-
-/// White noise that passed an analog filter, in readings: sampling folds what lies above half their rate.
-Share sampled_white(double hz, double cutoff_hz, const LowPassShape& shape, double reading_s) {
-  Share sum{0, 0}, at_zero{0, 0};
-  for (int fold = -2; fold <= 2; ++fold) {
-    const double f = fold / reading_s;
-    const Share here = butterworth(std::abs(hz + f), cutoff_hz, shape, reading_s), there = butterworth(std::abs(f), cutoff_hz, shape, reading_s);
-    sum.value += here.value, sum.by_log_cutoff += here.by_log_cutoff;
-    at_zero.value += there.value, at_zero.by_log_cutoff += there.by_log_cutoff;
-  }
-  const double value = sum.value / at_zero.value;
-  return {value, (sum.by_log_cutoff - value * at_zero.by_log_cutoff) / at_zero.value};
-}
-
 /// (sin(n x) / (n sin x))^2: the mean of n readings.
 double mean_of(std::size_t n, double x) {
   const double nn = static_cast<double>(n), sine = std::sin(x);
   return std::abs(sine) < 1e-12 ? 1 : std::pow(std::sin(nn * x) / (nn * sine), 2);
 }
 
-constexpr std::size_t most_folds = 6;
+constexpr std::size_t most_folds = 6;  // that averaging makes
 
 }  // namespace
 
@@ -86,48 +58,82 @@ MarkovDensity markov_density(const SpectrumBin& bin, double time_s) {
   return {at(time_s), (at(time_s * (1 + step)) - at(time_s * (1 - step))) / (2 * step)};
 }
 
-namespace {
+// A digital filter's slope goes with the tangent of half the angle (bilinear transform).
+double FilterShares::place(double hz) const { return shape_.digital ? std::tan(pi * std::min(hz * reading_s_, 0.4999)) : hz; }
 
-Passed passed_at(const SpectrumBin& bin, double hz, double cutoff_hz, const LowPassShape& shape) {
-  const double reading = bin.interval / static_cast<double>(bin.averaged);
-  const Share red = butterworth(hz, cutoff_hz, shape, reading);
-  Passed out{red.value, red.by_log_cutoff, red.value, red.by_log_cutoff};
-  if (bin.averaged == 1) {
-    if (shape.digital) return out;
-    const Share white = sampled_white(hz, cutoff_hz, shape, reading);
-    out.white = white.value, out.white_by_log_cutoff = white.by_log_cutoff;
-    return out;
-  }
-  double rest = 1;
-  out.white = out.white_by_log_cutoff = 0;
-  const auto add = [&](double f, double weight) {
-    const Share share = butterworth(std::min(f, 0.499 / reading), cutoff_hz, shape, reading);
-    out.white += weight * share.value, out.white_by_log_cutoff += weight * share.by_log_cutoff;
-    rest -= weight;
-  };
-  const double folding = 1 / bin.interval;
-  add(hz, mean_of(bin.averaged, pi * hz * reading));
-  const std::size_t folds = std::min(most_folds, (bin.averaged - 1) / 2);
-  for (std::size_t j = 1; j <= folds; ++j)
-    for (const double f : {static_cast<double>(j) * folding - hz, static_cast<double>(j) * folding + hz})
-      add(f, mean_of(bin.averaged, pi * f * reading));
-  add((static_cast<double>(folds) + 1) * folding, rest);
+/// Where white noise at a frequency of the readings comes from: sampling folds what an analog filter leaves above half their rate.
+std::vector<FilterShares::Node> FilterShares::sampled(double hz, double weight) const {
+  if (shape_.digital) return {{place(hz), weight}};
+  std::vector<Node> out;
+  for (int fold = -2; fold <= 2; ++fold) out.push_back({std::abs(hz + fold / reading_s_), weight});
   return out;
 }
 
-}  // namespace
+FilterShares::FilterShares(const std::vector<SpectrumBin>& bins, const LowPassShape& shape) : shape_(shape) {
+  if (bins.empty() || shape.order == 0) return;
+  reading_s_ = bins.front().interval / static_cast<double>(bins.front().averaged);
+  for (const SpectrumBin& bin : bins) add_bin(bin);
+  zero_ = sampled(0, 1);
+}
 
-Passed passed(const SpectrumBin& bin, double cutoff_hz, const LowPassShape& shape) {
-  const double middle = bin.middle_hz();
-  if (middle < 0.1 * cutoff_hz) return passed_at(bin, middle, cutoff_hz, shape);
+void FilterShares::add_bin(const SpectrumBin& bin) {
+  double rest = 1;
   // Simpson's rule over the bin: a filter of fourth order falls by a factor of 1.5 across one.
-  Passed mean{0, 0, 0, 0};
-  for (const auto& [hz, weight] : {std::pair{bin.low_hz(), 1.0 / 6}, std::pair{middle, 4.0 / 6}, std::pair{bin.high_hz(), 1.0 / 6}}) {
-    const Passed at = passed_at(bin, std::min(hz, 0.4999 * static_cast<double>(bin.averaged) / bin.interval), cutoff_hz, shape);
-    mean.red += weight * at.red, mean.red_by_log_cutoff += weight * at.red_by_log_cutoff;
-    mean.white += weight * at.white, mean.white_by_log_cutoff += weight * at.white_by_log_cutoff;
+  for (const auto& [hz, weight] : {std::pair{bin.low_hz(), 1.0 / 6}, std::pair{bin.middle_hz(), 4.0 / 6}, std::pair{bin.high_hz(), 1.0 / 6}}) {
+    red_.nodes.push_back({place(hz), weight});
+    if (bin.averaged == 1) {
+      for (const Node& node : sampled(hz, weight)) white_.nodes.push_back(node);
+      continue;
+    }
+    const double of_mean = weight * mean_of(bin.averaged, pi * hz * reading_s_);
+    white_.nodes.push_back({place(hz), of_mean});
+    rest -= of_mean;
   }
-  return mean;
+  if (bin.averaged > 1) {
+    const double folding = 1 / bin.interval;
+    const std::size_t folds = std::min(most_folds, (bin.averaged - 1) / 2);
+    for (std::size_t j = 1; j <= folds; ++j)
+      for (const double side : {-1.0, 1.0}) {
+        const double f = static_cast<double>(j) * folding + side * bin.middle_hz(), of_mean = mean_of(bin.averaged, pi * f * reading_s_);
+        white_.nodes.push_back({place(f), of_mean});
+        rest -= of_mean;
+      }
+    white_.nodes.push_back({place((static_cast<double>(folds) + 1) * folding), rest});
+  }
+  red_.begin.push_back(red_.nodes.size());
+  white_.begin.push_back(white_.nodes.size());
+}
+
+/// Of nodes with 1 / (1 + (x / cutoff)^2n); `steepness`: how the cutoff's place goes with the logarithm of the cutoff.
+Passed FilterShares::passed(const Node* first, const Node* last, double cutoff, double steepness) const {
+  Passed out{0, 0};
+  for (; first != last; ++first) {
+    const double ratio = first->x / cutoff, square = ratio * ratio;
+    double power = square;
+    for (int i = 1; i < shape_.order; ++i) power *= square;
+    const double share = 1 / (1 + power);
+    out.share += first->weight * share;
+    out.by_log_cutoff += first->weight * 2 * shape_.order * power * share * share * steepness;
+  }
+  return out;
+}
+
+FilterShares::Shares FilterShares::at(double cutoff_hz) const {
+  const double angle = 2 * pi * cutoff_hz * reading_s_, cutoff = place(cutoff_hz), steepness = shape_.digital ? angle / std::sin(angle) : 1;
+  Shares out;
+  const std::size_t bins = red_.begin.size() - 1;
+  out.red.reserve(bins), out.white.reserve(bins);
+  const Passed zero = passed(zero_.data(), zero_.data() + zero_.size(), cutoff, steepness);
+  for (std::size_t i = 0; i < bins; ++i) {
+    out.red.push_back(passed(&red_.nodes[red_.begin[i]], red_.nodes.data() + red_.begin[i + 1], cutoff, steepness));
+    Passed white = passed(&white_.nodes[white_.begin[i]], white_.nodes.data() + white_.begin[i + 1], cutoff, steepness);
+    if (white_.begin[i + 1] - white_.begin[i] == 3 * zero_.size() && !shape_.digital) {
+      white.share /= zero.share;
+      white.by_log_cutoff = (white.by_log_cutoff - white.share * zero.by_log_cutoff) / zero.share;
+    }
+    out.white.push_back(white);
+  }
+  return out;
 }
 
 }  // namespace imulab::noise
