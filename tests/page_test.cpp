@@ -108,15 +108,21 @@ void make_results(const TemporaryFolder& folder) {
                "format = \"imulab.mission/1\"\nrate_hz = 5\n[start]\nlatitude_deg = 47\nlongitude_deg = 8\nheight_m = 400\n"
                "[[segment]]\nkind = \"accelerate\"\nto_mps = 200\nduration_s = 120\n[[segment]]\nkind = \"turn\"\nangle_deg = 60\nrate_dps = 1\n"
                "[errors]\ngrade = \"navigation\"\nvertical = \"fixed\"\n");
+  folder.write(
+      "still.toml",
+      "format = \"imulab.session/1\"\n[imu]\nname = \"still\"\ngrade = \"mems\"\nnoise = \"full\"\n[site]\nlatitude_deg = 47.0\nheight_m = 0.0\n"
+      "[rig]\nkind = \"none\"\n[[step]]\nkind = \"hold\"\nduration_s = 120\n");
   folder.write("truth.csv",
                "t,latitude_deg,longitude_deg,height_m,ve,vn,vu,roll_deg,pitch_deg,heading_deg\n0,45,0,0,0,0,0,0,0,0\n1000,45,0,0,0,0,0,0,0,0\n");
   for (const std::string command :
        {"procedure hand-held --poses 24 -o hand.toml", "simulate hand.toml -o hand",
-        "calibrate hand --method handheld -o hand.json --report calibration.html", "inspect hand/recording.csv --report inspection.html", "procedure six-position -o six.toml", "simulate six.toml -o six",
-        "calibrate six --method turntable -o six.json --report turntable.html", "compare hand.json hand/truth.json --report comparison.html",
-        "predict six.toml --runs 200 --report prediction.html", "compensate hand.json hand -o out.csv --report compensation.html",
+        "calibrate hand --method handheld -o hand.json --report calibration.html", "inspect hand/recording.csv --report inspection.html",
+        "procedure six-position -o six.toml", "simulate six.toml -o six", "calibrate six --method turntable -o six.json --report turntable.html",
+        "compare hand.json hand/truth.json --report comparison.html", "predict six.toml --runs 200 --report prediction.html",
+        "compensate hand.json hand -o out.csv --report compensation.html",
         "navigate six.json six --vertical fixed --truth truth.csv --report navigation.html", "budget mission.toml --runs 20 --report budget.html",
-        "plan --require 'gyro.matrix.diagonal <= 20 ppm' --axes 2 --report plan.html"}) {
+        "plan --require 'gyro.matrix.diagonal <= 20 ppm' --axes 2 --report plan.html", "simulate still.toml -o still",
+        "noise still --report noise.html"}) {
     const CommandResult result = run_imulab(folder, command);
     EXPECT_EQ(result.exit_code, 0) << command << "\n" << result.errors;
   }
@@ -144,8 +150,8 @@ TEST(Page, EveryPageDrawsAndAsksNobodyAndNoTextRuns) {
   const TemporaryFolder folder;
   make_results(folder);
   make_hostile_page(folder);
-  const std::vector<std::string> pages{"calibration", "turntable", "comparison", "prediction", "compensation",
-                                       "navigation",  "budget",    "plan",       "inspection", "hostile"};
+  const std::vector<std::string> pages{"calibration", "turntable", "comparison", "prediction", "compensation", "navigation",
+                                       "budget",      "plan",      "inspection", "noise",      "hostile"};
   const Browsed browsed = browse(folder, pages);
   ASSERT_EQ(browsed.console.size(), 1u) << testing::PrintToString(browsed.console);
   EXPECT_THAT(browsed.console[0], HasSubstr("the probe speaks"));

@@ -40,7 +40,7 @@ namespace {
 
 struct Options {
   std::string mission, folder, report;
-  std::optional<std::string> grade, system, calibration;
+  std::optional<std::string> grade, system, calibration, noise;
   std::uint64_t runs = 200, seed = 1;
   double every = 10;
   bool catalogue = false, json = false, allow_undetermined = false, verbose = false;
@@ -57,7 +57,7 @@ void warn_of_large_angles(const ErrorBudget& b) {
 }
 
 /// The mission's errors, or those that the command line names in their place.
-ErrorSpecification specification_of(const Options& o, const MissionFile& file) {
+ErrorSpecification named_specification(const Options& o, const MissionFile& file) {
   if (!o.grade && !o.system && !o.calibration) {
     if (!file.errors) throw Error(o.mission + ": no errors; expected [errors], or --grade, --system or --calibration");
     return *file.errors;
@@ -70,6 +70,15 @@ ErrorSpecification specification_of(const Options& o, const MissionFile& file) {
   if (o.calibration && file.errors)  // a calibration contains neither the noise nor the turn-on bias
     for (auto [to, from] : {std::pair{&s.gyro, &file.errors->gyro}, {&s.accel, &file.errors->accel}})
       to->N = from->N, to->B = from->B, to->K = from->K, to->Q = from->Q, to->R = from->R, to->turn_on = from->turn_on;
+  return s;
+}
+
+/// An analysis replaces the noise terms, whatever else is named.
+ErrorSpecification specification_of(const Options& o, const MissionFile& file) {
+  ErrorSpecification s = named_specification(o, file);
+  if (!o.noise) return s;
+  s.noise = std::filesystem::absolute(*o.noise).string();
+  for (TriadErrors* const triad : {&s.gyro, &s.accel}) triad->N = triad->B = triad->K = triad->Q = std::nullopt, triad->R = std::nullopt;
   return s;
 }
 
@@ -124,6 +133,7 @@ void add_budget(Verb app) {
   Option system = verb.option("--system NAME", o->system, "sensors of this airliner system, in place of the mission's");
   Option calibration = verb.option("--calibration FILE", o->calibration,
                                    "the errors that this calibration leaves, in place of the mission's; the noise is still the mission's own");
+  verb.option("--noise FILE", o->noise, "noise.json of a log at rest: its terms in place of the mission's or grade's");
   grade.excludes(system).excludes(calibration);
   system.excludes(calibration);
   verb.option("--runs", o->runs, "number of Monte Carlo runs; 0 for none").show_default().in_range(0., 1e7);

@@ -134,5 +134,103 @@ TEST(NoiseCommand, RefusesWhatShowsNoNoise) {
   }
 }
 
+TEST(NoiseCommand, RefusesNumbersThatAreNone) {
+  const TemporaryFolder folder;
+  write_log(folder, 6000, [](int i) {
+    std::array<double, 6> row = still(i);
+    if (i == 3000) row[2] = NAN;
+    return row;
+  });
+  const CommandResult result = run_imulab(folder, "noise session.toml");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.errors, HasSubstr("log.csv:3001"));
+}
+
+TEST(NoiseCommand, SaysThatTheRateChanges) {
+  const TemporaryFolder folder;
+  write_log(folder, 6000, still);
+  std::string text = "t,gx,gy,gz,ax,ay,az\n";
+  for (int i = 1; i <= 6000; ++i) {
+    text += std::to_string(i <= 3000 ? 0.01 * i : 30 + 0.02 * (i - 3000));  // 100 Hz, then 50
+    for (const double value : still(i)) text += "," + std::to_string(value);
+    text += "\n";
+  }
+  folder.write("log.csv", text);
+  const CommandResult result = run_imulab(folder, "noise session.toml");
+  EXPECT_NE(result.exit_code + result.errors.size(), 0u) << result.output;
+  // What is used is the first half: the second one is gaps at the first one's rate.
+  if (result.exit_code == 0) EXPECT_THAT(on_one_line(result.output), HasSubstr("at rest: 0 to 30 s, 3000 samples"));
+}
+
+TEST(NoiseCommand, TakesTheTemperatureAway) {
+  const TemporaryFolder folder;
+  std::ostringstream text;
+  text.precision(12);
+  text << "t,gx,gy,gz,ax,ay,az,T\n";
+  for (int i = 1; i <= 20000; ++i) {
+    const double warm = 20 + 5 * (1 - std::exp(-i / 8000.0));
+    text << 0.01 * i;
+    const std::array<double, 6> row = still(i);
+    for (std::size_t k = 0; k < 6; ++k) text << ',' << row[k] + (k < 3 ? 1e-3 : 1e-2) * (warm - 20);
+    text << ',' << warm + 0.01 * noise(i, 7) << '\n';
+  }
+  folder.write("log.csv", text.str());
+  const std::string session =
+      "format = \"imulab.session/1\"\n[imu]\nname = \"test\"\n[site]\nlatitude_deg = 47.0\n[rig]\nkind = \"none\"\n"
+      "[[recording]]\nfile = \"log.csv\"\nrate_hz = 100\ntime = { column = \"t\", unit = \"s\" }\n"
+      "gyro = { columns = [\"gx\", \"gy\", \"gz\"], output = \"rate\", unit = \"rad/s\" }\n"
+      "accel = { columns = [\"ax\", \"ay\", \"az\"], output = \"rate\", unit = \"m/s^2\" }\n";
+  const std::string thermometers =
+      "gyro_temperature = { columns = [\"T\"], unit = \"degC\" }\naccel_temperature = { columns = [\"T\"], unit = \"degC\" }\n";
+  folder.write("warm.toml", session + thermometers + "[[step]]\nkind = \"hold\"\nduration_s = 200\n");
+  folder.write("bare.toml", session + "[[step]]\nkind = \"hold\"\nduration_s = 200\n");
+  const CommandResult as_is = run_imulab(folder, "noise warm.toml");
+  EXPECT_THAT(on_one_line(as_is.errors), HasSubstr("temperature changed by 4.")) << as_is.errors;
+  const CommandResult without = run_imulab(folder, "noise warm.toml --remove-temperature");
+  EXPECT_EQ(without.exit_code, 0) << without.errors;
+  EXPECT_THAT(on_one_line(without.output), HasSubstr("gyro.x: a parabola of the temperature was removed, 0.001 rad/s per degree"));
+  EXPECT_THAT(without.output, HasSubstr("gyro.x   K           -  below ")) << "the drift of 5 mrad/s was the temperature's";
+  const CommandResult none = run_imulab(folder, "noise bare.toml --remove-temperature");
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.errors, HasSubstr("has no gyro temperature to remove"));
+}
+
+TEST(NoiseCommand, PutsSeveralLogsTogether) {
+  const TemporaryFolder folder;
+  write_log(folder, 6000, still);
+  ASSERT_EQ(run_imulab(folder, "noise session.toml -o one.json").exit_code, 0);
+  const CommandResult result = run_imulab(folder, "noise session.toml session.toml -o two.json");
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(result.output, HasSubstr("2 logs\n"));
+  const std::string json = read_text(folder / "two.json");
+  for (const char* key : {"\"recording\": \"2 logs\"", "\"spread\": 0", "\"logs\": 2", "\"worst_log\": 0"}) EXPECT_THAT(json, HasSubstr(key));
+  EXPECT_EQ(run_imulab(folder, "noise session.toml session.toml --report page.html").exit_code, 2);
+}
+
+/// What simulate gives back: a unit of the noise that an analysis found has that noise in its own analysis.
+TEST(NoiseCommand, ItsNumbersComeBackFromASimulation) {
+  const TemporaryFolder folder;
+  write_log(folder, 20000, still);
+  ASSERT_EQ(run_imulab(folder, "noise session.toml -o noise.json").exit_code, 0);
+  const std::string procedure =
+      "format = \"imulab.session/1\"\n[imu]\nname = \"test\"\nNOISE[site]\nlatitude_deg = 47.0\nheight_m = 0.0\n[rig]\nkind = \"none\"\n"
+      "[[step]]\nkind = \"hold\"\nduration_s = 200\n";
+  const auto with = [&](const std::string& noise) { return std::string(procedure).replace(procedure.find("NOISE"), 5, noise); };
+  folder.write("procedure.toml", with(""));
+  folder.write("declared.toml", with("grade = \"mems\"\nnoise = \"noise.json\"\n"));
+  folder.write("unknown.toml", with("noise = \"pink\"\n"));
+  folder.write("missing.toml", with("noise = \"none.json\"\n"));
+  ASSERT_EQ(run_imulab(folder, "simulate procedure.toml --grade noise.json -o again").exit_code, 0);
+  const CommandResult again = run_imulab(folder, "noise again");
+  // 5.774e-5 rad/s/sqrt(Hz) = 0.1985 deg/sqrt(h), and 5.774e-4 m/s^2/sqrt(Hz) = 58.9 ug/sqrt(Hz); 20000 samples tell 0.5 %.
+  EXPECT_THAT(again.output, testing::ContainsRegex("gyro.x   N +0\\.(19|20)")) << again.errors;
+  EXPECT_THAT(again.output, testing::ContainsRegex("accel.x  N +(5[789]|60)\\."));
+  const CommandResult declared = run_imulab(folder, "simulate declared.toml -o declared");
+  ASSERT_EQ(declared.exit_code, 0) << declared.errors;
+  EXPECT_THAT(read_text(folder / "declared" / "session.toml"), HasSubstr("gyro_noise_density = 5."));
+  EXPECT_THAT(run_imulab(folder, "simulate unknown.toml -o x").errors, HasSubstr("imu.noise: \"pink\" is unknown; expected white, full"));
+  EXPECT_THAT(run_imulab(folder, "simulate missing.toml -o x").errors, HasSubstr("none.json"));
+}
+
 }  // namespace
 }  // namespace imulab

@@ -8,6 +8,7 @@
 #include "imulab/io/result/fields.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/model/grade.hpp"
 
 #include <fmt/core.h>
 
@@ -23,7 +24,7 @@ namespace fs = std::filesystem;
 
 struct Arguments {
   std::string procedure, folder;
-  std::optional<std::string> unit;
+  std::optional<std::string> unit, grade;
   std::uint64_t seed = 1;
   bool json = false;
 };
@@ -76,8 +77,22 @@ Calibration truth_calibration(const Session& session, const Truth& truth, std::u
   return c;
 }
 
-void simulate(const Arguments& a) {
+/// The procedure with another grade, or with the noise of an analysis; without any grade the IMU is then perfect but for its noise.
+Session procedure_of(const Arguments& a) {
   Session procedure = read_session(a.procedure);
+  if (!a.grade) return procedure;
+  ImuDeclaration& imu = procedure.imu;
+  imu.gyro_noise_density = imu.accel_noise_density = std::nullopt;
+  imu.gyro_noise = imu.accel_noise = std::nullopt;
+  if (a.grade->ends_with(".json"))
+    take_noise(imu, *a.grade);
+  else
+    imu.grade = grade(*a.grade).name;
+  return procedure;
+}
+
+void simulate(const Arguments& a) {
+  Session procedure = procedure_of(a);
   if (procedure.recordings.empty()) procedure.recordings.push_back(default_source());
   for (RecordingSource& source : procedure.recordings) {
     check_file_name(source);
@@ -88,6 +103,8 @@ void simulate(const Arguments& a) {
     given = read_calibration(*a.unit);
   else if (procedure.imu.truth)
     given = read_calibration(session_path(procedure, *procedure.imu.truth));
+  else if (a.grade && !procedure.imu.grade)
+    given = Calibration{};
   const Truth truth = draw_truth(procedure, a.seed, given ? std::optional(given->model) : std::nullopt);
 
   NewFolder folder(a.folder);
@@ -121,6 +138,7 @@ void add_simulate(Verb app) {
   verb.option("procedure", a->procedure, "the procedure or session to carry out").required();
   verb.option("-o,--output FOLDER", a->folder, "the folder to create").required();
   verb.option("--unit FILE", a->unit, "truth.json or calibration.json of the IMU to simulate, in place of the procedure's");
+  verb.option("--grade GRADE", a->grade, "a grade by its name, or noise.json: the noise of a log at rest, in place of the procedure's");
   verb.option("--seed", a->seed, "random seed; the same seed gives the same result").show_default();
   verb.flag("--json", a->json, "print what was written as JSON");
   verb.example("imulab simulate procedure.toml -o session --seed 7");

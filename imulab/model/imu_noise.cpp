@@ -1,5 +1,7 @@
 #include "imulab/model/imu_noise.hpp"
 
+#include "imulab/core/error.hpp"
+
 #include <cmath>
 #include <numbers>
 
@@ -20,6 +22,35 @@ AllanTerms allan_variance(const NoiseCoefficients& noise, double tau_s) {
     out.markov += 2 * square(term.sigma) / x * bracket;
   }
   return out;
+}
+
+namespace {
+
+using Axes = std::array<std::optional<NoiseCoefficients>, 3>;
+
+double root_mean_square(const Axes& axes, NoiseCoefficient NoiseCoefficients::*term) {
+  double sum = 0, count = 0;
+  for (const auto& axis : axes)
+    if (axis && ((*axis).*term).determined) sum += std::pow(((*axis).*term).value, 2), ++count;
+  return count > 0 ? std::sqrt(sum / count) : 0;
+}
+
+NoiseModel sizes_of(const Axes& axes, const std::string& unit, const std::string& triad) {
+  if (unit == "count") throw Error(triad + " are in counts; expected a log in physical units (counts_per_unit in its session)");
+  NoiseModel out;
+  out.N = root_mean_square(axes, &NoiseCoefficients::N);
+  if (out.N == 0) throw Error("N of the " + triad + " is not determined; expected a longer log");
+  out.Q = root_mean_square(axes, &NoiseCoefficients::Q);
+  out.B = root_mean_square(axes, &NoiseCoefficients::B);
+  out.K = root_mean_square(axes, &NoiseCoefficients::K);
+  out.R = {root_mean_square(axes, &NoiseCoefficients::R)};
+  return out;
+}
+
+}  // namespace
+
+TriadSizes noise_sizes(const ImuNoise& noise) {
+  return {sizes_of(noise.gyro, noise.gyro_unit, "gyros"), sizes_of(noise.accel, noise.accel_unit, "accelerometers")};
 }
 
 }  // namespace imulab

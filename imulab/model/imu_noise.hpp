@@ -1,6 +1,8 @@
 // The noise of an IMU as its logs at rest tell it: coefficients with intervals. Terms as in model/noise.hpp.
 #pragma once
 
+#include "imulab/model/noise.hpp"
+
 #include <array>
 #include <optional>
 #include <string>
@@ -33,6 +35,14 @@ struct AllanTerms {
   double sum() const { return Q + N + B + K + R + markov; }
 };
 AllanTerms allan_variance(const NoiseCoefficients& noise, double tau_s);
+
+/// The sizes of a triad's terms: the root mean square over its axes of what is determined, 0 where it is on no axis. Throws Error for readings in
+/// counts, or where N is determined on no axis. Markov processes are left out: NoiseModel has none.
+struct ImuNoise;
+struct TriadSizes {
+  NoiseModel gyro, accel;
+};
+TriadSizes noise_sizes(const ImuNoise& noise);
 
 /// Axes without coefficients (constant readings) have none.
 struct ImuNoise {

@@ -40,6 +40,7 @@ struct ImuDeclaration {
   std::optional<double> accel_noise_density;  ///< m/s^2/sqrt(Hz)
   std::optional<double> gyro_noise_density;   ///< rad/s/sqrt(Hz)
   NoiseTerms noise = NoiseTerms::white;
+  std::optional<std::string> noise_file;  ///< of an analysis, beside the session: it gives the densities and terms that are not declared
   TermSigmas term_sigmas;
   std::optional<NoiseModel> accel_noise, gyro_noise;  ///< in place of the grade's, except N, which the densities above give
   bool operator==(const ImuDeclaration&) const = default;

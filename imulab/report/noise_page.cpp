@@ -193,7 +193,7 @@ std::string noise_page(const NoiseAnalysis& analysis, const StillPart& still) {
                                   scale_of(*worst).density_name,
                               "N, worst " + worst->name});
   }
-  page.body = coefficients_section(analysis) + deviations_section(analysis) + spectra_section(analysis) + signal_section(analysis, still);
+  page.body = deviations_section(analysis) + spectra_section(analysis) + coefficients_section(analysis) + signal_section(analysis, still);
   return page_text(page);
 }
 

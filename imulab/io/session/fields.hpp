@@ -53,6 +53,19 @@ void transfer(Fields& f, NoiseModel& noise) {
   transfer_size(f, "range", noise.range);
 }
 
+/// "white", "full", or the file of an analysis.
+template <class Fields>
+void transfer_noise(Fields& f, ImuDeclaration& imu) {
+  std::optional<std::string> noise = imu.noise_file;
+  if (imu.noise == NoiseTerms::full) noise = to_string(imu.noise);
+  f.text("noise", noise);
+  if (!noise) return;
+  const bool named = *noise == "white" || *noise == "full", file = noise->ends_with(".json");
+  f.check(named || file, "noise", "\"" + *noise + "\" is unknown; expected white, full, or the file of an analysis, noise.json");
+  imu.noise = *noise == "full" ? NoiseTerms::full : NoiseTerms::white;
+  if (file) imu.noise_file = *noise;
+}
+
 template <class Fields>
 void transfer(Fields& f, ImuDeclaration& imu) {
   f.text("name", imu.name);
@@ -70,7 +83,7 @@ void transfer(Fields& f, ImuDeclaration& imu) {
   f.number("g_sensitivity_sigma_deg_per_h_per_g", sigmas.g_sensitivity, size(unit::deg_per_h / unit::g));
   f.number("lever_arm_sigma_mm", sigmas.lever_arm, size(1e-3));
   f.number("delay_sigma_ms", sigmas.delay, size(1e-3));
-  f.choice("noise", imu.noise, std::vector{NoiseTerms::white, NoiseTerms::full}, Presence::optional);
+  transfer_noise(f, imu);
   f.template table_of<NoiseModel>("accel_noise", imu.accel_noise, [](Fields& t, NoiseModel& n) { transfer(t, n); });
   f.template table_of<NoiseModel>("gyro_noise", imu.gyro_noise, [](Fields& t, NoiseModel& n) { transfer(t, n); });
 }

@@ -20,6 +20,9 @@ void write_session(const std::filesystem::path& path, const Session& session);
 /// The same with durations in place of times where read_session computes the same times: the form that a procedure's author edits.
 std::string procedure_text(const Session& session);
 
+/// Densities and terms of an analysis (noise.json) where the IMU declares none. Throws Error as read_noise and noise_sizes do.
+void take_noise(ImuDeclaration& imu, const std::string& file);
+
 /// The path of a file that the session names: relative to the session's own folder.
 std::filesystem::path session_path(const Session& session, const std::string& file);
 

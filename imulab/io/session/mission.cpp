@@ -4,6 +4,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/recording/solution.hpp"
+#include "imulab/io/result/noise_reader.hpp"
 #include "imulab/io/session/mission_errors.hpp"
 #include "imulab/io/session/mission_segments.hpp"
 #include "imulab/io/text/file.hpp"
@@ -108,7 +109,23 @@ MissionFile read_mission(const std::filesystem::path& path) {
   return file;
 }
 
-ErrorSourcesReading read_error_sources(const ErrorSpecification& specification, const std::filesystem::path& mission) {
+namespace {
+
+/// The analysis's terms where none is given; a grade gives what then is left.
+ErrorSpecification with_noise(ErrorSpecification s, const std::string& file) {
+  const TriadSizes sizes = errors_at(file, [&] { return noise_sizes(read_noise(file)); });
+  for (const auto& [triad, size] : {std::pair{&s.gyro, &sizes.gyro}, std::pair{&s.accel, &sizes.accel}}) {
+    triad->N = triad->N.value_or(size->N), triad->B = triad->B.value_or(size->B);
+    triad->K = triad->K.value_or(size->K), triad->Q = triad->Q.value_or(size->Q);
+    triad->R = triad->R.value_or(size->R);
+  }
+  return s;
+}
+
+}  // namespace
+
+ErrorSourcesReading read_error_sources(const ErrorSpecification& given, const std::filesystem::path& mission) {
+  const ErrorSpecification specification = given.noise ? with_noise(given, (mission.parent_path() / *given.noise).string()) : given;
   return errors_at(mission.string() + ": [errors]", [&]() -> ErrorSourcesReading {
     if (!specification.calibration) return {error_sources(specification), {}};
     const Calibration calibration = read_calibration(mission.parent_path() / *specification.calibration);

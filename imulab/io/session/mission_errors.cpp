@@ -63,6 +63,7 @@ void read_errors(TomlFields& f, ErrorSpecification& errors) {
   f.text("grade", errors.grade);
   f.text("system", errors.system);
   f.text("calibration", errors.calibration);
+  f.text("noise", errors.noise);
   f.choice("vertical", errors.vertical, std::vector{VerticalChannel::free, VerticalChannel::fixed, VerticalChannel::aided, VerticalChannel::held},
            Presence::optional);
   f.table("gyro", Presence::optional, [&](TomlFields& t) { read_gyro(t, errors.gyro); });

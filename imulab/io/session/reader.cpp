@@ -1,4 +1,5 @@
 #include "imulab/core/error.hpp"
+#include "imulab/io/result/noise_reader.hpp"
 #include "imulab/io/session/fields.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/session/step_layout.hpp"
@@ -52,6 +53,16 @@ void read_step(TomlFields& f, Session& session, StepLayout& layout) {
 
 }  // namespace
 
+void take_noise(ImuDeclaration& imu, const std::string& file) {
+  TriadSizes sizes = errors_at(file, [&] { return noise_sizes(read_noise(file)); });
+  if (!imu.gyro_noise_density) imu.gyro_noise_density = sizes.gyro.N;
+  if (!imu.accel_noise_density) imu.accel_noise_density = sizes.accel.N;
+  sizes.gyro.N = sizes.accel.N = 0;  // which have keys of their own
+  if (!imu.gyro_noise) imu.gyro_noise = sizes.gyro;
+  if (!imu.accel_noise) imu.accel_noise = sizes.accel;
+  imu.noise_file.reset();
+}
+
 Session read_session(const std::filesystem::path& path) {
   const std::filesystem::path file = std::filesystem::is_directory(path) ? path / "session.toml" : path;
   const MappedFile mapped(file);
@@ -70,6 +81,7 @@ Session read_session(const std::filesystem::path& path) {
   f.table_of<InitialState>("initial", session.initial, [](TomlFields& t, InitialState& initial) { transfer(t, initial); });
   f.table("truth", Presence::optional, [&](TomlFields& t) { t.text("file", session.truth_file.emplace()); });
   f.done();
+  if (session.imu.noise_file) take_noise(session.imu, session_path(session, *session.imu.noise_file).string());
   return session;
 }
 

@@ -26,6 +26,7 @@ struct TriadErrors {
 
 struct ErrorSpecification {
   std::optional<std::string> grade, system, calibration;  ///< one of them at most; `calibration` names its file
+  std::optional<std::string> noise;                       ///< file of an analysis: its terms where none is given
   TriadErrors gyro, accel;
   StartErrors start;
   BarometerErrors barometer;
