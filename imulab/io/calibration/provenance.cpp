@@ -26,6 +26,24 @@ std::optional<std::array<double, 2>> range_of(const Columns3& columns) {
   return range[0] <= range[1] ? std::optional(range) : std::nullopt;
 }
 
+RecordedAs recorded_as(const TriadSource& source, double interval_s) {
+  RecordedAs out{source.unit, source.counts_per_unit.value_or(1), source.output == Output::increment ? interval_s : 0};
+  if (source.axes)
+    for (std::size_t i = 0; i < 3; ++i) out.axes[i] = {(*source.axes)[i].sign > 0 ? '+' : '-', "xyz"[(*source.axes)[i].index]};
+  return out;
+}
+
+/// What all recordings have in common, or nothing: a program for the IMU has one kind of readings.
+std::optional<RecordedAs> recorded_as(const Session& session, std::span<const Recording> recordings, TriadSource RecordingSource::*triad) {
+  std::optional<RecordedAs> common;
+  for (std::size_t k = 0; k < recordings.size(); ++k) {
+    const RecordedAs one = recorded_as(session.recordings[k].*triad, recordings[k].interval_s);
+    if (common && one != *common) return std::nullopt;
+    common = one;
+  }
+  return common;
+}
+
 }  // namespace
 
 std::string software() { return "imulab " IMULAB_VERSION; }
@@ -37,6 +55,8 @@ void add_provenance(Calibration& calibration, const Session& session, std::span<
   calibration.software = software();
   calibration.session_file = session.file;
   calibration.session_sha256 = session.sha256;
+  calibration.recorded_accel = recorded_as(session, recordings, &RecordingSource::accel);
+  calibration.recorded_gyro = recorded_as(session, recordings, &RecordingSource::gyro);
   calibration.sources.clear();
   for (std::size_t k = 0; k < recordings.size(); ++k) {
     const Recording& r = recordings[k];
