@@ -48,8 +48,9 @@ inline Calibration every_term() {
   return c;
 }
 
-/// The same unit from readings in SI: one count is 1 / `per_unit` m/s^2 and rad/s.
-inline Calibration every_term_in_si(double per_unit) {
+/// The same unit from readings in SI.
+inline Calibration every_term_in_si() {
+  constexpr double per_unit = 500;  // counts to one m/s^2 and to one rad/s
   Calibration c = every_term();
   for (TriadModel* t : {&c.model.accel, &c.model.gyro}) {
     t->matrix *= per_unit, t->quadratic *= per_unit * per_unit, t->cubic *= per_unit * per_unit * per_unit;

@@ -29,6 +29,7 @@ std::string text_of(const ExportTarget& target, const Calibration& calibration, 
     return errors_at(o.calibration, [&] { return target.text(calibration); });
   }
   const CHeaderOptions options = c_header_options(o.c_header, calibration);
+  for (const std::string& assumed : assumed_readings(options, calibration)) warn(o.calibration + ": " + assumed);
   return errors_at(o.calibration, [&] { return c_header(calibration, options); });
 }
 
@@ -60,7 +61,7 @@ void add_export(Verb app) {
   add_c_header_options(verb, o->c_header);
   verb.flag("--json", o->json, "print what was written and what it leaves out as JSON");
   verb.example("imulab export calibration.json --to c-header -o imu_calibration.h");
-  verb.example("imulab export calibration.json --to c-header --input-accel g --accel-counts-per-unit 2048 --fixed-point -o imu_calibration.h");
+  verb.example("imulab export calibration.json --to c-header --input-accel g -o imu.h");
   verb.does([o] { run(*o); });
 }
 

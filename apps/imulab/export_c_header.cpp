@@ -3,6 +3,9 @@
 #include "imulab/core/error.hpp"
 #include "imulab/recording/unit_names.hpp"
 
+#include <fmt/format.h>
+
+#include <tuple>
 #include <vector>
 
 namespace imulab::command {
@@ -56,6 +59,17 @@ CHeaderOptions c_header_options(const CHeaderArguments& a, const Calibration& c)
     if (!(*from > 0)) throw Error(std::string(option) + ": expected a number above 0");
     *to = *from;
   }
+  return out;
+}
+
+std::vector<std::string> assumed_readings(const CHeaderOptions& options, const Calibration& c) {
+  std::vector<std::string> out;
+  const auto add = [&out](bool known, const std::string& raw, const std::string& name, const std::string& unit, const std::string& option) {
+    if (!known && raw != "count")
+      out.push_back(fmt::format("does not say how the {} were recorded: the header takes {}; {} gives another unit", name, unit, option));
+  };
+  add(options.accel || c.recorded_accel, c.model.accel.raw_unit, "accelerometers", "m/s^2", "--input-accel");
+  add(options.gyro || c.recorded_gyro, c.model.gyro.raw_unit, "gyros", "rad/s", "--input-gyro");
   return out;
 }
 

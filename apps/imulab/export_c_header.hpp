@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace imulab::command {
 
@@ -21,5 +22,8 @@ void add_c_header_options(Verb& verb, CHeaderArguments& arguments);
 
 /// With what the calibration says of its recording where the arguments are silent. Throws Error where they are unusable.
 CHeaderOptions c_header_options(const CHeaderArguments& arguments, const Calibration& calibration);
+
+/// What is taken of readings that neither the options nor the calibration describe, and are not counts.
+std::vector<std::string> assumed_readings(const CHeaderOptions& options, const Calibration& calibration);
 
 }  // namespace imulab::command

@@ -1,29 +1,11 @@
 /* Instructions and stack of one function of an exported header, on QEMU with -icount shift=0, where the clock advances with each instruction.
  *   CALIBRATION: the header, exported with --fixed-point
+ *   FLASH_ONLY, if defined: the function alone, for its size
  *   WHAT: 0 nothing, 1 imulab_compensate, 2 imulab_filter_push, 3 imulab_out_of_range, 4 imulab_compensate_fixed, 5 imulab_selftest */
 #include CALIBRATION
 #include "semihosting.h"
 
 enum { runs = 256, known_loops = 10000, paint = 0x5AFE5AFE };
-
-static volatile uint32_t* const systick = (volatile uint32_t*)0xE000E010; /* control, reload, current */
-extern uint32_t stack_limit[];
-
-static void begin(void) {
-  systick[1] = 0xFFFFFF;
-  systick[2] = 0;
-  systick[0] = 5; /* the processor's clock, no interrupt */
-}
-
-static uint32_t end(void) { return 0xFFFFFF - systick[2]; }
-
-/* Ticks of 3 * known_loops instructions: subtract, branch, and a no-operation. */
-static uint32_t ticks_of_known_loop(void) {
-  uint32_t n = known_loops;
-  begin();
-  __asm volatile("1: nop\n subs %0, #1\n bne 1b" : "+l"(n) : : "cc");
-  return end();
-}
 
 /* Readings near zero: noise. Not constant, so that nothing is computed by the compiler. */
 imulab_real readings[16][6];
@@ -47,6 +29,34 @@ __attribute__((noinline)) void measured(void) {
 #else
   __asm volatile("");
 #endif
+}
+
+#ifdef FLASH_ONLY
+
+int main(void) {
+  measured();
+  return 0;
+}
+
+#else
+
+static volatile uint32_t* const systick = (volatile uint32_t*)0xE000E010; /* control, reload, current */
+extern uint32_t stack_limit[];
+
+static void begin(void) {
+  systick[1] = 0xFFFFFF;
+  systick[2] = 0;
+  systick[0] = 5; /* the processor's clock, no interrupt */
+}
+
+static uint32_t end(void) { return 0xFFFFFF - systick[2]; }
+
+/* Ticks of 3 * known_loops instructions: subtract, branch, and a no-operation. */
+static uint32_t ticks_of_known_loop(void) {
+  uint32_t n = known_loops;
+  begin();
+  __asm volatile(".syntax unified\n1: nop\n subs %0, #1\n bne 1b" : "+l"(n) : : "cc");
+  return end();
 }
 
 static uint32_t painted_stack(void) {
@@ -96,3 +106,5 @@ int main(void) {
   semihosting_write("\n");
   return 0;
 }
+
+#endif

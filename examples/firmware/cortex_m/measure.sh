@@ -11,13 +11,16 @@ done
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
-build() { # OUTPUT WHAT REAL PROCESSOR'S FLAGS
+build() { # OUTPUT WHAT REAL FURTHER FLAGS
   output=$1 what=$2 real=$3
   shift 3
   arm-none-eabi-gcc -std=c11 -O2 -ffp-contract=off -Wall -Wextra -Werror "$@" -mthumb -ffreestanding -nostdlib -ffunction-sections -fdata-sections \
     -Wl,--gc-sections -T "$here/link.ld" -DCALIBRATION="\"$header\"" -DWHAT="$what" -DIMULAB_REAL="$real" "$here/startup.c" "$here/cost.c" -lgcc -o "$output"
 }
-flash() { arm-none-eabi-size "$1" | awk 'NR == 2 { print $1 + $2 }'; }
+flash() { # WHAT REAL PROCESSOR'S FLAGS: bytes
+  build "$folder/flash" "$@" -DFLASH_ONLY
+  arm-none-eabi-size "$folder/flash" | awk 'NR == 2 { print $1 + $2 }'
+}
 run() { # PROGRAM: what it writes
   timeout 60 qemu-system-arm -M "$machine" -icount shift=0 -display none -monitor none -serial none -chardev stdio,id=out \
     -semihosting-config enable=on,target=native,chardev=out -kernel "$1" < /dev/null
@@ -34,8 +37,9 @@ while read -r machine name flags; do
     [ "$real" = int32 ] && real=float
     build "$folder/nothing" 0 "$real" $flags
     build "$folder/program" "$1" "$real" $flags
+    bytes=$(($(flash "$1" "$real" $flags) - $(flash 0 "$real" $flags)))
     set -- "$@" $(run "$folder/nothing") $(run "$folder/program")
-    echo "| $name | \`$2\` | $3 | $(($(flash "$folder/program") - $(flash "$folder/nothing"))) | $(($7 - $5)) | $(($6 - $4)) |"
+    echo "| $name | \`$2\` | $3 | $bytes | $(($7 - $5)) | $(($6 - $4)) |"
   done
 done <<LIST
 mps2-an386 Cortex-M4F -mcpu=cortex-m4 -mfpu=fpv4-sp-d16 -mfloat-abi=hard

@@ -33,11 +33,15 @@ RecordedAs recorded_as(const TriadSource& source, double interval_s) {
   return out;
 }
 
-/// What all recordings have in common, or nothing: a program for the IMU has one kind of readings.
+/// What all recordings have in common, or nothing: a program for the IMU has one kind of readings. A live stream is declared without being a
+/// recording.
 std::optional<RecordedAs> recorded_as(const Session& session, std::span<const Recording> recordings, TriadSource RecordingSource::*triad) {
   std::optional<RecordedAs> common;
-  for (std::size_t k = 0; k < recordings.size(); ++k) {
-    const RecordedAs one = recorded_as(session.recordings[k].*triad, recordings[k].interval_s);
+  for (std::size_t k = 0; k < session.recordings.size(); ++k) {
+    const RecordingSource& source = session.recordings[k];
+    const double interval_s = k < recordings.size() ? recordings[k].interval_s : source.rate_hz ? 1 / *source.rate_hz : 0;
+    if ((source.*triad).output == Output::increment && !(interval_s > 0)) return std::nullopt;
+    const RecordedAs one = recorded_as(source.*triad, interval_s);
     if (common && one != *common) return std::nullopt;
     common = one;
   }

@@ -14,7 +14,7 @@ namespace imulab::firmware {
 namespace {
 
 constexpr const char* helpers =
-    "static inline int32_t imulab_fixed_limit(int64_t x, int32_t most) { return x > most ? most : x < -most ? -most : (int32_t)x; }\n"
+    "static inline int32_t imulab_fixed_limit(int32_t x, int32_t least, int32_t most) { return x > most ? most : x < least ? least : x; }\n"
     "static inline int64_t imulab_fixed_shift(int64_t x, int bits) { return (x + ((int64_t)1 << (bits - 1))) >> bits; }\n"
     "static inline int64_t imulab_fixed_product(int32_t a, int32_t b) { return (int64_t)a * b; }\n\n";
 
@@ -36,10 +36,11 @@ std::string raw_text(const FixedTriad& f, const Input& in) {
     const auto axis = static_cast<std::size_t>(i);
     const std::string drift = drift_text(f, name, i);
     if (!drift.empty())
-      text += fmt::format("  const int32_t {0}_t{1} = imulab_fixed_limit((int64_t){0}_temperature[{2}] - {3}, {4}){5};\n", name, axis_names[axis],
-                          i, literal(f.reference), f.temperature_limit, times_power(f.temperature_shift));
-    text += fmt::format("  const int32_t {}_{} = {}imulab_fixed_limit({}[{}], {}){}{};\n", name, axis_names[axis], in.sign[axis] < 0 ? "-" : "",
-                        in.parameter, in.column[axis], f.in_limit, times_power(f.in_shift), drift);
+      text += fmt::format("  const int32_t {0}_t{1} = (imulab_fixed_limit({0}_temperature[{2}], {3}, {4}) - {5}){6};\n", name, axis_names[axis], i,
+                          literal(f.reference - f.temperature_limit), literal(f.reference + f.temperature_limit), literal(f.reference),
+                          times_power(f.temperature_shift));
+    text += fmt::format("  const int32_t {}_{} = {}imulab_fixed_limit({}[{}], -{}, {}){}{};\n", name, axis_names[axis], in.sign[axis] < 0 ? "-" : "",
+                        in.parameter, in.column[axis], f.in_limit, f.in_limit, times_power(f.in_shift), drift);
   }
   if (f.thermal && f.drift[0].largest == 0 && f.drift[1].largest == 0 && f.drift[2].largest == 0) text = "  (void)" + name + "_temperature;\n" + text;
   return text;
