@@ -2,6 +2,7 @@
 #include "imulab/core/random.hpp"
 #include "imulab/io/export/c_header.hpp"
 #include "imulab/io/export/c_header_samples.hpp"
+#include "imulab/model/outlier_filter.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <regex>
+#include <vector>
 
 namespace imulab {
 namespace {
@@ -179,6 +181,75 @@ TEST(ExportFixedPoint, OfAnyModelNeverOverflowsAndKeepsItsBound) {
     EXPECT_GE(3 * found.rate, said.rate) << model;
     folder.write("selftest.c", "#include \"calibration.h\"\nint main(void) { return imulab_selftest_fixed() + imulab_selftest(); }\n");
     EXPECT_EQ(run_shell(folder, "cc -O2 selftest.c -o selftest && ./selftest").exit_code, 0) << model;
+  }
+}
+
+constexpr const char* filter_program = R"(
+#include "calibration.h"
+#include <stdio.h>
+static void show(int replaced, const int32_t* x) {
+  int k;
+  printf("%d", replaced);
+  for (k = 0; k < 6; ++k) printf(" %ld", (long)x[k]);
+  printf("\n");
+}
+int main(void) {
+  imulab_filter_fixed filter;
+  long v[6];
+  int32_t x[6];
+  int k;
+  imulab_filter_fixed_init(&filter);
+  while (scanf("%ld %ld %ld %ld %ld %ld", v, v + 1, v + 2, v + 3, v + 4, v + 5) == 6) {
+    for (k = 0; k < 6; ++k) x[k] = (int32_t)v[k];
+    if ((k = imulab_filter_fixed_push(&filter, x, x)) >= 0) show(k, x);
+  }
+  while (imulab_filter_fixed_flush(&filter, x) >= 0) show(0, x);
+  return 0;
+}
+)";
+
+TEST(ExportFixedPoint, TheFilterReplacesWhatTheLibraryReplaces) {
+  const TemporaryFolder folder;
+  CHeaderOptions options;
+  options.fixed_point = true;
+  folder.write("calibration.h", c_header(every_term(), options));
+  folder.write("program.c", filter_program);
+  ASSERT_EQ(run_shell(folder, std::string("cc -std=c99 -fsanitize=undefined -fno-sanitize-recover program.c") + header_warnings).exit_code, 0);
+  // Counts: noise of some, of one half (rounded), slopes, sines, and the largest that 32 bits hold.
+  std::string input;
+  std::vector<OutlierFilter::Output> expected;
+  OutlierFilter filter;
+  int replaced = 0;
+  for (std::size_t i = 0; i < 3000; ++i) {
+    OutlierFilter::Readings r;
+    for (std::size_t k = 0; k < 6; ++k) {
+      const double noise = RandomStream(4, 60 + k).normal(i), t = static_cast<double>(i);
+      const double spike = i % 97 == 10 + k ? 700 : i % 97 == 40 + k ? -900 : 0;
+      const double motion = k == 1               ? 100 * std::fmod(t, 200)
+                            : k == 2             ? 800 * std::sin(0.05 * t)
+                            : k == 4 && i > 2500 ? (i % 300 < 150 ? 1 : -1) * 2147480000.0
+                                                 : 0;
+      r[k] = std::round((k == 3 ? 0.5 : 10) * noise + spike + motion);
+      input += fmt::format("{:.0f} ", r[k]);
+    }
+    input += "\n";
+    if (const auto out = filter.push(r)) expected.push_back(*out), replaced += __builtin_popcount(out->replaced);
+  }
+  while (const auto out = filter.rest()) expected.push_back(*out);
+  EXPECT_GT(replaced, 200);
+  folder.write("input", input);
+  const CommandResult ran = run_shell(folder, "./program < input");
+  EXPECT_EQ(ran.exit_code, 0) << ran.errors;
+  std::istringstream output(ran.output);
+  for (const OutlierFilter::Output& out : expected) {
+    int mask = 0;
+    ASSERT_TRUE(output >> mask);
+    ASSERT_EQ(mask, out.replaced);
+    for (const double reading : out.readings) {
+      double given = 0;
+      output >> given;
+      ASSERT_EQ(given, std::floor(reading));
+    }
   }
 }
 

@@ -29,24 +29,34 @@ static void check_sample(const imulab_real* x) {
   write_numbers("compensate ", imulab_out_of_range(x + 6, x + 9), out);
 }
 
-static void check_fixed(const int32_t* n) {
-  int32_t out[6];
+static void write_integers(const char* what, int mark, const int32_t* n) {
   int k;
-  imulab_compensate_fixed(n, n + 3, n + 6, n + 9, out, out + 3);
-  semihosting_write("fixed ");
-  for (k = 0; k < 6; ++k) semihosting_write_hex((uint32_t)out[k]);
+  semihosting_write(what);
+  semihosting_write_hex((unsigned long)mark);
+  for (k = 0; k < 6; ++k) semihosting_write_hex((uint32_t)n[k]);
   semihosting_write("\n");
+}
+
+static void check_fixed(imulab_filter_fixed* filter, const int32_t* n) {
+  int32_t out[6];
+  int replaced;
+  imulab_compensate_fixed(n, n + 3, n + 6, n + 9, out, out + 3);
+  write_integers("fixed ", 0, out);
+  replaced = imulab_filter_fixed_push(filter, n, out);
+  if (replaced >= 0) write_integers("fixed filter ", replaced, out);
 }
 
 int main(void) {
   static imulab_filter filter;
+  static imulab_filter_fixed fixed_filter;
   imulab_real x[12], out[6];
   int i, k;
   imulab_filter_init(&filter);
+  imulab_filter_fixed_init(&fixed_filter);
   for (i = 0; i < sample_count; ++i) {
     for (k = 0; k < 12; ++k) x[k] = (imulab_real)samples[i][k];
     check_sample(x);
-    check_fixed(fixed_samples[i]);
+    check_fixed(&fixed_filter, fixed_samples[i]);
     k = imulab_filter_push(&filter, x, out);
     if (k >= 0) write_numbers("filter ", k, out);
   }

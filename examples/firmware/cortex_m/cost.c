@@ -1,7 +1,7 @@
 /* Instructions and stack of one function of an exported header, on QEMU with -icount shift=0, where the clock advances with each instruction.
  *   CALIBRATION: the header, exported with --fixed-point
  *   FLASH_ONLY, if defined: the function alone, for its size
- *   WHAT: 0 nothing, 1 imulab_compensate, 2 imulab_filter_push, 3 imulab_out_of_range, 4 imulab_compensate_fixed, 5 imulab_selftest */
+ *   WHAT: 0 nothing, 1 imulab_compensate, 2 imulab_filter_push, 3 imulab_out_of_range, 4 imulab_compensate_fixed, 5 imulab_filter_fixed_push */
 #include CALIBRATION
 #include "semihosting.h"
 
@@ -11,8 +11,9 @@ enum { runs = 256, known_loops = 10000, paint = 0x5AFE5AFE };
 imulab_real readings[16][6];
 imulab_real temperatures[6];
 imulab_real out[6];
-int32_t integers[6], integer_temperatures[6], integer_out[6];
+int32_t integers[16][6], integer_temperatures[6], integer_out[6];
 imulab_filter filter;
+imulab_filter_fixed fixed_filter;
 int result, next;
 
 __attribute__((noinline)) void measured(void) {
@@ -23,9 +24,9 @@ __attribute__((noinline)) void measured(void) {
 #elif WHAT == 3
   result = imulab_out_of_range(temperatures, temperatures + 3);
 #elif WHAT == 4
-  imulab_compensate_fixed(integers, integers + 3, integer_temperatures, integer_temperatures + 3, integer_out, integer_out + 3);
+  imulab_compensate_fixed(integers[0], integers[0] + 3, integer_temperatures, integer_temperatures + 3, integer_out, integer_out + 3);
 #elif WHAT == 5
-  result = imulab_selftest();
+  result = imulab_filter_fixed_push(&fixed_filter, integers[next++ & 15], integer_out);
 #else
   __asm volatile("");
 #endif
@@ -87,14 +88,15 @@ int main(void) {
   for (i = 0; i < 16; ++i)
     for (k = 0; k < 6; ++k) {
       random = random * 1664525u + 1013904223u;
-      readings[i][k] = (imulab_real)(int32_t)(random >> 20) * (imulab_real)0.001;
+      integers[i][k] = (int32_t)(random >> 20);
+      readings[i][k] = (imulab_real)integers[i][k] * (imulab_real)0.001;
     }
   for (i = 0; i < 6; ++i) {
     temperatures[i] = (imulab_real)25.5;
-    integers[i] = 1234 - 99 * i;
     integer_temperatures[i] = 1000000;
   }
   imulab_filter_init(&filter);
+  imulab_filter_fixed_init(&fixed_filter);
   for (i = 0; i < 200; ++i) measured();
   stack = painted_stack();
   known = ticks_of_known_loop();

@@ -15,7 +15,8 @@ build() { # OUTPUT WHAT REAL FURTHER FLAGS
   output=$1 what=$2 real=$3
   shift 3
   arm-none-eabi-gcc -std=c11 -O2 -ffp-contract=off -Wall -Wextra -Werror "$@" -mthumb -ffreestanding -nostdlib -ffunction-sections -fdata-sections \
-    -Wl,--gc-sections -T "$here/link.ld" -DCALIBRATION="\"$header\"" -DWHAT="$what" -DIMULAB_REAL="$real" "$here/startup.c" "$here/cost.c" -lgcc -o "$output"
+    -Wl,--gc-sections -T "$here/link.ld" -DCALIBRATION="\"$header\"" -DWHAT="$what" -DIMULAB_REAL="$real" \
+    "$here/startup.c" "$here/cost.c" -lgcc -o "$output"
 }
 flash() { # WHAT REAL PROCESSOR'S FLAGS: bytes
   build "$folder/flash" "$@" -DFLASH_ONLY
@@ -31,7 +32,7 @@ echo "| processor | function | numbers | flash, bytes | stack, bytes | instructi
 echo "| --- | --- | --- | --- | --- | --- |"
 while read -r machine name flags; do
   for row in "1 imulab_compensate double" "1 imulab_compensate float" "4 imulab_compensate_fixed int32" "2 imulab_filter_push double" \
-    "2 imulab_filter_push float"; do
+    "2 imulab_filter_push float" "5 imulab_filter_fixed_push int32"; do
     set -- $row
     real=$3
     [ "$real" = int32 ] && real=float

@@ -167,7 +167,7 @@ std::string c_header(const Calibration& c, const CHeaderOptions& options) {
   const Input accel = firmware::input_of(c, options, Triad::accel), gyro = firmware::input_of(c, options, Triad::gyro);
   std::string text = head_text(c, accel, gyro) + compensate_text(c.model, accel, gyro) + out_of_range_text(c.model) + firmware::filter_text() +
                      firmware::selftest_text(c.model, accel, gyro);
-  if (options.fixed_point) text += firmware::fixed_text(c.model, accel, gyro, options);
+  if (options.fixed_point) text += firmware::fixed_text(c.model, accel, gyro, options) + firmware::fixed_filter_text();
   return text + "#endif\n";
 }
 

@@ -1,3 +1,5 @@
+#include "imulab/io/export/c_header_filter.hpp"
+
 #include "imulab/io/export/c_header_parts.hpp"
 #include "imulab/model/outlier_filter.hpp"
 
@@ -91,8 +93,8 @@ static inline int imulab_filter_flush(imulab_filter* f, imulab_real out[6]) {
 
 }  // namespace
 
-std::string filter_text() {
-  std::string out(filter_source);
+std::string with_filter_constants(std::string_view source) {
+  std::string out(source);
   const auto set = [&out](const std::string& name, double value) {
     for (std::size_t at = out.find(name); at != std::string::npos; at = out.find(name)) out.replace(at, name.size(), fmt::format("{:g}", value));
   };
@@ -102,5 +104,7 @@ std::string filter_text() {
   set("@RESOLUTIONS@", OutlierFilter::resolutions);
   return out;
 }
+
+std::string filter_text() { return with_filter_constants(filter_source); }
 
 }  // namespace imulab::firmware

@@ -16,4 +16,7 @@ std::string selftest_text(const SensorModel& model, const Input& accel, const In
 /// imulab_compensate_fixed and imulab_selftest_fixed.
 std::string fixed_text(const SensorModel& model, const Input& accel, const Input& gyro, const CHeaderOptions& options);
 
+/// imulab_filter_fixed and its functions; comes after fixed_text, which includes <stdint.h>.
+std::string fixed_filter_text();
+
 }  // namespace imulab::firmware
