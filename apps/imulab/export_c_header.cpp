@@ -42,8 +42,8 @@ void add_c_header_options(Verb& verb, CHeaderArguments& a) {
   verb.option("--gyro-counts-per-unit N", a.gyro_counts_per_unit, "c-header: the same of the gyros");
   verb.flag("--body-axes", a.body_axes, "c-header: the readings are along the body axes, not in the recording's columns");
   verb.flag("--fixed-point", a.fixed_point, "c-header: also a compensation in integers");
-  verb.option("--accel-range R", a.accel_range, "--fixed-point: largest reading; absent: 32768 counts, 16 g");
-  verb.option("--gyro-range R", a.gyro_range, "--fixed-point: largest reading; absent: 32768 counts, 2000 deg/s");
+  verb.option("--accel-range R", a.accel_range, "--fixed-point: largest reading; absent: 32768 counts, or 16 g");
+  verb.option("--gyro-range R", a.gyro_range, "--fixed-point: largest reading; absent: 32768 counts, or 2000 deg/s");
 }
 
 CHeaderOptions c_header_options(const CHeaderArguments& a, const Calibration& c) {

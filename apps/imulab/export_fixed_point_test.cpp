@@ -184,6 +184,21 @@ TEST(ExportFixedPoint, OfAnyModelNeverOverflowsAndKeepsItsBound) {
   }
 }
 
+TEST(ExportFixedPoint, TheUsualRangeSuitsTheCounts) {
+  CHeaderOptions options;
+  options.fixed_point = true;
+  Calibration c = every_term();  // 2e-3 m/s^2 and rad/s a count: 16 bits are 65 m/s^2
+  EXPECT_THAT(c_header(c, options),
+              testing::HasSubstr("accelerometers: counts, up to 32768 either way\n *      gyros: counts, up to 32768 either way"));
+  c = Calibration{};
+  c.covariance.resize(0, 0);
+  c.model.accel.raw_unit = c.model.gyro.raw_unit = "count";
+  c.model.accel.matrix *= 1e-5, c.model.gyro.matrix *= 1e-6;  // 24 bits: 16 g are 15.7 million counts
+  const std::string header = c_header(c, options);
+  EXPECT_THAT(header,
+              testing::HasSubstr("accelerometers: counts, up to 1.56906e+07 either way\n *      gyros: counts, up to 3.49066e+07 either way"));
+}
+
 constexpr const char* filter_program = R"(
 #include "calibration.h"
 #include <stdio.h>

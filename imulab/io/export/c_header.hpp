@@ -14,7 +14,8 @@ struct CHeaderOptions {
   /// Readings as the driver gives them. Absent: as the calibration's recording had them, or, where it does not say, the model's raw readings.
   std::optional<RecordedAs> accel{}, gyro{};
   bool fixed_point = false;  ///< also imulab_compensate_fixed and imulab_filter_fixed, in integers
-  /// Of imulab_compensate_fixed: the largest readings, in their unit. 0: 32768 counts, 16 g and 2000 deg/s.
+  /// Of imulab_compensate_fixed: the largest readings, in their unit. 0: 32768 counts where that is at least 1.5 g or 50 deg/s,
+  /// else 16 g and 2000 deg/s by the calibration's scale.
   double accel_range = 0, gyro_range = 0;
 };
 

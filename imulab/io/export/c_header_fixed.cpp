@@ -23,9 +23,17 @@ int bits_below(double value, double limit) {
 
 std::int64_t nearest(double value) { return std::llround(value); }
 
-void set_range(FixedTriad& f, const Input& in, double range) {
+/// Counts of 16 bits, unless the calibration's scale makes that less than sensors measure: 1.5 g, 50 deg/s. Otherwise 16 g, 2000 deg/s.
+double usual_range(const TriadModel& m, const Input& in) {
   const bool accel = in.triad == Triad::accel;
-  if (range == 0) range = in.counts ? 32768 : (accel ? 16 * unit::g : 2000 * unit::deg) / in.factor;
+  const double scale = in.as.unit == "count" ? m.matrix.cwiseAbs().maxCoeff() * in.factor : in.factor, bits16 = 32768;
+  const double physical = scale > 0 ? (accel ? 16 * unit::g : 2000 * unit::deg) / scale : bits16;
+  if (!in.counts) return physical;
+  return bits16 * scale >= (accel ? 1.5 * unit::g : 50 * unit::deg) ? bits16 : std::min(std::ceil(physical), largest_v);
+}
+
+void set_range(FixedTriad& f, const TriadModel& m, const Input& in, double range) {
+  if (range == 0) range = usual_range(m, in);
   if (!(range > 0 && std::isfinite(range) && range <= (in.counts ? largest_v : 1e12)))
     throw Error(fmt::format("a range of {:g} of the {}s' readings; expected one above 0 that 30 bits hold", range, in.triad_name()));
   f.in_bits = in.counts ? 0 : bits_below(range, largest_v);
@@ -136,7 +144,7 @@ double full_scale(const FixedTriad& f, const SensorModel& model, const TriadMode
 FixedTriad fixed_triad(const SensorModel& model, const Input& in, double range, const FixedTriad* force) {
   const TriadModel& m = in.triad == Triad::accel ? model.accel : model.gyro;
   FixedTriad f;
-  set_range(f, in, range);
+  set_range(f, m, in, range);
   f.thermal = !m.thermal.isZero(0);
   if (f.thermal) {
     if (!m.temperature) throw Error("the calibration has thermal terms, but no reference temperature");
