@@ -15,7 +15,6 @@
 #include "imulab/estimate/turntable/tolerance.hpp"
 #include "imulab/inspection/inspection.hpp"
 #include "imulab/io/calibration/file.hpp"
-#include "imulab/io/export/c_header.hpp"
 #include "imulab/io/export/target.hpp"
 #include "imulab/io/recording/compensated_bag.hpp"
 #include "imulab/io/recording/file.hpp"

@@ -7,8 +7,8 @@
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 
-#include "tests/exported_calibration.hpp"
 #include "tests/run_command.hpp"
+#include "tests/unit_of_every_term.hpp"
 #include <algorithm>
 #include <cmath>
 #include <regex>

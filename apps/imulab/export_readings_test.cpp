@@ -8,8 +8,8 @@
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 
-#include "tests/exported_calibration.hpp"
 #include "tests/recorded_session.hpp"
+#include "tests/unit_of_every_term.hpp"
 #include <cmath>
 
 namespace imulab {

@@ -2,14 +2,15 @@
 #include "imulab/core/random.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/export/c_header.hpp"
+#include "imulab/model/coefficient.hpp"
 #include "imulab/model/compensate.hpp"
 #include "imulab/model/outlier_filter.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 
-#include "tests/exported_calibration.hpp"
 #include "tests/run_command.hpp"
+#include "tests/unit_of_every_term.hpp"
 #include <cmath>
 #include <sstream>
 
