@@ -177,6 +177,25 @@ TEST(ExportedReadings, ThatDoNotFitAreRefused) {
   EXPECT_THAT([&] { c_header(every_term_in_si(), options); }, ThrowsMessage<Error>(HasSubstr("axis -x of column 2")));
 }
 
+TEST(ExportedReadings, AndNumbersOfNoImuMakeNoHeader) {
+  CHeaderOptions options;
+  options.fixed_point = true;
+  const auto refused = [&](auto change, const std::string& message) {
+    Calibration c = every_term_in_si();
+    change(c);
+    EXPECT_THAT(([&, c = c] { c_header(c, options); }), ThrowsMessage<Error>(HasSubstr(message)));
+  };
+  refused([](Calibration& c) { c.recorded_accel = RecordedAs{"g", 1e-320}; }, "readings of the accelerometers in counts");
+  refused([](Calibration& c) { c.recorded_gyro = RecordedAs{"rad", 1, 1e-320}; }, "cannot be converted");
+  refused([](Calibration& c) { c.model.accel.offset.x() = 1e308, c.model.accel.offset.y() = c.model.gyro.matrix(0, 0) = std::nan(""); },
+          "not finite");
+  refused([](Calibration& c) { c.model.accel.cubic.setConstant(1e307); }, "would be too large");
+  refused([](Calibration& c) { c.model.accel.offset.x() = 1e300; }, "expected 1e-6 to 1e6");
+  refused([](Calibration& c) { c.model.gyro.temperature->range = {-1e308, 1e308}; }, "");
+  refused([](Calibration& c) { c.model.gyro.temperature->range = {-1e30, 1e30}; }, "expected less than 1e9");
+  refused([](Calibration& c) { c.model.gyro.thermal(0, 1) = 1e6; }, "the thermal drift is larger than the range");
+}
+
 TEST(ExportedReadings, OfACalibrationFileAreChecked) {
   Calibration c = every_term();
   c.recorded_accel = RecordedAs{"count", 1, 0, {"-z", "+y", "+x"}};

@@ -35,7 +35,7 @@ double usual_range(const TriadModel& m, const Input& in) {
 void set_range(FixedTriad& f, const TriadModel& m, const Input& in, double range) {
   if (range == 0) range = usual_range(m, in);
   if (!(range > 0 && std::isfinite(range) && range <= (in.counts ? largest_v : 1e12)))
-    throw Error(fmt::format("a range of {:g} of the {}s' readings; expected one above 0 that 30 bits hold", range, in.triad_name()));
+    throw Error(fmt::format("a range of {:g} of the {}' readings; expected one above 0 that 30 bits hold", range, in.sensors()));
   f.in_bits = in.counts ? 0 : bits_below(range, largest_v);
   f.in_limit = std::max<std::int64_t>(nearest(std::ldexp(range, f.in_bits)), 1);
   f.in_shift = bits_below(static_cast<double>(f.in_limit), largest_v);
@@ -47,6 +47,8 @@ void set_temperature(FixedTriad& f, const TriadModel& m) {
   const ThermalReading& t = *m.temperature;
   const double far = std::max(std::abs(t.range[0] - t.reference), std::abs(t.range[1] - t.reference));
   const double distance = (t.range[0] == 0 && t.range[1] == 0) || !(far > 0) ? 100 : 1.5 * far;
+  if (!(std::abs(t.reference) + distance < 1e9))
+    throw Error(fmt::format("temperatures about {:g}, up to {:g} from it; expected less than 1e9 for integers", t.reference, distance));
   f.temperature_bits = std::min(16, bits_below(std::abs(t.reference) + distance, largest_v));
   f.reference = nearest(std::ldexp(t.reference, f.temperature_bits));
   f.temperature_limit = std::max<std::int64_t>(static_cast<std::int64_t>(std::ldexp(distance, f.temperature_bits)), 1);
@@ -153,7 +155,7 @@ FixedTriad fixed_triad(const SensorModel& model, const Input& in, double range, 
   }
   f.full_scale = full_scale(f, model, m, force);
   if (!(f.full_scale > 1e-6 && f.full_scale < 1e6))
-    throw Error(fmt::format("readings of the {}s up to the range give up to {:g} {}; expected 1e-6 to 1e6", in.triad_name(), f.full_scale,
+    throw Error(fmt::format("readings of the {} up to the range give up to {:g} {}; expected 1e-6 to 1e6", in.sensors(), f.full_scale,
                             in.triad == Triad::accel ? "m/s^2" : "rad/s"));
   f.out_bits = bits_below(f.full_scale, std::ldexp(1.0, 29));
   for (int i = 0; i < 3; ++i) {

@@ -63,6 +63,9 @@ Input input_of(const Calibration& calibration, const CHeaderOptions& options, Tr
   expect_fitting(in.as, triad, model.raw_unit);
   in.factor = si_factor(in.as.unit) / in.as.counts_per_unit;
   if (in.as.interval_s > 0) in.factor /= in.as.interval_s;
+  if (!(in.factor > 0 && std::isfinite(in.factor)))
+    throw Error(fmt::format("readings of the {} in {}: cannot be converted; expected a scale of an IMU", accel ? "accelerometers" : "gyros",
+                            described(in.as)));
   in.counts = in.as.unit == "count" || in.as.counts_per_unit != 1;
   set_axes(in);
   in.parameter = fmt::format("{}_{}", in.triad_name(), in.counts ? "count" : unit_in_name(in.as.unit));

@@ -19,6 +19,7 @@ struct Input {
   std::string unit;            ///< for people: "g", "counts, 4096 to one g"
   bool counts = false;         ///< integers, as a converter gives them
   const char* triad_name() const { return triad == Triad::accel ? "accel" : "gyro"; }
+  const char* sensors() const { return triad == Triad::accel ? "accelerometers" : "gyros"; }
 };
 
 /// Throws Error where the given or recorded readings do not fit the model.

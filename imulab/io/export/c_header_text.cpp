@@ -1,12 +1,16 @@
 #include "imulab/io/export/c_header_text.hpp"
 
+#include "imulab/core/error.hpp"
+
 #include <fmt/format.h>
 
 #include <cctype>
+#include <cmath>
 
 namespace imulab::firmware {
 
 std::string literal(double value) {
+  if (!std::isfinite(value)) throw Error("the header's numbers would be too large; expected a calibration and readings of an IMU");
   std::string text = fmt::format("{}", value);
   if (text.find_first_of(".e") == std::string::npos) text += ".0";
   return fmt::format("(imulab_real){}", value < 0 ? "(" + text + ")" : text);

@@ -10,7 +10,7 @@ namespace imulab::firmware {
 
 constexpr std::array<const char*, 3> axis_names{"x", "y", "z"};
 
-/// As a literal of the header's number type, exact in double.
+/// As a literal of the header's number type, exact in double. Throws Error where it is not finite.
 std::string literal(double value);
 /// An integer constant of up to 62 bits that every C and C++ reads, C++98 included.
 std::string literal(std::int64_t value);
