@@ -1,5 +1,6 @@
 // imulab export CALIBRATION --to TARGET
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/export_c_header.hpp"
 #include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/export/target.hpp"
@@ -19,12 +20,23 @@ namespace {
 struct Options {
   std::string calibration, target, output = "-";
   bool allow_undetermined = false, json = false;
+  CHeaderArguments c_header;
 };
+
+std::string text_of(const ExportTarget& target, const Calibration& calibration, const Options& o) {
+  if (target.name != "c-header") {
+    if (o.c_header.given()) throw Error("--to " + o.target + ": has none of the options of c-header; expected --to c-header");
+    return errors_at(o.calibration, [&] { return target.text(calibration); });
+  }
+  const CHeaderOptions options = c_header_options(o.c_header, calibration);
+  for (const std::string& assumed : assumed_readings(options, calibration)) warn(o.calibration + ": " + assumed);
+  return errors_at(o.calibration, [&] { return c_header(calibration, options); });
+}
 
 void run(const Options& o) {
   const Calibration calibration = read_usable(o.calibration, o.allow_undetermined);
   const ExportTarget& target = export_target(o.target);
-  const std::string text = errors_at(o.calibration, [&] { return target.text(calibration); });
+  const std::string text = text_of(target, calibration, o);
   const std::vector<std::string> lost = target.left_out(calibration);
   for (const std::string& left_out : lost) warn(o.calibration + ": " + left_out);
   if (o.json && o.output == "-") throw Error("--json: standard output has the export; expected -o FILE");
@@ -46,8 +58,10 @@ void add_export(Verb app) {
   verb.option("--to TARGET", o->target, fmt::format("{}", fmt::join(help, "; "))).required().one_of(names);
   verb.option("-o,--output FILE", o->output, "the file to write; - for standard output").show_default();
   add_allow_undetermined(verb, o->allow_undetermined);
+  add_c_header_options(verb, o->c_header);
   verb.flag("--json", o->json, "print what was written and what it leaves out as JSON");
   verb.example("imulab export calibration.json --to c-header -o imu_calibration.h");
+  verb.example("imulab export calibration.json --to c-header --input-accel g -o imu.h");
   verb.does([o] { run(*o); });
 }
 

@@ -10,51 +10,12 @@
 #include <gmock/gmock.h>
 
 #include "tests/run_command.hpp"
+#include "tests/unit_of_every_term.hpp"
 #include <cmath>
 #include <sstream>
 
 namespace imulab {
 namespace {
-
-/// A unit that uses every term, in counts, with a resonance frequency as the gyros' thermal reading.
-Calibration every_term() {
-  Calibration c;
-  c.imu = "unit */ #include <x>";  // hostile
-  c.method = "truth";
-  c.model.accel.raw_unit = c.model.gyro.raw_unit = "count";
-  for (const CoefficientIndex index : coefficient_indices()) {
-    const Coefficient& k = coefficient(index);
-    const double sign = index % 2 ? -1 : 1, size = 1 + 0.1 * (index % 7);
-    double value = 0;
-    switch (k.term) {
-      case Term::offset:
-        value = 0.1;
-        break;
-      case Term::matrix:
-        value = k.row == k.column ? 2e-3 : 1e-5;
-        break;
-      case Term::quadratic:
-        value = 1e-9;
-        break;
-      case Term::cubic:
-        value = 1e-13;
-        break;
-      case Term::thermal:
-        value = k.column == 1 ? 2.5 : 0.03;
-        break;
-      case Term::g_sensitivity:
-        value = 1e-4;
-        break;
-      case Term::lever_arm:
-        break;
-    }
-    if (value != 0) set_coefficient(c.model, index, (k.row == k.column && k.term == Term::matrix ? 1 : sign) * size * value);
-  }
-  c.model.accel.temperature = ThermalReading{"degC", 25, {0, 70}};
-  c.model.gyro.temperature = ThermalReading{"raw", 4987.5, {4900, 5100}};
-  c.covariance.resize(0, 0);
-  return c;
-}
 
 struct Row {
   std::array<double, 12> in;
@@ -71,8 +32,6 @@ std::vector<Row> rows() {
   }
   return out;
 }
-
-constexpr const char* warnings = " -O2 -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Werror -o program";
 
 constexpr const char* program = R"(
 #include "calibration.h"
@@ -112,7 +71,7 @@ TEST(Export, TheHeaderCompilesAnywhereAndDoesWhatTheLibraryDoes) {
                              {"c++ -std=c++98 -Wno-long-long program.cpp", 1e-14},
                              {"cc -std=c99 -DIMULAB_REAL=float program.c", 3e-6},
                              {"c++ -std=c++20 -DIMULAB_REAL=float program.cpp", 3e-6}}) {
-    const CommandResult compiled = run_shell(folder, build.command + warnings);
+    const CommandResult compiled = run_shell(folder, build.command + header_warnings);
     ASSERT_EQ(compiled.exit_code, 0) << build.command << compiled.errors;
     std::istringstream output(run_shell(folder, "./program < input").output);
     std::istringstream given(input);
@@ -192,7 +151,7 @@ TEST(Export, TheHeadersFilterReplacesWhatTheLibraryReplaces) {
   for (const Build& build : {Build{"cc -std=c99 program.c", 0},
                              {"c++ -std=c++98 -Wno-long-long program.cpp", 0},
                              {"cc -std=c99 -DIMULAB_REAL=float program.c", 2e-3}}) {  // float: a rounding of readings up to 20,000
-    const CommandResult compiled = run_shell(folder, build.command + warnings);
+    const CommandResult compiled = run_shell(folder, build.command + header_warnings);
     ASSERT_EQ(compiled.exit_code, 0) << build.command << compiled.errors;
     std::istringstream output(run_shell(folder, "./program < input").output);
     for (const auto& out : expected) {
@@ -226,7 +185,7 @@ int main(void) {
 )");
   for (const auto& [file, expected] : {std::pair{"both", "0111"}, {"gyro", "0010"}}) {
     const CommandResult result =
-        run_shell(folder, std::string("cc -std=c99 program.c -DCALIBRATION='\"") + file + ".h\"'" + warnings + " && ./program");
+        run_shell(folder, std::string("cc -std=c99 program.c -DCALIBRATION='\"") + file + ".h\"'" + header_warnings + " && ./program");
     EXPECT_EQ(result.output, expected) << result.errors;
   }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "imulab/model/coefficient.hpp"
+#include "imulab/model/recorded_as.hpp"
 #include "imulab/model/sensor_model.hpp"
 
 #include <array>
@@ -107,6 +108,7 @@ struct Calibration {
   std::map<std::string, std::string> options;  ///< of the calibration, as they were given
   std::string frame = "accelerometers";        ///< or "rig"
   SensorModel model;
+  std::optional<RecordedAs> recorded_accel, recorded_gyro;  ///< absent: not known, or the recordings differ
   std::vector<CoefficientIndex> estimated;  ///< table indices of the coefficients in `covariance`, in its order
   Eigen::MatrixXd covariance;               ///< SI, estimated.size() squared
   Quality quality;

@@ -27,8 +27,8 @@ std::string calibration_text(const Calibration& calibration);
 void write_calibration(const std::filesystem::path& path, const Calibration& calibration);
 
 /// Fills in where the calibration comes from: the IMU's name and serial number, who took the data, the time now (UTC), this software's version, the
-/// session's file and its SHA-256, and each recording's file with SHA-256, size, stamps and range of thermal readings. `recordings`: one for each of
-/// the session's. Throws Error where a file cannot be read.
+/// session's file and its SHA-256, how the recordings had the readings, and each recording's file with SHA-256, size, stamps and range of thermal
+/// readings. `recordings`: one for each of the session's. Throws Error where a file cannot be read.
 void add_provenance(Calibration& calibration, const Session& session, std::span<const Recording> recordings);
 
 /// Whether a file is still the one that a calibration was made from.

@@ -26,6 +26,28 @@ std::optional<std::array<double, 2>> range_of(const Columns3& columns) {
   return range[0] <= range[1] ? std::optional(range) : std::nullopt;
 }
 
+RecordedAs recorded_as(const TriadSource& source, double interval_s) {
+  RecordedAs out{source.unit, source.counts_per_unit.value_or(1), source.output == Output::increment ? interval_s : 0};
+  if (source.axes)
+    for (std::size_t i = 0; i < 3; ++i) out.axes[i] = {(*source.axes)[i].sign > 0 ? '+' : '-', "xyz"[(*source.axes)[i].index]};
+  return out;
+}
+
+/// What all recordings have in common, or nothing: a program for the IMU has one kind of readings. A live stream is declared without being a
+/// recording.
+std::optional<RecordedAs> recorded_as(const Session& session, std::span<const Recording> recordings, TriadSource RecordingSource::*triad) {
+  std::optional<RecordedAs> common;
+  for (std::size_t k = 0; k < session.recordings.size(); ++k) {
+    const RecordingSource& source = session.recordings[k];
+    const double interval_s = k < recordings.size() ? recordings[k].interval_s : source.rate_hz ? 1 / *source.rate_hz : 0;
+    if ((source.*triad).output == Output::increment && !(interval_s > 0)) return std::nullopt;
+    const RecordedAs one = recorded_as(source.*triad, interval_s);
+    if (common && one != *common) return std::nullopt;
+    common = one;
+  }
+  return common;
+}
+
 }  // namespace
 
 std::string software() { return "imulab " IMULAB_VERSION; }
@@ -37,6 +59,8 @@ void add_provenance(Calibration& calibration, const Session& session, std::span<
   calibration.software = software();
   calibration.session_file = session.file;
   calibration.session_sha256 = session.sha256;
+  calibration.recorded_accel = recorded_as(session, recordings, &RecordingSource::accel);
+  calibration.recorded_gyro = recorded_as(session, recordings, &RecordingSource::gyro);
   calibration.sources.clear();
   for (std::size_t k = 0; k < recordings.size(); ++k) {
     const Recording& r = recordings[k];

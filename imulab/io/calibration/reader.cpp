@@ -2,7 +2,9 @@
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/json_field.hpp"
+#include "imulab/io/text/names.hpp"
 #include "imulab/model/coefficient.hpp"
+#include "imulab/recording/unit_names.hpp"
 
 #include <fmt/core.h>
 
@@ -160,6 +162,30 @@ SourceFile read_source(const Field& f) {
           f["last_s"].number(), range("accel_temperature"), range("gyro_temperature")};
 }
 
+/// `raw`: the unit that the model takes.
+RecordedAs read_recorded(const Field& f, Quantity quantity, const std::string& raw) {
+  RecordedAs out{
+      f["unit"].text(), f["counts_per_unit"].number(), f.has("interval_s") && !f["interval_s"].is_null() ? f["interval_s"].number() : 0, {}};
+  if (!(out.counts_per_unit > 0)) f["counts_per_unit"].expected("a number above 0");
+  if (!(out.interval_s >= 0)) f["interval_s"].expected("a number above 0, or null");
+  const std::vector<std::string_view> units = unit_names(quantity, out.interval_s > 0);
+  if (std::find(units.begin(), units.end(), out.unit) == units.end()) f["unit"].expected(text::listed(units));
+  const bool counts = out.unit == "count";
+  if (!raw.empty() && counts != (raw == "count")) f["unit"].expected(fmt::format("what becomes {}, which the model takes", raw));
+  if (counts && out.counts_per_unit != 1) f["counts_per_unit"].expected("1 with the unit count");
+  std::string seen;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Field axis = f["axes"].item(i, 3, "axes");
+    out.axes[i] = axis.text();
+    if (out.axes[i].size() != 2 || (out.axes[i][0] != '+' && out.axes[i][0] != '-') ||
+        std::string_view("xyz").find(out.axes[i][1]) == std::string::npos)
+      axis.expected("a body axis from \"+x\" to \"-z\"");
+    if (seen.find(out.axes[i][1]) != std::string::npos) axis.expected("an axis that no other column has");
+    seen += out.axes[i][1];
+  }
+  return out;
+}
+
 void check_format(const Field& root) {
   if (!root.has("format")) root.fail(fmt::format("format: is missing; expected \"{}\"", format_name));
   const std::string format = root["format"].text();
@@ -191,6 +217,11 @@ Calibration parse_calibration(std::string_view text, const std::string& file) {
   c.frame = root["frame"].text();
   if (c.frame != "accelerometers" && c.frame != "rig") root["frame"].expected("\"accelerometers\" or \"rig\"");
   c.model = read_model(root["model"]);
+  if (root.has("recorded")) {
+    const Field recorded = root["recorded"];
+    if (recorded.has("accel")) c.recorded_accel = read_recorded(recorded["accel"], Quantity::accel, c.model.accel.raw_unit);
+    if (recorded.has("gyro")) c.recorded_gyro = read_recorded(recorded["gyro"], Quantity::gyro, c.model.gyro.raw_unit);
+  }
   c.estimated = read_estimated(root["covariance"]["coefficients"]);
   c.covariance = read_covariance(root["covariance"]["matrix"], c.estimated.size());
   if (root.has("standard_uncertainty")) check_uncertainties(root["standard_uncertainty"], c);

@@ -154,22 +154,29 @@ std::string layout(const Json& value, const std::string& indent) {
   return fmt::format("{}\n{}{}\n{}{}", brackets[0], inner, out, indent, brackets[1]);
 }
 
+Json recorded_json(const RecordedAs& r) {
+  return {{"unit", r.unit}, {"counts_per_unit", r.counts_per_unit}, {"interval_s", number_or_null(r.interval_s)}, {"axes", r.axes}};
+}
+
 Json calibration_json(const Calibration& c) {
-  return {{"format", "imulab.calibration/1"},
-          {"imu", c.imu},
-          {"serial", text_or_null(c.serial)},
-          {"operator", text_or_null(c.operated_by)},
-          {"method", c.method},
-          {"created", c.created},
-          {"software", c.software},
-          {"session", {{"file", c.session_file}, {"sha256", c.session_sha256}}},
-          {"sources", sources_json(c.sources)},
-          {"options", c.options},
-          {"frame", c.frame},
-          {"model", model_json(c.model)},
-          {"standard_uncertainty", uncertainty_json(c)},
-          {"covariance", covariance_json(c)},
-          {"quality", quality_json(c.quality)}};
+  Json out{{"format", "imulab.calibration/1"},
+           {"imu", c.imu},
+           {"serial", text_or_null(c.serial)},
+           {"operator", text_or_null(c.operated_by)},
+           {"method", c.method},
+           {"created", c.created},
+           {"software", c.software},
+           {"session", {{"file", c.session_file}, {"sha256", c.session_sha256}}},
+           {"sources", sources_json(c.sources)},
+           {"options", c.options},
+           {"frame", c.frame},
+           {"model", model_json(c.model)},
+           {"standard_uncertainty", uncertainty_json(c)},
+           {"covariance", covariance_json(c)},
+           {"quality", quality_json(c.quality)}};
+  if (c.recorded_accel) out["recorded"]["accel"] = recorded_json(*c.recorded_accel);
+  if (c.recorded_gyro) out["recorded"]["gyro"] = recorded_json(*c.recorded_gyro);
+  return out;
 }
 
 }  // namespace

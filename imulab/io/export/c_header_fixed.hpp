@@ -1,0 +1,51 @@
+// The sensor model in integers of 32 bits with sums of 64, and how far it can be from the exact model.
+//
+//   v = reading 2^shift                                     |v| <= 2^30: the range of the readings
+//   V = v - (k0 + (k1 + (k2 t >> 30)) t >> 30 + s)          the thermal drift; t = (T - T0) 2^shift, |t| <= 2^30
+//   V2 = V V >> 31, V3 = V2 V >> 31
+//   out = (a0 + sum a_j V_j + a2 V2 + a3 V3 + sum c_j f_j) >> s      every >> rounds to nearest; a and c have up to 31 bits
+#pragma once
+
+#include "imulab/io/export/c_header_input.hpp"
+
+#include <array>
+#include <cstdint>
+
+namespace imulab::firmware {
+
+struct FixedDrift {
+  std::int64_t k0 = 0, k1 = 0, k2 = 0;
+  int shift = 0;
+  double largest = 0, error = 0;  ///< in units of v
+};
+
+struct FixedRow {
+  std::int64_t offset = 0;
+  std::array<std::int64_t, 3> matrix{}, g_sensitivity{};
+  std::int64_t quadratic = 0, cubic = 0;
+  int shift = 1;
+};
+
+struct FixedTriad {
+  int in_bits = 0;            ///< a reading is an integer times 2^-in_bits of its unit
+  std::int64_t in_limit = 0;  ///< readings beyond it are taken as the limit
+  int in_shift = 0;
+  double v_unit = 0;  ///< model's raw reading that is v = 1
+  bool thermal = false;
+  int temperature_bits = 0;                           ///< a temperature is an integer times 2^-bits of its unit
+  std::int64_t reference = 0, temperature_limit = 0;  ///< T0, and the largest |T - T0|; beyond it the limit is taken
+  int temperature_shift = 0;
+  std::array<FixedDrift, 3> drift;
+  std::array<FixedRow, 3> row;
+  int out_bits = 0;               ///< an output is an integer times 2^-out_bits, SI
+  double full_scale = 0;          ///< the largest output, SI
+  std::array<double, 3> error{};  ///< of the outputs, SI: the largest within the ranges
+
+  double largest_error() const { return std::max({error[0], error[1], error[2]}); }
+};
+
+/// `range`: the largest reading in its unit, 0 for the usual one. `force`: of the gyros' triad, the accelerometers'; else null. Throws Error where a
+/// range is not positive or too large for 30 bits, or where the drift exceeds it.
+FixedTriad fixed_triad(const SensorModel& model, const Input& in, double range, const FixedTriad* force);
+
+}  // namespace imulab::firmware
