@@ -1,14 +1,18 @@
 // imulab export CALIBRATION --to TARGET
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/session_recording.hpp"
 #include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/export/target.hpp"
 #include "imulab/io/result/fields.hpp"
+#include "imulab/io/result/noise_reader.hpp"
 #include "imulab/io/text/file.hpp"
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,20 +20,57 @@ namespace imulab::command {
 
 namespace {
 
+namespace fs = std::filesystem;
+
+constexpr const char* all_targets = "all";
+
 struct Options {
-  std::string calibration, target, output = "-";
+  std::string calibration, target, output = "-", noise, axes = "worst";
   bool allow_undetermined = false, json = false;
+  ExportOptions choices;
 };
+
+/// Writes one target's file, whole or not at all, after its warnings.
+JsonFields write_target(const ExportTarget& target, const ExportInput& input, const Options& o, const std::string& output) {
+  expect_inputs_stay("-o", output, {}, {o.calibration, o.noise});
+  const std::string text = errors_at(o.calibration, [&] { return target.text(input); });
+  const std::vector<std::string> lost = target.left_out(input);
+  const std::string place = o.target == all_targets ? fmt::format("{}: {}", o.calibration, target.name) : o.calibration;
+  if (!lost.empty()) warn(fmt::format("{}: not held by this target: {}", place, fmt::join(lost, "; ")));
+  if (target.warnings != nullptr)
+    for (const std::string& warning : target.warnings(input)) warn(place + ": " + warning);
+  write_whole(output, text);
+  return {{{"target", std::string(target.name)}, {"file", output}, {"left_out", lost}}};
+}
+
+/// Every target that this calibration and this noise allow; the others are named.
+void write_all(const ExportInput& input, const Options& o) {
+  if (o.output == "-") throw Error("--to all: writes several files; expected -o FOLDER");
+  if (fs::exists(o.output) && !fs::is_directory(o.output)) throw Error(fmt::format("-o {}: is a file; expected a folder", o.output));
+  fs::create_directories(o.output);
+  std::vector<JsonFields> written;
+  for (const ExportTarget& target : export_targets()) {
+    try {
+      written.push_back(write_target(target, input, o, fs::path(o.output) / target.file));
+    } catch (const Error& e) {
+      warn(fmt::format("{} is not written: {}", target.name, e.what()));
+    }
+  }
+  if (written.empty()) throw Error(o.calibration + ": no target could be written");
+  if (o.json) return fmt::print("{}", fields_json({{{"files", written}}}));
+  for (const JsonFields& file : written) print(std::get<std::string>(file.fields[1].second) + "\n");
+}
 
 void run(const Options& o) {
   const Calibration calibration = read_usable(o.calibration, o.allow_undetermined);
-  const ExportTarget& target = export_target(o.target);
-  const std::string text = errors_at(o.calibration, [&] { return target.text(calibration); });
-  const std::vector<std::string> lost = target.left_out(calibration);
-  for (const std::string& left_out : lost) warn(o.calibration + ": " + left_out);
+  std::optional<ImuNoise> noise;
+  if (!o.noise.empty()) noise = read_noise(o.noise);
+  ExportInput input{calibration, noise ? &*noise : nullptr, o.choices};
+  input.options.axes = o.axes == "mean" ? AxisChoice::mean : AxisChoice::worst;
+  if (o.target == all_targets) return write_all(input, o);
   if (o.json && o.output == "-") throw Error("--json: standard output has the export; expected -o FILE");
-  write_whole(o.output, text);
-  if (o.json) fmt::print("{}", fields_json({{{"target", o.target}, {"file", o.output}, {"left_out", lost}}}));
+  const JsonFields written = write_target(export_target(o.target), input, o, o.output);
+  if (o.json) fmt::print("{}", fields_json(written));
 }
 
 }  // namespace
@@ -42,12 +83,23 @@ void add_export(Verb app) {
     names.emplace_back(target.name);
     help.push_back(fmt::format("{}: {}", target.name, target.summary));
   }
+  names.emplace_back(all_targets);
+  help.push_back("all: each of them, into the folder of -o");
   verb.option("CALIBRATION", o->calibration, "calibration.json").required();
   verb.option("--to TARGET", o->target, fmt::format("{}", fmt::join(help, "; "))).required().one_of(names);
-  verb.option("-o,--output FILE", o->output, "the file to write; - for standard output").show_default();
+  verb.option("-o,--output FILE", o->output, "the file to write; - for standard output; with --to all a folder").show_default();
+  verb.option("--noise FILE", o->noise, "noise.json, from imulab noise: for targets that hold noise");
+  verb.option("--axes CHOICE", o->axes, "where a target has one number of noise for three axes: the worst axis, or their mean")
+      .one_of({"worst", "mean"})
+      .show_default();
+  verb.option("--rate HZ", o->choices.rate_hz, "samples a second of the stream; without it those of the noise's log").in_range(1e-3, 1e6);
+  verb.flag("--variance-matched", o->choices.variance_matched, "vins: white noise for which the covariance that its code propagates is right");
+  verb.option("--model MODEL", o->choices.imu_model, "openvins: its IMU model").one_of({"kalibr", "rpng"}).show_default();
+  verb.option("--instance N", o->choices.instance, "px4, ardupilot: which of the autopilot's IMUs, from 0").in_range(0, 2).show_default();
   add_allow_undetermined(verb, o->allow_undetermined);
   verb.flag("--json", o->json, "print what was written and what it leaves out as JSON");
   verb.example("imulab export calibration.json --to c-header -o imu_calibration.h");
+  verb.example("imulab export calibration.json --noise noise.json --to kalibr -o imu0.yaml");
   verb.does([o] { run(*o); });
 }
 
