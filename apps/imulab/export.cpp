@@ -36,7 +36,10 @@ JsonFields write_target(const ExportTarget& target, const ExportInput& input, co
   const std::string text = errors_at(o.calibration, [&] { return target.text(input); });
   const std::vector<std::string> lost = target.left_out(input);
   const std::string place = o.target == all_targets ? fmt::format("{}: {}", o.calibration, target.name) : o.calibration;
-  if (!lost.empty()) warn(fmt::format("{}: not held by this target: {}", place, fmt::join(lost, "; ")));
+  if (o.target == all_targets && !lost.empty())
+    warn(fmt::format("{}: does not hold all of the calibration: the head of {} lists what, and how much", place, output));
+  else
+    for (const std::string& sentence : lost) warn(fmt::format("{}: not held by {}: {}", place, target.name, sentence));
   if (target.warnings != nullptr)
     for (const std::string& warning : target.warnings(input)) warn(place + ": " + warning);
   write_whole(output, text);

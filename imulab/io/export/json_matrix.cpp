@@ -57,13 +57,14 @@ std::string json_matrix_text(const ExportInput& input) {
                   {"V = u - (c1 (T - reference) + c2 (T - reference)^2): u a reading, T the thermal reading of its axis; V = u without \"thermal\"",
                    "specific force = matrix (V - bias) + quadratic V^2 + cubic V^3 of the accelerometers; at rest +g along up",
                    "angular rate = matrix (V - bias - g_sensitivity force) + quadratic V^2 + cubic V^3 of the gyros",
-                   "matrices by rows; matrix is the correction, bias is subtracted from readings; absent terms are zero"}},
+                   "matrices by rows; matrix is the correction, bias is subtracted from readings; absent terms are zero",
+                   "standard_uncertainty: of the coefficients of imulab's own model, in SI"}},
                  {"not_held", left_out_of_matrices(input)},
                  {"accelerometers", triad_json(m.accel, c.model.accel, "m/s^2")},
                  {"gyros", triad_json(m.gyro, c.model.gyro, "rad/s")}};
   out["gyros"]["g_sensitivity"] = rows(m.G);
   if (!c.model.lever_arm.isZero(0)) out["accelerometers"]["lever_arm_m"] = rows(c.model.lever_arm);
-  out["standard_uncertainty"] = uncertainties_json(c);  // of imulab's own coefficients, SI (docs/conventions.md)
+  out["standard_uncertainty"] = uncertainties_json(c);
   if (input.noise != nullptr) {
     const NoiseValues n = noise_values(input, "json-matrix");
     out["noise"] = {{"rate_hz", n.rate_hz},

@@ -41,12 +41,12 @@ std::string kalibr_text(const ExportInput& input) {
   // a_m = M_a (C_i_b a_b) + b_a,  w_m = M_g (C_gyro_i C_i_b w_b) + A (C_gyro_i C_i_b a_b) + b_g, with M_a and M_g lower triangular.
   const TriangularFactors a = lower_factors(m.accel.T), g = lower_factors(m.gyro.T);
   const Matrix3d C_gyro_i = g.Q * a.Q.transpose(), A = m.G * g.Q.transpose();
-  Sentences facts{
-      "Readings from motion, b the body frame of the calibration, i the IMU frame:",
-      "  a_m = M_a C_i_b a_b + b_a          w_m = M_g C_gyro_i C_i_b w_b + A C_gyro_i C_i_b a_b + b_g",
-      "so M is the inverse of a correction matrix, and biases are subtracted from readings. a_b: specific force, +g along up at rest.",
-      "M are lower triangular (exact factors of the whole matrices); C_i_b is the rotation of T_i_b.",
-      "b_a [m/s^2]: " + row_text(m.accel.b) + ", b_g [rad/s]: " + row_text(m.gyro.b) + ": no key of this file holds them, Kalibr estimates its own."};
+  Sentences facts{"Readings from motion, b the body frame of the calibration, i the IMU frame:",
+                  "  a_m = M_a C_i_b a_b + b_a          w_m = M_g C_gyro_i C_i_b w_b + A C_gyro_i C_i_b a_b + b_g",
+                  "so M is the inverse of a correction matrix, and biases are subtracted from readings. a_b: specific force, +g along up at rest.",
+                  "M are lower triangular (exact factors of the whole matrices); C_i_b is the rotation of T_i_b.",
+                  "No key of this file holds the biases, Kalibr estimates its own: b_a [m/s^2] " + row_text(m.accel.b) + ",",
+                  "  b_g [rad/s] " + row_text(m.gyro.b)};
   facts.insert(facts.end(), n.facts.begin(), n.facts.end());
   std::string text = comment_head(input, "Kalibr (result form)", facts, left_out_of_kalibr(input));
   text += "imu0:\n  T_i_b:\n";
@@ -61,10 +61,11 @@ std::string kalibr_text(const ExportInput& input) {
 Sentences left_out_of_kalibr(const ExportInput& input) { return losses(input.calibration.model, kalibr_holds); }
 
 Sentences left_out_of_noise_files(const ExportInput& input) {
-  if (!input.calibration.model.accel.raw_unit.empty() && input.calibration.model.accel.raw_unit != "m/s^2")
-    return {"the calibration: offsets, matrices and all other terms"};
-  Sentences out = losses(input.calibration.model, {});
-  if (!out.empty()) out.insert(out.begin(), "the calibration as a whole: apply it with `imulab compensate` before");
+  const SensorModel& m = input.calibration.model;
+  const char* advice = "the calibration: apply it with `imulab compensate` before";
+  if (m.accel.raw_unit == "count" || m.gyro.raw_unit == "count") return {advice};
+  Sentences out = whole_calibration(m);
+  out.insert(out.begin(), advice);
   return out;
 }
 

@@ -31,6 +31,9 @@ SensorModel reduced(SensorModel model, const Held& held);
 /// inverse there.
 std::vector<std::string> losses(const SensorModel& model, const Held& held);
 
+/// For a target that holds nothing of it: the same sum, a sentence a triad.
+std::vector<std::string> whole_calibration(const SensorModel& model);
+
 /// A size in user units: "1.9 mg", "340 deg/h".
 std::string accel_size(double si);
 std::string gyro_size(double si);

@@ -57,8 +57,9 @@ NoiseValues noise_values(const ExportInput& input, const std::string& program) {
   out.rate_hz = input.options.rate_hz ? *input.options.rate_hz : n.interval_s > 0 ? 1 / n.interval_s : 0;
   if (!(std::isfinite(out.rate_hz) && out.rate_hz > 0)) throw Error("noise: has no sample interval; expected --rate HZ");
   if (!input.options.rate_hz) out.rate_hz = std::round(out.rate_hz * 1e6) / 1e6;  // 0.005 s is 200 Hz
-  out.facts.push_back(fmt::format("Noise: fitted to a log at rest, \"{}\"; {}.", plain(n.recording),
-                                  choice == AxisChoice::worst ? "of three axes the worst" : "the mean of three axes"));
+  out.facts.push_back(fmt::format("Noise: fitted to a log at rest, \"{}\".", plain(n.recording)));
+  out.facts.emplace_back(choice == AxisChoice::worst ? "One number stands for three axes: the worst."
+                                                     : "One number stands for three axes: their mean.");
   return out;
 }
 

@@ -20,7 +20,7 @@ struct NoiseValue {
 struct NoiseValues {
   NoiseValue accel_N, accel_K, gyro_N, gyro_K;  ///< m/s^2/sqrt(Hz), m/s^3/sqrt(Hz), rad/s/sqrt(Hz), rad/s^2/sqrt(Hz)
   double rate_hz = 0;
-  std::vector<std::string> facts;  ///< for the head of a file: which axis, which rate, which log
+  std::vector<std::string> facts;  ///< for the head of a file: which log; then which axis
 };
 
 /// Throws Error where there is no noise (`program` needs it: the message says to give --noise), where it is in counts, or where a coefficient has

@@ -22,8 +22,8 @@ Sentences openvins_facts(const ConsumerModel& m, const OpenVinsModel& v, const N
                   "I = C b with b the body frame of the calibration and the rows of C " + row_text(v.C_I_b.row(0).transpose()) + ", " +
                       row_text(v.C_I_b.row(1).transpose()) + ", " + row_text(v.C_I_b.row(2).transpose()) + "; T_imu_cam of the cameras refers to I.",
                   "Tg is applied in the IMU frame: it equals Kalibr's A C_gyro_i, not A.",
-                  "b_a [m/s^2]: " + row_text(m.accel.b) + ", b_g [rad/s]: " + row_text(m.gyro.b) +
-                      ": no key of this file holds them, OpenVINS estimates its own."};
+                  "No key of this file holds the biases, OpenVINS estimates its own: b_a [m/s^2] " + row_text(m.accel.b) + ",",
+                  "  b_g [rad/s] " + row_text(m.gyro.b)};
   facts.insert(facts.end(), n.facts.begin(), n.facts.end());
   return facts;
 }

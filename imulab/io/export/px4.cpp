@@ -51,7 +51,7 @@ std::string px4_text(const ExportInput& input) {
       "correction matrix. Gyros have no scale. Readings: as the driver gives them, in the units and axes of the calibration's recording.",
       fmt::format(
           "CAL_ACC{0}_ID and CAL_GYRO{0}_ID (with temperature also TC_A{0}_ID, TC_G{0}_ID) must hold the sensors' device ids: not written here.", i),
-      "Parameters are in single precision. Versions of PX4 before 2022 ignored changes of offset or scale below 0.01 m/s^2 or 0.01."};
+      "Parameters are in single precision. Some versions of PX4 ignore changes of offset or scale below 0.01 (m/s^2; 1)."};
   px4_thermal_fact(facts, model.accel, "Accelerometers'", accel_size);
   px4_thermal_fact(facts, model.gyro, "Gyros'", gyro_size);
   std::string text = comment_head(input, "PX4", facts, left_out_of_px4(input)) + "# Vehicle-Id Component-Id Name Value Type\n";

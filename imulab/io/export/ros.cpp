@@ -30,7 +30,7 @@ std::string ros_text(const ExportInput& input) {
   Sentences facts{
       fmt::format("Variances of a sample, each axis its own: white noise N^2 times {:g} Hz. A stream that was low-passed has less.", n.rate_hz),
       "Correct the readings with `imulab compensate` before. Orientation: -1, the message has none."};
-  facts.insert(facts.end(), n.facts.begin(), n.facts.end());
+  facts.push_back(n.facts.front());
   return comment_head(input, "ROS (sensor_msgs/Imu)", facts, left_out_of_noise_files(input)) +
          ros_covariance("linear_acceleration_covariance", n.accel_N, n.rate_hz, "(m/s^2)^2") +
          ros_covariance("angular_velocity_covariance", n.gyro_N, n.rate_hz, "(rad/s)^2") +
