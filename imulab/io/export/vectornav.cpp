@@ -1,5 +1,5 @@
 // VectorNav: the user's compensation of accelerometers and gyros as commands, registers 25 and 84 (VN-100 user manual UM001: 12 numbers C00 C01 ...
-// C22 B0 B1 B2, output = C (input - B)).
+// C22 B0 B1 B2, output = C (input - B); section 3.8.2: the checksum).
 #include "imulab/io/export/consumer_model.hpp"
 #include "imulab/io/export/loss.hpp"
 #include "imulab/io/export/targets.hpp"

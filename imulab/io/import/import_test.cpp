@@ -357,7 +357,12 @@ TEST(Import, DamageIsNamedByFileAndLine) {
 TEST(Import, NoBytesDoMoreThanAnError) {
   const ImuNoise noise = some_noise();
   const Calibration thermal = thermal_unit();
-  std::vector<std::string> seeds{chain, imucal_text, psins_text, "1 0 0\n0 1 0\n0 0 1\n0.1 0.2 0.3\n"};
+  std::vector<std::string> seeds;
+  for (const auto& entry : std::filesystem::directory_iterator(IMULAB_SOURCE "/tests/imports"))
+    if (entry.path().extension() != ".md") {
+      seeds.push_back(read_text(entry.path()));
+      EXPECT_NO_THROW(import(seeds.back())) << entry.path();
+    }
   for (const char* target : {"kalibr", "openvins", "px4", "ardupilot", "vectornav", "json-matrix"})
     seeds.push_back(exported(target, {thermal, &noise}));
   const RandomStream random(77, "damage");
