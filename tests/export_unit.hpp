@@ -6,6 +6,9 @@
 #include "imulab/io/export/target.hpp"
 #include "imulab/model/compensate.hpp"
 
+#include <Eigen/LU>
+
+#include <algorithm>
 #include <cstdint>
 
 namespace imulab::export_test {
@@ -91,6 +94,20 @@ inline Reading random_reading(const SensorModel& model, const RandomStream& rand
   r.compensated = compensate(model, r.raw);
   return r;
 }
+
+/// The bias that is subtracted from readings.
+inline Vector3d bias_of(const TriadModel& m) { return -m.matrix.inverse() * m.offset; }
+
+/// Largest difference, relative to the size of the motion.
+struct Worst {
+  double force = 0, rate = 0;
+  void add(const Motion& found, const Motion& expected) {
+    force = std::max(force, (found.force - expected.force).norm() / (1 + expected.force.norm()));
+    rate = std::max(rate, (found.rate - expected.rate).norm() / (1 + expected.rate.norm()));
+  }
+};
+
+inline constexpr double double_rounding = 1e-12;  // some tens of operations, numbers in the file exact
 
 inline std::string exported(const char* target, const ExportInput& input) { return export_target(target).text(input); }
 

@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::size_t largest_yaml = std::size_t{256} << 10;
 constexpr int deepest = 20;
+constexpr std::size_t most_keys = 1000;  // of one map
 
 /// yaml-cpp calls itself for each level, so levels are counted in the text before: brackets that are open, "- - -" and "? ?" in one line, and columns
 /// of indentation. A text in quotes may hold brackets; more than 20 of them are refused too.
@@ -53,6 +54,7 @@ class TreeBuilder : public YAML::EventHandler {
     Level* level = levels_.empty() ? nullptr : &levels_.back();
     if (level != nullptr && level->node.kind == YamlNode::Kind::map && !level->key) {
       if (level->node.find(value) != nullptr) fail_at(source_, mark.line + 1, printable(value) + ": is given twice; expected each key once");
+      if (level->node.keys.size() >= most_keys) fail_at(source_, mark.line + 1, fmt::format("more than {} keys; expected a calibration", most_keys));
       level->key = value;
       return;
     }
@@ -92,7 +94,8 @@ class TreeBuilder : public YAML::EventHandler {
       level.node.items.push_back(std::move(node));
     } else {
       if (!level.key) fail_at(source_, node.line, "a key that is no text; expected a name");
-      level.node.fields.emplace_back(*level.key, std::move(node));
+      level.node.keys.push_back(*level.key);
+      level.node.items.push_back(std::move(node));
       level.key.reset();
     }
   }
@@ -104,8 +107,8 @@ class TreeBuilder : public YAML::EventHandler {
 }  // namespace
 
 const YamlNode* YamlNode::find(std::string_view key) const {
-  const auto found = std::find_if(fields.begin(), fields.end(), [&](const auto& field) { return field.first == key; });
-  return found == fields.end() ? nullptr : &found->second;
+  const auto found = std::find(keys.begin(), keys.end(), key);
+  return found == keys.end() ? nullptr : &items[static_cast<std::size_t>(found - keys.begin())];
 }
 
 YamlNode parse_yaml(const Source& source) {
@@ -151,7 +154,7 @@ Eigen::MatrixXd matrix_of(const Source& source, const YamlNode& node, const std:
   std::vector<const YamlNode*> numbers;
   const bool by_rows = static_cast<int>(list->items.size()) == rows && list->items.front().kind == YamlNode::Kind::list;
   for (const YamlNode& item : list->items) {
-    if (by_rows && static_cast<int>(item.items.size()) != columns) fail_at(source, item.line, expected);
+    if (by_rows && (item.kind != YamlNode::Kind::list || static_cast<int>(item.items.size()) != columns)) fail_at(source, item.line, expected);
     if (!by_rows) numbers.push_back(&item);
     for (const YamlNode& element : item.items) numbers.push_back(&element);
   }

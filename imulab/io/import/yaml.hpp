@@ -8,7 +8,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace imulab::import_io {
@@ -18,8 +17,8 @@ struct YamlNode {
   Kind kind = Kind::nothing;
   int line = 0;  ///< from 1
   std::string text;
-  std::vector<YamlNode> items;                           ///< of a list
-  std::vector<std::pair<std::string, YamlNode>> fields;  ///< of a map
+  std::vector<YamlNode> items;    ///< of a list; values of a map
+  std::vector<std::string> keys;  ///< of a map, one an item
 
   const YamlNode* find(std::string_view key) const;  ///< null: not there, or no map
 };
