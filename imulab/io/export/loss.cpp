@@ -4,7 +4,6 @@
 #include "imulab/io/export/consumer_model.hpp"
 #include "imulab/io/text/figures.hpp"
 #include "imulab/model/compensate.hpp"
-#include "imulab/model/lever_arm.hpp"
 
 #include <fmt/format.h>
 
@@ -17,11 +16,10 @@ namespace imulab::export_io {
 
 namespace {
 
-/// Directions that are even over the sphere: a spiral of the golden angle. 400 of them leave no direction further than 7 degrees from one, where a
-/// linear error is 0.7 % below its largest.
+/// Directions that are even over the sphere: a spiral of the golden angle. None is further than 14 degrees from one of these 100.
 const std::vector<Vector3d>& directions() {
   static const std::vector<Vector3d> all = [] {
-    constexpr int n = 400;
+    constexpr int n = 100;
     std::vector<Vector3d> out;
     for (int i = 0; i < n; ++i) {
       const double z = 1 - (2 * i + 1.0) / n, radius = std::sqrt(1 - z * z), angle = std::numbers::pi * (3 - std::sqrt(5.0)) * i;
@@ -49,24 +47,49 @@ struct Condition {
 
 /// The largest error of an axis over all conditions: each part of the condition in turn, the others kept, until all have been improved. The error is
 /// nearly a sum of what force, rate and temperature cause, so that this finds the largest.
-double largest(const std::function<double(const Condition&)>& error, const std::vector<double>& accel_taus, const std::vector<double>& gyro_taus) {
-  Condition at{unit::g * directions()[0], stated_rate_deg_s * unit::deg * directions()[0]};
-  double best = error(at);
-  const auto improve = [&](auto Condition::*part, const auto& values, double size) {
-    for (const auto& value : values) {
-      Condition other = at;
-      other.*part = size * value;
-      if (const double e = error(other); e > best) best = e, at = other;
+class Search {
+ public:
+  explicit Search(std::function<double(const Condition&)> error)
+      : error_(std::move(error)), at_{unit::g * directions()[0], stated_rate_deg_s * unit::deg * directions()[0]}, best_(error_(at_)) {}
+
+  double largest(const std::vector<double>& accel_taus, const std::vector<double>& gyro_taus) {
+    for (int round = 0; round < 2; ++round) {
+      turn(&Condition::rate, stated_rate_deg_s * unit::deg);
+      turn(&Condition::force, unit::g);
+      for (const double tau : accel_taus) take(&Condition::accel_tau, tau);
+      for (const double tau : gyro_taus) take(&Condition::gyro_tau, tau);
     }
-  };
-  for (int round = 0; round < 2; ++round) {
-    improve(&Condition::rate, directions(), stated_rate_deg_s * unit::deg);
-    improve(&Condition::force, directions(), unit::g);
-    improve(&Condition::accel_tau, accel_taus, 1);
-    improve(&Condition::gyro_tau, gyro_taus, 1);
+    return best_;
   }
-  return best;
-}
+
+ private:
+  template <class Part>
+  bool take(Part Condition::*part, const Part& value) {
+    Condition other = at_;
+    other.*part = value;
+    const double e = error_(other);
+    if (!(e > best_)) return false;
+    best_ = e;
+    at_ = other;
+    return true;
+  }
+  /// All directions, then uphill from the best with smaller and smaller steps.
+  void turn(Vector3d Condition::*part, double size) {
+    for (const Vector3d& d : directions()) take(part, Vector3d(size * d));
+    for (double step = 0.25; step > 0.01;) {
+      const Vector3d d = (at_.*part) / size;
+      const auto tangents = tangent_basis(d);
+      bool better = false;
+      for (const double way : {step, -step})
+        for (int k = 0; k < 2; ++k) better = take(part, Vector3d(size * (d + way * tangents.row(k).transpose()).normalized())) || better;
+      if (!better) step /= 2;
+    }
+  }
+
+  std::function<double(const Condition&)> error_;
+  Condition at_;
+  double best_;
+};
 
 /// The largest difference of two models' outputs [SI] for the readings that `truth` has.
 double difference(const SensorModel& truth, const SensorModel& a, const SensorModel& b, bool of_accel, bool over_temperature) {
@@ -74,15 +97,14 @@ double difference(const SensorModel& truth, const SensorModel& a, const SensorMo
   const std::vector<double> none{0}, accel_taus = over_temperature ? drifts(truth.accel) : none,
                                      gyro_taus = over_temperature ? drifts(truth.gyro) : none;
   for (int axis = 0; axis < 3; ++axis)
-    for (const int sign : {1, -1})
-      most = std::max(
-          most, largest(
-                    [&](const Condition& c) {
-                      const RawSample raw = decompensate(truth, {c.force, c.rate}, Vector3d::Constant(c.accel_tau), Vector3d::Constant(c.gyro_tau));
-                      const Motion x = compensate(a, raw), y = compensate(b, raw);
-                      return sign * (of_accel ? x.force - y.force : x.rate - y.rate)[axis];
-                    },
-                    accel_taus, gyro_taus));
+    for (const int sign : {1, -1}) {
+      Search search([&](const Condition& c) {
+        const RawSample raw = decompensate(truth, {c.force, c.rate}, Vector3d::Constant(c.accel_tau), Vector3d::Constant(c.gyro_tau));
+        const Motion x = compensate(a, raw), y = compensate(b, raw);
+        return sign * (of_accel ? x.force - y.force : x.rate - y.rate)[axis];
+      });
+      most = std::max(most, search.largest(accel_taus, gyro_taus));
+    }
   return most;
 }
 
@@ -137,11 +159,11 @@ std::string together(const SensorModel& model, const SensorModel& other, bool of
                   : fmt::format("gyros, {}: up to {} at 1 g and {:g} deg/s{}", what, gyro_size(size), stated_rate_deg_s, range);
 }
 
+/// The largest of |e_i . (w x (w x r_i))| over all directions of w: a quadratic form of w whose eigenvalues are known, |w|^2 (|r_ii| + |r_i|) / 2.
 double lever_arm_size(const SensorModel& model) {
   double most = 0;
-  for (const Vector3d& d : directions())
-    most = std::max(most, size_effect(stated_rate_deg_s * unit::deg * d, Vector3d::Zero(), model.lever_arm).cwiseAbs().maxCoeff());
-  return most;
+  for (int i = 0; i < 3; ++i) most = std::max(most, (std::abs(model.lever_arm(i, i)) + model.lever_arm.row(i).norm()) / 2);
+  return std::pow(stated_rate_deg_s * unit::deg, 2) * most;
 }
 
 }  // namespace

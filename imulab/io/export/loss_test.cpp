@@ -4,6 +4,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/export/consumer_model.hpp"
 #include "imulab/model/coefficient.hpp"
+#include "imulab/model/lever_arm.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -155,6 +156,12 @@ TEST(ExportLoss, OfLeverArmsIsTheCentripetalAcceleration) {
   // The y accelerometer, 3 cm along its own axis, turned across it: w^2 r
   const double expected = std::pow(100 * unit::deg, 2) * 0.03;
   EXPECT_NEAR(stated(export_target("kalibr").left_out({c}), "lever arms") / expected, 1, 0.01);
+  c.model.lever_arm << 0.01, -0.02, 0.03, 0, 0, 0, 0, 0, 0;
+  const RandomStream random(5, "lever arms");
+  double most = 0;
+  for (std::uint64_t i = 0; i < 10000; ++i)
+    most = std::max(most, size_effect(100 * unit::deg * random_direction(random, i), Vector3d::Zero(), c.model.lever_arm).cwiseAbs().maxCoeff());
+  EXPECT_NEAR(stated(export_target("px4").left_out({c}), "lever arms") / most, 1, 0.01);
 }
 
 TEST(ExportRefusal, CountsAreNoReadingsForProgramsThatTakeSi) {
