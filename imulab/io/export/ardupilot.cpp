@@ -84,7 +84,7 @@ std::string ardupilot_text(const ExportInput& input) {
       "a = (a_raw - P(T) + P(CALTEMP) - OFFS) * SCAL      w = w_raw - P(T) + P(CALTEMP) - OFFS      P(T) = 1e-6 (c1 d + c2 d^2 + c3 d^3), d = T - 35 "
       "degC",
       "so offsets are subtracted from readings [m/s^2, rad/s], after the sensor's and before the board's rotation. SCAL is the diagonal of the",
-      "correction matrix. Gyros have no scale. Readings: as the driver gives them, in the units and axes of the calibration's recording.",
+      "correction matrix. Gyros have no scale. Readings are along x, y, z of the calibration, which must be the driver's.",
       "The gyros' offsets are measured anew at each boot unless INS_GYR_CAL is 0. Parameters are in single precision."};
   tempcal_fact(facts, a, "Accelerometers'", accel_size);
   tempcal_fact(facts, g, "Gyros'", gyro_size);

@@ -48,7 +48,7 @@ std::string px4_text(const ExportInput& input) {
   Sentences facts{
       "a = (a_raw - thermal offset - OFF) * SCALE      w = w_raw - thermal offset - OFF",
       "so offsets are subtracted from readings [m/s^2, rad/s], in the sensor's frame; the board's rotation comes after. SCALE is the diagonal of the",
-      "correction matrix. Gyros have no scale. Readings: as the driver gives them, in the units and axes of the calibration's recording.",
+      "correction matrix. Gyros have no scale. Readings are along x, y, z of the calibration, which must be the driver's.",
       fmt::format(
           "CAL_ACC{0}_ID and CAL_GYRO{0}_ID (with temperature also TC_A{0}_ID, TC_G{0}_ID) must hold the sensors' device ids: not written here.", i),
       "Parameters are in single precision. Some versions of PX4 ignore changes of offset or scale below 0.01 (m/s^2; 1)."};

@@ -51,19 +51,28 @@ struct Cubic {
   Vector3d c0 = Vector3d::Zero(), c1 = Vector3d::Zero(), c2 = Vector3d::Zero(), c3 = Vector3d::Zero();
 };
 
-/// Biases b at the reference; the drift's terms of third order have no place.
+/// d^3 as q0 + q1 d + q2 d^2 with the least largest error over the range, h^3 / 4 (the Chebyshev polynomial of third order), h half the range.
+struct Economized {
+  double q0, q1, q2, error;
+};
+Economized economized_cube(const ThermalReading& t) {
+  const double h = (t.range[1] - t.range[0]) / 2, m = (t.range[1] + t.range[0]) / 2 - t.reference;
+  return {m * m * m - 0.75 * h * h * m, 0.75 * h * h - 3 * m * m, 3 * m, h * h * h / 4};
+}
+
+/// Biases b at the reference. The sensor model has drifts of second order.
 void set_triad(ImportedModel& out, TriadModel& m, const char* name, const Vector3d& scale, const Vector3d& b, const Cubic& drift,
                const ThermalReading& temperature) {
+  const Economized cube = economized_cube(temperature);
   m.matrix = scale.asDiagonal();
-  m.offset = -scale.cwiseProduct(b + drift.c0);
-  m.thermal.col(1) = drift.c1;
-  m.thermal.col(2) = drift.c2;
+  m.offset = -scale.cwiseProduct(b + drift.c0 + cube.q0 * drift.c3);
+  m.thermal.col(1) = drift.c1 + cube.q1 * drift.c3;
+  m.thermal.col(2) = drift.c2 + cube.q2 * drift.c3;
   if (!m.thermal.isZero(0)) m.temperature = temperature;
   if (drift.c3.isZero(0)) return;
-  const double furthest = std::max(std::abs(temperature.range[0] - temperature.reference), std::abs(temperature.range[1] - temperature.reference));
-  out.warnings.push_back(fmt::format("{}: the thermal terms of third order are left out: up to {:.2g} {} over {:g} to {:g} degC", name,
-                                     drift.c3.cwiseAbs().maxCoeff() * furthest * furthest * furthest, m.raw_unit, temperature.range[0],
-                                     temperature.range[1]));
+  out.warnings.push_back(
+      fmt::format("{}: the thermal terms of third order are replaced by the nearest of second order: within {:.2g} {} over {:g} to {:g} degC", name,
+                  drift.c3.cwiseAbs().maxCoeff() * cube.error, m.raw_unit, temperature.range[0], temperature.range[1]));
 }
 
 void name_units(SensorModel& m) {

@@ -115,13 +115,27 @@ TEST(Import, AutopilotsParametersComeBack) {
   }
 }
 
-TEST(Import, TermsOfThirdOrderAreLeftOutAndSaid) {
-  std::string text = exported("px4", {thermal_unit()});
+TEST(Import, TermsOfThirdOrderAreReplacedWithinWhatIsSaid) {
+  const std::string text = import_file("ardupilot.param");
+  const Imported imported = import(text);
+  // 3e-6 (32.5 K)^3 / 4
+  EXPECT_THAT(imported.warnings, testing::ElementsAre("accelerometers: the thermal terms of third order are replaced by the nearest of second order: "
+                                                      "within 0.026 m/s^2 over -5 to 60 degC"));
+  // ArduPilot's equation (AP_InertialSensor_tempcal.cpp) for the z accelerometer of this file: P(d) = 1e-6 (3000 d + 30 d^2 + 3 d^3), d = T - 35
+  const auto P = [](double T) { return 1e-6 * (3000 + (30 + 3 * (T - 35)) * (T - 35)) * (T - 35); };
+  double worst = 0;
+  for (double T = -5; T <= 60; T += 0.25) {
+    RawSample raw{{0, 0, 9.8}, {0, 0, 0}};
+    raw.accel_tau.setConstant(T - imported.calibration.model.accel.temperature->reference);
+    worst = std::max(worst, std::abs(compensate(imported.calibration.model, raw).force.z() - (9.8 - P(T) + P(22.5) + 0.1)));
+  }
+  EXPECT_NEAR(worst, 3e-6 * 32.5 * 32.5 * 32.5 / 4, 1e-6);  // the polynomial's extremes lie between the temperatures tried
+  // PX4's with the term in X3
+  std::string px4 = exported("px4", {thermal_unit()});
   const std::string name = "TC_A0_X3_1\t0.0";
-  ASSERT_NE(text.find(name), std::string::npos);
-  text.replace(text.find(name), name.size(), "TC_A0_X3_1\t1e-6");
-  EXPECT_THAT(import(text).warnings,
-              testing::ElementsAre("accelerometers: the thermal terms of third order are left out: up to 0.053 m/s^2 over -5 to 60 degC"));
+  ASSERT_NE(px4.find(name), std::string::npos);
+  px4.replace(px4.find(name), name.size(), "TC_A0_X3_1\t1e-6");
+  EXPECT_THAT(import(px4).warnings, testing::ElementsAre(HasSubstr("within 0.0086 m/s^2")));
 }
 
 TEST(Import, ImuTksFilesAreReadByItsEquation) {
@@ -166,6 +180,10 @@ TEST(Import, ImucalsFilesAreReadByItsEquation) {
   EXPECT_LT((found.force - acc).norm(), 1e-12);
   EXPECT_LT((found.rate - unit::deg * gyr).norm(), 1e-12);
   std::string text = imucal_text;
+  text.replace(text.find("\"acc_unit\": \"m/s^2\""), 19, "\"acc_unit\": \"g\"");
+  const Motion in_g = compensate(import(text).calibration.model, {unit::g * g, unit::deg * dps});
+  EXPECT_LT((in_g.force - unit::g * acc).norm(), 1e-11);
+  EXPECT_LT((in_g.rate - unit::deg * gyr).norm(), 1e-12);
   text.replace(text.find("\"from_acc_unit\": \"g\""), 20, "\"from_acc_unit\": \"a.u.\"");
   EXPECT_EQ(import(text).calibration.model.accel.raw_unit, "count");
   text.replace(text.find("\"from_gyr_unit\": \"deg/s\""), 24, "\"from_gyr_unit\": null");
