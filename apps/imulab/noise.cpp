@@ -3,10 +3,12 @@
 
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/inspected.hpp"
+#include "apps/imulab/report.hpp"
 #include "apps/imulab/session_recording.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording/file.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/report/noise_page.hpp"
 
 #include <fmt/format.h>
 
@@ -19,9 +21,9 @@ namespace imulab::command {
 namespace {
 
 struct Options {
-  std::string recording, one, output, deviation = "overlapping-allan";
-  std::vector<std::string> declarations;
-  bool json = false, force = false;
+  std::vector<std::string> recordings, declarations;
+  std::string one, output, report, deviation = "overlapping-allan";
+  bool json = false, force = false, remove_temperature = false;
 };
 
 constexpr DeviationKind kinds[] = {DeviationKind::overlapping_allan,    DeviationKind::allan, DeviationKind::modified_allan, DeviationKind::hadamard,
@@ -39,24 +41,61 @@ DeviationKind kind_of(const std::string& name) {
   return DeviationKind::overlapping_allan;
 }
 
-void run(const Options& o) {
-  expect_free("-o", o.output, o.force);
-  const Session session = open_session(o.recording, o.declarations);
+/// What was read, with the still part that was used.
+struct Log {
+  RecordingReading reading;
+  StillPart still;
+  NoiseAnalysis analysis;
+};
+
+Log read_log(const Options& o, const std::string& path) {
+  const Session session = open_session(path, o.declarations);
   const RecordingSource& source = choose_recording(session, o.one);
-  if (!o.output.empty()) expect_inputs_stay("-o", o.output, session);
-  const RecordingReading reading = read_recording(session, source);
-  for (const std::string& text : reading.warnings) warn(text);
-  const NoiseAnalysis analysis = analyze_noise(still_part(reading.recording, session), kind_of(o.deviation));
-  if (o.json || o.output != "-") fmt::print("{}", o.json ? noise_json(analysis) : noise_text(analysis));
-  for (const std::string& text : analysis.warnings) warn(text);
-  if (!o.output.empty()) {
-    if (!(o.json && o.output == "-")) write_whole(o.output, noise_json(analysis));
-    if (!o.json && o.output != "-") fmt::print("\nwritten: {}\n", o.output);
-  }
+  for (const auto& [option, output] : {std::pair{"-o", &o.output}, {"--report", &o.report}})
+    if (!output->empty()) expect_inputs_stay(option, *output, session);
+  Log log{read_recording(session, source), {}, {}};
+  for (const std::string& text : log.reading.warnings) warn(text);
+  log.still = still_part(log.reading.recording, session);
+  log.analysis = analyze_noise(log.still, {kind_of(o.deviation), o.remove_temperature});
+  return log;
+}
+
+/// Axes without noise are an answer that the log does not give.
+void expect_noise(const NoiseAnalysis& analysis) {
   std::string silent;
   for (const NoiseAxis& axis : analysis.axes)
     if (!axis.fit) silent += (silent.empty() ? "" : ", ") + axis.name;
-  if (!silent.empty()) throw Unsupported(fmt::format("{}: no noise to be seen on {}; expected readings that vary", reading.recording.name, silent));
+  if (!silent.empty()) throw Unsupported(fmt::format("{}: no noise to be seen on {}; expected readings that vary", analysis.recording, silent));
+}
+
+template <class Result>
+void write_result(const Options& o, const Result& result) {
+  const bool printed = o.output == "-";
+  if (o.json || !printed) fmt::print("{}", o.json ? noise_json(result) : noise_text(result));
+  if (o.output.empty() || (o.json && printed)) return;
+  write_whole(o.output, noise_json(result));
+  if (!o.json && !printed) fmt::print("\nwritten: {}\n", o.output);
+}
+
+void run(const Options& o) {
+  expect_free("-o", o.output, o.force);
+  if (o.recordings.size() == 1) {
+    const Log log = read_log(o, o.recordings[0]);
+    for (const std::string& text : log.analysis.warnings) warn(text);
+    write_result(o, log.analysis);
+    if (!o.report.empty()) write_whole(o.report, noise_page(log.analysis, log.still));
+    return expect_noise(log.analysis);
+  }
+  if (!o.report.empty()) throw Error("--report: shows one log; expected one recording");
+  std::vector<NoiseAnalysis> logs;
+  for (const std::string& path : o.recordings) {
+    logs.push_back(read_log(o, path).analysis);
+    logs.back().recording = path;
+    for (const std::string& text : logs.back().warnings) warn(path + ": " + text);
+  }
+  const NoiseBatch batch = noise_batch(std::move(logs));
+  write_result(o, batch);
+  for (const NoiseAnalysis& log : batch.logs) expect_noise(log);
 }
 
 }  // namespace
@@ -64,16 +103,19 @@ void run(const Options& o) {
 void add_noise(Verb app) {
   const auto o = std::make_shared<Options>();
   Verb verb = app.verb("noise", "Allan deviation and noise coefficients of a log at rest, with confidence");
-  verb.option("RECORDING", o->recording, "a log at rest, or a session with one").required();
+  verb.option("RECORDING", o->recordings, "a log at rest, or a session with one; several: mean, spread and worst of them").required();
   verb.option("--recording FILE", o->one, "which of a session's recordings, where it has several");
   verb.option("--deviation KIND", o->deviation, "the deviation of the curve; the coefficients do not depend on it")
       .one_of(kind_names())
       .show_default();
+  verb.flag("--remove-temperature", o->remove_temperature, "subtract a parabola of the temperature first");
   add_declarations(verb, o->declarations);
   verb.option("-o,--output FILE", o->output, "write the result as JSON, with the whole curve");
   verb.flag("--force", o->force, "replace the file if there is one");
   verb.flag("--json", o->json, "print the result as JSON");
   verb.example("imulab noise night.csv -o noise.json");
+  add_report_option(verb, o->report);
+  verb.example("imulab noise unit1.csv unit2.csv unit3.csv");
   verb.example("imulab noise night.csv --set gyro.unit=deg/s");
   verb.does([o] { run(*o); });
 }

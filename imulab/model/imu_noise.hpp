@@ -27,6 +27,13 @@ struct NoiseCoefficients {
   std::vector<MarkovTerm> markov;  ///< by falling correlation time
 };
 
+/// What each term adds to the Allan variance over an averaging time [u^2] (IEEE Std 952); a term that is not determined adds nothing.
+struct AllanTerms {
+  double Q = 0, N = 0, B = 0, K = 0, R = 0, markov = 0;
+  double sum() const { return Q + N + B + K + R + markov; }
+};
+AllanTerms allan_variance(const NoiseCoefficients& noise, double tau_s);
+
 /// Axes without coefficients (constant readings) have none.
 struct ImuNoise {
   std::string recording;

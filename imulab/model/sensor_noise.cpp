@@ -11,7 +11,11 @@ namespace imulab {
 namespace {
 
 constexpr std::size_t chunk = 512;  // draws at once
-using Draws = std::array<double, chunk>;
+/// Weights of the last draws, the newest first, as parts of B: what the processes of the flicker lack of the power of means over a sample's interval.
+/// Fitted to B^2 / (2 pi f) with the means' sinc^2, folded by sampling: within 1.7 % of its power at all frequencies, where without they lack 28 %.
+constexpr std::array<double, 4> flicker_rest{0.080514, -0.012116, -0.018247, -0.006552};
+constexpr std::size_t past = flicker_rest.size() - 1;
+using Draws = std::array<double, past + chunk>;
 
 double constant(const Spread& spread, std::uint64_t seed, const std::string& purpose) {
   return spread.fixed ? spread.value : spread.value * RandomStream(seed, purpose).normal(0);
@@ -35,7 +39,8 @@ AxisNoise::AxisNoise(const NoiseModel& model, double interval_s, std::uint64_t s
     decay_(m) = std::exp(-pole * interval_s);
     driven_(m) = flicker.gain(m) * (-std::expm1(-pole * interval_s) / pole) / std::sqrt(interval_s);
   }
-  direct_ = flicker.direct / std::sqrt(interval_s);
+  for (std::size_t i = 0; i < flicker_rest.size(); ++i) direct_[i] = model.B * flicker_rest[i];
+  direct_[0] += flicker.direct / std::sqrt(interval_s);
 }
 
 bool AxisNoise::slow() const { return bias_ != 0 || ramp_ != 0 || model_.B != 0 || model_.K != 0; }
@@ -54,9 +59,11 @@ void AxisNoise::add_slow(std::span<double> recording) const {
   double sum = state.sum(), walk = 0;
   const double walk_step = model_.K * std::sqrt(interval_s_);
   Draws draws;
+  const std::span<double> last = std::span(draws).first(past);
+  start_.normals(Flicker::processes, last);
   for (std::size_t begin = 0; begin < recording.size(); begin += chunk) {
     const std::span<double> out = recording.subspan(begin, std::min(chunk, recording.size() - begin));
-    const std::span<double> drawn = std::span(draws).first(out.size());
+    const std::span<double> drawn = std::span(draws).subspan(past, out.size());
     for (std::size_t k = 0; k < out.size(); ++k) out[k] += bias_ + ramp_ * interval_s_ * (static_cast<double>(begin + k) + 0.5);
     if (model_.B != 0) {
       flicker_.normals(begin, drawn);
@@ -64,8 +71,10 @@ void AxisNoise::add_slow(std::span<double> recording) const {
         state = decay_ * state + driven_ * drawn[k];
         const double before = sum;
         sum = state.sum();
-        out[k] += 0.5 * (before + sum) + direct_ * drawn[k];  // the mean of the sample's ends
+        const double* const z = &draws[past + k];
+        out[k] += 0.5 * (before + sum) + direct_[0] * z[0] + direct_[1] * z[-1] + direct_[2] * z[-2] + direct_[3] * z[-3];
       }
+      std::copy(drawn.end() - static_cast<std::ptrdiff_t>(std::min(past, drawn.size())), drawn.end(), last.begin());
     }
     if (model_.K != 0) {
       walk_.normals(begin, drawn);

@@ -7,15 +7,15 @@
 
 #include <Eigen/Core>
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
 
 namespace imulab {
 
-/// Flicker is the sum of processes of model/flicker.hpp. The Allan variance is
-/// within 1 % of its plateau from 16 to 10^4 sample intervals, within 2 % from 8 to 10^5; below, it falls to four fifths. It begins in its stationary
-/// state; the rate random walk begins at zero.
+/// Flicker is the sum of processes of model/flicker.hpp, with the power of means over the sample's interval to within 2 % from 10^5 intervals to half
+/// the sample rate. It begins in its stationary state; the rate random walk begins at zero.
 class AxisNoise {
  public:
   /// `purpose` names the streams, as in "gyro.x noise of recording.csv".
@@ -33,8 +33,8 @@ class AxisNoise {
 
   NoiseModel model_;
   double interval_s_;
-  double bias_, ramp_;  // of this recording
-  double direct_;
+  double bias_, ramp_;             // of this recording
+  std::array<double, 4> direct_;   // of the flicker: weights of the last draws
   Flicker::Array decay_, driven_;  // of the flicker, a sample on
   RandomStream white_, quantization_, flicker_, walk_, start_;
 };

@@ -72,6 +72,9 @@ std::vector<Check> misspecified(const Method& method, int sessions);
 /// the estimates.
 std::vector<Check> predictions(const Method& method, int sessions);
 
+/// Noise coefficients of simulated logs (seeds 1 .. logs) against their truth and the Cramer-Rao bound of the spectrum's likelihood.
+std::vector<Check> noise_logs(int logs);
+
 /// Of a turntable session whose readings have this white noise.
 Eigen::MatrixXd turntable_information(const TableMotion& motion, const SensorModel& truth, const turntable::RawNoise& noise,
                                       const std::vector<CoefficientIndex>& indices);

@@ -6,11 +6,16 @@
 #include "imulab/recording/rests.hpp"
 #include "imulab/recording/short_gaps.hpp"
 
+#include <Eigen/Cholesky>
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <numeric>
+#include <span>
 #include <utility>
 
 namespace imulab {
@@ -80,21 +85,64 @@ std::vector<std::string> cut_notes(const Recording& recording, const std::vector
   return notes;
 }
 
-void warn_of_temperature(NoiseAnalysis& analysis, const Columns3& temperature, const Range& range, const char* triad) {
-  if (temperature[0].size() < range.end) return;
-  const auto begin = temperature[0].begin() + static_cast<std::ptrdiff_t>(range.begin),
-             end = temperature[0].begin() + static_cast<std::ptrdiff_t>(range.end);
-  const auto [least, most] = std::minmax_element(begin, end);
-  if (*most - *least > 1)
-    analysis.warnings.push_back(
-        fmt::format("the {} temperature changed by {:.3g} during the rest: R, K and B contain its effect", triad, *most - *least));
+bool temperature_known(const Columns3& temperature, const Range& range) { return temperature[0].size() >= range.end; }
+
+std::vector<double> part_of(const std::vector<double>& column, const Range& range) {
+  return {column.begin() + static_cast<std::ptrdiff_t>(range.begin), column.begin() + static_cast<std::ptrdiff_t>(range.end)};
 }
+
+void warn_of_temperature(NoiseAnalysis& analysis, const Columns3& temperature, const Range& range, const char* triad) {
+  if (!temperature_known(temperature, range)) return;
+  const std::vector<double> part = part_of(temperature[0], range);
+  const auto [least, most] = std::minmax_element(part.begin(), part.end());
+  if (*most - *least > 1)
+    analysis.warnings.push_back(fmt::format(
+        "the {} temperature changed by {:.3g} during the rest: R, K and B contain its effect; see --remove-temperature", triad, *most - *least));
+}
+
+/// Readings less a parabola of the temperature; `slope` per unit of the temperature, at its mean.
+std::vector<double> without_temperature(const std::vector<double>& readings, const std::vector<double>& temperature, double interval_s,
+                                        double& slope) {
+  // A thermometer's own noise would weaken the slope: means over 10 s.
+  const auto block = std::max<std::size_t>(1, static_cast<std::size_t>(10 / interval_s));
+  std::vector<double> smooth = temperature;
+  for (std::size_t begin = 0; begin < smooth.size(); begin += block) {
+    const auto first = smooth.begin() + static_cast<std::ptrdiff_t>(begin),
+               last = smooth.begin() + static_cast<std::ptrdiff_t>(std::min(smooth.size(), begin + block));
+    const double mean = std::accumulate(first, last, 0.0) / static_cast<double>(last - first);
+    std::fill(first, last, mean);
+  }
+  const double center = std::accumulate(smooth.begin(), smooth.end(), 0.0) / static_cast<double>(smooth.size());
+  const auto [least, most] = std::minmax_element(smooth.begin(), smooth.end());
+  const double half = 0.5 * (*most - *least);
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  const auto row = [&](double T) { return Eigen::Vector3d(1, (T - center) / half, std::pow((T - center) / half, 2)); };
+  for (std::size_t k = 0; k < smooth.size(); ++k)
+    normal += row(smooth[k]) * row(smooth[k]).transpose(), right += row(smooth[k]) * (readings[k] - readings[0]);
+  const Eigen::Vector3d fitted = normal.ldlt().solve(right);
+  slope = fitted[1] / half;
+  std::vector<double> out = readings;
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] -= row(smooth[k]).tail<2>().dot(fitted.tail<2>());
+  return out;
+}
+
+void expect_temperature(const Recording& r, const Range& range, const Columns3& temperature, const char* triad) {
+  if (!temperature_known(temperature, range))
+    throw Unsupported(fmt::format("{}: has no {} temperature to remove; expected a column declared as {}_temperature", r.name, triad, triad));
+  const std::vector<double> part = part_of(temperature[0], range);
+  const auto [least, most] = std::minmax_element(part.begin(), part.end());
+  if (!(*most > *least)) throw Unsupported(fmt::format("{}: the {} temperature does not change: nothing to remove", r.name, triad));
+}
+
+/// Short enough for some dozens of pieces, long enough to show lines.
+std::size_t welch_length(std::size_t samples) { return std::bit_floor(std::clamp<std::size_t>(samples / 32, 64, 16384)); }
 
 void warn_of_fit(NoiseAnalysis& analysis, const NoiseAxis& axis) {
   if (!axis.problem.empty()) analysis.warnings.push_back(fmt::format("{}: {}: no coefficients", axis.name, axis.problem));
   if (!axis.fit) return;
   if (axis.fit->cut)
-    analysis.warnings.push_back(fmt::format("{}: the spectrum above {:.3g} Hz is not the model's (a low-pass, a line or rounding): not used",
+    analysis.warnings.push_back(fmt::format("{}: the spectrum above {:.3g} Hz is not the model's (a filter of another kind, or rounding): not used",
                                             axis.name, axis.fit->highest_hz));
   for (const NoiseMisfit& m : axis.fit->misfits)
     analysis.warnings.push_back(fmt::format("{}: {:.2f} times the model's power at {:.3g} to {:.3g} Hz: all intervals are widened, and may not hold",
@@ -116,31 +164,50 @@ StillPart still_part(const Recording& recording, const Session& session) {
   return still;
 }
 
-NoiseAnalysis analyze_noise(const StillPart& still, DeviationKind kind) {
+NoiseAnalysis analyze_noise(const StillPart& still, const NoiseOptions& options) {
   const Recording& r = still.recording;
+  if (options.remove_temperature) {
+    expect_temperature(r, still.range, r.gyro_temperature, "gyro");
+    expect_temperature(r, still.range, r.accel_temperature, "accel");
+  }
   NoiseAnalysis analysis;
   analysis.recording = r.name;
-  analysis.kind = kind;
+  analysis.kind = options.kind;
   analysis.interval_s = r.interval_s;
   analysis.samples = still.range.size();
   analysis.begin_s = r.time_s(still.range.begin) - r.interval_s;
   analysis.end_s = r.time_s(still.range.end - 1);
   analysis.notes = still.notes;
   analysis.axes.resize(6);
+  std::array<double, 6> slopes{};
   tbb::parallel_for(std::size_t{0}, std::size_t{6}, [&](std::size_t k) {
     NoiseAxis& axis = analysis.axes[k];
     const std::vector<double>& column = k < 3 ? r.gyro[k] : r.accel[k - 3];
-    const std::span<const double> readings = std::span(column).subspan(still.range.begin, still.range.size());
+    const Columns3& temperature = k < 3 ? r.gyro_temperature : r.accel_temperature;
+    std::span<const double> readings = std::span(column).subspan(still.range.begin, still.range.size());
     axis.name = fmt::format("{}.{}", k < 3 ? "gyro" : "accel", "xyz"[k % 3]);
     axis.unit = k < 3 ? r.gyro_unit : r.accel_unit;
     if (std::all_of(readings.begin(), readings.end(), [&](double reading) { return reading == readings[0]; })) {
       axis.problem = "all readings are equal";
       return;
     }
-    axis.deviation = deviation(readings, r.interval_s, averaging_factors(readings.size()), kind);
-    axis.fit = fit_noise(readings, r.interval_s);
+    const double step = resolution_of(readings);
+    std::vector<double> without;
+    if (options.remove_temperature) {
+      readings = without = without_temperature({readings.begin(), readings.end()}, part_of(temperature[k % 3], still.range), r.interval_s, slopes[k]);
+    }
+    axis.deviation = deviation(readings, r.interval_s, averaging_factors(readings.size()), options.kind);
+    axis.fit = fit_noise(readings, r.interval_s, step);
+    axis.welch = welch_spectrum(readings, r.interval_s, welch_length(readings.size()));
   });
+  if (options.remove_temperature)
+    for (std::size_t k = 0; k < 6; ++k)
+      if (analysis.axes[k].fit)
+        analysis.notes.push_back(
+            fmt::format("{}: a parabola of the temperature was removed, {:.3g} {} per degree at the mean: it may take some of K and B along",
+                        analysis.axes[k].name, slopes[k], analysis.axes[k].unit));
   for (const NoiseAxis& axis : analysis.axes) warn_of_fit(analysis, axis);
+  if (options.remove_temperature) return analysis;
   warn_of_temperature(analysis, r.gyro_temperature, still.range, "gyro");
   warn_of_temperature(analysis, r.accel_temperature, still.range, "accelerometer");
   return analysis;

@@ -3,6 +3,7 @@
 
 #include "imulab/estimate/noise/deviation.hpp"
 #include "imulab/estimate/noise/noise_fit.hpp"
+#include "imulab/estimate/noise/welch.hpp"
 #include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"
 
@@ -30,6 +31,7 @@ struct NoiseAxis {
   std::vector<DeviationPoint> deviation;
   std::optional<NoiseFit> fit;  ///< none where the axis says nothing:
   std::string problem;          ///< why
+  WelchSpectrum welch;          ///< fine, where lines show
 };
 
 struct NoiseAnalysis {
@@ -42,7 +44,13 @@ struct NoiseAnalysis {
   std::vector<std::string> warnings;  ///< what was found, and what it means for the result
 };
 
-/// Axes in parallel; the result does not depend on the number of threads.
-NoiseAnalysis analyze_noise(const StillPart& still, DeviationKind kind = DeviationKind::overlapping_allan);
+struct NoiseOptions {
+  DeviationKind kind = DeviationKind::overlapping_allan;
+  bool remove_temperature = false;  ///< a parabola of the triad's temperature, fitted by least squares, is subtracted; it takes some of K and B along
+};
+
+/// Axes in parallel; the result does not depend on the number of threads. Throws Unsupported where a temperature is to be removed that the recording
+/// does not have, or that does not change.
+NoiseAnalysis analyze_noise(const StillPart& still, const NoiseOptions& options = {});
 
 }  // namespace imulab

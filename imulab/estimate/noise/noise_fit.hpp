@@ -4,6 +4,7 @@
 #include "imulab/model/imu_noise.hpp"
 
 #include <array>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,16 +16,44 @@ struct NoiseMisfit {
   double low_hz = 0, high_hz = 0, ratio = 1;  ///< measured power over the model's
 };
 
-struct NoiseFit : NoiseCoefficients {
-  double chi2_per_dof = 0;           ///< of the power in some dozens of ranges of frequency
-  bool accepted = false;             ///< no misfit is left
-  double highest_hz = 0;             ///< higher frequencies were left out because the model does not hold there; else half the rate
-  bool cut = false;                  ///< whether some were
-  std::vector<NoiseMisfit> misfits;  ///< what is left; all intervals are then widened by the root of chi2_per_dof
+/// A sinusoid in the readings, taken out of the spectrum: amplitude [u].
+struct NoiseLine {
+  double hz = 0;
+  NoiseCoefficient amplitude;
 };
 
+/// The sensor's own: a Butterworth filter, before the readings are taken or digital at their rate.
+struct LowPass {
+  int order = 1;
+  bool digital = false;
+  NoiseCoefficient cutoff_hz;
+};
+
+/// The measured density and the model's, two-sided, at a frequency; on `count` degrees of freedom.
+struct SpectrumPoint {
+  double hz = 0, density = 0, model = 0, count = 0;
+};
+
+struct NoiseFit : NoiseCoefficients {
+  std::optional<LowPass> low_pass;
+  std::vector<NoiseLine> lines;         ///< by frequency; those that sampling folds appear below half the rate
+  double resolution = 0;                ///< step of the readings; 0: not rounded, or finely
+  double chi2_per_dof = 0;              ///< of the power in some dozens of ranges of frequency
+  bool accepted = false;                ///< no misfit is left
+  double highest_hz = 0;                ///< higher frequencies were left out because the model does not hold there; else half the rate
+  bool cut = false;                     ///< whether some were
+  std::vector<NoiseMisfit> misfits;     ///< what is left; all intervals are then widened by the root of chi2_per_dof
+  std::vector<SpectrumPoint> spectrum;  ///< without the lines
+};
+
+/// Q, N, B, K and the ramp are always fitted; Markov processes (up to two), a low-pass and lines (up to eight) where the spectrum asks for them.
 /// Throws Error for fewer than 64 readings, a reading that is not finite or an interval that is not positive; Unsupported where the readings are
-/// constant.
+/// constant. `step`: of rounded readings, 0 where they are not rounded.
+NoiseFit fit_noise(std::span<const double> rate, double interval_s, double step);
+/// With the step that the readings show.
 NoiseFit fit_noise(std::span<const double> rate, double interval_s);
+
+/// The step of rounded readings, where enough of its multiples occur; 0 where none is seen.
+double resolution_of(std::span<const double> rate);
 
 }  // namespace imulab

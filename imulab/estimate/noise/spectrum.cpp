@@ -1,7 +1,8 @@
 #include "imulab/estimate/noise/spectrum.hpp"
 
+#include <Eigen/LU>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -12,9 +13,13 @@ namespace imulab::noise {
 namespace {
 
 using std::numbers::pi;
-constexpr std::size_t longest_transform = 65536, segment = 4096, finest_step = 64;
+constexpr std::size_t longest_transform = 65536, finest_step = 64;
+constexpr std::size_t shortest_piece = 4096, longest_piece = 32768, fewest_pieces = 16;
 constexpr std::size_t single_ordinates = 32;
-constexpr double bin_ratio = 1.05;  // of the frequencies of a bin
+constexpr std::size_t widest_bin = 64;  // ordinates: at half the rate a filter may fall steeply
+constexpr double bin_ratio = 1.05;      // of the frequencies of a bin
+constexpr double beside = 2.5;          // ordinates left out about a sinusoid's
+constexpr double fewest_periods = 1.5;  // of a sinusoid in a transform's readings; fewer tell it from a ramp badly
 
 /// The largest number without prime factors above 5 that is at most n: their transforms are fast, and every n has one within a few percent.
 std::size_t smooth_length(std::size_t n) {
@@ -69,96 +74,186 @@ double slope_of(std::span<const double> rate) {
   return 12 * sum / (n * (n * n - 1));
 }
 
-/// Sums of squares of ordinates over all transforms of a level, binned.
-void add_bins(Spectrum& spectrum, const std::vector<double>& squares, std::size_t first, std::size_t end, double interval, double transforms) {
-  for (std::size_t k = first; k < end;) {
-    const auto next = std::min(end, std::max(k + 1, static_cast<std::size_t>(std::floor(bin_ratio * static_cast<double>(k)))));
+/// A sinusoid and a mean fitted to y by least squares.
+struct Sinusoid {
+  double mean, cosine, sine;
+  double square() const { return cosine * cosine + sine * sine; }
+};
+
+/// Calls `each`(j, cos(w j), sin(w j)) by turning a unit vector on, exact again every 256 steps.
+template <class Each>
+void along(double w, std::size_t n, Each each) {
+  const std::complex<double> turn = std::polar(1.0, w);
+  std::complex<double> at;
+  for (std::size_t j = 0; j < n; ++j) {
+    at = j % 256 == 0 ? std::polar(1.0, w * static_cast<double>(j))
+                      : std::complex<double>(at.real() * turn.real() - at.imag() * turn.imag(), at.real() * turn.imag() + at.imag() * turn.real());
+    each(j, at.real(), at.imag());
+  }
+}
+
+Sinusoid fit_sinusoid(const std::vector<double>& y, double w) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  along(w, y.size(), [&](std::size_t j, double c, double s) {
+    normal(0, 1) += c, normal(0, 2) += s, normal(1, 1) += c * c, normal(1, 2) += c * s, normal(2, 2) += s * s;
+    right += y[j] * Eigen::Vector3d(1, c, s);
+  });
+  normal(0, 0) = static_cast<double>(y.size());
+  normal(1, 0) = normal(0, 1), normal(2, 0) = normal(0, 2), normal(2, 1) = normal(1, 2);
+  const Eigen::Vector3d x = normal.inverse() * right;
+  return {x[0], x[1], x[2]};
+}
+
+void subtract(std::vector<double>& y, const Sinusoid& fitted, double w) {
+  along(w, y.size(), [&](std::size_t j, double c, double s) { y[j] -= fitted.cosine * c + fitted.sine * s; });
+}
+
+/// Where sampling at this interval folds a frequency to, in radians a sample, 0 to pi.
+double folded(double hz, double interval) {
+  const double turns = hz * interval;
+  return 2 * pi * std::abs(turns - std::round(turns));
+}
+
+bool tells(double hz, double interval, std::size_t length) {
+  const double w = folded(hz, interval), periods = w / (2 * pi) * static_cast<double>(length);
+  return periods >= fewest_periods && static_cast<double>(length) / 2 - periods >= 0.5 * fewest_periods;
+}
+
+/// Removes the sinusoids; the last one's squared amplitude is added to the spectrum's.
+void remove_sinusoids(Spectrum& spectrum, std::vector<double>& y, double interval, const std::vector<double>& without) {
+  for (const double hz : without) {
+    if (!tells(hz, interval, y.size())) continue;
+    const double w = folded(hz, interval);
+    const Sinusoid fitted = fit_sinusoid(y, w);
+    subtract(y, fitted, w);
+    if (&hz != &without.back() || hz * interval >= 0.5) continue;
+    const double piece = interval * static_cast<double>(y.size());
+    if (piece != spectrum.piece_s) spectrum.squares = spectrum.pieces = 0, spectrum.piece_s = piece;
+    spectrum.squares += fitted.square(), ++spectrum.pieces;
+  }
+}
+
+bool is_beside(const SpectrumLevel& level, std::size_t k, const std::vector<double>& without) {
+  return std::any_of(without.begin(), without.end(), [&](double hz) {
+    return tells(hz, level.interval, level.power.size()) &&
+           std::abs(folded(hz, level.interval) / pi * static_cast<double>(level.power.size()) - static_cast<double>(k)) <= beside;
+  });
+}
+
+/// Neighboring ordinates of a level together, none of those beside a sinusoid.
+void add_bins(Spectrum& spectrum, const SpectrumLevel& level, const std::vector<double>& without) {
+  for (std::size_t k = level.first; k < level.end;) {
+    if (is_beside(level, k, without)) {
+      ++k;
+      continue;
+    }
+    const auto wide = static_cast<std::size_t>(std::floor(bin_ratio * static_cast<double>(k)));
+    const auto widest = std::min({level.end, std::max(k + 1, wide), k + std::max<std::size_t>(widest_bin, level.power.size() / 64)});
     SpectrumBin bin;
-    bin.interval = interval;
-    bin.length = squares.size();
+    bin.interval = level.interval;
+    bin.averaged = level.averaged;
+    bin.length = level.power.size();
     bin.first = k;
-    bin.last = next - 1;
-    bin.count = static_cast<double>(next - k) * transforms;
-    for (std::size_t i = k; i < next; ++i) bin.power += squares[i];
-    bin.power *= interval / bin.count;
+    for (; k < widest && !is_beside(level, k, without); ++k) bin.power += level.power[k];
+    bin.last = k - 1;
+    bin.power /= static_cast<double>(k - bin.first);
+    bin.count = static_cast<double>(k - bin.first) * level.transforms;
     spectrum.bins.push_back(bin);
-    k = next;
   }
 }
 
 /// The whole record in one transform: p samples averaged.
-void add_record(Spectrum& spectrum, std::span<const double> rate, double interval_s, std::size_t p, std::size_t end, std::size_t n) {
+void add_record(Spectrum& spectrum, std::span<const double> rate, double interval_s, std::size_t p, const std::vector<double>& without) {
+  const std::size_t n = smooth_length(rate.size() / p);
   const double T = interval_s * static_cast<double>(p);
   CosineTransform transform(n);
   std::vector<double> y = means(rate, 0, n, p, spectrum.slope * interval_s), ramp(n);
   for (std::size_t j = 0; j < n; ++j) ramp[j] = T * static_cast<double>(j);
+  remove_sinusoids(spectrum, y, T, without);
   transform(y);
   transform(ramp);
-  std::vector<double> squares(n);
-  for (std::size_t k = 0; k < n; ++k) squares[k] = y[k] * y[k];
-  add_bins(spectrum, squares, 1, end, T, 1);
+  // Averaging attenuates and aliases the upper three quarters.
+  SpectrumLevel level{T, p, 1, p == 1 ? n : n / 4, 1, y};
+  for (double& ordinate : level.power) ordinate *= ordinate * T;
+  add_bins(spectrum, level, without);
   for (SpectrumBin& bin : spectrum.bins)
     if (bin.first == bin.last && bin.first <= single_ordinates) {
       bin.amplitude = y[bin.first] * std::sqrt(T);
       bin.ramp = ramp[bin.first] * std::sqrt(T);
     }
+  spectrum.levels.push_back(std::move(level));
 }
 
-/// Pieces of `segment` means of p samples, from the frequency on where the level before ended.
-void add_segments(Spectrum& spectrum, std::span<const double> rate, double interval_s, std::size_t p, double from_hz) {
+/// What leaks from strong frequencies to weak ones falls with the length of a piece.
+std::size_t piece_of(std::size_t means) {
+  std::size_t length = shortest_piece;
+  while (2 * length <= longest_piece && 2 * length * fewest_pieces <= means) length *= 2;
+  return length;
+}
+
+/// Pieces of means of p samples, from the frequency on where the level before ended.
+void add_segments(Spectrum& spectrum, std::span<const double> rate, double interval_s, std::size_t p, double from_hz,
+                  const std::vector<double>& without) {
   const double T = interval_s * static_cast<double>(p);
+  const std::size_t segment = piece_of(rate.size() / p);
   CosineTransform transform(segment);
-  std::vector<double> squares(segment);
-  double transforms = 0;
-  for (std::size_t begin = 0; begin + p * segment <= rate.size(); begin += p * segment, ++transforms) {
-    std::vector<double> y = means(rate, begin, segment, p, spectrum.slope * interval_s);
-    transform(y);
-    for (std::size_t k = 0; k < segment; ++k) squares[k] += y[k] * y[k];
-  }
   const auto first = static_cast<std::size_t>(std::ceil(from_hz * 2 * T * static_cast<double>(segment)));
-  add_bins(spectrum, squares, first, p == 1 ? segment : segment / 4, T, transforms);
-}
-
-/// The ordinates of flicker have less power than its density says, because the transform mirrors the record at its ends: the integral of the density
-/// times the squared Fourier transform of the cosine; 1 - 2 / (pi^2 k) from k = 4 on, within 0.1 %.
-double mirrored_flicker(std::size_t k) {
-  constexpr std::array<double, 4> first{0, 0.7737, 0.9028, 0.9311};
-  return k < first.size() ? first[k] : 1 - 2 / (pi * pi * static_cast<double>(k));
+  SpectrumLevel level{T, p, first, p == 1 ? segment : segment / 4, 0, std::vector<double>(segment)};
+  for (std::size_t begin = 0; begin + p * segment <= rate.size(); begin += p * segment, ++level.transforms) {
+    std::vector<double> y = means(rate, begin, segment, p, spectrum.slope * interval_s);
+    remove_sinusoids(spectrum, y, T, without);
+    transform(y);
+    for (std::size_t k = 0; k < segment; ++k) level.power[k] += y[k] * y[k];
+  }
+  for (double& power : level.power) power *= T / level.transforms;
+  add_bins(spectrum, level, without);
+  spectrum.levels.push_back(std::move(level));
 }
 
 }  // namespace
 
-Spectrum spectrum_of(std::span<const double> rate, double interval_s) {
+Spectrum spectrum_of(std::span<const double> rate, double interval_s, const std::vector<double>& without) {
   Spectrum spectrum;
   spectrum.slope = slope_of(rate) / interval_s;
+  spectrum.record_s = interval_s * static_cast<double>(rate.size());
   std::size_t p = (rate.size() + longest_transform - 1) / longest_transform;
-  const std::size_t n = smooth_length(rate.size() / p);
-  // Averaging attenuates and aliases the upper three quarters.
-  add_record(spectrum, rate, interval_s, p, p == 1 ? n : n / 4, n);
+  add_record(spectrum, rate, interval_s, p, without);
   while (p > 1) {
-    const double from_hz = spectrum.bins.back().high_hz();
+    const double from_hz = spectrum.levels.back().hz(static_cast<double>(spectrum.levels.back().end) - 0.5);
     p = p > finest_step ? p / finest_step : 1;
-    add_segments(spectrum, rate, interval_s, p, from_hz);
+    add_segments(spectrum, rate, interval_s, p, from_hz, without);
   }
   return spectrum;
 }
 
-Densities unit_densities(const SpectrumBin& bin) {
-  Densities mean{0, 0, 0, 0};
-  const std::size_t ordinates = bin.last - bin.first + 1, step = 1 + ordinates / 16;
-  double count = 0;
-  for (std::size_t k = bin.first + (ordinates - 1) % step / 2; k <= bin.last; k += step, ++count) {
-    const double T = bin.interval, w = pi * static_cast<double>(k) / static_cast<double>(bin.length), sine = 2 * std::sin(w / 2);
-    mean.N += 1;
-    mean.Q += sine * sine / T;                                // differences of independent errors at the ends of each interval
-    mean.K += T * T * (2 + std::cos(w)) / 3 / (sine * sine);  // means of a continuous walk
-    for (int fold = -8; fold <= 8; ++fold) {                  // means of continuous flicker, folded by sampling
-      const double x = std::abs(w / 2 + pi * fold), f = x / (pi * T);
-      mean.B += mirrored_flicker(k) * std::pow(std::sin(x) / x, 2) / (2 * pi * f);
-    }
+double sharpened(std::span<const double> rate, double interval_s, double hz, double piece_s) {
+  const auto averaged = std::max<std::size_t>(1, static_cast<std::size_t>(0.1 / (hz * interval_s)));  // ten to a period
+  const double T = interval_s * static_cast<double>(averaged);
+  const auto length = std::min(static_cast<std::size_t>(piece_s / T), rate.size() / averaged);
+  constexpr std::size_t most_pieces = 8;
+  const std::size_t pieces = std::clamp<std::size_t>(rate.size() / (length * averaged), 1, most_pieces);
+  std::vector<std::vector<double>> parts;
+  for (std::size_t i = 0; i < pieces; ++i) parts.push_back(means(rate, i * length * averaged, length, averaged, slope_of(rate)));
+  const auto taken = [&](double f) {
+    double sum = 0;
+    for (const std::vector<double>& part : parts) sum += fit_sinusoid(part, folded(f, T)).square();
+    return sum;
+  };
+  // The peak is about one over the length of a piece wide: a grid of eighths, then by thirds.
+  const double width = 1 / (T * static_cast<double>(length));
+  double best = hz, most = taken(hz);
+  for (int i = -8; i <= 8; ++i)
+    if (const double f = hz + width * i / 8, value = taken(f); value > most) best = f, most = value;
+  double low = best - width / 8, high = best + width / 8;
+  while (high - low > 1e-3 * width) {
+    const double a = low + (high - low) / 3, b = high - (high - low) / 3;
+    if (taken(a) > taken(b))
+      high = b;
+    else
+      low = a;
   }
-  for (double* const value : {&mean.Q, &mean.N, &mean.B, &mean.K}) *value /= count;
-  return mean;
+  return 0.5 * (low + high);
 }
 
 }  // namespace imulab::noise

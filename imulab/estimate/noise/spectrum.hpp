@@ -11,29 +11,41 @@
 
 namespace imulab::noise {
 
-/// Neighboring ordinates k of transforms of `length` samples, each the mean over `interval` [s].
+/// Neighboring ordinates k of transforms of `length` samples, each the mean of `averaged` readings over `interval` [s].
 struct SpectrumBin {
   double interval = 0;
-  std::size_t length = 0, first = 0, last = 0;  ///< k from first to last
-  double count = 0;                             ///< ordinates times transforms: degrees of freedom
-  double power = 0;                             ///< mean square times interval: two-sided density [u^2/Hz]
-  double amplitude = 0, ramp = 0;               ///< of one ordinate of the whole record: the ordinate [u sqrt(s)], and that of a ramp of 1 u/s
+  std::size_t averaged = 1, length = 0, first = 0, last = 0;  ///< k from first to last
+  double count = 0;                                           ///< ordinates times transforms: degrees of freedom
+  double power = 0;                                           ///< mean square times interval: two-sided density [u^2/Hz]
+  double amplitude = 0, ramp = 0;  ///< of one ordinate of the whole record: the ordinate [u sqrt(s)], and that of a ramp of 1 u/s
   double low_hz() const { return (static_cast<double>(first) - 0.5) / (2 * interval * static_cast<double>(length)); }
   double high_hz() const { return (static_cast<double>(last) + 0.5) / (2 * interval * static_cast<double>(length)); }
+  double middle_hz() const { return 0.5 * (low_hz() + high_hz()); }
+};
+
+/// The ordinates of one kind of transform, not yet binned.
+struct SpectrumLevel {
+  double interval = 0;
+  std::size_t averaged = 1, first = 0, end = 0;  ///< the ordinates used
+  double transforms = 0;
+  std::vector<double> power;  ///< of every ordinate, as a bin's
+  double hz(double k) const { return k / (2 * interval * static_cast<double>(power.size())); }
 };
 
 struct Spectrum {
-  std::vector<SpectrumBin> bins;  ///< from low to high frequency
-  double slope = 0;               ///< of the line that was removed from the rate before [u/s]; amplitudes are without it
+  std::vector<SpectrumLevel> levels;  ///< from low to high frequency
+  std::vector<SpectrumBin> bins;      ///< likewise
+  double slope = 0;                   ///< of the line that was removed from the rate before [u/s]; amplitudes are without it
+  double record_s = 0;                ///< length of the record
+  double squares = 0;                 ///< of the last sinusoid in `without`: mean square of its fitted amplitude [u^2]
+  double pieces = 0, piece_s = 0;     ///< fitted so often, in pieces so long
 };
 
-/// At least 64 readings are expected.
-Spectrum spectrum_of(std::span<const double> rate, double interval_s);
+/// At least 64 readings are expected. Sinusoids of the frequencies `without` [Hz] are removed from every transform's readings, and the ordinates
+/// beside them left out of the bins.
+Spectrum spectrum_of(std::span<const double> rate, double interval_s, const std::vector<double>& without = {});
 
-/// Mean density over a bin of noise with a unit coefficient: Q^2, N^2, B^2, K^2 (model/noise.hpp).
-struct Densities {
-  double Q = 0, N = 1, B = 0, K = 0;
-};
-Densities unit_densities(const SpectrumBin& bin);
+/// The frequency near `hz` whose sinusoid takes most power from pieces of the record of the given length [s].
+double sharpened(std::span<const double> rate, double interval_s, double hz, double piece_s);
 
 }  // namespace imulab::noise

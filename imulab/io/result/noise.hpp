@@ -1,7 +1,7 @@
 // The noise of an IMU, for people and for programs.
 #pragma once
 
-#include "imulab/estimate/noise/noise_analysis.hpp"
+#include "imulab/estimate/noise/noise_batch.hpp"
 
 #include <string>
 
@@ -11,6 +11,10 @@ namespace imulab {
 std::string noise_text(const NoiseAnalysis& analysis);
 /// JSON (docs/noise.md): SI, or counts; null for what is not determined.
 std::string noise_json(const NoiseAnalysis& analysis);
+
+/// Of several logs: mean, spread, and the worst; then each log's own, as above.
+std::string noise_text(const NoiseBatch& batch);
+std::string noise_json(const NoiseBatch& batch);
 
 const char* to_string(DeviationKind kind);  ///< "overlapping-allan"
 

@@ -1,0 +1,139 @@
+#include "imulab/estimate/noise/spectral_terms.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace imulab::noise {
+
+namespace {
+
+using std::numbers::pi;
+
+/// The ordinates of flicker have less power than its density says, because the transform mirrors the record at its ends: the integral of the density
+/// times the squared Fourier transform of the cosine; 1 - 2 / (pi^2 k) from k = 4 on, within 0.1 %.
+double mirrored_flicker(std::size_t k) {
+  constexpr std::array<double, 4> first{0, 0.7737, 0.9028, 0.9311};
+  return k < first.size() ? first[k] : 1 - 2 / (pi * pi * static_cast<double>(k));
+}
+
+/// (sin(n x) / (n sin x))^2: the mean of n readings.
+double mean_of(std::size_t n, double x) {
+  const double nn = static_cast<double>(n), sine = std::sin(x);
+  return std::abs(sine) < 1e-12 ? 1 : std::pow(std::sin(nn * x) / (nn * sine), 2);
+}
+
+constexpr std::size_t most_folds = 6;  // that averaging makes
+
+}  // namespace
+
+Densities unit_densities(const SpectrumBin& bin) {
+  Densities mean;
+  const std::size_t ordinates = bin.last - bin.first + 1, step = 1 + ordinates / 16;
+  double count = 0;
+  for (std::size_t k = bin.first + (ordinates - 1) % step / 2; k <= bin.last; k += step, ++count) {
+    const double T = bin.interval, w = pi * static_cast<double>(k) / static_cast<double>(bin.length), sine = 2 * std::sin(w / 2);
+    mean.Q += sine * sine / T;                                // differences of independent errors at the ends of each interval
+    mean.K += T * T * (2 + std::cos(w)) / 3 / (sine * sine);  // means of a continuous walk
+    for (int fold = -8; fold <= 8; ++fold) {                  // means of continuous flicker, folded by sampling
+      const double x = std::abs(w / 2 + pi * fold), f = x / (pi * T);
+      mean.B += mirrored_flicker(k) * std::pow(std::sin(x) / x, 2) / (2 * pi * f);
+    }
+  }
+  for (double* const value : {&mean.Q, &mean.B, &mean.K}) *value /= count;
+  return mean;
+}
+
+MarkovDensity markov_density(const SpectrumBin& bin, double time_s) {
+  const double T = bin.interval, cosine = std::cos(2 * pi * bin.middle_hz() * T);
+  // The covariances of means over T: g0, then g1 a^(k-1) at k intervals; their sum with cosines.
+  const auto at = [&](double time) {
+    const double x = T / time, a = std::exp(-x), lost = -std::expm1(-x);
+    const double g0 = x > 1e-3 ? 2 * (x - lost) / (x * x) : 1 - x / 3 + x * x / 12, g1 = lost * lost / (x * x);
+    return T * (g0 + 2 * g1 * (cosine - a) / (1 - 2 * a * cosine + a * a));
+  };
+  constexpr double step = 1e-3;
+  return {at(time_s), (at(time_s * (1 + step)) - at(time_s * (1 - step))) / (2 * step)};
+}
+
+// A digital filter's slope goes with the tangent of half the angle (bilinear transform).
+double FilterShares::place(double hz) const { return shape_.digital ? std::tan(pi * std::min(hz * reading_s_, 0.4999)) : hz; }
+
+/// Where white noise at a frequency of the readings comes from: sampling folds what an analog filter leaves above half their rate.
+std::vector<FilterShares::Node> FilterShares::sampled(double hz, double weight) const {
+  if (shape_.digital) return {{place(hz), weight}};
+  std::vector<Node> out;
+  for (int fold = -2; fold <= 2; ++fold) out.push_back({std::abs(hz + fold / reading_s_), weight});
+  return out;
+}
+
+FilterShares::FilterShares(const std::vector<SpectrumBin>& bins, const LowPassShape& shape) : shape_(shape) {
+  if (bins.empty() || shape.order == 0) return;
+  reading_s_ = bins.front().interval / static_cast<double>(bins.front().averaged);
+  for (const SpectrumBin& bin : bins) add_bin(bin);
+  zero_ = sampled(0, 1);
+}
+
+void FilterShares::add_bin(const SpectrumBin& bin) {
+  double rest = 1;
+  // Simpson's rule over the bin: a filter of fourth order falls by a factor of 1.5 across one.
+  for (const auto& [hz, weight] : {std::pair{bin.low_hz(), 1.0 / 6}, std::pair{bin.middle_hz(), 4.0 / 6}, std::pair{bin.high_hz(), 1.0 / 6}}) {
+    red_.nodes.push_back({place(hz), weight});
+    if (bin.averaged == 1) {
+      for (const Node& node : sampled(hz, weight)) white_.nodes.push_back(node);
+      continue;
+    }
+    const double of_mean = weight * mean_of(bin.averaged, pi * hz * reading_s_);
+    white_.nodes.push_back({place(hz), of_mean});
+    rest -= of_mean;
+  }
+  if (bin.averaged > 1) {
+    const double folding = 1 / bin.interval;
+    const std::size_t folds = std::min(most_folds, (bin.averaged - 1) / 2);
+    for (std::size_t j = 1; j <= folds; ++j)
+      for (const double side : {-1.0, 1.0}) {
+        const double f = static_cast<double>(j) * folding + side * bin.middle_hz(), of_mean = mean_of(bin.averaged, pi * f * reading_s_);
+        white_.nodes.push_back({place(f), of_mean});
+        rest -= of_mean;
+      }
+    white_.nodes.push_back({place((static_cast<double>(folds) + 1) * folding), rest});
+  }
+  red_.begin.push_back(red_.nodes.size());
+  white_.begin.push_back(white_.nodes.size());
+}
+
+/// Of nodes with 1 / (1 + (x / cutoff)^2n); `steepness`: how the cutoff's place goes with the logarithm of the cutoff.
+Passed FilterShares::passed(const Node* first, const Node* last, double cutoff, double steepness) const {
+  Passed out{0, 0};
+  for (; first != last; ++first) {
+    const double ratio = first->x / cutoff, square = ratio * ratio;
+    double power = square;
+    for (int i = 1; i < shape_.order; ++i) power *= square;
+    const double share = 1 / (1 + power);
+    out.share += first->weight * share;
+    out.by_log_cutoff += first->weight * 2 * shape_.order * power * share * share * steepness;
+  }
+  return out;
+}
+
+FilterShares::Shares FilterShares::at(double cutoff_hz) const {
+  const double angle = 2 * pi * cutoff_hz * reading_s_, cutoff = place(cutoff_hz), steepness = shape_.digital ? angle / std::sin(angle) : 1;
+  Shares out;
+  const std::size_t bins = red_.begin.size() - 1;
+  out.red.reserve(bins), out.white.reserve(bins);
+  const Passed zero = passed(zero_.data(), zero_.data() + zero_.size(), cutoff, steepness);
+  for (std::size_t i = 0; i < bins; ++i) {
+    out.red.push_back(passed(&red_.nodes[red_.begin[i]], red_.nodes.data() + red_.begin[i + 1], cutoff, steepness));
+    Passed white = passed(&white_.nodes[white_.begin[i]], white_.nodes.data() + white_.begin[i + 1], cutoff, steepness);
+    if (white_.begin[i + 1] - white_.begin[i] == 3 * zero_.size() && !shape_.digital) {
+      white.share /= zero.share;
+      white.by_log_cutoff = (white.by_log_cutoff - white.share * zero.by_log_cutoff) / zero.share;
+    }
+    out.white.push_back(white);
+  }
+  return out;
+}
+
+}  // namespace imulab::noise

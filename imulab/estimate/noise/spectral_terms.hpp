@@ -1,0 +1,67 @@
+// Densities of the noise terms in a bin of the spectrum: two-sided [u^2/Hz], of means over the transform's interval.
+#pragma once
+
+#include "imulab/estimate/noise/spectrum.hpp"
+
+#include <cstddef>
+#include <vector>
+
+namespace imulab::noise {
+
+/// Of Q^2, B^2, K^2 = 1 (model/noise.hpp); that of N^2 is 1.
+struct Densities {
+  double Q = 0, B = 0, K = 0;
+};
+Densities unit_densities(const SpectrumBin& bin);
+
+/// Of a first-order Gauss-Markov process of unit variance, and its derivative by the logarithm of the correlation time.
+struct MarkovDensity {
+  double value = 0, by_log_time = 0;
+};
+MarkovDensity markov_density(const SpectrumBin& bin, double time_s);
+
+/// A Butterworth filter before the readings are taken; or one that runs at their rate, by the bilinear transform.
+struct LowPassShape {
+  int order = 0;  ///< 0: none
+  bool digital = false;
+  bool operator==(const LowPassShape&) const = default;
+};
+
+/// The share of the power that a filter passes, and its derivative by the logarithm of the cutoff.
+struct Passed {
+  double share = 1, by_log_cutoff = 0;
+};
+
+/// A filter's shares in the bins of a spectrum, of noise that falls with frequency, and of white noise: of means over many readings with the
+/// frequencies that averaging folds in; of readings of a filter before them with those that sampling folds in, so that one passes at frequency 0.
+class FilterShares {
+ public:
+  FilterShares() = default;
+  FilterShares(const std::vector<SpectrumBin>& bins, const LowPassShape& shape);
+
+  struct Shares {
+    std::vector<Passed> red, white;  ///< by bin
+  };
+  Shares at(double cutoff_hz) const;
+
+ private:
+  struct Node {
+    double x, weight;  // the frequency as the filter's slope goes with it
+  };
+  /// Of all bins, those of bin i from begin[i] to begin[i + 1].
+  struct Nodes {
+    std::vector<Node> nodes;
+    std::vector<std::size_t> begin{0};
+  };
+  double place(double hz) const;
+  Passed passed(const Node* first, const Node* last, double cutoff, double steepness) const;
+  void add_bin(const SpectrumBin& bin);
+  std::vector<Node> sampled(double hz, double weight) const;
+
+  LowPassShape shape_;
+  double reading_s_ = 1;
+  Nodes red_, white_;
+  std::vector<Node> zero_;  // white noise at frequency 0
+};
+
+}  // namespace imulab::noise

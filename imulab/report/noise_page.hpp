@@ -1,0 +1,13 @@
+// The page of a noise analysis.
+#pragma once
+
+#include "imulab/estimate/noise/noise_analysis.hpp"
+
+#include <string>
+
+namespace imulab {
+
+/// A self-contained HTML page: deviation with bounds and fitted terms, spectrum, coefficients, and the signal with what was cut.
+std::string noise_page(const NoiseAnalysis& analysis, const StillPart& still);
+
+}  // namespace imulab
