@@ -7,13 +7,16 @@
 #include "imulab/io/result/fields.hpp"
 #include "imulab/io/result/noise_reader.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/names.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace imulab::command {
@@ -24,11 +27,25 @@ namespace fs = std::filesystem;
 
 constexpr const char* all_targets = "all";
 
+/// An option that only some targets have.
+struct TargetOption {
+  std::string name;
+  Option option;
+  std::vector<std::string_view> targets;
+};
+
 struct Options {
   std::string calibration, target, output = "-", noise, axes = "worst";
   bool allow_undetermined = false, json = false;
   ExportOptions choices;
+  std::vector<TargetOption> of_targets;
 };
+
+void check_options(const Options& o) {
+  for (const TargetOption& of : o.of_targets)
+    if (of.option.given() && o.target != all_targets && std::find(of.targets.begin(), of.targets.end(), o.target) == of.targets.end())
+      throw Error(fmt::format("{}: {} has none; expected one of the targets {}", of.name, o.target, text::listed(of.targets)));
+}
 
 /// Writes one target's file, whole or not at all, after its warnings.
 JsonFields write_target(const ExportTarget& target, const ExportInput& input, const Options& o, const std::string& output) {
@@ -65,6 +82,7 @@ void write_all(const ExportInput& input, const Options& o) {
 }
 
 void run(const Options& o) {
+  check_options(o);
   const Calibration calibration = read_usable(o.calibration, o.allow_undetermined);
   std::optional<ImuNoise> noise;
   if (!o.noise.empty()) noise = read_noise(o.noise);
@@ -91,14 +109,29 @@ void add_export(Verb app) {
   verb.option("CALIBRATION", o->calibration, "calibration.json").required();
   verb.option("--to TARGET", o->target, fmt::format("{}", fmt::join(help, "; "))).required().one_of(names);
   verb.option("-o,--output FILE", o->output, "the file to write; - for standard output; with --to all a folder").show_default();
-  verb.option("--noise FILE", o->noise, "noise.json, from imulab noise: for targets that hold noise");
-  verb.option("--axes CHOICE", o->axes, "where a target has one number of noise for three axes: the worst axis, or their mean")
-      .one_of({"worst", "mean"})
-      .show_default();
-  verb.option("--rate HZ", o->choices.rate_hz, "samples a second of the stream; without it those of the noise's log").in_range(1e-3, 1e6);
-  verb.flag("--variance-matched", o->choices.variance_matched, "vins: white noise for which the covariance that its code propagates is right");
-  verb.option("--model MODEL", o->choices.imu_model, "openvins: its IMU model").one_of({"kalibr", "rpng"}).show_default();
-  verb.option("--instance N", o->choices.instance, "px4, ardupilot: which of the autopilot's IMUs, from 0").in_range(0, 2).show_default();
+  const std::vector<std::string_view> noisy{"kalibr-imu", "kalibr", "openvins", "vins", "euroc", "ros", "json-matrix", "csv"},
+      autopilots{"px4", "ardupilot"};
+  const auto belongs = [&](const std::string& name, Option option, const std::vector<std::string_view>& targets) {
+    o->of_targets.push_back({name, option, targets});
+  };
+  belongs("--noise", verb.option("--noise FILE", o->noise, "noise.json, from imulab noise: for targets that hold noise"), noisy);
+  belongs("--axes",
+          verb.option("--axes CHOICE", o->axes, "where a target has one number of noise for three axes: the worst axis, or their mean")
+              .one_of({"worst", "mean"})
+              .show_default(),
+          noisy);
+  belongs("--rate",
+          verb.option("--rate HZ", o->choices.rate_hz, "samples a second of the stream; without it those of the noise's log").in_range(1e-3, 1e6),
+          noisy);
+  belongs(
+      "--variance-matched",
+      verb.flag("--variance-matched", o->choices.variance_matched, "vins: white noise for which the covariance that its code propagates is right"),
+      {"vins"});
+  belongs("--model", verb.option("--model MODEL", o->choices.imu_model, "openvins: its IMU model").one_of({"kalibr", "rpng"}).show_default(),
+          {"openvins"});
+  belongs("--instance",
+          verb.option("--instance N", o->choices.instance, "px4, ardupilot: which of the autopilot's IMUs, from 0").in_range(0, 2).show_default(),
+          autopilots);
   add_allow_undetermined(verb, o->allow_undetermined);
   verb.flag("--json", o->json, "print what was written and what it leaves out as JSON");
   verb.example("imulab export calibration.json --to c-header -o imu_calibration.h");

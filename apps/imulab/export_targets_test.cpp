@@ -67,13 +67,23 @@ TEST(ExportCommand, SaysWhatIsLostAndWarnsOfRanges) {
   EXPECT_THAT(result.output, testing::HasSubstr("accelerometers' off-diagonal terms: up to "));
 }
 
+TEST(ExportCommand, RefusesOptionsThatATargetHasNot) {
+  const TemporaryFolder folder;
+  write_unit(folder);
+  EXPECT_THAT(run_imulab(folder, "export calibration.json --to px4 --noise noise.json").errors,
+              testing::HasSubstr("--noise: px4 has none; expected one of the targets kalibr-imu, kalibr, "));
+  for (const char* options : {"--to px4 --model rpng", "--to kalibr --variance-matched", "--to vectornav --instance 1", "--to ardupilot --rate 100"})
+    EXPECT_EQ(run_imulab(folder, std::string("export calibration.json ") + options).exit_code, 2) << options;
+  EXPECT_EQ(run_imulab(folder, "export calibration.json --to ardupilot --instance 2").exit_code, 0);
+}
+
 TEST(ExportCommand, KeepsItsInputs) {
   const TemporaryFolder folder;
   write_unit(folder);
   EXPECT_EQ(run_imulab(folder, "export calibration.json --to px4 -o calibration.json").exit_code, 2);
   EXPECT_EQ(run_imulab(folder, "export calibration.json --to px4 --noise noise.json -o noise.json").exit_code, 2);
-  EXPECT_EQ(run_imulab(folder, "export calibration.json --to px4 --noise noise.json -o px4.params").exit_code, 0);
-  std::filesystem::remove(folder / "px4.params");
+  EXPECT_EQ(run_imulab(folder, "export calibration.json --to csv --noise noise.json -o noise.json").exit_code, 2);
+  EXPECT_EQ(run_imulab(folder, "export calibration.json --to csv --noise noise.json -o table.csv").exit_code, 0);
   const CommandResult counts = [&] {
     Calibration c = export_test::si_unit();
     c.model.gyro.raw_unit = "count";
