@@ -19,6 +19,7 @@ const std::vector<ImportFormat>& import_formats() {
   // The first that recognizes a text reads it: those of narrow content before those of wide.
   static const std::vector<ImportFormat> formats{
       {"json-matrix", "matrices of `imulab export --to json-matrix`", is_json_matrix, read_json_matrix},
+      {"csv", "the table of `imulab export --to csv`", is_csv_table, read_csv_table},
       {"imucal", "imucal's JSON", is_imucal, read_imucal},
       {"OpenVINS", "kalibr_imu_chain.yaml", is_openvins, read_openvins},
       {"Kalibr", "its result form, and imu.yaml", is_kalibr, read_kalibr},

@@ -36,7 +36,7 @@ TEST(Import, DamageIsNamedByFileAndLine) {
   const ImuNoise noise = some_noise();
   const Calibration thermal = thermal_unit(), plain = si_unit();
   const std::string px4 = exported("px4", {thermal}), ardupilot = exported("ardupilot", {thermal}), vectornav = exported("vectornav", {plain}),
-                    json = exported("json-matrix", {plain}), yaml = chain;
+                    json = exported("json-matrix", {plain}), table = exported("csv", {plain}), yaml = chain;
   struct Damage {
     std::string text, message;
   };
@@ -89,6 +89,9 @@ TEST(Import, DamageIsNamedByFileAndLine) {
       {replaced(psins_text, "1.0e+01 \t-2.0e+01", "1.0e+01"), "file:6: eb: 2 numbers; expected 3"},
       {"Kg = [ 1 2 3\n", "file:1: a block without its ]"},
       {"Kg = [1 2 3 4 5 6 7 8 9 10];", "file:1: more than 9 numbers"},
+      {replaced(table, "accel.offset.y,", "accel.offset.x,"), "file:"},
+      {replaced(table, "gyro.matrix.zz,", "gyro.matrix.qq,"), "file: gyro.matrix.zz: is missing"},
+      {"name,value,standard_uncertainty,unit\naccel.offset.x,nan,,\n", "file:2: accel.offset.x: expected a number, found \"nan\""},
       {"1 0 0\n0 1 0\n0 0 1\n", "file:3: 9 numbers; expected 12"},
       {"1 0 0\n0 1 zero\n0 0 1\n0 0 0\n", "file:2: \"zero\": expected a number"},
       {"1 0 0\n0 1 inf\n0 0 1\n0 0 0\n", "file:2: \"inf\": expected a number"},

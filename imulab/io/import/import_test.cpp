@@ -82,7 +82,7 @@ TEST(Import, WhatWasExportedComesBack) {
   }
 }
 
-TEST(Import, EveryTermOfJsonMatricesComesBack) {
+TEST(Import, EveryTermOfMatricesAndTablesComesBack) {
   Calibration c = thermal_unit(4, "K", 273.15);
   c.model.accel.raw_unit = c.model.gyro.raw_unit = "count";
   c.model.accel.quadratic = {1e-5, 2e-5, -1e-5};
@@ -93,6 +93,12 @@ TEST(Import, EveryTermOfJsonMatricesComesBack) {
   EXPECT_EQ(back.model.accel.temperature, c.model.accel.temperature);
   EXPECT_EQ(back.model.gyro.raw_unit, "count");
   EXPECT_EQ(back.model.lever_arm, c.model.lever_arm);
+  ImportOptions counts;
+  counts.raw = "count";
+  const Calibration table = import(exported("csv", {c}), counts).calibration;
+  for (const CoefficientIndex i : coefficient_indices()) EXPECT_EQ(coefficient_value(table.model, i), coefficient_value(c.model, i));
+  EXPECT_EQ(table.model.gyro.temperature, c.model.gyro.temperature);
+  EXPECT_EQ(table.model.gyro.raw_unit, "count");
 }
 
 TEST(Import, AutopilotsParametersComeBack) {
