@@ -29,7 +29,8 @@ TEST(ImportCommand, WritesACalibrationThatOtherCommandsTake) {
   }());
   folder.write("session.toml",
                "format = \"imulab.session/1\"\n[[recording]]\nfile = \"rest.csv\"\ntime = { column = \"t\", unit = \"s\" }\n"
-               "gyro = { output = \"rate\", columns = [\"gx\", \"gy\", \"gz\"], unit = \"rad/s\" }\naccel = { output = \"rate\", columns = [\"ax\", \"ay\", \"az\"], unit = \"m/s^2\" }\n");
+               "gyro = { output = \"rate\", columns = [\"gx\", \"gy\", \"gz\"], unit = \"rad/s\" }\n"
+               "accel = { output = \"rate\", columns = [\"ax\", \"ay\", \"az\"], unit = \"m/s^2\" }\n");
   const CommandResult compensated = run_imulab(folder, "compensate imported.json session.toml -o compensated.csv");
   EXPECT_EQ(compensated.exit_code, 0) << compensated.errors;
 }
