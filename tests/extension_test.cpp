@@ -71,10 +71,11 @@ RawTable imu7_columns(const TableRequest& request, const std::vector<Column>& co
 // imulab/io/export/offsets.cpp
 namespace export_io {
 
-std::string offsets_text(const Calibration& c) {
-  return fmt::format("{} {} {}\n", c.model.gyro.offset[0], c.model.gyro.offset[1], c.model.gyro.offset[2]);
+std::string offsets_text(const ExportInput& input) {
+  const Vector3d& offset = input.calibration.model.gyro.offset;
+  return fmt::format("{} {} {}\n", offset[0], offset[1], offset[2]);
 }
-std::vector<std::string> left_out_of_offsets(const Calibration&) { return {"everything but the gyros' offsets"}; }
+std::vector<std::string> left_out_of_offsets(const ExportInput&) { return {"everything but the gyros' offsets"}; }
 
 }  // namespace export_io
 
@@ -128,12 +129,13 @@ TEST(Extension, ARecordingFormatIsAFileAndARow) {
 }
 
 TEST(Extension, AnExportTargetIsAFileAndARow) {
-  const auto targets =
-      with<ExportTarget>(export_targets(), {"offsets", "the gyros' offsets [rad/s]", export_io::offsets_text, export_io::left_out_of_offsets});
+  const auto targets = with<ExportTarget>(
+      export_targets(), {"offsets", "the gyros' offsets [rad/s]", "offsets.txt", export_io::offsets_text, export_io::left_out_of_offsets});
   Calibration c;
   c.model.gyro.offset = {1, 2, 0.5};
-  EXPECT_EQ(export_target("offsets", targets).text(c), "1 2 0.5\n");
-  EXPECT_THAT([&] { export_target("magic", targets); }, ThrowsMessage<Error>("magic is not an export target; expected one of offsets, c-header"));
+  EXPECT_EQ(export_target("offsets", targets).text({c}), "1 2 0.5\n");
+  EXPECT_THAT([&] { export_target("magic", targets); },
+              ThrowsMessage<Error>(HasSubstr("magic is not an export target; expected one of offsets, c-header")));
 }
 
 TEST(Extension, AMethodIsAFolderAndARow) {

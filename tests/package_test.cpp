@@ -83,9 +83,9 @@ TEST(Package, TheTutorialNamesItsDependencies) {
   const std::map<std::string, std::string> packages{{"Eigen3", "libeigen3-dev"}, {"fmt", "libfmt-dev"},
                                                     {"TBB", "libtbb-dev"},       {"tomlplusplus", "libtomlplusplus-dev"},
                                                     {"PkgConfig", "pkg-config"}, {"GeographicLib", "libgeographiclib-dev"},
-                                                    {"ZLIB", "zlib1g-dev"},      {"libdeflate", "libdeflate-dev"}};
+                                                    {"ZLIB", "zlib1g-dev"},      {"libdeflate", "libdeflate-dev"}, {"yaml-cpp", "libyaml-cpp-dev"}};
   const std::string page = read_text(IMULAB_SOURCE "/docs/tutorial-library.md"), list = read_text(IMULAB_SOURCE "/cmake/dependencies.cmake");
-  const std::regex dependency("(?:find_package|pkg_check_modules)\\((\\w+)");
+  const std::regex dependency("(?:find_package|pkg_check_modules)\\(([\\w-]+)");
   for (std::sregex_iterator i(list.begin(), list.end(), dependency), end; i != end; ++i) {
     ASSERT_TRUE(packages.contains((*i)[1])) << (*i)[1];
     EXPECT_THAT(page, HasSubstr(packages.at((*i)[1])));

@@ -212,7 +212,7 @@ int run(std::vector<std::string> arguments) {
   for (const Group& group :
        {Group{"calibrate", {add_inspect, add_calibrate, add_live, add_noise, add_compare, add_verify, add_report}},
         Group{"before the measurement", {add_procedure, add_simulate, add_predict, add_plan}},
-        Group{"use a calibration", {add_compensate, add_export}}, Group{"in navigation", {add_trajectory, add_navigate, add_budget}}})
+        Group{"use a calibration", {add_compensate, add_export, add_import}}, Group{"in navigation", {add_trajectory, add_navigate, add_budget}}})
     for (const auto add : group.verbs) {
       add(Verb(&app));
       app.get_subcommands([](const CLI::App*) { return true; }).back()->group(group.title);

@@ -78,6 +78,7 @@ void add_trajectory(Verb app);
 void add_navigate(Verb app);
 void add_budget(Verb app);
 void add_export(Verb app);
+void add_import(Verb app);
 void add_report(Verb app);
 void add_demo(Verb app);
 

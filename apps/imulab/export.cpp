@@ -1,47 +1,108 @@
 // imulab export CALIBRATION --to TARGET
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/export_c_header.hpp"
+#include "apps/imulab/session_recording.hpp"
 #include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/export/target.hpp"
 #include "imulab/io/result/fields.hpp"
+#include "imulab/io/result/noise_reader.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/names.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace imulab::command {
 
 namespace {
 
-struct Options {
-  std::string calibration, target, output = "-";
-  bool allow_undetermined = false, json = false;
-  CHeaderArguments c_header;
+namespace fs = std::filesystem;
+
+constexpr const char* all_targets = "all";
+
+/// An option that only some targets have.
+struct TargetOption {
+  std::string name;
+  Option option;
+  std::vector<std::string_view> targets;
 };
 
-std::string text_of(const ExportTarget& target, const Calibration& calibration, const Options& o) {
-  if (target.name != "c-header") {
-    if (o.c_header.given()) throw Error("--to " + o.target + ": has none of the options of c-header; expected --to c-header");
-    return errors_at(o.calibration, [&] { return target.text(calibration); });
+struct Options {
+  std::string calibration, target, output = "-", noise, axes = "worst";
+  bool allow_undetermined = false, json = false;
+  ExportOptions choices;
+  CHeaderArguments c_header;
+  std::vector<TargetOption> of_targets;
+};
+
+void check_options(const Options& o) {
+  for (const TargetOption& of : o.of_targets)
+    if (of.option.given() && o.target != all_targets && std::find(of.targets.begin(), of.targets.end(), o.target) == of.targets.end())
+      throw Error(fmt::format("{}: {} has none; expected one of the targets {}", of.name, o.target, text::listed(of.targets)));
+  if (o.c_header.given() && o.target != all_targets && o.target != "c-header")
+    throw Error("--to " + o.target + ": has none of the options of c-header; expected --to c-header");
+}
+
+std::string text_of(const ExportTarget& target, const ExportInput& input, const Options& o) {
+  if (target.name != "c-header") return target.text(input);
+  const CHeaderOptions options = c_header_options(o.c_header, input.calibration);
+  for (const std::string& assumed : assumed_readings(options, input.calibration)) warn(o.calibration + ": " + assumed);
+  return c_header(input.calibration, options);
+}
+
+/// Writes one target's file, whole or not at all, after its warnings.
+JsonFields write_target(const ExportTarget& target, const ExportInput& input, const Options& o, const std::string& output) {
+  expect_inputs_stay("-o", output, {}, {o.calibration, o.noise});
+  const std::string text = errors_at(o.calibration, [&] { return text_of(target, input, o); });
+  const std::vector<std::string> lost = target.left_out(input);
+  const std::string place = o.target == all_targets ? fmt::format("{}: {}", o.calibration, target.name) : o.calibration;
+  if (o.target == all_targets && !lost.empty())
+    warn(fmt::format("{}: does not hold all of the calibration: the head of {} lists what, and how much", place, output));
+  else
+    for (const std::string& sentence : lost) warn(fmt::format("{}: not held by {}: {}", place, target.name, sentence));
+  if (target.warnings != nullptr)
+    for (const std::string& warning : target.warnings(input)) warn(place + ": " + warning);
+  write_whole(output, text);
+  return {{{"target", std::string(target.name)}, {"file", output}, {"left_out", lost}}};
+}
+
+/// Every target that this calibration and this noise allow; the others are named.
+void write_all(const ExportInput& input, const Options& o) {
+  if (o.output == "-") throw Error("--to all: writes several files; expected -o FOLDER");
+  if (fs::exists(o.output) && !fs::is_directory(o.output)) throw Error(fmt::format("-o {}: is a file; expected a folder", o.output));
+  fs::create_directories(o.output);
+  std::vector<JsonFields> written;
+  for (const ExportTarget& target : export_targets()) {
+    try {
+      written.push_back(write_target(target, input, o, fs::path(o.output) / target.file));
+    } catch (const Error& e) {
+      warn(fmt::format("{} is not written: {}", target.name, e.what()));
+    }
   }
-  const CHeaderOptions options = c_header_options(o.c_header, calibration);
-  for (const std::string& assumed : assumed_readings(options, calibration)) warn(o.calibration + ": " + assumed);
-  return errors_at(o.calibration, [&] { return c_header(calibration, options); });
+  if (written.empty()) throw Error(o.calibration + ": no target could be written");
+  if (o.json) return fmt::print("{}", fields_json({{{"files", written}}}));
+  for (const JsonFields& file : written) print(std::get<std::string>(file.fields[1].second) + "\n");
 }
 
 void run(const Options& o) {
+  check_options(o);
   const Calibration calibration = read_usable(o.calibration, o.allow_undetermined);
-  const ExportTarget& target = export_target(o.target);
-  const std::string text = text_of(target, calibration, o);
-  const std::vector<std::string> lost = target.left_out(calibration);
-  for (const std::string& left_out : lost) warn(o.calibration + ": " + left_out);
+  std::optional<ImuNoise> noise;
+  if (!o.noise.empty()) noise = read_noise(o.noise);
+  ExportInput input{calibration, noise ? &*noise : nullptr, o.choices};
+  input.options.axes = o.axes == "mean" ? AxisChoice::mean : AxisChoice::worst;
+  if (o.target == all_targets) return write_all(input, o);
   if (o.json && o.output == "-") throw Error("--json: standard output has the export; expected -o FILE");
-  write_whole(o.output, text);
-  if (o.json) fmt::print("{}", fields_json({{{"target", o.target}, {"file", o.output}, {"left_out", lost}}}));
+  const JsonFields written = write_target(export_target(o.target), input, o, o.output);
+  if (o.json) fmt::print("{}", fields_json(written));
 }
 
 }  // namespace
@@ -54,14 +115,40 @@ void add_export(Verb app) {
     names.emplace_back(target.name);
     help.push_back(fmt::format("{}: {}", target.name, target.summary));
   }
+  names.emplace_back(all_targets);
+  help.push_back("all: each of them, into the folder of -o");
   verb.option("CALIBRATION", o->calibration, "calibration.json").required();
   verb.option("--to TARGET", o->target, fmt::format("{}", fmt::join(help, "; "))).required().one_of(names);
-  verb.option("-o,--output FILE", o->output, "the file to write; - for standard output").show_default();
+  verb.option("-o,--output FILE", o->output, "the file to write; - for standard output; with --to all a folder").show_default();
+  const std::vector<std::string_view> noisy{"kalibr-imu", "kalibr", "openvins", "vins", "euroc", "ros", "json-matrix", "csv"},
+      autopilots{"px4", "ardupilot"};
+  const auto belongs = [&](const std::string& name, Option option, const std::vector<std::string_view>& targets) {
+    o->of_targets.push_back({name, option, targets});
+  };
+  belongs("--noise", verb.option("--noise FILE", o->noise, "noise.json, from imulab noise: for targets that hold noise"), noisy);
+  belongs("--axes",
+          verb.option("--axes CHOICE", o->axes, "where a target has one number of noise for three axes: the worst axis, or their mean")
+              .one_of({"worst", "mean"})
+              .show_default(),
+          noisy);
+  belongs("--rate",
+          verb.option("--rate HZ", o->choices.rate_hz, "samples a second of the stream; without it those of the noise's log").in_range(1e-3, 1e6),
+          noisy);
+  belongs(
+      "--variance-matched",
+      verb.flag("--variance-matched", o->choices.variance_matched, "vins: white noise for which the covariance that its code propagates is right"),
+      {"vins"});
+  belongs("--model", verb.option("--model MODEL", o->choices.imu_model, "openvins: its IMU model").one_of({"kalibr", "rpng"}).show_default(),
+          {"openvins"});
+  belongs("--instance",
+          verb.option("--instance N", o->choices.instance, "px4, ardupilot: which of the autopilot's IMUs, from 0").in_range(0, 2).show_default(),
+          autopilots);
   add_allow_undetermined(verb, o->allow_undetermined);
   add_c_header_options(verb, o->c_header);
   verb.flag("--json", o->json, "print what was written and what it leaves out as JSON");
   verb.example("imulab export calibration.json --to c-header -o imu_calibration.h");
   verb.example("imulab export calibration.json --to c-header --input-accel g -o imu.h");
+  verb.example("imulab export calibration.json --noise noise.json --to kalibr -o imu0.yaml");
   verb.does([o] { run(*o); });
 }
 

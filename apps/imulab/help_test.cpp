@@ -9,9 +9,10 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const std::vector<std::string> verbs{"calibrate",          "live",     "noise", "compare", "verify", "report",     "procedure", "procedure hand-held",
-                                     "procedure dai-unit", "simulate", "predict", "plan",   "compensate", "export",    "trajectory",
-                                     "navigate",           "budget",   "demo",    "help"};
+const std::vector<std::string> verbs{
+    "calibrate",          "live",     "noise",   "compare", "verify",     "report", "procedure", "procedure hand-held",
+    "procedure dai-unit", "simulate", "predict", "plan",    "compensate", "export", "import",    "trajectory",
+    "navigate",           "budget",   "demo",    "help"};
 
 TEST(Help, FitsATerminal) {
   const TemporaryFolder folder;

@@ -43,7 +43,11 @@ const std::map<std::string, VerticalChannel> vertical_channels{
 
 /// The word none: an IMU whose recordings are in SI already.
 Calibration calibration_of(const std::string& name, bool allow_undetermined) {
-  if (name != "none") return read_usable(name, allow_undetermined);
+  if (name != "none") {
+    Calibration calibration = read_usable(name, allow_undetermined);
+    if (calibration.method == "import") warn(name + ": an imported calibration states no uncertainties: those of the solution count it as exact");
+    return calibration;
+  }
   Calibration ideal;
   ideal.model.gyro.raw_unit = "rad/s";
   ideal.model.accel.raw_unit = "m/s^2";

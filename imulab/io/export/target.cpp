@@ -2,6 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/io/export/c_header.hpp"
+#include "imulab/io/export/targets.hpp"
 #include "imulab/io/text/names.hpp"
 
 #include <fmt/core.h>
@@ -9,8 +10,22 @@
 namespace imulab {
 
 const std::vector<ExportTarget>& export_targets() {
+  namespace to = export_io;
   static const std::vector<ExportTarget> targets{
-      {"c-header", "compensation for firmware, one header without a library", c_header, left_out_of_c_header},
+      {"c-header", "compensation for firmware, one header without a library", "imu_calibration.h",
+       [](const ExportInput& input) { return c_header(input.calibration); },
+       [](const ExportInput& input) { return left_out_of_c_header(input.calibration); }},
+      {"kalibr-imu", "Kalibr's imu.yaml: noise", "kalibr_imu.yaml", to::kalibr_imu_text, to::left_out_of_noise_files},
+      {"kalibr", "Kalibr's result form: matrices, g-sensitivity, noise", "kalibr_result.yaml", to::kalibr_text, to::left_out_of_kalibr},
+      {"openvins", "OpenVINS' kalibr_imu_chain.yaml", "kalibr_imu_chain.yaml", to::openvins_text, to::left_out_of_openvins},
+      {"vins", "VINS-Fusion and VINS-Mono: noise of a sample", "vins.yaml", to::vins_text, to::left_out_of_noise_files},
+      {"euroc", "EuRoC's sensor.yaml: noise", "sensor.yaml", to::euroc_text, to::left_out_of_noise_files},
+      {"ros", "covariances of ROS' sensor_msgs/Imu", "ros_covariance.yaml", to::ros_text, to::left_out_of_noise_files},
+      {"px4", "parameters of PX4", "px4.params", to::px4_text, to::left_out_of_px4, to::px4_warnings},
+      {"ardupilot", "parameters of ArduPilot", "ardupilot.param", to::ardupilot_text, to::left_out_of_ardupilot, to::ardupilot_warnings},
+      {"vectornav", "commands for VectorNav's registers", "vectornav.txt", to::vectornav_text, to::left_out_of_vectornav},
+      {"json-matrix", "matrices and biases as JSON", "matrix.json", to::json_matrix_text, to::left_out_of_matrices},
+      {"csv", "coefficients as a table", "calibration.csv", to::csv_text, to::left_out_of_matrices},
   };
   return targets;
 }

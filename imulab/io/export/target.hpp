@@ -1,7 +1,7 @@
 // What a calibration can be exported to, in one table.
 #pragma once
 
-#include "imulab/model/calibration.hpp"
+#include "imulab/io/export/input.hpp"
 
 #include <string>
 #include <string_view>
@@ -13,10 +13,13 @@ namespace imulab {
 struct ExportTarget {
   std::string_view name;     ///< as `imulab export --to` names it
   std::string_view summary;  ///< for help: what it is for, in one line
-  /// The text of the file. Throws Error for a calibration that the target cannot hold.
-  std::string (*text)(const Calibration& calibration);
-  /// What of this calibration the text leaves out, and the consequence; empty: nothing.
-  std::vector<std::string> (*left_out)(const Calibration& calibration);
+  std::string_view file;     ///< its name where all targets are written
+  /// The text of the file. Throws Error for a calibration that the target cannot hold, and where it needs noise and there is none.
+  std::string (*text)(const ExportInput& input);
+  /// What of this calibration the text leaves out, and how large that is; empty: nothing.
+  std::vector<std::string> (*left_out)(const ExportInput& input);
+  /// Numbers that the target refuses or ignores; null: it takes all.
+  std::vector<std::string> (*warnings)(const ExportInput& input) = nullptr;
 };
 
 const std::vector<ExportTarget>& export_targets();

@@ -1,0 +1,137 @@
+// `imulab export` to every target: what it writes, says and refuses.
+#include "imulab/core/random.hpp"
+#include "imulab/io/calibration/file.hpp"
+#include "imulab/io/export/target.hpp"
+#include "imulab/io/result/noise.hpp"
+
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+
+#include "tests/export_unit.hpp"
+#include "tests/run_command.hpp"
+#include <cmath>
+#include <filesystem>
+
+namespace imulab {
+namespace {
+
+/// A calibration in SI and the noise of a simulated log at rest, as files.
+void write_unit(const TemporaryFolder& folder) {
+  folder.write("calibration.json", calibration_text(export_test::thermal_unit()));
+  NoiseAnalysis analysis;
+  analysis.recording = "rest.csv";
+  analysis.interval_s = 0.01;
+  for (const char* name : {"gyro.x", "gyro.y", "gyro.z", "accel.x", "accel.y", "accel.z"}) {
+    std::vector<double> readings(4096);
+    RandomStream(1, name).normals(0, readings);
+    NoiseAxis axis;
+    axis.name = name;
+    axis.unit = name[0] == 'g' ? "rad/s" : "m/s^2";
+    axis.fit = fit_noise(readings, 0.01);
+    analysis.axes.push_back(axis);
+  }
+  folder.write("noise.json", noise_json(analysis));
+}
+
+TEST(ExportCommand, WritesEveryTargetThatItCan) {
+  const TemporaryFolder folder;
+  write_unit(folder);
+  const CommandResult result = run_imulab(folder, "export calibration.json --to all -o out");
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  for (const ExportTarget& target : export_targets()) {
+    const bool needs_noise = result.errors.find(fmt::format("{} is not written: calibration.json: ", target.name)) != std::string::npos;
+    EXPECT_EQ(std::filesystem::exists(folder / "out" / std::string(target.file)), !needs_noise) << target.name;
+  }
+  EXPECT_THAT(result.errors,
+              testing::HasSubstr("kalibr is not written: calibration.json: Kalibr needs the noise of the IMU; expected --noise noise.json"));
+  EXPECT_THAT(result.output, testing::HasSubstr("out/px4.params\n"));
+  EXPECT_EQ(run_imulab(folder, "export calibration.json --to all").exit_code, 2);
+  EXPECT_EQ(run_imulab(folder, "export calibration.json --to all -o calibration.json").exit_code, 2);
+  const CommandResult json = run_imulab(folder, "export calibration.json --to all -o out --json");
+  EXPECT_THAT(json.output, testing::HasSubstr("\"target\": \"vectornav\""));
+  const CommandResult all = run_imulab(folder, "export calibration.json --noise noise.json --to all -o out");
+  EXPECT_EQ(all.exit_code, 0) << all.errors;
+  for (const ExportTarget& target : export_targets()) EXPECT_TRUE(std::filesystem::exists(folder / "out" / std::string(target.file))) << target.name;
+}
+
+TEST(ExportCommand, SaysWhatIsLostAndWarnsOfRanges) {
+  const TemporaryFolder folder;
+  Calibration c = export_test::si_unit();
+  c.model.accel.matrix(0, 0) = 1.3;
+  folder.write("calibration.json", calibration_text(c));
+  const CommandResult result = run_imulab(folder, "export calibration.json --to ardupilot -o a.param --json");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.errors,
+              testing::HasSubstr("imulab: warning: calibration.json: INS_ACCSCAL_X is 1.3: outside 0.8 to 1.2, which ArduPilot accepts"));
+  EXPECT_THAT(result.errors, testing::HasSubstr("imulab: warning: calibration.json: not held by ardupilot: gyros' g-sensitivity: up to "));
+  EXPECT_THAT(result.output, testing::HasSubstr("accelerometers' off-diagonal terms: up to "));
+}
+
+TEST(ExportCommand, RefusesOptionsThatATargetHasNot) {
+  const TemporaryFolder folder;
+  write_unit(folder);
+  EXPECT_THAT(run_imulab(folder, "export calibration.json --to px4 --noise noise.json").errors,
+              testing::HasSubstr("--noise: px4 has none; expected one of the targets kalibr-imu, kalibr, "));
+  for (const char* options : {"--to px4 --model rpng", "--to kalibr --variance-matched", "--to vectornav --instance 1", "--to ardupilot --rate 100"})
+    EXPECT_EQ(run_imulab(folder, std::string("export calibration.json ") + options).exit_code, 2) << options;
+  EXPECT_EQ(run_imulab(folder, "export calibration.json --to ardupilot --instance 2").exit_code, 0);
+}
+
+TEST(ExportCommand, KeepsItsInputs) {
+  const TemporaryFolder folder;
+  write_unit(folder);
+  EXPECT_EQ(run_imulab(folder, "export calibration.json --to px4 -o calibration.json").exit_code, 2);
+  EXPECT_EQ(run_imulab(folder, "export calibration.json --to px4 --noise noise.json -o noise.json").exit_code, 2);
+  EXPECT_EQ(run_imulab(folder, "export calibration.json --to csv --noise noise.json -o noise.json").exit_code, 2);
+  EXPECT_EQ(run_imulab(folder, "export calibration.json --to csv --noise noise.json -o table.csv").exit_code, 0);
+  const CommandResult counts = [&] {
+    Calibration c = export_test::si_unit();
+    c.model.gyro.raw_unit = "count";
+    folder.write("counts.json", calibration_text(c));
+    return run_imulab(folder, "export counts.json --to px4 -o px4.params --allow-undetermined");
+  }();
+  EXPECT_EQ(counts.exit_code, 2);
+  EXPECT_THAT(counts.errors, testing::HasSubstr("counts.json: the gyros' readings are in counts; expected rad/s"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "px4.params"));
+}
+
+TEST(ExportCommand, RefusesACalibrationThatTheDataDidNotDetermine) {
+  const TemporaryFolder folder;
+  Calibration c = export_test::si_unit();
+  c.quality.unobservable = {"accel.offset.x"};
+  folder.write("calibration.json", calibration_text(c));
+  EXPECT_EQ(run_imulab(folder, "export calibration.json --to px4").exit_code, 1);
+  EXPECT_EQ(run_imulab(folder, "export calibration.json --to px4 --allow-undetermined").exit_code, 0);
+}
+
+/// PyYAML and OpenCV, where this machine has them: the parsers of Kalibr and of OpenVINS and VINS.
+TEST(ExportCommand, OtherParsersReadTheFiles) {
+  const TemporaryFolder folder;
+  if (run_shell(folder, "/usr/bin/python3 -c 'import yaml, cv2'").exit_code != 0) GTEST_SKIP() << "without PyYAML or OpenCV";
+  const Calibration c = export_test::si_unit();
+  const ImuNoise noise = export_test::some_noise();
+  for (const char* target : {"kalibr-imu", "kalibr", "openvins", "vins", "euroc", "ros"})
+    folder.write(std::string(target) + ".yaml", export_test::exported(target, {c, &noise}));
+  folder.write("check.py", R"(
+import yaml, cv2
+def numbers(x):
+    if isinstance(x, dict): return sum((numbers(v) for k, v in x.items() if k not in ("rostopic", "model", "sensor_type", "comment")), [])
+    if isinstance(x, list): return sum((numbers(v) for v in x), [])
+    assert isinstance(x, (int, float)), x
+    return [x]
+for name in ("kalibr-imu", "kalibr", "euroc", "ros"):
+    assert len(numbers(yaml.safe_load(open(name + ".yaml")))) >= 5, name
+vins = cv2.FileStorage("vins.yaml", cv2.FILE_STORAGE_READ)
+print("%.17g" % vins.getNode("acc_n").real())
+chain = cv2.FileStorage("openvins.yaml", cv2.FILE_STORAGE_READ)
+imu = chain.getNode("imu0")
+print("%.17g" % imu.getNode("Tw").at(2).at(1).real(), imu.getNode("model").string())
+)");
+  const CommandResult result = run_shell(folder, "/usr/bin/python3 check.py");
+  ASSERT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_NEAR(std::stod(result.output), 1.5e-3 * std::sqrt(200.0), 1e-17);
+  EXPECT_THAT(result.output, testing::HasSubstr(" kalibr\n"));
+}
+
+}  // namespace
+}  // namespace imulab

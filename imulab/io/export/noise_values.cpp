@@ -1,0 +1,70 @@
+#include "imulab/io/export/noise_values.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/io/export/write.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace imulab::export_io {
+
+namespace {
+
+using NoiseAxes = std::array<std::optional<NoiseCoefficients>, 3>;
+
+NoiseValue noise_value(const NoiseAxes& axes, NoiseCoefficient NoiseCoefficients::*which, const char* name, AxisChoice choice) {
+  NoiseValue out;
+  double sum = 0;
+  int counted = 0;
+  std::array<std::string, 3> texts;
+  for (std::size_t i = 0; i < 3; ++i) {
+    out.axes[i] = std::numeric_limits<double>::quiet_NaN();
+    texts[i] = "no noise";
+    if (!axes[i]) continue;
+    const NoiseCoefficient& c = (*axes[i]).*which;
+    const double value = c.determined ? c.value : c.upper;
+    if (!(std::isfinite(value) && value > 0))
+      throw Error(
+          fmt::format("noise: {} of axis {} has neither a value nor an upper bound above zero; expected a longer log at rest", name, "xyz"[i]));
+    out.axes[i] = value;
+    texts[i] = fmt::format("{}{:.4g}", c.determined ? "" : "<= ", value);
+    sum += value;
+    ++counted;
+    out.value = std::max(out.value, value);
+  }
+  if (counted == 0) throw Error(fmt::format("noise: {} has no axis with noise; expected a log of readings that change", name));
+  if (choice == AxisChoice::mean) out.value = sum / counted;
+  out.comment = fmt::format("x {}, y {}, z {}", texts[0], texts[1], texts[2]);
+  if (out.comment.find("<=") != std::string::npos) out.comment += "; <=: not determined, the upper bound (95 %) is written";
+  return out;
+}
+
+}  // namespace
+
+NoiseValues noise_values(const ExportInput& input, const std::string& program) {
+  if (input.noise == nullptr) throw Error(program + " needs the noise of the IMU; expected --noise noise.json, from `imulab noise -o noise.json`");
+  const ImuNoise& n = *input.noise;
+  if (n.accel_unit != "m/s^2" || n.gyro_unit != "rad/s") throw Error("noise: is in counts; expected m/s^2 and rad/s: a log in SI units");
+  NoiseValues out;
+  const AxisChoice choice = input.options.axes;
+  out.accel_N = noise_value(n.accel, &NoiseCoefficients::N, "accelerometers' N", choice);
+  out.accel_K = noise_value(n.accel, &NoiseCoefficients::K, "accelerometers' K", choice);
+  out.gyro_N = noise_value(n.gyro, &NoiseCoefficients::N, "gyros' N", choice);
+  out.gyro_K = noise_value(n.gyro, &NoiseCoefficients::K, "gyros' K", choice);
+  out.rate_hz = input.options.rate_hz ? *input.options.rate_hz : n.interval_s > 0 ? 1 / n.interval_s : 0;
+  if (!(std::isfinite(out.rate_hz) && out.rate_hz > 0)) throw Error("noise: has no sample interval; expected --rate HZ");
+  if (!input.options.rate_hz) out.rate_hz = std::round(out.rate_hz * 1e6) / 1e6;  // 0.005 s is 200 Hz
+  out.facts.push_back(fmt::format("Noise: fitted to a log at rest, \"{}\".", plain(n.recording)));
+  out.facts.emplace_back(choice == AxisChoice::worst ? "One number stands for three axes: the worst."
+                                                     : "One number stands for three axes: their mean.");
+  return out;
+}
+
+std::string noise_line(const std::string& key, const NoiseValue& value, const char* unit) {
+  return fmt::format("{}: {}  # {}; {}\n", key, number_text(value.value), unit, value.comment);
+}
+
+}  // namespace imulab::export_io

@@ -1,0 +1,216 @@
+// Every target's file, read back and put into the equation of its consumer, does what `compensate` does, as far as the target holds it; what is said
+// to be lost is what is lost.
+#include "imulab/core/error.hpp"
+#include "imulab/io/export/consumer_model.hpp"
+#include "imulab/io/export/loss.hpp"
+#include "imulab/model/coefficient.hpp"
+
+#include <Eigen/LU>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/export_unit.hpp"
+#include <map>
+#include <regex>
+#include <sstream>
+#include <yaml-cpp/yaml.h>
+
+namespace imulab::export_test {
+namespace {
+
+using export_io::consumer_model;
+using ::testing::HasSubstr;
+
+constexpr int samples = 10000;
+
+YAML::Node yaml_of(std::string text) {
+  if (text.starts_with("%YAML:1.0")) text[0] = '#';  // OpenCV's directive, which OpenCV and OpenVINS read and yaml-cpp does not
+  return YAML::Load(text);
+}
+Matrix3d matrix_of(const YAML::Node& node) {
+  Matrix3d m;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) m(static_cast<int>(i), static_cast<int>(j)) = node[i][j].as<double>();
+  return m;
+}
+
+TEST(ExportTargets, KalibrsEquationGivesWhatCompensateGives) {
+  const Calibration c = si_unit();
+  const ImuNoise noise = some_noise();
+  const YAML::Node imu = yaml_of(exported("kalibr", {c, &noise}))["imu0"];
+  EXPECT_EQ(imu["model"].as<std::string>(), "scale-misalignment");
+  const Matrix3d M_a = matrix_of(imu["accelerometers"]["M"]), M_g = matrix_of(imu["gyroscopes"]["M"]), A = matrix_of(imu["gyroscopes"]["A"]),
+                 C_gyro_i = matrix_of(imu["gyroscopes"]["C_gyro_i"]), C_i_b = matrix_of(imu["T_i_b"]);
+  for (const Matrix3d& M : {M_a, M_g}) EXPECT_TRUE(M(0, 1) == 0 && M(0, 2) == 0 && M(1, 2) == 0) << "Kalibr's design variables are lower triangular";
+  const RandomStream random(2, "kalibr");
+  const Vector3d b_a = bias_of(c.model.accel), b_g = bias_of(c.model.gyro);  // states of Kalibr
+  Worst worst;
+  for (int i = 0; i < samples; ++i) {
+    const Reading r = random_reading(c.model, random, static_cast<std::uint64_t>(i));
+    // ethz-asl/kalibr, aslam_offline_calibration/kalibr/python/kalibr_imu_camera_calibration/IccSensors.py, IccScaledMisalignedImu:
+    // a = M (C_i_b a_b) + b,  w = M (C_gyro_b w_b) + Ma (C_gyro_b a_b) + b with C_gyro_b = C_gyro_i C_i_b, solved for a_b and w_b
+    const Matrix3d C_gyro_b = C_gyro_i * C_i_b;
+    const Vector3d a_b = (M_a * C_i_b).inverse() * (r.raw.accel - b_a);
+    const Vector3d w_b = (M_g * C_gyro_b).inverse() * (r.raw.gyro - b_g - A * (C_gyro_b * a_b));
+    worst.add({a_b, w_b}, r.compensated);
+  }
+  EXPECT_LT(worst.force, double_rounding);
+  EXPECT_LT(worst.rate, double_rounding);
+}
+
+TEST(ExportTargets, KalibrsNoiseKeysAreWhatItChecks) {
+  const Calibration c = si_unit();
+  const ImuNoise noise = some_noise();
+  for (const char* target : {"kalibr-imu", "kalibr", "openvins", "euroc"}) {
+    YAML::Node imu = yaml_of(exported(target, {c, &noise}));
+    if (imu["imu0"]) imu = imu["imu0"];
+    EXPECT_DOUBLE_EQ(imu["accelerometer_noise_density"].as<double>(), 1.5e-3) << target;  // the worst axis
+    EXPECT_DOUBLE_EQ(imu["accelerometer_random_walk"].as<double>(), 7.5e-5) << target;
+    EXPECT_DOUBLE_EQ(imu["gyroscope_noise_density"].as<double>(), 1.5e-4) << target;
+    EXPECT_EQ(imu["gyroscope_random_walk"].as<double>(), 4e-6) << target << ": the bound of the axis that is not determined";
+    EXPECT_EQ(imu[std::string_view(target) == "euroc" ? "rate_hz" : "update_rate"].as<double>(), 200) << target;
+    EXPECT_THAT(exported(target, {c, &noise}), HasSubstr("y <= 4e-06"));
+    ExportInput mean{c, &noise};
+    mean.options.axes = AxisChoice::mean;
+    imu.reset(yaml_of(exported(target, mean)));
+    if (imu["imu0"]) imu.reset(YAML::Node(imu["imu0"]));
+    EXPECT_DOUBLE_EQ(imu["gyroscope_noise_density"].as<double>(), 1.25e-4) << target;
+    EXPECT_DOUBLE_EQ(imu["gyroscope_random_walk"].as<double>(), (2e-6 + 4e-6 + 3e-6) / 3) << target;
+  }
+}
+
+TEST(ExportTargets, NumbersAreNumbersInYaml11) {
+  // PyYAML, which Kalibr uses, takes 1e-05 for a text: its numbers have a point and a signed exponent.
+  const Calibration c = si_unit();
+  const ImuNoise noise = some_noise();
+  const std::regex number(R"([-+]?[0-9]+\.[0-9]*(e[-+][0-9]+)?)"), token(R"([-+]?[0-9][-+.0-9e]*)");
+  for (const char* target : {"kalibr-imu", "kalibr", "openvins", "vins", "euroc", "ros"}) {
+    std::istringstream lines(exported(target, {c, &noise}));
+    int numbers = 0;
+    for (std::string line; std::getline(lines, line);) {
+      line = line.substr(0, line.find('#'));
+      const std::size_t colon = line.find(": "), dash = line.find("- [");
+      if (line.starts_with("%") || (colon == std::string::npos && dash == std::string::npos)) continue;
+      std::string values = line.substr(colon != std::string::npos ? colon + 2 : dash + 2);
+      if (values.find_first_of("/ghijklmopqrstuvwxyz") != std::string::npos || line.find("cols") != std::string::npos ||
+          line.find("rows") != std::string::npos)
+        continue;
+      for (std::sregex_iterator at(values.begin(), values.end(), token), end; at != end; ++at, ++numbers)
+        EXPECT_TRUE(std::regex_match(at->str(), number)) << target << ": " << line;
+    }
+    EXPECT_GE(numbers, 5) << target;
+  }
+}
+
+TEST(ExportTargets, OpenVinsEquationGivesWhatCompensateGives) {
+  const Calibration c = si_unit(5);
+  const ImuNoise noise = some_noise();
+  for (const std::string model : {"kalibr", "rpng"}) {
+    ExportInput input{c, &noise};
+    input.options.imu_model = model;
+    const YAML::Node imu = yaml_of(exported("openvins", input))["imu0"];
+    EXPECT_EQ(imu["model"].as<std::string>(), model);
+    // rpng/open_vins, ov_msckf/src/core/VioManagerOptions.h: D = T^-1, of which vec_dw and vec_da keep the lower triangle (kalibr) or the upper
+    // (rpng); R_IMUtoACC is not estimated in the first, R_IMUtoGYRO not in the second; ov_msckf/src/state/Propagator.cpp corrects.
+    const auto kept = [&](const Matrix3d& D) {
+      return model == "kalibr" ? Matrix3d(D.triangularView<Eigen::Lower>()) : Matrix3d(D.triangularView<Eigen::Upper>());
+    };
+    const Matrix3d Dw = kept(matrix_of(imu["Tw"]).inverse()), Da = kept(matrix_of(imu["Ta"]).inverse()), Tg = matrix_of(imu["Tg"]);
+    const Matrix3d R_GYROtoIMU = matrix_of(imu["R_IMUtoGYRO"]).transpose(), R_ACCtoIMU = matrix_of(imu["R_IMUtoACC"]).transpose();
+    EXPECT_TRUE((model == "kalibr" ? R_ACCtoIMU : R_GYROtoIMU) == Matrix3d(Matrix3d::Identity()));
+    // I = C b is said in the head; here from the accelerometers, which both must share.
+    const Matrix3d C_I_b = R_ACCtoIMU * Da * c.model.accel.matrix.inverse();
+    EXPECT_LT((C_I_b * C_I_b.transpose() - Matrix3d::Identity()).norm(), double_rounding) << "a rotation and nothing else";
+    const RandomStream random(3, "openvins");
+    Worst worst;
+    for (int i = 0; i < samples; ++i) {
+      const Reading r = random_reading(c.model, random, static_cast<std::uint64_t>(i));
+      const Vector3d a_I = R_ACCtoIMU * Da * (r.raw.accel - bias_of(c.model.accel));
+      const Vector3d w_I = R_GYROtoIMU * Dw * (r.raw.gyro - bias_of(c.model.gyro) - Tg * a_I);
+      worst.add({a_I, w_I}, {C_I_b * r.compensated.force, C_I_b * r.compensated.rate});
+    }
+    EXPECT_LT(worst.force, double_rounding) << model;
+    EXPECT_LT(worst.rate, double_rounding) << model;
+  }
+}
+
+TEST(ExportTargets, OpenVinsPriorIsTheSpreadOfItsStates) {
+  Calibration c = si_unit(7);
+  c.estimated = select_each({"accel.matrix", "gyro.matrix", "gyro.g_sensitivity"});
+  const auto n = static_cast<Eigen::Index>(c.estimated.size());
+  Eigen::VectorXd sigma(n);
+  for (Eigen::Index i = 0; i < n; ++i) sigma[i] = 1e-5 * (1 + static_cast<double>(i % 5));
+  c.covariance = sigma.cwiseAbs2().asDiagonal();
+  const ImuNoise noise = some_noise();
+  const std::string text = exported("openvins", {c, &noise});
+  // Calibrations drawn from the covariance, each exported: the spread of the first element of Dw, of Da's second and of Tg's last.
+  const RandomStream random(4, "draws");
+  constexpr int draws = 400;
+  Eigen::Array3d sum = Eigen::Array3d::Zero(), squares = Eigen::Array3d::Zero();
+  for (int k = 0; k < draws; ++k) {
+    Calibration drawn = c;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const CoefficientIndex index = c.estimated[static_cast<std::size_t>(i)];
+      set_coefficient(drawn.model, index, coefficient_value(c.model, index) + sigma[i] * random.normal(static_cast<std::uint64_t>(k * n + i)));
+    }
+    drawn.estimated.clear();
+    drawn.covariance.resize(0, 0);
+    const YAML::Node imu = yaml_of(exported("openvins", {drawn, &noise}))["imu0"];
+    const Eigen::Array3d v(matrix_of(imu["Tw"]).inverse()(0, 0), matrix_of(imu["Ta"]).inverse()(1, 0), matrix_of(imu["Tg"])(2, 2));
+    sum += v;
+    squares += v.square();
+  }
+  const Eigen::Array3d spread = ((squares - sum.square() / draws) / (draws - 1)).sqrt();
+  const auto stated = [&](const std::string& name, int k) {
+    std::istringstream line(text.substr(text.find("#   " + name + ":") + name.size() + 5));
+    double value = 0;
+    for (int i = 0; i <= k; ++i) line >> value;
+    return value;
+  };
+  // 400 draws tell a standard deviation to 3.5 %; two digits are written, 5 % at worst. Four sigma of the first and the rounding.
+  EXPECT_NEAR(stated("vec_dw", 0) / spread[0], 1, 0.19);
+  EXPECT_NEAR(stated("vec_da", 1) / spread[1], 1, 0.19);
+  EXPECT_NEAR(stated("vec_tg", 8) / spread[2], 1, 0.19);
+}
+
+TEST(ExportTargets, VinsPropagatesTheVarianceOfTheNoise) {
+  const Calibration c = si_unit();
+  const ImuNoise noise = some_noise();
+  for (const bool matched : {false, true}) {
+    ExportInput input{c, &noise};
+    input.options.variance_matched = matched;
+    const YAML::Node vins = yaml_of(exported("vins", input));
+    // HKUST-Aerial-Robotics/VINS-Fusion, vins_estimator/src/factor/integration_base.h: noise = diag(acc_n^2, gyr_n^2, acc_n^2, gyr_n^2, acc_w^2,
+    // gyr_w^2) for the two samples of a step; V has 0.5 dt I for each sample in velocity and angle, dt I for the biases; P <- F P F' + V noise V'.
+    constexpr double dt = 0.005;
+    double velocity = 0, angle = 0, accel_bias = 0, gyro_bias = 0;
+    constexpr int steps = 400;
+    for (int i = 0; i < steps; ++i) {
+      velocity += 2 * std::pow(0.5 * dt * vins["acc_n"].as<double>(), 2);
+      angle += 2 * std::pow(0.5 * dt * vins["gyr_n"].as<double>(), 2);
+      accel_bias += std::pow(dt * vins["acc_w"].as<double>(), 2);
+      gyro_bias += std::pow(dt * vins["gyr_w"].as<double>(), 2);
+    }
+    const double time = steps * dt, share = matched ? 1 : 0.5;
+    EXPECT_NEAR(velocity / (1.5e-3 * 1.5e-3 * time), share, 1e-9);
+    EXPECT_NEAR(angle / (1.5e-4 * 1.5e-4 * time), share, 1e-9);
+    EXPECT_NEAR(accel_bias / (7.5e-5 * 7.5e-5 * time), 1, 1e-9);
+    EXPECT_NEAR(gyro_bias / (4e-6 * 4e-6 * time), 1, 1e-9);
+  }
+}
+
+TEST(ExportTargets, RosCovariancesAreThoseOfSamplesOfEachAxis) {
+  const Calibration c = si_unit();
+  const ImuNoise noise = some_noise();
+  const YAML::Node ros = yaml_of(exported("ros", {c, &noise}));
+  for (std::size_t i = 0; i < 9; ++i) {
+    const double k = 1 + 0.25 * static_cast<double>(i / 4);
+    EXPECT_NEAR(ros["linear_acceleration_covariance"][i].as<double>(), i % 4 == 0 ? std::pow(1e-3 * k, 2) * 200 : 0, 1e-12 * 2e-4);
+    EXPECT_NEAR(ros["angular_velocity_covariance"][i].as<double>(), i % 4 == 0 ? std::pow(1e-4 * k, 2) * 200 : 0, 1e-12 * 2e-6);
+  }
+  EXPECT_EQ(ros["orientation_covariance"][0].as<double>(), -1);
+}
+
+}  // namespace
+}  // namespace imulab::export_test

@@ -1,0 +1,66 @@
+// The table of `imulab export --to csv`: names of coefficients and their values. Uncertainties of single coefficients say nothing without their
+// correlations, and are left.
+#include "imulab/io/import/numbers.hpp"
+#include "imulab/model/coefficient.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+namespace imulab::import_io {
+
+namespace {
+
+constexpr std::string_view csv_head = "name,value,standard_uncertainty,unit";
+
+struct Row {
+  int line = 0;
+  double value = 0;
+  std::string_view unit;
+};
+
+std::map<std::string, Row, std::less<>> rows_of(const Source& s) {
+  std::map<std::string, Row, std::less<>> rows;
+  for (const Line& line : lines_of(s.text)) {
+    if (line.text == csv_head) continue;
+    const auto words = words_of(line.text, ",");
+    if (words.size() < 2) fail_at(s, line.number, fmt::format("\"{}\": expected a name and a value", printable(line.text)));
+    const auto value = finite_number(words[1]);
+    if (!value) fail_at(s, line.number, fmt::format("{}: expected a number, found \"{}\"", printable(words[0]), printable(words[1])));
+    if (!rows.try_emplace(std::string(words[0]), Row{line.number, *value, words.back()}).second)
+      fail_at(s, line.number, printable(words[0]) + ": is given twice; expected each name once");
+  }
+  return rows;
+}
+
+}  // namespace
+
+bool is_csv_table(std::string_view text) {
+  const auto lines = lines_of(text);
+  return !lines.empty() && lines.front().text == csv_head;
+}
+
+ImportedModel read_csv_table(const Source& s) {
+  const auto rows = rows_of(s);
+  const auto row = [&](const std::string& name) -> const Row& {
+    const auto found = rows.find(name);
+    if (found == rows.end()) fail_at(s, 0, name + ": is missing; expected a row with it");
+    return found->second;
+  };
+  ImportedModel out;
+  out.raw_known = false;
+  for (const CoefficientIndex i : coefficient_indices()) set_coefficient(out.model, i, row(std::string(coefficient(i).name)).value);
+  for (auto& [m, name] : {std::pair{&out.model.accel, "accel"}, std::pair{&out.model.gyro, "gyro"}}) {
+    const std::string temperature = fmt::format("{}.temperature.", name);
+    if (!rows.contains(temperature + "reference") && m->thermal.isZero(0)) continue;
+    const Row& reference = row(temperature + "reference");
+    const double lowest = row(temperature + "lowest").value, highest = row(temperature + "highest").value;
+    if (lowest > highest) fail_at(s, reference.line, temperature + "lowest: is above highest; expected a range");
+    const bool named = reference.unit == "degC" || reference.unit == "K";
+    m->temperature = ThermalReading{named ? std::string(reference.unit) : "raw", reference.value, {lowest, highest}};
+  }
+  return out;
+}
+
+}  // namespace imulab::import_io

@@ -1,0 +1,124 @@
+// imucal's JSON (mad-lab-fau/imucal: imucal/calibration_info.py, ferraris_calibration_info.py) and imulab's own json-matrix.
+#include "imulab/core/units.hpp"
+#include "imulab/io/import/numbers.hpp"
+#include "imulab/io/text/json_field.hpp"
+
+#include <fmt/format.h>
+
+namespace imulab::import_io {
+
+namespace {
+
+using json_text::Field, json_text::Json, json_text::parse_json;
+
+Vector3d vector_field(const Field& f) {
+  Vector3d v;
+  for (std::size_t i = 0; i < 3; ++i) v[static_cast<Eigen::Index>(i)] = f.item(i, 3, "numbers").number();
+  return v;
+}
+
+Matrix3d matrix_field(const Field& f) {
+  Matrix3d m;
+  for (std::size_t i = 0; i < 3; ++i) m.row(static_cast<Eigen::Index>(i)) = vector_field(f.item(i, 3, "rows of 3 numbers")).transpose();
+  return m;
+}
+
+struct UnitOfText {
+  double si;  ///< one of it in SI; 1 for counts
+  bool count, known;
+};
+
+/// imucal's units are free text; those that it writes and its users give. A unit that is not given: not known.
+UnitOfText imucal_unit(const Field& root, const char* key) {
+  if (!root.has(key) || root[key].is_null()) return {1, false, false};
+  const std::string unit = root[key].text();
+  if (unit == "m/s^2" || unit == "m/s2" || unit == "m/s**2" || unit == "rad/s") return {1, false, true};
+  if (unit == "deg/s" || unit == "dps") return {unit::deg, false, true};
+  if (unit == "g") return {unit::g, false, true};
+  if (unit == "a.u." || unit == "count" || unit == "counts" || unit == "LSB") return {1, true, true};
+  root[key].expected("m/s^2, g, rad/s, deg/s or a.u.");
+}
+
+/// The keys of an object that come twice: the parser would keep the last.
+void expect_single_keys(const Source& s) {
+  std::vector<std::vector<std::string>> open;
+  const auto watch = [&](int, Json::parse_event_t event, Json& parsed) {
+    if (event == Json::parse_event_t::object_start) open.emplace_back();
+    if (event == Json::parse_event_t::object_end) open.pop_back();
+    if (event == Json::parse_event_t::key) {
+      const auto key = parsed.get<std::string>();
+      if (std::find(open.back().begin(), open.back().end(), key) != open.back().end())
+        fail_at(s, 0, printable(key) + ": is given twice; expected each key once");
+      open.back().push_back(key);
+    }
+    return true;
+  };
+  [[maybe_unused]] const Json watched = Json::parse(s.text, watch, false);
+}
+
+}  // namespace
+
+bool is_imucal(std::string_view text) {
+  return text.find_first_not_of(" \t\r\n") != std::string_view::npos && text[text.find_first_not_of(" \t\r\n")] == '{' &&
+         (text.find("\"cal_type\"") != std::string_view::npos || text.find("\"K_a\"") != std::string_view::npos);
+}
+bool is_json_matrix(std::string_view text) { return text.find("\"imulab.matrix/") != std::string_view::npos; }
+
+ImportedModel read_imucal(const Source& s) {
+  const Json json = parse_json(s.text, s.file, "a calibration of imucal");
+  expect_single_keys(s);
+  const Field root(json, s.file, "");
+  const Matrix3d C_a = inverse_at(s, 0, "K_a R_a", matrix_field(root["K_a"]) * matrix_field(root["R_a"]));
+  const Matrix3d C_g = inverse_at(s, 0, "K_g R_g", matrix_field(root["K_g"]) * matrix_field(root["R_g"]));
+  const Vector3d b_a = vector_field(root["b_a"]), b_g = vector_field(root["b_g"]);
+  const UnitOfText accel = imucal_unit(root, "acc_unit"), gyro = imucal_unit(root, "gyr_unit");
+  UnitOfText accel_raw = imucal_unit(root, "from_acc_unit"), gyro_raw = imucal_unit(root, "from_gyr_unit");
+  ImportedModel out;
+  for (const auto& [raw, made, name, si] :
+       {std::tuple{&accel_raw, &accel, "from_acc_unit", "m/s^2"}, std::tuple{&gyro_raw, &gyro, "from_gyr_unit", "rad/s"}})
+    if (!raw->known) {
+      *raw = *made;
+      out.warnings.push_back(fmt::format("{} is not given: the readings are taken to be in the unit of the result (in imulab: {})", name, si));
+    }
+  // acc = (K_a R_a)^-1 (u - b_a);  gyr = (K_g R_g)^-1 (u - b_g - K_ga acc), each in the file's units; readings in imulab are in SI or counts.
+  SensorModel& m = out.model;
+  m.accel.matrix = C_a * (accel.si / accel_raw.si);
+  m.accel.offset = -C_a * b_a * accel.si;
+  m.gyro.matrix = C_g * (gyro.si / gyro_raw.si);
+  m.gyro.offset = -C_g * b_g * gyro.si;
+  m.g_sensitivity = -C_g * matrix_field(root["K_ga"]) * (gyro.si / accel.si);
+  m.accel.raw_unit = accel_raw.count ? "count" : "m/s^2";
+  m.gyro.raw_unit = gyro_raw.count ? "count" : "rad/s";
+  return out;
+}
+
+ImportedModel read_json_matrix(const Source& s) {
+  const Json json = parse_json(s.text, s.file, "matrices");
+  expect_single_keys(s);
+  const Field root(json, s.file, "");
+  if (root["format"].text() != "imulab.matrix/1") root["format"].expected("\"imulab.matrix/1\"");
+  ImportedModel out;
+  for (auto& [triad, name] : {std::pair{&out.model.accel, "accelerometers"}, std::pair{&out.model.gyro, "gyros"}}) {
+    const Field f = root[name];
+    triad->matrix = matrix_field(f["matrix"]);
+    triad->offset = -triad->matrix * vector_field(f["bias"]);
+    if (f.has("quadratic")) triad->quadratic = vector_field(f["quadratic"]);
+    if (f.has("cubic")) triad->cubic = vector_field(f["cubic"]);
+    triad->raw_unit = f["unit_in"].text();
+    if (triad->raw_unit != "count" && triad->raw_unit != "m/s^2" && triad->raw_unit != "rad/s") f["unit_in"].expected("count, m/s^2 or rad/s");
+    if (!f.has("thermal")) continue;
+    const Field t = f["thermal"];
+    triad->thermal.col(1) = vector_field(t["c1"]);
+    triad->thermal.col(2) = vector_field(t["c2"]);
+    triad->temperature = ThermalReading{
+        t["unit"].text(), t["reference"].number(), {t["range"].item(0, 2, "numbers").number(), t["range"].item(1, 2, "numbers").number()}};
+    if (triad->temperature->unit != "degC" && triad->temperature->unit != "K" && triad->temperature->unit != "raw")
+      t["unit"].expected("degC, K or raw");
+    if (triad->temperature->range[0] > triad->temperature->range[1]) t["range"].expected("[lowest, highest]");
+  }
+  out.model.g_sensitivity = -out.model.gyro.matrix * matrix_field(root["gyros"]["g_sensitivity"]);
+  if (root["accelerometers"].has("lever_arm_m")) out.model.lever_arm = matrix_field(root["accelerometers"]["lever_arm_m"]);
+  return out;
+}
+
+}  // namespace imulab::import_io
