@@ -41,9 +41,9 @@ void add_provenance(Calibration& calibration, const Session& session, std::span<
   for (std::size_t k = 0; k < recordings.size(); ++k) {
     const Recording& r = recordings[k];
     for (const std::string& file : session.recordings[k].files()) {
-      const MappedFile mapped(session_path(session, file));
-      calibration.sources.push_back({file, sha256(mapped.text()), mapped.text().size(), r.time_s(0), r.time_s(r.size() - 1),
-                                     range_of(r.accel_temperature), range_of(r.gyro_temperature)});
+      const FileSum sum = file_sum(session_path(session, file));
+      calibration.sources.push_back(
+          {file, sum.sha256, sum.bytes, r.time_s(0), r.time_s(r.size() - 1), range_of(r.accel_temperature), range_of(r.gyro_temperature)});
     }
   }
 }
@@ -56,7 +56,7 @@ std::vector<VerifiedFile> verify_sources(const Calibration& calibration, const s
       out.push_back({file, FileState::missing});
       return;
     }
-    out.push_back({file, sha256(MappedFile(file).text()) == recorded ? FileState::unchanged : FileState::changed});
+    out.push_back({file, file_sum(file).sha256 == recorded ? FileState::unchanged : FileState::changed});
   };
   check(session, calibration.session_sha256);
   for (const SourceFile& source : calibration.sources) check(session.parent_path() / source.file, source.sha256);
