@@ -108,6 +108,42 @@ TEST_F(Report, JsonOfOtherVerbsBecomesTheirPage) {
   EXPECT_TRUE(says("p.html", "<section id=\"shares\">"));
 }
 
+/// Of each verb's JSON all that its own page has.
+TEST_F(Report, SavedJsonHasTheSameParts) {
+  folder_->write("drive.toml", R"(format = "imulab.mission/1"
+rate_hz = 20
+[start]
+latitude_deg = 45
+longitude_deg = 8
+height_m = 400
+speed_mps = 50
+[[segment]]
+kind = "straight"
+duration_s = 120
+[errors]
+grade = "tactical"
+)");
+  ASSERT_EQ(run("trajectory drive.toml --errors -o drive").exit_code, 0);
+  const auto parts = [](const std::string& file) {
+    std::vector<std::string> found;
+    const std::string page = text(file);
+    for (const char* tag : {"<section id=\"", "<h3>", "<figure>"})
+      for (std::size_t at = page.find(tag); at != std::string::npos; at = page.find(tag, at + 1))
+        found.push_back(page.substr(at, std::string(tag) == "<section id=\"" ? page.find('>', at) - at : 8));
+    return found;
+  };
+  for (const char* verb : {"plan --require \"gyro.offset <= 0.05 deg/h\"", "compensate hand.json hand -o compensated.csv",
+                           "budget drive.toml --runs 20", "navigate none drive --vertical fixed"}) {
+    const CommandResult fresh = run(std::string(verb) + " --json --report own.html");
+    ASSERT_EQ(fresh.exit_code, 0) << verb << fresh.errors;
+    folder_->write("saved.json", fresh.output);
+    const CommandResult saved = run("report saved.json -o saved.html");
+    ASSERT_EQ(saved.exit_code, 0) << verb << saved.errors;
+    EXPECT_EQ(parts("saved.html"), parts("own.html")) << verb;
+    EXPECT_FALSE(parts("saved.html").empty()) << verb;
+  }
+}
+
 TEST_F(Report, ADoubtfulVerdictGivesItsReasons) {
   ASSERT_EQ(run_shell(*folder_,
                       "sed 's/\"verdict\": \"good\"/\"verdict\": \"doubtful\"/; s/\"because\": \\[\\]/\"because\": [\"a reason of its own\"]/' "
