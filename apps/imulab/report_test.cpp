@@ -144,6 +144,46 @@ grade = "tactical"
   }
 }
 
+/// A declared certificate counts where the method uses what it is of.
+TEST_F(Report, TraceabilityIsAsDeclared) {
+  const auto page_of = [](const std::string& name, const std::string& edit) {
+    const std::string session = name + "/session.toml";
+    EXPECT_EQ(run_shell(*folder_, "cp -r hand " + name + " && cat >> " + session + R"( <<END
+
+[[reference]]
+quantity = "acceleration"
+instrument = "gravimeter <7>"
+certificate = "G 17"
+date = "2026-02-11"
+statement = "U = 2e-7 m/s2"
+[[reference]]
+quantity = "rotation"
+instrument = "table 3"
+certificate = "T 5"
+END
+sed -i -e '1a warm_up = "45 min"' -e 's/^\[imu\]/[imu]\nfirmware = "2.1"/' )" +
+                                      edit + " " + session)
+                  .exit_code,
+              0);
+    const CommandResult made = run("calibrate " + name + " --method handheld -o " + name + ".json");
+    EXPECT_EQ(made.exit_code, 0) << made.errors;
+    EXPECT_EQ(run("report " + name + ".json -o " + name + ".html").exit_code, 0);
+    return text(name + ".html");
+  };
+  EXPECT_TRUE((run("report hand.json -o plain.html"), says("plain.html", "Not traceable: none of the references below has a certificate")));
+  page_of("computed", "");
+  EXPECT_TRUE(says("computed.html", "G 17 of 2026-02-11: U = 2e-7 m/s2 (not used: gravity was not declared but computed)"));
+  EXPECT_TRUE(says("computed.html", "T 5 (not used: the method takes no angle from an instrument)"));
+  EXPECT_TRUE(says("computed.html", "Not traceable: no declared certificate is of what this calibration uses"));
+  page_of("declared", "-e '/^\\[site\\]/a gravity_mps2 = 9.8062'");
+  EXPECT_TRUE(says("declared.html",
+                   "Traceable as the session declares it, by certificates that imulab does not check: acceleration. Not traceable: angle "
+                   "and rate, time."));
+  EXPECT_TRUE(says("declared.html", "gravimeter &lt;7&gt;"));
+  EXPECT_TRUE(says("declared.html", "45 min"));
+  EXPECT_TRUE(says("declared.html", "2.1"));
+}
+
 TEST_F(Report, ADoubtfulVerdictGivesItsReasons) {
   ASSERT_EQ(run_shell(*folder_,
                       "sed 's/\"verdict\": \"good\"/\"verdict\": \"doubtful\"/; s/\"because\": \\[\\]/\"because\": [\"a reason of its own\"]/' "
