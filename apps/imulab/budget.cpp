@@ -116,11 +116,11 @@ void run(const Options& o) {
     folder->commit();
   }
   if (!o.report.empty())
-    write_whole(o.report, budget_page({.mission = std::filesystem::path(o.mission).filename().string(),
-                                       .summary = {.budget = budget, .monte_carlo = sampled, .runs = o.runs},
-                                       .track = report::thinned_track(motion.states)}));
+    write_whole(o.report,
+                budget_page({.mission = std::filesystem::path(o.mission).filename().string(),
+                             .summary = {.budget = budget, .monte_carlo = sampled, .runs = o.runs, .track = report::thinned_track(motion.states)}}));
   warn_of_large_angles(budget);
-  fmt::print("{}", o.json ? budget_json(budget, sampled) : budget_table(budget, sampled, o.verbose));
+  fmt::print("{}", o.json ? budget_json(budget, sampled, motion.states) : budget_table(budget, sampled, o.verbose));
 }
 
 }  // namespace
@@ -143,7 +143,7 @@ void add_budget(Verb app) {
   add_report_option(verb, o->report);
   verb.flag("--catalogue", o->catalogue, "list the available grades and systems");
   add_allow_undetermined(verb, o->allow_undetermined);
-  verb.flag("--json", o->json, "print the errors at the end as JSON");
+  verb.flag("--json", o->json, "print the result as JSON");
   verb.flag("-v,--verbose", o->verbose, "print also velocity, attitude and the Monte Carlo by axis");
   verb.example("imulab budget flight.toml --grade navigation");
   verb.does([o] { run(*o); });

@@ -10,7 +10,6 @@
 #include "imulab/io/recording/compensated_bag.hpp"
 #include "imulab/io/recording/compensated_npz.hpp"
 #include "imulab/io/recording/file.hpp"
-#include "imulab/io/result/fields.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/figures.hpp"
 #include "imulab/io/text/file.hpp"
@@ -70,6 +69,14 @@ void write_compensated(const fs::path& file, const Session& session, const Recor
         file.string(), c.recording.saturated.size(), c.out_of_range.size(), c.replaced.size()));
 }
 
+CompensatedFile summary_of(const fs::path& file, const CompensatedRecording& c, bool pictures) {
+  constexpr std::size_t intervals = 1500;
+  const Recording& r = c.recording;
+  CompensatedFile out{file.string(), r.size(), r.saturated.size(), c.out_of_range.size(), c.replaced.size(), r.name, 1 / r.interval_s, r.gaps.size()};
+  if (pictures) out.overview = overview(SensorModel{}, r, intervals);
+  return out;
+}
+
 void compensate_files(const CompensateOptions& options) {
   if (!options.stream_session.empty() || !options.recording.empty())
     throw Error("--session and --recording belong to standard input; expected - in place of the session");
@@ -87,36 +94,24 @@ void compensate_files(const CompensateOptions& options) {
     fs::create_directories(files[0].parent_path(), failure);
     if (failure) throw Error(fmt::format("-o {}: the folder cannot be created: {}", options.output, failure.message()));
   }
-  std::vector<CompensateCounts> counts;
+  CompensationSummary summary{.calibration_file = options.calibration, .imu = calibration.imu, .quality = calibration.quality, .files = {}};
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const CompensatedRecording& c = recordings[i];
-    write_compensated(files[i], session, session.recordings[i], c);
-    counts.push_back({files[i].string(), c.recording.size(), c.recording.saturated.size(), c.out_of_range.size(), c.replaced.size()});
+    write_compensated(files[i], session, session.recordings[i], recordings[i]);
+    summary.files.push_back(summary_of(files[i], recordings[i], options.json || !options.report.empty()));
   }
-  if (files[0] != "-") print_counts(options, counts);
-  if (options.report.empty()) return;
-  CompensationReport report{.calibration_file = options.calibration, .calibration = calibration, .recordings = {}};
-  for (const CompensatedRecording& recording : recordings) report.recordings.push_back(evidence_of(recording));
-  write_whole(options.report, compensation_page(report));
+  if (files[0] != "-") print_counts(options, summary);
+  if (!options.report.empty()) write_whole(options.report, compensation_page(summary));
 }
 
 }  // namespace
 
-void print_counts(const CompensateOptions& options, const std::vector<CompensateCounts>& files) {
-  std::vector<JsonFields> list;
-  for (const CompensateCounts& c : files) {
-    if (!options.json)
-      fmt::print(
-          "{}", text::wrapped("", fmt::format("{}: {} samples, {} saturated, {} outside the calibrated temperatures{}", c.file, c.samples,
-                                              c.saturated, c.out_of_range,
-                                              options.outliers == Outliers::reject ? fmt::format(", {} with an outlier replaced", c.replaced) : "")));
-    list.push_back({{{"file", c.file},
-                     {"samples", std::uint64_t{c.samples}},
-                     {"saturated", std::uint64_t{c.saturated}},
-                     {"outside_calibrated_temperatures", std::uint64_t{c.out_of_range}},
-                     {"outliers_replaced", std::uint64_t{c.replaced}}}});
-  }
-  if (options.json) fmt::print("{}", fields_json({{{"files", list}}}));
+void print_counts(const CompensateOptions& options, const CompensationSummary& summary) {
+  if (options.json) return fmt::print("{}", compensation_json(summary));
+  for (const CompensatedFile& c : summary.files)
+    fmt::print("{}",
+               text::wrapped("", fmt::format("{}: {} samples, {} saturated, {} outside the calibrated temperatures{}", c.file, c.samples, c.saturated,
+                                             c.out_of_range,
+                                             options.outliers == Outliers::reject ? fmt::format(", {} with an outlier replaced", c.replaced) : "")));
 }
 
 void add_compensate(Verb app) {

@@ -41,8 +41,8 @@ class Rows {
     if (file_ == nullptr || std::fwrite(text.data(), 1, text.size(), file_) != text.size() || std::fflush(file_) != 0)
       throw Error((output_ == "-" ? "standard output" : "-o " + output_) + ": cannot be written");
   }
-  CompensateCounts counts() const {
-    CompensateCounts counts = counts_;
+  CompensatedFile counts() const {
+    CompensatedFile counts = counts_;
     counts.file = output_;
     return counts;
   }
@@ -50,7 +50,7 @@ class Rows {
  private:
   std::string output_;
   std::FILE* file_ = nullptr;
-  CompensateCounts counts_;
+  CompensatedFile counts_ = {};
 };
 
 }  // namespace
@@ -83,7 +83,7 @@ void compensate_stream(const CompensateOptions& options) {
   for (const std::string& text : stream.warnings()) warn(text);
   if (const auto n = rows.counts().out_of_range; n > 0)
     warn(fmt::format("standard input: {} of {} samples are outside the calibrated temperatures", n, rows.counts().samples));
-  if (options.output != "-") print_counts(options, {rows.counts()});
+  if (options.output != "-") print_counts(options, {options.calibration, calibration.imu, calibration.quality, {rows.counts()}});
 }
 
 }  // namespace imulab::command

@@ -26,6 +26,7 @@ namespace {
 struct Options {
   std::vector<std::string> files, topics, declarations;
   std::string output, report;
+  double longest_s = stream_s;
   bool json = false, force = false;
 };
 
@@ -48,7 +49,7 @@ Session placed(Session session, const Options& o) {
 
 /// The recording as its session declares it, from files; what is wrong with it is a problem of the inspection.
 std::optional<Recording> read_as_declared(const Session& session, Inspection& inspection) {
-  if (!inspection.complete() || session.file == "-") return std::nullopt;
+  if (!inspection.complete() || is_stream(session.file)) return std::nullopt;
   try {
     RecordingReading reading = read_recording(session, session.recordings.front());
     for (const std::string& text : reading.warnings) inspection.evidence.push_back(text);
@@ -65,10 +66,10 @@ void run(const Options& o) {
   others.emplace_back(o.output);
   expect_others_stay(o.report, others);
   expect_free("-o", o.output, o.force);
-  if (!o.output.empty() && std::find(o.files.begin(), o.files.end(), "-") != o.files.end())
-    throw Error("-o: a session names files; expected a recording that is one, not standard input");
+  if (!o.output.empty() && std::any_of(o.files.begin(), o.files.end(), is_stream))
+    throw Error("-o: a session names files; expected a recording that is one, not a stream");
   const Declarations declared = parse_declarations(o.declarations);
-  Inspection inspection = inspect_files(o.files, o.topics, declared);
+  Inspection inspection = inspect_files(o.files, o.topics, declared, o.longest_s);
   Session session = inspected_session(inspection, declared_site(declared));
   session.file = o.files.front();  // its folder is that of the recording
   const std::optional<Recording> recording = read_as_declared(session, inspection);
@@ -101,6 +102,7 @@ void add_inspect(Verb app) {
   const auto o = std::make_shared<Options>();
   Verb verb = app.verb("inspect", "Say what a recording holds, and write a session for it");
   verb.option("FILE", o->files, "the files of one recording: text, bags, logs, arrays; - for standard input").required();
+  verb.option("--for SECONDS", o->longest_s, "how long to read a stream that does not end: a serial port").in_range(0.1, 86400).show_default();
   verb.option("--topic TOPIC", o->topics, "of a file with several tables; repeat it where gyros and accelerometers are in different ones").repeats();
   add_declarations(verb, o->declarations);
   verb.option("-o,--output FILE", o->output, "the session to write; - for standard output");
@@ -108,6 +110,7 @@ void add_inspect(Verb app) {
   verb.flag("--force", o->force, "replace the session if there is one");
   verb.flag("--json", o->json, "print the result as JSON");
   verb.example("imulab inspect log.csv -o session.toml");
+  verb.example("cat /dev/ttyUSB0 | imulab inspect - --for 30");
   verb.example("imulab inspect log.csv --set gyro.unit=deg/s --set latitude_deg=47.4 -o session.toml");
   verb.does([o] { run(*o); });
 }

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/recorded_session.hpp"
+#include <chrono>
 #include <cmath>
 
 namespace imulab {
@@ -137,6 +138,37 @@ TEST(InspectCommand, UnderstandsRealRecords) {
   ASSERT_EQ(run_imulab(folder, "calibrate hand.toml --method handheld -o hand.json").exit_code, 0);
   ASSERT_EQ(run_imulab(folder, "calibrate found.toml --method handheld -o found.json").exit_code, 0);
   EXPECT_LT(difference(read_calibration(folder / "found.json"), read_calibration(folder / "hand.json")), 1e-9) << "the same numbers go in";
+}
+
+/// A serial port has no end; its last row may be cut.
+TEST(InspectCommand, AStreamWithoutAnEndIsLeft) {
+  const TemporaryFolder folder;
+  write_log(folder);
+  const std::string endless = "mkfifo port; (cat log.csv; printf '9999,1'; exec sleep 100) > port 2>&1 & writer=$!; ";
+  const auto run = [&](const std::string& arguments) {
+    return run_shell(folder, endless + "'" IMULAB_COMMAND "' inspect " + arguments + "; code=$?; kill $writer; rm port; exit $code");
+  };
+  const auto begin = std::chrono::steady_clock::now();
+  const CommandResult whole = run_shell(folder, "cat log.csv | '" IMULAB_COMMAND "' inspect - --json");
+  ASSERT_EQ(whole.exit_code, 0) << whole.errors;
+  EXPECT_THAT(whole.output, Not(HasSubstr("did not end")));
+  const std::string rows = whole.output.substr(whole.output.find("\"rows\""), 20);
+  for (const char* input : {"- < port", "port"}) {
+    const CommandResult left = run(std::string("--for 1 --json ") + input);
+    EXPECT_EQ(left.exit_code, 0) << left.errors;
+    EXPECT_THAT(left.output, HasSubstr("did not end within 1 s: what came later is not looked at (--for SECONDS looks longer)"));
+    EXPECT_THAT(left.output, HasSubstr(rows)) << "the cut row is left out";
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(60)) << "the writer would stay for 100 s";
+  EXPECT_EQ(run("port --for 1 -o session.toml").exit_code, 2) << "a session cannot name what is gone";
+}
+
+TEST(InspectCommand, AStreamThatSaysNothingIsAnError) {
+  const TemporaryFolder folder;
+  const CommandResult result = run_shell(
+      folder, "mkfifo port; sleep 100 > port 2>&1 & writer=$!; '" IMULAB_COMMAND "' inspect - --for 0.5 < port; code=$?; kill $writer; exit $code");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.errors, HasSubstr("imulab: standard input: no line in 0.5 s; expected rows of numbers"));
 }
 
 }  // namespace

@@ -44,10 +44,12 @@ Declarations parse_declarations(const std::vector<std::string>& texts) {
   return declared;
 }
 
-Inspection inspect_files(const std::vector<std::string>& files, const std::vector<std::string>& topics, const Declarations& declared) {
+Inspection inspect_files(const std::vector<std::string>& files, const std::vector<std::string>& topics, const Declarations& declared,
+                         double longest_s) {
   std::vector<SignalTable> tables;
   for (const std::string& file : files)
-    for (const std::string& topic : topics.empty() ? std::vector<std::string>{""} : topics) tables.push_back(read_signals(file, topic));
+    for (const std::string& topic : topics.empty() ? std::vector<std::string>{""} : topics)
+      tables.push_back(read_signals(file, topic, recording_formats(), longest_s));
   return inspect(inspection::joined(std::move(tables), declared), declared);
 }
 
@@ -71,7 +73,7 @@ Session open_session(const std::filesystem::path& path, const std::vector<std::s
     note(fmt::format("assumed: gravity {} +/- {} m/s^2, as anywhere on Earth; declare the place: --set latitude_deg=47.4",
                      *session.site.given_gravity, *session.site.given_gravity_sigma));
   session.file = path.string();
-  session.sha256 = sha256(MappedFile(path).text());
+  session.sha256 = file_sum(path).sha256;
   return session;
 }
 

@@ -76,26 +76,22 @@ void check_inputs_stay(const Options& options, const Session& session) {
   expect_inputs_stay("-o", options.output, session, inputs);
 }
 
-/// What goes to the page beside the sessions: what each one's calibration explains, or why that is not known.
-void add_budget_to(NavigationReport& report, const Calibration& calibration, const Session& session, const Recording& recording,
-                   const Navigated& result) {
-  report.budgets.emplace_back();
+/// What the session's calibration explains of its errors, or why that is not known.
+void add_explanation(NavigatedSession& out, const Calibration& calibration, const Session& session, const Recording& recording) {
   try {
-    report.budgets.back() = navigated_budget(calibration, session, recording, result);
+    out.explained = navigated_budget(calibration, session, recording, out.navigated);
+    if (!out.explained) out.unexplained = "the calibration has no uncertainties.";
   } catch (const Error& e) {
-    report.missing.push_back(fmt::format("{}: the bands of the errors: {}", session.file, e.what()));
-    return;
+    out.unexplained = e.what();
   }
-  if (!report.budgets.back())
-    report.missing.push_back(fmt::format("{}: the bands of the errors: the calibration has no uncertainties.", session.file));
 }
 
-NavigatedSession navigated(const Options& options, const Calibration& calibration, const std::string& name, NavigationReport& report) {
+NavigatedSession navigated(const Options& options, const Calibration& calibration, const std::string& name) {
   const Session session = read_session(name);
   if (session.recordings.size() != 1) throw Error(fmt::format("{}: has {} recordings; expected one", session.file, session.recordings.size()));
   check_inputs_stay(options, session);
   const Recording recording = read_for(calibration, session, session.recordings[0]);
-  NavigatedSession out{name, {}, {}};
+  NavigatedSession out{.session = name, .navigated = {}, .errors = {}};
   {
     const Progress progress("navigating");
     out.navigated = navigate(calibration, session, recording, options.navigate);
@@ -105,7 +101,7 @@ NavigatedSession navigated(const Options& options, const Calibration& calibratio
     const Solution reference = read_solution(truth);
     out.errors = errors_at(truth.string(), [&] { return navigation_errors(out.navigated.solution, reference); });
   }
-  if (!options.report.empty()) add_budget_to(report, calibration, session, recording, out.navigated);
+  if (!options.report.empty() || options.json) add_explanation(out, calibration, session, recording);
   const std::string who = options.sessions.size() > 1 ? name + ": " : "";
   for (const auto& text : out.navigated.warnings) warn(who + text);
   if (out.errors)
@@ -121,11 +117,10 @@ void run(Options options) {
   const Calibration calibration = calibration_of(options.calibration, options.allow_undetermined);
   if (!options.barometer.empty()) options.navigate.barometer = read_heights(options.barometer);
   if (options.heading_deg) options.navigate.heading = {*options.heading_deg * unit::deg, options.heading_sigma_deg.value_or(0) * unit::deg};
-  NavigationReport report;
-  std::vector<NavigatedSession>& sessions = report.sessions;
-  for (const auto& name : options.sessions) sessions.push_back(navigated(options, calibration, name, report));
+  std::vector<NavigatedSession> sessions;
+  for (const auto& name : options.sessions) sessions.push_back(navigated(options, calibration, name));
   if (!options.output.empty()) write_solution(options.output, sessions[0].navigated.solution);
-  if (!options.report.empty()) write_whole(options.report, navigation_page(report));
+  if (!options.report.empty()) write_whole(options.report, navigation_page({.sessions = sessions}));
   if (options.output == "-") return;
   fmt::print("{}", options.json ? navigation_json(sessions) : navigation_table(sessions));
   if (!options.output.empty() && !options.json) fmt::print("{}: {} states\n", options.output, sessions[0].navigated.solution.size());

@@ -100,7 +100,7 @@ void run(const Options& options) {
   const std::vector<Shortfall> missed = shortfalls(p, question.requirements);
   if (options.output) write_whole(*options.output, procedure_text(procedure));
   if (options.json)
-    fmt::print("{}", path_json(path, p, missed));
+    fmt::print("{}", path_json(path, question.requirements, p, missed));
   else if (options.output != "-")
     fmt::print("{} turns in {}\n\n{}\n{}", path.turns.size(), minutes(path.duration), path_table(path), prediction_table(p, question.requirements));
   if (!options.report.empty()) {

@@ -12,7 +12,9 @@
 #include "imulab/report/budget_page.hpp"
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/report/comparison_page.hpp"
+#include "imulab/report/compensation_page.hpp"
 #include "imulab/report/navigation_page.hpp"
+#include "imulab/report/plan_page.hpp"
 #include "imulab/report/prediction_page.hpp"
 
 #include <fmt/core.h>
@@ -107,6 +109,28 @@ CalibrationReport saved_calibration(Calibration calibration, const Options& o) {
   return report;
 }
 
+// What JSON of earlier versions, or of a stream, does not have.
+
+std::string saved_budget(const std::string& name, BudgetSummary summary) {
+  std::vector<std::string> missing;
+  if (summary.budget.time.size() < 2)
+    missing.emplace_back("Errors and shares over time: the JSON has the end alone; imulab budget --report draws them.");
+  return budget_page({.mission = name, .summary = std::move(summary), .missing = std::move(missing)});
+}
+
+std::string saved_navigation(NavigationSummary sessions) {
+  const bool all = std::all_of(sessions.begin(), sessions.end(), [](const NavigatedSession& s) { return s.navigated.solution.states.size() > 1; });
+  std::vector<std::string> missing;
+  if (!all) missing.emplace_back("Track and errors over time: the JSON has the end alone; imulab navigate --report draws them.");
+  return navigation_page({.sessions = std::move(sessions), .missing = std::move(missing)});
+}
+
+std::string saved_compensation(const CompensationSummary& summary) {
+  const bool all = std::all_of(summary.files.begin(), summary.files.end(), [](const CompensatedFile& f) { return f.overview.has_value(); });
+  return compensation_page(
+      summary, all ? std::vector<std::string>{} : std::vector<std::string>{"Rates and forces over time: of a stream only counts are kept."});
+}
+
 std::string page_of(SavedResult saved, const Options& o) {
   const std::string name = o.result == "-" ? "standard input" : fs::path(o.result).filename().string();
   return std::visit(
@@ -118,14 +142,10 @@ std::string page_of(SavedResult saved, const Options& o) {
         }
         if constexpr (std::is_same_v<Result, ComparisonSummary>) return comparison_page(result);
         if constexpr (std::is_same_v<Result, PredictionSummary>) return prediction_page({.procedure = name, .summary = std::move(result)});
-        if constexpr (std::is_same_v<Result, BudgetSummary>)
-          return budget_page(
-              {.mission = name,
-               .summary = std::move(result),
-               .missing = {"Errors and shares over time, and the track: the JSON has the end alone; imulab budget --report draws them."}});
-        if constexpr (std::is_same_v<Result, NavigationSummary>)
-          return navigation_page({.sessions = std::move(result),
-                                  .missing = {"Track and errors over time: the JSON has the end alone; imulab navigate --report draws them."}});
+        if constexpr (std::is_same_v<Result, PlanSummary>) return plan_page(result);
+        if constexpr (std::is_same_v<Result, BudgetSummary>) return saved_budget(name, std::move(result));
+        if constexpr (std::is_same_v<Result, NavigationSummary>) return saved_navigation(std::move(result));
+        if constexpr (std::is_same_v<Result, CompensationSummary>) return saved_compensation(result);
       },
       saved);
 }
@@ -146,7 +166,8 @@ void run(const Options& o) {
 void add_report(Verb app) {
   const auto o = std::make_shared<Options>();
   Verb verb = app.verb("report", "Show a saved result as a page: one HTML file, self-contained");
-  verb.option("RESULT", o->result, "calibration.json, or what compare, predict, navigate or budget print with --json; - for standard input")
+  verb.option("RESULT", o->result,
+              "calibration.json, or what compare, predict, plan, navigate, budget or compensate print with --json; - for standard input")
       .required();
   verb.option("-o,--output FILE", o->output, "the page to write; - for standard output").required();
   verb.option("--session SESSION", o->session, "the session's folder or file, if it is not where it was (calibrations)");

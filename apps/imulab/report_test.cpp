@@ -108,6 +108,82 @@ TEST_F(Report, JsonOfOtherVerbsBecomesTheirPage) {
   EXPECT_TRUE(says("p.html", "<section id=\"shares\">"));
 }
 
+/// Of each verb's JSON all that its own page has.
+TEST_F(Report, SavedJsonHasTheSameParts) {
+  folder_->write("drive.toml", R"(format = "imulab.mission/1"
+rate_hz = 20
+[start]
+latitude_deg = 45
+longitude_deg = 8
+height_m = 400
+speed_mps = 50
+[[segment]]
+kind = "straight"
+duration_s = 120
+[errors]
+grade = "tactical"
+)");
+  ASSERT_EQ(run("trajectory drive.toml --errors -o drive").exit_code, 0);
+  const auto parts = [](const std::string& file) {
+    std::vector<std::string> found;
+    const std::string page = text(file);
+    for (const char* tag : {"<section id=\"", "<h3>", "<figure>"})
+      for (std::size_t at = page.find(tag); at != std::string::npos; at = page.find(tag, at + 1))
+        found.push_back(page.substr(at, std::string(tag) == "<section id=\"" ? page.find('>', at) - at : 8));
+    return found;
+  };
+  for (const char* verb : {"plan --require \"gyro.offset <= 0.05 deg/h\"", "compensate hand.json hand -o compensated.csv",
+                           "budget drive.toml --runs 20", "navigate none drive --vertical fixed"}) {
+    const CommandResult fresh = run(std::string(verb) + " --json --report own.html");
+    ASSERT_EQ(fresh.exit_code, 0) << verb << fresh.errors;
+    folder_->write("saved.json", fresh.output);
+    const CommandResult saved = run("report saved.json -o saved.html");
+    ASSERT_EQ(saved.exit_code, 0) << verb << saved.errors;
+    EXPECT_EQ(parts("saved.html"), parts("own.html")) << verb;
+    EXPECT_FALSE(parts("saved.html").empty()) << verb;
+  }
+}
+
+/// A declared certificate counts where the method uses what it is of.
+TEST_F(Report, TraceabilityIsAsDeclared) {
+  const auto page_of = [](const std::string& name, const std::string& edit) {
+    const std::string session = name + "/session.toml";
+    EXPECT_EQ(run_shell(*folder_, "cp -r hand " + name + " && cat >> " + session + R"( <<END
+
+[[reference]]
+quantity = "acceleration"
+instrument = "gravimeter <7>"
+certificate = "G 17"
+date = "2026-02-11"
+statement = "U = 2e-7 m/s2"
+[[reference]]
+quantity = "rotation"
+instrument = "table 3"
+certificate = "T 5"
+END
+sed -i -e '1a warm_up = "45 min"' -e 's/^\[imu\]/[imu]\nfirmware = "2.1"/' )" +
+                                      edit + " " + session)
+                  .exit_code,
+              0);
+    const CommandResult made = run("calibrate " + name + " --method handheld -o " + name + ".json");
+    EXPECT_EQ(made.exit_code, 0) << made.errors;
+    EXPECT_EQ(run("report " + name + ".json -o " + name + ".html").exit_code, 0);
+    return text(name + ".html");
+  };
+  EXPECT_TRUE((run("report hand.json -o plain.html"), says("plain.html", "Not traceable: none of the references below has a certificate")));
+  page_of("computed", "");
+  EXPECT_TRUE(says("computed.html", "G 17 of 2026-02-11: U = 2e-7 m/s2 (not used: gravity was not declared but computed)"));
+  EXPECT_TRUE(says("computed.html", "T 5 (not used: the method takes no angle from an instrument)"));
+  EXPECT_TRUE(says("computed.html", "Not traceable: no declared certificate is of what this calibration uses"));
+  page_of("declared", "-e '/^\\[site\\]/a gravity_mps2 = 9.8062'");
+  EXPECT_TRUE(says("declared.html",
+                   "Traceable as the session declares it, by certificates that imulab does not check: acceleration. Not traceable: angle "
+                   "and rate, time."));
+  EXPECT_TRUE(says("declared.html", "gravimeter &lt;7&gt;"));
+  EXPECT_TRUE(says("declared.html", "45 min"));
+  EXPECT_TRUE(says("declared.html", "2.1"));
+}
+
 TEST_F(Report, ADoubtfulVerdictGivesItsReasons) {
   ASSERT_EQ(run_shell(*folder_,
                       "sed 's/\"verdict\": \"good\"/\"verdict\": \"doubtful\"/; s/\"because\": \\[\\]/\"because\": [\"a reason of its own\"]/' "

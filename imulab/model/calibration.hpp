@@ -3,6 +3,7 @@
 
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/recorded_as.hpp"
+#include "imulab/model/reference.hpp"
 #include "imulab/model/sensor_model.hpp"
 
 #include <array>
@@ -103,6 +104,8 @@ struct SourceFile {
 struct Calibration {
   std::string imu, serial, method, created, software;
   std::string operated_by;  ///< who took the data
+  std::string firmware, warm_up, power_cycles;
+  std::vector<Reference> references;  ///< as the session declares them
   std::string session_file, session_sha256;
   std::vector<SourceFile> sources;
   std::map<std::string, std::string> options;  ///< of the calibration, as they were given

@@ -3,6 +3,7 @@
 
 #include "imulab/core/spread.hpp"
 #include "imulab/model/noise.hpp"
+#include "imulab/model/reference.hpp"
 
 #include <array>
 #include <cstddef>
@@ -35,6 +36,7 @@ struct TermSigmas {
 struct ImuDeclaration {
   std::string name;
   std::optional<std::string> serial;          ///< number of this one
+  std::optional<std::string> firmware;        ///< its version
   std::optional<std::string> grade;           ///< priors, and what simulate draws from
   std::optional<std::string> truth;           ///< file of the exact IMU to simulate
   std::optional<double> accel_noise_density;  ///< m/s^2/sqrt(Hz)
@@ -192,6 +194,9 @@ struct Session {
   std::string file;                        ///< the TOML file
   std::string sha256;                      ///< of its text
   std::optional<std::string> operated_by;  ///< who took the data
+  std::optional<std::string> warm_up;      ///< before the recording, in words
+  std::optional<std::string> power_cycles;
+  std::vector<Reference> references;  ///< at most one of each quantity
   ImuDeclaration imu;
   Site site;
   std::vector<RigDeclaration> rigs;

@@ -114,7 +114,7 @@ std::string budget_page(const BudgetReport& r) {
   page.body += bands.empty() ? "" : section("errors", "Errors over time", "", bands);
   page.body += shares.empty() ? "" : section("shares", "Shares over time", "", shares);
   page.body += sources_section(b);
-  page.body += r.track.size() < 2 ? "" : section("track", "Track", "", beside({track_figure(r.track, "The motion.")}));
+  page.body += r.summary.track.size() < 2 ? "" : section("track", "Track", "", beside({track_figure(r.summary.track, "The motion.")}));
   return page_text(page);
 }
 

@@ -11,7 +11,6 @@ namespace imulab {
 struct BudgetReport {
   std::string mission;  ///< its name
   BudgetSummary summary;
-  std::vector<NavigationState> track = {};
   std::vector<std::string> missing = {};  ///< pictures that could not be drawn, and why
 };
 

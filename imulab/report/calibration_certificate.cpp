@@ -94,8 +94,11 @@ std::string identification_section(const CalibrationReport& report) {
   Facts facts;
   facts.add("IMU", c.imu);
   facts.add("serial number", c.serial);
+  facts.add("firmware", c.firmware);
   facts.add("date", c.created);
   facts.add("data taken by", c.operated_by);
+  facts.add("warm-up", c.warm_up);
+  facts.add("power cycles", c.power_cycles);
   facts.add("method", c.method);
   facts.add("axes", frame_text(c));
   if (report.session) {
@@ -131,16 +134,61 @@ std::string not_covered_section(const CalibrationReport& report) {
   return section("not-covered", "What this does not cover", "", list(out));
 }
 
-std::string traceability_section(const CalibrationReport& report) {
+namespace {
+
+/// A quantity of the calibration: what its scale comes from.
+struct Origin {
+  std::string_view quantity, name;
+  std::string from;
+  std::string_view unused;  ///< why a declared reference does not make it traceable; empty: it does
+};
+
+std::vector<Origin> origins_of(const CalibrationReport& report) {
   const Calibration& c = report.result.calibration;
   const std::string g = report.session ? gravity_text(report.session->site) : "";
-  Table t{.head = {"quantity", "comes from", "certificate"}, .rows = {}, .text_columns = true};
-  t.rows.push_back({"acceleration", escaped(g.empty() ? "gravity at the site" : "gravity at the site: " + g), "none on record"});
-  t.rows.push_back({"angle and rate", escaped(rotation_reference(c)), "none on record"});
-  t.rows.push_back({"time", "the recorder's clock, as its stamps say", "none on record"});
-  if (c.model.accel.temperature || c.model.gyro.temperature) t.rows.push_back({"temperature", "the recording's own readings", "none on record"});
-  return section("traceability", "Traceability", "Not traceable: none of the references below has a certificate in the calibration or its session.",
-                 table(t));
+  const auto stop = [](const RigDeclaration& rig) {
+    return rig.kind == RigKind::none && rig.angle.value != 0;
+  };  // for turns by hand of a known angle
+  const bool machine = c.method == "turntable" || c.method == "whole-unit" ||
+                       (c.method == "handheld" && report.session && std::any_of(report.session->rigs.begin(), report.session->rigs.end(), stop));
+  const bool computed = report.session && !report.session->site.given_gravity;
+  std::vector<Origin> out{
+      {"acceleration", "acceleration", g.empty() ? "gravity at the site" : "gravity at the site: " + g,
+       computed ? "not used: gravity was not declared but computed" : ""},
+      {"rotation", "angle and rate", rotation_reference(c), machine ? "" : "not used: the method takes no angle from an instrument"},
+      {"time", "time", "the recorder's clock, as its stamps say", ""}};
+  if (c.model.accel.temperature || c.model.gyro.temperature) out.push_back({"temperature", "temperature", "the recording's own readings", ""});
+  return out;
+}
+
+std::string certificate_text(const Reference& r, std::string_view unused) {
+  std::string text = r.certificate + (r.date.empty() ? "" : " of " + r.date) + (r.statement.empty() ? "" : ": " + r.statement);
+  return escaped(shortened(text, 1000)) + (unused.empty() ? "" : fmt::format(" ({})", unused));
+}
+
+/// What can be said at most: nobody has checked what is declared.
+std::string traceability_text(const std::string& with, const std::string& without, bool any) {
+  if (with.empty() && any) return "Not traceable: no declared certificate is of what this calibration uses.";
+  if (with.empty()) return "Not traceable: none of the references below has a certificate in the calibration or its session.";
+  const std::string declared = fmt::format("Traceable as the session declares it, by certificates that imulab does not check: {}.", with);
+  return without.empty() ? declared : fmt::format("{} Not traceable: {}.", declared, without);
+}
+
+}  // namespace
+
+std::string traceability_section(const CalibrationReport& report) {
+  const std::vector<Reference>& references = report.result.calibration.references;
+  Table t{.head = {"quantity", "comes from", "instrument", "certificate"}, .rows = {}, .text_columns = true};
+  std::string with, without;
+  for (const Origin& origin : origins_of(report)) {
+    const auto r = std::find_if(references.begin(), references.end(), [&](const Reference& own) { return own.quantity == origin.quantity; });
+    const bool declared = r != references.end();
+    std::string& names = declared && origin.unused.empty() ? with : without;
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", origin.name);
+    t.rows.push_back({std::string(origin.name), escaped(origin.from), declared ? escaped(shortened(r->instrument, 1000)) : "",
+                      declared ? certificate_text(*r, origin.unused) : "none on record"});
+  }
+  return section("traceability", "Traceability", traceability_text(with, without, !references.empty()), table(t));
 }
 
 std::string origin_section(const CalibrationReport& report) {

@@ -36,9 +36,9 @@ std::string alignment_text(const AlignedOn& aligned) {
 }
 
 /// At most about a thousand of the errors.
-ErrorBands bands_of(const NavigatedSession& s, const std::optional<ErrorBudget>& budget) {
+ErrorBands bands_of(const NavigatedSession& s) {
   ErrorBands bands;
-  bands.budget = budget ? &*budget : nullptr;
+  bands.budget = s.explained ? &*s.explained : nullptr;
   if (!s.errors || s.errors->history.size() < 2) return bands;
   const auto& history = s.errors->history;
   const std::size_t step = std::max<std::size_t>(1, history.size() / 500);
@@ -51,7 +51,7 @@ ErrorBands bands_of(const NavigatedSession& s, const std::optional<ErrorBudget>&
   return bands;
 }
 
-std::string session_sections(const NavigatedSession& s, const std::optional<ErrorBudget>& budget, bool only_one) {
+std::string session_sections(const NavigatedSession& s, bool only_one) {
   const Solution& solution = s.navigated.solution;
   std::string content = paragraph(fmt::format("Navigated from {} s to {} s, vertical channel {}. {}", number(solution.time.front(), 7),
                                               number(solution.time.back(), 7), to_string(s.navigated.vertical),
@@ -59,15 +59,16 @@ std::string session_sections(const NavigatedSession& s, const std::optional<Erro
   if (s.errors) content += end_table(*s.errors);
   content += list(s.navigated.warnings);
   const std::string track = track_figure(thinned_track(solution.states), "The solution.");
-  const std::string bands = error_bands(bands_of(s, budget));
+  const std::string bands = error_bands(bands_of(s));
   std::string out = section("session", only_one ? "Result" : s.session, "", content + beside({track}));
   if (!bands.empty())
     out += section("errors", "Errors over time",
-                   budget ? "The band is one sigma of what the calibration's uncertainties cause, and after an alignment also the noise that it saw; "
-                            "how the IMU changed since is not in it."
-                          : "",
+                   s.explained
+                       ? "The band is one sigma of what the calibration's uncertainties cause, and after an alignment also the noise that it saw; "
+                         "how the IMU changed since is not in it."
+                       : "",
                    bands);
-  if (budget) out += section("shares", "Shares over time", "", shares_over_time(*budget)) + sources_section(*budget);
+  if (s.explained) out += section("shares", "Shares over time", "", shares_over_time(*s.explained)) + sources_section(*s.explained);
   return out;
 }
 
@@ -106,9 +107,11 @@ std::string navigation_page(const NavigationReport& r) {
   page.title = r.sessions.size() == 1 ? r.sessions.front().session : fmt::format("{} sessions", r.sessions.size());
   page.subtitle = "Pure-inertial solution";
   page.verdict = navigation_verdict(r);
-  if (!r.missing.empty()) page.body += section("missing", "Not on this page", "", list(r.missing, "missing-list"));
-  for (std::size_t k = 0; k < r.sessions.size(); ++k)
-    page.body += session_sections(r.sessions[k], k < r.budgets.size() ? r.budgets[k] : std::nullopt, r.sessions.size() == 1);
+  std::vector<std::string> missing = r.missing;
+  for (const NavigatedSession& session : r.sessions)
+    if (!session.unexplained.empty()) missing.push_back(fmt::format("{}: the bands of the errors: {}", session.session, session.unexplained));
+  if (!missing.empty()) page.body += section("missing", "Not on this page", "", list(missing, "missing-list"));
+  for (const NavigatedSession& session : r.sessions) page.body += session_sections(session, r.sessions.size() == 1);
   return page_text(page);
 }
 

@@ -10,8 +10,7 @@ namespace imulab {
 
 struct NavigationReport {
   NavigationSummary sessions;
-  std::vector<std::optional<ErrorBudget>> budgets = {};  ///< of each session: the errors that its calibration and alignment explain; or none at all
-  std::vector<std::string> missing = {};                 ///< pictures that could not be drawn, and why
+  std::vector<std::string> missing = {};  ///< pictures that could not be drawn, and why
 };
 
 /// HTML, self-contained.

@@ -28,10 +28,10 @@ std::string turns_section(const hybrid::Path& path) {
 }
 
 /// What is reached of each requirement by its coefficients, relative to the limit.
-std::string requirements_figure(const PlanReport& report) {
+std::string requirements_figure(const PlanSummary& plan) {
   std::vector<Interval> rows;
-  const PredictionSummary& s = report.summary;
-  for (const Requirement& r : report.requirements)
+  const PredictionSummary& s = plan.prediction;
+  for (const Requirement& r : plan.requirements)
     for (const CoefficientIndex index : r.coefficients) {
       const auto at = std::find(s.coefficients.begin(), s.coefficients.end(), index) - s.coefficients.begin();
       if (at == static_cast<std::ptrdiff_t>(s.coefficients.size())) continue;
@@ -44,14 +44,14 @@ std::string requirements_figure(const PlanReport& report) {
                  figure(interval_rows(rows, "standard uncertainty over requirement", "requirements", 1), "At most 1 is required."));
 }
 
-Verdict plan_verdict(const PlanReport& report) {
-  const bool met = report.summary.missed.empty();
+Verdict plan_verdict(const PlanSummary& plan) {
+  const bool met = plan.prediction.missed.empty();
   Verdict v{.tone = met ? Tone::good : Tone::doubtful,
             .word = met ? "requirements met" : "requirements not met",
-            .meaning = fmt::format("{} turns in {}.", report.path.turns.size(), duration_text(report.path.duration)),
+            .meaning = fmt::format("{} turns in {}.", plan.path.turns.size(), duration_text(plan.path.duration)),
             .because = {},
             .actions = {}};
-  for (const Shortfall& s : report.summary.missed) v.because.push_back(shortfall_line(s));
+  for (const Shortfall& s : plan.prediction.missed) v.because.push_back(shortfall_line(s));
   v.actions.emplace_back(met ? "Save the procedure with imulab plan -o, perform it, and calibrate with --method hybrid."
                              : "Allow more time or more axes, or require less.");
   return v;
@@ -60,7 +60,7 @@ Verdict plan_verdict(const PlanReport& report) {
 }  // namespace
 }  // namespace report
 
-std::string plan_page(const PlanReport& r) {
+std::string plan_page(const PlanSummary& r) {
   using namespace report;
   Page page;
   page.kind = "Plan";
@@ -69,7 +69,7 @@ std::string plan_page(const PlanReport& r) {
   page.title = "Procedure for " + readable_unit(required);
   page.subtitle = "Hybrid method";
   page.verdict = plan_verdict(r);
-  page.body = turns_section(r.path) + requirements_figure(r) + prediction_sections(r.summary);
+  page.body = turns_section(r.path) + requirements_figure(r) + prediction_sections(r.prediction);
   return page_text(page);
 }
 

@@ -55,6 +55,10 @@ std::string software() { return "imulab " IMULAB_VERSION; }
 void add_provenance(Calibration& calibration, const Session& session, std::span<const Recording> recordings) {
   calibration.serial = session.imu.serial.value_or("");
   calibration.operated_by = session.operated_by.value_or("");
+  calibration.firmware = session.imu.firmware.value_or("");
+  calibration.warm_up = session.warm_up.value_or("");
+  calibration.power_cycles = session.power_cycles.value_or("");
+  calibration.references = session.references;
   calibration.created = utc_now();
   calibration.software = software();
   calibration.session_file = session.file;
@@ -65,9 +69,9 @@ void add_provenance(Calibration& calibration, const Session& session, std::span<
   for (std::size_t k = 0; k < recordings.size(); ++k) {
     const Recording& r = recordings[k];
     for (const std::string& file : session.recordings[k].files()) {
-      const MappedFile mapped(session_path(session, file));
-      calibration.sources.push_back({file, sha256(mapped.text()), mapped.text().size(), r.time_s(0), r.time_s(r.size() - 1),
-                                     range_of(r.accel_temperature), range_of(r.gyro_temperature)});
+      const FileSum sum = file_sum(session_path(session, file));
+      calibration.sources.push_back(
+          {file, sum.sha256, sum.bytes, r.time_s(0), r.time_s(r.size() - 1), range_of(r.accel_temperature), range_of(r.gyro_temperature)});
     }
   }
 }
@@ -80,7 +84,7 @@ std::vector<VerifiedFile> verify_sources(const Calibration& calibration, const s
       out.push_back({file, FileState::missing});
       return;
     }
-    out.push_back({file, sha256(MappedFile(file).text()) == recorded ? FileState::unchanged : FileState::changed});
+    out.push_back({file, file_sum(file).sha256 == recorded ? FileState::unchanged : FileState::changed});
   };
   check(session, calibration.session_sha256);
   for (const SourceFile& source : calibration.sources) check(session.parent_path() / source.file, source.sha256);

@@ -212,6 +212,12 @@ Calibration parse_calibration(std::string_view text, const std::string& file) {
   }
   c.serial = root.text_or_empty("serial");
   c.operated_by = root.text_or_empty("operator");
+  c.firmware = root.text_or_empty("firmware");
+  c.warm_up = root.text_or_empty("warm_up");
+  c.power_cycles = root.text_or_empty("power_cycles");
+  c.references = root.list("references", [](const Field& f) {
+    return Reference{f["quantity"].text(), f["instrument"].text(), f["certificate"].text(), f.text_or_empty("date"), f.text_or_empty("statement")};
+  });
   c.sources = root.list("sources", read_source);
   c.options = root.text_map("options");
   c.frame = root["frame"].text();

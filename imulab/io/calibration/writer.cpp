@@ -100,6 +100,17 @@ Json sources_json(const std::vector<SourceFile>& sources) {
   return out;
 }
 
+Json references_json(const std::vector<Reference>& references) {
+  Json out = Json::array();
+  for (const Reference& r : references)
+    out.push_back({{"quantity", r.quantity},
+                   {"instrument", r.instrument},
+                   {"certificate", r.certificate},
+                   {"date", text_or_null(r.date)},
+                   {"statement", text_or_null(r.statement)}});
+  return out;
+}
+
 Json number_or_null(double value) { return value == 0 ? Json(nullptr) : Json(value); }
 
 Json quality_json(const Quality& q) {
@@ -163,6 +174,10 @@ Json calibration_json(const Calibration& c) {
            {"imu", c.imu},
            {"serial", text_or_null(c.serial)},
            {"operator", text_or_null(c.operated_by)},
+           {"firmware", text_or_null(c.firmware)},
+           {"warm_up", text_or_null(c.warm_up)},
+           {"power_cycles", text_or_null(c.power_cycles)},
+           {"references", references_json(c.references)},
            {"method", c.method},
            {"created", c.created},
            {"software", c.software},

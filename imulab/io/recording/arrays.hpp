@@ -46,19 +46,26 @@ std::vector<TableDescription> descriptions_of(const std::vector<NumberArray>& ar
 std::vector<ArrayColumn> find_array_columns(const std::vector<NumberArray>& arrays, const std::string& topic, const std::vector<Column>& columns,
                                             const std::string& file);
 
+/// The columns at `places`, array by array: `read(array, columns, to)`, where `to` are the indices of these columns in `places`.
+template <class Read>
+void for_each_array(const std::vector<ArrayColumn>& places, std::size_t arrays, const Read& read) {
+  for (std::size_t a = 0; a < arrays; ++a) {
+    std::vector<std::size_t> wanted, to;
+    for (std::size_t i = 0; i < places.size(); ++i)
+      if (places[i].array == a) wanted.push_back(places[i].column), to.push_back(i);
+    if (!wanted.empty()) read(a, wanted, to);
+  }
+}
+
 /// The columns at `places`, read array by array: `read(array, columns)`.
 template <class Read>
 RawTable gather_columns(const std::vector<ArrayColumn>& places, std::size_t arrays, const Read& read) {
   RawTable raw;
   raw.columns.resize(places.size());
-  for (std::size_t a = 0; a < arrays; ++a) {
-    std::vector<std::size_t> wanted, to;
-    for (std::size_t i = 0; i < places.size(); ++i)
-      if (places[i].array == a) wanted.push_back(places[i].column), to.push_back(i);
-    if (wanted.empty()) continue;
+  for_each_array(places, arrays, [&](std::size_t a, const std::vector<std::size_t>& wanted, const std::vector<std::size_t>& to) {
     std::vector<RawColumn> columns = read(a, wanted);
     for (std::size_t k = 0; k < to.size(); ++k) raw.columns[to[k]] = std::move(columns[k]);
-  }
+  });
   return raw;
 }
 

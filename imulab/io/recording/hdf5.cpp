@@ -1,8 +1,9 @@
 // HDF5 files: datasets of numbers, in one or two dimensions or of compound elements. So are MATLAB's files of version 7.3. Only what is requested is
-// read, some rows at a time.
+// read, some rows at a time, in a child process: a damaged file can crash the library.
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording/arrays.hpp"
 #include "imulab/io/recording/binary.hpp"
+#include "imulab/io/recording/child_tables.hpp"
 #include "imulab/io/recording/formats.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/recording/unit_names.hpp"
@@ -215,8 +216,8 @@ std::vector<NumberArray> arrays_of(const std::vector<Dataset>& datasets) {
   return arrays;
 }
 
-/// Some columns of a dataset.
-std::vector<RawColumn> read_dataset(const OpenedFile& file, const Dataset& dataset, const std::vector<std::size_t>& wanted) {
+/// Sends some columns of a dataset, some rows at a time.
+void send_dataset(const OpenedFile& file, const Dataset& dataset, const std::vector<std::size_t>& wanted, const SendRows& send) {
   const auto fail = [&] { throw Error(fmt::format("{}: {}: cannot be read; expected a whole dataset", file.name, dataset.array.name)); };
   const Handle id(H5Dopen2(file.file, dataset.path.c_str(), H5P_DEFAULT), H5Dclose);
   const Handle type(H5Dget_type(id), H5Tclose), native(H5Tget_native_type(type, H5T_DIR_ASCEND), H5Tclose), space(H5Dget_space(id), H5Sclose);
@@ -230,7 +231,6 @@ std::vector<RawColumn> read_dataset(const OpenedFile& file, const Dataset& datas
     const std::size_t place = static_cast<std::size_t>(dataset.lying ? at_once : 1) * dataset.element * (c - static_cast<std::size_t>(first));
     fields.push_back(plane ? NumberField{dataset.fields[0].type, place} : dataset.fields[c]);
   }
-  ColumnBuilder builder(std::move(fields), dataset.array.rows);
   std::string buffer(static_cast<std::size_t>(at_once * columns) * dataset.element, '\0');
   for (hsize_t row = 0; row < rows; row += at_once) {
     const hsize_t count = std::min(at_once, rows - row);
@@ -244,20 +244,25 @@ std::vector<RawColumn> read_dataset(const OpenedFile& file, const Dataset& datas
         H5Sselect_hyperslab(memory, H5S_SELECT_SET, zero.data(), nullptr, size.data(), nullptr) < 0 ||
         H5Dread(id, native, memory, space, H5P_DEFAULT, buffer.data()) < 0)
       fail();
-    builder.add(buffer.data(), dataset.element * static_cast<std::size_t>(dataset.lying ? 1 : columns), static_cast<std::size_t>(count));
-    builder.flush();
+    send_rows(fields, buffer.data(), dataset.element * static_cast<std::size_t>(dataset.lying ? 1 : columns), static_cast<std::size_t>(count), send);
   }
-  return builder.take();
 }
 
-std::vector<TableDescription> describe_hdf5(const TableRequest& request) { return descriptions_of(arrays_of(datasets_of(open_hdf5(request.file)))); }
+ChildTask hdf5_task(const TableRequest& request) { return child_task(request.file, "libhdf5"); }
+
+std::vector<TableDescription> describe_hdf5(const TableRequest& request) {
+  return describe_in_child(hdf5_task(request), [&] { return descriptions_of(arrays_of(datasets_of(open_hdf5(request.file)))); });
+}
 
 RawTable hdf5_columns(const TableRequest& request, const std::vector<Column>& columns) {
-  const OpenedFile file = open_hdf5(request.file);
-  const std::vector<Dataset> datasets = datasets_of(file);
-  const std::vector<ArrayColumn> places = find_array_columns(arrays_of(datasets), request.topic, columns, file.name);
-  return gather_columns(places, datasets.size(),
-                        [&](std::size_t a, const std::vector<std::size_t>& wanted) { return read_dataset(file, datasets[a], wanted); });
+  return columns_in_child(hdf5_task(request), columns.size(), [&](const SendColumn& send) {
+    const OpenedFile file = open_hdf5(request.file);
+    const std::vector<Dataset> datasets = datasets_of(file);
+    const std::vector<ArrayColumn> places = find_array_columns(arrays_of(datasets), request.topic, columns, file.name);
+    for_each_array(places, datasets.size(), [&](std::size_t a, const std::vector<std::size_t>& wanted, const std::vector<std::size_t>& to) {
+      send_dataset(file, datasets[a], wanted, {send, to, datasets[a].array.rows});
+    });
+  });
 }
 
 #else

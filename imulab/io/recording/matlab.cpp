@@ -1,7 +1,9 @@
 // MATLAB's .mat files of version 4 and 5 (to 7.2, also compressed), as libmatio reads them: variables, and fields of structures. Version 7.3 is HDF5.
+// In a child process: a damaged file can crash the library.
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording/arrays.hpp"
 #include "imulab/io/recording/binary.hpp"
+#include "imulab/io/recording/child_tables.hpp"
 #include "imulab/io/recording/formats.hpp"
 #include "imulab/io/text/file.hpp"
 
@@ -10,9 +12,11 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <new>
 #include <optional>
 #include <string>
 #include <utility>
@@ -171,28 +175,41 @@ MatFile open_mat(const std::filesystem::path& path) {
   return file;
 }
 
-/// Some columns of an array. It is read as a whole: of a structure's field libmatio gives no part.
-std::vector<RawColumn> read_variable(const MatFile& file, const MatArray& array, const std::vector<std::size_t>& wanted) {
+struct FreeMemory {
+  void operator()(void* memory) const { std::free(memory); }
+};
+
+/// Sends some columns of an array. It is read as a whole: of a structure's field libmatio gives no part.
+void send_variable(const MatFile& file, const MatArray& array, const std::vector<std::size_t>& wanted, const SendRows& send) {
   const std::size_t size = array.type.bytes, rows = array.array.rows, columns = array.array.columns.size();
-  std::string buffer(size * rows * columns, '\0');
+  const std::unique_ptr<char, FreeMemory> buffer(static_cast<char*>(std::calloc(rows * columns, size)));  // zeros at no cost
+  if (!buffer) throw std::bad_alloc();
   std::array<int, 2> start{0, 0}, stride{1, 1};
   std::array<int, 2> edge{static_cast<int>(array.variable->dims[0]), static_cast<int>(array.variable->dims[1])};
-  if (Mat_VarReadData(file.file.get(), array.variable, buffer.data(), start.data(), stride.data(), edge.data()) != 0)
+  if (Mat_VarReadData(file.file.get(), array.variable, buffer.get(), start.data(), stride.data(), edge.data()) != 0)
     throw Error(fmt::format("{}: {}: cannot be read; expected a whole variable", file.name, array.array.name));
   std::vector<NumberField> fields;
   for (const std::size_t c : wanted) fields.push_back({array.type, size * c * (array.lying ? 1 : rows)});
-  ColumnBuilder builder(std::move(fields), rows);
-  builder.add(buffer.data(), size * (array.lying ? columns : 1), rows);
-  return builder.take();
+  const std::size_t stride_bytes = size * (array.lying ? columns : 1);
+  constexpr std::size_t at_once = 1 << 14;
+  for (std::size_t row = 0; row < rows; row += at_once)
+    send_rows(fields, buffer.get() + row * stride_bytes, stride_bytes, std::min(at_once, rows - row), send);
 }
 
-std::vector<TableDescription> describe_matlab(const TableRequest& request) { return descriptions_of(open_mat(request.file).numbers()); }
+ChildTask matlab_task(const TableRequest& request) { return child_task(request.file, "libmatio"); }
+
+std::vector<TableDescription> describe_matlab(const TableRequest& request) {
+  return describe_in_child(matlab_task(request), [&] { return descriptions_of(open_mat(request.file).numbers()); });
+}
 
 RawTable matlab_columns(const TableRequest& request, const std::vector<Column>& columns) {
-  const MatFile file = open_mat(request.file);
-  const std::vector<ArrayColumn> places = find_array_columns(file.numbers(), request.topic, columns, file.name);
-  return gather_columns(places, file.arrays.size(),
-                        [&](std::size_t a, const std::vector<std::size_t>& wanted) { return read_variable(file, file.arrays[a], wanted); });
+  return columns_in_child(matlab_task(request), columns.size(), [&](const SendColumn& send) {
+    const MatFile file = open_mat(request.file);
+    const std::vector<ArrayColumn> places = find_array_columns(file.numbers(), request.topic, columns, file.name);
+    for_each_array(places, file.arrays.size(), [&](std::size_t a, const std::vector<std::size_t>& wanted, const std::vector<std::size_t>& to) {
+      send_variable(file, file.arrays[a], wanted, {send, to, file.arrays[a].array.rows});
+    });
+  });
 }
 
 #else

@@ -135,6 +135,18 @@ void read_what_there_is(const TableLayout& layout, std::string_view text, Signal
   }
 }
 
+/// As far as the stream came; a line that was cut is left out.
+SignalTable signals_of_stream(const std::filesystem::path& file, double longest_s) {
+  const std::string name = input_name(file);
+  StreamText stream = read_stream(file, longest_s);
+  if (stream.ended) return signals_of_text(name, stream.text);
+  stream.text.resize(stream.text.find_last_of('\n') + 1);  // npos + 1 is 0
+  if (stream.text.empty()) throw Error(fmt::format("{}: no line in {:g} s; expected rows of numbers (--for SECONDS waits longer)", name, longest_s));
+  SignalTable table = signals_of_text(name, stream.text);
+  table.notes.push_back(fmt::format("{} did not end within {:g} s: what came later is not looked at (--for SECONDS looks longer)", name, longest_s));
+  return table;
+}
+
 }  // namespace
 
 SignalTable signals_of_text(const std::string& name, std::string_view text) {
@@ -155,8 +167,8 @@ SignalTable signals_of_text(const std::string& name, std::string_view text) {
   return table;
 }
 
-SignalTable read_signals(const std::filesystem::path& file, const std::string& topic, const std::vector<RecordingFormat>& formats) {
-  if (file == "-") return signals_of_text(input_name(file), MappedFile(file).text());  // a stream is read once
+SignalTable read_signals(const std::filesystem::path& file, const std::string& topic, const std::vector<RecordingFormat>& formats, double longest_s) {
+  if (is_stream(file)) return signals_of_stream(file, longest_s);
   const TableRequest request{file, topic, ""};
   const RecordingFormat& format = format_of(request, formats);
   if (format.recognizes == is_text) {

@@ -10,10 +10,14 @@
 
 namespace imulab {
 
-/// The columns of one table of a file. `topic`: empty takes the only table, or the only one whose columns are named like those of an IMU. Throws Error
-/// for a file of no known format, and where it has to be said which table.
+/// For how long a stream is read where nobody says.
+inline constexpr double stream_s = 60;
+
+/// The columns of one table of a file. A stream (a pipe, a device, "-") is text, read once: to its end, or for `longest_s` seconds, which is said in
+/// a note. `topic`: empty takes the only table, or the only one whose columns are named like those of an IMU. Throws Error for a file of no known
+/// format, and where it has to be said which table.
 SignalTable read_signals(const std::filesystem::path& file, const std::string& topic = "",
-                         const std::vector<RecordingFormat>& formats = recording_formats());
+                         const std::vector<RecordingFormat>& formats = recording_formats(), double longest_s = stream_s);
 
 /// The same of text, whose lines need not all be rows of numbers: those that are not are counted in a note. `name` stands for the file.
 SignalTable signals_of_text(const std::string& name, std::string_view text);

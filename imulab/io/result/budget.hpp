@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace imulab {
 
@@ -19,8 +20,10 @@ std::string sources_csv(const ErrorBudget& budget);
 std::string distribution_csv(const ErrorDistribution& distribution);
 /// Of each run: error at the end and largest size at any output: run,pe_end,pe_peak,...
 std::string runs_csv(const ErrorDistribution& distribution);
-/// The end: {"time_s", "vertical", "total", "sources", "coefficients", "shares", "monte_carlo"}; units are in the keys (docs/budget.md).
-std::string budget_json(const ErrorBudget& budget, const std::optional<ErrorDistribution>& monte_carlo);
+/// The end: {"time_s", "vertical", "total", "sources", "coefficients", "shares", "monte_carlo"}, then for pictures "history" and "track" at some
+/// times; units are in the keys (docs/budget.md).
+std::string budget_json(const ErrorBudget& budget, const std::optional<ErrorDistribution>& monte_carlo,
+                        const std::vector<NavigationState>& track = {});
 /// The end: the horizontal position error and its main causes, then a row a source, the largest share first. With `details` also velocity, attitude
 /// and the Monte Carlo.
 std::string budget_table(const ErrorBudget& budget, const std::optional<ErrorDistribution>& monte_carlo, bool details = false);

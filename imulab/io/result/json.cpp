@@ -1,15 +1,10 @@
-// All results as JSON, in one source: the JSON library is slow to compile.
-#include "imulab/core/units.hpp"
+// Comparisons, predictions and small results as JSON. In few sources: the JSON library is slow to compile.
 #include "imulab/estimate/hybrid/path_design.hpp"
-#include "imulab/io/result/budget.hpp"
-#include "imulab/io/result/budget_quantities.hpp"
 #include "imulab/io/result/comparison.hpp"
 #include "imulab/io/result/fields.hpp"
-#include "imulab/io/result/navigation.hpp"
+#include "imulab/io/result/json_parts.hpp"
 #include "imulab/io/result/prediction.hpp"
 #include "imulab/model/coefficient.hpp"
-
-#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <type_traits>
@@ -17,8 +12,7 @@
 namespace imulab {
 namespace {
 
-using namespace result_io;
-using Json = nlohmann::ordered_json;
+using result_io::Json;
 
 std::string name_of(CoefficientIndex index) { return std::string(coefficient(index).name); }
 
@@ -54,67 +48,6 @@ Json to_json(const Agreement& agreement) {
           {"coefficients", std::move(coefficients)},
           {"consistency", to_json(agreement.consistency)},
           {"differing", std::move(differing)}};
-}
-
-// ---- navigation
-
-Json to_json(const Eigen::Vector3d& v, double unit = 1) { return {v.x() / unit, v.y() / unit, v.z() / unit}; }
-
-Json to_json(const AlignedOn& aligned) {
-  const FineAlignment& a = aligned.alignment;
-  const EulerAngles angles = euler_angles(a.attitude.C_nb);
-  Json covariance = Json::array();
-  for (int i = 0; i < 3; ++i) covariance.push_back(to_json(Eigen::Vector3d(a.attitude.covariance.row(i).transpose())));
-  return {{"begin_s", aligned.begin},
-          {"end_s", aligned.end},
-          {"roll_pitch_heading_deg", to_json({angles.roll, angles.pitch, angles.heading}, unit::deg)},
-          {"standard_uncertainty_deg", to_json(angle_sigmas(a.attitude), unit::deg)},
-          {"covariance_enu_rad2", std::move(covariance)},
-          {"gyro_noise_density", a.gyro_noise},
-          {"accel_noise_density", a.accel_noise},
-          {"base_displacement_m", a.base_displacement},
-          {"innovation_square", a.innovation_square},
-          {"innovation_correlation", a.innovation_correlation}};
-}
-
-Json to_json(const NavigatedSession& session) {
-  const Navigated& n = session.navigated;
-  Json out{{"session", session.session}, {"position_error", nullptr}, {"velocity_error_mps", nullptr}, {"attitude_error_arcsec", nullptr}};
-  if (session.errors) {
-    const NavigationError& end = session.errors->history.back();
-    out["position_error"] = {{"east_m", end.position.x()},
-                             {"north_m", end.position.y()},
-                             {"up_m", end.position.z()},
-                             {"horizontal_m", end.horizontal()},
-                             {"rate_nmi_per_h", session.errors->rate / unit::nmi_per_h}};
-    out["velocity_error_mps"] = to_json(end.velocity);
-    out["attitude_error_arcsec"] = to_json(end.attitude, unit::arcsec);
-    out["error_time_s"] = end.time;
-  }
-  out["vertical"] = to_string(n.vertical);
-  out["time_s"] = {n.solution.time.front(), n.solution.time.back()};
-  out["alignment"] = n.aligned ? to_json(*n.aligned) : Json(nullptr);
-  Json gaps = Json::array();
-  for (const MissingTime& gap : n.gaps) gaps.push_back({{"begin_s", gap.begin}, {"length_s", gap.length}});
-  out["gaps"] = std::move(gaps);
-  out["saturated"] = n.saturated;
-  out["warnings"] = n.warnings;
-  if (session.errors)
-    for (const auto& text : session.errors->warnings) out["warnings"].push_back(text);
-  return out;
-}
-
-// ---- error budgets
-
-Json vector_of(const BudgetRows& rows, Eigen::Index first, Eigen::Index at) {
-  Json list = Json::array();
-  for (Eigen::Index q = first; q < first + 3; ++q) list.push_back(rows(q, at) / unit_of(q));
-  return list;
-}
-
-Json contribution(const BudgetRows& fixed, const BudgetRows& sigma, Eigen::Index at) {
-  const auto part = [&](Eigen::Index first) { return Json{{"fixed", vector_of(fixed, first, at)}, {"sigma", vector_of(sigma, first, at)}}; };
-  return {{"position_m", part(0)}, {"velocity_mps", part(3)}, {"attitude_arcsec", part(6)}};
 }
 
 // ---- predictions
@@ -153,46 +86,6 @@ std::string comparison_json(const std::vector<NamedCalibration>& calibrations, c
   Json list = Json::array();
   for (std::size_t k = 0; k < comparisons.size(); ++k) list.push_back(to_json(calibrations[0].name, calibrations[k + 1].name, comparisons[k]));
   return Json{{"comparisons", std::move(list)}, {"agreement", agreement ? to_json(*agreement) : Json(nullptr)}}.dump(2) + "\n";
-}
-
-std::string navigation_json(const std::vector<NavigatedSession>& sessions) {
-  if (sessions.size() == 1) return to_json(sessions[0]).dump(2) + "\n";
-  Json list = Json::array();
-  std::vector<double> rates;
-  for (const auto& session : sessions) {
-    list.push_back(to_json(session));
-    if (session.errors) rates.push_back(session.errors->rate / unit::nmi_per_h);
-  }
-  Json rate = nullptr;
-  if (!rates.empty()) rate = {{"rms", rate_summary(rates).rms}, {"cep", rate_summary(rates).cep}, {"sessions", rates.size()}};
-  return Json{{"sessions", std::move(list)}, {"rate_nmi_per_h", std::move(rate)}}.dump(2) + "\n";
-}
-
-std::string budget_json(const ErrorBudget& b, const std::optional<ErrorDistribution>& monte_carlo) {
-  const auto end = static_cast<Eigen::Index>(b.time.size()) - 1;
-  Json out{{"time_s", b.time.back()}, {"vertical", to_string(b.vertical)}, {"total", contribution(b.mean, total_sigma(b), end)}};
-  for (const auto* list : {&b.groups, &b.coefficients})
-    for (const Contribution& c : *list) out[list == &b.groups ? "sources" : "coefficients"][c.name] = contribution(c.fixed, c.sigma, end);
-  for (int q = 0; q < budget_quantities; ++q) {
-    const std::vector<double> shares = b.shares(q, b.time.size() - 1);
-    for (std::size_t k = 0; k < shares.size(); ++k)
-      out["shares"][k < b.groups.size() ? b.groups[k].name : "correlation between groups"][std::string(quantity_names[static_cast<std::size_t>(q)])] =
-          shares[k];
-  }
-  if (monte_carlo) {
-    const ErrorDistribution& d = *monte_carlo;
-    Json& m = out["monte_carlo"];
-    m["runs"] = d.drift.size();
-    for (Eigen::Index q = 0; q <= budget_quantities; ++q)
-      m[std::string(quantity_names[static_cast<std::size_t>(q)])] = {{"mean", d.mean(q, end) / unit_of(q)},
-                                                                     {"sigma", d.sigma(q, end) / unit_of(q)},
-                                                                     {"low", d.low(q, end) / unit_of(q)},
-                                                                     {"median", d.median(q, end) / unit_of(q)},
-                                                                     {"high", d.high(q, end) / unit_of(q)}};
-    m["rate_nmi_per_h"] = {
-        {"rms", d.drift_rms / unit::nmi_per_h}, {"cep", d.drift_cep / unit::nmi_per_h}, {"95_percent", d.drift_95 / unit::nmi_per_h}};
-  }
-  return out.dump(2) + "\n";
 }
 
 std::string prediction_json(const turntable::Prediction& p, const std::optional<turntable::MonteCarloResult>& monte_carlo,
@@ -252,11 +145,14 @@ std::string fields_json(const JsonFields& object, bool one_line) {
   return to_json(object).dump(one_line ? -1 : 2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-std::string path_json(const hybrid::Path& path, const Prediction& p, const std::vector<Shortfall>& missed) {
+std::string path_json(const hybrid::Path& path, const std::vector<Requirement>& requirements, const Prediction& p,
+                      const std::vector<Shortfall>& missed) {
+  Json required = Json::array();
+  for (const Requirement& r : requirements) required.push_back(to_string(r));
   Json turns = Json::array();
   for (const TableTurn& turn : path.turns)
     turns.push_back({{"axis", std::string(to_string(turn.axis))}, {"angle_deg", turn.angle_deg}, {"rest_s", turn.rest}});
-  Json out{{"duration_s", path.duration}, {"first_rest_s", path.first_rest}, {"turns", std::move(turns)}};
+  Json out{{"requirements", std::move(required)}, {"duration_s", path.duration}, {"first_rest_s", path.first_rest}, {"turns", std::move(turns)}};
   out.update(Json::parse(prediction_json(p, missed, std::nullopt)));
   return out.dump(2) + "\n";
 }

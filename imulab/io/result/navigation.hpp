@@ -1,6 +1,7 @@
 // Results of navigation as JSON and as tables.
 #pragma once
 
+#include "imulab/navigation/budget/budget.hpp"
 #include "imulab/navigation/navigate.hpp"
 #include "imulab/navigation/navigation_error.hpp"
 
@@ -15,6 +16,8 @@ struct NavigatedSession {
   std::string session;  ///< its name on the command line
   Navigated navigated;
   std::optional<NavigationErrors> errors;
+  std::optional<ErrorBudget> explained = {};  ///< the errors that its calibration and alignment explain
+  std::string unexplained = {};               ///< why they are not known
 };
 
 /// One session as an object; several as {"sessions": [...], "rate_nmi_per_h": {"rms", "cep", "sessions"}}. Units are in the keys

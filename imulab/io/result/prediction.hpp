@@ -45,8 +45,9 @@ std::string turns_text(const hybrid::Advice& advice);
 /// "gyro.matrix.xx has 31.2 ppm where 10 ppm is required" or "gyro.matrix.xx is not determined".
 std::string shortfall_text(const Shortfall& shortfall);
 
-/// {"duration_s", "first_rest_s", "turns": [{"axis", "angle_deg", "rest_s"}]} and the prediction's own keys.
-std::string path_json(const hybrid::Path& path, const Prediction& prediction, const std::vector<Shortfall>& missed);
+/// {"requirements", "duration_s", "first_rest_s", "turns": [{"axis", "angle_deg", "rest_s"}]} and the prediction's own keys.
+std::string path_json(const hybrid::Path& path, const std::vector<Requirement>& requirements, const Prediction& prediction,
+                      const std::vector<Shortfall>& missed);
 /// First rest, then a row a turn and the rest after it.
 std::string path_table(const hybrid::Path& path);
 

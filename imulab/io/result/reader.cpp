@@ -1,7 +1,6 @@
 // Results back from their JSON, as far as it goes.
-#include "imulab/core/units.hpp"
 #include "imulab/io/calibration/file.hpp"
-#include "imulab/io/result/budget_quantities.hpp"
+#include "imulab/io/result/reader_parts.hpp"
 #include "imulab/io/result/summary.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/json_field.hpp"
@@ -17,9 +16,9 @@
 namespace imulab {
 namespace {
 
-using json_text::Field, json_text::Json, json_text::parse_json;
+using json_text::Json, json_text::parse_json, result_io::Field;
 
-constexpr const char* expected_result = "calibration.json, or what compare, predict, navigate or budget print with --json";
+constexpr const char* expected_result = "calibration.json, or what compare, predict, plan, navigate, budget or compensate print with --json";
 
 CoefficientIndex index_at(const Field& parent, const std::string& name) {
   try {
@@ -30,10 +29,6 @@ CoefficientIndex index_at(const Field& parent, const std::string& name) {
 }
 
 std::optional<double> optional_number(const Field& f) { return f.is_null() ? std::nullopt : std::optional(f.number()); }
-
-Eigen::Vector3d vector_at(const Field& f) {
-  return {f.item(0, 3, "numbers").number(), f.item(1, 3, "numbers").number(), f.item(2, 3, "numbers").number()};
-}
 
 // ---- comparisons
 
@@ -138,86 +133,26 @@ PredictionSummary prediction_of(const Field& root) {
   return out;
 }
 
-// ---- navigation
+// ---- plans
 
-NavigatedSession session_of(const Field& f) {
-  NavigatedSession out;
-  out.session = f["session"].text();
-  out.navigated.solution.time = {f["time_s"].item(0, 2, "numbers").number(), f["time_s"].item(1, 2, "numbers").number()};
-  const std::string vertical = f["vertical"].text();
-  bool known = false;
-  for (const VerticalChannel channel : {VerticalChannel::free, VerticalChannel::fixed, VerticalChannel::aided, VerticalChannel::held})
-    if (to_string(channel) == vertical) out.navigated.vertical = channel, known = true;
-  if (!known) f["vertical"].expected("free, fixed, aided or held");
-  out.navigated.gaps = f.list("gaps", [](const Field& g) { return MissingTime{g["begin_s"].number(), g["length_s"].number()}; });
-  if (f.has("saturated")) out.navigated.saturated = f["saturated"].size_in_bytes();
-  out.navigated.warnings = f.texts("warnings");
-  if (f["position_error"].is_null()) return out;
-  const Field position = f["position_error"];
-  NavigationErrors errors;
-  errors.history = {{f["error_time_s"].number(),
-                     {position["east_m"].number(), position["north_m"].number(), position["up_m"].number()},
-                     vector_at(f["velocity_error_mps"]),
-                     vector_at(f["attitude_error_arcsec"]) * unit::arcsec}};
-  errors.rate = position["rate_nmi_per_h"].number() * unit::nmi_per_h;
-  out.errors = std::move(errors);
-  return out;
-}
-
-NavigationSummary navigation_of(const Field& root) {
-  NavigationSummary out = root.has("sessions") ? root["sessions"].list(session_of) : NavigationSummary{session_of(root)};
-  if (out.empty()) root["sessions"].fail("is empty; expected at least one session");
-  return out;
-}
-
-// ---- error budgets
-
-/// Fixed errors or sigmas of the nine quantities at the end, SI.
-BudgetRows rows_at(const Field& f, const char* part) {
-  BudgetRows out(budget_quantities, 1);
-  out.col(0) << vector_at(f["position_m"][part]), vector_at(f["velocity_mps"][part]), vector_at(f["attitude_arcsec"][part]) * unit::arcsec;
-  return out;
-}
-
-std::vector<Contribution> contributions_at(const Field& root, const char* key) {
-  std::vector<Contribution> out;
-  if (!root.has(key)) return out;
-  const Field all = root[key];
-  for (const std::string& name : all.keys()) out.push_back({name, rows_at(all[name], "fixed"), rows_at(all[name], "sigma")});
-  return out;
-}
-
-ErrorDistribution distribution_at(const Field& f) {
-  ErrorDistribution d;
-  for (auto* rows : {&d.mean, &d.sigma, &d.low, &d.median, &d.high}) rows->resize(budget_quantities + 1, 1);
-  for (Eigen::Index q = 0; q <= budget_quantities; ++q) {
-    const Field at = f[result_io::quantity_names.at(static_cast<std::size_t>(q))];
-    const double unit = result_io::unit_of(q);
-    d.mean(q, 0) = at["mean"].number() * unit, d.sigma(q, 0) = at["sigma"].number() * unit;
-    d.low(q, 0) = at["low"].number() * unit, d.median(q, 0) = at["median"].number() * unit, d.high(q, 0) = at["high"].number() * unit;
-  }
-  d.drift_rms = f["rate_nmi_per_h"]["rms"].number() * unit::nmi_per_h;
-  d.drift_cep = f["rate_nmi_per_h"]["cep"].number() * unit::nmi_per_h;
-  d.drift_95 = f["rate_nmi_per_h"]["95_percent"].number() * unit::nmi_per_h;
-  return d;
-}
-
-BudgetSummary budget_of(const Field& root) {
-  BudgetSummary out;
-  ErrorBudget& b = out.budget;
-  b.time = {root["time_s"].number()};
-  for (const VerticalChannel channel : {VerticalChannel::free, VerticalChannel::fixed, VerticalChannel::aided, VerticalChannel::held})
-    if (to_string(channel) == root["vertical"].text()) b.vertical = channel;
-  b.mean = rows_at(root["total"], "fixed");
-  const BudgetRows sigma = rows_at(root["total"], "sigma");
-  b.covariance = {BudgetMatrix(sigma.col(0).array().square().matrix().asDiagonal())};
-  b.groups = contributions_at(root, "sources");
-  b.coefficients = contributions_at(root, "coefficients");
-  if (root.has("monte_carlo")) {
-    out.monte_carlo = distribution_at(root["monte_carlo"]);
-    out.monte_carlo->time = b.time;
-    out.runs = root["monte_carlo"]["runs"].size_in_bytes();
-  }
+PlanSummary plan_of(const Field& root) {
+  PlanSummary out;
+  root.list("requirements", [&](const Field& f) {
+    try {
+      for (Requirement& r : parse_requirements(f.text())) out.requirements.push_back(std::move(r));
+    } catch (const Error& e) {
+      f.fail(e.what());
+    }
+    return 0;
+  });
+  out.path.duration = root["duration_s"].number();
+  out.path.first_rest = root["first_rest_s"].number();
+  out.path.turns = root["turns"].list([](const Field& f) {
+    for (const RigAxis axis : {RigAxis::outer, RigAxis::middle, RigAxis::inner})
+      if (f["axis"].text() == to_string(axis)) return TableTurn{axis, f["angle_deg"].number(), f["rest_s"].number()};
+    f["axis"].expected("outer, middle or inner");
+  });
+  out.prediction = prediction_of(root);
   return out;
 }
 
@@ -229,8 +164,10 @@ SavedResult parse_result(std::string_view text, const std::string& file) {
   const Field root(json, file, "");
   if (root.has("format")) return parse_calibration(text, file);
   if (root.has("comparisons") || root.has("consistency")) return comparison_of(root);
-  if (root.has("sessions") || root.has("position_error")) return navigation_of(root);
-  if (root.has("total") && root.has("sources")) return budget_of(root);
+  if (root.has("sessions") || root.has("position_error")) return result_io::navigation_of(root);
+  if (root.has("total") && root.has("sources")) return result_io::budget_of(root);
+  if (root.has("files") && root.has("calibration")) return result_io::compensation_of(root);
+  if (root.has("turns") && root.has("first_rest_s")) return plan_of(root);
   if (root.has("coefficients") && root.has("undetermined")) return prediction_of(root);
   throw Error(fmt::format("{}: not a result; expected {}", file, expected_result));
 }

@@ -1,6 +1,8 @@
 // Results of verbs as values that their JSON gives back, for reports.
 #pragma once
 
+#include "imulab/estimate/hybrid/path_design.hpp"
+#include "imulab/io/result/compensation.hpp"
 #include "imulab/io/result/navigation.hpp"
 #include "imulab/model/calibration.hpp"
 #include "imulab/model/compare.hpp"
@@ -34,19 +36,28 @@ struct PredictionSummary {
   std::vector<std::string> advice = {};  ///< further turns
 };
 
-struct BudgetSummary {
-  ErrorBudget budget;  ///< from JSON: the end alone, with a diagonal covariance
-  std::optional<ErrorDistribution> monte_carlo;
-  std::uint64_t runs = 0;  ///< of the Monte Carlo
+struct PlanSummary {
+  std::vector<Requirement> requirements;
+  hybrid::Path path;  ///< from JSON: without its worst ratio
+  PredictionSummary prediction;
 };
 
-/// Of several sessions: those of one command. From JSON: begin and end in `solution.time`, no states, the error at the end alone.
+struct BudgetSummary {
+  /// From JSON: some of the times, with a diagonal covariance; over time of single sources the horizontal position alone.
+  ErrorBudget budget;
+  std::optional<ErrorDistribution> monte_carlo;
+  std::uint64_t runs = 0;                   ///< of the Monte Carlo
+  std::vector<NavigationState> track = {};  ///< of the motion, thinned
+};
+
+/// Of several sessions: those of one command. From JSON: begin and end in `solution.time`, states and errors thinned.
 using NavigationSummary = std::vector<NavigatedSession>;
 
-using SavedResult = std::variant<Calibration, ComparisonSummary, PredictionSummary, NavigationSummary, BudgetSummary>;
+using SavedResult =
+    std::variant<Calibration, ComparisonSummary, PredictionSummary, PlanSummary, NavigationSummary, BudgetSummary, CompensationSummary>;
 
-/// Reads calibration.json or what `compare`, `predict`, `navigate` or `budget` print with --json. Throws Error that names the file and what was
-/// expected.
+/// Reads calibration.json or what `compare`, `predict`, `plan`, `navigate`, `budget` or `compensate` print with --json. Throws Error that names the
+/// file and what was expected.
 SavedResult read_result(const std::filesystem::path& path);
 /// The same from text; `file` is its name in messages.
 SavedResult parse_result(std::string_view text, const std::string& file);

@@ -15,6 +15,8 @@ using testing::HasSubstr;
 
 TEST(SessionFile, NamesFileLineFieldAndWhatWasExpected) {
   const auto hold = [](const std::string& keys) { return session_head + "[[step]]\nkind = \"hold\"\n" + keys; };
+  const auto reference = [](const std::string& keys) { return session_head + "[[reference]]\n" + keys; };
+  const std::string clock_reference = "quantity = \"time\"\ninstrument = \"clock\"\ncertificate = \"C\"\n";
   const auto changed = [](const std::string& from, const std::string& to) {
     return session_head + std::string(session_recording).replace(session_recording.find(from), from.size(), to);
   };
@@ -55,6 +57,14 @@ TEST(SessionFile, NamesFileLineFieldAndWhatWasExpected) {
       {session_head + "[rig]\nkind = \"turntable\"\nmount_sigma_arcsec = 3\n", ":4: rig.mount_sigma_arcsec: is not a known key"},
       {session_head + "[rig]\nkind = \"chamber\"\ntime_constant_s = -1\n", ":4: rig.time_constant_s: -1 is out of range; expected at least 0"},
       {session_head + "[[rig]]\nkind = \"none\"\n[[rig]]\nkind = \"none\"\n", ":4: rig.name: is missing; expected because there are several rigs"},
+      {reference("quantity = \"angle\"\n"),
+       ":3: reference.quantity: \"angle\" is not allowed; expected one of acceleration, rotation, time, temperature"},
+      {reference("quantity = \"time\"\ninstrument = \"clock\"\n"), ":2: reference.certificate: is missing"},
+      {reference("quantity = \"time\"\ninstrument = \"\"\ncertificate = \"C\"\n"), ":4: reference.instrument: is empty"},
+      {reference("quantity = \"time\"\ninstrument = \"clock\"\ncertificate = \"\"\n"), ":5: reference.certificate: is empty"},
+      {reference(clock_reference + "date = \"2026-02-30\"\n"), ":6: reference.date: is no date; expected one as in \"2026-03-31\""},
+      {reference(clock_reference + "date = \"2026-2-3 \"\n"), ":6: reference.date: is no date"},
+      {reference(clock_reference) + "[[reference]]\n" + clock_reference, ":7: reference.quantity: repeats the quantity of an earlier reference"},
       {changed("file = \"r.csv\"\n", ""), ":2: recording.file: is missing"},
       {changed("file = \"r.csv\"\n", "file = \"r.csv\"\nrate_hz = 0\n"), ":4: recording.rate_hz: 0 is out of range; expected more than 0"},
       {changed("file = \"r.csv\"\n", "file = \"r.csv\"\nrig = \"q\"\n"), ":4: recording.rig: \"q\" is not a rig of this session"},

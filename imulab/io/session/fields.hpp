@@ -70,6 +70,7 @@ template <class Fields>
 void transfer(Fields& f, ImuDeclaration& imu) {
   f.text("name", imu.name);
   f.text("serial", imu.serial);
+  f.text("firmware", imu.firmware);
   f.text("grade", imu.grade);
   f.text("truth", imu.truth);
   f.number("accel_noise_density", imu.accel_noise_density, not_negative());
@@ -86,6 +87,15 @@ void transfer(Fields& f, ImuDeclaration& imu) {
   transfer_noise(f, imu);
   f.template table_of<NoiseModel>("accel_noise", imu.accel_noise, [](Fields& t, NoiseModel& n) { transfer(t, n); });
   f.template table_of<NoiseModel>("gyro_noise", imu.gyro_noise, [](Fields& t, NoiseModel& n) { transfer(t, n); });
+}
+
+template <class Fields>
+void transfer(Fields& f, Reference& reference) {
+  f.choice("quantity", reference.quantity, std::vector<std::string_view>{"acceleration", "rotation", "time", "temperature"}, Presence::required);
+  f.text("instrument", reference.instrument);
+  f.text("certificate", reference.certificate);
+  transfer_name(f, "date", reference.date);
+  transfer_name(f, "statement", reference.statement);
 }
 
 template <class Fields>

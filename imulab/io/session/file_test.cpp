@@ -19,8 +19,12 @@ namespace {
 
 /// Everything a session can say.
 const std::string rich = R"(format = "imulab.session/1"
+operator = "A. Person"
+warm_up = "45 min at 22 degC"
+power_cycles = "none"
 [imu]
 name = "RLG-90 \"#012\""
+firmware = "2.1.4"
 grade = "navigation"
 truth = "truth.json"
 accel_noise_density = 5e-5
@@ -34,6 +38,16 @@ longitude_deg = 116.3
 height_m = 50
 gravity_mps2 = 9.8016
 gravity_sigma_mps2 = 1e-5
+[[reference]]
+quantity = "rotation"
+instrument = "table \"A\", number 17"
+certificate = "T 2026-12"
+date = "2026-03-31"
+statement = "U = 2 arcsec, k = 2"
+[[reference]]
+quantity = "time"
+instrument = "counter"
+certificate = "C 1"
 [[rig]]
 name = "table"
 kind = "turntable"

@@ -10,6 +10,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <chrono>
+#include <cstdio>
 
 namespace imulab {
 namespace {
@@ -22,6 +24,26 @@ void read_rig(TomlFields& f, Session& session) {
   f.check(std::none_of(session.rigs.begin(), session.rigs.end(), [&](const RigDeclaration& r) { return r.name == rig.name; }), "name",
           "repeats the name of an earlier rig; expected different names");
   session.rigs.push_back(rig);
+}
+
+/// A date of the calendar, as in 2026-03-31.
+bool is_date(const std::string& text) {
+  int year = 0, month = 0, day = 0, end = 0;
+  if (text.size() != 10 || std::sscanf(text.c_str(), "%4d-%2d-%2d%n", &year, &month, &day, &end) != 3 || end != 10) return false;
+  return std::chrono::year_month_day{std::chrono::year(year), std::chrono::month(static_cast<unsigned>(month)),
+                                     std::chrono::day(static_cast<unsigned>(day))}
+      .ok();
+}
+
+void read_reference(TomlFields& f, Session& session) {
+  Reference reference;
+  transfer(f, reference);
+  f.check(std::none_of(session.references.begin(), session.references.end(), [&](const Reference& r) { return r.quantity == reference.quantity; }),
+          "quantity", "repeats the quantity of an earlier reference; expected each once");
+  f.check(!reference.instrument.empty(), "instrument", "is empty; expected make, type and serial number");
+  f.check(!reference.certificate.empty(), "certificate", "is empty; expected its number");
+  f.check(reference.date.empty() || is_date(reference.date), "date", "is no date; expected one as in \"2026-03-31\"");
+  session.references.push_back(reference);
 }
 
 void read_recording_source(TomlFields& f, Session& session) {
@@ -73,8 +95,11 @@ Session read_session(const std::filesystem::path& path) {
   StepLayout layout;
   f.format(session_format);
   f.text("operator", session.operated_by);
+  f.text("warm_up", session.warm_up);
+  f.text("power_cycles", session.power_cycles);
   f.table("imu", Presence::optional, [&](TomlFields& t) { transfer(t, session.imu); });
   f.table("site", Presence::optional, [&](TomlFields& t) { transfer(t, session.site); });
+  f.tables("reference", [&](TomlFields& t) { read_reference(t, session); });
   f.tables("rig", [&](TomlFields& t) { read_rig(t, session); });
   f.tables("recording", [&](TomlFields& t) { read_recording_source(t, session); });
   f.tables("step", [&](TomlFields& t) { read_step(t, session, layout); });

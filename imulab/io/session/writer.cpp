@@ -182,8 +182,11 @@ std::optional<StepText> in_durations(const StepText& timed, const Step& step, do
 std::string text_of(const Session& session, bool durations) {
   std::string text = fmt::format("format = {}\n", toml_string(session_format));
   if (session.operated_by) text += fmt::format("operator = {}\n", toml_string(*session.operated_by));
+  if (session.warm_up) text += fmt::format("warm_up = {}\n", toml_string(*session.warm_up));
+  if (session.power_cycles) text += fmt::format("power_cycles = {}\n", toml_string(*session.power_cycles));
   if (session.imu != ImuDeclaration{}) text += section("[imu]", session.imu);
   if (session.site != Site{}) text += section("[site]", session.site);
+  for (const Reference& reference : session.references) text += section("[[reference]]", reference);
   const bool several = session.rigs.size() > 1;
   for (const RigDeclaration& rig : session.rigs) text += section(several ? "[[rig]]" : "[rig]", rig, several);
   for (const RecordingSource& recording : session.recordings) text += section("[[recording]]", recording);

@@ -2,11 +2,15 @@
 
 #include "imulab/core/error.hpp"
 
+#include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
+#include <optional>
+#include <poll.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -27,19 +31,36 @@ struct Descriptor {
   }
 };
 
-/// All of a stream.
-std::string read_to_end(int descriptor, const fs::path& path) {
+using SteadyClock = std::chrono::steady_clock;
+
+/// Whether there is something to read, or the end, before this time.
+bool wait_for_more(int descriptor, SteadyClock::time_point until) {
+  while (true) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - SteadyClock::now()).count();
+    pollfd waiting{descriptor, POLLIN, 0};
+    const int ready = left <= 0 ? 0 : ::poll(&waiting, 1, static_cast<int>(std::min<std::int64_t>(left, 1'000'000)));
+    if (ready < 0 && errno == EINTR) continue;
+    if (ready != 0 || left <= 0) return ready != 0;
+  }
+}
+
+/// A stream to its end, or to a time.
+StreamText read_open_stream(int descriptor, const fs::path& path, std::optional<SteadyClock::time_point> until) {
   constexpr std::size_t piece = 1 << 16, longest = std::size_t{1} << 30;
-  std::string text;
+  StreamText stream;
+  std::string& text = stream.text;
   for (std::size_t size = 0;;) {
+    if (until && !wait_for_more(descriptor, *until)) {
+      stream.ended = false;
+      return stream;
+    }
     text.resize(size + piece);
     const ssize_t n = ::read(descriptor, text.data() + size, piece);
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) fail(input_name(path), "cannot be read");
-    size += static_cast<std::size_t>(n);
+    if (n < 0 && errno != EINTR && !(until && errno == EAGAIN)) fail(input_name(path), "cannot be read");
+    size += static_cast<std::size_t>(std::max<ssize_t>(n, 0));
     if (size > longest) throw Error(input_name(path) + ": is longer than a gigabyte; expected a file on disk");
     text.resize(size);
-    if (n == 0) return text;
+    if (n == 0) return stream;
   }
 }
 
@@ -47,10 +68,24 @@ std::string read_to_end(int descriptor, const fs::path& path) {
 
 std::string input_name(const fs::path& path) { return path == "-" ? "standard input" : path.string(); }
 
+bool is_stream(const fs::path& path) {
+  const fs::file_status status = fs::status(path);
+  return path == "-" || (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status));
+}
+
+StreamText read_stream(const fs::path& path, double longest_s) {
+  errno = 0;
+  const auto until = SteadyClock::now() + std::chrono::duration_cast<SteadyClock::duration>(std::chrono::duration<double>(longest_s));
+  if (path == "-") return read_open_stream(STDIN_FILENO, path, until);
+  const Descriptor file{::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};  // a pipe without a writer must not wait here
+  if (file.fd < 0) fail(path, "cannot be opened");
+  return read_open_stream(file.fd, path, until);
+}
+
 MappedFile::MappedFile(const std::filesystem::path& path) {
   errno = 0;
   if (path == "-") {
-    streamed_ = read_to_end(STDIN_FILENO, path);
+    streamed_ = read_open_stream(STDIN_FILENO, path, std::nullopt).text;
     return;
   }
   const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
@@ -59,7 +94,7 @@ MappedFile::MappedFile(const std::filesystem::path& path) {
   if (::fstat(file.fd, &status) != 0) fail(path, "cannot be read");
   if (S_ISDIR(status.st_mode)) throw Error(path.string() + ": is a folder; expected a file");
   if (!S_ISREG(status.st_mode)) {
-    streamed_ = read_to_end(file.fd, path);
+    streamed_ = read_open_stream(file.fd, path, std::nullopt).text;
     return;
   }
   size_ = static_cast<std::size_t>(status.st_size);
@@ -72,6 +107,11 @@ MappedFile::MappedFile(const std::filesystem::path& path) {
 
 MappedFile::~MappedFile() {
   if (data_ != nullptr) ::munmap(const_cast<char*>(data_), size_);
+}
+
+void MappedFile::release(std::size_t offset) const {
+  const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  if (data_ != nullptr) ::madvise(const_cast<char*>(data_), std::min(offset, size_) / page * page, MADV_DONTNEED);
 }
 
 WholeFile::WholeFile(const std::filesystem::path& path) : path_(path == "-" ? "standard output" : path), temporary_(path.string() + ".XXXXXX") {

@@ -16,6 +16,8 @@ class MappedFile {
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
+  /// Lets go of the memory of what is before `offset`; it can still be read.
+  void release(std::size_t offset) const;
   std::string_view text() const { return data_ != nullptr ? std::string_view{data_, size_} : std::string_view{streamed_}; }
 
  private:
@@ -23,6 +25,16 @@ class MappedFile {
   const char* data_ = nullptr;
   std::size_t size_ = 0;
 };
+
+/// A pipe, a device, standard input ("-"): read once, and perhaps without an end.
+bool is_stream(const std::filesystem::path& path);
+
+struct StreamText {
+  std::string text;
+  bool ended = true;  ///< else it was read for as long as was allowed
+};
+/// A stream until its end, or for a time [s] where that is first. Throws Error as MappedFile does.
+StreamText read_stream(const std::filesystem::path& path, double longest_s);
 
 /// A file being written: a temporary file in the same folder that gets the name at commit(), or is removed. A device, a pipe or standard output ("-")
 /// is written directly.
@@ -68,7 +80,14 @@ std::string input_name(const std::filesystem::path& path);
 /// Writes `text` to `path`, whole or not at all.
 void write_whole(const std::filesystem::path& path, std::string_view text);
 
-/// SHA-256 of `text` as 64 hexadecimal digits.
-std::string sha256(std::string_view text);
+/// SHA-256 of `text` as 64 hexadecimal digits; by the processor's own instructions where it has them and nothing else is wanted.
+std::string sha256(std::string_view text, bool by_instructions = true);
+
+struct FileSum {
+  std::string sha256;
+  std::uint64_t bytes = 0;
+};
+/// Of a file of any size, in little memory. Throws Error as MappedFile does.
+FileSum file_sum(const std::filesystem::path& path);
 
 }  // namespace imulab

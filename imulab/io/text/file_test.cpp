@@ -26,6 +26,27 @@ TEST(File, HashesThePublishedVectors) {  // FIPS 180-4 examples and the empty me
   EXPECT_EQ(sha256(std::string(1'000'000, 'a')), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
 }
 
+TEST(File, HashesAlikeWithAndWithoutTheProcessorsInstructions) {
+  std::string text;
+  for (int i = 0; i < 200; ++i) {
+    EXPECT_EQ(sha256(text), sha256(text, false)) << text.size();
+    text += static_cast<char>(37 * i);
+  }
+}
+
+TEST(File, HashesFilesPieceByPiece) {
+  const TemporaryFolder folder;
+  for (const std::size_t size : {0, 1, 1 << 22, (1 << 22) + 63, 3 << 22, 10'000'001}) {
+    std::string text(size, 'a');
+    if (size > 0) text.back() = 'b';
+    write_whole(folder / "x", text);
+    const FileSum sum = file_sum(folder / "x");
+    EXPECT_EQ(sum.sha256, sha256(text, false)) << size;
+    EXPECT_EQ(sum.bytes, size);
+  }
+  EXPECT_THROW(file_sum(folder / "none"), Error);
+}
+
 TEST(File, ReadsWhatWasWritten) {
   const TemporaryFolder folder;
   const std::string text("a\0b\n", 4);

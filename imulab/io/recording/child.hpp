@@ -1,0 +1,74 @@
+// A function in a child process, and its answer through a pipe: for libraries that a damaged file can crash.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace imulab::recording_io {
+
+/// What a child may use. The memory comes on top of what the program has when the child starts; it is not limited under the address sanitizer.
+struct ChildLimits {
+  std::uint64_t memory_bytes = 0;
+  unsigned computing_s = 0, wall_s = 0;
+};
+
+/// Enough for any file of this size, packed as well as deflate can, on a slow machine: 512 MB and 2200 times the file, at most what the machine has;
+/// 10 s of computing and 1 s per MB; six times that of wall time.
+ChildLimits child_limits(std::uint64_t file_bytes);
+
+/// A file and the library that reads it, for messages: "libhdf5".
+struct ChildTask {
+  std::filesystem::path file;
+  std::string library;
+  ChildLimits limits;
+};
+ChildTask child_task(const std::filesystem::path& file, const std::string& library);
+
+/// The child's end of the pipe. Whatever goes wrong ends the child.
+class ToParent {
+ public:
+  explicit ToParent(int descriptor) : descriptor_(descriptor) {}
+  void bytes(const void* data, std::size_t size);
+  void number(std::uint64_t n) { bytes(&n, sizeof n); }
+  void text(std::string_view t);
+  /// A part of the answer follows.
+  void next();
+  void flush();
+
+ private:
+  void write_all(const char* data, std::size_t size) const;
+
+  int descriptor_;
+  std::string buffer_;
+};
+
+/// The parent's end. Nothing is believed: a child that went wrong may send anything. Throws what run_in_child catches.
+class FromChild {
+ public:
+  FromChild(int descriptor, std::uint64_t most_bytes) : descriptor_(descriptor), most_bytes_(most_bytes) {}
+  void bytes(void* data, std::size_t size) const;
+  std::uint64_t number() const;
+  /// How many elements of `size` bytes follow: no more in all than the child's memory can hold.
+  std::size_t count(std::size_t size);
+  /// A number of elements of `size` bytes that will follow at most.
+  std::size_t most(std::size_t size) const;
+  std::string text();
+  /// Throws: what came makes no sense.
+  [[noreturn]] void reject() const;
+
+ private:
+  int descriptor_;
+  std::uint64_t most_bytes_;
+};
+
+/// Runs `work` in a child process, and in this one `take` for each part that it sends; the program is not touched by what happens in the child.
+/// Throws Error with the text of an Error that `work` throws, and "FILE: is damaged: LIBRARY failed on it (segmentation fault)" where the child dies
+/// or exceeds its limits. The child has one thread and a copy of the program's memory: `work` must not use TBB nor wait for another thread. May be
+/// called from several threads at once.
+void run_in_child(const ChildTask& task, const std::function<void(ToParent&)>& work, const std::function<void(FromChild&)>& take);
+
+}  // namespace imulab::recording_io

@@ -1,0 +1,34 @@
+// Compensated recordings: counts, and what a picture shows of them.
+#pragma once
+
+#include "imulab/model/calibration.hpp"
+#include "imulab/recording/overview.hpp"
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+/// One that was written.
+struct CompensatedFile {
+  std::string file;  ///< as it was named on the command line
+  std::size_t samples = 0, saturated = 0, out_of_range = 0, replaced = 0;
+  std::string recording = {};  ///< the file that it was made of
+  double rate_hz = 0;
+  std::size_t gaps = 0;
+  std::optional<Overview> overview = {};  ///< absent: of a stream
+};
+
+struct CompensationSummary {
+  std::string calibration_file;
+  std::string imu;  ///< the calibration's
+  Quality quality;  ///< of the calibration; from JSON: verdict and reasons alone
+  std::vector<CompensatedFile> files;
+};
+
+/// {"files": [{"file", "samples", ...}], "calibration": {...}} (docs/compensate.md).
+std::string compensation_json(const CompensationSummary& summary);
+
+}  // namespace imulab
