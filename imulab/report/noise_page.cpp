@@ -1,6 +1,7 @@
 #include "imulab/report/noise_page.hpp"
 
 #include "imulab/core/units.hpp"
+#include "imulab/estimate/noise/welch.hpp"
 #include "imulab/recording/overview.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/page.hpp"
@@ -10,7 +11,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <span>
 
 namespace imulab {
 namespace report {
@@ -114,7 +118,11 @@ std::string deviations_section(const NoiseAnalysis& analysis) {
                  key({{"95 %", color::sky}, {"68 %", color::blue}, {"terms", color::gray}, {"sum", color::vermilion}}) + beside(figures));
 }
 
-std::string spectrum_figure(const NoiseAxis& axis) {
+/// Short enough for some dozens of pieces, long enough to show lines.
+std::size_t welch_length(std::size_t samples) { return std::bit_floor(std::clamp<std::size_t>(samples / 32, 64, 16384)); }
+
+std::string spectrum_figure(const NoiseAxis& axis, std::span<const double> readings, double interval_s) {
+  const WelchSpectrum welch = welch_spectrum(readings, interval_s, welch_length(readings.size()));
   const Scale& s = scale_of(axis);
   std::vector<double> hz, density, model, fine_hz, fine, shown;
   for (const SpectrumPoint& p : axis.fit->spectrum) {
@@ -123,11 +131,11 @@ std::string spectrum_figure(const NoiseAxis& axis) {
   }
   // The largest of every few: lines stay.
   constexpr std::size_t points = 400;
-  const std::size_t step = axis.welch.density.size() / points + 1;
-  for (std::size_t k = 0; k < axis.welch.density.size(); k += step) {
-    const auto first = axis.welch.density.begin() + static_cast<std::ptrdiff_t>(k),
-               last = axis.welch.density.begin() + static_cast<std::ptrdiff_t>(std::min(k + step, axis.welch.density.size()));
-    fine_hz.push_back(axis.welch.spacing_hz * (static_cast<double>(k) + 0.5 * static_cast<double>(step) + 0.5));
+  const std::size_t step = welch.density.size() / points + 1;
+  for (std::size_t k = 0; k < welch.density.size(); k += step) {
+    const auto first = welch.density.begin() + static_cast<std::ptrdiff_t>(k),
+               last = welch.density.begin() + static_cast<std::ptrdiff_t>(std::min(k + step, welch.density.size()));
+    fine_hz.push_back(welch.spacing_hz * (static_cast<double>(k) + 0.5 * static_cast<double>(step) + 0.5));
     fine.push_back(std::sqrt(*std::max_element(first, last)) / s.density);
   }
   shown = model;
@@ -139,10 +147,13 @@ std::string spectrum_figure(const NoiseAxis& axis) {
   return figure(plot.svg(), axis.name);
 }
 
-std::string spectra_section(const NoiseAnalysis& analysis) {
+std::string spectra_section(const NoiseAnalysis& analysis, const StillPart& still) {
   std::vector<std::string> figures;
-  for (const NoiseAxis& axis : analysis.axes)
-    if (axis.fit) figures.push_back(spectrum_figure(axis));
+  for (std::size_t k = 0; k < analysis.axes.size(); ++k) {
+    const std::vector<double>& column = k < 3 ? still.recording.gyro[k] : still.recording.accel[k - 3];
+    if (analysis.axes[k].fit)
+      figures.push_back(spectrum_figure(analysis.axes[k], std::span(column).subspan(still.range.begin, still.range.size()), analysis.interval_s));
+  }
   return section("spectrum", "Spectrum",
                  "Root of the two-sided density. Circles: what the coefficients are fitted to, without lines. Blue: Welch's, with lines, the largest "
                  "of neighboring ones.",
@@ -193,7 +204,7 @@ std::string noise_page(const NoiseAnalysis& analysis, const StillPart& still) {
                                   scale_of(*worst).density_name,
                               "N, worst " + worst->name});
   }
-  page.body = deviations_section(analysis) + spectra_section(analysis) + coefficients_section(analysis) + signal_section(analysis, still);
+  page.body = deviations_section(analysis) + spectra_section(analysis, still) + coefficients_section(analysis) + signal_section(analysis, still);
   return page_text(page);
 }
 

@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <numeric>
 #include <span>
@@ -135,9 +134,6 @@ void expect_temperature(const Recording& r, const Range& range, const Columns3& 
   if (!(*most > *least)) throw Unsupported(fmt::format("{}: the {} temperature does not change: nothing to remove", r.name, triad));
 }
 
-/// Short enough for some dozens of pieces, long enough to show lines.
-std::size_t welch_length(std::size_t samples) { return std::bit_floor(std::clamp<std::size_t>(samples / 32, 64, 16384)); }
-
 void warn_of_fit(NoiseAnalysis& analysis, const NoiseAxis& axis) {
   if (!axis.problem.empty()) analysis.warnings.push_back(fmt::format("{}: {}: no coefficients", axis.name, axis.problem));
   if (!axis.fit) return;
@@ -198,7 +194,6 @@ NoiseAnalysis analyze_noise(const StillPart& still, const NoiseOptions& options)
     }
     axis.deviation = deviation(readings, r.interval_s, averaging_factors(readings.size()), options.kind);
     axis.fit = fit_noise(readings, r.interval_s, step);
-    axis.welch = welch_spectrum(readings, r.interval_s, welch_length(readings.size()));
   });
   if (options.remove_temperature)
     for (std::size_t k = 0; k < 6; ++k)

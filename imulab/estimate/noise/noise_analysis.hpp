@@ -3,7 +3,6 @@
 
 #include "imulab/estimate/noise/deviation.hpp"
 #include "imulab/estimate/noise/noise_fit.hpp"
-#include "imulab/estimate/noise/welch.hpp"
 #include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"
 
@@ -31,7 +30,6 @@ struct NoiseAxis {
   std::vector<DeviationPoint> deviation;
   std::optional<NoiseFit> fit;  ///< none where the axis says nothing:
   std::string problem;          ///< why
-  WelchSpectrum welch;          ///< fine, where lines show
 };
 
 struct NoiseAnalysis {

@@ -51,7 +51,8 @@ class CosineTransform {
 
  private:
   Eigen::FFT<double> fourier_;
-  std::vector<std::complex<double>> order_, spectrum_, turn_;
+  std::vector<double> order_;
+  std::vector<std::complex<double>> spectrum_, turn_;
 };
 
 /// Means of p readings from `begin`, less a line through the record's middle.
