@@ -1,4 +1,5 @@
-// Any bytes as a calibration of another program: an Error is good, anything else is a finding. What is accepted must be a calibration that reads back.
+// Any bytes as a calibration of another program: an Error is good, anything else is a finding. What is accepted must be a calibration that reads
+// back.
 #include "imulab/core/error.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/import/calibration.hpp"

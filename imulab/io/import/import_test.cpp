@@ -192,6 +192,14 @@ TEST(Import, ImucalsFilesAreReadByItsEquation) {
   EXPECT_LT((in_g.rate - unit::deg * gyr).norm(), 1e-12);
   text.replace(text.find("\"from_acc_unit\": \"g\""), 20, "\"from_acc_unit\": \"a.u.\"");
   EXPECT_EQ(import(text).calibration.model.accel.raw_unit, "count");
+  text = imucal_text;
+  text.replace(text.find("\"gyr_unit\": \"deg/s\""), 19, "\"gyro_unit\": \"deg/s\"");  // before version 2
+  EXPECT_LT((compensate(import(text).calibration.model, {unit::g * g, unit::deg * dps}).rate - unit::deg * gyr).norm(), 1e-12);
+  text.replace(text.find("\"gyro_unit\": \"deg/s\", "), 22, "");
+  EXPECT_LT((compensate(import(text).calibration.model, {unit::g * g, unit::deg * dps}).rate - unit::deg * gyr).norm(), 1e-12);
+  EXPECT_THAT(import(text).warnings, Contains(HasSubstr("gyr_unit is not given: taken as deg/s")));
+  text.replace(text.find("\"from_acc_unit\": \"g\""), 20, "\"from_acc_unit\": null");
+  EXPECT_EQ(import(text).calibration.model.accel.raw_unit, "count") << "about 10 m/s^2 to one";
   text.replace(text.find("\"from_gyr_unit\": \"deg/s\""), 24, "\"from_gyr_unit\": null");
   EXPECT_THAT(import(text).warnings, Contains(HasSubstr("from_gyr_unit is not given")));
 }

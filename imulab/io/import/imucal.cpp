@@ -3,7 +3,10 @@
 #include "imulab/io/import/numbers.hpp"
 #include "imulab/io/text/json_field.hpp"
 
+#include <Eigen/LU>
 #include <fmt/format.h>
+
+#include <cmath>
 
 namespace imulab::import_io {
 
@@ -71,15 +74,24 @@ ImportedModel read_imucal(const Source& s) {
   const Matrix3d C_a = inverse_at(s, 0, "K_a R_a", matrix_field(root["K_a"]) * matrix_field(root["R_a"]));
   const Matrix3d C_g = inverse_at(s, 0, "K_g R_g", matrix_field(root["K_g"]) * matrix_field(root["R_g"]));
   const Vector3d b_a = vector_field(root["b_a"]), b_g = vector_field(root["b_g"]);
-  const UnitOfText accel = imucal_unit(root, "acc_unit"), gyro = imucal_unit(root, "gyr_unit");
-  UnitOfText accel_raw = imucal_unit(root, "from_acc_unit"), gyro_raw = imucal_unit(root, "from_gyr_unit");
   ImportedModel out;
-  for (const auto& [raw, made, name, si] :
-       {std::tuple{&accel_raw, &accel, "from_acc_unit", "m/s^2"}, std::tuple{&gyro_raw, &gyro, "from_gyr_unit", "rad/s"}})
-    if (!raw->known) {
-      *raw = *made;
-      out.warnings.push_back(fmt::format("{} is not given: the readings are taken to be in the unit of the result (in imulab: {})", name, si));
-    }
+  const auto made_in = [&](const char* key, const char* initial) {
+    const UnitOfText unit = imucal_unit(root, key);
+    if (unit.known) return unit;
+    out.warnings.push_back(fmt::format("{} is not given: taken as {}, imucal's own", key, initial));
+    return UnitOfText{std::string_view(initial) == "deg/s" ? unit::deg : 1, false, true};
+  };
+  const UnitOfText accel = made_in("acc_unit", "m/s^2"), gyro = made_in(root.has("gyro_unit") ? "gyro_unit" : "gyr_unit", "deg/s");
+  UnitOfText accel_raw = imucal_unit(root, "from_acc_unit"), gyro_raw = imucal_unit(root, "from_gyr_unit");
+  for (const auto& [raw, made, C, name] :
+       {std::tuple{&accel_raw, &accel, &C_a, "from_acc_unit"}, std::tuple{&gyro_raw, &gyro, &C_g, "from_gyr_unit"}}) {
+    if (raw->known) continue;
+    const double scale = std::cbrt(std::abs(C->determinant()));
+    const bool same = scale >= 0.5 && scale <= 2;
+    *raw = same ? *made : UnitOfText{1, true, true};
+    out.warnings.push_back(fmt::format("{} is not given: the readings are taken to be {}, because their scale is {:.3g}", name,
+                                       same ? "in the unit of the result" : "counts", scale));
+  }
   // acc = (K_a R_a)^-1 (u - b_a);  gyr = (K_g R_g)^-1 (u - b_g - K_ga acc), each in the file's units; readings in imulab are in SI or counts.
   SensorModel& m = out.model;
   m.accel.matrix = C_a * (accel.si / accel_raw.si);
