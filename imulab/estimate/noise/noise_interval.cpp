@@ -16,7 +16,7 @@ constexpr double precision = 0.01;                                              
 constexpr double two_sided = 3.841458820694124, one_sided = 2.705543454095404;  // chi-square of one degree: 95 % and 90 %
 constexpr double profile_precision = 1e-3;                                      // of the 3.84 that the misfit rises
 constexpr double farthest = 0.5;  // that another logarithm is expected to follow: one that hardly matters would run away
-constexpr double widest = 60;     // of an interval, in the logarithm of a square
+constexpr double widest_log = 60;     // of an interval, in the logarithm of a square
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// A parameter as the logarithm of a square, also Q's.
@@ -72,7 +72,7 @@ double crossing(const Problem& problem, const Point& best, int parameter, double
   while (risen(outside) < 0) {
     inside = outside;
     outside = inside + direction * (step *= 2);
-    if (step > widest) return nan;
+    if (step > widest_log) return nan;
   }
   for (int i = 0; i < most_halvings && std::abs(outside - inside) > precision * std::abs(outside - from); ++i) {
     const double middle = 0.5 * (inside + outside);

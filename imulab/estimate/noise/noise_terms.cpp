@@ -146,10 +146,10 @@ Agreement agreement(const Problem& problem, const Point& best) {
     groups.back().sum += bin.count * ratio[static_cast<Eigen::Index>(i)];
   }
   Agreement out;
-  const double chance = 0.001 / static_cast<double>(groups.size());
+  const double by_chance = 0.001 / static_cast<double>(groups.size());
   for (const Group& g : groups) {
     const double tail = chi_square_tail(g.sum, g.count);
-    if (std::min(tail, 1 - tail) < 0.5 * chance) out.misfits.push_back({g.low, g.high, g.sum / g.count});
+    if (std::min(tail, 1 - tail) < 0.5 * by_chance) out.misfits.push_back({g.low, g.high, g.sum / g.count});
     out.chi2_per_dof += std::pow(g.sum / g.count - 1, 2) * g.count / 2;
   }
   out.chi2_per_dof /= std::max(1.0, static_cast<double>(groups.size()) - problem.terms().count() - 1);

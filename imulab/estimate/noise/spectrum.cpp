@@ -129,8 +129,8 @@ void remove_sinusoids(Spectrum& spectrum, std::vector<double>& y, double interva
     const Sinusoid fitted = fit_sinusoid(y, w);
     subtract(y, fitted, w);
     if (&hz != &without.back() || hz * interval >= 0.5) continue;
-    const double piece = interval * static_cast<double>(y.size());
-    if (piece != spectrum.piece_s) spectrum.squares = spectrum.pieces = 0, spectrum.piece_s = piece;
+    const double piece_s = interval * static_cast<double>(y.size());
+    if (piece_s != spectrum.piece_s) spectrum.squares = spectrum.pieces = 0, spectrum.piece_s = piece_s;
     spectrum.squares += fitted.square(), ++spectrum.pieces;
   }
 }
