@@ -152,22 +152,6 @@ std::vector<Check> noise_logs(int logs) {
     r.bound = bounds(r.truth, noise::spectrum_of(rate, interval));
     for (std::size_t j = 0; j < 4; ++j) r.bound[j] *= 0.5 * r.truth.value(j);
   });
-  if (std::getenv("DBG"))
-    for (std::size_t i = 0; i < results.size(); ++i) {
-      const LogResult& r = results[i];
-      fmt::print("{:3} {} cut{} LP {}/{}{} -> {}/{}{} mk {:.2g}/{:.2g} -> {} step {:.2g}({:.2g}) lines {} |", i + 1, r.fit.accepted ? "ok " : "BAD",
-                 r.fit.cut ? fmt::format("{:.3g}", r.fit.highest_hz) : "-", r.truth.cutoff > 0 ? 2 : 0, (int)r.truth.cutoff,
-                 r.truth.digital ? "d" : "a", r.fit.low_pass ? r.fit.low_pass->order : 0, r.fit.low_pass ? (int)r.fit.low_pass->cutoff_hz.value : 0,
-                 r.fit.low_pass && r.fit.low_pass->digital ? "d" : "a", r.truth.sigma, r.truth.time, r.fit.markov.size(), r.truth.step,
-                 r.fit.resolution, r.fit.lines.size());
-      for (int j = 0; j < 4; ++j) {
-        const NoiseCoefficient& c = j == 0 ? r.fit.Q : j == 1 ? r.fit.N : j == 2 ? r.fit.B : r.fit.K;
-        double t = r.truth.value(j);
-        fmt::print(" {} {:.3g}{}{:.2g} z{:.1f};", "QNBK"[j], t, c.determined ? "=" : "<", r.bound[j] / t,
-                   c.determined ? (c.value - t) / r.bound[j] : (c.upper < t ? 99 : 0));
-      }
-      fmt::print("\n");
-    }
   std::vector<Check> checks;
   double accepted = 0, cut = 0;
   for (const LogResult& r : results) accepted += r.fit.accepted, cut += r.fit.cut;
@@ -185,8 +169,8 @@ std::vector<Check> noise_logs(int logs) {
       const double truth = r.truth.value(j);
       held += c.lower <= truth && truth <= c.upper;
       if (r.bound[j] > truth) ++invisible, silent += !c.determined;
-      // A fifth of its value: there the bound is that of an estimate which is normal.
-      if (r.bound[j] < 0.2 * truth) ++visible, squares += std::pow(((c.determined ? c.value : 0) - truth) / r.bound[j], 2);
+      // A tenth of its value: ten sigma, where the bound is that of an estimate which is normal and never not determined.
+      if (r.bound[j] < 0.1 * truth) ++visible, squares += std::pow(((c.determined ? c.value : 0) - truth) / r.bound[j], 2);
     }
     checks.push_back({name + ": 95 % intervals hold", static_cast<double>(held) / logs, 0.93, 0.97});
     if (invisible > 0)
