@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace imulab {
@@ -13,13 +15,14 @@ namespace {
 
 double element(const BlockTridiagonal& blocks, Index a, Index b) {
   if (a < b) std::swap(a, b);
-  for (std::size_t k = 0; k < blocks.size(); ++k) {
-    const CovarianceBlock& block = blocks[k];
-    if (a < block.first || a >= block.first + block.size) continue;
-    if (b >= block.first) return block.covariance(a - block.first, b - block.first);
-    if (block.coupling.size() > 0 && b >= blocks[k - 1].first) return block.coupling(a - block.first, b - blocks[k - 1].first);
-  }
-  return 0;
+  const auto after = std::upper_bound(blocks.begin(), blocks.end(), a, [](Index i, const CovarianceBlock& block) { return i < block.first; });
+  if (after == blocks.begin()) return 0;
+  const CovarianceBlock& block = *std::prev(after);
+  if (a >= block.first + block.size) return 0;
+  if (b >= block.first) return block.covariance(a - block.first, b - block.first);
+  if (block.coupling.size() == 0) return 0;
+  const CovarianceBlock& before = *std::prev(after, 2);
+  return b >= before.first ? block.coupling(a - block.first, b - before.first) : 0;
 }
 
 }  // namespace

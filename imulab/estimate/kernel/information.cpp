@@ -4,6 +4,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 
 #include <algorithm>
 #include <cmath>
@@ -41,6 +43,24 @@ Information Information::operator-(const Information& other) const {
   return out;
 }
 
+namespace {
+
+/// The inverse of a positive matrix, of wrong size where it is not. A large one with few elements (many parameters that each meet a few others) is
+/// factored as what it is.
+MatrixXd inverse_of(const MatrixXd& matrix) {
+  constexpr Index large = 64;
+  const Index n = matrix.rows();
+  const MatrixXd identity = MatrixXd::Identity(n, n);
+  if (n >= large && (matrix.array() != 0).count() < n * n / 3) {
+    const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor(matrix.sparseView());
+    return factor.info() == Eigen::Success ? MatrixXd(factor.solve(identity)) : MatrixXd();
+  }
+  const Eigen::LLT<MatrixXd> factor(matrix);
+  return factor.info() == Eigen::Success ? MatrixXd(factor.solve(identity)) : MatrixXd();
+}
+
+}  // namespace
+
 Solution solve(const Information& data, const Parameters& parameters, std::string_view what) {
   std::vector<Index> loose;  // estimated and considered ones: the latter are taken back at the end
   Solution s;
@@ -62,10 +82,9 @@ Solution solve(const Information& data, const Parameters& parameters, std::strin
   MatrixXd normal = data.N(loose, loose);
   normal.diagonal() += weight;
   const VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::LLT<MatrixXd> factor(scale.asDiagonal() * normal * scale.asDiagonal());
-  const MatrixXd inverse = factor.solve(MatrixXd::Identity(n, n));
+  const MatrixXd inverse = inverse_of(scale.asDiagonal() * normal * scale.asDiagonal());
   // Scaled to unit diagonal, rounding alone makes pivots of 1e-14.
-  if (factor.info() != Eigen::Success || !inverse.allFinite() || (n > 0 && inverse.diagonal().maxCoeff() > 1e13))
+  if (inverse.rows() != n || !inverse.allFinite() || (n > 0 && inverse.diagonal().maxCoeff() > 1e13))
     throw Unsupported(std::string(what) + " do not determine the parameters asked for: the normal equations cannot be solved");
   const MatrixXd p = scale.asDiagonal() * inverse * scale.asDiagonal();
   s.x(loose) = p * (pull - VectorXd(gradient(loose)));

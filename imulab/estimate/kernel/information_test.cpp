@@ -97,5 +97,34 @@ TEST(ConditionNumber, IsThatOfTheCorrelations) {
   EXPECT_NEAR(condition_number(m), 2, 1e-12);
 }
 
+/// Many parameters of which each meets a few others: factored as a sparse matrix, and the same as densely.
+TEST(Solve, ManyParametersOfWhichEachMeetsAFew) {
+  constexpr Index shared = 6, parts = 60, own = 2, rows = 9, all = shared + parts * own;
+  MatrixXd jacobian = MatrixXd::Zero(parts * rows, all);
+  for (Index k = 0; k < parts; ++k) {
+    jacobian.block(k * rows, 0, rows, shared) = random_matrix(rows, shared, 100 + static_cast<std::uint64_t>(k));
+    jacobian.block(k * rows, shared + k * own, rows, own) = random_matrix(rows, own, 200 + static_cast<std::uint64_t>(k));
+  }
+  const VectorXd residual = random_matrix(parts * rows, 1, 3);
+  Parameters parameters(all);
+  parameters.sigma[3] = 0.1;
+  parameters.role[5] = Role::fixed;
+  parameters.offset[5] = 0.2;
+  const Information data(jacobian, residual);
+  const Solution s = solve(data, parameters, "the test");
+  std::vector<Index> loose;
+  for (Index i = 0; i < all; ++i)
+    if (i != 5) loose.push_back(i);
+  MatrixXd normal = data.N(loose, loose);
+  normal(3, 3) += 100;
+  const MatrixXd expected = normal.fullPivLu().inverse();
+  EXPECT_LT((s.covariance(loose, loose) - expected).norm(), 1e-12 * expected.norm());
+  EXPECT_LT((normal * VectorXd(s.x(loose)) + VectorXd((data.g + 0.2 * data.N.col(5))(loose))).norm(), 1e-10 * data.g.norm());
+  EXPECT_EQ(s.x[5], 0.2);
+  parameters.sigma[3] = no_prior;
+  jacobian.col(all - 1).setZero();
+  EXPECT_THROW(solve(Information(jacobian, residual), parameters, "the test"), Unsupported) << "one parameter that no row shows";
+}
+
 }  // namespace
 }  // namespace imulab::kernel

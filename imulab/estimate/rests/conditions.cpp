@@ -30,20 +30,57 @@ struct KindResiduals {
   bool enough() const { return squares.size() >= 3 && degrees >= 1; }
 };
 
+/// Parameters that some rows depend on.
+std::vector<Index> columns_of(const MatrixXd& rows) {
+  std::vector<Index> columns;
+  for (Index j = 0; j < rows.cols(); ++j)
+    if ((rows.col(j).array() != 0).any()) columns.push_back(j);
+  return columns;
+}
+
+/// Rows whose noise is coupled, with the parameters that they depend on. Where motion is missing the coupling ends, and a stretch begins with
+/// parameters of its own: of all the parameters a stretch's rows see a few.
+struct Stretch {
+  Index first = 0, size = 0;
+  std::vector<Index> columns;
+};
+
+std::vector<Stretch> stretches_of(const Conditions& conditions) {
+  std::vector<Stretch> out;
+  for (const CovarianceBlock& block : conditions.blocks) {
+    if (out.empty() || block.coupling.size() == 0) out.push_back({block.first, 0, {}});
+    out.back().size += block.size;
+  }
+  for (Stretch& s : out) s.columns = columns_of(conditions.jacobian.middleRows(s.first, s.size));
+  return out;
+}
+
 }  // namespace
 
 kernel::Information Conditions::information() const {
   MatrixXd joined(value.size(), jacobian.cols() + 1);
   joined << jacobian, value;
   const MatrixXd white = whitened(blocks, joined);
-  return {white.leftCols(jacobian.cols()), white.col(jacobian.cols())};
+  kernel::Information all(jacobian.cols());
+  for (const Stretch& s : stretches_of(*this)) {
+    const auto rows = white.middleRows(s.first, s.size);
+    const kernel::Information own(rows(Eigen::all, s.columns), rows.col(jacobian.cols()));
+    all.N(s.columns, s.columns) += own.N;
+    all.g(s.columns) += own.g;
+    all.chi2 += own.chi2, all.rows += own.rows;
+  }
+  return all;
 }
 
 Adjustment adjust(const Conditions& conditions, kernel::Parameters parameters) {
   std::replace(parameters.role.begin(), parameters.role.end(), kernel::Role::considered, kernel::Role::fixed);
   Adjustment out{kernel::solve(conditions.information(), parameters, "the rests"), {}, variances(conditions.blocks), {}};
   out.residual = conditions.value + conditions.jacobian * out.solution.x;
-  const VectorXd fitted = (conditions.jacobian * out.solution.covariance).cwiseProduct(conditions.jacobian).rowwise().sum();
+  VectorXd fitted = VectorXd::Zero(conditions.value.size());
+  for (const Stretch& s : stretches_of(conditions)) {
+    const MatrixXd jacobian = conditions.jacobian.middleRows(s.first, s.size)(Eigen::all, s.columns);
+    fitted.segment(s.first, s.size) = (jacobian * out.solution.covariance(s.columns, s.columns)).cwiseProduct(jacobian).rowwise().sum();
+  }
   out.residual_variance = (out.variance - fitted).cwiseMax(1e-9 * out.variance);  // rounding, where the fit follows a row
   return out;
 }
@@ -76,8 +113,11 @@ double estimate_spread(const Conditions& conditions, const Adjustment& adjustmen
 }
 
 kernel::Deviation deviation_of(const Conditions& conditions, const Adjustment& adjustment, const std::vector<Index>& rows) {
-  const MatrixXd unfitted = part_of(conditions.blocks, rows), jacobian = conditions.jacobian(rows, Eigen::all);
-  return kernel::deviation(adjustment.residual(rows), unfitted - jacobian * adjustment.solution.covariance * jacobian.transpose(), unfitted);
+  const MatrixXd unfitted = part_of(conditions.blocks, rows);
+  const std::vector<Index> columns = columns_of(conditions.jacobian(rows, Eigen::all));
+  const MatrixXd jacobian = conditions.jacobian(rows, columns);
+  return kernel::deviation(adjustment.residual(rows), unfitted - jacobian * adjustment.solution.covariance(columns, columns) * jacobian.transpose(),
+                           unfitted);
 }
 
 }  // namespace imulab::rests

@@ -30,7 +30,7 @@ TEST(SessionFile, NamesFileLineFieldAndWhatWasExpected) {
       {"format = 3\n", ":1: format: is a number; expected text in quotes"},
       {session_head + "[imu\n", ":2: "},
       {session_head + "[imu]\nnamme = \"x\"\n", ":3: imu.namme: is not a known key; expected name"},
-      {session_head + "[imu]\nzzzzzzzz = \"x\"\n", ":3: imu.zzzzzzzz: is not a known key; expected one of name, serial, grade, truth"},
+      {session_head + "[imu]\nzzzzzzzz = \"x\"\n", ":3: imu.zzzzzzzz: is not a known key; expected one of name, serial, firmware, grade, truth"},
       {session_head + "[imu]\ngrade = \"navigation\"\n", ":2: imu.name: is missing"},
       {session_head + "[imu]\nname = \"x\"\ngyro_noise_density = -1\n", ":4: imu.gyro_noise_density: -1 is out of range; expected at least 0"},
       {session_head + "[imu]\nname = \"x\"\nnoise = \"loud\"\n", ":4: imu.noise: \"loud\" is not allowed; expected one of white, full"},
