@@ -103,7 +103,12 @@ std::string deviation_figure(const NoiseAxis& axis) {
     const std::array<double, 6> one{at.N, at.B, at.K, at.Q, at.R, at.markov};
     for (std::size_t j = 0; j < one.size(); ++j) terms[j].push_back(one[j] > 0 ? std::sqrt(one[j]) / s.rate : NAN);
   }
-  for (const std::vector<double>& term : terms) plot.line(tau, term, color::gray, 1);
+  const double lowest = *std::min_element(low95.begin(), low95.end());  // a term far below the curve would run along the axis
+  for (std::vector<double>& term : terms) {
+    for (double& value : term)
+      if (value < lowest) value = NAN;
+    plot.line(tau, term, color::gray, 1);
+  }
   plot.line(tau, total, color::vermilion);
   plot.dots(tau, sigma, color::ink);
   return figure(plot.svg(), axis.name);
