@@ -14,6 +14,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <iostream>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -191,6 +192,11 @@ void add_help(CLI::App& app) {
   });
 }
 
+void expect_output_written() {
+  std::cout.flush();
+  if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw Error("standard output cannot be written: the result is lost");
+}
+
 }  // namespace
 
 int run(std::vector<std::string> arguments) {
@@ -226,10 +232,17 @@ int run(std::vector<std::string> arguments) {
     if (const std::string unknown = unknown_command(app, arguments); !unknown.empty()) throw Error(unknown);
     std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
     app.parse(std::move(arguments));
-    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw Error("standard output cannot be written: the result is lost");
+    expect_output_written();
     return 0;
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
+    if (app.exit(e) != 0) return 2;
+    try {  // help and version
+      expect_output_written();
+      return 0;
+    } catch (const Error& lost) {
+      complain(Color::red, "", lost.what());
+      return 2;
+    }
   } catch (const Unsupported& e) {
     complain(Color::red, "", e.what());
     return 1;

@@ -228,7 +228,7 @@ TEST(NoiseCommand, ItsNumbersComeBackFromASimulation) {
   const CommandResult declared = run_imulab(folder, "simulate declared.toml -o declared");
   ASSERT_EQ(declared.exit_code, 0) << declared.errors;
   EXPECT_THAT(read_text(folder / "declared" / "session.toml"), HasSubstr("gyro_noise_density = 5."));
-  EXPECT_THAT(run_imulab(folder, "simulate unknown.toml -o x").errors, HasSubstr("imu.noise: \"pink\" is unknown; expected white, full"));
+  EXPECT_THAT(run_imulab(folder, "simulate unknown.toml -o x").errors, HasSubstr("imu.noise: \"pink\" is not allowed; expected white, full"));
   EXPECT_THAT(run_imulab(folder, "simulate missing.toml -o x").errors, HasSubstr("none.json"));
 }
 

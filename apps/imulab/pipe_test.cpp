@@ -27,7 +27,7 @@ TEST_F(Pipe, ACalibrationIsExportedWithoutAFile) {
 }
 
 TEST_F(Pipe, AResultThatCannotBePrintedIsAnError) {
-  for (const char* verb : {"procedure hand-held", "budget --catalogue", "help calibrate"}) {
+  for (const char* verb : {"procedure hand-held", "budget --catalogue", "help calibrate", "--help", "noise --help", "--version"}) {
     const CommandResult result = shell(std::string("imulab ") + verb + " > /dev/full");
     EXPECT_EQ(result.exit_code, 2) << verb;
     EXPECT_THAT(result.errors, testing::HasSubstr("imulab: ")) << verb;

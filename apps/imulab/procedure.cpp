@@ -52,7 +52,7 @@ void add_turntable(Verb verb, const char* name, const char* about, Session (*pro
   };
   const auto a = std::make_shared<Arguments>(Arguments{options, options.table / unit::arcsec, {}});
   Verb own = verb.verb(name, about);
-  own.option("--rest", a->options.rest, "seconds of each rest").show_default();
+  own.option("--rest", a->options.rest, "seconds of each rest").in_range(0.1, 86400).show_default();
   own.option("--table", a->table_arcsec, "declared uncertainty of the table's angles, orthogonality and zeros, one sigma, arcsec").show_default();
   add_output(own, a->output);
   own.does([a, procedure] {
@@ -69,8 +69,8 @@ void add_dai_unit(Verb verb) {
   };
   const auto a = std::make_shared<Arguments>();
   Verb own = verb.verb("dai-unit", "Chamber, rate table and centrifuge: all coefficients");
-  own.option("--record", a->options.record, "seconds recorded at each point").show_default();
-  own.option("--rate-hz", a->options.rate_hz, "samples per second").show_default();
+  own.option("--record", a->options.record, "seconds recorded at each point").in_range(0.1, 86400).show_default();
+  own.option("--rate-hz", a->options.rate_hz, "samples per second").in_range(0.1, 1e6).show_default();
   own.option("--thermal KIND", a->thermal,
              "thermal readings: three sensors at each triad; one; resonance: the gyros' frequencies, and three sensors at the accelerometers")
       .one_of({"three", "one", "resonance"})

@@ -5,6 +5,8 @@
 #include "imulab/core/units.hpp"
 #include "imulab/recording/turn.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -23,6 +25,8 @@ std::array<double, 3> random_tenths(std::uint64_t seed, std::uint64_t pose) {
 
 void validate(const HandHeldOptions& o) {
   if (o.poses < 1) throw Error("hand-held: no poses; expected at least one");
+  constexpr int most_poses = 100'000;
+  if (o.poses > most_poses) throw Error(fmt::format("hand-held: {} poses; expected at most {}", o.poses, most_poses));
   if (!(o.first_rest > 0 && o.rest > 0 && o.move > 0)) throw Error("hand-held: expected durations above 0 of the rests and moves");
   if (!(o.rate_hz > 0)) throw Error("hand-held: expected a sampling rate above 0");
 }

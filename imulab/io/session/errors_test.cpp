@@ -20,6 +20,11 @@ TEST(SessionFile, NamesFileLineFieldAndWhatWasExpected) {
   const auto changed = [](const std::string& from, const std::string& to) {
     return session_head + std::string(session_recording).replace(session_recording.find(from), from.size(), to);
   };
+  const auto repeated = [](const std::string& part, int times) {
+    std::string out;
+    for (int i = 0; i < times; ++i) out += part;
+    return out;
+  };
   const struct {
     std::string text, message;
   } cases[] = {
@@ -33,7 +38,10 @@ TEST(SessionFile, NamesFileLineFieldAndWhatWasExpected) {
       {session_head + "[imu]\nzzzzzzzz = \"x\"\n", ":3: imu.zzzzzzzz: is not a known key; expected one of name, serial, firmware, grade, truth"},
       {session_head + "[imu]\ngrade = \"navigation\"\n", ":2: imu.name: is missing"},
       {session_head + "[imu]\nname = \"x\"\ngyro_noise_density = -1\n", ":4: imu.gyro_noise_density: -1 is out of range; expected at least 0"},
-      {session_head + "[imu]\nname = \"x\"\nnoise = \"loud\"\n", ":4: imu.noise: \"loud\" is not allowed; expected one of white, full"},
+      {session_head + "[imu]\nname = \"x\"\nnoise = \"loud\"\n",
+       ":4: imu.noise: \"loud\" is not allowed; expected white, full, or the file of an analysis, noise.json"},
+      {session_head + "a" + repeated(".a", 31000) + " = 1\n", ":2: a key has more than 32 parts"},
+      {session_head + "[a" + repeated(" . \"a.b\"", 40) + "]\n", ":2: a key has more than 32 parts"},
       {session_head + "[imu]\nname = \"x\"\ngyro_noise = { rate_random_walk = -1 }\n",
        ":4: imu.gyro_noise.rate_random_walk: -1 is out of range; expected at least 0"},
       {session_head + "[imu]\nname = \"x\"\naccel_noise = { bias_stability = 1 }\n",

@@ -61,7 +61,7 @@ void transfer_noise(Fields& f, ImuDeclaration& imu) {
   f.text("noise", noise);
   if (!noise) return;
   const bool named = *noise == "white" || *noise == "full", file = noise->ends_with(".json");
-  f.check(named || file, "noise", "\"" + *noise + "\" is unknown; expected white, full, or the file of an analysis, noise.json");
+  f.check(named || file, "noise", "\"" + *noise + "\" is not allowed; expected white, full, or the file of an analysis, noise.json");
   imu.noise = *noise == "full" ? NoiseTerms::full : NoiseTerms::white;
   if (file) imu.noise_file = *noise;
 }

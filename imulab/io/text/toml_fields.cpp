@@ -8,9 +8,10 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
-#include <utility>
+#include <cctype>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 namespace imulab::text {
 
@@ -72,9 +73,35 @@ struct TomlFields::Node {
   }
 };
 
+namespace {
+
+/// The parser calls itself for every part of a dotted key: throws Error, before it does, for a key of more parts than any file of ours has. Text in
+/// quotes is one part.
+void expect_shallow_keys(const std::string& file, std::string_view text) {
+  constexpr int most_parts = 32;
+  int line = 1, dots = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '\n') ++line;
+    if (c == '#') {
+      i = std::min(text.find('\n', i), text.size()) - 1;
+    } else if (c == '"' || c == '\'') {
+      const std::size_t end = text.find_first_of(c == '"' ? "\"\n" : "'\n", i + 1);
+      i = (end == std::string_view::npos ? text.size() : end) - (end != std::string_view::npos && text[end] == '\n' ? 1 : 0);
+    } else if (c == '.') {
+      if (++dots >= most_parts) throw Error(fmt::format("{}:{}: a key has more than {} parts; expected fewer", file, line, most_parts));
+    } else if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '-' && c != ' ' && c != '\t') {
+      dots = 0;
+    }
+  }
+}
+
+}  // namespace
+
 TomlFields::TomlFields(const std::string& file, std::string_view text) : node_(std::make_unique<Node>()) {
   node_->file = file;
   node_->text = text;
+  expect_shallow_keys(file, text);
   try {
     node_->root = toml::parse(text, file);
   } catch (const toml::parse_error& e) {
@@ -210,7 +237,8 @@ void TomlFields::axes(std::string_view key, std::optional<std::array<BodyAxis, 3
   if (node == nullptr) return;
   const std::string expected = "expected three different body axes, as in [\"+x\", \"-y\", \"+z\"]";
   const toml::array* list = node->as_array();
-  if (list == nullptr || list->size() != 3) node_->fail(*node, key, fmt::format("{}; {}", list == nullptr ? Node::kind_of(*node) : "not three axes", expected));
+  if (list == nullptr || list->size() != 3)
+    node_->fail(*node, key, fmt::format("{}; {}", list == nullptr ? Node::kind_of(*node) : "not three axes", expected));
   std::array<bool, 3> used{};
   value.emplace();
   for (std::size_t i = 0; i < 3; ++i) {
