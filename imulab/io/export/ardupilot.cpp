@@ -2,7 +2,7 @@
 // AP_InertialSensor_tempcal.cpp, AP_InertialSensor.cpp).
 #include "imulab/core/error.hpp"
 #include "imulab/io/export/autopilot.hpp"
-#include "imulab/io/export/consumer_model.hpp"
+#include "imulab/io/export/device_axes.hpp"
 #include "imulab/io/export/targets.hpp"
 #include "imulab/io/export/write.hpp"
 
@@ -48,6 +48,40 @@ AutopilotParameters autopilot_parameters(const SensorModel& model, const Consume
   return p;
 }
 
+/// What the one range of both triads leaves uncorrected of this triad's own, in the output: beyond it ArduPilot keeps the drift of the nearer end.
+double drift_outside(const CelsiusDrift& drift, const Matrix3d& correction, const std::array<double, 2>& range) {
+  constexpr int steps = 100;
+  const auto at = [&](double T) {
+    const double d = T - tempcal_reference;
+    return Vector3d(drift.c1 * d + drift.c2 * (d * d));
+  };
+  double most = 0;
+  for (int i = 0; i <= steps; ++i) {
+    const double T = drift.range[0] + (drift.range[1] - drift.range[0]) * i / steps;
+    most = std::max(most, (correction * (at(T) - at(std::clamp(T, range[0], range[1])))).cwiseAbs().maxCoeff());
+  }
+  return most;
+}
+
+Sentences drifts_outside(const SensorModel& model) {
+  Sentences out;
+  const AutopilotParameters p = autopilot_parameters(model, consumer_model(model));
+  for (const auto& [triad, m, name, size] :
+       {std::tuple{&p.accel, &model.accel, "accelerometers'", &accel_size}, std::tuple{&p.gyro, &model.gyro, "gyros'", &gyro_size}}) {
+    if (!triad->drift) continue;
+    const double lost = drift_outside(*triad->drift, m->matrix, *p.range);
+    if (lost > 0)
+      out.push_back(fmt::format("{} thermal terms outside {:g} to {:g} degC, one range for both triads: up to {} over {:g} to {:g} degC", name,
+                                (*p.range)[0], (*p.range)[1], size(lost), triad->drift->range[0], triad->drift->range[1]));
+  }
+  return out;
+}
+
+/// INS_ACCOFFS, INS_ACC2OFFS, INS_ACC3OFFS: those are all.
+void expect_instance(int instance) {
+  if (instance < 0 || instance > 2) throw Error(fmt::format("instance {}: ArduPilot has parameters for three; expected 0, 1 or 2", instance));
+}
+
 std::string ardupilot_line(const std::string& name, double value) { return fmt::format("{},{}\n", name, float_text(value)); }
 
 std::string ardupilot_xyz(const std::string& name, const Vector3d& v) {
@@ -74,37 +108,57 @@ void tempcal_fact(Sentences& facts, const TriadParameters& p, const char* what, 
 }  // namespace
 
 std::string ardupilot_text(const ExportInput& input) {
-  const SensorModel& model = input.calibration.model;
-  expect_si_readings(model);
+  expect_si_readings(input.calibration.model);
+  expect_instance(input.options.instance);
+  const SensorModel model = along_device_axes(input.calibration.model, device_axes(input.calibration));
   const ConsumerModel m = consumer_model(model);
   const int i = input.options.instance;
   const AutopilotParameters p = autopilot_parameters(model, m);
   const TriadParameters &a = p.accel, &g = p.gyro;
   Sentences facts{
+      "Holds: accelerometers' offsets and scales, gyros' offsets, thermal offsets of both in degC over one range.",
       "a = (a_raw - P(T) + P(CALTEMP) - OFFS) * SCAL      w = w_raw - P(T) + P(CALTEMP) - OFFS      P(T) = 1e-6 (c1 d + c2 d^2 + c3 d^3), d = T - 35 "
       "degC",
       "so offsets are subtracted from readings [m/s^2, rad/s], after the sensor's and before the board's rotation. SCAL is the diagonal of the",
-      "correction matrix. Gyros have no scale. Readings are along x, y, z of the calibration, which must be the driver's.",
-      "The gyros' offsets are measured anew at each boot unless INS_GYR_CAL is 0. Parameters are in single precision."};
+      "correction matrix. Gyros have no scale.",
+      "The gyros' offsets are measured anew at each boot unless INS_GYR_CAL is 0. Parameters are in single precision.",
+      fmt::format("{} and {} must hold the sensors' device ids, else ArduPilot takes the IMU as not calibrated: not written here.",
+                  ardupilot_name("ACC", i, "_ID"), ardupilot_name("GYR", i, "_ID"))};
+  const Sentences axes = autopilot_axes_facts(input.calibration);
+  facts.insert(facts.end(), axes.begin(), axes.end());
   tempcal_fact(facts, a, "Accelerometers'", accel_size);
   tempcal_fact(facts, g, "Gyros'", gyro_size);
   std::string text =
       comment_head(input, "ArduPilot", facts, left_out_of_ardupilot(input)) + ardupilot_xyz(ardupilot_name("ACC", i, "OFFS"), a.offset) +
       ardupilot_xyz(ardupilot_name("ACC", i, "SCAL"), m.accel.C.diagonal()) + ardupilot_xyz(ardupilot_name("GYR", i, "OFFS"), g.offset);
-  if (!p.range) return text;
   const std::string tcal = fmt::format("INS_TCAL{}_", i + 1);
+  if (!p.range) return text + tcal + "ENABLE,0\n";  // the polynomial of an earlier calibration would be subtracted
   text += tcal + "ENABLE,1\n" + ardupilot_line(tcal + "TMIN", (*p.range)[0]) + ardupilot_line(tcal + "TMAX", (*p.range)[1]);
   if (a.drift) text += ardupilot_line(fmt::format("INS_ACC{}_CALTEMP", i + 1), a.calibrated_at);
   if (g.drift) text += ardupilot_line(fmt::format("INS_GYR{}_CALTEMP", i + 1), g.calibrated_at);
   return text + tempcal_lines(a, tcal + "ACC") + tempcal_lines(g, tcal + "GYR");
 }
 
-Sentences left_out_of_ardupilot(const ExportInput& input) { return losses(input.calibration.model, autopilot_holds(input.calibration.model)); }
+Sentences left_out_of_ardupilot(const ExportInput& input) {
+  const SensorModel& model = input.calibration.model;
+  Sentences out = losses(model, autopilot_holds(model));
+  const Sentences outside = drifts_outside(model);
+  out.insert(out.end(), outside.begin(), outside.end());
+  return out;
+}
 
 Sentences ardupilot_warnings(const ExportInput& input) {
-  const ConsumerModel m = consumer_model(input.calibration.model);
-  const TriadParameters a = autopilot_parameters(input.calibration.model, m).accel;
+  const SensorModel model = along_device_axes(input.calibration.model, device_axes(input.calibration));
+  const ConsumerModel m = consumer_model(model);
+  const AutopilotParameters p = autopilot_parameters(model, m);
+  const TriadParameters& a = p.accel;
   Sentences out;
+  warn_different_axes(out, input.calibration);
+  const std::string tcal = fmt::format("INS_TCAL{}_", input.options.instance + 1);
+  if (p.range) {
+    warn_outside(out, tcal + "TMIN", (*p.range)[0], -70, 80, "ArduPilot");
+    warn_outside(out, tcal + "TMAX", (*p.range)[1], -70, 80, "ArduPilot");
+  }
   for (int axis = 0; axis < 3; ++axis) {
     warn_outside(out, fmt::format("{}_{}", ardupilot_name("ACC", input.options.instance, "OFFS"), "XYZ"[axis]), a.offset[axis], -3.5, 3.5,
                  "ArduPilot");

@@ -1,5 +1,7 @@
 #include "imulab/io/export/autopilot.hpp"
 
+#include "imulab/io/export/device_axes.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -41,6 +43,27 @@ double single_precision_error(const CelsiusDrift& drift, double about) {
     }
   }
   return most;
+}
+
+double steepest_drift(const CelsiusDrift& drift, double about, const Vector3d& scale) {
+  double most = 0;
+  for (const double T : drift.range)  // the slope is linear: steepest at an end
+    most = std::max(most, scale.cwiseProduct(drift.c1 + 2 * (T - about) * drift.c2).cwiseAbs().maxCoeff());
+  return most;
+}
+
+std::vector<std::string> autopilot_axes_facts(const Calibration& calibration) {
+  std::vector<std::string> out = input_facts(calibration);
+  out.emplace_back("Parameters are along these axes of the device, which must be the driver's before the board's rotation; outputs likewise.");
+  return out;
+}
+
+void warn_different_axes(std::vector<std::string>& warnings, const Calibration& calibration) {
+  const DeviceAxes axes = device_axes(calibration);
+  if (axes.accel == axes.gyro) return;
+  warnings.emplace_back(
+      "accelerometers and gyros were recorded along different axes, and an autopilot turns both alike: its driver must give them along the same "
+      "axes");
 }
 
 void warn_outside(std::vector<std::string>& warnings, const std::string& parameter, double value, double low, double high, const char* program) {

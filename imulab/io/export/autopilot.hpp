@@ -25,6 +25,14 @@ Held autopilot_holds(const SensorModel& model);
 /// The largest difference [SI of the readings] over the range between the drift and its polynomial in single precision.
 double single_precision_error(const CelsiusDrift& drift, double about);
 
+/// The steepest slope of the drift over its range, in the corrected output: SI for each degree.
+double steepest_drift(const CelsiusDrift& drift, double about, const Vector3d& scale);
+
+/// For the head: in which axes the parameters are.
+std::vector<std::string> autopilot_axes_facts(const Calibration& calibration);
+/// Where accelerometers and gyros were recorded along different axes: an autopilot turns both alike.
+void warn_different_axes(std::vector<std::string>& warnings, const Calibration& calibration);
+
 /// "PARAMETER = 3.7: outside 0.8 to 1.2, which PROGRAM accepts"; empty within.
 void warn_outside(std::vector<std::string>& warnings, const std::string& parameter, double value, double low, double high, const char* program);
 

@@ -4,6 +4,8 @@
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/export/c_header_parts.hpp"
 #include "imulab/io/export/c_header_text.hpp"
+#include "imulab/io/export/loss.hpp"
+#include "imulab/io/export/write.hpp"
 #include "imulab/io/text/file.hpp"
 
 #include <fmt/format.h>
@@ -130,23 +132,40 @@ std::string axes_text(const Input& in) {
   return fmt::format("[0] along {}, [1] along {}, [2] along {}", axes[0], axes[1], axes[2]);
 }
 
+/// The equation, what the header holds, what the data did not determine, and what is lost.
+std::string equation_text(const Calibration& c) {
+  std::string text =
+      " *\n"
+      " * V = u - (c1 (T - reference) + c2 (T - reference)^2): u the reading in SI (or counts, where the calibration has them), T its axis's "
+      "temperature\n"
+      " * force = offset + matrix V + quadratic V^2 + cubic V^3\n"
+      " * rate  = offset + matrix V + quadratic V^2 + cubic V^3 + g_sensitivity force\n"
+      " * so offsets are added to the output. Holds: the whole model of every sensor.\n";
+  for (const std::string& name : export_io::not_determined(c))
+    text += fmt::format(" * NOT DETERMINED by the data, a starting value that compensates nothing: {}\n", harmless(name));
+  text += " * Not held: uncertainties and limits.\n";
+  for (const std::string& lost : left_out_of_c_header(c)) text += " * Not held: " + lost + "\n";
+  return text;
+}
+
 /// The comment at the top, and the names of what the header was made from.
-std::string head_text(const Calibration& c, const Input& accel, const Input& gyro) {
-  const std::string hash = sha256(calibration_text(c)), version = software();
+std::string head_text(const Calibration& c, const Input& accel, const Input& gyro, const std::string& file_sha256) {
+  const bool of_file = !file_sha256.empty();
+  const std::string hash = of_file ? harmless(file_sha256) : sha256(calibration_text(c)), version = software();
   std::string text = fmt::format(
-      "/* Calibration of \"{}\", method {}, {}, made with {}.\n"
-      " * Header by {}, from the calibration file with SHA-256 {}.\n"
+      "/* Calibration of \"{}\", method {}, {}made with {}.\n"
+      " * Header by {}, from the calibration {} SHA-256 {}.\n"
       " * C99 and C++.\n"
       " *\n"
       " * In:  accelerometers [{}], {}\n"
       " *      gyros [{}], {}\n"
       " *      temperatures of the accelerometers: {}\n"
       " *      temperatures of the gyros: {}\n"
-      " * Out: specific force [m/s^2], angular rate [rad/s], along x, y, z of the body\n"
-      " */\n",
-      harmless(c.imu), harmless(c.method), harmless(c.created), harmless(c.software.empty() ? "imulab" : c.software), version, hash, accel.unit,
-      axes_text(accel), gyro.unit, axes_text(gyro), range_text(c.model.accel), range_text(c.model.gyro));
-  text += "#ifndef IMULAB_CALIBRATION_H\n#define IMULAB_CALIBRATION_H\n\n";
+      " * Out: specific force [m/s^2], angular rate [rad/s], along x, y, z of the body\n",
+      harmless(c.imu), harmless(c.method), c.created.empty() ? "" : harmless(c.created) + ", ", harmless(c.software.empty() ? "imulab" : c.software),
+      version, of_file ? "file with" : "that imulab writes with", hash, accel.unit, axes_text(accel), gyro.unit, axes_text(gyro),
+      range_text(c.model.accel), range_text(c.model.gyro));
+  text += equation_text(c) + " */\n#ifndef IMULAB_CALIBRATION_H\n#define IMULAB_CALIBRATION_H\n\n";
   text += fmt::format(
       "#define IMULAB_VERSION \"{}\"\n"
       "#define IMULAB_CALIBRATION_SHA256 \"{}\"\n"
@@ -165,8 +184,8 @@ std::string head_text(const Calibration& c, const Input& accel, const Input& gyr
 std::string c_header(const Calibration& c, const CHeaderOptions& options) {
   expect_finite(c.model);
   const Input accel = firmware::input_of(c, options, Triad::accel), gyro = firmware::input_of(c, options, Triad::gyro);
-  std::string text = head_text(c, accel, gyro) + compensate_text(c.model, accel, gyro) + out_of_range_text(c.model) + firmware::filter_text() +
-                     firmware::selftest_text(c.model, accel, gyro);
+  std::string text = head_text(c, accel, gyro, options.calibration_sha256) + compensate_text(c.model, accel, gyro) + out_of_range_text(c.model) +
+                     firmware::filter_text() + firmware::selftest_text(c.model, accel, gyro);
   if (options.fixed_point) text += firmware::fixed_text(c.model, accel, gyro, options) + firmware::fixed_filter_text();
   return text + "#endif\n";
 }
@@ -174,8 +193,16 @@ std::string c_header(const Calibration& c, const CHeaderOptions& options) {
 std::string c_header(const Calibration& calibration) { return c_header(calibration, {}); }
 
 std::vector<std::string> left_out_of_c_header(const Calibration& calibration) {
-  if (calibration.model.lever_arm.isZero(0)) return {};
-  return {"lever arms are not exported; the forces are those at the accelerometers"};
+  constexpr export_io::Held all_but_lever_arms{.nonlinear = true,
+                                               .accel_thermal = true,
+                                               .gyro_thermal = true,
+                                               .g_sensitivity = true,
+                                               .accel_matrix = true,
+                                               .gyro_matrix = true,
+                                               .accel_scale = true,
+                                               .gyro_scale = true,
+                                               .bias = true};
+  return export_io::losses(calibration.model, all_but_lever_arms);
 }
 
 }  // namespace imulab

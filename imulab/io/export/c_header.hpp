@@ -17,6 +17,7 @@ struct CHeaderOptions {
   /// Of imulab_compensate_fixed: the largest readings, in their unit. 0: 32768 counts where that is at least 1.5 g or 50 deg/s,
   /// else 16 g and 2000 deg/s by the calibration's scale.
   double accel_range = 0, gyro_range = 0;
+  std::string calibration_sha256{};  ///< of the calibration's file; empty: that of the calibration as imulab writes it is stated
 };
 
 /// The text of a header with `imulab_compensate`, which compensates one sample (readings as the options say -> m/s^2, rad/s), `imulab_out_of_range`,
@@ -27,7 +28,7 @@ struct CHeaderOptions {
 std::string c_header(const Calibration& calibration, const CHeaderOptions& options);
 /// With the default options.
 std::string c_header(const Calibration& calibration);
-/// The lever arms, where the calibration has any.
+/// Its uncertainties are not said; the lever arms, where the calibration has any, with what they cost.
 std::vector<std::string> left_out_of_c_header(const Calibration& calibration);
 
 }  // namespace imulab

@@ -9,7 +9,8 @@ namespace imulab::export_io {
 
 std::string euroc_text(const ExportInput& input) {
   const NoiseValues n = noise_values(input, "the EuRoC form");
-  Sentences facts{"Continuous-time noise densities. T_BS: the sensor is the body. Correct the readings with `imulab compensate` before."};
+  Sentences facts{
+      "Holds: continuous-time noise densities and the rate. T_BS: the sensor is the body. Correct the readings with `imulab compensate` before."};
   facts.insert(facts.end(), n.facts.begin(), n.facts.end());
   return comment_head(input, "the EuRoC / ASL form (sensor.yaml)", facts, left_out_of_noise_files(input)) +
          "sensor_type: imu\ncomment: IMU\nT_BS:\n  cols: 4\n  rows: 4\n"

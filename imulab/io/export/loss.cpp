@@ -1,7 +1,7 @@
 #include "imulab/io/export/loss.hpp"
 
 #include "imulab/core/units.hpp"
-#include "imulab/io/export/consumer_model.hpp"
+#include "imulab/io/export/device_axes.hpp"
 #include "imulab/io/text/figures.hpp"
 #include "imulab/model/compensate.hpp"
 
@@ -30,10 +30,13 @@ const std::vector<Vector3d>& directions() {
   return all;
 }
 
+bool has_range(const TriadModel& m) { return m.temperature && m.temperature->range[1] > m.temperature->range[0]; }
+bool drifts_without_range(const TriadModel& m) { return !m.thermal.isZero(0) && !has_range(m); }
+
 /// The thermal readings less their reference, over the calibrated range; only zero where no range is known.
 std::vector<double> drifts(const TriadModel& m) {
   std::vector<double> out{0};
-  if (!m.temperature || (m.temperature->range[0] == 0 && m.temperature->range[1] == 0)) return out;
+  if (!has_range(m)) return out;
   constexpr int steps = 40;
   for (int i = 0; i <= steps; ++i)
     out.push_back(m.temperature->range[0] + (m.temperature->range[1] - m.temperature->range[0]) * i / steps - m.temperature->reference);
@@ -92,10 +95,9 @@ class Search {
 };
 
 /// The largest difference of two models' outputs [SI] for the readings that `truth` has.
-double difference(const SensorModel& truth, const SensorModel& a, const SensorModel& b, bool of_accel, bool over_temperature) {
+double difference(const SensorModel& truth, const SensorModel& a, const SensorModel& b, bool of_accel, const std::vector<double>& accel_taus,
+                  const std::vector<double>& gyro_taus) {
   double most = 0;
-  const std::vector<double> none{0}, accel_taus = over_temperature ? drifts(truth.accel) : none,
-                                     gyro_taus = over_temperature ? drifts(truth.gyro) : none;
   for (int axis = 0; axis < 3; ++axis)
     for (const int sign : {1, -1}) {
       Search search([&](const Condition& c) {
@@ -153,10 +155,24 @@ std::vector<Step> steps(const SensorModel& model, const Held& held) {
 
 /// "gyros, WHAT: up to ...": the largest difference of two models.
 std::string together(const SensorModel& model, const SensorModel& other, bool of_accel, const char* what) {
-  const double size = difference(model, model, other, of_accel, true);
+  const double size = difference(model, model, other, of_accel, drifts(model.accel), drifts(model.gyro));
   const std::string range = drifts(of_accel ? model.accel : model.gyro).size() > 1 ? range_of(of_accel ? model.accel : model.gyro) : "";
-  return of_accel ? fmt::format("accelerometers, {}: up to {} at 1 g{}", what, accel_size(size), range)
-                  : fmt::format("gyros, {}: up to {} at 1 g and {:g} deg/s{}", what, gyro_size(size), stated_rate_deg_s, range);
+  const std::string without = drifts_without_range(of_accel ? model.accel : model.gyro) ? ", without the thermal terms" : "";
+  return of_accel ? fmt::format("accelerometers, {}: up to {} at 1 g{}{}", what, accel_size(size), range, without)
+                  : fmt::format("gyros, {}: up to {} at 1 g and {:g} deg/s{}{}", what, gyro_size(size), stated_rate_deg_s, range, without);
+}
+
+/// The loss of thermal terms whose range is not known: what a change of temperature costs, where even that can be said.
+std::string drift_without_range(const SensorModel& model, const SensorModel& before, const SensorModel& now, bool of_accel) {
+  constexpr double change = 10;
+  const TriadModel& m = of_accel ? model.accel : model.gyro;
+  const std::string begin = of_accel ? "accelerometers' thermal terms: " : "gyros' thermal terms: ";
+  if (!m.temperature) return begin + "their size is not known: the calibration names neither reference nor range of temperatures";
+  const std::vector<double> none{0}, changes{0, change, -change};
+  const double size = difference(model, before, now, of_accel, of_accel ? changes : none, of_accel ? none : changes);
+  const std::string& unit = m.temperature->unit;
+  return fmt::format("{}up to {} at {:g} {} from the reference; no range of temperatures is known", begin,
+                     of_accel ? accel_size(size) : gyro_size(size), change, unit == "degC" || unit == "K" ? unit : "raw");
 }
 
 /// The largest of |e_i . (w x (w x r_i))| over all directions of w: a quadratic form of w whose eigenvalues are known, |w|^2 (|r_ii| + |r_i|) / 2.
@@ -190,7 +206,13 @@ std::vector<std::string> losses(const SensorModel& model, const Held& held) {
   for (const Step& step : steps(model, held)) {
     const SensorModel before = now;
     step.remove(now);
-    const double size = difference(model, before, now, step.of_accel, std::string_view(step.what) == "thermal terms");
+    const bool thermal = std::string_view(step.what) == "thermal terms";
+    if (thermal && drifts_without_range(step.of_accel ? model.accel : model.gyro)) {
+      out.push_back(drift_without_range(model, before, now, step.of_accel));
+      continue;
+    }
+    const std::vector<double> none{0};
+    const double size = difference(model, before, now, step.of_accel, thermal ? drifts(model.accel) : none, thermal ? drifts(model.gyro) : none);
     if (!(size > 1e-12)) continue;  // of the rounding of g
     ++lost[step.of_accel ? 0 : 1];
     out.push_back(fmt::format("{} {}: up to {}{}", step.of_accel ? "accelerometers'" : "gyros'", step.what,
@@ -207,6 +229,17 @@ std::vector<std::string> losses(const SensorModel& model, const Held& held) {
 std::vector<std::string> whole_calibration(const SensorModel& model) {
   const SensorModel none = reduced(model, {});
   return {together(model, none, true, "the whole calibration"), together(model, none, false, "the whole calibration")};
+}
+
+std::vector<std::string> whole_calibration_left_out(const ExportInput& input) {
+  const SensorModel& m = input.calibration.model;
+  std::vector<std::string> out{"the calibration: apply it with `imulab compensate` before"};
+  if (device_axes(input.calibration).turned())
+    out.emplace_back("the device's axes, which are not x, y, z of the body: `imulab compensate` turns the readings");
+  if (m.accel.raw_unit == "count" || m.gyro.raw_unit == "count") return out;
+  const std::vector<std::string> sizes = whole_calibration(m);
+  out.insert(out.end(), sizes.begin(), sizes.end());
+  return out;
 }
 
 }  // namespace imulab::export_io

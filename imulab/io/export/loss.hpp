@@ -27,12 +27,15 @@ inline constexpr double stated_rate_deg_s = 100;
 SensorModel reduced(SensorModel model, const Held& held);
 
 /// One sentence a term that is left out and not zero: "accelerometers' off-diagonal terms: up to 1.9 mg at 1 g". Where several terms of a triad are
-/// lost, their sum as the largest difference from `compensate`. Numbers are the largest error of any axis. Throws Error where the calibration has no
-/// inverse there.
+/// lost, their sum as the largest difference from `compensate`; thermal terms without a known range for a change of 10 degrees, and not in the sum.
+/// Numbers are the largest error of any axis. Throws Error where the calibration has no inverse there.
 std::vector<std::string> losses(const SensorModel& model, const Held& held);
 
 /// For a target that holds nothing of it: the same sum, a sentence a triad.
 std::vector<std::string> whole_calibration(const SensorModel& model);
+
+/// For a target of noise alone: that the calibration is to be applied before, and what leaving it out costs.
+std::vector<std::string> whole_calibration_left_out(const ExportInput& input);
 
 /// A size in user units: "1.9 mg", "340 deg/h".
 std::string accel_size(double si);

@@ -42,7 +42,58 @@ NoiseValue noise_value(const NoiseAxes& axes, NoiseCoefficient NoiseCoefficients
   return out;
 }
 
+std::string term_values(const NoiseAxes& axes, NoiseCoefficient NoiseCoefficients::*which) {
+  std::string text;
+  bool any = false;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const NoiseCoefficient* c = axes[i] ? &((*axes[i]).*which) : nullptr;
+    any = any || (c != nullptr && c->determined);
+    text += fmt::format("{}{} {}", i == 0 ? "" : ", ", "xyz"[i], c != nullptr && c->determined ? fmt::format("{:.4g}", c->value) : "not determined");
+  }
+  return any ? text : "";
+}
+
+std::string markov_values(const NoiseAxes& axes, const char* unit) {
+  std::string text;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!axes[i]) continue;
+    for (const MarkovTerm& m : axes[i]->markov)
+      if (m.sigma.determined && m.time.determined)
+        text += fmt::format("{}{} {:.4g} {} with {:.4g} s", text.empty() ? "" : ", ", "xyz"[i], m.sigma.value, unit, m.time.value);
+  }
+  return text;
+}
+
 }  // namespace
+
+const std::array<NoiseTerm, 5>& noise_terms() {
+  static constexpr std::array<NoiseTerm, 5> terms{
+      NoiseTerm{"Q", &NoiseCoefficients::Q, "quantization", "m/s", "rad"},
+      {"N", &NoiseCoefficients::N, "white noise", "m/s^2/sqrt(Hz)", "rad/s/sqrt(Hz)"},
+      {"B", &NoiseCoefficients::B, "bias instability", "m/s^2", "rad/s"},
+      {"K", &NoiseCoefficients::K, "random walk", "m/s^3/sqrt(Hz)", "rad/s^2/sqrt(Hz)"},
+      {"R", &NoiseCoefficients::R, "ramp", "m/s^3", "rad/s^2"},
+  };
+  return terms;
+}
+
+std::vector<std::string> noise_left_out(const ExportInput& input, bool holds_random_walk) {
+  std::vector<std::string> out;
+  if (input.noise == nullptr) return out;
+  for (const bool accel : {true, false}) {
+    const NoiseAxes& axes = accel ? input.noise->accel : input.noise->gyro;
+    const char* const sensors = accel ? "accelerometers'" : "gyros'";
+    for (const NoiseTerm& term : noise_terms()) {
+      if (term.coefficient == &NoiseCoefficients::N || (holds_random_walk && term.coefficient == &NoiseCoefficients::K)) continue;
+      const std::string values = term_values(axes, term.coefficient);
+      if (!values.empty())
+        out.push_back(fmt::format("noise: {} {}, {} [{}]: {}", sensors, term.name, term.what, accel ? term.accel_unit : term.gyro_unit, values));
+    }
+    const std::string processes = markov_values(axes, accel ? "m/s^2" : "rad/s");
+    if (!processes.empty()) out.push_back(fmt::format("noise: {} Gauss-Markov processes: {}", sensors, processes));
+  }
+  return out;
+}
 
 NoiseValues noise_values(const ExportInput& input, const std::string& program) {
   if (input.noise == nullptr) throw Error(program + " needs the noise of the IMU; expected --noise noise.json, from `imulab noise -o noise.json`");

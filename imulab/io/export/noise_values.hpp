@@ -27,6 +27,17 @@ struct NoiseValues {
 /// neither value nor bound.
 NoiseValues noise_values(const ExportInput& input, const std::string& program);
 
+/// A term of the noise as a table has it: its name, what it is, and its unit for each triad.
+struct NoiseTerm {
+  const char* name;
+  NoiseCoefficient NoiseCoefficients::*coefficient;
+  const char *what, *accel_unit, *gyro_unit;
+};
+const std::array<NoiseTerm, 5>& noise_terms();
+
+/// A sentence for each term of a triad that the log determines and a target with N (and K) leaves out, with its values. Empty without noise.
+std::vector<std::string> noise_left_out(const ExportInput& input, bool holds_random_walk);
+
 /// "KEY: VALUE  # UNIT; the axes' values" as a line of YAML.
 std::string noise_line(const std::string& key, const NoiseValue& value, const char* unit);
 

@@ -1,5 +1,6 @@
 // OpenVINS: kalibr_imu_chain.yaml (rpng/open_vins, commit 6948812: core/VioManagerOptions.h, state/State.h and State.cpp, state/Propagator.cpp).
-#include "imulab/io/export/consumer_model.hpp"
+#include "imulab/core/error.hpp"
+#include "imulab/io/export/device_axes.hpp"
 #include "imulab/io/export/loss.hpp"
 #include "imulab/io/export/noise_values.hpp"
 #include "imulab/io/export/openvins_prior.hpp"
@@ -15,7 +16,8 @@ namespace {
 constexpr Held openvins_holds{.g_sensitivity = true, .accel_matrix = true, .gyro_matrix = true, .accel_scale = true, .gyro_scale = true};
 
 Sentences openvins_facts(const ConsumerModel& m, const OpenVinsModel& v, const NoiseValues& n, const std::string& model) {
-  Sentences facts{"Readings from motion, I the IMU frame of OpenVINS:",
+  Sentences facts{"Holds: matrices, g-sensitivity, noise densities.",
+                  "Readings from motion, I the IMU frame of OpenVINS:",
                   "  a_m = Ta R_IMUtoACC a_I + b_a          w_m = Tw R_IMUtoGYRO w_I + Tg a_I + b_g",
                   "so T are inverses of correction matrices, and biases are subtracted from readings. a_I: specific force, +g along up at rest.",
                   "Model \"" + model + "\": T are " + (model == "rpng" ? "upper" : "lower") + " triangular (exact factors of the whole matrices).",
@@ -31,6 +33,7 @@ Sentences openvins_facts(const ConsumerModel& m, const OpenVinsModel& v, const N
 }  // namespace
 
 OpenVinsModel openvins_model(const ConsumerModel& m, const std::string& model) {
+  if (model != "kalibr" && model != "rpng") throw Error("OpenVINS has no IMU model \"" + plain(model) + "\"; expected kalibr or rpng");
   if (model == "rpng") {  // the IMU frame is the gyros'
     const TriangularFactors a = upper_factors(m.accel.T), g = upper_factors(m.gyro.T);
     return {g.triangle, Matrix3d::Identity(), a.triangle, a.Q * g.Q.transpose(), m.G * g.Q.transpose(), g.Q};
@@ -42,13 +45,13 @@ OpenVinsModel openvins_model(const ConsumerModel& m, const std::string& model) {
 std::string openvins_text(const ExportInput& input) {
   const SensorModel& model = input.calibration.model;
   expect_si_readings(model);
-  const ConsumerModel m = consumer_model(model);
+  const ConsumerModel m = device_model(model, device_axes(input.calibration));
   expect_right_handed(m);
   const NoiseValues n = noise_values(input, "OpenVINS");
   const OpenVinsModel v = openvins_model(m, input.options.imu_model);
   Sentences facts = openvins_facts(m, v, n, input.options.imu_model);
-  const Sentences prior = openvins_prior(input.calibration, input.options.imu_model);
-  facts.insert(facts.end(), prior.begin(), prior.end());
+  for (const Sentences& more : {input_facts(input.calibration), openvins_prior(input.calibration, input.options.imu_model)})
+    facts.insert(facts.end(), more.begin(), more.end());
   std::string text =
       "%YAML:1.0\n" + comment_head(input, "OpenVINS (kalibr_imu_chain.yaml)", facts, left_out_of_openvins(input)) + "imu0:\n  T_i_b:\n";
   for (int i = 0; i < 4; ++i)
@@ -62,6 +65,11 @@ std::string openvins_text(const ExportInput& input) {
          matrix_text("  ", "R_IMUtoACC", v.R_IMUtoACC) + matrix_text("  ", "Tg", v.Tg);
 }
 
-Sentences left_out_of_openvins(const ExportInput& input) { return losses(input.calibration.model, openvins_holds); }
+Sentences left_out_of_openvins(const ExportInput& input) {
+  Sentences out = losses(input.calibration.model, openvins_holds);
+  const Sentences noise = noise_left_out(input, true);
+  out.insert(out.end(), noise.begin(), noise.end());
+  return out;
+}
 
 }  // namespace imulab::export_io

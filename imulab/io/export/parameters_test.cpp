@@ -141,6 +141,42 @@ TEST(ExportTargets, ArduPilotsReferenceOutsideTheRangeIsMovedInto) {
   }
 }
 
+TEST(ExportTargets, WhatArduPilotsOneRangeCostsIsStated) {
+  Calibration c = thermal_unit(12);
+  c.model = autopilot_model(c.model);
+  c.model.gyro.temperature->range = {10, 50};
+  const Parameters p = parameters_of(exported("ardupilot", {c}), false);
+  double worst = 0;
+  for (double T = -5; T <= 60; T += 0.5) {
+    const RandomStream random(8, "one range");
+    const Reading r = random_reading(c.model, random, 1, T - 22.5, T - 22.5);
+    worst = std::max(worst, (ardupilot_correct(p, r.raw, T).force - r.compensated.force).cwiseAbs().maxCoeff());
+  }
+  const auto lost = export_target("ardupilot").left_out({c});
+  ASSERT_EQ(lost.size(), 1u) << "the gyros' range is within the accelerometers'";
+  EXPECT_THAT(lost[0], testing::AllOf(testing::StartsWith("accelerometers' thermal terms outside 10 to 50 degC, one range for both triads: up to "),
+                                      testing::EndsWith("mg over -5 to 60 degC")));
+  const double mg = std::stod(lost[0].substr(lost[0].find("up to ") + 6));
+  EXPECT_NEAR(mg * 1e3 * unit::ug / worst, 1, 0.01);  // three figures are written
+}
+
+TEST(ExportTargets, PX4sHeadSaysWhatItsStepsOfADegreeCost) {
+  Calibration c = thermal_unit(11);
+  c.model.accel.matrix.setIdentity();
+  c.model.accel.thermal.setZero();
+  c.model.accel.thermal(1, 1) = 0.02;
+  c.model.accel.thermal(1, 2) = 1e-4;  // 0.02 + 2e-4 (60 - 22.5) = 0.0275 m/s^2 a degree at 60 degC: 2.80 mg
+  EXPECT_THAT(exported("px4", {c}), testing::HasSubstr("when the temperature has changed by more than 1 degC: within 2.8 mg."));
+}
+
+TEST(ExportTargets, AutopilotsLearnOfNoThermalOffsetsAndOfWhatTheyMeasureAnew) {
+  const Calibration c = si_unit();
+  const std::string px4 = exported("px4", {c}), ardupilot = exported("ardupilot", {c});
+  for (const char* text : {"\n1\t1\tTC_A_ENABLE\t0\t6\n", "\n1\t1\tTC_G_ENABLE\t0\t6\n", "IMU_GYRO_CAL_EN", "SENS_IMU_AUTOCAL"})
+    EXPECT_THAT(px4, testing::HasSubstr(text));
+  for (const char* text : {"\nINS_TCAL1_ENABLE,0\n", "INS_ACC_ID and INS_GYR_ID"}) EXPECT_THAT(ardupilot, testing::HasSubstr(text));
+}
+
 struct Registers {
   Matrix3d C[2];
   Vector3d B[2];
@@ -243,7 +279,8 @@ TEST(ExportTargets, CsvHasEveryCoefficient) {
   for (const CoefficientIndex i : coefficient_indices())
     EXPECT_EQ(std::stod(rows.at(std::string(coefficient(i).name))[0]), coefficient_value(c.model, i));
   EXPECT_EQ(std::stod(rows.at("gyro.matrix.xy")[1]), 2e-6);
-  EXPECT_EQ(rows.at("accel.offset.x")[1], "");
+  EXPECT_EQ(rows.at("accel.matrix.xy")[1], "");
+  EXPECT_EQ(rows.at("accel.matrix.xx")[1], "inf") << "counts whose scale was not estimated";
   EXPECT_EQ(std::stod(rows.at("noise.gyro.K")[0]), 4e-6);
   EXPECT_EQ(std::stod(rows.at("accel.temperature.reference")[0]), 5022.5);
 }

@@ -20,6 +20,7 @@ struct ExportTarget {
   std::vector<std::string> (*left_out)(const ExportInput& input);
   /// Numbers that the target refuses or ignores; null: it takes all.
   std::vector<std::string> (*warnings)(const ExportInput& input) = nullptr;
+  bool needs_noise = false;
 };
 
 const std::vector<ExportTarget>& export_targets();

@@ -24,11 +24,12 @@ std::string csv_text(const ExportInput& input);
 
 Sentences left_out_of_kalibr(const ExportInput& input);
 Sentences left_out_of_openvins(const ExportInput& input);
-Sentences left_out_of_noise_files(const ExportInput& input);  ///< kalibr-imu, vins, euroc, ros: noise alone
+Sentences left_out_of_noise_files(const ExportInput& input);  ///< kalibr-imu, vins, euroc: noise alone
+Sentences left_out_of_ros(const ExportInput& input);
 Sentences left_out_of_px4(const ExportInput& input);
 Sentences left_out_of_ardupilot(const ExportInput& input);
 Sentences left_out_of_vectornav(const ExportInput& input);
-Sentences left_out_of_matrices(const ExportInput& input);  ///< json-matrix, csv: the noise, where it is not known
+Sentences left_out_of_matrices(const ExportInput& input);  ///< json-matrix, csv: correlations, and the noise where it is not known
 
 Sentences px4_warnings(const ExportInput& input);
 Sentences ardupilot_warnings(const ExportInput& input);

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/export_unit.hpp"
+#include <limits>
 #include <map>
 #include <regex>
 #include <sstream>
@@ -172,6 +173,77 @@ TEST(ExportTargets, OpenVinsPriorIsTheSpreadOfItsStates) {
   EXPECT_NEAR(stated("vec_dw", 0) / spread[0], 1, 0.19);
   EXPECT_NEAR(stated("vec_da", 1) / spread[1], 1, 0.19);
   EXPECT_NEAR(stated("vec_tg", 8) / spread[2], 1, 0.19);
+}
+
+/// The numbers of a line of the prior; NaN where it says nan.
+std::vector<double> prior_line(const std::string& text, const std::string& name) {
+  std::istringstream line(text.substr(text.find("#   " + name + ":") + name.size() + 5));
+  std::string rest;
+  std::getline(line, rest);
+  std::istringstream words(rest);
+  std::vector<double> out;
+  for (std::string word; words >> word;) out.push_back(word == "nan" ? std::numeric_limits<double>::quiet_NaN() : std::stod(word));
+  return out;
+}
+
+TEST(ExportTargets, OpenVinsRotationPriorIsInTheImuFrame) {
+  // Gyros whose axes are the body's in another order: frames of gyros and IMU differ by a cyclic rotation.
+  Calibration c = si_unit(8);
+  Matrix3d cyclic;
+  cyclic << 0, 0, 1, 1, 0, 0, 0, 1, 0;
+  c.model.accel.matrix.setIdentity();
+  c.model.gyro.matrix = cyclic;
+  c.estimated = select_each({"accel.matrix", "gyro.matrix", "gyro.g_sensitivity"});
+  const auto n = static_cast<Eigen::Index>(c.estimated.size());
+  const ImuNoise noise = some_noise();
+  // One element is uncertain that turns the gyros and does not only shear them: above the diagonal of T Q^T = -T dC for "kalibr", below for "rpng".
+  for (const auto& [model, element] : {std::pair<std::string, const char*>{"kalibr", "gyro.matrix.yz"}, {"rpng", "gyro.matrix.xy"}}) {
+    const CoefficientIndex uncertain = coefficient_index(element);
+    const auto at = std::find(c.estimated.begin(), c.estimated.end(), uncertain) - c.estimated.begin();
+    c.covariance = Eigen::MatrixXd::Identity(n, n) * 1e-20;
+    c.covariance(at, at) = 1e-6;
+    ExportInput input{c, &noise};
+    input.options.imu_model = model;
+    const std::string key = model == "rpng" ? "R_IMUtoACC" : "R_IMUtoGYRO", name = model == "rpng" ? "R_ACCtoIMU [rad]" : "R_GYROtoIMU [rad]";
+    const auto rotation = [&](double change) {  // R_GYROtoIMU or R_ACCtoIMU of the file
+      Calibration other = c;
+      set_coefficient(other.model, uncertain, coefficient_value(c.model, uncertain) + change);
+      ExportInput changed{other, &noise, input.options};
+      return Matrix3d(matrix_of(yaml_of(exported("openvins", changed))["imu0"][key]).transpose());
+    };
+    // JPLQuat::update: R_new = (1 - [theta x]) R_old, by differences; the sigma of the element is 1e-3
+    const Matrix3d step = (rotation(1e-6) - rotation(-1e-6)) * rotation(0).transpose() / 2e-6;
+    const std::vector<double> stated = prior_line(exported("openvins", input), name);
+    ASSERT_EQ(stated.size(), 3u);
+    const Vector3d theta(step(1, 2), step(2, 0), step(0, 1));
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(stated[static_cast<std::size_t>(k)], 1e-3 * std::abs(theta[k]), 2e-5) << model << " " << k;  // two digits
+    EXPECT_GT(theta.norm(), 0.1) << model;
+    EXPECT_GT(std::abs(theta.maxCoeff() - theta.minCoeff()), 0.1) << model << ": the axes can be told apart";
+  }
+}
+
+TEST(ExportTargets, OpenVinsPriorNamesWhatWasNotEstimated) {
+  Calibration c = si_unit(9);
+  c.estimated = select_each({"gyro.matrix"});
+  c.covariance = Eigen::MatrixXd::Identity(9, 9) * 1e-10;
+  const ImuNoise noise = some_noise();
+  const std::string text = exported("openvins", {c, &noise});
+  for (const double sigma : prior_line(text, "vec_dw")) EXPECT_NEAR(sigma, 1e-5, 5e-6);  // the gyros' own matrix: known
+  for (const char* name : {"vec_da", "vec_tg", "R_GYROtoIMU [rad]"})  // depend on the accelerometers' matrix, or on the g-sensitivity
+    for (const double sigma : prior_line(text, name)) EXPECT_TRUE(std::isnan(sigma)) << name;
+  // In the accelerometers' frame their matrix is triangular by definition: nothing of it is missing.
+  c.frame = "accelerometers";
+  c.model.accel.matrix = Matrix3d(c.model.accel.matrix.triangularView<Eigen::Lower>());
+  c.estimated = select_each({"gyro.matrix", "gyro.g_sensitivity"});
+  for (const CoefficientIndex i : select_each({"accel.matrix"}))
+    if (coefficient(i).row >= coefficient(i).column) c.estimated.push_back(i);
+  c.covariance = Eigen::MatrixXd::Identity(24, 24) * 1e-10;
+  for (const char* name : {"vec_dw", "vec_da", "vec_tg", "R_GYROtoIMU [rad]"})
+    for (const double sigma : prior_line(exported("openvins", {c, &noise}), name)) EXPECT_NEAR(sigma, 1e-5, 6e-6) << name;
+  // What the data did not determine is not known, whatever the covariance says.
+  c.quality.unobservable = {"gyro.g_sensitivity.xx"};
+  const std::vector<double> tg = prior_line(exported("openvins", {c, &noise}), "vec_tg");
+  EXPECT_TRUE(std::isnan(tg[0]));
 }
 
 TEST(ExportTargets, VinsPropagatesTheVarianceOfTheNoise) {

@@ -1,6 +1,6 @@
 // VectorNav: the user's compensation of accelerometers and gyros as commands, registers 25 and 84 (VN-100 user manual UM001: 12 numbers C00 C01 ...
 // C22 B0 B1 B2, output = C (input - B); section 3.8.2: the checksum).
-#include "imulab/io/export/consumer_model.hpp"
+#include "imulab/io/export/device_axes.hpp"
 #include "imulab/io/export/loss.hpp"
 #include "imulab/io/export/targets.hpp"
 #include "imulab/io/export/write.hpp"
@@ -34,14 +34,20 @@ std::string write_register(int number, const ConsumerTriad& m) {
 
 std::string vectornav_text(const ExportInput& input) {
   expect_si_readings(input.calibration.model);
-  const ConsumerModel m = consumer_model(input.calibration.model);
-  return comment_head(input, "VectorNav",
-                      {"output = C (input - B): C is the correction matrix, B [m/s^2, rad/s] is subtracted from readings. Register 25: "
-                       "accelerometers, 84: gyros.",
-                       "Input: what the device gives with these registers at their default, which is what the calibration's recording must hold.",
-                       "Numbers are in single precision. Send the lines that begin with $; the last one stores the registers."},
-                      left_out_of_vectornav(input)) +
-         write_register(25, m.accel) + write_register(84, m.gyro) + command("VNWNV");
+  const DeviceAxes axes = device_axes(input.calibration);
+  const ConsumerModel m = device_model(input.calibration.model, axes);
+  Sentences facts{"Holds: offsets and whole matrices.",
+                  "output = C (input - B): C is the correction matrix, B [m/s^2, rad/s] is subtracted from readings. Register 25: "
+                  "accelerometers, 84: gyros.",
+                  "Input: what the device gives with these registers at their default, which is what the calibration's recording must hold.",
+                  "Output: along x, y, z of the body."};
+  const Sentences more = input_facts(input.calibration);
+  facts.insert(facts.end(), more.begin(), more.end());
+  if (axes.turned())
+    facts.emplace_back("C and B are turned for these axes: the device's outputs come along x, y, z of the body, not along its own axes.");
+  facts.emplace_back("Numbers are in single precision. Send the lines that begin with $; the last one stores the registers.");
+  return comment_head(input, "VectorNav", facts, left_out_of_vectornav(input)) + write_register(25, m.accel) + write_register(84, m.gyro) +
+         command("VNWNV");
 }
 
 Sentences left_out_of_vectornav(const ExportInput& input) { return losses(input.calibration.model, vectornav_holds); }

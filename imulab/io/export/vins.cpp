@@ -17,6 +17,7 @@ std::string vins_text(const ExportInput& input) {
   // right.
   const double white = input.options.variance_matched ? std::sqrt(2.0) * root_rate : root_rate;
   Sentences facts{
+      "Holds: noise, as the standard deviations of a sample.",
       "Discrete values: acc_n, gyr_n are those of a sample, acc_w, gyr_w those that the code multiplies by dt in each step.",
       fmt::format("Factors on the densities N and K, at {:g} Hz: {} for acc_n and gyr_n, sqrt(rate) = {:.6g} for acc_w and gyr_w.", n.rate_hz,
                   input.options.variance_matched ? fmt::format("sqrt(2 rate) = {:.6g}", white) : fmt::format("sqrt(rate) = {:.6g}", white),

@@ -1,6 +1,12 @@
 #include "imulab/io/export/write.hpp"
 
+#include "imulab/core/error.hpp"
+
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
 
 namespace imulab::export_io {
 
@@ -16,7 +22,11 @@ std::string with_point(std::string text) {
 }  // namespace
 
 std::string number_text(double value) { return with_point(fmt::format("{}", value + 0.0)); }  // no -0
-std::string float_text(double value) { return with_point(fmt::format("{}", static_cast<float>(value) + 0.0f)); }
+std::string float_text(double value) {
+  const auto single = static_cast<float>(value);
+  if (!std::isfinite(single)) throw Error(fmt::format("{:g} is too large for single precision, which this target has; expected an IMU in SI", value));
+  return with_point(fmt::format("{}", single + 0.0f));
+}
 
 std::string row_text(const Vector3d& row) { return fmt::format("[{}, {}, {}]", number_text(row[0]), number_text(row[1]), number_text(row[2])); }
 
@@ -33,12 +43,25 @@ std::string plain(std::string_view text) {
   return out;
 }
 
+std::vector<std::string> not_determined(const Calibration& calibration) {
+  std::vector<std::string> names = calibration.quality.unobservable;
+  for (const std::string& name : unusable(calibration))
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  for (std::string& name : names) name = plain(name);
+  return names;
+}
+
 std::string comment_head(const ExportInput& input, std::string_view program, const std::vector<std::string>& facts,
                          const std::vector<std::string>& lost) {
   const Calibration& c = input.calibration;
-  std::string text = fmt::format("# Calibration of \"{}\", method {}, {}, for {}.\n# Written by {}.\n#\n", plain(c.imu), plain(c.method),
-                                 plain(c.created), program, plain(c.software.empty() ? "imulab" : c.software));
+  std::string text = fmt::format("# Calibration of \"{}\", method {}, {}for {}.\n# Written by {}.\n#\n", plain(c.imu), plain(c.method),
+                                 c.created.empty() ? "" : plain(c.created) + ", ", program, plain(c.software.empty() ? "imulab" : c.software));
   for (const std::string& fact : facts) text += "# " + fact + "\n";
+  const std::vector<std::string> undetermined = not_determined(c);
+  if (!undetermined.empty()) text += "# NOT DETERMINED by the data, starting values that compensate nothing:\n";
+  for (std::size_t i = 0; i < undetermined.size(); i += 5)
+    text += fmt::format("#   {}\n", fmt::join(undetermined.begin() + static_cast<std::ptrdiff_t>(i),
+                                              undetermined.begin() + static_cast<std::ptrdiff_t>(std::min(i + 5, undetermined.size())), ", "));
   text += lost.empty() ? "# Nothing of this calibration is lost.\n" : "# Not held by this file, with its largest effect for this calibration:\n";
   for (const std::string& sentence : lost) text += "# - " + sentence + "\n";
   return text + "#\n";

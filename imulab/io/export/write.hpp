@@ -11,7 +11,7 @@ namespace imulab::export_io {
 
 /// The shortest text that reads back to the same double, always with a point: YAML 1.1 takes "1e-05" for a text, "1.0e-05" for a number.
 std::string number_text(double value);
-/// The same of a float, for programs that keep their parameters in single precision.
+/// The same of a float, for programs that keep their parameters in single precision. Throws Error for a number that a float cannot hold.
 std::string float_text(double value);
 
 /// "[a, b, c]", and three such rows on lines of their own after "KEY:", as YAML.
@@ -21,7 +21,10 @@ std::string matrix_text(std::string_view indent, std::string_view key, const Mat
 /// Text from a calibration for a comment: one line of printable ASCII, at most 120 characters, so that no name ends a comment or opens a line.
 std::string plain(std::string_view text);
 
-/// Lines "# ...": whose calibration for which program, then `facts` (signs, what the file holds), then what is lost.
+/// The coefficients that the data did not determine: they have starting values.
+std::vector<std::string> not_determined(const Calibration& calibration);
+
+/// Lines "# ...": whose calibration for which program, then `facts` (signs, what the file holds), what the data did not determine, and what is lost.
 std::string comment_head(const ExportInput& input, std::string_view program, const std::vector<std::string>& facts,
                          const std::vector<std::string>& lost);
 

@@ -22,7 +22,7 @@ const std::vector<ImportFormat>& import_formats() {
       {"csv", "the table of `imulab export --to csv`", is_csv_table, read_csv_table},
       {"imucal", "imucal's JSON", is_imucal, read_imucal},
       {"OpenVINS", "kalibr_imu_chain.yaml", is_openvins, read_openvins},
-      {"Kalibr", "its result form, and imu.yaml", is_kalibr, read_kalibr},
+      {"Kalibr", "its result form", is_kalibr, read_kalibr},
       {"VectorNav", "registers 25 and 84", is_vectornav, read_vectornav},
       {"PX4", "parameters", is_px4, read_px4},
       {"ArduPilot", "parameters", is_ardupilot, read_ardupilot},
@@ -66,7 +66,11 @@ void check_triad(const Source& s, const TriadModel& m, const char* name) {
 }
 
 /// Where the file does not tell: a mean scale between half and two is one of SI units, else counts.
-void set_raw_unit(Imported& out, TriadModel& m, const char* name, const char* si, const std::string& asked, bool known) {
+void set_raw_unit(const Source& s, Imported& out, TriadModel& m, const char* name, const char* si, const std::string& asked, bool known) {
+  if (known && !asked.empty() && (asked == "count") != (m.raw_unit == "count"))
+    fail_at(
+        s, 0,
+        fmt::format("--raw {}: the {}' readings are in {} in this format; expected no --raw", asked, name, m.raw_unit == "count" ? "counts" : si));
   if (!asked.empty()) {
     m.raw_unit = asked == "count" ? "count" : si;
   } else if (!known) {
@@ -76,6 +80,12 @@ void set_raw_unit(Imported& out, TriadModel& m, const char* name, const char* si
         fmt::format("the file does not tell the unit of the {}' readings: taken as {}, because their scale is {:.3g}; --raw says otherwise", name,
                     m.raw_unit == "count" ? "counts" : si, scale));
   }
+}
+
+/// Without the byte order mark that editors put in front.
+std::string_view without_mark(std::string_view text) {
+  constexpr std::string_view mark = "\xEF\xBB\xBF";
+  return text.starts_with(mark) ? text.substr(mark.size()) : text;
 }
 
 ImportedModel read_model(const Source& source, const ImportOptions& options, const ImportFormat& format) {
@@ -91,7 +101,7 @@ ImportedModel read_model(const Source& source, const ImportOptions& options, con
     return model;
   }
   const MappedFile file(*options.gyro_file);
-  const Source gyros{file.text(), input_name(*options.gyro_file), options.instance};
+  const Source gyros{without_mark(file.text()), input_name(*options.gyro_file), options.instance};
   const ImportFormat& gyro_format = format_of(gyros);
   const ImportedModel gyro = gyro_format.read(gyros);
   if (!gyro.one_triad) fail_at(gyros, 0, "has both triads; expected one with the gyros alone");
@@ -110,25 +120,30 @@ bool is_accelerometers_frame(const Matrix3d& m) { return m(0, 1) == 0 && m(0, 2)
 
 Imported import_calibration_text(std::string_view text, const std::string& name, const ImportOptions& options) {
   using namespace import_io;
-  const Source source{text, name, options.instance};
+  const Source source{without_mark(text), name, options.instance};
   const ImportFormat& format = format_of(source);
   const ImportedModel model = read_model(source, options, format);
   Imported out{format.name, {}, model.warnings};
   Calibration& c = out.calibration;
   c.model = model.model;
-  set_raw_unit(out, c.model.accel, "accelerometers", "m/s^2", options.raw, model.raw_known);
+  set_raw_unit(source, out, c.model.accel, "accelerometers", "m/s^2", options.raw, model.raw_known);
   if (model.one_triad)
     c.model.gyro.raw_unit = "rad/s";
   else
-    set_raw_unit(out, c.model.gyro, "gyros", "rad/s", options.raw, model.raw_known);
+    set_raw_unit(source, out, c.model.gyro, "gyros", "rad/s", options.raw, model.raw_known);
   c.imu = std::string(format.name) + " import";
   c.method = "import";
   c.software = software();
   c.options = {{"file", printable(name)}, {"format", std::string(format.name)}, {"sha256", sha256(text)}};
   c.frame = is_accelerometers_frame(c.model.accel.matrix) ? "accelerometers" : "rig";
   c.covariance.resize(0, 0);
+  c.recorded_accel = model.recorded_accel;
+  c.recorded_gyro = model.recorded_gyro;
+  c.quality.unobservable = model.not_determined;
   c.quality.verdict = "doubtful";
   c.quality.because = {"imported: its uncertainties are not known"};
+  if (!model.not_determined.empty())
+    c.quality.because.push_back(fmt::format("{} coefficients are not determined by the data", model.not_determined.size()));
   c.quality.warnings = out.warnings;
   return out;
 }

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 
 namespace imulab::import_io {
 
@@ -18,7 +19,11 @@ struct Row {
   int line = 0;
   double value = 0;
   std::string_view unit;
+  bool determined = true;
 };
+
+/// "accel.readings,count,,": the unit of a triad's readings.
+bool is_unit_row(std::string_view name) { return name == "accel.readings" || name == "gyro.readings"; }
 
 std::map<std::string, Row, std::less<>> rows_of(const Source& s) {
   std::map<std::string, Row, std::less<>> rows;
@@ -26,9 +31,11 @@ std::map<std::string, Row, std::less<>> rows_of(const Source& s) {
     if (line.text == csv_head) continue;
     const auto words = words_of(line.text, ",");
     if (words.size() < 2) fail_at(s, line.number, fmt::format("\"{}\": expected a name and a value", printable(line.text)));
-    const auto value = finite_number(words[1]);
+    const auto value = is_unit_row(words[0]) ? 0 : finite_number(words[1]);
     if (!value) fail_at(s, line.number, fmt::format("{}: expected a number, found \"{}\"", printable(words[0]), printable(words[1])));
-    if (!rows.try_emplace(std::string(words[0]), Row{line.number, *value, words.back()}).second)
+    if (!rows.try_emplace(std::string(words[0]),
+                          Row{line.number, *value, is_unit_row(words[0]) ? words[1] : words.back(), words.size() < 3 || words[2] != "inf"})
+             .second)
       fail_at(s, line.number, printable(words[0]) + ": is given twice; expected each name once");
   }
   return rows;
@@ -49,8 +56,19 @@ ImportedModel read_csv_table(const Source& s) {
     return found->second;
   };
   ImportedModel out;
-  out.raw_known = false;
-  for (const CoefficientIndex i : coefficient_indices()) set_coefficient(out.model, i, row(std::string(coefficient(i).name)).value);
+  for (const CoefficientIndex i : coefficient_indices()) {
+    const Row& found = row(std::string(coefficient(i).name));
+    set_coefficient(out.model, i, found.value);
+    if (!found.determined) out.not_determined.emplace_back(coefficient(i).name);
+  }
+  out.raw_known = rows.contains("accel.readings") && rows.contains("gyro.readings");  // tables of the first versions have none
+  if (out.raw_known)
+    for (auto& [m, name, si] : {std::tuple{&out.model.accel, "accel.readings", "m/s^2"}, std::tuple{&out.model.gyro, "gyro.readings", "rad/s"}}) {
+      const Row& unit = row(name);
+      if (unit.unit != si && unit.unit != "count")
+        fail_at(s, unit.line, fmt::format("{}: expected {} or count, found \"{}\"", name, si, printable(unit.unit)));
+      m->raw_unit = std::string(unit.unit);
+    }
   for (auto& [m, name] : {std::pair{&out.model.accel, "accel"}, std::pair{&out.model.gyro, "gyro"}}) {
     const std::string temperature = fmt::format("{}.temperature.", name);
     if (!rows.contains(temperature + "reference") && m->thermal.isZero(0)) continue;

@@ -1,8 +1,10 @@
 // The formats that `imulab import` reads, in one table.
 #pragma once
 
+#include "imulab/model/recorded_as.hpp"
 #include "imulab/model/sensor_model.hpp"
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,8 +19,10 @@ struct Source {
 
 struct ImportedModel {
   SensorModel model;
-  bool one_triad = false;  ///< the file has one triad, in `model.accel`
-  bool raw_known = true;   ///< false: the file does not tell the readings' unit
+  bool one_triad = false;                   ///< the file has one triad, in `model.accel`
+  bool raw_known = true;                    ///< false: the file does not tell the readings' unit
+  std::vector<std::string> not_determined;  ///< names of coefficients that the file says have starting values
+  std::optional<RecordedAs> recorded_accel, recorded_gyro;
   std::vector<std::string> warnings;
 };
 

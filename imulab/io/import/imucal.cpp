@@ -2,10 +2,13 @@
 #include "imulab/core/units.hpp"
 #include "imulab/io/import/numbers.hpp"
 #include "imulab/io/text/json_field.hpp"
+#include "imulab/model/coefficient.hpp"
+#include "imulab/recording/unit_names.hpp"
 
 #include <Eigen/LU>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace imulab::import_io {
@@ -57,6 +60,36 @@ void expect_single_keys(const Source& s) {
     return true;
   };
   [[maybe_unused]] const Json watched = Json::parse(s.text, watch, false);
+}
+
+/// How the recording had a triad's readings, as a calibration file has it.
+std::optional<RecordedAs> recorded_field(const Field& triad, Quantity quantity, const std::string& raw) {
+  if (!triad.has("recorded") || triad["recorded"].is_null()) return std::nullopt;
+  const Field f = triad["recorded"];
+  RecordedAs out{f["unit"].text(), f["counts_per_unit"].number(), f["interval_s"].number(), {}};
+  const std::vector<std::string_view> units = unit_names(quantity, out.interval_s > 0);
+  if (std::find(units.begin(), units.end(), out.unit) == units.end() || (out.unit == "count") != (raw == "count"))
+    f["unit"].expected("a unit of what becomes " + raw);
+  if (!(out.counts_per_unit > 0) || (out.unit == "count" && out.counts_per_unit != 1)) f["counts_per_unit"].expected("a number above 0; 1 for count");
+  if (!(out.interval_s >= 0)) f["interval_s"].expected("a number from 0 on");
+  std::string seen;
+  for (std::size_t i = 0; i < 3; ++i) {
+    out.axes[i] = f["axes"].item(i, 3, "axes").text();
+    const std::string& axis = out.axes[i];
+    if (axis.size() != 2 || std::string_view("+-").find(axis[0]) == std::string_view::npos ||
+        std::string_view("xyz").find(axis[1]) == std::string_view::npos || seen.find(axis[1]) != std::string::npos)
+      f["axes"].expected("three body axes from \"+x\" to \"-z\", each once");
+    seen += axis[1];
+  }
+  return out;
+}
+
+std::vector<std::string> coefficient_names(const Field& list) {
+  std::vector<std::string> out = list.texts();
+  for (const std::string& name : out)
+    if (std::none_of(coefficient_table().begin(), coefficient_table().end(), [&](const Coefficient& c) { return c.name == name; }))
+      list.expected("names of coefficients, such as gyro.matrix.xy");
+  return out;
 }
 
 }  // namespace
@@ -129,6 +162,9 @@ ImportedModel read_json_matrix(const Source& s) {
     if (triad->temperature->range[0] > triad->temperature->range[1]) t["range"].expected("[lowest, highest]");
   }
   out.model.g_sensitivity = -out.model.gyro.matrix * matrix_field(root["gyros"]["g_sensitivity"]);
+  out.recorded_accel = recorded_field(root["accelerometers"], Quantity::accel, out.model.accel.raw_unit);
+  out.recorded_gyro = recorded_field(root["gyros"], Quantity::gyro, out.model.gyro.raw_unit);
+  if (root.has("not_determined")) out.not_determined = coefficient_names(root["not_determined"]);
   if (root["accelerometers"].has("lever_arm_m")) out.model.lever_arm = matrix_field(root["accelerometers"]["lever_arm_m"]);
   return out;
 }

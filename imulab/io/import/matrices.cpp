@@ -3,6 +3,10 @@
 #include "imulab/io/import/numbers.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
 
 namespace imulab::import_io {
 
@@ -30,6 +34,61 @@ bool begins_with_number(std::string_view text) {
   return !lines.empty() && finite_number(words_of(lines.front().text).empty() ? "" : words_of(lines.front().text).front()).has_value();
 }
 
+struct TriadLines {
+  bool beside;  ///< b is the fourth column: [C | b]
+};
+
+/// The triads of a text by its lines: nothing else than these layouts is a matrix and a bias. Numbers of another order would be taken for them.
+std::vector<TriadLines> triads_of(const Source& s, const Numbers& n) {
+  static const std::vector<std::vector<std::size_t>> layouts{{12}, {9, 3}, {3, 3, 3, 3}, {4, 4, 4}};
+  std::vector<std::size_t> counts;
+  for (std::size_t i = 0; i < n.lines.size(); ++i) {
+    if (i == 0 || n.lines[i] != n.lines[i - 1]) counts.push_back(0);
+    ++counts.back();
+  }
+  std::vector<TriadLines> out;
+  for (auto at = counts.begin(); at != counts.end();) {
+    const auto layout = std::find_if(layouts.begin(), layouts.end(), [&](const std::vector<std::size_t>& l) {
+      return static_cast<std::size_t>(counts.end() - at) >= l.size() && std::equal(l.begin(), l.end(), at);
+    });
+    if (layout == layouts.end())
+      fail_at(s, n.lines.front(),
+              fmt::format("lines of {} numbers; expected C and b of a triad as one line of 12, lines of 9 and 3, four lines of 3 (the last is b), or "
+                          "three lines of 4, [C | b]",
+                          fmt::join(counts, ", ")));
+    out.push_back({layout->size() == 3});
+    at += static_cast<std::ptrdiff_t>(layout->size());
+  }
+  return out;
+}
+
+/// Checks the line's "*XX" (exclusive or of the bytes between $ and *) or "*XXXX" (CRC-16 of CCITT): VN-100 user manual UM001, sections 3.8.2, 3.8.3.
+void check_sum(const Source& s, const Line& line, std::string_view number) {
+  const std::size_t star = line.text.rfind('*'), dollar = line.text.find('$'), begin = dollar == std::string_view::npos ? 0 : dollar + 1;
+  const std::string_view stated = star == std::string_view::npos ? "" : line.text.substr(star + 1);
+  if (stated.size() != 2 && stated.size() != 4)
+    fail_at(s, line.number, fmt::format("register {}: has no checksum, the line may be cut; expected *XX at its end", number));
+  unsigned sum = 0;
+  for (const char c : line.text.substr(begin, star - begin)) {
+    const unsigned byte = static_cast<unsigned char>(c);
+    if (stated.size() == 2) {
+      sum ^= byte;
+      continue;
+    }
+    sum = ((sum >> 8U) | (sum << 8U)) & 0xffffU;
+    sum ^= byte;
+    sum ^= (sum & 0xffU) >> 4U;
+    sum = (sum ^ (sum << 12U)) & 0xffffU;
+    sum = (sum ^ ((sum & 0xffU) << 5U)) & 0xffffU;
+  }
+  unsigned found = 0;
+  const auto [end, error] = std::from_chars(stated.data(), stated.data() + stated.size(), found, 16);
+  if (error != std::errc() || end != stated.data() + stated.size() || found != sum)
+    fail_at(s, line.number,
+            fmt::format("register {}: its checksum is {}, that of its text {:0{}X}; expected a line without damage", number, printable(stated), sum,
+                        stated.size()));
+}
+
 }  // namespace
 
 bool is_imu_tk(std::string_view text) { return count_of_numbers(text) == imu_tk_numbers; }
@@ -54,11 +113,22 @@ ImportedModel read_plain_matrix(const Source& s) {
     fail_at(s, n.lines.back(),
             fmt::format("{} numbers; expected 12 (a matrix by rows, then a bias), 24 (accelerometers, then gyros), or imu_tk's 21", n.values.size()));
   ImportedModel out;
-  out.one_triad = n.values.size() == matrix_and_bias;
   out.raw_known = false;
+  const std::vector<TriadLines> triads = triads_of(s, n);
+  out.one_triad = triads.size() == 1;
   const double* v = n.values.data();
-  set_numbers(out.model.accel, matrix_from(v), v + 9);
-  if (!out.one_triad) set_numbers(out.model.gyro, matrix_from(v + matrix_and_bias), v + matrix_and_bias + 9);
+  for (std::size_t k = 0; k < triads.size(); ++k, v += matrix_and_bias) {
+    TriadModel& m = k == 0 ? out.model.accel : out.model.gyro;
+    if (!triads[k].beside) {
+      set_numbers(m, matrix_from(v), v + 9);
+      continue;
+    }
+    const Eigen::Matrix<double, 3, 4, Eigen::RowMajor> both = Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(v);
+    const Vector3d b = both.col(3);
+    set_numbers(m, both.leftCols<3>(), b.data());
+  }
+  if (std::any_of(triads.begin(), triads.end(), [](const TriadLines& t) { return t.beside; }))
+    out.warnings.emplace_back("lines of four numbers: taken as C and b of C (u - b); where the fourth is added to the output, C u + t, b is -C^-1 t");
   return out;
 }
 
@@ -79,6 +149,7 @@ ImportedModel read_vectornav(const Source& s) {
       if (!value) fail_at(s, line.number, fmt::format("\"{}\": expected a number", printable(words[i])));
       v.push_back(*value);
     }
+    check_sum(s, line, words[1]);
     set_numbers(words[1] == "25" ? out.model.accel : out.model.gyro, matrix_from(v.data()), v.data() + 9);
   }
   if (!accel || !gyro) fail_at(s, 0, fmt::format("register {}: is missing; expected registers 25 and 84", accel ? 84 : 25));

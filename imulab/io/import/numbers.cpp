@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -49,7 +50,13 @@ std::vector<std::string_view> words_of(std::string_view text, std::string_view s
 
 bool has_key(std::string_view text, std::string_view key) {
   for (const Line& line : lines_of(text))
-    if (line.text.starts_with(key) && line.text.substr(key.size()).starts_with(':')) return true;
+    for (std::size_t at = line.text.find(key); at != std::string_view::npos; at = line.text.find(key, at + 1)) {
+      if (at > 0 && std::string_view(" \t{,-\"'").find(line.text[at - 1]) == std::string_view::npos) continue;
+      std::string_view rest = line.text.substr(at + key.size());
+      if (rest.starts_with('"') || rest.starts_with('\'')) rest.remove_prefix(1);
+      rest.remove_prefix(std::min(rest.find_first_not_of(' '), rest.size()));
+      if (rest.starts_with(':')) return true;
+    }
   return false;
 }
 

@@ -4,6 +4,8 @@
 //   ms ]; gSens = [ 9, deg/h/g ];  sf = [ 6 ];
 //
 //   f = Ka (f_m - Ka2 f_m^2) - db,  w = Kg w_m - eb - gSens f_m
+//
+// with PSINS' own g and ug.
 #include "imulab/core/units.hpp"
 #include "imulab/io/import/numbers.hpp"
 
@@ -14,6 +16,9 @@
 namespace imulab::import_io {
 
 namespace {
+
+/// PSINS' glv.g0 (glvf.m: WGS-84's at the equator), of which its ug is a millionth.
+constexpr double psins_g0 = 9.7803267714, psins_ug = 1e-6 * psins_g0;
 
 struct Block {
   int line = 0;
@@ -83,7 +88,7 @@ ImportedModel read_psins(const Source& s) {
     return block == nullptr ? Vector3d(Vector3d::Zero()) : Vector3d(block->values[0], block->values[1], block->values[2]);
   };
   const Matrix3d Kg = matrix_from(values("Kg", 9, true)->values.data()), Ka = matrix_from(values("Ka", 9, true)->values.data());
-  const Vector3d eb = vector("eb", true) * unit::deg_per_h, db = vector("db", true) * unit::ug;
+  const Vector3d eb = vector("eb", true) * unit::deg_per_h, db = vector("db", true) * psins_ug;
   if (const Block* sf = values("sf", 6, false))
     for (const double factor : sf->values)
       if (factor != 1)
@@ -97,10 +102,10 @@ ImportedModel read_psins(const Source& s) {
   m.gyro.matrix = Kg;
   m.gyro.offset = -eb;
   if (const Block* block = values("gSens", 9, false)) {  // PSINS takes the reading, imulab the compensated force: f_m = Ka^-1 (f + db)
-    m.g_sensitivity = -matrix_from(block->values.data()) * (unit::deg_per_h / unit::g) * inverse_at(s, 0, "Ka", Ka);
+    m.g_sensitivity = -matrix_from(block->values.data()) * (unit::deg_per_h / psins_g0) * inverse_at(s, 0, "Ka", Ka);
     m.gyro.offset += m.g_sensitivity * db;
   }
-  const Vector3d Ka2 = vector("Ka2", false) * (unit::ug / (unit::g * unit::g));
+  const Vector3d Ka2 = vector("Ka2", false) * (psins_ug / (psins_g0 * psins_g0));
   if (!Ka2.isZero(0)) {
     m.accel.quadratic = -Ka.diagonal().cwiseProduct(Ka2);
     out.warnings.emplace_back("Ka2: its share across axes (Ka2 times the off-diagonal of Ka) is left out");
