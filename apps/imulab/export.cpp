@@ -37,7 +37,7 @@ struct TargetOption {
 
 struct Options {
   std::string calibration, target, output = "-", noise, axes = "worst";
-  bool allow_undetermined = false, json = false;
+  bool allow_undetermined = false, force = false, json = false;
   ExportOptions choices;
   CHeaderArguments c_header;
   std::vector<TargetOption> of_targets;
@@ -53,7 +53,8 @@ void check_options(const Options& o) {
 
 std::string text_of(const ExportTarget& target, const ExportInput& input, const Options& o) {
   if (target.name != "c-header") return target.text(input);
-  const CHeaderOptions options = c_header_options(o.c_header, input.calibration);
+  CHeaderOptions options = c_header_options(o.c_header, input.calibration);
+  if (!is_stream(o.calibration)) options.calibration_sha256 = file_sum(o.calibration).sha256;
   for (const std::string& assumed : assumed_readings(options, input.calibration)) warn(o.calibration + ": " + assumed);
   return c_header(input.calibration, options);
 }
@@ -74,22 +75,55 @@ JsonFields write_target(const ExportTarget& target, const ExportInput& input, co
   return {{{"target", std::string(target.name)}, {"file", output}, {"left_out", lost}}};
 }
 
+bool given(const Options& o, std::string_view name) {
+  return std::any_of(o.of_targets.begin(), o.of_targets.end(), [&](const TargetOption& of) { return of.name == name && of.option.given(); });
+}
+
+struct PlannedExport {
+  const ExportTarget* target;
+  std::string imu_model, file;
+};
+
+/// Every target but those that need a noise that is not given; OpenVINS with both its models where none is asked for.
+std::vector<PlannedExport> planned_exports(const ExportInput& input, const Options& o) {
+  std::vector<PlannedExport> out;
+  for (const ExportTarget& target : export_targets()) {
+    if (target.needs_noise && input.noise == nullptr) {
+      warn(fmt::format("{} is not written: needs the noise of the IMU; expected --noise noise.json", target.name));
+      continue;
+    }
+    out.push_back({&target, input.options.imu_model, fs::path(o.output) / target.file});
+    if (target.name == "openvins" && !given(o, "--model")) out.push_back({&target, "rpng", fs::path(o.output) / "kalibr_imu_chain_rpng.yaml"});
+  }
+  for (const PlannedExport& planned : out) expect_free("-o", planned.file, o.force);
+  return out;
+}
+
 /// Every target that this calibration and this noise allow; the others are named.
 void write_all(const ExportInput& input, const Options& o) {
   if (o.output == "-") throw Error("--to all: writes several files; expected -o FOLDER");
   if (fs::exists(o.output) && !fs::is_directory(o.output)) throw Error(fmt::format("-o {}: is a file; expected a folder", o.output));
+  const std::vector<PlannedExport> all = planned_exports(input, o);
   fs::create_directories(o.output);
   std::vector<JsonFields> written;
-  for (const ExportTarget& target : export_targets()) {
+  std::vector<std::string_view> failed;
+  for (const PlannedExport& planned : all) {
+    ExportInput of_target = input;
+    of_target.options.imu_model = planned.imu_model;
     try {
-      written.push_back(write_target(target, input, o, fs::path(o.output) / target.file));
+      written.push_back(write_target(*planned.target, of_target, o, planned.file));
     } catch (const Error& e) {
-      warn(fmt::format("{} is not written: {}", target.name, e.what()));
+      warn(fmt::format("{} is not written: {}", planned.target->name, e.what()));
+      failed.push_back(planned.target->name);
     }
   }
   if (written.empty()) throw Error(o.calibration + ": no target could be written");
-  if (o.json) return fmt::print("{}", fields_json({{{"files", written}}}));
-  for (const JsonFields& file : written) print(std::get<std::string>(file.fields[1].second) + "\n");
+  if (o.json) fmt::print("{}", fields_json({{{"files", written}}}));
+  for (const JsonFields& file : written)
+    if (!o.json) print(std::get<std::string>(file.fields[1].second) + "\n");
+  if (!failed.empty())
+    throw Unsupported(
+        fmt::format("{}: {} of {} targets could not be written: {}", o.calibration, failed.size(), all.size(), fmt::join(failed, ", ")));
 }
 
 void run(const Options& o) {
@@ -141,10 +175,11 @@ void add_export(Verb app) {
   belongs("--model", verb.option("--model MODEL", o->choices.imu_model, "openvins: its IMU model").one_of({"kalibr", "rpng"}).show_default(),
           {"openvins"});
   belongs("--instance",
-          verb.option("--instance N", o->choices.instance, "px4, ardupilot: which of the autopilot's IMUs, from 0").in_range(0, 2).show_default(),
+          verb.option("--instance N", o->choices.instance, "px4, ardupilot: which of the autopilot's IMUs, from 0").in_range(0, 3).show_default(),
           autopilots);
   add_allow_undetermined(verb, o->allow_undetermined);
   add_c_header_options(verb, o->c_header);
+  verb.flag("--force", o->force, "--to all: replace existing files");
   verb.flag("--json", o->json, "print what was written and what it leaves out as JSON");
   verb.example("imulab export calibration.json --to c-header -o imu_calibration.h");
   verb.example("imulab export calibration.json --to c-header --input-accel g -o imu.h");

@@ -3,6 +3,7 @@
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/export/target.hpp"
 #include "imulab/io/result/noise.hpp"
+#include "imulab/io/text/file.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>
@@ -39,19 +40,57 @@ TEST(ExportCommand, WritesEveryTargetThatItCan) {
   const CommandResult result = run_imulab(folder, "export calibration.json --to all -o out");
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   for (const ExportTarget& target : export_targets()) {
-    const bool needs_noise = result.errors.find(fmt::format("{} is not written: calibration.json: ", target.name)) != std::string::npos;
+    const bool needs_noise = result.errors.find(fmt::format("{} is not written: ", target.name)) != std::string::npos;
     EXPECT_EQ(std::filesystem::exists(folder / "out" / std::string(target.file)), !needs_noise) << target.name;
   }
-  EXPECT_THAT(result.errors,
-              testing::HasSubstr("kalibr is not written: calibration.json: Kalibr needs the noise of the IMU; expected --noise noise.json"));
+  EXPECT_THAT(result.errors, testing::HasSubstr("kalibr is not written: needs the noise of the IMU; expected --noise noise.json"));
   EXPECT_THAT(result.output, testing::HasSubstr("out/px4.params\n"));
   EXPECT_EQ(run_imulab(folder, "export calibration.json --to all").exit_code, 2);
   EXPECT_EQ(run_imulab(folder, "export calibration.json --to all -o calibration.json").exit_code, 2);
-  const CommandResult json = run_imulab(folder, "export calibration.json --to all -o out --json");
+  const CommandResult json = run_imulab(folder, "export calibration.json --to all -o out --json --force");
   EXPECT_THAT(json.output, testing::HasSubstr("\"target\": \"vectornav\""));
-  const CommandResult all = run_imulab(folder, "export calibration.json --noise noise.json --to all -o out");
+  const CommandResult all = run_imulab(folder, "export calibration.json --noise noise.json --to all -o out --force");
   EXPECT_EQ(all.exit_code, 0) << all.errors;
   for (const ExportTarget& target : export_targets()) EXPECT_TRUE(std::filesystem::exists(folder / "out" / std::string(target.file))) << target.name;
+}
+
+TEST(ExportCommand, WritesBothModelsOfOpenVinsAndKeepsFilesThatExist) {
+  const TemporaryFolder folder;
+  write_unit(folder);
+  ASSERT_EQ(run_imulab(folder, "export calibration.json --noise noise.json --to all -o out").exit_code, 0);
+  EXPECT_THAT(read_text(folder / "out/kalibr_imu_chain.yaml"), testing::HasSubstr("model: \"kalibr\""));
+  EXPECT_THAT(read_text(folder / "out/kalibr_imu_chain_rpng.yaml"), testing::HasSubstr("model: \"rpng\""));
+  const CommandResult again = run_imulab(folder, "export calibration.json --noise noise.json --to all -o out");
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_THAT(again.errors, testing::HasSubstr("exists; expected a new file, or --force to replace it"));
+  EXPECT_EQ(run_imulab(folder, "export calibration.json --noise noise.json --to all --model rpng -o rpng").exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder / "rpng/kalibr_imu_chain_rpng.yaml"));
+}
+
+TEST(ExportCommand, FailsWhereATargetOfAllCouldNotBeWritten) {
+  const TemporaryFolder folder;
+  Calibration c = export_test::si_unit();
+  c.model.gyro.raw_unit = "count";
+  folder.write("counts.json", calibration_text(c));
+  const CommandResult result = run_imulab(folder, "export counts.json --to all -o out --allow-undetermined");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.errors, testing::HasSubstr("counts.json: 3 of 6 targets could not be written: px4, ardupilot, vectornav"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/calibration.csv"));
+}
+
+TEST(ExportCommand, TheHeaderNamesTheFileThatWasRead) {
+  const TemporaryFolder folder;
+  Calibration c = export_test::si_unit();
+  c.quality.unobservable = {"gyro.g_sensitivity.xx"};
+  c.model.lever_arm << 0.01, 0, 0, 0, 0.03, 0, 0, 0, 0.02;
+  folder.write("calibration.json", calibration_text(c) + "\n\n");  // not as imulab writes it
+  const CommandResult header = run_imulab(folder, "export calibration.json --to c-header");
+  ASSERT_EQ(header.exit_code, 0) << header.errors;
+  EXPECT_THAT(header.output, testing::HasSubstr("from the calibration file with SHA-256 " + sha256(read_text(folder / "calibration.json")) + "."));
+  for (const char* text : {" * NOT DETERMINED by the data, a starting value that compensates nothing: gyro.g_sensitivity.xx\n",
+                           " * rate  = offset + matrix V + quadratic V^2 + cubic V^3 + g_sensitivity force\n", " * Not held: lever arms: "})
+    EXPECT_THAT(header.output, testing::HasSubstr(text));
+  EXPECT_THAT(export_test::exported("c-header", {c}), testing::HasSubstr("from the calibration that imulab writes with SHA-256 "));
 }
 
 TEST(ExportCommand, SaysWhatIsLostAndWarnsOfRanges) {
