@@ -39,12 +39,11 @@ std::string vectornav_text(const ExportInput& input) {
   Sentences facts{"Holds: offsets and whole matrices.",
                   "output = C (input - B): C is the correction matrix, B [m/s^2, rad/s] is subtracted from readings. Register 25: "
                   "accelerometers, 84: gyros.",
-                  "Input: what the device gives with these registers at their default, which is what the calibration's recording must hold.",
-                  "Output: along x, y, z of the body."};
+                  "Input: what the device gives with these registers at their default, which is what the calibration's recording must hold."};
   const Sentences more = input_facts(input.calibration);
   facts.insert(facts.end(), more.begin(), more.end());
-  if (axes.turned())
-    facts.emplace_back("C and B are turned for these axes: the device's outputs come along x, y, z of the body, not along its own axes.");
+  facts.emplace_back(axes.turned() ? "Output: along x, y, z of the body, not along the device's own axes: C and B are turned for them."
+                                   : "Output: along x, y, z of the body.");
   facts.emplace_back("Numbers are in single precision. Send the lines that begin with $; the last one stores the registers.");
   return comment_head(input, "VectorNav", facts, left_out_of_vectornav(input)) + write_register(25, m.accel) + write_register(84, m.gyro) +
          command("VNWNV");
