@@ -25,9 +25,9 @@ void check(std::span<const double> rate, double interval_s) {
     throw Unsupported("all readings are equal: no noise can be seen");
 }
 
-/// A term in whose place a process explains the spectrum as well is not determined: the larger bound of the two ways then holds.
+/// Where a first process explains the spectrum as well in the term's place, it is not determined: the larger bound of the two ways then holds.
 NoiseCoefficient unless_a_process(const NoiseCoefficient& c, const noise::ChosenModel& model, int parameter, double widening) {
-  if (!model.wider) return c;
+  if (!model.wider || model.problem.terms().markov > 0) return c;
   const auto& [problem, best] = *model.wider;
   noise::Point without = problem.revived(best);
   without.at[parameter] = noise::absent;
@@ -75,7 +75,7 @@ NoiseFit fit_noise(std::span<const double> rate, double interval_s, double step)
   NoiseCoefficient* const sizes[] = {&fit.Q, &fit.N, &fit.B, &fit.K};
   for (int j = 0; j < 4; ++j) {
     *sizes[j] = noise::size_of(problem, best, j, widening);
-    if (j == Terms::B || j == Terms::K) *sizes[j] = unless_a_process(*sizes[j], model, j, widening);
+    if (j == Terms::B) *sizes[j] = unless_a_process(*sizes[j], model, j, widening);
   }
   for (int m = 0; m < problem.terms().markov; ++m)
     fit.markov.push_back({noise::size_of(problem, best, Terms::sigma(m), widening), noise::scale_of(problem, best, Terms::time(m), widening)});
