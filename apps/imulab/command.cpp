@@ -4,6 +4,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/terminal.hpp"
+#include "imulab/io/text/unfinished.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -104,6 +105,8 @@ Option Verb::option(const std::string& names, Value& value, const std::string& h
   const auto [own, value_name] = split(names);
   CLI::Option* const option = app_->add_option(own, value, help);
   option->type_name(!value_name.empty() ? value_name : std::is_arithmetic_v<Value> || std::is_same_v<Value, std::optional<double>> ? "N" : "TEXT");
+  if constexpr (std::is_unsigned_v<Value>)  // CLI11 would wrap it
+    option->check([](const std::string& text) { return text.starts_with('-') ? text + " is negative; expected a whole number from 0 on" : ""; });
   return Option(option);
 }
 template Option Verb::option(const std::string&, int&, const std::string&);
@@ -200,6 +203,7 @@ void expect_output_written() {
 }  // namespace
 
 int run(std::vector<std::string> arguments) {
+  remove_unfinished_on_signals();
   CLI::App app{summary};
   app.name("imulab");
   app.formatter(std::make_shared<Help>());

@@ -39,5 +39,16 @@ TEST_F(Pipe, WhatIsWrongInAStreamIsNamed) {
   EXPECT_THAT(shell("echo '{' | imulab export - --to c-header").errors, testing::HasSubstr("imulab: standard input"));
 }
 
+TEST_F(Pipe, ASignalLeavesNothingHalfMade) {
+  ASSERT_EQ(shell("imulab procedure zhang-24 --rest 3000 -o long.toml").exit_code, 0);
+  for (const auto& [name, code] : {std::pair{"INT", 130}, std::pair{"TERM", 143}}) {
+    // Seven million samples take seconds; the code tells that the signal came before their end.
+    const CommandResult result =
+        shell(std::string("timeout --preserve-status -s ") + name + " 0.7 '" IMULAB_COMMAND "' simulate long.toml -o out; echo code $?; ls -d out*");
+    EXPECT_EQ(result.output, "code " + std::to_string(code) + "\n") << "and nothing is left";
+  }
+  EXPECT_EQ(shell("imulab simulate long.toml -o out --seed -1").exit_code, 2);
+}
+
 }  // namespace
 }  // namespace imulab

@@ -10,7 +10,7 @@ namespace imulab::noise {
 
 namespace {
 
-constexpr std::size_t most_lines = 8, lowest_ordinate = 8, around = 10, block = 16;
+constexpr std::size_t most_lines = 8, lowest_ordinate = 8, around = 5, block = 16;
 constexpr double chance = 1e-6;
 constexpr double left_at_most = 0.3;  // of the excess about a line, once it is taken out
 
@@ -57,7 +57,7 @@ double excess(const Spectrum& spectrum, const Peak& peak) {
   const SpectrumLevel& level = spectrum.levels[peak.level];
   double sum = 0;
   for (std::size_t k = peak.ordinate - std::min(peak.ordinate, around); k < std::min(level.end, peak.ordinate + around + 1); ++k)
-    sum += std::max(0.0, level.power[k] / peak.noise - 1);
+    sum += level.power[k] / peak.noise - 1;
   return sum;
 }
 

@@ -99,18 +99,28 @@ void warn_of_temperature(NoiseAnalysis& analysis, const Columns3& temperature, c
         "the {} temperature changed by {:.3g} during the rest: R, K and B contain its effect; see --remove-temperature", triad, *most - *least));
 }
 
+/// A thermometer's own noise would weaken the slope: means over 10 s, and straight lines between their middles.
+std::vector<double> smoothed(const std::vector<double>& temperature, double interval_s) {
+  const auto block = std::max<std::size_t>(1, static_cast<std::size_t>(10 / interval_s));
+  const std::size_t blocks = std::max<std::size_t>(1, temperature.size() / block);
+  if (blocks < 2) return temperature;
+  std::vector<double> means(blocks), out(temperature.size());
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const auto first = temperature.begin() + static_cast<std::ptrdiff_t>(b * block);
+    means[b] = std::accumulate(first, first + static_cast<std::ptrdiff_t>(block), 0.0) / static_cast<double>(block);
+  }
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const double at = (static_cast<double>(k) + 0.5) / static_cast<double>(block) - 0.5;  // in blocks' middles; beyond the last two along their line
+    const auto b = static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(blocks - 2)));
+    out[k] = means[b] + (at - static_cast<double>(b)) * (means[b + 1] - means[b]);
+  }
+  return out;
+}
+
 /// Readings less a parabola of the temperature; `slope` per unit of the temperature, at its mean.
 std::vector<double> without_temperature(const std::vector<double>& readings, const std::vector<double>& temperature, double interval_s,
                                         double& slope) {
-  // A thermometer's own noise would weaken the slope: means over 10 s.
-  const auto block = std::max<std::size_t>(1, static_cast<std::size_t>(10 / interval_s));
-  std::vector<double> smooth = temperature;
-  for (std::size_t begin = 0; begin < smooth.size(); begin += block) {
-    const auto first = smooth.begin() + static_cast<std::ptrdiff_t>(begin),
-               last = smooth.begin() + static_cast<std::ptrdiff_t>(std::min(smooth.size(), begin + block));
-    const double mean = std::accumulate(first, last, 0.0) / static_cast<double>(last - first);
-    std::fill(first, last, mean);
-  }
+  const std::vector<double> smooth = smoothed(temperature, interval_s);
   const double center = std::accumulate(smooth.begin(), smooth.end(), 0.0) / static_cast<double>(smooth.size());
   const auto [least, most] = std::minmax_element(smooth.begin(), smooth.end());
   const double half = 0.5 * (*most - *least);

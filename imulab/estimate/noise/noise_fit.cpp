@@ -25,6 +25,18 @@ void check(std::span<const double> rate, double interval_s) {
     throw Unsupported("all readings are equal: no noise can be seen");
 }
 
+/// Where a first process explains the spectrum as well in the term's place, it is not determined: the larger bound of the two ways then holds.
+NoiseCoefficient unless_a_process(const NoiseCoefficient& c, const noise::ChosenModel& model, int parameter, double widening) {
+  if (!model.wider || model.problem.terms().markov > 0) return c;
+  const auto& [problem, best] = *model.wider;
+  noise::Point without = problem.revived(best);
+  without.at[parameter] = noise::absent;
+  constexpr double as_well = 3.84;  // chi-square of one degree, 95 %
+  if (c.determined && problem.fitted(without, {parameter, {}}).misfit > model.best.misfit + as_well * widening) return c;
+  const NoiseCoefficient other = noise::size_of(problem, best, parameter, widening);
+  return {NAN, NAN, 0, std::max(c.upper, other.upper), false};
+}
+
 }  // namespace
 
 double resolution_of(std::span<const double> rate) {
@@ -61,7 +73,10 @@ NoiseFit fit_noise(std::span<const double> rate, double interval_s, double step)
   fit.highest_hz = std::min(model.highest_hz, half_rate);
   const double widening = fit.accepted ? 1 : std::max(1.0, fit.chi2_per_dof);
   NoiseCoefficient* const sizes[] = {&fit.Q, &fit.N, &fit.B, &fit.K};
-  for (int j = 0; j < 4; ++j) *sizes[j] = noise::size_of(problem, best, j, widening);
+  for (int j = 0; j < 4; ++j) {
+    *sizes[j] = noise::size_of(problem, best, j, widening);
+    if (j == Terms::B) *sizes[j] = unless_a_process(*sizes[j], model, j, widening);
+  }
   for (int m = 0; m < problem.terms().markov; ++m)
     fit.markov.push_back({noise::size_of(problem, best, Terms::sigma(m), widening), noise::scale_of(problem, best, Terms::time(m), widening)});
   std::sort(fit.markov.begin(), fit.markov.end(), [](const MarkovTerm& a, const MarkovTerm& b) { return a.time.value > b.time.value; });

@@ -46,9 +46,10 @@ struct NoiseFit : NoiseCoefficients {
   std::vector<SpectrumPoint> spectrum;  ///< without the lines
 };
 
-/// Q, N, B, K and the ramp are always fitted; Markov processes (up to two), a low-pass and lines (up to eight) where the spectrum asks for them.
-/// Throws Error for fewer than 64 readings, a reading that is not finite or an interval that is not positive; Unsupported where the readings are
-/// constant. `step`: of rounded readings, 0 where they are not rounded.
+/// Q, N, B, K and the ramp are always fitted; Markov processes (up to two), a low-pass and lines (up to eight) where the spectrum asks for them. The
+/// intervals of B and K hold with one process more, too, as far as the spectrum does not exclude it. Throws Error for fewer than 64 readings, a
+/// reading that is not finite or an interval that is not positive; Unsupported where the readings are constant. `step`: of rounded readings, 0 where
+/// they are not rounded.
 NoiseFit fit_noise(std::span<const double> rate, double interval_s, double step);
 /// With the step that the readings show.
 NoiseFit fit_noise(std::span<const double> rate, double interval_s);

@@ -132,8 +132,9 @@ TEST(NoiseFit, FindsLinesAndTakesThemOut) {
   EXPECT_NEAR(fit.lines[0].hz, 1 / 80.0, 5e-5) << "a tenth of one over the record";
   EXPECT_NEAR(fit.lines[1].hz, 3.21, 5e-5);
   for (const auto& [line, truth] : {std::pair{fit.lines[0], 0.5}, std::pair{fit.lines[1], 2.0}}) {
-    EXPECT_LT(line.amplitude.lower, truth);
-    EXPECT_GT(line.amplitude.upper, truth);
+    // White noise of density 1 in 2000 s: sqrt(2 / 2000).
+    EXPECT_NEAR(line.amplitude.standard_uncertainty, std::sqrt(1e-3), 0.3 * std::sqrt(1e-3)) << "the density about a line is a median of some dozens";
+    EXPECT_NEAR(line.amplitude.value, truth, 4 * std::sqrt(1e-3));
   }
   EXPECT_TRUE(fit.accepted);
   EXPECT_LT(fit.N.lower, 1);

@@ -15,8 +15,8 @@ constexpr int most_halvings = 24;                                               
 constexpr double precision = 0.01;                                              // of a bound, as a part of its distance from the value
 constexpr double two_sided = 3.841458820694124, one_sided = 2.705543454095404;  // chi-square of one degree: 95 % and 90 %
 constexpr double profile_precision = 1e-3;                                      // of the 3.84 that the misfit rises
-constexpr double farthest = 0.5;  // that another logarithm is expected to follow: one that hardly matters would run away
-constexpr double widest_log = 60;     // of an interval, in the logarithm of a square
+constexpr double farthest = 0.5;   // that another logarithm is expected to follow: one that hardly matters would run away
+constexpr double widest_log = 60;  // of an interval, in the logarithm of a square
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// A parameter as the logarithm of a square, also Q's.

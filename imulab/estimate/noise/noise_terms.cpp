@@ -89,7 +89,7 @@ std::optional<Model> with_process(const Model& model, double shortest_s, double 
     starts.push_back(start);
   }
   std::optional<Model> found = best_of(problem, starts);
-  if (found && (stands_for_a_filter(*found) || model.best.misfit - found->best.misfit < least_gain)) return {};
+  if (found && stands_for_a_filter(*found)) return {};
   return found;
 }
 
@@ -111,7 +111,12 @@ std::optional<Model> with_low_pass(const Model& model, const LowPassShape& shape
   return best_of(problem, starts);
 }
 
-Model choose(const Problem& simple, double shortest_s, double record_s, double highest_hz, bool filters) {
+struct Choice {
+  Model model;
+  std::optional<Model> wider;
+};
+
+Choice choose(const Problem& simple, double shortest_s, double record_s, double highest_hz, bool filters) {
   const Point best = simple.fitted(simple.revived(simple.fitted(simple.start())));
   Model model{simple, best, misfit_of(simple, best)};
   for (;;) {
@@ -125,8 +130,10 @@ Model choose(const Problem& simple, double shortest_s, double record_s, double h
     const Terms& terms = model.problem.terms();
     for (const LowPassShape& shape : low_passes)
       if (filters && shape != terms.low_pass) offer(with_low_pass(model, shape, highest_hz), terms.low_pass.order > 0 ? 1 : least_gain);
-    if (terms.markov < most_processes) offer(with_process(model, shortest_s, record_s), least_gain + 2);
-    if (!chosen) return model;
+    std::optional<Model> wider;
+    if (terms.markov < most_processes) wider = with_process(model, shortest_s, record_s);
+    if (wider && model.best.misfit - wider->best.misfit >= least_gain) offer(wider, least_gain + 2);
+    if (!chosen) return {std::move(model), std::move(wider)};
     model = std::move(*chosen);
   }
 }
@@ -164,12 +171,13 @@ ChosenModel choose_terms(const Spectrum& spectrum, double half_rate_hz, double r
   for (double highest = 2 * half_rate_hz; highest > half_rate_hz / 32; highest = std::min(highest, half_rate_hz) * 0.8) {
     const Problem simple(spectrum, highest, resolution, {});
     if (simple.bins().size() < fewest_bins) break;
-    Model model = choose(simple, shortest, spectrum.record_s, std::min(highest, half_rate_hz), highest > half_rate_hz);
+    auto [model, wider] = choose(simple, shortest, spectrum.record_s, std::min(highest, half_rate_hz), highest > half_rate_hz);
     Agreement found = agreement(model.problem, model.best);
     // A quantization that is negative beyond chance (three sigma) stands for a filter.
     const bool holds = found.misfits.empty() && model.misfit - model.best.misfit < 9;
     if (!chosen || holds || found.chi2_per_dof < chosen->agreement.chi2_per_dof)
-      chosen = ChosenModel{std::move(model.problem), model.best, highest, std::move(found)};
+      chosen = ChosenModel{std::move(model.problem), model.best, wider ? std::optional(FittedModel{wider->problem, wider->best}) : std::nullopt,
+                           highest, std::move(found)};
     if (holds) break;
   }
   if (!chosen) throw Unsupported("too few frequencies are left to see noise; expected a longer record");

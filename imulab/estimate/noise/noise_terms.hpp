@@ -4,6 +4,7 @@
 #include "imulab/estimate/noise/likelihood.hpp"
 #include "imulab/estimate/noise/noise_fit.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace imulab::noise {
@@ -13,9 +14,15 @@ struct Agreement {
   std::vector<NoiseMisfit> misfits;
 };
 
+struct FittedModel {
+  Problem problem;
+  Point best;
+};
+
 struct ChosenModel {
   Problem problem;
   Point best;
+  std::optional<FittedModel> wider;  ///< with one process more, which the spectrum neither asks for nor excludes
   double highest_hz = 0;
   Agreement agreement;
 };

@@ -123,7 +123,7 @@ bool tells(double hz, double interval, std::size_t length) {
 
 /// Removes the sinusoids; the last one's squared amplitude is added to the spectrum's.
 void remove_sinusoids(Spectrum& spectrum, std::vector<double>& y, double interval, const std::vector<double>& without) {
-  for (const double hz : without) {
+  for (const double& hz : without) {
     if (!tells(hz, interval, y.size())) continue;
     const double w = folded(hz, interval);
     const Sinusoid fitted = fit_sinusoid(y, w);

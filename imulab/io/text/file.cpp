@@ -1,6 +1,7 @@
 #include "imulab/io/text/file.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/io/text/unfinished.hpp"
 
 #include <algorithm>
 #include <cerrno>
@@ -114,6 +115,28 @@ void MappedFile::release(std::size_t offset) const {
   if (data_ != nullptr) ::madvise(const_cast<char*>(data_), std::min(offset, size_) / page * page, MADV_DONTNEED);
 }
 
+namespace {
+
+/// The file that a symbolic link leads to, even if it is not there yet: the link stays.
+fs::path behind_links(fs::path path) {
+  constexpr int most_links = 40;  // as Linux
+  std::error_code failure;
+  for (int i = 0; i < most_links && fs::is_symlink(path, failure); ++i) {
+    const fs::path target = fs::read_symlink(path, failure);
+    path = target.is_absolute() ? target : path.parent_path() / target;
+  }
+  return path;
+}
+
+/// What the user gives new files and folders.
+mode_t usual_mode(mode_t all) {
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  return all & ~mask;
+}
+
+}  // namespace
+
 WholeFile::WholeFile(const std::filesystem::path& path) : path_(path == "-" ? "standard output" : path), temporary_(path.string() + ".XXXXXX") {
   if (path == "-") {
     temporary_.clear();
@@ -130,14 +153,19 @@ WholeFile::WholeFile(const std::filesystem::path& path) : path_(path == "-" ? "s
     if (descriptor_ < 0) fail(path, "cannot be written");
     return;
   }
+  path_ = behind_links(path);
+  temporary_ = path_.string() + ".XXXXXX";
   errno = 0;
   descriptor_ = ::mkstemp(temporary_.data());  // in the same folder, so that the rename is atomic
   if (descriptor_ < 0) fail(path_, "cannot be written");
+  begin_unfinished(temporary_);
 }
 
 WholeFile::~WholeFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
-  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  if (temporary_.empty()) return;
+  ::unlink(temporary_.c_str());
+  end_unfinished(temporary_);
 }
 
 void WholeFile::write(std::string_view text) {
@@ -161,9 +189,11 @@ void WholeFile::write_at(std::uint64_t place, std::string_view text) {
 
 void WholeFile::commit() {
   if (temporary_.empty()) return;
-  const mode_t mask = ::umask(0);  // mkstemp's file is private: give it what the user gives new files
-  ::umask(mask);
-  if (::fchmod(descriptor_, 0666 & ~mask) != 0 || ::rename(temporary_.c_str(), path_.c_str()) != 0) fail(path_, "cannot be written");
+  struct stat before {};  // mkstemp's file is private: a file that was there keeps its mode
+  const bool replaces = ::stat(path_.c_str(), &before) == 0 && S_ISREG(before.st_mode);
+  const mode_t mode = replaces ? before.st_mode & 07777 : usual_mode(0666);
+  if (::fchmod(descriptor_, mode) != 0 || ::rename(temporary_.c_str(), path_.c_str()) != 0) fail(path_, "cannot be written");
+  end_unfinished(temporary_);
   temporary_.clear();
 }
 
@@ -171,23 +201,29 @@ NewFolder::NewFolder(const fs::path& place) : place_(fs::absolute(place).lexical
   if (!place_.has_filename()) place_ = place_.parent_path();  // "out/"
   if (fs::exists(place_) && !(fs::is_directory(place_) && fs::is_empty(place_)))
     throw Error(place.string() + ": exists; expected a new or an empty folder");
-  filling_ = place_;
-  filling_ += ".part";
   std::error_code failure;
   fs::create_directories(place_.parent_path(), failure);
-  if (!failure && !fs::create_directory(filling_, failure) && !failure) failure = std::make_error_code(std::errc::file_exists);
-  if (failure) throw Error(filling_.string() + ": cannot be made: " + failure.message());
+  std::string filling = place_.string() + ".part-XXXXXX";
+  if (failure || ::mkdtemp(filling.data()) == nullptr || ::chmod(filling.c_str(), usual_mode(0777)) != 0) {
+    if (!failure) failure = std::error_code(errno, std::generic_category());
+    throw Error(place_.string() + ": cannot be made: " + failure.message());
+  }
+  filling_ = filling;
+  begin_unfinished(filling_);
 }
 
 NewFolder::~NewFolder() {
   std::error_code ignored;
-  if (!committed_) fs::remove_all(filling_, ignored);
+  if (committed_) return;
+  fs::remove_all(filling_, ignored);
+  end_unfinished(filling_);
 }
 
 void NewFolder::commit() {
   std::error_code failure;
   fs::rename(filling_, place_, failure);
   if (failure) throw Error(place_.string() + ": cannot be made: " + failure.message());
+  end_unfinished(filling_);
   committed_ = true;
 }
 

@@ -93,5 +93,19 @@ TEST(File, NamesWhatCannotBeRead) {
   EXPECT_THAT([&] { write_whole(folder / "no" / "x", "x"); }, testing::ThrowsMessage<Error>(HasSubstr("cannot be written: No such file")));
 }
 
+TEST(File, FollowsLinksAndKeepsModes) {
+  const TemporaryFolder folder;
+  write_whole(folder / "real", "a");
+  ASSERT_EQ(::chmod((folder / "real").c_str(), 0600), 0);
+  std::filesystem::create_symlink("real", folder / "link");
+  write_whole(folder / "link", "b");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
+  EXPECT_EQ(MappedFile(folder / "real").text(), "b");
+  EXPECT_EQ(std::filesystem::status(folder / "real").permissions(), std::filesystem::perms(0600));
+  std::filesystem::create_symlink("later", folder / "dangling");
+  write_whole(folder / "dangling", "c");
+  EXPECT_EQ(MappedFile(folder / "later").text(), "c");
+}
+
 }  // namespace
 }  // namespace imulab

@@ -1,0 +1,71 @@
+#include "imulab/io/text/unfinished.hpp"
+
+#include <csignal>
+#include <fcntl.h>
+#include <mutex>
+#include <set>
+#include <system_error>
+#include <thread>
+#include <unistd.h>
+
+namespace imulab {
+
+namespace {
+
+struct Registry {
+  std::mutex mutex;
+  std::multiset<std::filesystem::path> paths;
+};
+
+/// Never destroyed: the thread below may look at it at any time.
+Registry& registry() {
+  static Registry* const all = new Registry;
+  return *all;
+}
+
+int signal_pipe[2] = {-1, -1};
+
+/// A handler must do no more: a thread does the rest.
+void pass_on(int number) {
+  const auto byte = static_cast<unsigned char>(number);
+  [[maybe_unused]] const ssize_t written = ::write(signal_pipe[1], &byte, 1);
+}
+
+void wait_for_signal() {
+  unsigned char number = 0;
+  while (::read(signal_pipe[0], &number, 1) != 1) {
+  }
+  Registry& all = registry();
+  const std::scoped_lock lock(all.mutex);
+  std::error_code ignored;
+  for (const std::filesystem::path& path : all.paths) std::filesystem::remove_all(path, ignored);
+  std::signal(number, SIG_DFL);
+  ::kill(::getpid(), number);
+  for (;;) ::pause();  // with the lock: nothing is finished any more
+}
+
+}  // namespace
+
+void begin_unfinished(const std::filesystem::path& path) {
+  const std::scoped_lock lock(registry().mutex);
+  registry().paths.insert(path);
+}
+
+void end_unfinished(const std::filesystem::path& path) {
+  const std::scoped_lock lock(registry().mutex);
+  if (const auto at = registry().paths.find(path); at != registry().paths.end()) registry().paths.erase(at);
+}
+
+void remove_unfinished_on_signals() {
+  if (signal_pipe[0] >= 0 || ::pipe2(signal_pipe, O_CLOEXEC) != 0) return;
+  std::thread(wait_for_signal).detach();
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction before {
+    }, action{};
+    action.sa_handler = pass_on;
+    action.sa_flags = SA_RESTART;
+    if (::sigaction(number, nullptr, &before) == 0 && before.sa_handler != SIG_IGN) ::sigaction(number, &action, nullptr);
+  }
+}
+
+}  // namespace imulab
