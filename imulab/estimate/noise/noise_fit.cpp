@@ -25,14 +25,15 @@ void check(std::span<const double> rate, double interval_s) {
     throw Unsupported("all readings are equal: no noise can be seen");
 }
 
-/// Where a first process explains the spectrum as well in the term's place, it is not determined: the larger bound of the two ways then holds.
+/// Where a first process in the term's place, with its two parameters for one, explains the spectrum better (Akaike's criterion), the term is not
+/// determined: the larger bound of the two ways then holds.
 NoiseCoefficient unless_a_process(const NoiseCoefficient& c, const noise::ChosenModel& model, int parameter, double widening) {
   if (!model.wider || model.problem.terms().markov > 0) return c;
   const auto& [problem, best] = *model.wider;
   noise::Point without = problem.revived(best);
   without.at[parameter] = noise::absent;
-  constexpr double as_well = 3.84;  // chi-square of one degree, 95 %
-  if (c.determined && problem.fitted(without, {parameter, {}}).misfit > model.best.misfit + as_well * widening) return c;
+  constexpr double price = 2;  // of a parameter more
+  if (c.determined && problem.fitted(without, {parameter, {}}).misfit + price * widening > model.best.misfit) return c;
   const NoiseCoefficient other = noise::size_of(problem, best, parameter, widening);
   return {NAN, NAN, 0, std::max(c.upper, other.upper), false};
 }
