@@ -57,7 +57,12 @@ void end_unfinished(const std::filesystem::path& path) {
 }
 
 void remove_unfinished_on_signals() {
-  if (signal_pipe[0] >= 0 || ::pipe2(signal_pipe, O_CLOEXEC) != 0) return;
+  int ends[2];
+  if (signal_pipe[0] >= 0 || ::pipe2(ends, O_CLOEXEC) != 0) return;
+  // A closed standard stream leaves its number free: the pipe must not become the standard input.
+  for (int i = 0; i < 2; ++i) signal_pipe[i] = ::fcntl(ends[i], F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+  for (const int end : ends) ::close(end);
+  if (signal_pipe[0] < 0 || signal_pipe[1] < 0) return;
   std::thread(wait_for_signal).detach();
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction before {
