@@ -15,11 +15,12 @@ NoiseCoefficient noise_coefficient_at(const Field& f) {
   NoiseCoefficient c;
   c.determined = f["determined"].truth();
   c.value = f["value"].number_or_nan();
-  c.standard_uncertainty = f["standard_uncertainty"].number_or_nan();
+  const Field sigma = f["standard_uncertainty"];
+  c.standard_uncertainty = c.determined ? sigma.number_or_infinity() : sigma.number_or_nan();  // of a scale that has no upper bound
   c.lower = f["lower"].number();
   c.upper = f["upper"].number_or_infinity();
   if (c.determined && !(std::isfinite(c.value) && c.standard_uncertainty > 0))
-    f.fail("is determined without a value; expected value and standard_uncertainty");
+    f.fail("is determined without a value; expected value and a positive standard_uncertainty");
   if (!(c.lower <= c.upper)) f.fail("expected an upper bound not below the lower one");
   return c;
 }

@@ -43,6 +43,21 @@ TEST(NoiseReader, ReadsWhatIsWritten) {
   EXPECT_GT(noise.gyro[2]->K.upper, 0);
 }
 
+TEST(NoiseReader, ReadsAScaleWithoutAnUpperBound) {
+  const TemporaryFolder folder;
+  std::string text = written();
+  const std::string process =
+      "\"markov\": [{\"sigma\": {\"value\": 1, \"standard_uncertainty\": 0.1, \"lower\": 0.8, \"upper\": 1.2, \"determined\": true}, "
+      "\"time\": {\"value\": 50, \"standard_uncertainty\": null, \"lower\": 20, \"upper\": null, \"determined\": true}}]";
+  const std::string none = "\"markov\": []";
+  ASSERT_NE(text.find(none), std::string::npos);
+  folder.write("noise.json", text.replace(text.find(none), none.size(), process));
+  const ImuNoise noise = read_noise((folder / "noise.json").string());
+  ASSERT_EQ(noise.gyro[0]->markov.size(), 1u);
+  EXPECT_EQ(noise.gyro[0]->markov[0].time.value, 50);
+  EXPECT_TRUE(std::isinf(noise.gyro[0]->markov[0].time.upper));
+}
+
 TEST(NoiseReader, NamesFileAndField) {
   const TemporaryFolder folder;
   const auto message_of = [&](const std::string& text) -> std::string {
