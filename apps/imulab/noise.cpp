@@ -79,6 +79,7 @@ void write_result(const Options& o, const Result& result) {
 
 void run(const Options& o) {
   expect_free("-o", o.output, o.force);
+  expect_others_stay(o.report, {o.output});
   if (o.recordings.size() == 1) {
     const Log log = read_log(o, o.recordings[0]);
     for (const std::string& text : log.analysis.warnings) warn(text);

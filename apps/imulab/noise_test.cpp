@@ -57,6 +57,9 @@ TEST(NoiseCommand, StatesTheWhiteNoiseAndNoMore) {
     EXPECT_THAT(json, HasSubstr(key));
   EXPECT_EQ(run_imulab(folder, "noise session.toml --json").output, json);
   EXPECT_EQ(run_imulab(folder, "noise session.toml --json --threads 1").output, json);
+  const CommandResult page = run_imulab(folder, "noise session.toml -o page --report page");
+  EXPECT_EQ(page.exit_code, 2) << "one would replace the other";
+  EXPECT_FALSE(std::filesystem::exists(folder / "page"));
   const CommandResult again = run_imulab(folder, "noise session.toml -o noise.json");
   EXPECT_EQ(again.exit_code, 2);
   EXPECT_THAT(again.errors, HasSubstr("-o noise.json: exists"));
