@@ -86,7 +86,7 @@ void run(const Options& o) {
   if (o.catalogue) return fmt::print("{}", grade_catalogue());
   if (o.mission.empty()) throw Error("mission: expected the file of a mission, or --catalogue");
   if (!(o.every > 0)) throw Error("--every: expected a positive number of seconds");
-  expect_others_stay(o.report, {o.mission, o.calibration.value_or("")});
+  expect_others_stay(o.report, {o.mission, o.calibration.value_or(""), o.noise.value_or("")});
   const MissionFile file = read_mission(o.mission);
   const ErrorSpecification specification = specification_of(o, file);
   if (const auto& name = specification.calibration) {
