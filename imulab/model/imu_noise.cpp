@@ -49,8 +49,8 @@ NoiseModel sizes_of(const Axes& axes, const std::string& unit, const std::string
 
 }  // namespace
 
-TriadSizes noise_sizes(const ImuNoise& noise) {
-  return {sizes_of(noise.gyro, noise.gyro_unit, "gyros"), sizes_of(noise.accel, noise.accel_unit, "accelerometers")};
+NoiseModels noise_sizes(const ImuNoise& noise) {
+  return {.accel = sizes_of(noise.accel, noise.accel_unit, "accelerometers"), .gyro = sizes_of(noise.gyro, noise.gyro_unit, "gyros")};
 }
 
 }  // namespace imulab

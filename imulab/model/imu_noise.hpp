@@ -36,14 +36,6 @@ struct AllanTerms {
 };
 AllanTerms allan_variance(const NoiseCoefficients& noise, double tau_s);
 
-/// The sizes of a triad's terms: the root mean square over its axes of what is determined, 0 where it is on no axis. Throws Error for readings in
-/// counts, or where N is determined on no axis. Markov processes are left out: NoiseModel has none.
-struct ImuNoise;
-struct TriadSizes {
-  NoiseModel gyro, accel;
-};
-TriadSizes noise_sizes(const ImuNoise& noise);
-
 /// Axes without coefficients (constant readings) have none.
 struct ImuNoise {
   std::string recording;
@@ -51,5 +43,9 @@ struct ImuNoise {
   std::string gyro_unit, accel_unit;  ///< of u: "rad/s", "m/s^2", or "count"
   std::array<std::optional<NoiseCoefficients>, 3> gyro, accel;
 };
+
+/// The sizes of a triad's terms: the root mean square over its axes of what is determined, 0 where it is on no axis. Throws Error for readings in
+/// counts, or where N is determined on no axis. Markov processes are left out: NoiseModel has none.
+NoiseModels noise_sizes(const ImuNoise& noise);
 
 }  // namespace imulab

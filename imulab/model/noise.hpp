@@ -19,4 +19,9 @@ struct NoiseModel {
   bool operator==(const NoiseModel&) const = default;
 };
 
+/// Of one axis of each triad, SI; the same for all three axes.
+struct NoiseModels {
+  NoiseModel accel, gyro;
+};
+
 }  // namespace imulab

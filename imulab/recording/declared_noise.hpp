@@ -6,15 +6,10 @@
 
 namespace imulab {
 
-/// Noise of one axis of each triad, SI; the same for all three axes.
-struct DeclaredNoise {
-  NoiseModel accel, gyro;
-};
-
 /// For each triad: the declared terms (`accel_noise`, `accel_noise_density`), else the grade's where `imu.noise` is NoiseTerms::full, else none (0).
-DeclaredNoise declared_terms(const ImuDeclaration& imu);
+NoiseModels declared_terms(const ImuDeclaration& imu);
 
 /// The same, with the grade's white noise N where no density is declared. Throws Error where there is neither a density nor a grade.
-DeclaredNoise declared_noise(const ImuDeclaration& imu);
+NoiseModels declared_noise(const ImuDeclaration& imu);
 
 }  // namespace imulab

@@ -97,7 +97,7 @@ Truth draw_truth(const Session& procedure, std::uint64_t seed, const std::option
   const Grade* const spread = imu.grade ? &grade(*imu.grade) : nullptr;
   if (!given && !spread) throw Error("no IMU to simulate; expected its grade or its model");
   Truth truth;
-  const DeclaredNoise noise = declared_noise(imu);
+  const NoiseModels noise = declared_noise(imu);
   truth.accel_noise = noise.accel, truth.gyro_noise = noise.gyro;
   // The grade's limits are in SI; a given IMU's raw readings need not be.
   if (given && !imu.accel_noise) truth.accel_noise.resolution = truth.accel_noise.range = 0;

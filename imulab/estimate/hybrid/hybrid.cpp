@@ -85,7 +85,7 @@ kernel::RestStart coarse_start(const Recording& recording, const std::vector<Ran
 /// Noise of the calibrated output: white noise from the samples or its declared density; where the full noise of a grade is declared, quantization is
 /// a term of its own, and the samples show more than the white noise. The other terms as declared.
 Noise noise_of(const SampleNoise& raw, const SensorModel& coarse, const Recording& recording, const ImuDeclaration& imu) {
-  const DeclaredNoise declared = declared_terms(imu);
+  const NoiseModels declared = declared_terms(imu);
   const bool full = imu.noise == NoiseTerms::full;
   const auto density = [&](const TriadModel& triad, const Vector3d& sigma, double of_grade) {
     const Vector3d shown = std::sqrt(recording.interval_s) * (triad.matrix.cwiseAbs2() * sigma.cwiseAbs2()).cwiseSqrt();

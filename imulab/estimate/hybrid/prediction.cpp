@@ -26,7 +26,7 @@ Plan plan_of(const Session& procedure) {
   if (procedure.steps.empty()) throw Error(file + no_hold);
   if (procedure.recordings.size() > 1)
     throw Error(fmt::format("{}: {} recordings; expected a procedure with one", file, procedure.recordings.size()));
-  const DeclaredNoise noise = errors_at(file, [&] { return declared_noise(procedure.imu); });
+  const NoiseModels noise = errors_at(file, [&] { return declared_noise(procedure.imu); });
   if (!(noise.accel.N > 0 && noise.gyro.N > 0))
     throw Error(file + ": a noise density of 0; expected densities above 0, since the uncertainties follow from them");
   Plan plan{procedure,

@@ -38,7 +38,7 @@ Foreseen foresee(const Session& procedure) {
   if (procedure.recordings.size() > 1)
     throw Error(fmt::format("{}: {} recordings; expected a procedure with one", procedure.file, procedure.recordings.size()));
   Foreseen out{procedure, {}, {}};
-  const DeclaredNoise noise = errors_at(procedure.file, [&] { return declared_noise(procedure.imu); });
+  const NoiseModels noise = errors_at(procedure.file, [&] { return declared_noise(procedure.imu); });
   out.session.imu.accel_noise_density = noise.accel.N, out.session.imu.gyro_noise_density = noise.gyro.N;
   const double gravity = errors_at(procedure.file, [&] { return procedure.site.gravity(); });
   // Without a latitude the method estimates both parts of Earth's rate, at any latitude alike.

@@ -48,7 +48,7 @@ RawNoise raw_noise(const Problem& problem, const SensorModel& model) {
     if (declared > 0) return raw_density(declared, matrix);
     return measured.cwiseMax(1e-8 * size / std::cbrt(std::abs(matrix.determinant()))).cwiseAbs2().asDiagonal();
   };
-  const DeclaredNoise declared = declared_terms(problem.imu);
+  const NoiseModels declared = declared_terms(problem.imu);
   return {noise(declared.accel.N, problem.seen.accel_density, model.accel.matrix, unit::g),
           noise(declared.gyro.N, problem.seen.gyro_density, model.gyro.matrix, 1),
           raw_slow_noise(problem.motion, model, problem.accel_slow_noise, problem.gyro_slow_noise)};
@@ -81,7 +81,7 @@ Problem reversed(const Problem& problem, std::size_t axis) {
 
 Problem::Problem(TableObservations observations, RigDeclaration table, ImuDeclaration unit, Site place)
     : seen(std::move(observations)), rig(std::move(table)), imu(std::move(unit)), site(std::move(place)), motion(seen.parts, rig, site) {
-  const DeclaredNoise noise = declared_terms(imu);
+  const NoiseModels noise = declared_terms(imu);
   accel_slow_noise = slow_noise(motion, noise.accel, seen.interval_s);
   gyro_slow_noise = slow_noise(motion, noise.gyro, seen.interval_s);
 }

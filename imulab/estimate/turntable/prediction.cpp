@@ -124,7 +124,7 @@ Plan plan_of(const Session& procedure) {
     if (const double samples = (hold.end - hold.begin) * source.rate_hz.value_or(INFINITY); samples < 2)
       throw Error(fmt::format("{}: {}: {:.2g} samples at {:g} Hz; expected two or more", procedure.file,
                               step_name(plan.parts.steps[hold.step], hold.step), samples, *source.rate_hz));
-  const DeclaredNoise noise = [&] {
+  const NoiseModels noise = [&] {
     try {
       return declared_noise(procedure.imu);
     } catch (const Error& e) {

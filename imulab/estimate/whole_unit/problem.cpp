@@ -64,7 +64,7 @@ void set_priors(Problem& problem) {
 /// it by less than half, count as that.
 void add_drifts(Problem& problem) {
   constexpr double stands_out = 0.5;
-  const DeclaredNoise declared = declared_terms(problem.session->imu);
+  const NoiseModels declared = declared_terms(problem.session->imu);
   problem.point_variance.assign(problem.session->recordings.size(), Vector6d::Zero());
   for (std::size_t recording = 0; recording < problem.point_variance.size(); ++recording) {
     std::vector<const MachinePoint*> points;
@@ -147,7 +147,7 @@ Vector6d Problem::measured_noise() const {
 
 void Problem::update_noise() {
   noise = measured_noise();
-  const DeclaredNoise declared = declared_terms(session->imu);
+  const NoiseModels declared = declared_terms(session->imu);
   if (const double N = declared.accel.N; N > 0) noise.head<3>().setConstant(N * N / points.interval_s);
   if (const double N = declared.gyro.N; N > 0) noise.tail<3>().setConstant(N * N / points.interval_s);
   noise = noise.cwiseProduct(points.correlation);

@@ -101,7 +101,7 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
 
 Prediction predict(const Session& procedure) {
   expect_latitude(procedure);
-  const DeclaredNoise noise = errors_at(procedure.file, [&] { return declared_noise(procedure.imu); });
+  const NoiseModels noise = errors_at(procedure.file, [&] { return declared_noise(procedure.imu); });
   const double rate = procedure.recordings.empty() ? 1 : procedure.recordings.front().rate_hz.value_or(default_sample_rate);
   Vector6d variance;
   variance << Vector3d::Constant(noise.accel.N * noise.accel.N * rate), Vector3d::Constant(noise.gyro.N * noise.gyro.N * rate);

@@ -76,7 +76,7 @@ void read_step(TomlFields& f, Session& session, StepLayout& layout) {
 }  // namespace
 
 void take_noise(ImuDeclaration& imu, const std::string& file) {
-  TriadSizes sizes = errors_at(file, [&] { return noise_sizes(read_noise(file)); });
+  NoiseModels sizes = errors_at(file, [&] { return noise_sizes(read_noise(file)); });
   if (!imu.gyro_noise_density) imu.gyro_noise_density = sizes.gyro.N;
   if (!imu.accel_noise_density) imu.accel_noise_density = sizes.accel.N;
   sizes.gyro.N = sizes.accel.N = 0;  // which have keys of their own

@@ -32,7 +32,7 @@ struct Noise {
 };
 
 /// With these densities, the other terms as declared, in a recording of this duration.
-Noise noise_of(const Vector3d& gyro, const Vector3d& accel, const DeclaredNoise& declared, double duration_s);
+Noise noise_of(const Vector3d& gyro, const Vector3d& accel, const NoiseModels& declared, double duration_s);
 
 /// Errors of attitude [rad] and velocity [m/s].
 using Errors6 = Eigen::Matrix<double, 6, 1>;
