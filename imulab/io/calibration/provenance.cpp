@@ -52,7 +52,7 @@ std::optional<RecordedAs> recorded_as(const Session& session, std::span<const Re
 
 std::string software() { return "imulab " IMULAB_VERSION; }
 
-void add_provenance(Calibration& calibration, const Session& session, std::span<const Recording> recordings) {
+void add_declared_origin(Calibration& calibration, const Session& session, std::span<const Recording> recordings) {
   calibration.serial = session.imu.serial.value_or("");
   calibration.operated_by = session.operated_by.value_or("");
   calibration.firmware = session.imu.firmware.value_or("");
@@ -65,6 +65,10 @@ void add_provenance(Calibration& calibration, const Session& session, std::span<
   calibration.session_sha256 = session.sha256;
   calibration.recorded_accel = recorded_as(session, recordings, &RecordingSource::accel);
   calibration.recorded_gyro = recorded_as(session, recordings, &RecordingSource::gyro);
+}
+
+void add_provenance(Calibration& calibration, const Session& session, std::span<const Recording> recordings) {
+  add_declared_origin(calibration, session, recordings);
   calibration.sources.clear();
   for (std::size_t k = 0; k < recordings.size(); ++k) {
     const Recording& r = recordings[k];

@@ -45,8 +45,12 @@ NoiseCoefficients noise_coefficients_at(const Field& axis) {
 
 ImuNoise read_noise(const std::string& path) {
   const MappedFile file(path);
-  const json_text::Json json = json_text::parse_json(file.text(), path, "noise.json as imulab noise writes it");
-  const Field root(json, path, "");
+  return parse_noise(file.text(), path);
+}
+
+ImuNoise parse_noise(std::string_view text, const std::string& file) {
+  const json_text::Json json = json_text::parse_json(text, file, "noise.json as imulab noise writes it");
+  const Field root(json, file, "");
   if (!root.has("format") || root["format"].text() != "imulab.noise/1") root.fail("expected \"format\": \"imulab.noise/1\"");
   ImuNoise out;
   out.recording = root.text_or_empty("recording");

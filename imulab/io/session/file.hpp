@@ -5,12 +5,15 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace imulab {
 
 /// Reads a session or a procedure: a folder with session.toml, or the file. Units become SI, absent angles are filled in, a procedure's steps are
 /// laid out in time. Throws Error with file, line and key: for unknown keys and units, values out of range, and steps that overlap.
 Session read_session(const std::filesystem::path& path);
+/// The same from text; `file` is its name in messages, and files that it names are beside it.
+Session parse_session(std::string_view text, const std::string& file);
 
 /// The session as TOML text that read_session reads back to the same values.
 std::string session_text(const Session& session);

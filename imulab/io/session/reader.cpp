@@ -88,10 +88,14 @@ void take_noise(ImuDeclaration& imu, const std::string& file) {
 Session read_session(const std::filesystem::path& path) {
   const std::filesystem::path file = std::filesystem::is_directory(path) ? path / "session.toml" : path;
   const MappedFile mapped(file);
+  return parse_session(mapped.text(), input_name(file));
+}
+
+Session parse_session(std::string_view text, const std::string& file) {
   Session session;
-  session.file = input_name(file);
-  session.sha256 = sha256(mapped.text());
-  TomlFields f(session.file, mapped.text());
+  session.file = file;
+  session.sha256 = sha256(text);
+  TomlFields f(session.file, text);
   StepLayout layout;
   f.format(session_format);
   f.text("operator", session.operated_by);

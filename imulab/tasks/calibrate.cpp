@@ -1,0 +1,120 @@
+#include "imulab/tasks/calibrate.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/io/calibration/file.hpp"
+#include "imulab/io/recording/file.hpp"
+#include "imulab/io/result/live.hpp"
+#include "imulab/io/text/names.hpp"
+#include "imulab/model/coefficient.hpp"
+#include "imulab/report/calibration_page.hpp"
+#include "imulab/tasks/recordings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace imulab {
+namespace {
+
+CalibrationOptions options_of(const CalibrationTask& task, const Method& method, const std::vector<Recording>& recordings) {
+  if (task.stepwise && !method.takes_stepwise) throw Error(fmt::format("the method {} has no steps; expected whole-unit", method.name));
+  if (task.terms == "full" && !method.takes_full) throw TermsError("full: only the method whole-unit takes it");
+  CalibrationOptions options;
+  options.terms = parse_terms(task.terms);
+  options.handheld.requirements = task.requirements;
+  options.whole_unit = {.full = task.terms == "full", .stepwise = task.stepwise};
+  options.progress = task.progress;
+  constexpr double points = 500;  // of a curve: enough for a screen
+  if (task.curves && method.takes_curves && !recordings.empty())
+    options.hybrid.curve_interval = static_cast<double>(recordings.front().size()) * recordings.front().interval_s / points;
+  return options;
+}
+
+void expect_unit(const Recording& recording, const char* triad, const std::string& unit, const std::string& declared) {
+  const bool counts = declared == "count";
+  if (counts != (unit == "count"))
+    throw Error(fmt::format("{}: {} is in {}; the session declares {}", recording.name, triad, unit, declared));
+}
+
+}  // namespace
+
+std::vector<CoefficientIndex> parse_terms(std::string_view terms) {
+  std::vector<CoefficientIndex> indices;
+  if (terms == "auto" || terms == "full") return indices;
+  for (std::size_t begin = 0; begin <= terms.size();) {
+    const std::size_t end = std::min(terms.find(',', begin), terms.size());
+    const std::vector<CoefficientIndex> selected = select_coefficients(terms.substr(begin, end - begin));
+    indices.insert(indices.end(), selected.begin(), selected.end());
+    begin = end + 1;
+  }
+  return indices;
+}
+
+SessionRecordings read_recordings(Session session, const Method& method, const std::string& chosen) {
+  SessionRecordings data{std::move(session), {}, {}};
+  Session& s = data.session;
+  if (!method.takes_several || !chosen.empty() || s.recordings.empty()) s.recordings = {RecordingSource(choose_recording(s, chosen))};
+  std::erase_if(s.steps, [&](const Step& step) {
+    return std::none_of(s.recordings.begin(), s.recordings.end(), [&](const RecordingSource& r) { return r.file == step.recording; });
+  });
+  for (const RecordingSource& source : s.recordings) {
+    RecordingReading reading = read_recording(s, source);
+    data.warnings.insert(data.warnings.end(), reading.warnings.begin(), reading.warnings.end());
+    data.recordings.push_back(std::move(reading.recording));
+  }
+  return data;
+}
+
+SessionRecordings given_recordings(Session session, std::vector<Recording> recordings) {
+  if (session.recordings.empty()) {
+    for (const Recording& recording : recordings) {
+      RecordingSource source = session.source_of(recording.name);
+      source.file = recording.name;
+      source.gyro.unit = recording.gyro_unit;
+      source.accel.unit = recording.accel_unit;
+      session.recordings.push_back(std::move(source));
+    }
+    if (recordings.size() == 1)
+      for (Step& step : session.steps) step.recording = recordings.front().name;
+  }
+  if (recordings.size() != session.recordings.size())
+    throw Error(fmt::format("{} recordings were given; the session declares {}", recordings.size(), session.recordings.size()));
+  for (std::size_t k = 0; k < recordings.size(); ++k) {
+    if (recordings[k].name != session.recordings[k].file)
+      throw Error(fmt::format("recording {} is named {}; expected {} as in the session", k + 1, recordings[k].name, session.recordings[k].file));
+    expect_unit(recordings[k], "gyro", recordings[k].gyro_unit, session.recordings[k].gyro.unit);
+    expect_unit(recordings[k], "accel", recordings[k].accel_unit, session.recordings[k].accel.unit);
+  }
+  return {std::move(session), std::move(recordings), {}};
+}
+
+CalibrationResult calibrate(const SessionRecordings& data, const CalibrationTask& task) {
+  const Method& chosen = method(task.method);
+  CalibrationResult result = calibrate(chosen, {data.session, data.recordings}, options_of(task, chosen, data.recordings));
+  add_declared_origin(result.calibration, data.session, data.recordings);
+  Quality& quality = result.calibration.quality;
+  for (const Requirement& requirement : task.requirements) quality.requirements.push_back(assess(result.calibration, requirement));
+  return result;
+}
+
+std::string shortcomings(const CalibrationResult& result) {
+  const Quality& quality = result.calibration.quality;
+  const std::string missing = result.missing_turns.empty() ? "" : "\n  what helps most: " + turns_text(result.missing_turns);
+  if (!quality.converged) return "the fit did not converge: neither its values nor its uncertainties can be relied on";
+  if (!quality.unobservable.empty())
+    return fmt::format("the data do not determine: {}; they keep their starting values{}", fmt::join(quality.unobservable, " "), missing);
+  std::vector<std::string> unmet;
+  for (const RequirementResult& r : quality.requirements)
+    if (!r.met) unmet.push_back(r.text);
+  return unmet.empty() ? "" : fmt::format("not reached: {}{}", fmt::join(unmet, ", "), missing);
+}
+
+std::string calibration_page(const CalibrationResult& result, const SessionRecordings& data) {
+  CalibrationReport report{.result = result, .session = data.session};
+  for (const Recording& recording : data.recordings)
+    report.recordings.push_back(evidence_of(result.calibration, data.session, recording, data.recordings.size()));
+  return calibration_page(report);
+}
+
+}  // namespace imulab

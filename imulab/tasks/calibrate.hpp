@@ -1,0 +1,50 @@
+// A session calibrated: its recordings read, the method run, and where the result comes from filled in. What the command and the Python module share.
+#pragma once
+
+#include "imulab/estimate/method.hpp"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace imulab {
+
+struct CalibrationTask {
+  std::string method;
+  std::string terms = "auto";  ///< "auto", "full" (whole-unit), or selectors separated by commas
+  bool stepwise = false;       ///< whole-unit
+  bool curves = false;         ///< hybrid: convergence curves
+  std::vector<Requirement> requirements = {};
+  std::function<void(double)> progress = {};  ///< as CalibrationOptions has it
+};
+
+/// The coefficients of selectors separated by commas; none of "auto" and "full". Throws Error for an unknown one.
+std::vector<CoefficientIndex> parse_terms(std::string_view terms);
+
+struct SessionRecordings {
+  Session session;  ///< with the recordings below alone, and their steps
+  std::vector<Recording> recordings;
+  std::vector<std::string> warnings;  ///< of reading them
+};
+
+/// Reads what a method takes of a session: all recordings, or the one named `chosen`; the only one where it takes one. Throws Error as read_recording
+/// does, and where it has to be said which.
+SessionRecordings read_recordings(Session session, const Method& method, const std::string& chosen = "");
+
+/// Recordings from memory, one for each of the session's. Throws Error for another number, for a name that is not the session's, and for units that
+/// the session contradicts. A session without recordings takes them as they are.
+SessionRecordings given_recordings(Session session, std::vector<Recording> recordings);
+
+/// Calibrates. The result has the requirements' answers and its declared origin (`add_declared_origin`). Throws Error for a task that the method does
+/// not know (TermsError for its terms), and as the method does.
+CalibrationResult calibrate(const SessionRecordings& data, const CalibrationTask& task);
+
+/// Why the result is not what was asked for: not converged, coefficients not determined, requirements not reached. Empty: it is.
+std::string shortcomings(const CalibrationResult& result);
+
+/// The result as a page (HTML), with pictures from the recordings.
+std::string calibration_page(const CalibrationResult& result, const SessionRecordings& data);
+
+}  // namespace imulab

@@ -1,0 +1,37 @@
+#include "imulab/tasks/navigate.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/io/recording/solution.hpp"
+#include "imulab/io/session/file.hpp"
+#include "imulab/navigation/budget/navigated.hpp"
+#include "imulab/navigation/navigation_error.hpp"
+
+namespace imulab {
+
+Calibration no_calibration() {
+  Calibration ideal;
+  ideal.model.gyro.raw_unit = "rad/s";
+  ideal.model.accel.raw_unit = "m/s^2";
+  return ideal;
+}
+
+std::optional<TrueMotion> session_truth(const Session& session) {
+  if (!session.truth_file) return std::nullopt;
+  const std::filesystem::path file = session_path(session, *session.truth_file);
+  return TrueMotion{file.string(), read_solution(file)};
+}
+
+NavigatedSession navigate_session(const std::string& name, const Calibration& calibration, const Session& session, const Recording& recording,
+                                  const NavigateOptions& options, const std::optional<TrueMotion>& truth, bool explain) {
+  NavigatedSession out{.session = name, .navigated = navigate(calibration, session, recording, options), .errors = {}};
+  if (truth) out.errors = errors_at(truth->name, [&] { return navigation_errors(out.navigated.solution, truth->solution); });
+  if (explain) try {
+      out.explained = navigated_budget(calibration, session, recording, out.navigated);
+      if (!out.explained) out.unexplained = "the calibration has no uncertainties.";
+    } catch (const Error& e) {
+      out.unexplained = e.what();
+    }
+  return out;
+}
+
+}  // namespace imulab

@@ -1,0 +1,26 @@
+// A session navigated and judged: the solution, its errors against a reference, and what the calibration explains of them.
+#pragma once
+
+#include "imulab/io/result/navigation.hpp"
+#include "imulab/model/calibration.hpp"
+
+#include <filesystem>
+#include <optional>
+
+namespace imulab {
+
+/// An IMU whose recordings are in rad/s and m/s^2 already.
+Calibration no_calibration();
+
+/// The reference solution that a session names; none where it names none. Throws Error as read_solution does.
+struct TrueMotion {
+  std::string name;  ///< of its file
+  Solution solution;
+};
+std::optional<TrueMotion> session_truth(const Session& session);
+
+/// `explain`: also what the calibration's uncertainties explain of the errors. Throws as `navigate` and `navigation_errors` do.
+NavigatedSession navigate_session(const std::string& name, const Calibration& calibration, const Session& session, const Recording& recording,
+                                  const NavigateOptions& options, const std::optional<TrueMotion>& truth, bool explain);
+
+}  // namespace imulab

@@ -1,0 +1,109 @@
+#include "imulab/tasks/simulate.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/io/recording/file.hpp"
+#include "imulab/io/session/file.hpp"
+#include "imulab/io/text/file.hpp"
+#include "imulab/model/grade.hpp"
+#include "imulab/simulate/simulate.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace imulab {
+namespace {
+
+namespace fs = std::filesystem;
+
+RecordingSource default_source() {
+  RecordingSource source;
+  source.file = "recording.csv";
+  source.rate_hz = 100;
+  source.gyro.unit = "rad/s";
+  source.accel.unit = "m/s^2";
+  return source;
+}
+
+void check_file_name(const RecordingSource& source) {
+  const fs::path name(source.file);
+  if (name.empty() || name.is_absolute() || name.has_parent_path() || name == "session.toml" || name == "truth.json")
+    throw Error(fmt::format("[[recording]] file = \"{}\"; expected the name of a file in the session's folder", source.file));
+}
+
+Session given_session(Session session, const Truth& truth) {
+  session.imu.truth.reset();
+  for (RecordingSource& source : session.recordings) {
+    const auto limit = [&](TriadSource& triad, double range) {
+      const double reading = range * (triad.output == Output::increment ? 1 / source.rate_hz.value_or(100) : 1);
+      if (range > 0 && !triad.limits) triad.limits = {-reading, reading};
+    };
+    limit(source.gyro, truth.gyro_noise.range);
+    limit(source.accel, truth.accel_noise.range);
+  }
+  const bool by_hand = std::all_of(session.rigs.begin(), session.rigs.end(), [](const RigDeclaration& rig) { return rig.kind == RigKind::none; });
+  if (by_hand) session.steps.clear();
+  return session;
+}
+
+Calibration truth_calibration(const Session& session, const Truth& truth, std::uint64_t seed, const std::string& frame) {
+  Calibration c;
+  c.imu = session.imu.name;
+  c.method = "truth";
+  c.software = software();
+  c.session_file = "session.toml";
+  c.frame = frame;
+  c.model = truth.model;
+  c.quality.verdict = "good";
+  c.quality.notes = {fmt::format("seed {}", seed), fmt::format("gravity {} m/s^2", truth.gravity),
+                     fmt::format("accelerometer noise {} m/s^2/sqrt(Hz)", truth.accel_noise.N),
+                     fmt::format("gyro noise {} rad/s/sqrt(Hz)", truth.gyro_noise.N)};
+  if (truth.latitude) c.quality.notes.push_back(fmt::format("latitude {} deg", *truth.latitude / unit::deg));
+  return c;
+}
+
+/// The procedure with another grade, or with the noise of an analysis; without any grade the IMU is then perfect but for its noise.
+void take_grade(ImuDeclaration& imu, const std::string& name) {
+  imu.gyro_noise_density = imu.accel_noise_density = std::nullopt;
+  imu.gyro_noise = imu.accel_noise = std::nullopt;
+  if (name.ends_with(".json"))
+    take_noise(imu, name);
+  else
+    imu.grade = grade(name).name;
+}
+
+}  // namespace
+
+SimulatedSession simulate(Session procedure, const SimulationTask& task) {
+  if (task.grade) take_grade(procedure.imu, *task.grade);
+  if (procedure.recordings.empty()) procedure.recordings.push_back(default_source());
+  for (RecordingSource& source : procedure.recordings) {
+    check_file_name(source);
+    source = written_source(source);
+  }
+  std::optional<Calibration> given = task.unit;
+  if (!given && procedure.imu.truth) given = read_calibration(session_path(procedure, *procedure.imu.truth));
+  if (!given && task.grade && !procedure.imu.grade) given = Calibration{};
+  const Truth truth = draw_truth(procedure, task.seed, given ? std::optional(given->model) : std::nullopt);
+  SimulatedSession out;
+  for (const RecordingSource& source : procedure.recordings) {
+    out.rig.push_back({source.file, draw_rig_errors(procedure, source, task.seed)});
+    out.recordings.push_back(simulate_recording(procedure, source, truth, task.seed, out.rig.back().errors));
+  }
+  out.truth = truth_calibration(procedure, truth, task.seed, given ? given->frame : truth.frame);
+  out.session = given_session(std::move(procedure), truth);
+  out.truth.session_sha256 = sha256(session_text(out.session));
+  return out;
+}
+
+void write_simulated(const fs::path& path, const SimulatedSession& simulated) {
+  NewFolder folder(path);
+  for (std::size_t k = 0; k < simulated.recordings.size(); ++k)
+    write_recording(folder.path() / simulated.session.recordings[k].file, simulated.recordings[k]);
+  write_whole(folder.path() / "session.toml", session_text(simulated.session));
+  write_whole(folder.path() / "truth.json", truth_text(simulated.truth, simulated.rig));
+  folder.commit();
+}
+
+}  // namespace imulab

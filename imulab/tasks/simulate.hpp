@@ -1,0 +1,37 @@
+// A procedure carried out by a virtual rig on a virtual IMU: a session with recordings, and the truth that a calibration has to find.
+#pragma once
+
+#include "imulab/io/calibration/file.hpp"
+#include "imulab/model/calibration.hpp"
+#include "imulab/recording/recording.hpp"
+#include "imulab/recording/session.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+struct SimulationTask {
+  std::uint64_t seed = 1;
+  std::optional<Calibration> unit = {};   ///< the IMU, in place of the procedure's
+  std::optional<std::string> grade = {};  ///< a grade by its name, or the file of a noise analysis (.json), in place of the procedure's
+};
+
+struct SimulatedSession {
+  Session session;                    ///< as a user would have it: without the truth, with the limits of a data sheet, without the steps of a hand
+  std::vector<Recording> recordings;  ///< one for each of the session's
+  Calibration truth;
+  std::vector<RecordedRigErrors> rig;
+};
+
+/// In memory. The procedure without a recording gets one at 100 Hz. Throws Error as draw_truth and simulate_recording do, and for a recording that is
+/// not named like a file of the session's own folder.
+SimulatedSession simulate(Session procedure, const SimulationTask& task = {});
+
+/// recordings, session.toml and truth.json in a new folder, whole or not at all. Throws Error where it exists or cannot be written.
+void write_simulated(const std::filesystem::path& folder, const SimulatedSession& simulated);
+
+}  // namespace imulab

@@ -1,0 +1,133 @@
+#include "imulab/tasks/trajectory.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/io/recording/file.hpp"
+#include "imulab/io/recording/solution.hpp"
+#include "imulab/io/session/file.hpp"
+#include "imulab/io/text/file.hpp"
+#include "imulab/navigation/budget/monte_carlo.hpp"
+#include "imulab/navigation/motion/trajectory.hpp"
+#include "imulab/simulate/simulate_motion.hpp"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace imulab {
+namespace {
+
+using namespace motion;
+
+Recording recording_of(const std::vector<Increment>& increments, double rate) {
+  Recording r;
+  r.name = "recording.csv";
+  r.interval_s = 1 / rate;
+  r.gyro_increment = r.accel_increment = true;
+  r.gyro_unit = "rad/s", r.accel_unit = "m/s^2";
+  r.time_ns.reserve(increments.size());
+  for (std::size_t i = 0; i < increments.size(); ++i) {
+    r.time_ns.push_back(std::llround(1e9 * static_cast<double>(i + 1) / rate));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      r.gyro[axis].push_back(increments[i].angle[static_cast<int>(axis)] * rate);
+      r.accel[axis].push_back(increments[i].velocity[static_cast<int>(axis)] * rate);
+    }
+  }
+  return r;
+}
+
+/// Three equal columns are written as one.
+std::optional<ThermalSource> thermal_source(const Columns3& columns, const std::string& unit, const std::array<const char*, 4>& names) {
+  if (columns[0].empty()) return {};
+  ThermalSource source;
+  source.unit = unit;
+  if (columns[0] == columns[1] && columns[0] == columns[2]) {
+    source.columns = {names[0]};
+  } else {
+    source.columns = {names[1], names[2], names[3]};
+  }
+  return source;
+}
+
+Session session_of(const Mission& mission, const Recording& recording, const NavigationState& start) {
+  const EulerAngles angles = euler_angles(start.q_nb.toRotationMatrix());
+  Session s;
+  s.imu.name = mission.imu;
+  s.site.latitude = start.latitude, s.site.longitude = start.longitude, s.site.height = start.height;
+  RecordingSource source;
+  source.file = "recording.csv";
+  source.rate_hz = mission.rate;
+  source.time = {.column = "t"};
+  const auto triad = [](std::vector<Column> columns, bool increment, const std::string& unit, const char* increment_unit) {
+    return TriadSource{.file = {},
+                       .columns = std::move(columns),
+                       .output = increment ? Output::increment : Output::rate,
+                       .unit = increment ? increment_unit : unit,
+                       .limits = {}};
+  };
+  source.gyro = triad({"gx", "gy", "gz"}, recording.gyro_increment, recording.gyro_unit, "rad");
+  source.accel = triad({"ax", "ay", "az"}, recording.accel_increment, recording.accel_unit, "m/s");
+  const UnitTemperature readings = mission.temperature.value_or(UnitTemperature{});
+  source.gyro_temperature = thermal_source(recording.gyro_temperature, readings.gyro.unit, {"tg", "tgx", "tgy", "tgz"});
+  source.accel_temperature = thermal_source(recording.accel_temperature, readings.accel.unit, {"ta", "tax", "tay", "taz"});
+  s.recordings = {source};
+  InitialState& i = s.initial.emplace();
+  i.latitude = start.latitude, i.longitude = start.longitude, i.height = start.height;
+  i.velocity_enu = {start.velocity.x(), start.velocity.y(), start.velocity.z()};
+  i.roll = angles.roll + 0.0, i.pitch = angles.pitch + 0.0, i.heading = angles.heading + 0.0;  // not -0
+  s.truth_file = "truth.csv";
+  return s;
+}
+
+ErrorSources mission_errors(const MissionFile& file, const std::string& mission, std::vector<std::string>& warnings) {
+  ErrorSourcesReading reading = read_error_sources(*file.errors, mission);
+  warnings.insert(warnings.end(), reading.warnings.begin(), reading.warnings.end());
+  return std::move(reading.sources);
+}
+
+/// The noise of [errors] alone: the coefficients are the IMU's own.
+Truth unit_of(const MissionFile& file, const TrajectoryTask& task, std::vector<std::string>& warnings) {
+  Truth unit;
+  unit.model = task.unit->model;
+  if (!file.errors) return unit;
+  const ErrorSources sources = mission_errors(file, task.mission, warnings);
+  unit.gyro_noise = sources.gyro_noise;
+  unit.accel_noise = sources.accel_noise;
+  return unit;
+}
+
+/// Of an ideal IMU, of one with the mission's errors, or raw readings of a given one.
+Recording recording_on(const MissionFile& file, const TrajectoryTask& task, const Trajectory& motion, std::vector<std::string>& warnings) {
+  const double interval = 1 / file.mission.rate;
+  if (task.errors) {
+    if (!file.errors) throw Error(task.mission + ": has no errors; expected an [errors] table");
+    return recording_of(erring_increments(nominal_motion(motion, interval), mission_errors(file, task.mission, warnings), task.seed),
+                        file.mission.rate);
+  }
+  const std::optional<Truth> unit = task.unit ? std::optional(unit_of(file, task, warnings)) : std::nullopt;
+  const double samples = motion.duration * file.mission.rate;
+  const std::vector<Increment> ideal = ideal_increments(motion, interval, [&](std::uint64_t done) {
+    if (task.progress) task.progress(static_cast<double>(done) / samples);
+  });
+  return unit ? simulate_motion(ideal, interval, *unit, task.seed, file.mission.temperature) : recording_of(ideal, file.mission.rate);
+}
+
+}  // namespace
+
+FlownMission fly(const MissionFile& file, const TrajectoryTask& task) {
+  const Trajectory motion = errors_at(task.mission, [&] { return trajectory_of(file.mission); });
+  FlownMission out;
+  out.recording = recording_on(file, task, motion, out.warnings);
+  out.truth = truth(motion, 1 / file.mission.rate, file.mission.truth_every);
+  out.session = session_of(file.mission, out.recording, out.truth.states.front());
+  return out;
+}
+
+void write_flown(const std::filesystem::path& path, const FlownMission& flown) {
+  NewFolder folder(path);
+  write_recording(folder.path() / "recording.csv", flown.recording);
+  write_solution(folder.path() / "truth.csv", flown.truth);
+  write_session(folder.path() / "session.toml", flown.session);
+  folder.commit();
+}
+
+}  // namespace imulab

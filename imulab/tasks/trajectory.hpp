@@ -1,0 +1,39 @@
+// A mission flown: its truth, and what an IMU on it reads.
+#pragma once
+
+#include "imulab/io/session/mission.hpp"
+#include "imulab/model/calibration.hpp"
+#include "imulab/navigation/integration/solution.hpp"
+#include "imulab/recording/recording.hpp"
+#include "imulab/recording/session.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace imulab {
+
+struct TrajectoryTask {
+  std::string mission;                       ///< its file: for messages, and beside it the files that it names
+  bool errors = false;                       ///< the IMU has the errors of the mission's [errors]; else it is ideal, or:
+  std::optional<Calibration> unit = {};      ///< gives the raw readings of this one, with the noise of [errors]
+  std::uint64_t seed = 1;                    ///< of errors and noise
+  std::function<void(double)> progress = {};  ///< told about which part is done, 0 to 1
+};
+
+struct FlownMission {
+  Session session;      ///< the recording, the exact start, the truth
+  Recording recording;  ///< recording.csv
+  Solution truth;       ///< truth.csv
+  std::vector<std::string> warnings;
+};
+
+/// Throws Error as trajectory_of does, where [errors] are asked for that the mission lacks, and as simulate_motion.
+FlownMission fly(const MissionFile& file, const TrajectoryTask& task);
+
+/// recording.csv, truth.csv and session.toml in a new folder, whole or not at all. Throws Error where it exists or cannot be written.
+void write_flown(const std::filesystem::path& folder, const FlownMission& flown);
+
+}  // namespace imulab

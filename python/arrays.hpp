@@ -1,0 +1,36 @@
+// numpy arrays <-> columns. The Python side has made them arrays of double already; here their shapes and strides are read.
+#pragma once
+
+#include "imulab/recording/recording.hpp"
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace imulab::python {
+
+namespace py = pybind11;
+
+/// Of float64, with any strides.
+using Array = py::array_t<double>;
+
+/// N numbers, or one column of three.
+std::vector<double> column_of(const Array& array);
+/// N x 3. Throws Error naming it for another shape.
+Columns3 columns_of(const std::string& name, const Array& array);
+/// None, N or N x 3: none, one column or three.
+std::vector<std::vector<double>> thermal_columns(const std::string& name, const py::object& array);
+
+Array array_of(const std::vector<double>& column);
+py::array_t<std::int64_t> array_of(const std::vector<std::int64_t>& column);
+py::array_t<std::int64_t> indices_of(const std::vector<std::size_t>& indices);
+/// N x 3; 0 x 3 where the columns are empty.
+Array array_of(const Columns3& columns);
+Array array_of(const Eigen::MatrixXd& matrix);
+
+}  // namespace imulab::python

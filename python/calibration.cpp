@@ -1,0 +1,186 @@
+#include "imulab/model/calibration.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/io/calibration/file.hpp"
+#include "imulab/io/export/target.hpp"
+#include "imulab/io/import/calibration.hpp"
+#include "imulab/io/result/calibration.hpp"
+#include "imulab/io/result/noise_reader.hpp"
+#include "imulab/model/compensate.hpp"
+#include "imulab/recording/compensate_recording.hpp"
+#include "imulab/report/calibration_page.hpp"
+#include "python/bindings.hpp"
+#include "python/work.hpp"
+
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace imulab::python {
+namespace {
+
+std::shared_ptr<CalibrationObject> object_of(Calibration calibration) {
+  return std::make_shared<CalibrationObject>(CalibrationObject{std::make_shared<CalibrationResult>(CalibrationResult{std::move(calibration)}), {}});
+}
+
+/// name, value, standard uncertainty (NaN: not determined), unit; SI.
+py::list coefficients(const Calibration& c) {
+  py::list rows;
+  for (const CoefficientIndex index : coefficient_indices()) {
+    const Coefficient& row = coefficient(index);
+    rows.append(py::make_tuple(row.name, coefficient_value(c.model, index),
+                               standard_uncertainty(c, index).value_or(std::numeric_limits<double>::quiet_NaN()), row.unit));
+  }
+  return rows;
+}
+
+constexpr std::size_t block = 1024;  // samples: twelve columns of them stay in the second-level cache
+
+/// Rows of three numbers with any strides.
+struct Rows {
+  const double* data = nullptr;  // null: none
+  py::ssize_t row = 0, column = 0;
+
+  explicit Rows(const py::object& object) {
+    if (object.is_none()) return;
+    const auto array = object.cast<Array>();
+    data = array.data();
+    constexpr auto size = static_cast<py::ssize_t>(sizeof(double));
+    row = array.strides(0) / size;
+    column = array.ndim() == 2 ? array.strides(1) / size : 0;  // one column stands for three
+  }
+};
+
+using Block = std::array<std::array<double, block>, 3>;
+
+std::array<std::span<const double>, 3> load(const Rows& rows, std::size_t begin, std::size_t n, Block& to) {
+  if (rows.data == nullptr) return {};
+  const double* from = rows.data + static_cast<py::ssize_t>(begin) * rows.row;
+  for (std::size_t i = 0; i < n; ++i, from += rows.row)
+    for (std::size_t axis = 0; axis < 3; ++axis) to[axis][i] = from[static_cast<py::ssize_t>(axis) * rows.column];
+  return {std::span(to[0].data(), n), std::span(to[1].data(), n), std::span(to[2].data(), n)};
+}
+
+void store(const Block& from, std::size_t n, double* to) {
+  for (std::size_t i = 0; i < n; ++i, to += 3) to[0] = from[0][i], to[1] = from[1][i], to[2] = from[2][i];
+}
+
+/// Raw readings, N x 3, to rates and forces in `rate` and `force`, both contiguous. The Python side has checked that the shapes agree.
+void apply(const CalibrationObject& calibration, const Array& gyro, const Array& accel, const py::object& gyro_temperature,
+           const py::object& accel_temperature, Array rate, Array force) {
+  const SensorModel& model = calibration.calibration().model;
+  const Rows g(gyro), a(accel), gt(gyro_temperature), at(accel_temperature);
+  const auto size = static_cast<std::size_t>(gyro.shape(0));
+  double *const rates = rate.mutable_data(), *const forces = force.mutable_data();
+  const py::gil_scoped_release unlocked;
+  Block blocks[6];
+  for (std::size_t begin = 0; begin < size; begin += block) {
+    const std::size_t n = std::min(block, size - begin);
+    const RawColumns raw{load(g, begin, n, blocks[0]), load(a, begin, n, blocks[1]), load(gt, begin, n, blocks[2]), load(at, begin, n, blocks[3])};
+    const auto span = [&](std::size_t k) { return std::array{std::span(blocks[k][0].data(), n), std::span(blocks[k][1].data(), n), std::span(blocks[k][2].data(), n)}; };
+    compensate(model, raw, {span(4), span(5)});
+    store(blocks[4], n, rates + 3 * begin);
+    store(blocks[5], n, forces + 3 * begin);
+  }
+}
+
+/// The file that `imulab export` writes, with what it leaves out and warns of.
+std::tuple<std::string, std::vector<std::string>> exported(const CalibrationObject& c, const std::string& target, const std::string& noise,
+                                                           const ExportOptions& options) {
+  std::optional<ImuNoise> sizes;
+  if (!noise.empty()) sizes = parse_noise(noise, "noise");
+  const ExportInput input{c.calibration(), sizes ? &*sizes : nullptr, options};
+  const ExportTarget& chosen = export_target(target);
+  std::vector<std::string> notes = chosen.left_out(input);
+  if (chosen.warnings != nullptr) {
+    const std::vector<std::string> warnings = chosen.warnings(input);
+    notes.insert(notes.end(), warnings.begin(), warnings.end());
+  }
+  return {chosen.text(input), std::move(notes)};
+}
+
+std::string page(const CalibrationObject& c) {
+  if (c.data) return calibration_page(*c.result, *c.data);
+  return calibration_page(CalibrationReport{
+      .result = *c.result, .missing = {"The recording, gravity and rotations before and after, the directions of gravity: of a saved calibration."}});
+}
+
+}  // namespace
+
+void bind_calibration(py::module_& module) {
+  py::class_<CalibrationObject, std::shared_ptr<CalibrationObject>>(module, "Calibration")
+      .def_static("read", [](const std::string& path) { return object_of(read_calibration(path)); })
+      .def_static("parse", [](const std::string& text, const std::string& file) { return object_of(parse_calibration(text, file)); })
+      .def_static("imported",
+                  [](const std::string& path, const std::optional<std::string>& gyro_file, int instance, const std::string& raw) {
+                    Imported imported = import_calibration(path, {.gyro_file = gyro_file, .instance = instance, .raw = raw});
+                    return std::pair(object_of(std::move(imported.calibration)), std::move(imported.warnings));
+                  })
+      .def_property_readonly("json", [](const CalibrationObject& c) { return calibration_text(c.calibration()); })
+      .def_property_readonly("text", [](const CalibrationObject& c) { return calibration_summary(c.calibration()); })
+      .def_property_readonly("details",
+                             [](const CalibrationObject& c) {
+                               return calibration_details(c.calibration(), c.result->coarse ? &*c.result->coarse : nullptr);
+                             })
+      .def_property_readonly("imu", [](const CalibrationObject& c) { return c.calibration().imu; })
+      .def_property_readonly("method", [](const CalibrationObject& c) { return c.calibration().method; })
+      .def_property_readonly("verdict", [](const CalibrationObject& c) { return c.calibration().quality.verdict; })
+      .def_property_readonly("because", [](const CalibrationObject& c) { return c.calibration().quality.because; })
+      .def_property_readonly("warnings", [](const CalibrationObject& c) { return c.calibration().quality.warnings; })
+      .def_property_readonly("unobservable", [](const CalibrationObject& c) { return c.calibration().quality.unobservable; })
+      .def_property_readonly("unusable", [](const CalibrationObject& c) { return unusable(c.calibration()); })
+      .def_property_readonly("shortcomings", [](const CalibrationObject& c) { return shortcomings(*c.result); })
+      .def_property_readonly("coefficients", [](const CalibrationObject& c) { return coefficients(c.calibration()); })
+      .def_property_readonly("estimated",
+                             [](const CalibrationObject& c) {
+                               std::vector<std::string_view> names;
+                               for (const CoefficientIndex index : c.calibration().estimated) names.push_back(coefficient(index).name);
+                               return names;
+                             })
+      .def_property_readonly("covariance", [](const CalibrationObject& c) { return array_of(c.calibration().covariance); })
+      .def_property_readonly("curves",
+                             [](const CalibrationObject& c) {
+                               std::map<std::string, py::array> curves;
+                               if (!c.result->curve_time.empty()) curves["t"] = array_of(c.result->curve_time);
+                               for (const ConvergenceCurve& curve : c.result->curves) {
+                                 curves[curve.name] = array_of(curve.residual);
+                                 curves[curve.name + ".sigma"] = array_of(curve.sigma);
+                               }
+                               return curves;
+                             })
+      .def_property_readonly("gyro_unit", [](const CalibrationObject& c) { return c.calibration().model.gyro.raw_unit; })
+      .def_property_readonly("accel_unit", [](const CalibrationObject& c) { return c.calibration().model.accel.raw_unit; })
+      .def("save",
+           [](const CalibrationObject& c, const std::string& path) {
+             const py::gil_scoped_release unlocked;
+             write_calibration(path, c.calibration());
+           })
+      .def("page",
+           [](const std::shared_ptr<CalibrationObject>& c) { return run(py::none(), [c = *c](const auto&) { return page(c); }); })
+      .def("apply", &apply, py::arg("gyro"), py::arg("accel"), py::arg("gyro_temperature"), py::arg("accel_temperature"), py::arg("rate"),
+           py::arg("force"))
+      .def("exported", [](const CalibrationObject& c, const std::string& target, const std::string& noise, const std::string& axes,
+                          std::optional<double> rate_hz, const std::string& imu_model, bool variance_matched, int instance) {
+        ExportOptions options{.variance_matched = variance_matched, .imu_model = imu_model, .rate_hz = rate_hz, .instance = instance};
+        if (axes != "worst" && axes != "mean") throw Error("axes: " + axes + "; expected worst or mean");
+        options.axes = axes == "mean" ? AxisChoice::mean : AxisChoice::worst;
+        return exported(c, target, noise, options);
+      });
+  module.def("export_targets", [] {
+    std::vector<std::pair<std::string_view, std::string_view>> targets;
+    for (const ExportTarget& target : export_targets()) targets.emplace_back(target.name, target.summary);
+    return targets;
+  });
+  module.def("compensate", [](const CalibrationObject& c, std::shared_ptr<Recording> recording, bool reject_outliers) {
+    CompensatedRecording out = run(py::none(), [result = c.result, recording = std::move(recording), reject_outliers](const auto&) {
+      return compensate(result->calibration.model, *recording, reject_outliers ? Outliers::reject : Outliers::keep);
+    });
+    return std::tuple(std::make_shared<Recording>(std::move(out.recording)), indices_of(out.out_of_range), indices_of(out.replaced));
+  });
+}
+
+}  // namespace imulab::python

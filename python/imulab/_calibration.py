@@ -1,0 +1,275 @@
+"""Calibrations: values, their uncertainties, and what they do to readings."""
+
+from __future__ import annotations
+
+import html
+import json
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _arrays, _imulab
+from ._arrays import FloatArray
+from ._imulab import Error, Unsupported
+from ._text import PathLike, optional_package, path, warn
+
+if TYPE_CHECKING:
+    import pandas  # type: ignore[import]
+
+    from ._results import Noise
+
+
+class Coefficient(NamedTuple):
+    """One coefficient, SI; `sigma` is None where it was not determined or is fixed by the frame."""
+
+    name: str
+    value: float
+    sigma: float | None
+    unit: str
+
+
+class Calibration:
+    """The model of an IMU with the standard uncertainty of every coefficient.
+
+    From `calibrate`, `read_calibration` or `import_calibration`. It does not change.
+    """
+
+    def __init__(self, calibration: _imulab.Calibration, name: str = "") -> None:
+        if not isinstance(calibration, _imulab.Calibration):
+            raise TypeError("expected read_calibration(file) or calibrate(data, method=...)")
+        self._calibration = calibration
+        self.name = name or calibration.imu or calibration.method  #: of its file or IMU, for comparisons
+
+    # What it says
+
+    @cached_property
+    def coefficients(self) -> list[Coefficient]:
+        """All of the model, in the order of files."""
+        return [Coefficient(n, v, None if np.isnan(s) else s, unit) for n, v, s, unit in self._calibration.coefficients]
+
+    @property
+    def values(self) -> dict[str, float]:
+        """By name, SI: values["gyro.matrix.xy"]."""
+        return {c.name: c.value for c in self.coefficients}
+
+    @property
+    def sigma(self) -> dict[str, float | None]:
+        """Standard uncertainties by name, SI; None where the data did not determine the coefficient or the frame fixes it."""
+        return {c.name: c.sigma for c in self.coefficients}
+
+    @property
+    def estimated(self) -> list[str]:
+        """Names of the coefficients in `covariance`."""
+        return list(self._calibration.estimated)
+
+    @property
+    def covariance(self) -> FloatArray:
+        """(M, M), SI, in the order of `estimated`."""
+        return self._calibration.covariance
+
+    @property
+    def verdict(self) -> str:
+        """"good" or "doubtful"."""
+        return self._calibration.verdict
+
+    @property
+    def because(self) -> list[str]:
+        """Why it is doubtful."""
+        return self._calibration.because
+
+    @property
+    def shortcomings(self) -> str:
+        """Why it is not what was asked for: not converged, coefficients not determined, requirements not reached. Empty: it is."""
+        return self._calibration.shortcomings
+
+    def expect_supported(self) -> None:
+        """Raises Unsupported with the shortcomings where there are any, as the command ends with exit code 1."""
+        if self.shortcomings:
+            raise Unsupported(self.shortcomings)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What was found in the data, and what it means for the result."""
+        return self._calibration.warnings
+
+    @property
+    def method(self) -> str:
+        return self._calibration.method
+
+    @property
+    def imu(self) -> str:
+        """The name of the IMU."""
+        return self._calibration.imu
+
+    @property
+    def curves(self) -> dict[str, FloatArray]:
+        """Of the method hybrid: "t" [s], and of each coefficient its residual over time and, as "NAME.sigma", its standard uncertainty."""
+        return self._calibration.curves
+
+    @property
+    def gyro_unit(self) -> str:
+        """What `apply` takes: "rad/s" or "count"."""
+        return self._calibration.gyro_unit
+
+    @property
+    def accel_unit(self) -> str:
+        """What `apply` takes: "m/s^2" or "count"."""
+        return self._calibration.accel_unit
+
+    @property
+    def json(self) -> str:
+        """calibration.json."""
+        return self._calibration.json
+
+    @cached_property
+    def data(self) -> dict[str, Any]:
+        """The same as dicts and lists."""
+        data: dict[str, Any] = json.loads(self.json)
+        return data
+
+    @property
+    def details(self) -> str:
+        """Every estimated coefficient in SI and in user units, what was used, and the tests of optional terms."""
+        return self._calibration.details
+
+    def to_frame(self) -> pandas.DataFrame:
+        """The coefficients as a pandas table, the name as its index."""
+        pandas = optional_package("pandas", "to_frame")
+        return pandas.DataFrame(self.coefficients).set_index("name")
+
+    # What it does
+
+    def apply(
+        self,
+        gyro: npt.ArrayLike,
+        accel: npt.ArrayLike,
+        temperature: npt.ArrayLike | None = None,
+        *,
+        gyro_temperature: npt.ArrayLike | None = None,
+        accel_temperature: npt.ArrayLike | None = None,
+        allow_undetermined: bool = False,
+        out: tuple[FloatArray, FloatArray] | None = None,
+    ) -> tuple[FloatArray, FloatArray]:
+        """Raw readings to angular rates [rad/s] and specific forces [m/s^2].
+
+        gyro, accel: (N, 3), or (3,) for one sample, in `gyro_unit` and `accel_unit`; any strides, float64 without a copy.
+        temperature: (N,) or (N, 3) of both triads, or of each; needed where the calibration has thermal terms.
+        out: two arrays to write to, (N, 3) of float64, C-contiguous; the inputs themselves may be given.
+
+        Raises Unsupported where the data did not determine all of the offsets and matrices, unless that is allowed. NaN gives NaN.
+        """
+        self._expect_usable(allow_undetermined)
+        rates = _arrays.numbers("gyro", gyro)
+        single = rates.ndim == 1
+        if single:
+            rates = rates[np.newaxis]
+        rates = _arrays.rows("gyro", rates)
+        forces = _arrays.numbers("accel", accel)
+        forces = _arrays.rows("accel", forces[np.newaxis] if single and forces.ndim == 1 else forces, len(rates))
+        count = len(rates)
+
+        def readings(name: str, own: npt.ArrayLike | None) -> FloatArray | None:
+            value = temperature if own is None else own
+            if value is not None and np.ndim(value) == 0:
+                value = np.full(count, value)
+            return _arrays.thermal(name, value, count)
+
+        targets = out if out is not None else (np.empty((count, 3)), np.empty((count, 3)))
+        self._check_out(targets, count)
+        self._calibration.apply(
+            rates, forces, readings("gyro_temperature", gyro_temperature), readings("accel_temperature", accel_temperature), *targets
+        )
+        return (targets[0][0], targets[1][0]) if single and out is None else targets
+
+    @staticmethod
+    def _check_out(targets: tuple[FloatArray, FloatArray], count: int) -> None:
+        if not isinstance(targets, tuple) or len(targets) != 2:
+            raise TypeError("out: expected two arrays, (rate, force)")
+        for name, target in zip(("rate", "force"), targets):
+            if not isinstance(target, np.ndarray) or target.dtype != np.float64 or not target.dtype.isnative:
+                raise TypeError(f"out: {name}: expected an array of float64")
+            if target.shape != (count, 3) or not target.flags.c_contiguous or not target.flags.writeable:
+                raise Error(f"out: {name}: expected shape ({count}, 3), C-contiguous and writeable")
+        if np.shares_memory(*targets):
+            raise Error("out: rate and force share memory; expected two arrays")
+
+    def _expect_usable(self, allowed: bool) -> None:
+        names = self._calibration.unusable
+        if not names:
+            return
+        text = f"the data did not determine {', '.join(names)}: starting values, which compensate nothing"
+        if not allowed:
+            raise Unsupported(f"{text}; expected a calibration from more data, or allow_undetermined=True")
+        warn([text])
+
+    # Where it goes
+
+    def to(
+        self,
+        target: str,
+        *,
+        noise: Noise | None = None,
+        axes: str = "worst",
+        rate_hz: float | None = None,
+        model: str = "kalibr",
+        variance_matched: bool = False,
+        instance: int = 0,
+        allow_undetermined: bool = False,
+    ) -> str:
+        """The file for another program, as text: "kalibr", "openvins", "ros", "c-header", ... (`export_targets`).
+
+        noise: for targets that hold noise. Further arguments as the options of `imulab export`. What the target cannot hold is warned of.
+        """
+        self._expect_usable(allow_undetermined)
+        text, notes = self._calibration.exported(target, "" if noise is None else noise.json, axes, rate_hz, model, variance_matched, instance)
+        warn(notes)
+        return text
+
+    def export(self, target: str, file: PathLike, **options: Any) -> None:
+        """Writes what `to` gives, whole or not at all."""
+        text = self.to(target, **options)
+        _imulab.write_whole(path("file", file), text)
+
+    def save(self, file: PathLike) -> None:
+        """Writes calibration.json, whole or not at all."""
+        self._calibration.save(path("file", file))
+
+    def report(self, file: PathLike) -> None:
+        """Writes the page: one HTML file, self-contained; with pictures from the recordings where it was just made from them."""
+        _imulab.write_whole(path("file", file), self._calibration.page())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _unpickled, (self.json, self.name)
+
+    def __str__(self) -> str:
+        return self._calibration.text
+
+    def __repr__(self) -> str:
+        return f"<imulab.Calibration {self.imu!r} by {self.method}: {self.verdict or 'no verdict'}, {len(self.estimated)} coefficients>"
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(str(self))}</pre>"
+
+
+def _unpickled(text: str, name: str) -> Calibration:
+    return Calibration(_imulab.Calibration.parse(text, name), name)
+
+
+def read_calibration(file: PathLike) -> Calibration:
+    """Reads calibration.json or truth.json. Raises Error with file and field."""
+    name = path("file", file)
+    return Calibration(_imulab.Calibration.read(name), name)
+
+
+def import_calibration(file: PathLike, *, gyro_file: PathLike | None = None, instance: int = 0, raw: str = "") -> Calibration:
+    """Another program's calibration, told by its content; it states no uncertainties.
+
+    gyro_file: for formats with one triad a file. instance: of several IMUs. raw: the readings' unit, "si" or "count"; empty: as the file says.
+    """
+    name = path("file", file)
+    imported, notes = _imulab.Calibration.imported(name, None if gyro_file is None else path("gyro_file", gyro_file), instance, raw)
+    warn(notes)
+    return Calibration(imported, name)
+

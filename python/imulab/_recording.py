@@ -1,0 +1,172 @@
+"""Recordings: samples of one IMU on one clock."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _arrays, _imulab
+from ._arrays import FloatArray
+from ._text import PathLike, optional_package, path
+
+if TYPE_CHECKING:
+    import pandas  # type: ignore[import]
+
+
+class Recording:
+    """Samples of one IMU on one clock, in SI, or in counts where their unit is "count".
+
+    A sample belongs to the interval that ends at its stamp. Make one with `Recording.from_arrays`, `read_recording` or `simulate`. It does not
+    change; each attribute that is an array is a new copy.
+    """
+
+    def __init__(self, recording: _imulab.Recording) -> None:
+        if not isinstance(recording, _imulab.Recording):
+            raise TypeError("expected Recording.from_arrays(t, gyro, accel) or read_recording(file)")
+        self._recording = recording
+
+    @classmethod
+    def from_arrays(
+        cls,
+        t: npt.ArrayLike,
+        gyro: npt.ArrayLike,
+        accel: npt.ArrayLike,
+        *,
+        temperature: npt.ArrayLike | None = None,
+        gyro_temperature: npt.ArrayLike | None = None,
+        accel_temperature: npt.ArrayLike | None = None,
+        name: str = "recording",
+        time_unit: str = "s",
+        interval_s: float | None = None,
+        gyro_unit: str = "",
+        accel_unit: str = "",
+        gyro_counts_per_unit: float = 1.0,
+        accel_counts_per_unit: float = 1.0,
+        gyro_increment: bool = False,
+        accel_increment: bool = False,
+        gyro_limits: tuple[float, float] | None = None,
+        accel_limits: tuple[float, float] | None = None,
+    ) -> Recording:
+        """A recording from arrays in memory, which are copied once.
+
+        t: (N,) ends of the samples' intervals: seconds as floats; integers of `time_unit` ("s", "ms", "us", "ns") or datetime64 keep every digit.
+        gyro: (N, 3) angular rates, rad/s or `gyro_unit`: "deg/s", "deg/h", "count"; with `gyro_increment` integrals over the interval ("rad").
+        accel: (N, 3) specific forces, m/s^2 or `accel_unit`: "g", "mg", "count"; with `accel_increment` "m/s".
+        temperature: (N,) or (N, 3) of both triads, degC; or of each by `gyro_temperature` and `accel_temperature`.
+        gyro_counts_per_unit: the array has counts, so many of them are one unit. gyro_limits: readings at or beyond are saturated.
+        interval_s: nominal; without it the median difference of the stamps.
+
+        Raises Error for shapes that do not agree, NaN, stamps that go back, unknown units; TypeError for what is not numbers.
+        """
+        times = _arrays.stamps(t, time_unit)
+        count = times.shape[0]
+        rates = _arrays.rows("gyro", gyro, count)
+        forces = _arrays.rows("accel", accel, count)
+
+        def options(triad: str, unit: str, per_unit: float, increment: bool, limits: tuple[float, float] | None, own: Any) -> dict[str, Any]:
+            readings = _arrays.thermal(f"{triad}_temperature", temperature if own is None else own, count)
+            return {"unit": unit, "counts_per_unit": per_unit, "increment": increment, "limits": limits, "temperature": readings}
+
+        return cls(
+            _imulab.Recording(
+                times,
+                rates,
+                forces,
+                name,
+                interval_s,
+                options("gyro", gyro_unit, gyro_counts_per_unit, gyro_increment, gyro_limits, gyro_temperature),
+                options("accel", accel_unit, accel_counts_per_unit, accel_increment, accel_limits, accel_temperature),
+            )
+        )
+
+    def __len__(self) -> int:
+        return len(self._recording)
+
+    @property
+    def name(self) -> str:
+        """Of its file, or as it was given."""
+        return self._recording.name
+
+    @property
+    def interval_s(self) -> float:
+        """Nominal interval, s."""
+        return self._recording.interval_s
+
+    @property
+    def t(self) -> FloatArray:
+        """(N,) ends of the samples' intervals, s."""
+        return self._recording.t
+
+    @property
+    def time_ns(self) -> npt.NDArray[np.int64]:
+        """(N,) the same, exact, ns."""
+        return self._recording.time_ns
+
+    @property
+    def gyro(self) -> FloatArray:
+        """(N, 3) angular rates, rad/s, or counts."""
+        return self._recording.gyro
+
+    @property
+    def accel(self) -> FloatArray:
+        """(N, 3) specific forces, m/s^2, or counts."""
+        return self._recording.accel
+
+    @property
+    def gyro_temperature(self) -> FloatArray | None:
+        """(N, 3) thermal readings of the gyros, or None."""
+        return self._recording.gyro_temperature
+
+    @property
+    def accel_temperature(self) -> FloatArray | None:
+        """(N, 3) thermal readings of the accelerometers, or None."""
+        return self._recording.accel_temperature
+
+    @property
+    def gyro_unit(self) -> str:
+        """"rad/s" or "count"."""
+        return self._recording.gyro_unit
+
+    @property
+    def accel_unit(self) -> str:
+        """"m/s^2" or "count"."""
+        return self._recording.accel_unit
+
+    @property
+    def gaps(self) -> npt.NDArray[np.int64]:
+        """Indices of samples before which time is missing."""
+        return self._recording.gaps
+
+    @property
+    def saturated(self) -> npt.NDArray[np.int64]:
+        """Indices of samples with a reading at a limit."""
+        return self._recording.saturated
+
+    def save(self, file: PathLike) -> None:
+        """Writes t,gx,gy,gz,ax,ay,az as CSV, whole or not at all."""
+        self._recording.save(path("file", file))
+
+    def to_frame(self) -> pandas.DataFrame:
+        """A pandas table with the columns of `save`, the time as its index."""
+        pandas = optional_package("pandas", "to_frame")
+        columns = {n: v for n, v in zip(("gx", "gy", "gz"), self.gyro.T)} | {n: v for n, v in zip(("ax", "ay", "az"), self.accel.T)}
+        return pandas.DataFrame(columns, index=pandas.Index(self.t, name="t"))
+
+    def plot(self) -> Any:
+        """Rates and forces over time, as a figure of matplotlib."""
+        pyplot = optional_package("matplotlib.pyplot", "plot")
+        figure, axes = pyplot.subplots(2, 1, sharex=True, layout="constrained")
+        for axis, values, label in ((axes[0], self.gyro, f"rate, {self.gyro_unit}"), (axes[1], self.accel, f"force, {self.accel_unit}")):
+            for i, name in enumerate("xyz"):
+                axis.plot(self.t, values[:, i], linewidth=0.7, label=name)
+            axis.set_ylabel(label)
+            axis.legend(loc="upper right", ncols=3)
+        axes[1].set_xlabel("t, s")
+        return figure
+
+    def __repr__(self) -> str:
+        size = len(self)
+        duration = (int(self.time_ns[-1]) - int(self.time_ns[0])) * 1e-9 + self.interval_s if size else 0.0
+        return f"<imulab.Recording {self.name!r}: {size} samples, {duration:.6g} s at {1 / self.interval_s:.6g} Hz, {self.gyro_unit}, {self.accel_unit}>"

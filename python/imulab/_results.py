@@ -1,0 +1,214 @@
+"""Answers of the verbs: the command's JSON as data, its table as text, its page."""
+
+from __future__ import annotations
+
+import html
+import json
+from collections.abc import Iterator
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _imulab
+from ._arrays import FloatArray
+from ._imulab import Unsupported
+from ._recording import Recording
+from ._session import Session
+from ._text import PathLike, optional_package, path
+
+if TYPE_CHECKING:
+    import pandas  # type: ignore[import]
+
+
+class Result:
+    """An answer. `result["key"]` is a value of the JSON that the command prints; print(result) is its table.
+
+    `shortcomings` says why it is not what was asked for; empty: it is. The command ends with exit code 1 there; `expect_supported()` raises.
+    """
+
+    def __init__(self, outcome: _imulab.Outcome) -> None:
+        self._outcome = outcome
+
+    @property
+    def json(self) -> str:
+        """What the command prints with --json."""
+        return self._outcome.json
+
+    @cached_property
+    def data(self) -> dict[str, Any]:
+        """The same as dicts and lists; null is None."""
+        data: dict[str, Any] = json.loads(self.json)
+        return data
+
+    def __getitem__(self, key: str) -> Any:
+        return self.data[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.data)
+
+    @property
+    def shortcomings(self) -> str:
+        """Why the answer is not what was asked for; empty: it is."""
+        return self._outcome.shortcomings
+
+    @property
+    def warnings(self) -> list[str]:
+        """What was found, and what it means for the result."""
+        return self._outcome.warnings
+
+    def expect_supported(self) -> None:
+        """Raises Unsupported with the shortcomings where there are any."""
+        if self.shortcomings:
+            raise Unsupported(self.shortcomings)
+
+    def save(self, file: PathLike) -> None:
+        """Writes the JSON, whole or not at all."""
+        _imulab.write_whole(path("file", file), self.json)
+
+    def report(self, file: PathLike) -> None:
+        """Writes the page: one HTML file, self-contained."""
+        _imulab.write_whole(path("file", file), self._outcome.page())
+
+    def __str__(self) -> str:
+        return self._outcome.text
+
+    def __repr__(self) -> str:
+        first = next((line for line in str(self).splitlines() if line.strip()), "").strip()
+        return f"<imulab.{type(self).__name__}: {first}>"
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(str(self))}</pre>"
+
+
+class Inspection(Result):
+    """What a recording holds, with the evidence."""
+
+    def __init__(self, outcome: _imulab.Outcome, session: _imulab.Session | None, recording: _imulab.Recording | None) -> None:
+        super().__init__(outcome)
+        self._session, self._recording = session, recording
+
+    @property
+    def complete(self) -> bool:
+        """Whether nothing is open."""
+        return not self.shortcomings
+
+    @property
+    def session(self) -> Session:
+        """The session for it. Raises Unsupported with the open questions."""
+        self.expect_supported()
+        assert self._session is not None
+        return Session._of(self._session)
+
+    @property
+    def recording(self) -> Recording:
+        """The recording, read as that session declares it. Raises Unsupported with the open questions."""
+        self.expect_supported()
+        assert self._recording is not None
+        return Recording(self._recording)
+
+
+class Comparison(Result):
+    """Calibrations compared, coefficient by coefficient."""
+
+
+class Prediction(Result):
+    """Standard uncertainties to come."""
+
+    @property
+    def sigma(self) -> dict[str, float]:
+        """Of each determined coefficient, SI."""
+        return {row["name"]: row["sigma"] for row in self["coefficients"]}
+
+
+class Plan(Prediction):
+    """The shortest path that meets requirements."""
+
+    def __init__(self, outcome: _imulab.Outcome, procedure: _imulab.Session) -> None:
+        super().__init__(outcome)
+        self._procedure = procedure
+
+    @property
+    def procedure(self) -> Session:
+        """Ready to be carried out, or simulated."""
+        return Session._of(self._procedure)
+
+
+class Noise(Result):
+    """Allan deviation and noise coefficients of each axis."""
+
+    def axis(self, name: str) -> dict[str, Any]:
+        """Of "gyro.x", ...: its JSON. Raises KeyError for an axis that is not there."""
+        for axis in self["axes"]:
+            if axis["name"] == name:
+                found: dict[str, Any] = axis
+                return found
+        raise KeyError(name)
+
+    def plot(self) -> Any:
+        """Deviations with their 95 % bounds, as a figure of matplotlib."""
+        pyplot = optional_package("matplotlib.pyplot", "plot")
+        figure, axes = pyplot.subplots(1, 2, layout="constrained", figsize=(10, 4))
+        for axis in self["axes"]:
+            curve = axis["deviation"]
+            place = axes[0] if axis["name"].startswith("gyro") else axes[1]
+            tau, value = [p["tau_s"] for p in curve], [p["deviation"] for p in curve]
+            place.fill_between(tau, [p["lower_95"] for p in curve], [p["upper_95"] for p in curve], alpha=0.2)
+            place.loglog(tau, value, label=axis["name"])
+            place.set_xlabel("averaging time, s")
+            place.set_ylabel(f"deviation, {axis['unit']}")
+            place.legend()
+        return figure
+
+
+class Solution:
+    """Attitude, velocity and position over time."""
+
+    columns = ("t", "latitude_deg", "longitude_deg", "height_m", "ve", "vn", "vu", "roll_deg", "pitch_deg", "heading_deg")
+
+    def __init__(self, rows: FloatArray) -> None:
+        self.t: FloatArray = rows[:, 0]  #: (N,) s
+        self.latitude_deg: FloatArray = rows[:, 1]
+        self.longitude_deg: FloatArray = rows[:, 2]
+        self.height_m: FloatArray = rows[:, 3]
+        self.velocity: FloatArray = rows[:, 4:7]  #: (N, 3) east, north, up, m/s
+        self.attitude_deg: FloatArray = rows[:, 7:10]  #: (N, 3) roll, pitch, heading
+        self._rows = rows
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def to_frame(self) -> pandas.DataFrame:
+        """A pandas table, the time as its index."""
+        pandas = optional_package("pandas", "to_frame")
+        return pandas.DataFrame(self._rows[:, 1:], columns=list(self.columns[1:]), index=pandas.Index(self.t, name="t"))
+
+    def __repr__(self) -> str:
+        return f"<imulab.Solution: {len(self)} states, {self.t[0]:.6g} s to {self.t[-1]:.6g} s>"
+
+
+class Navigation(Result):
+    """A session navigated."""
+
+    @property
+    def solution(self) -> Solution:
+        """From the start, then at every sample's end."""
+        return Solution(np.asarray(self._outcome.arrays["solution"]))
+
+    @property
+    def errors(self) -> FloatArray | None:
+        """(N, 10): t [s]; position east, north, up [m]; velocity [m/s]; attitude [rad]. None without a reference."""
+        return self._outcome.arrays.get("errors")
+
+    def plot(self) -> Any:
+        """The track, as a figure of matplotlib."""
+        pyplot = optional_package("matplotlib.pyplot", "plot")
+        figure, axis = pyplot.subplots(layout="constrained")
+        axis.plot(self.solution.longitude_deg, self.solution.latitude_deg)
+        axis.set_xlabel("longitude, deg")
+        axis.set_ylabel("latitude, deg")
+        return figure
+
+
+class Budget(Result):
+    """Navigation errors of a mission by source."""

@@ -1,0 +1,82 @@
+"""Small things that several parts share: file names, TOML, warnings, optional packages."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import warnings
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from ._imulab import Error
+
+PathLike = str | os.PathLike[str]
+
+
+class DataWarning(UserWarning):
+    """What was found in the data, and what it means for the result."""
+
+
+def warn(texts: Iterable[str]) -> None:
+    """Each as a DataWarning at the place in the user's code that called."""
+    for text in texts:
+        warnings.warn(text, DataWarning, stacklevel=4)
+
+
+def path(name: str, value: Any) -> str:
+    """A file's name. Raises TypeError for what is none."""
+    if not isinstance(value, (str, os.PathLike)):
+        raise TypeError(f"{name}: expected a path, got a {type(value).__name__}")
+    text = os.fspath(value)
+    if not isinstance(text, str):
+        raise TypeError(f"{name}: expected a path of text, got bytes")
+    if "\0" in text:
+        raise Error(f"{name}: has a NUL character; expected a path")
+    return text
+
+
+def optional_package(name: str, purpose: str) -> Any:
+    """pandas or matplotlib, which are used where they are. Raises ImportError that says what for."""
+    try:
+        return importlib.import_module(name)
+    except ImportError as e:
+        raise ImportError(f"{purpose} needs {name.split('.')[0]}, which is not installed") from e
+
+
+def _toml_value(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        escaped = "".join(f"\\u{ord(c):04x}" if ord(c) < 0x20 or ord(c) == 0x7F or c in '"\\' else c for c in value)
+        return f'"{escaped}"'
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{_toml_key(k)} = {_toml_value(v)}" for k, v in value.items() if v is not None) + " }"
+    if isinstance(value, (int, float)):
+        return repr(value)
+    if hasattr(value, "tolist"):  # numpy
+        return _toml_value(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(_toml_value(v) for v in value) + "]"
+    raise TypeError(f"expected text, a number, a list or a dict, got a {type(value).__name__}")
+
+
+def _toml_key(key: Any) -> str:
+    if not isinstance(key, str):
+        raise TypeError(f"expected a key of text, got a {type(key).__name__}")
+    return _toml_value(key)
+
+
+def toml(table: Mapping[str, Any]) -> str:
+    """A table as TOML: plain values first, then tables, and lists of tables as [[key]]. None is left out."""
+    lines: list[str] = []
+    tables: list[str] = []
+    for key, value in table.items():
+        if value is None:
+            continue
+        several = isinstance(value, (list, tuple)) and len(value) > 0 and all(isinstance(v, Mapping) for v in value)
+        for part in (value if several else [value]) if several or isinstance(value, Mapping) else []:
+            head = f"[[{_toml_key(key)}]]" if several else f"[{_toml_key(key)}]"
+            tables.append(head + "\n" + "".join(f"{_toml_key(k)} = {_toml_value(v)}\n" for k, v in part.items() if v is not None))
+        if not several and not isinstance(value, Mapping):
+            lines.append(f"{_toml_key(key)} = {_toml_value(value)}\n")
+    return "".join(lines) + "\n" + "\n".join(tables)

@@ -1,0 +1,90 @@
+#include "imulab/recording/recording.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/io/recording/file.hpp"
+#include "imulab/recording/make_recording.hpp"
+#include "imulab/recording/validate.hpp"
+#include "python/bindings.hpp"
+#include "python/work.hpp"
+
+#include <pybind11/stl.h>
+
+#include <utility>
+
+namespace imulab::python {
+namespace {
+
+/// The keys that the Python side passes.
+ReadingOptions reading_options(const py::dict& given, const std::string& triad) {
+  ReadingOptions options;
+  options.unit = given["unit"].cast<std::string>();
+  options.counts_per_unit = given["counts_per_unit"].cast<double>();
+  options.increment = given["increment"].cast<bool>();
+  options.limits = given["limits"].cast<std::optional<std::array<double, 2>>>();
+  options.temperature = thermal_columns(triad + "_temperature", given["temperature"]);
+  return options;
+}
+
+Recording make(const py::array& t, const Array& gyro, const Array& accel, const std::string& name, std::optional<double> interval_s,
+               const py::dict& gyro_options, const py::dict& accel_options) {
+  const RecordingOptions options{.name = name,
+                                 .interval_s = interval_s,
+                                 .gyro = reading_options(gyro_options, "gyro"),
+                                 .accel = reading_options(accel_options, "accel")};
+  Columns3 rates = columns_of("gyro", gyro), forces = columns_of("accel", accel);
+  const auto made = [&](auto times) {
+    const py::gil_scoped_release unlocked;
+    Recording recording = make_recording(std::move(times), std::move(rates), std::move(forces), options);
+    validate(recording);
+    return recording;
+  };
+  if (!py::isinstance<py::array_t<std::int64_t>>(t)) return made(column_of(t));
+  const auto exact = py::array_t<std::int64_t>(t).unchecked<1>();
+  std::vector<std::int64_t> time_ns(static_cast<std::size_t>(exact.shape(0)));
+  for (std::size_t i = 0; i < time_ns.size(); ++i) time_ns[i] = exact(static_cast<py::ssize_t>(i));
+  return made(std::move(time_ns));
+}
+
+Array seconds(const Recording& r) {
+  Array t(static_cast<py::ssize_t>(r.size()));
+  for (std::size_t i = 0; i < r.size(); ++i) t.mutable_at(static_cast<py::ssize_t>(i)) = r.time_s(i);
+  return t;
+}
+
+py::object temperature(const Columns3& columns) { return columns[0].empty() ? py::object(py::none()) : py::object(array_of(columns)); }
+
+}  // namespace
+
+void bind_recording(py::module_& module) {
+  py::class_<Recording, std::shared_ptr<Recording>>(module, "Recording")
+      .def(py::init(&make), py::arg("t"), py::arg("gyro"), py::arg("accel"), py::arg("name"), py::arg("interval_s"), py::arg("gyro_options"),
+           py::arg("accel_options"))
+      .def("__len__", &Recording::size)
+      .def_readonly("name", &Recording::name)
+      .def_readonly("interval_s", &Recording::interval_s)
+      .def_readonly("gyro_unit", &Recording::gyro_unit)
+      .def_readonly("accel_unit", &Recording::accel_unit)
+      .def_property_readonly("t", &seconds)
+      .def_property_readonly("time_ns", [](const Recording& r) { return array_of(r.time_ns); })
+      .def_property_readonly("gyro", [](const Recording& r) { return array_of(r.gyro); })
+      .def_property_readonly("accel", [](const Recording& r) { return array_of(r.accel); })
+      .def_property_readonly("gyro_temperature", [](const Recording& r) { return temperature(r.gyro_temperature); })
+      .def_property_readonly("accel_temperature", [](const Recording& r) { return temperature(r.accel_temperature); })
+      .def_property_readonly("gaps", [](const Recording& r) { return indices_of(r.gaps); })
+      .def_property_readonly("saturated", [](const Recording& r) { return indices_of(r.saturated); })
+      .def("save", [](const Recording& r, const std::string& path) {
+        const py::gil_scoped_release unlocked;
+        write_recording(path, r);
+      });
+  module.def(
+      "read_recording",
+      [](std::shared_ptr<Session> session, const std::string& file) {
+        RecordingReading reading = run(py::none(), [session = std::move(session), file](const auto&) {
+          return read_recording(*session, session->source_of(file));
+        });
+        return std::pair(std::make_shared<Recording>(std::move(reading.recording)), std::move(reading.warnings));
+      },
+      py::arg("session"), py::arg("file"));
+}
+
+}  // namespace imulab::python

@@ -1,0 +1,128 @@
+"""The module's answers are the command's, to the last digit."""
+
+
+import json
+
+import imulab
+import pytest
+
+
+def test_calibrate(hand_session, command, tmp_path):
+    printed = command("calibrate", hand_session, "--method", "handheld", "--json")
+    own = imulab.calibrate(hand_session, method="handheld")
+    for data in (printed, made := dict(own.data)):
+        data.pop("created")
+    assert made == printed
+    own.save(tmp_path / "c.json")
+    assert imulab.read_calibration(tmp_path / "c.json").values == own.values
+
+
+def test_calibrate_with_terms_and_requirements(hand_session, command):
+    terms, require = "accel.offset,accel.matrix", "accel.offset <= 1 ug"
+    printed = command("calibrate", hand_session, "--method", "static", "--terms", terms, "--require", require, "--json", code=1)
+    own = imulab.calibrate(hand_session, method="static", terms=terms.split(","), require=require)
+    for data in (printed, made := dict(own.data)):
+        data.pop("created")
+    assert made == printed
+    assert "not reached: accel.offset <= 1 ug" in own.shortcomings
+    with pytest.raises(imulab.Unsupported, match="not reached"):
+        own.expect_supported()
+
+
+def test_compare(hand_session, command, tmp_path):
+    imulab.calibrate(hand_session, method="handheld").save(tmp_path / "c.json")
+    printed = command("compare", tmp_path / "c.json", hand_session / "truth.json", "--json")
+    own = imulab.compare(imulab.read_calibration(tmp_path / "c.json"), imulab.read_calibration(hand_session / "truth.json"))
+    assert own.data == printed
+
+
+@pytest.mark.parametrize("method, name", [("turntable", "zhang-24"), ("hybrid", "cheng-path"), ("handheld", "hand-held")])
+def test_predict(method, name, command, tmp_path):
+    procedure = imulab.procedure(name)
+    procedure.save(tmp_path / "p.toml")
+    own = imulab.predict(tmp_path / "p.toml", method=method, runs=100)
+    printed = command("predict", tmp_path / "p.toml", "--method", method, *(["--runs", "100"] if method == "turntable" else []), "--json",
+                      code=1 if own.shortcomings else 0)
+    assert own.data == printed
+
+
+def test_plan(command):
+    require = "gyro.offset <= 0.1 deg/h"
+    assert imulab.plan(require, time=120, rest=20).data == command("plan", "--require", require, "--time", "120", "--rest", "20", "--json")
+
+
+def test_noise(rest_log, command, tmp_path):
+    rest_log.save(tmp_path / "rest.csv")
+    own = imulab.noise(tmp_path / "rest.csv")
+    assert own.data == command("noise", tmp_path / "rest.csv", "--json")
+
+
+def test_inspect(hand_session, command):
+    file = hand_session / "recording.csv"
+    own = imulab.inspect(file, declare={"latitude_deg": "45"})
+    assert own.data == command("inspect", file, "--set", "latitude_deg=45", "--json")
+    assert len(own.recording) == len(imulab.read_recording(hand_session))
+
+
+def test_simulate(hand_session, by_hand):
+    read = imulab.read_recording(hand_session)
+    assert (read.gyro == by_hand.recordings[0].gyro).all()
+    assert (read.time_ns == by_hand.recordings[0].time_ns).all()
+    assert imulab.read_calibration(hand_session / "truth.json").values == by_hand.truth.values
+
+
+MISSION = """format = "imulab.mission/1"
+rate_hz = 50.0
+
+[start]
+latitude_deg = 31.0
+longitude_deg = 104.0
+height_m = 500.0
+heading_deg = 90.0
+speed_mps = 60.0
+
+[[segment]]
+kind = "straight"
+duration_s = 60.0
+"""
+
+
+def mission(folder):
+    file = folder / "mission.toml"
+    file.write_text(MISSION)
+    return file
+
+
+def test_trajectory_navigate_and_budget(command, tmp_path):
+    flight = imulab.trajectory(mission(tmp_path), output=tmp_path / "flight")
+    read = imulab.read_recording(tmp_path / "flight")
+    assert abs(read.gyro - flight.recording.gyro).max() <= 1e-15  # an increment in the file may differ by one unit in the last place
+    own = imulab.navigate(None, tmp_path / "flight")
+    printed = command("navigate", "none", tmp_path / "flight", "--json")
+    for data in (printed, made := dict(own.data)):
+        data.pop("session")
+    assert made == printed
+    budget = imulab.budget(tmp_path / "mission.toml", grade="navigation", runs=10)
+    assert budget.data == command("budget", tmp_path / "mission.toml", "--grade", "navigation", "--runs", "10", "--json")
+
+
+def test_export(calibration, command, tmp_path):
+    import subprocess, os
+
+    calibration.save(tmp_path / "c.json")
+    for target in ("csv", "json-matrix", "vectornav"):
+        printed = subprocess.run([os.environ["IMULAB_COMMAND"], "export", tmp_path / "c.json", "--to", target], capture_output=True, text=True, check=True)
+        with pytest.warns() if printed.stderr else _nothing():
+            assert calibration.to(target) == printed.stdout
+
+
+class _nothing:
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        return None
+
+
+def test_json_is_the_text(calibration):
+    assert json.loads(calibration.json) == calibration.data

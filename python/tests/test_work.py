@@ -1,0 +1,115 @@
+"""Long work: the interpreter's lock, interrupts, progress."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import imulab
+
+
+def test_import_is_quick():
+    """The median of five new interpreters, less what numpy takes alone."""
+
+    def seconds(code):
+        times = []
+        for _ in range(5):
+            begin = time.perf_counter()
+            subprocess.run([sys.executable, "-c", code], check=True)
+            times.append(time.perf_counter() - begin)
+        return sorted(times)[2]
+
+    assert seconds("import imulab") - seconds("import numpy") < 0.3 * (5 if "LD_PRELOAD" in os.environ else 1)
+
+
+def test_import_loads_neither_pandas_nor_matplotlib():
+    code = "import imulab, sys; assert not {'pandas', 'matplotlib', 'scipy'} & set(sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_other_threads_run_meanwhile(by_hand):
+    counted = 0
+    done = threading.Event()
+
+    def count():
+        nonlocal counted
+        while not done.is_set():
+            counted += 1
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    imulab.predict(imulab.procedure("zhang-24"), runs=3000)
+    done.set()
+    thread.join()
+    assert counted > 20
+
+
+def test_progress_rises_to_one():
+    told = []
+    imulab.predict(imulab.procedure("zhang-24"), runs=3000, progress=told.append)
+    assert told and told == sorted(told) and told[-1] == 1 and told[0] >= 0
+
+
+def test_a_failing_callback_ends_the_work():
+    def fail(part):
+        raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine"):
+        imulab.predict(imulab.procedure("zhang-24"), runs=10**6, progress=fail)
+
+
+def test_interrupt_is_raised_at_once():
+    threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    begin = time.perf_counter()
+    with pytest.raises(KeyboardInterrupt):
+        imulab.predict(imulab.procedure("zhang-24"), runs=10**8)
+    assert time.perf_counter() - begin < 5
+
+
+def test_interrupted_program_ends():
+    """Also where the work knows of no progress: it goes on to its end behind the interpreter's."""
+    code = """
+import imulab, os, signal, threading
+s = imulab.simulate(imulab.procedure("hand-held", poses=60), seed=1)
+threading.Timer(0.1, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+try:
+    while True:
+        imulab.calibrate(s, method="handheld")
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0 and done.stdout == "interrupted\n", done.stderr
+
+
+def test_threads_calibrate_at_the_same_time(by_hand):
+    expected = imulab.calibrate(by_hand, method="handheld").values
+    found = [None] * 4
+
+    def work(k):
+        found[k] = imulab.calibrate(by_hand, method="handheld").values
+
+    threads = [threading.Thread(target=work, args=(k,)) for k in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(values == expected for values in found)
+
+
+def test_arrays_may_go_away():
+    def made():
+        gyro = np.zeros((100, 3))
+        return imulab.Recording.from_arrays(np.arange(1, 101) / 10, gyro, gyro + 9.8)
+
+    recording = made()
+    assert (recording.accel == 9.8).all()
+    view = recording.accel
+    del recording
+    assert (view == 9.8).all()
