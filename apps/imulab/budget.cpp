@@ -3,6 +3,7 @@
 
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/error_sources.hpp"
+#include "apps/imulab/files.hpp"
 #include "apps/imulab/report.hpp"
 #include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
@@ -83,11 +84,10 @@ ErrorSpecification specification_of(const Options& o, const MissionFile& file) {
 }
 
 void run(const Options& o) {
-  if (o.catalogue) return fmt::print("{}", grade_catalogue());
+  if (o.catalogue) return print(grade_catalogue());
   if (o.mission.empty()) throw Error("mission: expected the file of a mission, or --catalogue");
-  if (!(o.every > 0)) throw Error("--every: expected a positive number of seconds");
-  expect_others_stay(o.report, {o.mission, o.calibration.value_or(""), o.noise.value_or("")});
   const MissionFile file = read_mission(o.mission);
+  for (const std::filesystem::path& named : file.files) will_read(named);
   const ErrorSpecification specification = specification_of(o, file);
   if (const auto& name = specification.calibration) {
     const std::filesystem::path path = std::filesystem::path(o.mission).parent_path() / *name;
@@ -120,7 +120,7 @@ void run(const Options& o) {
                 budget_page({.mission = std::filesystem::path(o.mission).filename().string(),
                              .summary = {.budget = budget, .monte_carlo = sampled, .runs = o.runs, .track = report::thinned_track(motion.states)}}));
   warn_of_large_angles(budget);
-  fmt::print("{}", o.json ? budget_json(budget, sampled, motion.states) : budget_table(budget, sampled, o.verbose));
+  o.json ? print_json(budget_json(budget, sampled, motion.states)) : print(budget_table(budget, sampled, o.verbose));
 }
 
 }  // namespace
@@ -128,18 +128,19 @@ void run(const Options& o) {
 void add_budget(Verb app) {
   const auto o = std::make_shared<Options>();
   Verb verb = app.verb("budget", "Position, velocity and attitude errors on a motion, by source");
-  verb.option("mission", o->mission, "the mission file: a motion and its [errors]");
+  verb.option("mission", o->mission, "the mission file: a motion and its [errors]").reads();
   Option grade = verb.option("--grade GRADE", o->grade, "sensors of this grade, in place of the mission's");
   Option system = verb.option("--system NAME", o->system, "sensors of this airliner system, in place of the mission's");
   Option calibration = verb.option("--calibration FILE", o->calibration,
-                                   "the errors that this calibration leaves, in place of the mission's; the noise is still the mission's own");
-  verb.option("--noise FILE", o->noise, "noise.json of a log at rest: its terms in place of the mission's or grade's");
+                                   "the errors that this calibration leaves, in place of the mission's; the noise is still the mission's own")
+                           .reads();
+  verb.option("--noise FILE", o->noise, "noise.json of a log at rest: its terms in place of the mission's or grade's").reads();
   grade.excludes(system).excludes(calibration);
   system.excludes(calibration);
   verb.option("--runs", o->runs, "number of Monte Carlo runs; 0 for none").show_default().in_range(0., 1e7);
   verb.option("--seed", o->seed, "random seed; the same seed gives the same result").show_default();
-  verb.option("--every", o->every, "seconds between rows of the files").show_default();
-  verb.option("-o,--output FOLDER", o->folder, "the folder to create: total.csv, sources.csv, monte_carlo.csv over time, runs.csv");
+  verb.option("--every", o->every, "seconds between rows of the files").in_range(1e-3, 1e6).show_default();
+  verb.option("-o,--output FOLDER", o->folder, "the folder to create: total.csv, sources.csv, monte_carlo.csv over time, runs.csv").creates();
   add_report_option(verb, o->report);
   verb.flag("--catalogue", o->catalogue, "list the available grades and systems");
   add_allow_undetermined(verb, o->allow_undetermined);

@@ -1,4 +1,5 @@
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/files.hpp"
 #include "apps/imulab/inspected.hpp"
 #include "apps/imulab/report.hpp"
 #include "apps/imulab/session_recording.hpp"
@@ -98,9 +99,6 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
   const std::vector<Requirement> requirements =
       arguments.require ? errors_at("--require", [&] { return parse_requirements(*arguments.require); }) : std::vector<Requirement>{};
   Session session = open_session(arguments.session, arguments.declarations);
-  for (const auto& [option, output] : {std::pair{"-o", arguments.output}, {"--curves", arguments.curves}, {"--report", arguments.report}})
-    expect_inputs_stay(option, output, session);
-  expect_others_stay(arguments.report, {arguments.output, arguments.curves});
   expect_free("-o", arguments.output, arguments.force);
   errors_at(session.file + ": [site]", [&] { session.site.gravity(); });  // if neither gravity nor the latitude is known
   std::vector<std::string> warnings;
@@ -145,7 +143,7 @@ void expect_supported(const CalibrationResult& result) {
 void add_calibrate(Verb app) {
   const auto a = std::make_shared<CalibrateArguments>();
   Verb verb = app.verb("calibrate", "Compute a calibration and its uncertainties from a session");
-  verb.option("session", a->session, "a session folder or its session.toml; or a recording, which is inspected first").required();
+  verb.option("session", a->session, "a session folder or its session.toml; or a recording, which is inspected first").required().reads();
   add_declarations(verb, a->declarations);
   std::vector<std::string> names;
   for (const Method& m : methods()) names.emplace_back(m.name);
@@ -155,14 +153,14 @@ void add_calibrate(Verb app) {
           "turns in one place, without a table's angles; whole-unit: from chamber, rate table and centrifuge, all recordings together")
       .required()
       .one_of(names);
-  verb.option("-o,--output FILE", a->output, "the calibration file to write; - for standard output");
+  verb.option("-o,--output FILE", a->output, "the calibration file to write; - for standard output").writes();
   verb.option("--terms TERMS", a->terms,
               "coefficients to estimate, for example accel.offset,gyro.matrix.diagonal; auto: those that the data support; full (whole-unit): "
               "all, significant or not")
       .show_default();
   verb.option("--recording FILE", a->recording, "the recording to use, if the session has several");
   verb.flag("--stepwise", a->stepwise, "whole-unit: Dai's three steps in sequence instead of the joint estimate");
-  verb.option("--curves FILE", a->curves, "hybrid: a CSV file with the convergence of each coefficient and its standard uncertainty");
+  verb.option("--curves FILE", a->curves, "hybrid: a CSV file with the convergence of each coefficient and its standard uncertainty").writes();
   verb.option("--require LIMITS", a->require,
               "what the calibration is for, as in \"gyro.matrix.diagonal <= 100 ppm, accel.offset <= 200 ug\"; exit code 1 where it is not reached");
   add_report_option(verb, a->report);
@@ -174,11 +172,11 @@ void add_calibrate(Verb app) {
   verb.does([a] {
     const CalibrationResult result = calibrate(*a);
     const Calibration& calibration = result.calibration;
-    if (a->json && a->output != "-") fmt::print("{}", calibration_text(calibration));
+    if (a->json && a->output != "-") print_json(calibration_text(calibration));
     if (!a->json && a->output != "-") {
       print(calibration_summary(calibration));
       if (a->verbose) print("\n" + calibration_details(calibration, result.coarse ? &*result.coarse : nullptr));
-      fmt::print("\n{}\n", a->output.empty() ? "not saved: no -o FILE was given" : "written: " + a->output);
+      print(fmt::format("\n{}\n", a->output.empty() ? "not saved: no -o FILE was given" : "written: " + a->output));
     }
     expect_supported(result);
   });

@@ -2,6 +2,7 @@
 #include "imulab/navigation/navigate.hpp"
 
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/files.hpp"
 #include "apps/imulab/report.hpp"
 #include "apps/imulab/session_recording.hpp"
 #include "apps/imulab/usable.hpp"
@@ -65,17 +66,6 @@ void check(const Options& o) {
     if (!value.empty()) throw Error(fmt::format("{}: belongs to one session; expected a single SESSION", name));
 }
 
-/// The raw data are never overwritten.
-void check_inputs_stay(const Options& options, const Session& session) {
-  std::vector<fs::path> inputs{options.calibration, options.truth, options.barometer};
-  if (session.truth_file) inputs.push_back(session_path(session, *session.truth_file));
-  if (!options.report.empty()) expect_inputs_stay("--report", options.report, session, inputs);
-  expect_others_stay(options.report, {options.output});
-  if (options.output.empty()) return;
-  if (fs::is_directory(options.output)) throw Error(fmt::format("-o {}: expected a file to write", options.output));
-  expect_inputs_stay("-o", options.output, session, inputs);
-}
-
 /// What the session's calibration explains of its errors, or why that is not known.
 void add_explanation(NavigatedSession& out, const Calibration& calibration, const Session& session, const Recording& recording) {
   try {
@@ -86,10 +76,13 @@ void add_explanation(NavigatedSession& out, const Calibration& calibration, cons
   }
 }
 
-NavigatedSession navigated(const Options& options, const Calibration& calibration, const std::string& name) {
-  const Session session = read_session(name);
+Session session_of_one(const std::string& name) {
+  Session session = session_at(name);
   if (session.recordings.size() != 1) throw Error(fmt::format("{}: has {} recordings; expected one", session.file, session.recordings.size()));
-  check_inputs_stay(options, session);
+  return session;
+}
+
+NavigatedSession navigated(const Options& options, const Calibration& calibration, const std::string& name, const Session& session) {
   const Recording recording = read_for(calibration, session, session.recordings[0]);
   NavigatedSession out{.session = name, .navigated = {}, .errors = {}};
   {
@@ -117,13 +110,15 @@ void run(Options options) {
   const Calibration calibration = calibration_of(options.calibration, options.allow_undetermined);
   if (!options.barometer.empty()) options.navigate.barometer = read_heights(options.barometer);
   if (options.heading_deg) options.navigate.heading = {*options.heading_deg * unit::deg, options.heading_sigma_deg.value_or(0) * unit::deg};
+  std::vector<Session> opened;  // all of them before the first is navigated
+  for (const auto& name : options.sessions) opened.push_back(session_of_one(name));
   std::vector<NavigatedSession> sessions;
-  for (const auto& name : options.sessions) sessions.push_back(navigated(options, calibration, name));
+  for (std::size_t i = 0; i < opened.size(); ++i) sessions.push_back(navigated(options, calibration, options.sessions[i], opened[i]));
   if (!options.output.empty()) write_solution(options.output, sessions[0].navigated.solution);
   if (!options.report.empty()) write_whole(options.report, navigation_page({.sessions = sessions}));
   if (options.output == "-") return;
-  fmt::print("{}", options.json ? navigation_json(sessions) : navigation_table(sessions));
-  if (!options.output.empty() && !options.json) fmt::print("{}: {} states\n", options.output, sessions[0].navigated.solution.size());
+  options.json ? print_json(navigation_json(sessions)) : print(navigation_table(sessions));
+  if (!options.output.empty() && !options.json) print(fmt::format("{}: {} states\n", options.output, sessions[0].navigated.solution.size()));
 }
 
 }  // namespace
@@ -131,20 +126,21 @@ void run(Options options) {
 void add_navigate(Verb app) {
   const auto o = std::make_shared<Options>();
   Verb verb = app.verb("navigate", "Align, compute the pure-inertial solution, and compare it with a truth");
-  verb.option("CALIBRATION", o->calibration, "calibration.json, or none if the recordings are in rad/s and m/s^2 already").required();
+  verb.option("CALIBRATION", o->calibration, "calibration.json, or none if the recordings are in rad/s and m/s^2 already").required().reads();
   verb.option("SESSION", o->sessions, "session folders or session.toml files, each with one recording; several give one row each")
       .required()
-      .takes_several(1);
+      .takes_several(1)
+      .reads();
   verb.option("--vertical CHANNEL", o->vertical, "treatment of the vertical channel; aided and held need --barometer")
       .one_of({"free", "fixed", "aided", "held"})
       .show_default();
-  verb.option("--barometer FILE", o->barometer, "heights for aided and held: a CSV file with t,height_m");
+  verb.option("--barometer FILE", o->barometer, "heights for aided and held: a CSV file with t,height_m").reads();
   verb.flag("--align", o->navigate.align, "align on the first rest even if the session gives an attitude");
   verb.option("--heading", o->heading_deg, "heading at the end of the rest, deg; only roll and pitch are then aligned").in_range(-360., 360.);
   verb.option("--heading-sigma", o->heading_sigma_deg, "standard uncertainty of --heading, deg; exact if absent").in_range(0., 180.);
   verb.option("--gaps HOW", o->gaps, "what to do at missing samples").one_of({"integrate", "refuse"}).show_default();
-  verb.option("--truth FILE", o->truth, "reference solution; the session's [truth] if absent");
-  verb.option("-o,--output FILE", o->output, "write the whole solution to this CSV file; - for standard output in place of the table");
+  verb.option("--truth FILE", o->truth, "reference solution; the session's [truth] if absent").reads();
+  verb.option("-o,--output FILE", o->output, "write the whole solution to this CSV file; - for standard output in place of the table").writes();
   add_report_option(verb, o->report);
   add_allow_undetermined(verb, o->allow_undetermined);
   verb.flag("--json", o->json, "print the result as JSON");

@@ -78,7 +78,6 @@ void expect_reachable(const hybrid::PathQuestion& q) {
 std::string minutes(double seconds) { return fmt::format("{:.0f} min {:02.0f} s", std::floor(seconds / 60), std::floor(std::fmod(seconds, 60))); }
 
 void run(const Options& options) {
-  expect_others_stay(options.report, {options.output.value_or("")});
   hybrid::PathQuestion question;
   question.requirements = errors_at("--require", [&] { return parse_requirements(options.require); });
   if (options.json && options.output == "-") throw Error("--json: standard output has the procedure; expected -o FILE");
@@ -100,9 +99,10 @@ void run(const Options& options) {
   const std::vector<Shortfall> missed = shortfalls(p, question.requirements);
   if (options.output) write_whole(*options.output, procedure_text(procedure));
   if (options.json)
-    fmt::print("{}", path_json(path, question.requirements, p, missed));
+    print_json(path_json(path, question.requirements, p, missed));
   else if (options.output != "-")
-    fmt::print("{} turns in {}\n\n{}\n{}", path.turns.size(), minutes(path.duration), path_table(path), prediction_table(p, question.requirements));
+    print(fmt::format("{} turns in {}\n\n{}\n{}", path.turns.size(), minutes(path.duration), path_table(path),
+                      prediction_table(p, question.requirements)));
   if (!options.report.empty()) {
     PredictionSummary summary{
         .coefficients = p.coefficients, .undetermined = p.undetermined, .sigma = p.sigma, .cramer_rao = p.cramer_rao, .missed = missed};
@@ -144,7 +144,7 @@ void add_plan(Verb app) {
   verb.option("--time N", o->time, "find the best path within this many seconds instead of the shortest")
       .check(between(60, hybrid::longest_path, false, "seconds"));
   verb.option("--rest", o->rest, "duration of every rest in whole seconds; if absent, each is chosen").check(between(6, 600, true, "whole seconds"));
-  verb.option("-o,--output FILE", o->output, "the procedure to write; - for standard output in place of the table");
+  verb.option("-o,--output FILE", o->output, "the procedure to write; - for standard output in place of the table").writes();
   add_report_option(verb, o->report);
   verb.flag("--json", o->json, "print the result as JSON");
   verb.example("imulab plan --require \"gyro.matrix.diagonal <= 10 ppm\" -o plan.toml");

@@ -1,5 +1,6 @@
 // imulab predict PROCEDURE
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/files.hpp"
 #include "apps/imulab/report.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
@@ -7,7 +8,6 @@
 #include "imulab/estimate/turntable/prediction.hpp"
 #include "imulab/estimate/turntable/tolerance.hpp"
 #include "imulab/io/result/prediction.hpp"
-#include "imulab/io/session/file.hpp"
 #include "imulab/io/text/figures.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/terminal.hpp"
@@ -68,8 +68,7 @@ std::optional<hybrid::Advice> advice_for(const hybrid::Plan& plan, const hybrid:
 /// By any method but turntable, which has shares, Monte Carlo and tolerances.
 void predict_by(const Method& chosen, const Options& options) {
   const std::vector<Requirement> requirements = requirements_of(options);
-  const Session procedure = read_session(options.procedure);
-  expect_others_stay(options.report, {procedure.file});
+  const Session procedure = session_at(options.procedure);
   errors_at(procedure.file, [&] { procedure.site.gravity(); });  // where neither g nor the latitude is known
   Prediction p;
   std::vector<Shortfall> missed;
@@ -92,11 +91,11 @@ void predict_by(const Method& chosen, const Options& options) {
     write_whole(options.report, prediction_page({.procedure = options.procedure, .summary = std::move(summary), .required = !requirements.empty()}));
   }
   if (options.json) {
-    fmt::print("{}", prediction_json(p, missed, advice));
+    print_json(prediction_json(p, missed, advice));
   } else {
-    fmt::print("{}", prediction_table(p, requirements));
-    if (advice) fmt::print("\n{}", advice_text(*advice));
-    for (const Shortfall& s : missed) fmt::print("{}", text::wrapped("", shortfall_text(s)));
+    print(prediction_table(p, requirements));
+    if (advice) print(fmt::format("\n{}", advice_text(*advice)));
+    for (const Shortfall& s : missed) print(text::wrapped("", shortfall_text(s)));
   }
   if (!p.undetermined.empty())
     throw Unsupported(fmt::format("the procedure does not determine:{}{}", names_of(p.undetermined), advice ? "; " + turns_text(*advice) : ""));
@@ -106,8 +105,7 @@ void predict_by(const Method& chosen, const Options& options) {
 void run(const Options& options) {
   if (options.method != "turntable") return predict_by(method(options.method), options);
   const std::vector<Requirement> requirements = requirements_of(options);
-  const Session procedure = read_session(options.procedure);
-  expect_others_stay(options.report, {procedure.file});
+  const Session procedure = session_at(options.procedure);
   errors_at(procedure.file, [&] { procedure.site.gravity(); });  // where neither g nor the latitude is known
   turntable::Plan plan = turntable::plan_of(procedure);
   plan.classical = options.classical;
@@ -139,10 +137,10 @@ void run(const Options& options) {
                                                  .required = !requirements.empty()}));
   }
   if (options.json) {
-    fmt::print("{}", prediction_json(prediction, sampled, missed, answers));
+    print_json(prediction_json(prediction, sampled, missed, answers));
   } else {
-    if (!requirements.empty()) fmt::print("{}\n", tolerance_table(plan, missed, answers));
-    fmt::print("{}", prediction_table(prediction, sampled, options.verbose));
+    if (!requirements.empty()) print(fmt::format("{}\n", tolerance_table(plan, missed, answers)));
+    print(prediction_table(prediction, sampled, options.verbose));
   }
   for (const std::string& text : plan.parts.warnings) warn(text);
   if (!prediction.undetermined.empty()) throw Unsupported(fmt::format("the procedure does not determine:{}", names_of(prediction.undetermined)));
@@ -162,7 +160,7 @@ std::string bad_runs(const std::string& text) {
 void add_predict(Verb app) {
   const auto options = std::make_shared<Options>();
   Verb verb = app.verb("predict", "Predict the uncertainties of a calibration and what limits them");
-  verb.option("procedure", options->procedure, "the procedure or session to predict").required();
+  verb.option("procedure", options->procedure, "the procedure or session to predict").required().reads();
   std::vector<std::string> names;
   for (const Method& m : methods())
     if (m.predict != nullptr) names.emplace_back(m.name);

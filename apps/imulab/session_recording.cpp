@@ -55,19 +55,4 @@ std::filesystem::path find_session(const std::string& given, const std::string& 
   return recorded;
 }
 
-void expect_inputs_stay(const std::string& option, const std::string& output, const Session& session, std::vector<std::filesystem::path> inputs) {
-  namespace fs = std::filesystem;
-  inputs.emplace_back(session.file);
-  for (const auto& recording : session.recordings)
-    for (const std::string& file : recording.files()) inputs.push_back(session_path(session, file));
-  for (const auto& input : inputs)
-    if (fs::exists(output) && fs::exists(input) && fs::equivalent(output, input))
-      throw Error(fmt::format("{} {}: would overwrite {}; expected another file", option, output, input.string()));
-}
-
-void expect_free(const std::string& option, const std::string& output, bool force) {
-  if (output.empty() || output == "-" || force || !std::filesystem::is_regular_file(output)) return;
-  throw Error(fmt::format("{} {}: exists; expected a new file, or --force to replace it", option, output));
-}
-
 }  // namespace imulab::command

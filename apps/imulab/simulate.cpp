@@ -1,6 +1,7 @@
 #include "imulab/simulate/simulate.hpp"
 
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/files.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/io/calibration/file.hpp"
@@ -79,7 +80,7 @@ Calibration truth_calibration(const Session& session, const Truth& truth, std::u
 
 /// The procedure with another grade, or with the noise of an analysis; without any grade the IMU is then perfect but for its noise.
 Session procedure_of(const Arguments& a) {
-  Session procedure = read_session(a.procedure);
+  Session procedure = session_at(a.procedure);
   if (!a.grade) return procedure;
   ImuDeclaration& imu = procedure.imu;
   imu.gyro_noise_density = imu.accel_noise_density = std::nullopt;
@@ -125,9 +126,9 @@ void simulate(const Arguments& a) {
   calibration.session_sha256 = sha256(text);
   write_whole(folder.path() / "truth.json", truth_text(calibration, rig));
   folder.commit();
-  if (a.json)
-    return fmt::print("{}", fields_json({{{"folder", a.folder}, {"seed", a.seed}, {"recordings", files}, {"truth", std::string("truth.json")}}}));
-  fmt::print("{} (seed {})\n{}  {:<14} what a calibration of this session has to find\n  session.toml\n", a.folder, a.seed, report, "truth.json");
+  if (a.json) return print_json(fields_json({{{"folder", a.folder}, {"seed", a.seed}, {"recordings", files}, {"truth", std::string("truth.json")}}}));
+  print(fmt::format("{} (seed {})\n{}  {:<14} what a calibration of this session has to find\n  session.toml\n", a.folder, a.seed, report,
+                    "truth.json"));
 }
 
 }  // namespace
@@ -135,8 +136,8 @@ void simulate(const Arguments& a) {
 void add_simulate(Verb app) {
   const auto a = std::make_shared<Arguments>();
   Verb verb = app.verb("simulate", "Simulate a procedure: write a session folder with recordings and truth.json");
-  verb.option("procedure", a->procedure, "the procedure or session to carry out").required();
-  verb.option("-o,--output FOLDER", a->folder, "the folder to create").required();
+  verb.option("procedure", a->procedure, "the procedure or session to carry out").required().reads();
+  verb.option("-o,--output FOLDER", a->folder, "the folder to create").required().creates();
   verb.option("--unit FILE", a->unit, "truth.json or calibration.json of the IMU to simulate, in place of the procedure's");
   verb.option("--grade GRADE", a->grade, "a grade by its name, or noise.json: the noise of a log at rest, in place of the procedure's");
   verb.option("--seed", a->seed, "random seed; the same seed gives the same result").show_default();

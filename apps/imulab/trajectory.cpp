@@ -133,15 +133,15 @@ void make(const Arguments& a) {
   write_session(folder.path() / "session.toml", session_of(mission, recording, solution.states.front()));
   folder.commit();
   if (a.json)
-    return fmt::print("{}", fields_json({{{"folder", a.folder},
-                                          {"samples", std::uint64_t{recording.size()}},
-                                          {"duration_s", solution.time.back()},
-                                          {"rate_hz", mission.rate},
-                                          {"truth_rows", std::uint64_t{solution.size()}}}}));
-  fmt::print("{}\n", a.folder);
-  fmt::print("  recording.csv  {} samples, {:.10g} s at {:g} Hz\n", recording.size(), solution.time.back(), mission.rate);
-  fmt::print("  truth.csv      {} rows\n  session.toml\n", solution.size());
-  fmt::print("{}", motion_table(recording, solution));
+    return print_json(fields_json({{{"folder", a.folder},
+                                    {"samples", std::uint64_t{recording.size()}},
+                                    {"duration_s", solution.time.back()},
+                                    {"rate_hz", mission.rate},
+                                    {"truth_rows", std::uint64_t{solution.size()}}}}));
+  print(fmt::format("{}\n", a.folder));
+  print(fmt::format("  recording.csv  {} samples, {:.10g} s at {:g} Hz\n", recording.size(), solution.time.back(), mission.rate));
+  print(fmt::format("  truth.csv      {} rows\n  session.toml\n", solution.size()));
+  print(motion_table(recording, solution));
 }
 
 }  // namespace
@@ -149,10 +149,11 @@ void make(const Arguments& a) {
 void add_trajectory(Verb app) {
   const auto a = std::make_shared<Arguments>();
   Verb verb = app.verb("trajectory", "Simulate an ideal IMU on a mission: write a session folder with truth.csv");
-  verb.option("mission", a->mission, "the mission file: segments, or a recorded track").required();
-  verb.option("-o,--output FOLDER", a->folder, "the folder to create").required();
+  verb.option("mission", a->mission, "the mission file: segments, or a recorded track").required().reads();
+  verb.option("-o,--output FOLDER", a->folder, "the folder to create").required().creates();
   const Option errors = verb.flag("--errors", a->errors, "give the IMU the errors of the mission's [errors] table");
   verb.option("--unit FILE", a->unit, "truth.json or calibration.json of an IMU: write its raw readings, with the noise of [errors]")
+      .reads()
       .excludes(errors);
   verb.option("--seed", a->seed, "random seed of errors and noise; the same seed gives the same result").show_default();
   verb.flag("--json", a->json, "print what was written as JSON");

@@ -44,7 +44,7 @@ NoiseCoefficients noise_coefficients_at(const Field& axis) {
 }  // namespace
 
 ImuNoise read_noise(const std::string& path) {
-  const MappedFile file(path);
+  const MappedFile file(path, Content::settings);
   const json_text::Json json = json_text::parse_json(file.text(), path, "noise.json as imulab noise writes it");
   const Field root(json, path, "");
   if (!root.has("format") || root["format"].text() != "imulab.noise/1") root.fail("expected \"format\": \"imulab.noise/1\"");

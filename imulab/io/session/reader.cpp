@@ -87,7 +87,7 @@ void take_noise(ImuDeclaration& imu, const std::string& file) {
 
 Session read_session(const std::filesystem::path& path) {
   const std::filesystem::path file = std::filesystem::is_directory(path) ? path / "session.toml" : path;
-  const MappedFile mapped(file);
+  const MappedFile mapped(file, Content::settings);
   Session session;
   session.file = input_name(file);
   session.sha256 = sha256(mapped.text());
@@ -106,6 +106,7 @@ Session read_session(const std::filesystem::path& path) {
   f.table_of<InitialState>("initial", session.initial, [](TomlFields& t, InitialState& initial) { transfer(t, initial); });
   f.table("truth", Presence::optional, [&](TomlFields& t) { t.text("file", session.truth_file.emplace()); });
   f.done();
+  session.noise_taken = session.imu.noise_file;
   if (session.imu.noise_file) take_noise(session.imu, session_path(session, *session.imu.noise_file).string());
   return session;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "imulab/core/error.hpp"
+#include "imulab/io/text/printable.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -24,11 +25,10 @@ class Field {
  public:
   Field(const Json& value, std::string file, std::string path) : value_(value), file_(std::move(file)), path_(std::move(path)) {}
 
-  [[noreturn]] void fail(const std::string& text) const { throw Error(file_ + ": " + (path_.empty() ? "" : path_ + ": ") + text); }
+  [[noreturn]] void fail(const std::string& text) const { throw Error(file_ + ": " + (path_.empty() ? "" : excerpt(path_, 200) + ": ") + text); }
   [[noreturn]] void expected(const std::string& what) const {
-    std::string found = value_.dump(-1, ' ', false, Json::error_handler_t::replace);
-    if (found.size() > 40) found = found.substr(0, 37) + "...";
-    fail("expected " + what + ", found " + found);
+    const bool structured = value_.is_structured();  // a list of a million numbers is not written to be cut
+    fail("expected " + what + ", found " + (structured ? value_.type_name() : excerpt(value_.dump(-1, ' ', false, Json::error_handler_t::replace))));
   }
 
   /// Of an object, in the file's order.
@@ -122,9 +122,9 @@ inline Json parse_json(std::string_view text, const std::string& file, const std
   } catch (const Json::parse_error& e) {
     const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(e.byte, text.size())), '\n');
     throw Error(fmt::format("{}:{}: not JSON; expected {}: {}", file, line, what,
-                            std::string_view(e.what()).substr(std::string_view(e.what()).find("] ") + 2)));
+                            excerpt(std::string_view(e.what()).substr(std::string_view(e.what()).find("] ") + 2), 200)));
   } catch (const Json::exception& e) {
-    throw Error(fmt::format("{}: not {}: {}", file, what, e.what()));
+    throw Error(fmt::format("{}: not {}: {}", file, what, excerpt(e.what(), 200)));
   }
 }
 
