@@ -94,7 +94,7 @@ void run(const Options& o) {
     expect_usable(read_calibration(path), path.string(), o.allow_undetermined);
   }
   const ErrorSources sources = mission_errors(specification, o.mission);
-  const motion::NominalMotion motion = nominal_motion(trajectory_of(file.mission), 1 / file.mission.rate);
+  const motion::NominalMotion motion = nominal_motion(errors_at(o.mission, [&] { return trajectory_of(file.mission); }), 1 / file.mission.rate);
   StrapdownOptions strapdown;
   strapdown.vertical = specification.vertical;
   std::optional<NewFolder> folder;

@@ -58,8 +58,6 @@ Calibration calibration_of(const std::string& name, bool allow_undetermined) {
 void check(const Options& o) {
   const bool needs_heights = o.navigate.vertical == VerticalChannel::aided || o.navigate.vertical == VerticalChannel::held;
   if (!o.barometer.empty() && !needs_heights) throw Error("--barometer: belongs to --vertical aided or held; expected one of them");
-  for (const auto& [name, value] : {std::pair("--heading", o.heading_deg), std::pair("--heading-sigma", o.heading_sigma_deg)})
-    if (value && !std::isfinite(*value)) throw Error(fmt::format("{}: {} is not an angle; expected a finite number of degrees", name, *value));
   if (o.heading_sigma_deg && !o.heading_deg) throw Error("--heading-sigma: belongs to --heading; expected both");
   if (o.sessions.size() == 1) return;
   for (const auto& [name, value] : {std::pair("--output", o.output), std::pair("--truth", o.truth), std::pair("--barometer", o.barometer)})

@@ -119,16 +119,6 @@ void run(const Options& options) {
   throw Unsupported(fmt::format("no path was found that meets the requirements: {}", text));
 }
 
-/// A check of a number within limits.
-std::function<std::string(const std::string&)> between(double low, double high, bool whole, const char* what) {
-  return [=](const std::string& text) -> std::string {
-    char* end = nullptr;
-    const double value = std::strtod(text.c_str(), &end);
-    const bool number = end != text.c_str() && *end == '\0' && value >= low && value <= high && (!whole || value == std::floor(value));
-    return number ? "" : fmt::format("{}; expected {} from {:g} to {:g}", text, what, low, high);
-  };
-}
-
 }  // namespace
 
 void add_plan(Verb app) {
@@ -136,14 +126,12 @@ void add_plan(Verb app) {
   Verb verb = app.verb("plan", "Find the shortest sequence of turns and rests with which the hybrid method meets requirements");
   verb.option("--require LIMITS", o->require, "requirements, as in \"gyro.matrix.off_diagonal <= 1 arcsec, accel.offset <= 1 ug\"").required();
   verb.option("--grade GRADE", o->grade, "grade of the IMU's noise: strategic, navigation, tactical, mems, mems-30g").show_default();
-  verb.option("--latitude", o->latitude_deg, "latitude of the site, degrees").check(between(-90, 90, false, "degrees")).show_default();
-  verb.option("--gravity", o->gravity, "gravity measured to 1e-5 m/s^2; if absent, normal gravity, known to 3e-4")
-      .check(between(9.7, 9.9, false, "m/s^2"));
+  verb.option("--latitude", o->latitude_deg, "latitude of the site, degrees").in_range(-90, 90).show_default();
+  verb.option("--gravity", o->gravity, "gravity measured to 1e-5 m/s^2; if absent, normal gravity, known to 3e-4").in_range(9.7, 9.9);
   verb.option("--axes AXES", o->axes, "axes of the table: 1 (outer, vertical), 2 (middle and inner), 3, hand, or names such as outer,inner")
       .show_default();
-  verb.option("--time N", o->time, "find the best path within this many seconds instead of the shortest")
-      .check(between(60, hybrid::longest_path, false, "seconds"));
-  verb.option("--rest", o->rest, "duration of every rest in whole seconds; if absent, each is chosen").check(between(6, 600, true, "whole seconds"));
+  verb.option("--time N", o->time, "find the best path within this many seconds instead of the shortest").in_range(60, hybrid::longest_path);
+  verb.option("--rest", o->rest, "duration of every rest in whole seconds; if absent, each is chosen").in_range(6, 600, true);
   verb.option("-o,--output FILE", o->output, "the procedure to write; - for standard output in place of the table").writes();
   add_report_option(verb, o->report);
   verb.flag("--json", o->json, "print the result as JSON");

@@ -114,7 +114,7 @@ void simulate(const Arguments& a) {
   std::vector<RecordedRigErrors> rig;
   for (const RecordingSource& source : procedure.recordings) {
     rig.push_back({source.file, draw_rig_errors(procedure, source, a.seed)});
-    const Recording recording = simulate_recording(procedure, source, truth, a.seed, rig.back().errors);
+    const Recording recording = errors_at(procedure.file, [&] { return simulate_recording(procedure, source, truth, a.seed, rig.back().errors); });
     write_recording(folder.path() / source.file, recording);
     const double duration = recording.time_s(recording.size() - 1);
     report += fmt::format("  {:<14} {} samples, {:g} s\n", source.file, recording.size(), duration);

@@ -2,12 +2,14 @@
 #pragma once
 
 #include "imulab/core/error.hpp"
+#include "imulab/io/text/json_dump.hpp"
 #include "imulab/io/text/printable.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -28,7 +30,7 @@ class Field {
   [[noreturn]] void fail(const std::string& text) const { throw Error(file_ + ": " + (path_.empty() ? "" : excerpt(path_, 200) + ": ") + text); }
   [[noreturn]] void expected(const std::string& what) const {
     const bool structured = value_.is_structured();  // a list of a million numbers is not written to be cut
-    fail("expected " + what + ", found " + (structured ? value_.type_name() : excerpt(value_.dump(-1, ' ', false, Json::error_handler_t::replace))));
+    fail("expected " + what + ", found " + (structured ? value_.type_name() : excerpt(dump_json(value_, -1))));
   }
 
   /// Of an object, in the file's order.
@@ -57,12 +59,16 @@ class Field {
   }
 
   double number() const {
+    constexpr double largest = 1e30;  // products of a few such numbers are still numbers
     if (!value_.is_number()) expected("a number");
+    if (!(std::abs(value_.get<double>()) <= largest)) expected("a number from -1e30 to 1e30");
     return value_.get<double>();
   }
   double number_or_nan() const { return is_null() ? std::numeric_limits<double>::quiet_NaN() : number(); }
   int whole_number() const {
     if (!value_.is_number_integer()) expected("a whole number");
+    constexpr double largest = std::numeric_limits<int>::max();
+    if (!(std::abs(value_.get<double>()) <= largest)) expected("a whole number that 32 bits hold");
     return value_.get<int>();
   }
   std::uint64_t size_in_bytes() const {
