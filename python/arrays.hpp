@@ -3,12 +3,11 @@
 
 #include "imulab/recording/recording.hpp"
 
-#include <pybind11/numpy.h>
-#include <pybind11/pybind11.h>
-
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
 #include <string>
 #include <vector>
 

@@ -3,8 +3,8 @@
 
 #include "imulab/estimate/method.hpp"
 #include "imulab/tasks/calibrate.hpp"
-#include "python/arrays.hpp"
 
+#include "python/arrays.hpp"
 #include <functional>
 #include <map>
 #include <memory>

@@ -9,15 +9,14 @@
 #include "imulab/model/compensate.hpp"
 #include "imulab/recording/compensate_recording.hpp"
 #include "imulab/report/calibration_page.hpp"
+
 #include "python/bindings.hpp"
 #include "python/work.hpp"
-
-#include <pybind11/stl.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <pybind11/stl.h>
 #include <utility>
 
 namespace imulab::python {
@@ -81,7 +80,9 @@ void apply(const CalibrationObject& calibration, const Array& gyro, const Array&
   for (std::size_t begin = 0; begin < size; begin += block) {
     const std::size_t n = std::min(block, size - begin);
     const RawColumns raw{load(g, begin, n, blocks[0]), load(a, begin, n, blocks[1]), load(gt, begin, n, blocks[2]), load(at, begin, n, blocks[3])};
-    const auto span = [&](std::size_t k) { return std::array{std::span(blocks[k][0].data(), n), std::span(blocks[k][1].data(), n), std::span(blocks[k][2].data(), n)}; };
+    const auto span = [&](std::size_t k) {
+      return std::array{std::span(blocks[k][0].data(), n), std::span(blocks[k][1].data(), n), std::span(blocks[k][2].data(), n)};
+    };
     compensate(model, raw, {span(4), span(5)});
     store(blocks[4], n, rates + 3 * begin);
     store(blocks[5], n, forces + 3 * begin);
@@ -122,10 +123,8 @@ void bind_calibration(py::module_& module) {
                   })
       .def_property_readonly("json", [](const CalibrationObject& c) { return calibration_text(c.calibration()); })
       .def_property_readonly("text", [](const CalibrationObject& c) { return calibration_summary(c.calibration()); })
-      .def_property_readonly("details",
-                             [](const CalibrationObject& c) {
-                               return calibration_details(c.calibration(), c.result->coarse ? &*c.result->coarse : nullptr);
-                             })
+      .def_property_readonly(
+          "details", [](const CalibrationObject& c) { return calibration_details(c.calibration(), c.result->coarse ? &*c.result->coarse : nullptr); })
       .def_property_readonly("imu", [](const CalibrationObject& c) { return c.calibration().imu; })
       .def_property_readonly("method", [](const CalibrationObject& c) { return c.calibration().method; })
       .def_property_readonly("verdict", [](const CalibrationObject& c) { return c.calibration().quality.verdict; })
@@ -159,8 +158,7 @@ void bind_calibration(py::module_& module) {
              const py::gil_scoped_release unlocked;
              write_calibration(path, c.calibration());
            })
-      .def("page",
-           [](const std::shared_ptr<CalibrationObject>& c) { return run(py::none(), [c = *c](const auto&) { return page(c); }); })
+      .def("page", [](const std::shared_ptr<CalibrationObject>& c) { return run(py::none(), [c = *c](const auto&) { return page(c); }); })
       .def("apply", &apply, py::arg("gyro"), py::arg("accel"), py::arg("gyro_temperature"), py::arg("accel_temperature"), py::arg("rate"),
            py::arg("force"))
       .def("exported", [](const CalibrationObject& c, const std::string& target, const std::string& noise, const std::string& axes,

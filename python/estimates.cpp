@@ -12,12 +12,11 @@
 #include "imulab/tasks/predict.hpp"
 #include "imulab/tasks/recordings.hpp"
 #include "imulab/tasks/simulate.hpp"
+
 #include "python/bindings.hpp"
 #include "python/work.hpp"
-
-#include <pybind11/stl.h>
-
 #include <algorithm>
+#include <pybind11/stl.h>
 #include <utility>
 
 namespace imulab::python {
@@ -33,9 +32,10 @@ SessionRecordings recordings_of(const Session& session, const std::optional<Reco
   return given_recordings(session, std::move(copies));
 }
 
-std::pair<std::shared_ptr<CalibrationObject>, std::vector<std::string>> calibrated(
-    std::shared_ptr<Session> session, std::optional<Recordings> given, const std::string& method_name, const std::string& terms,
-    const std::string& require, const std::string& chosen, bool stepwise, const py::object& progress) {
+std::pair<std::shared_ptr<CalibrationObject>, std::vector<std::string>> calibrated(std::shared_ptr<Session> session, std::optional<Recordings> given,
+                                                                                   const std::string& method_name, const std::string& terms,
+                                                                                   const std::string& require, const std::string& chosen,
+                                                                                   bool stepwise, const py::object& progress) {
   const Method& chosen_method = method(method_name);
   CalibrationTask task{.method = method_name, .terms = terms, .stepwise = stepwise, .curves = true};
   if (!require.empty()) task.requirements = parse_requirements(require);
@@ -91,8 +91,13 @@ Outcome predicted(std::shared_ptr<Session> procedure, const std::string& method,
 std::pair<Outcome, std::shared_ptr<Session>> planned(const std::string& require, const std::string& grade, double latitude_deg,
                                                      std::optional<double> gravity, const std::vector<std::string>& axes, bool by_hand,
                                                      std::optional<double> time, std::optional<double> rest, const py::object& progress) {
-  PlanTask task{.requirements = parse_requirements(require), .grade = grade, .latitude = latitude_deg * unit::deg, .gravity = gravity,
-                .by_hand = by_hand, .time = time, .rest = rest};
+  PlanTask task{.requirements = parse_requirements(require),
+                .grade = grade,
+                .latitude = latitude_deg * unit::deg,
+                .gravity = gravity,
+                .by_hand = by_hand,
+                .time = time,
+                .rest = rest};
   if (!axes.empty()) task.axes.clear();
   for (const RigAxis axis : {RigAxis::outer, RigAxis::middle, RigAxis::inner})
     if (std::find(axes.begin(), axes.end(), to_string(axis)) != axes.end()) task.axes.push_back(axis);
@@ -117,10 +122,9 @@ Outcome noise(std::shared_ptr<Session> session, std::shared_ptr<Recording> recor
   return run(py::none(), [=](const auto&) {
     const auto still = std::make_shared<StillPart>(still_part(*recording, *session));
     const auto analysis = std::make_shared<NoiseAnalysis>(analyze_noise(*still, options));
-    Outcome out{.json = noise_json(*analysis),
-                .text = noise_text(*analysis),
-                .warnings = analysis->warnings,
-                .page = [still, analysis] { return noise_page(*analysis, *still); }};
+    Outcome out{.json = noise_json(*analysis), .text = noise_text(*analysis), .warnings = analysis->warnings, .page = [still, analysis] {
+                  return noise_page(*analysis, *still);
+                }};
     for (const NoiseAxis& axis : analysis->axes)
       if (!axis.fit) out.shortcomings += (out.shortcomings.empty() ? "no noise to be seen on " : ", ") + axis.name;
     return out;
@@ -154,8 +158,8 @@ py::tuple simulated(std::shared_ptr<Session> procedure, std::uint64_t seed, cons
   });
   Recordings recordings;
   for (Recording& recording : out.recordings) recordings.push_back(std::make_shared<Recording>(std::move(recording)));
-  const auto truth = std::make_shared<CalibrationObject>(
-      CalibrationObject{std::make_shared<CalibrationResult>(CalibrationResult{std::move(out.truth)}), {}});
+  const auto truth =
+      std::make_shared<CalibrationObject>(CalibrationObject{std::make_shared<CalibrationResult>(CalibrationResult{std::move(out.truth)}), {}});
   return py::make_tuple(std::make_shared<Session>(std::move(out.session)), std::move(recordings), truth);
 }
 

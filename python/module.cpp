@@ -2,9 +2,9 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/text/file.hpp"
+
 #include "python/bindings.hpp"
 #include "python/work.hpp"
-
 #include <pybind11/stl.h>
 
 namespace imulab::python {

@@ -1,7 +1,7 @@
 // trajectory, navigate, budget.
 #include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
 #include "imulab/core/rotation.hpp"
+#include "imulab/core/units.hpp"
 #include "imulab/io/recording/solution.hpp"
 #include "imulab/model/calibration.hpp"
 #include "imulab/navigation/navigation_error.hpp"
@@ -9,11 +9,10 @@
 #include "imulab/tasks/budget.hpp"
 #include "imulab/tasks/navigate.hpp"
 #include "imulab/tasks/trajectory.hpp"
+
 #include "python/bindings.hpp"
 #include "python/work.hpp"
-
 #include <pybind11/stl.h>
-
 #include <utility>
 
 namespace imulab::python {
@@ -56,17 +55,14 @@ Array rows_of(const NavigationErrors& errors) {
 py::tuple flown(const std::string& mission, bool errors, const std::shared_ptr<CalibrationObject>& unit, std::uint64_t seed,
                 const std::string& folder, const py::object& progress) {
   FlownMission out = run(progress, [=](const std::function<void(double)>& report) {
-    TrajectoryTask task{.mission = mission,
-                        .errors = errors,
-                        .unit = unit ? std::optional(unit->calibration()) : std::nullopt,
-                        .seed = seed,
-                        .progress = report};
+    TrajectoryTask task{
+        .mission = mission, .errors = errors, .unit = unit ? std::optional(unit->calibration()) : std::nullopt, .seed = seed, .progress = report};
     FlownMission f = fly(read_mission(mission), task);
     if (!folder.empty()) write_flown(folder, f);
     return f;
   });
-  return py::make_tuple(std::make_shared<Session>(std::move(out.session)), std::make_shared<Recording>(std::move(out.recording)),
-                        rows_of(out.truth), std::move(out.warnings));
+  return py::make_tuple(std::make_shared<Session>(std::move(out.session)), std::make_shared<Recording>(std::move(out.recording)), rows_of(out.truth),
+                        std::move(out.warnings));
 }
 
 Outcome navigated(const std::string& name, const std::shared_ptr<CalibrationObject>& calibration, std::shared_ptr<Session> session,
@@ -86,10 +82,9 @@ Outcome navigated(const std::string& name, const std::shared_ptr<CalibrationObje
     const auto reference = truth.empty() ? session_truth(*session) : TrueMotion{truth, read_solution(truth)};
     return navigate_session(name, calibration ? calibration->calibration() : no_calibration(), *session, *recording, options, reference, true);
   }));
-  Outcome out{.json = navigation_json({*found}),
-              .text = navigation_table({*found}),
-              .warnings = found->navigated.warnings,
-              .page = [found] { return navigation_page({.sessions = {*found}}); }};
+  Outcome out{.json = navigation_json({*found}), .text = navigation_table({*found}), .warnings = found->navigated.warnings, .page = [found] {
+                return navigation_page({.sessions = {*found}});
+              }};
   out.arrays["solution"] = rows_of(found->navigated.solution);
   if (found->errors) {
     out.arrays["errors"] = rows_of(*found->errors);
@@ -105,10 +100,9 @@ Outcome budgeted(const std::string& mission, const std::optional<std::string>& g
     const BudgetTask task{mission, grade, system, calibration, noise, runs, seed, every, report};
     const MissionFile file = read_mission(mission);
     const auto b = std::make_shared<MissionBudget>(mission_budget(file, specification_of(task, file), task));
-    return Outcome{.json = budget_json(*b),
-                   .text = budget_table(b->budget, b->monte_carlo),
-                   .warnings = b->warnings,
-                   .page = [b, mission] { return budget_page(*b, mission); }};
+    return Outcome{.json = budget_json(*b), .text = budget_table(b->budget, b->monte_carlo), .warnings = b->warnings, .page = [b, mission] {
+                     return budget_page(*b, mission);
+                   }};
   });
 }
 

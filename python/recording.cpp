@@ -4,11 +4,10 @@
 #include "imulab/io/recording/file.hpp"
 #include "imulab/recording/make_recording.hpp"
 #include "imulab/recording/validate.hpp"
+
 #include "python/bindings.hpp"
 #include "python/work.hpp"
-
 #include <pybind11/stl.h>
-
 #include <utility>
 
 namespace imulab::python {
@@ -27,10 +26,8 @@ ReadingOptions reading_options(const py::dict& given, const std::string& triad) 
 
 Recording make(const py::array& t, const Array& gyro, const Array& accel, const std::string& name, std::optional<double> interval_s,
                const py::dict& gyro_options, const py::dict& accel_options) {
-  const RecordingOptions options{.name = name,
-                                 .interval_s = interval_s,
-                                 .gyro = reading_options(gyro_options, "gyro"),
-                                 .accel = reading_options(accel_options, "accel")};
+  const RecordingOptions options{
+      .name = name, .interval_s = interval_s, .gyro = reading_options(gyro_options, "gyro"), .accel = reading_options(accel_options, "accel")};
   Columns3 rates = columns_of("gyro", gyro), forces = columns_of("accel", accel);
   const auto made = [&](auto times) {
     const py::gil_scoped_release unlocked;
@@ -79,9 +76,8 @@ void bind_recording(py::module_& module) {
   module.def(
       "read_recording",
       [](std::shared_ptr<Session> session, const std::string& file) {
-        RecordingReading reading = run(py::none(), [session = std::move(session), file](const auto&) {
-          return read_recording(*session, session->source_of(file));
-        });
+        RecordingReading reading =
+            run(py::none(), [session = std::move(session), file](const auto&) { return read_recording(*session, session->source_of(file)); });
         return std::pair(std::make_shared<Recording>(std::move(reading.recording)), std::move(reading.warnings));
       },
       py::arg("session"), py::arg("file"));

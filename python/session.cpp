@@ -13,15 +13,14 @@
 #include "imulab/recording/overview.hpp"
 #include "imulab/report/inspection_page.hpp"
 #include "imulab/rig/procedure.hpp"
+
 #include "python/bindings.hpp"
 #include "python/work.hpp"
-
-#include <pybind11/stl.h>
-
 #include <algorithm>
 #include <functional>
 #include <map>
 #include <optional>
+#include <pybind11/stl.h>
 #include <utility>
 
 namespace imulab::python {
@@ -52,8 +51,7 @@ Session procedure(const std::string& name, const std::map<std::string, double>& 
                                                                                   {"cheng-path", cheng_path_procedure},
                                                                                   {"ferraris", ferraris_procedure}};
   const auto it = on_table.find(name);
-  if (it == on_table.end())
-    throw Error("procedure: no " + name + "; expected hand-held, six-position, ferraris, zhang-24, cheng-path or dai-unit");
+  if (it == on_table.end()) throw Error("procedure: no " + name + "; expected hand-held, six-position, ferraris, zhang-24, cheng-path or dai-unit");
   TableProcedureOptions options = name == "ferraris" ? ferraris_options() : TableProcedureOptions{};
   double arcsec = options.table / unit::arcsec;
   take("rest", options.rest), take("rate_hz", options.rate_hz), take("turns", options.turns), take("table_arcsec", arcsec);

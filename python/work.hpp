@@ -1,8 +1,6 @@
 // Long work beside the interpreter: without its lock, with its signals and a progress callback.
 #pragma once
 
-#include <pybind11/pybind11.h>
-
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -11,6 +9,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <pybind11/pybind11.h>
 #include <thread>
 #include <utility>
 

@@ -18,12 +18,13 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-const std::map<std::string, int> ranks{{"core", 0},     {"model", 1},    {"earth", 1}, {"recording", 2}, {"navigation", 3}, {"rig", 4},
-                                       {"simulate", 5}, {"estimate", 5}, {"inspection", 6}, {"io", 7}, {"report", 7}, {"fleet", 7}, {"apps", 8}};
+const std::map<std::string, int> ranks{{"core", 0},   {"model", 1},    {"earth", 1},    {"recording", 2},  {"navigation", 3},
+                                       {"rig", 4},    {"simulate", 5}, {"estimate", 5}, {"inspection", 6}, {"io", 7},
+                                       {"report", 7}, {"fleet", 7},    {"tasks", 8},    {"apps", 9},       {"python", 9}};
 
-/// The room of a path: imulab/ROOM/... or apps/...; none for anything else.
+/// The room of a path: imulab/ROOM/..., apps/... or python/...; none for anything else.
 std::optional<std::string> room_of(const std::string& path) {
-  static const std::regex room("^(?:imulab/([^/]+)/|(apps)/)");
+  static const std::regex room("^(?:imulab/([^/]+)/|(apps|python)/)");
   std::smatch found;
   if (!std::regex_search(path, found, room)) return std::nullopt;
   const std::string name = found[1].matched ? found[1] : found[2];
@@ -81,7 +82,7 @@ TEST(IncludeDirections, EveryFileKeepsThem) {
   namespace fs = std::filesystem;
   const fs::path root(IMULAB_SOURCE);
   std::set<std::string> rooms;
-  for (const char* top : {"imulab", "apps"})
+  for (const char* top : {"imulab", "apps", "python"})
     for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
       const std::string file = fs::relative(entry.path(), root).generic_string();
       const auto extension = entry.path().extension();
@@ -92,7 +93,8 @@ TEST(IncludeDirections, EveryFileKeepsThem) {
       EXPECT_THAT(violations(file, text.str()), IsEmpty());
       if (const auto room = room_of(file)) rooms.insert(*room);
     }
-  EXPECT_THAT(rooms, ::testing::IsSupersetOf({"core", "model", "earth", "recording", "estimate", "io", "apps"})) << "not all files were found";
+  EXPECT_THAT(rooms, ::testing::IsSupersetOf({"core", "model", "earth", "recording", "estimate", "io", "tasks", "apps", "python"}))
+      << "not all files were found";
 }
 
 TEST(IncludeDirections, AStepDownOrInsideTheRoomIsFine) {

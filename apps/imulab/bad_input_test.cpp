@@ -4,6 +4,7 @@
 #include "tests/recorded_session.hpp"
 #include <cstdio>
 #include <functional>
+#include <sys/stat.h>
 
 namespace imulab {
 namespace {
@@ -108,11 +109,11 @@ TEST(BadInput, ACommandThatIsWrong) {
            {"calibrate session --method handheld --terms accel.lever_arm",
             "--terms: accel.lever_arm.xx is not a coefficient that the method handheld estimates"},
            {"calibrate session --method static --recording other.csv",
-            "session/session.toml: has no recording other.csv; expected --recording with one of recording.csv"},
+            "--recording: session/session.toml: has no recording other.csv; expected one of recording.csv"},
            {"calibrate nowhere --method static", "nowhere: cannot be opened: No such file"},
            {"calibrate file --method static", "file: is empty; expected rows of numbers"},
            {"calibrate session --method static -o nowhere/c.json", "nowhere/c.json: cannot be written: No such file"},
-           {"calibrate session --method static -o session", "session: cannot be written: Is a directory"},
+           {"calibrate session --method static -o session", "-o session: is a folder; expected a file to write"},
            {"procedure hand-held -o nowhere/hand.toml", "nowhere/hand.toml: cannot be written: No such file"},
            {"procedure hand-held --poses 0", "hand-held: no poses; expected at least one"},
            {"procedure hand-held --poses 1000000000", "hand-held: 1000000000 poses; expected at most 100000"},
@@ -124,6 +125,125 @@ TEST(BadInput, ACommandThatIsWrong) {
        })
     expect_refused(folder, arguments, message);
   for (const char* name : {"nowhere", "out", "out.csv"}) EXPECT_FALSE(std::filesystem::exists(folder / name)) << name;
+}
+
+/// Numbers that no use has: nothing is computed, and the message has the option or the key.
+TEST(BadInput, NumbersOutOfRange) {
+  const TemporaryFolder folder;
+  hand_held_session().write(folder);
+  for (const auto& [arguments, message] : std::vector<std::pair<std::string, std::string>>{
+           {"procedure hand-held --seed -1", "--seed: -1; expected a whole number from 0"},
+           {"procedure hand-held --seed 99999999999999999999", "--seed: 99999999999999999999; expected a whole number from 0"},
+           {"procedure hand-held --poses 1e3", "--poses: 1e3; expected a whole number"},
+           {"procedure six-position --rest inf", "--rest: inf; expected a finite number"},
+           {"procedure six-position --table inf", "--table: inf; expected a finite number"},
+           {"procedure six-position --table -5", "--table: -5; expected a number from 0 to 1296000"},
+           {"procedure dai-unit --rate-hz 1e300", "--rate-hz: 1e300; expected a number from 0.1 to 1000000"},
+           {"budget m.toml --every nan", "--every: nan; expected a finite number"},
+           {"budget m.toml --every 1e-300", "--every: 1e-300; expected a number from 0.001"},
+           {"budget m.toml --runs -1", "--runs: -1; expected a whole number"},
+           {"inspect session/recording.csv --for nan", "--for: nan; expected a finite number"},
+           {"inspect session/recording.csv --set latitude_deg=95", "--set: latitude_deg = 95: is out of range"},
+           {"navigate none session --heading nan", "--heading: nan; expected a finite number"},
+           {"plan --require 'accel.offset <= 1 mg' --latitude 91", "--latitude: 91; expected "},
+           {"predict session --runs 1e9", "--runs: 1e9; expected 0, or 100 to 10000000"},
+           {"--threads 0 compare a b", "--threads: Value 0 not in range 1 to 1024"},
+       })
+    expect_refused(folder, arguments, message);
+}
+
+struct Declared {
+  std::string from, to, message;
+};
+
+TEST(BadInput, DeclaredNumbersOutOfRange) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run_imulab(folder, "procedure hand-held --poses 12 -o good.toml").exit_code, 0);
+  const std::string good = read_text(folder / "good.toml"), rate = "rate_hz = 100", first = "duration_s = 30";
+  for (const Declared& d : {
+           Declared{rate, "rate_hz = 1e-300", "p.toml:16: recording.rate_hz: 1e-300 is out of range; expected 0.001 to 1000000"},
+           Declared{rate, "rate_hz = 1e300", "p.toml:16: recording.rate_hz: 1e+300 is out of range; expected 0.001 to 1000000"},
+           Declared{rate, "rate_hz = nan", "p.toml:16: recording.rate_hz: is not finite; expected a finite number"},
+           Declared{rate, "rate_hz = 0.001", "p.toml: the steps last less than one sample; expected at least one"},
+           Declared{first, "start_s = 1e12\nend_s = 2e12", "p.toml:23: step.start_s: 1000000000000 is out of range; expected -4600000000"},
+           Declared{first, "duration_s = 1e12", "p.toml:22: step.kind: hold ends 1e+12 s after the begin; expected at most 4.6e+09"},
+           Declared{first, "duration_s = inf", "p.toml:23: step.duration_s: is not finite"},
+           Declared{first, "duration_s = 1e9", "p.toml: 1e+11 samples; expected at most 1e+08"},
+           Declared{"outer_deg = ", "outer_deg = 1e30 #", "p.toml:25: step.outer_deg: 1e+30 is out of range; expected -1000000 to 1000000"},
+           Declared{"latitude_deg = 45", "latitude_deg = 90.5", "p.toml:8: site.latitude_deg: 90.5 is out of range; expected -90 to 90"},
+           Declared{"height_m = 0", "height_m = 0\ngravity_sigma_mps2 = -1",
+                    "p.toml:10: site.gravity_sigma_mps2: -1 is out of range; expected at least 0"},
+           Declared{"height_m = 0", "height_m = 0\ngravity_sigma_mps2 = 1e300", "p.toml:10: site.gravity_sigma_mps2: 1e+300 is out of range"},
+       }) {
+    std::string text = good;
+    ASSERT_NE(text.find(d.from), std::string::npos) << d.from;
+    folder.write("p.toml", text.replace(text.find(d.from), d.from.size(), d.to));
+    expect_refused(folder, "simulate p.toml -o out", d.message);
+    EXPECT_FALSE(std::filesystem::exists(folder / "out")) << d.to;
+  }
+}
+
+TEST(BadInput, WhatIsNoFileOfOurs) {
+  const TemporaryFolder folder;
+  hand_held_session().write(folder);
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  folder.write("secret", "root:$6$salt:20000:0:99999:7:::\ndaemon:*:20000:0:99999:7:::\n");
+  const auto names = [&](const std::string& file) {
+    std::string text = hand_held_session().session;
+    folder.write("session/other.toml", text.replace(text.find("recording.csv"), 13, file));
+    return run_imulab(folder, "calibrate session/other.toml --method handheld");
+  };
+  const CommandResult secret = names("../secret"), pipe = names("../pipe"), device = names("/dev/zero");
+  EXPECT_EQ(secret.errors, "imulab: session/../secret: has no row of numbers; expected CSV or plain columns of numbers\n");
+  EXPECT_EQ(pipe.errors, "imulab: session/../pipe: is a pipe or a device; expected a recording that is a file on disk\n");
+  EXPECT_EQ(device.errors, "imulab: /dev/zero: is a pipe or a device; expected a recording that is a file on disk\n");
+  expect_refused(folder, "calibrate pipe --method handheld", "pipe: nobody writes to this pipe; expected a writer within 5 s");
+  expect_refused(folder, "calibrate /dev/zero --method handheld", "/dev/zero: is longer than 64 MiB; expected less");
+  expect_refused(folder, "compare - c.json < /dev/zero", "standard input: is longer than 64 MiB; expected less");
+  expect_refused(folder, "report - -o page.html < /dev/zero", "standard input: is longer than 64 MiB; expected less");
+}
+
+TEST(BadInput, MessagesShowWhatWouldSteerATerminalAndQuoteInShort) {
+  const TemporaryFolder folder;
+  const std::string site = "[site]\n";
+  for (const auto& [key, shown] : {std::pair<std::string, std::string>{"\"" + std::string(20'000'000, 'k') + "\"", std::string(60, 'k') + "..."},
+                                   {R"("a\u0000b")", R"(a\x00b)"},
+                                   {R"("\u001b[31m")", R"(\x1b[31m)"},
+                                   {R"("two\nlines")", R"(two\x0alines)"}}) {
+    SessionText text = hand_held_session();
+    text.declare(site, site + key + " = 1\n");
+    text.write(folder);
+    const CommandResult result = run_imulab(folder, "calibrate session --method handheld");
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.errors, HasSubstr("imulab: session/session.toml:8: site." + shown + ": is not a known key; expected one of latitude_deg"));
+    EXPECT_LT(result.errors.size(), 300u);
+  }
+  expect_refused(folder, "$(printf 'x\\033[31m')", R"(x\x1b[31m is not a command)");
+  expect_refused(folder, "compare \"$(printf '\\033]0;title\\007')\" c.json", R"(\x1b]0;title\x07: cannot be opened)");
+  expect_refused(folder, "calibrate session --method \"$(printf '\\033[31m')\"", R"(--method: \x1b[31m not in)");
+}
+
+TEST(BadInput, NamesOfAnyBytes) {
+  const TemporaryFolder folder;
+  SessionText text = hand_held_session();
+  text.declare("name = \"hand-held\"", "name = \"x\\u001b[31m\\u009b\"");
+  text.write(folder);
+  const std::string place = "\"$(printf 'odd\\377')\"";
+  ASSERT_EQ(run_shell(folder, "mv session " + place).exit_code, 0);
+  const CommandResult result = run_imulab(folder, "calibrate " + place + " --method handheld -o c.json --report " + place + "/c.html");
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  EXPECT_THAT(result.output, HasSubstr("x\\x1b[31m\\xc2\\x9b, method handheld"));
+  EXPECT_THAT(read_text(folder / "c.json"), HasSubstr("\"odd\xEF\xBF\xBD/session.toml\""));  // U+FFFD
+  for (const std::string& command :
+       {"calibrate " + place + " --method handheld --json", "inspect " + place + "/recording.csv --json",
+        "compensate c.json " + place + " -o " + place + "/out.csv --json", "compare c.json " + place + "/truth.json --json",
+        "export c.json --to csv -o " + place + "/c.csv --json", "simulate " + place + "/session.toml -o " + place + "/new --json"}) {
+    const CommandResult printed = run_imulab(folder, command);
+    EXPECT_EQ(printed.exit_code, command.starts_with("simulate") ? 2 : 0) << command << printed.errors;  // the session has no steps
+    EXPECT_THAT(printed.errors, testing::Not(HasSubstr("json.exception"))) << command;
+    EXPECT_EQ((printed.output + printed.errors).find_first_of("\x1b\xff"), std::string::npos) << command;
+  }
+  EXPECT_EQ(run_imulab(folder, "verify c.json --session " + place).exit_code, 0);
 }
 
 TEST(BadInput, ACalibrationFromANewerFormat) {

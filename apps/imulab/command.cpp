@@ -1,8 +1,10 @@
 #include "apps/imulab/command.hpp"
 
+#include "apps/imulab/files.hpp"
 #include "apps/imulab/help.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/printable.hpp"
 #include "imulab/io/text/terminal.hpp"
 #include "imulab/io/text/unfinished.hpp"
 
@@ -11,11 +13,14 @@
 #include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -24,15 +29,54 @@
 
 namespace imulab::command {
 
-Option Option::required() { return Option(option_->required()); }
-Option Option::takes_several(int at_least) { return Option(option_->expected(at_least, -1)); }
-Option Option::repeats() { return Option(option_->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)); }
-Option Option::one_of(const std::vector<std::string>& names) { return Option(option_->check(CLI::IsMember(names))); }
-Option Option::in_range(double least, double most) { return Option(option_->check(CLI::Range(least, most))); }
-Option Option::check(const std::function<std::string(const std::string&)>& problem) { return Option(option_->check(problem)); }
-Option Option::show_default() { return Option(option_->capture_default_str()); }
-Option Option::excludes(Option other) { return Option(option_->excludes(other.option_)); }
+struct UsedOptions {
+  std::vector<CLI::Option*> read, written, created;
+};
+
+Option Option::required() { return option_->required(), *this; }
+Option Option::takes_several(int at_least) { return option_->expected(at_least, -1), *this; }
+Option Option::repeats() { return option_->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll), *this; }
+Option Option::one_of(const std::vector<std::string>& names) { return option_->check(CLI::IsMember(names)), *this; }
+Option Option::check(const std::function<std::string(const std::string&)>& problem) { return option_->check(problem), *this; }
+Option Option::show_default() { return option_->capture_default_str(), *this; }
+Option Option::excludes(Option other) { return option_->excludes(other.option_), *this; }
+Option Option::reads() { return used_->read.push_back(option_), *this; }
+Option Option::writes() { return used_->written.push_back(option_), *this; }
+Option Option::creates() { return used_->created.push_back(option_), *this; }
 bool Option::given() const { return option_->count() > 0; }
+
+namespace {
+
+/// The whole text as a number of this type; nothing where it is none, or none that the type holds.
+template <class Value>
+std::optional<Value> number_in(std::string_view text) {
+  Value value{};
+  if (text.starts_with('+')) text.remove_prefix(1);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
+}
+
+/// What is wrong with a number; CLI11 itself takes nan and inf, and the nearest number that a type holds.
+template <class Value>
+std::string bad_number(const std::string& text) {
+  const auto value = number_in<Value>(text);
+  if constexpr (std::is_floating_point_v<Value>)
+    return value && std::isfinite(*value) ? "" : excerpt(text) + "; expected a finite number";
+  else
+    return value ? ""
+                 : fmt::format("{}; expected a whole number from {} to {}", excerpt(text), std::numeric_limits<Value>::min(),
+                               std::numeric_limits<Value>::max());
+}
+
+}  // namespace
+
+Option Option::in_range(double least, double most, bool whole) {
+  return check([=](const std::string& text) {
+    const double value = number_in<double>(text).value_or(std::numeric_limits<double>::quiet_NaN());
+    const bool good = value >= least && value <= most && (!whole || value == std::floor(value));
+    return good ? "" : fmt::format("{}; expected {} from {:.10g} to {:.10g}", excerpt(text), whole ? "a whole number" : "a number", least, most);
+  });
+}
 
 namespace {
 
@@ -86,6 +130,9 @@ VerbDescription describe(const CLI::App& app, const std::string& before = "") {
   return verb;
 }
 
+/// "-o" rather than "--output".
+std::string shortest_name(const CLI::Option& option) { return !option.get_snames().empty() ? "-" + option.get_snames().front() : option.get_name(); }
+
 std::string name_of(const CLI::App& app) {
   return app.get_parent() == nullptr ? "" : name_of(*app.get_parent()) + app.get_parent()->get_name() + " ";
 }
@@ -97,6 +144,7 @@ class Help : public CLI::FormatterBase {
 
 }  // namespace
 
+Verb::Verb(CLI::App* app) : app_(app), used_(std::make_shared<UsedOptions>()) {}
 Verb Verb::verb(const std::string& name, const std::string& about) { return Verb(app_->add_subcommand(name, about)); }
 void Verb::example(const std::string& command_line) { app_->footer(app_->get_footer() + (app_->get_footer().empty() ? "" : "\n") + command_line); }
 
@@ -105,9 +153,9 @@ Option Verb::option(const std::string& names, Value& value, const std::string& h
   const auto [own, value_name] = split(names);
   CLI::Option* const option = app_->add_option(own, value, help);
   option->type_name(!value_name.empty() ? value_name : std::is_arithmetic_v<Value> || std::is_same_v<Value, std::optional<double>> ? "N" : "TEXT");
-  if constexpr (std::is_unsigned_v<Value>)  // CLI11 would wrap it
-    option->check([](const std::string& text) { return text.starts_with('-') ? text + " is negative; expected a whole number from 0 on" : ""; });
-  return Option(option);
+  if constexpr (std::is_arithmetic_v<Value>) option->check(bad_number<Value>);
+  if constexpr (std::is_same_v<Value, std::optional<double>>) option->check(bad_number<double>);
+  return Option(option, used_);
 }
 template Option Verb::option(const std::string&, int&, const std::string&);
 template Option Verb::option(const std::string&, std::uint64_t&, const std::string&);
@@ -117,22 +165,39 @@ template Option Verb::option(const std::string&, std::optional<double>&, const s
 template Option Verb::option(const std::string&, std::optional<std::string>&, const std::string&);
 template Option Verb::option(const std::string&, std::vector<std::string>&, const std::string&);
 
-Option Verb::flag(const std::string& names, bool& value, const std::string& help) { return Option(app_->add_flag(names, value, help)); }
+Option Verb::flag(const std::string& names, bool& value, const std::string& help) { return Option(app_->add_flag(names, value, help), used_); }
 void Verb::needs_verb() { app_->require_subcommand(1); }
-void Verb::does(std::function<void()> work) { app_->callback(std::move(work)); }
-
-void print(const std::string& text) {
-  for (const auto& [word, color] : {std::pair{"good", Color::green}, {"doubtful", Color::yellow}})
-    if (output_has_color() && text.starts_with(word)) return fmt::print("{}{}", in_color(color, word), text.substr(std::string_view(word).size()));
-  fmt::print("{}", text);
+void Verb::does(std::function<void()> work) {
+  app_->callback([used = used_, work = std::move(work)] {
+    for (const CLI::Option* option : used->written)
+      for (const std::string& file : option->results()) will_write(shortest_name(*option), file);
+    for (const CLI::Option* option : used->created)
+      for (const std::string& folder : option->results()) will_create(shortest_name(*option), folder);
+    for (const CLI::Option* option : used->read)
+      for (const std::string& file : option->results()) will_read(file);
+    work();
+  });
 }
+
+void print(const std::string& text, std::FILE* out) {
+  const std::string shown = printable(text);
+  for (const auto& [word, color] : {std::pair{"good", Color::green}, {"doubtful", Color::yellow}})
+    if (out == stdout && output_has_color() && shown.starts_with(word))
+      return fmt::print("{}{}", in_color(color, word), shown.substr(std::string_view(word).size()));
+  fmt::print(out, "{}", shown);
+}
+
+void print_json(const std::string& text) { fmt::print("{}", text); }
 
 namespace {
 
-/// "imulab: ..." on standard error, after all of standard output.
+/// "imulab: ..." on standard error, after all of standard output. The middle of a text without end is left out.
 void complain(Color color, const std::string& what, const std::string& text) {
+  constexpr std::size_t longest = 4096, kept = 1024;
+  std::string shown = text.size() <= longest ? text : text.substr(0, kept) + " ... " + text.substr(text.size() - kept);
+  shown = printable(shown);
   std::fflush(stdout);
-  fmt::print(stderr, "imulab: {}{}\n", errors_have_color() && !what.empty() ? in_color(color, what) : what, text);
+  fmt::print(stderr, "imulab: {}{}\n", errors_have_color() && !what.empty() ? in_color(color, what) : what, shown);
 }
 
 }  // namespace
@@ -204,6 +269,7 @@ void expect_output_written() {
 
 int run(std::vector<std::string> arguments) {
   remove_unfinished_on_signals();
+  forget_files();
   CLI::App app{summary};
   app.name("imulab");
   app.formatter(std::make_shared<Help>());
@@ -227,7 +293,6 @@ int run(std::vector<std::string> arguments) {
       add(Verb(&app));
       app.get_subcommands([](const CLI::App*) { return true; }).back()->group(group.title);
     }
-  app.failure_message([](const CLI::App*, const CLI::Error& e) { return fmt::format("imulab: {} (--help explains the command)\n", e.what()); });
   try {
     if (arguments.empty()) {
       fmt::print(stderr, "{}", app.help());
@@ -239,8 +304,12 @@ int run(std::vector<std::string> arguments) {
     expect_output_written();
     return 0;
   } catch (const CLI::ParseError& e) {
-    if (app.exit(e) != 0) return 2;
+    if (e.get_exit_code() != 0) {
+      complain(Color::red, "", fmt::format("{} (--help explains the command)", e.what()));
+      return 2;
+    }
     try {  // help and version
+      app.exit(e);
       expect_output_written();
       return 0;
     } catch (const Error& lost) {

@@ -89,7 +89,6 @@ std::vector<NamedCalibration> read_all(const std::vector<std::string>& files, bo
 }
 
 void run(const Options& options) {
-  expect_others_stay(options.report, {options.files.begin(), options.files.end()});
   const std::vector<NamedCalibration> inputs = read_all(options.files, options.different_imus);
   std::vector<Calibration> calibrations;
   for (const auto& input : inputs) calibrations.push_back(input.calibration);
@@ -101,7 +100,7 @@ void run(const Options& options) {
     for (const auto& input : inputs) summary.names.push_back(input.name);
     write_whole(options.report, comparison_page(summary));
   }
-  fmt::print("{}", options.json ? comparison_json(inputs, comparisons, joint) : comparison_table(inputs, comparisons, joint, options.verbose));
+  options.json ? print_json(comparison_json(inputs, comparisons, joint)) : print(comparison_table(inputs, comparisons, joint, options.verbose));
 }
 
 }  // namespace
@@ -113,7 +112,8 @@ void add_compare(Verb app) {
               "two or more calibrations, or truth.json of a simulation; - for standard input. The others are compared with the first. Their "
               "errors count as independent; a file without uncertainties counts as the truth")
       .required()
-      .takes_several(2);
+      .takes_several(2)
+      .reads();
   verb.flag("--different-imus", options->different_imus, "compare calibrations of different serial numbers");
   add_report_option(verb, options->report);
   verb.flag("--json", options->json, "print the result as JSON");

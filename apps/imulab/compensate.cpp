@@ -2,6 +2,7 @@
 #include "apps/imulab/compensate.hpp"
 
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/files.hpp"
 #include "apps/imulab/inspected.hpp"
 #include "apps/imulab/report.hpp"
 #include "apps/imulab/session_recording.hpp"
@@ -84,9 +85,7 @@ void compensate_files(const CompensateOptions& options) {
   const Session session = open_session(options.session, options.declarations);
   if (session.recordings.empty()) throw Error(session.file + ": has no recordings; expected at least one");
   const std::vector<fs::path> files = output_files(session, options.output);
-  for (const fs::path& file : files) expect_inputs_stay("-o", file.string(), session, {options.calibration});
-  if (!options.report.empty()) expect_inputs_stay("--report", options.report, session, {options.calibration});
-  expect_others_stay(options.report, files);
+  for (const fs::path& file : files) will_write("-o", file);
   std::vector<CompensatedRecording> recordings;  // all are compensated before any is written
   for (const auto& source : session.recordings) recordings.push_back(compensated(calibration, session, source, options.outliers));
   if (files[0].has_parent_path()) {
@@ -106,22 +105,22 @@ void compensate_files(const CompensateOptions& options) {
 }  // namespace
 
 void print_counts(const CompensateOptions& options, const CompensationSummary& summary) {
-  if (options.json) return fmt::print("{}", compensation_json(summary));
+  if (options.json) return print_json(compensation_json(summary));
   for (const CompensatedFile& c : summary.files)
-    fmt::print("{}",
-               text::wrapped("", fmt::format("{}: {} samples, {} saturated, {} outside the calibrated temperatures{}", c.file, c.samples, c.saturated,
-                                             c.out_of_range,
-                                             options.outliers == Outliers::reject ? fmt::format(", {} with an outlier replaced", c.replaced) : "")));
+    print(text::wrapped(
+        "", fmt::format("{}: {} samples, {} saturated, {} outside the calibrated temperatures{}", c.file, c.samples, c.saturated, c.out_of_range,
+                        options.outliers == Outliers::reject ? fmt::format(", {} with an outlier replaced", c.replaced) : "")));
 }
 
 void add_compensate(Verb app) {
   const auto options = std::make_shared<CompensateOptions>();
   Verb verb = app.verb("compensate", "Apply a calibration: raw recordings to angular rates and specific forces in SI");
-  verb.option("CALIBRATION", options->calibration, "calibration.json").required();
+  verb.option("CALIBRATION", options->calibration, "calibration.json").required().reads();
   verb.option(
           "SESSION", options->session,
           "a session folder or its session.toml; a recording, which is inspected first; - for rows from standard input, as --session declares them")
-      .required();
+      .required()
+      .reads();
   add_declarations(verb, options->declarations);
   verb.option("-o,--output FILE", options->output,
               "a folder; for one recording also a .csv or .npz file, the bag that it is (.bag, .mcap, .db3), or - for standard output")
@@ -129,7 +128,7 @@ void add_compensate(Verb app) {
   add_allow_undetermined(verb, options->allow_undetermined);
   verb.flag("--reject-outliers", options->reject_outliers, "replace spikes of one or two samples first");
   add_report_option(verb, options->report);
-  verb.option("--session SESSION", options->stream_session, "the session that describes the recording on standard input");
+  verb.option("--session SESSION", options->stream_session, "the session that describes the recording on standard input").reads();
   verb.option("--recording FILE", options->recording, "the file of the recording to use, if that session has several");
   verb.flag("--json", options->json, "print what was written as JSON");
   verb.example("imulab compensate calibration.json session -o compensated.csv");

@@ -1,12 +1,12 @@
 // imulab compensate CALIBRATION - --session SESSION -o OUT: rows are written as they arrive.
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/compensate.hpp"
+#include "apps/imulab/files.hpp"
 #include "apps/imulab/session_recording.hpp"
 #include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording/file.hpp"
 #include "imulab/io/recording/stream.hpp"
-#include "imulab/io/session/file.hpp"
 #include "imulab/recording/compensator.hpp"
 
 #include <fmt/core.h>
@@ -61,12 +61,9 @@ void compensate_stream(const CompensateOptions& options) {
   if (options.output != "-" && std::filesystem::path(options.output).extension() != ".csv")
     throw Error(fmt::format("-o {}: expected a .csv file, or - for standard output", options.output));
   const Calibration calibration = read_usable(options.calibration, options.allow_undetermined);
-  const Session session = read_session(options.stream_session);
-  const RecordingSource& source = choose_recording(session, options.recording);
-  expect_inputs_stay("-o", options.output, session, {options.calibration});
-  std::error_code no_such_file;
-  if (std::filesystem::equivalent("/dev/stdin", options.output, no_such_file))
-    throw Error(fmt::format("-o {}: would overwrite the file of standard input; expected another one", options.output));
+  will_write("-o", options.output);
+  const Session session = session_at(options.stream_session);
+  const RecordingSource& source = named_recording(session, options.recording);
   check_thermal_units(calibration, source);
 
   RecordingStream stream(STDIN_FILENO, "standard input", source);

@@ -1,5 +1,6 @@
 // imulab demo: a good calibration from a poor table (Cheng 2014), and twenty drives that prove it. Nothing is needed but the command.
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/files.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
@@ -115,14 +116,28 @@ constexpr const char* story =
     "with "
     "nothing but its own readings.";
 
+constexpr const char* title = "A good calibration from a poor table";
+
+/// The demo replaces its own files, and nobody else's.
+void expect_own_folder(const fs::path& folder) {
+  const fs::path page = folder / "report.html";
+  const bool own = fs::is_regular_file(page) && MappedFile(page).text().find(title) != std::string_view::npos;
+  for (const char* name : {"classical.json", "hybrid.json", "drives.svg", "report.html"}) {
+    will_write("-o", folder / name);
+    if (!own && fs::exists(folder / name))
+      throw Error(fmt::format("-o {}: has a {} that is not of the demo; expected another folder", folder.string(), name));
+  }
+}
+
 void demo(const Arguments& a) {
   const fs::path folder = a.folder;
+  expect_own_folder(folder);
   std::error_code failure;
   fs::create_directories(folder, failure);
   if (failure) throw Error(fmt::format("-o {}: cannot be made: {}; expected a folder", a.folder, failure.message()));
   const auto say = [&](const std::string& text) {
     if (a.json) return;
-    fmt::print("{}", text);
+    print(text);
     std::fflush(stdout);
   };
   Truth truth, unused;
@@ -136,7 +151,7 @@ void demo(const Arguments& a) {
   say(fmt::format("3  An hour's drive, {} times, navigated with nothing but the IMU:\n     largest error, m     median   least to most\n", drives));
   DrivesReport report = drive_all(truth, {{"classical", classical}, {"hybrid", hybrid}, {"with the true values", exact}}, a.seed);
   for (const DrivenCalibration& c : report.calibrations) say(row(c));
-  report.title = "A good calibration from a poor table";
+  report.title = title;
   report.story = story;
   report.calibrations[0].claim = misalignment(classical), report.calibrations[1].claim = misalignment(hybrid);
   report.next = {"Calibrate your own sensor by hand: imulab calibrate FOLDER --method handheld -o calibration.json",
@@ -149,7 +164,7 @@ void demo(const Arguments& a) {
                   fs::absolute(folder / "report.html").lexically_normal().string()));
   JsonFields figures{{{"drives", std::uint64_t{drives}}}};
   for (const DrivenCalibration& c : report.calibrations) figures.fields.emplace_back(c.name + " [m]", median(c.largest));
-  if (a.json) fmt::print("{}", fields_json(figures));
+  if (a.json) print_json(fields_json(figures));
 }
 
 }  // namespace

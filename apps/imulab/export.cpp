@@ -1,7 +1,7 @@
 // imulab export CALIBRATION --to TARGET
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/export_c_header.hpp"
-#include "apps/imulab/session_recording.hpp"
+#include "apps/imulab/files.hpp"
 #include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/export/target.hpp"
@@ -61,7 +61,6 @@ std::string text_of(const ExportTarget& target, const ExportInput& input, const 
 
 /// Writes one target's file, whole or not at all, after its warnings.
 JsonFields write_target(const ExportTarget& target, const ExportInput& input, const Options& o, const std::string& output) {
-  expect_inputs_stay("-o", output, {}, {o.calibration, o.noise});
   const std::string text = errors_at(o.calibration, [&] { return text_of(target, input, o); });
   const std::vector<std::string> lost = target.left_out(input);
   const std::string place = o.target == all_targets ? fmt::format("{}: {}", o.calibration, target.name) : o.calibration;
@@ -95,7 +94,7 @@ std::vector<PlannedExport> planned_exports(const ExportInput& input, const Optio
     out.push_back({&target, input.options.imu_model, fs::path(o.output) / target.file});
     if (target.name == "openvins" && !given(o, "--model")) out.push_back({&target, "rpng", fs::path(o.output) / "kalibr_imu_chain_rpng.yaml"});
   }
-  for (const PlannedExport& planned : out) expect_free("-o", planned.file, o.force);
+  for (const PlannedExport& planned : out) will_write("-o", planned.file), expect_free("-o", planned.file, o.force);
   return out;
 }
 
@@ -118,7 +117,7 @@ void write_all(const ExportInput& input, const Options& o) {
     }
   }
   if (written.empty()) throw Error(o.calibration + ": no target could be written");
-  if (o.json) fmt::print("{}", fields_json({{{"files", written}}}));
+  if (o.json) print_json(fields_json({{{"files", written}}}));
   for (const JsonFields& file : written)
     if (!o.json) print(std::get<std::string>(file.fields[1].second) + "\n");
   if (!failed.empty())
@@ -128,6 +127,7 @@ void write_all(const ExportInput& input, const Options& o) {
 
 void run(const Options& o) {
   check_options(o);
+  if (o.target != all_targets) will_write("-o", o.output);
   const Calibration calibration = read_usable(o.calibration, o.allow_undetermined);
   std::optional<ImuNoise> noise;
   if (!o.noise.empty()) noise = read_noise(o.noise);
@@ -136,7 +136,7 @@ void run(const Options& o) {
   if (o.target == all_targets) return write_all(input, o);
   if (o.json && o.output == "-") throw Error("--json: standard output has the export; expected -o FILE");
   const JsonFields written = write_target(export_target(o.target), input, o, o.output);
-  if (o.json) fmt::print("{}", fields_json(written));
+  if (o.json) print_json(fields_json(written));
 }
 
 }  // namespace
@@ -151,7 +151,7 @@ void add_export(Verb app) {
   }
   names.emplace_back(all_targets);
   help.push_back("all: each of them, into the folder of -o");
-  verb.option("CALIBRATION", o->calibration, "calibration.json").required();
+  verb.option("CALIBRATION", o->calibration, "calibration.json").required().reads();
   verb.option("--to TARGET", o->target, fmt::format("{}", fmt::join(help, "; "))).required().one_of(names);
   verb.option("-o,--output FILE", o->output, "the file to write; - for standard output; with --to all a folder").show_default();
   const std::vector<std::string_view> noisy{"kalibr-imu", "kalibr", "openvins", "vins", "euroc", "ros", "json-matrix", "csv"},
@@ -159,7 +159,7 @@ void add_export(Verb app) {
   const auto belongs = [&](const std::string& name, Option option, const std::vector<std::string_view>& targets) {
     o->of_targets.push_back({name, option, targets});
   };
-  belongs("--noise", verb.option("--noise FILE", o->noise, "noise.json, from imulab noise: for targets that hold noise"), noisy);
+  belongs("--noise", verb.option("--noise FILE", o->noise, "noise.json, from imulab noise: for targets that hold noise").reads(), noisy);
   belongs("--axes",
           verb.option("--axes CHOICE", o->axes, "where a target has one number of noise for three axes: the worst axis, or their mean")
               .one_of({"worst", "mean"})

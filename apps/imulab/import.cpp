@@ -1,6 +1,6 @@
 // imulab import FILE -o calibration.json
 #include "apps/imulab/command.hpp"
-#include "apps/imulab/session_recording.hpp"
+#include "apps/imulab/files.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/import/calibration.hpp"
 #include "imulab/io/result/fields.hpp"
@@ -21,7 +21,6 @@ struct Options {
 };
 
 void run(const Options& o) {
-  expect_inputs_stay("-o", o.output, {}, {o.file, o.gyro});
   expect_free("-o", o.output, o.force);
   ImportOptions options;
   if (!o.gyro.empty()) options.gyro_file = o.gyro;
@@ -32,7 +31,7 @@ void run(const Options& o) {
   write_calibration(o.output, imported.calibration);
   if (o.output == "-") return;
   if (o.json)
-    fmt::print("{}", fields_json({{{"format", std::string(imported.format)}, {"file", o.output}, {"warnings", imported.warnings}}}));
+    print_json(fields_json({{{"format", std::string(imported.format)}, {"file", o.output}, {"warnings", imported.warnings}}}));
   else
     print(fmt::format("{}: calibration of {}, without uncertainties\n", o.output, imported.format));
 }
@@ -43,9 +42,10 @@ void add_import(Verb app) {
   const auto o = std::make_shared<Options>();
   Verb verb = app.verb("import", "Read a calibration of another program");
   verb.option("FILE", o->file, "of Kalibr, OpenVINS, imu_tk, imucal, PSINS, PX4, ArduPilot, VectorNav, or a matrix and a bias: told by its content")
-      .required();
-  verb.option("-o,--output FILE", o->output, "the calibration to write; - for standard output").required();
-  verb.option("--gyro FILE", o->gyro, "the gyros' file where a file has one triad: imu_tk, a matrix and a bias");
+      .required()
+      .reads();
+  verb.option("-o,--output FILE", o->output, "the calibration to write; - for standard output").required().writes();
+  verb.option("--gyro FILE", o->gyro, "the gyros' file where a file has one triad: imu_tk, a matrix and a bias").reads();
   verb.option("--raw UNIT", o->raw, "what the readings are in, where the file does not say").one_of({"si", "count"});
   verb.option("--instance N", o->instance, "of several IMUs in the file, from 0").in_range(0, 9).show_default();
   verb.flag("--force", o->force, "replace an existing file");

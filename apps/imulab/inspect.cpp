@@ -1,8 +1,8 @@
 // imulab inspect FILE...
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/files.hpp"
 #include "apps/imulab/inspected.hpp"
 #include "apps/imulab/report.hpp"
-#include "apps/imulab/session_recording.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording/file.hpp"
 #include "imulab/io/result/inspection.hpp"
@@ -61,10 +61,6 @@ std::optional<Recording> read_as_declared(const Session& session, Inspection& in
 }
 
 void run(const Options& o) {
-  std::vector<std::filesystem::path> others(o.files.begin(), o.files.end());
-  if (!o.output.empty()) expect_inputs_stay("-o", o.output, {}, others);
-  others.emplace_back(o.output);
-  expect_others_stay(o.report, others);
   expect_free("-o", o.output, o.force);
   if (!o.output.empty() && std::any_of(o.files.begin(), o.files.end(), is_stream))
     throw Error("-o: a session names files; expected a recording that is one, not a stream");
@@ -74,15 +70,15 @@ void run(const Options& o) {
   session.file = o.files.front();  // its folder is that of the recording
   const std::optional<Recording> recording = read_as_declared(session, inspection);
   if (o.json) {
-    fmt::print("{}", inspection_json(inspection));
+    print_json(inspection_json(inspection));
   } else if (o.output != "-") {
     print(inspection_text(inspection));
   }
   if (!o.output.empty() && inspection.complete()) {
     write_whole(o.output, inspected_session_text(inspection, placed(session, o)));
-    if (!o.json && o.output != "-") fmt::print("\nwritten: {}\n", o.output);
+    if (!o.json && o.output != "-") print(fmt::format("\nwritten: {}\n", o.output));
   } else if (!o.json && o.output.empty() && inspection.complete()) {
-    fmt::print("\nnot saved: no -o session.toml was given\n");
+    print("\nnot saved: no -o session.toml was given\n");
   }
   if (!o.report.empty()) {
     std::optional<Overview> overview;
@@ -101,11 +97,11 @@ void run(const Options& o) {
 void add_inspect(Verb app) {
   const auto o = std::make_shared<Options>();
   Verb verb = app.verb("inspect", "Say what a recording holds, and write a session for it");
-  verb.option("FILE", o->files, "the files of one recording: text, bags, logs, arrays; - for standard input").required();
+  verb.option("FILE", o->files, "the files of one recording: text, bags, logs, arrays; - for standard input").required().reads();
   verb.option("--for SECONDS", o->longest_s, "how long to read a stream that does not end: a serial port").in_range(0.1, 86400).show_default();
   verb.option("--topic TOPIC", o->topics, "of a file with several tables; repeat it where gyros and accelerometers are in different ones").repeats();
   add_declarations(verb, o->declarations);
-  verb.option("-o,--output FILE", o->output, "the session to write; - for standard output");
+  verb.option("-o,--output FILE", o->output, "the session to write; - for standard output").writes();
   add_report_option(verb, o->report);
   verb.flag("--force", o->force, "replace the session if there is one");
   verb.flag("--json", o->json, "print the result as JSON");

@@ -1,5 +1,6 @@
 #include "apps/imulab/inspected.hpp"
 
+#include "apps/imulab/files.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/inspection/declared.hpp"
 #include "imulab/inspection/join.hpp"
@@ -56,7 +57,7 @@ Inspection inspect_files(const std::vector<std::string>& files, const std::vecto
 Session open_session(const std::filesystem::path& path, const std::vector<std::string>& texts) {
   if (is_session(path)) {
     if (!texts.empty()) throw Error("--set: declares a recording; expected it without a session, which declares all itself");
-    return read_session(path);
+    return session_at(path);
   }
   const Declarations declared = parse_declarations(texts);
   const Inspection inspection = inspect_files({path.string()}, {}, declared);

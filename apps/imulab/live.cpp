@@ -1,5 +1,6 @@
 // imulab live -: while the unit is being turned by hand, which poses and turns are still missing.
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/files.hpp"
 #include "apps/imulab/live_progress.hpp"
 #include "apps/imulab/session_recording.hpp"
 #include "imulab/core/error.hpp"
@@ -147,12 +148,12 @@ class Display {
   }
   void lines(const LiveView& view) const {
     const std::string at = fmt::format("{:8.2f} s  ", view.time_s);
-    if (!view.up.empty()) fmt::print(out_, "{}rest {}: {} up\n", at, view.up.size(), direction_text(view.up.back()));
-    if (!view.problem.empty()) fmt::print(out_, "{}{}\n", at, view.problem);
+    if (!view.up.empty()) print(fmt::format("{}rest {}: {} up\n", at, view.up.size(), direction_text(view.up.back())), out_);
+    if (!view.problem.empty()) print(fmt::format("{}{}\n", at, view.problem), out_);
     std::string reached;
     for (const RequirementResult& r : view.requirements) reached += (reached.empty() ? "" : ", ") + progress_text(r);
-    if (!reached.empty()) fmt::print(out_, "{}{}: {}\n", at, view.done ? "done" : "reached", reached);
-    if (view.next && !view.done) fmt::print(out_, "{}next: {}, then hold still for {:g} s\n", at, turn_text(*view.next), view.rest_s);
+    if (!reached.empty()) print(fmt::format("{}{}: {}\n", at, view.done ? "done" : "reached", reached), out_);
+    if (view.next && !view.done) print(fmt::format("{}next: {}, then hold still for {:g} s\n", at, turn_text(*view.next), view.rest_s), out_);
   }
   std::FILE* out_;
   bool json_, terminal_, color_;
@@ -197,8 +198,8 @@ void conclude(const Options& options, const LiveProgress& progress) {
   const std::string written =
       options.output.empty() ? "not saved: no -o FILE was given" : "written: " + (options.output == "-" ? "standard output" : options.output);
   if (!options.json)
-    fmt::print(output_of(options), "{} rest{} in {:.0f} s: {}; {}\n", view.up.size(), view.up.size() == 1 ? "" : "s", view.time_s,
-               verdict_text(quality), written);
+    print(fmt::format("{} rest{} in {:.0f} s: {}; {}\n", view.up.size(), view.up.size() == 1 ? "" : "s", view.time_s, verdict_text(quality), written),
+          output_of(options));
   if (progress.reached()) return;
   std::string list;
   for (const RequirementResult& r : quality.requirements)
@@ -226,13 +227,11 @@ std::exception_ptr follow(RecordingStream& stream, LiveProgress& progress, Displ
 
 void run(const Options& options) {
   if (options.session.empty()) throw Error("the columns of the stream are not known; expected --session");
-  Session session = read_session(options.session);
-  const RecordingSource source = choose_recording(session, options.recording);
+  Session session = session_at(options.session);
+  const RecordingSource source = named_recording(session, options.recording);
   session.recordings = {source};
   errors_at(session.file + ": [site]", [&] { session.site.gravity(); });
   LiveProgress progress(session, requirements_of(options, source, session.site), options.rest);
-  for (const auto& [option, file] : {std::pair{"-o", options.output}, {"--save", options.save}})
-    expect_inputs_stay(option, file, session, {options.input});
   expect_free("-o", options.output, options.force);
   expect_free("--save", options.save, options.force);
   Input input(options.input);
@@ -261,13 +260,14 @@ void run(const Options& options) {
 void add_live(Verb app) {
   const auto o = std::make_shared<Options>();
   Verb verb = app.verb("live", "While the IMU is being turned by hand, show which poses and turns are still missing");
-  verb.option("STREAM", o->input, "the stream of rows: - for standard input, or a file").required();
-  verb.option("--session SESSION", o->session, "a session that describes the stream's columns and the site").required();
+  verb.option("STREAM", o->input, "the stream of rows: - for standard input, or a file").required().reads();
+  verb.option("--session SESSION", o->session, "a session that describes the stream's columns and the site").required().reads();
   verb.option("--recording FILE", o->recording, "the recording of that session to take the columns from, if it has several");
   verb.option("--require LIMITS", o->require, fmt::format("stop when this is reached; if absent, {}{}", usual_requirement, usual_offset));
   verb.option("--rest", o->rest, "seconds of every rest").in_range(1, 600).show_default();
-  verb.option("-o,--output FILE", o->output, "the calibration file to write at the end; - for standard output, and the events go to standard error");
-  verb.option("--save FILE", o->save, "a file for what was streamed, as it came");
+  verb.option("-o,--output FILE", o->output, "the calibration file to write at the end; - for standard output, and the events go to standard error")
+      .writes();
+  verb.option("--save FILE", o->save, "a file for what was streamed, as it came").writes();
   verb.flag("--force", o->force, "replace these files if there are any");
   verb.flag("--json", o->json, "print each event as JSON, one line each");
   verb.example("driver | imulab live - --session session.toml -o calibration.json");

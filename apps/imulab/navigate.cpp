@@ -2,24 +2,21 @@
 #include "imulab/navigation/navigate.hpp"
 
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/files.hpp"
 #include "apps/imulab/report.hpp"
 #include "apps/imulab/session_recording.hpp"
 #include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/io/recording/solution.hpp"
-#include "imulab/io/result/navigation.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/terminal.hpp"
-#include "imulab/navigation/budget/navigated.hpp"
-#include "imulab/navigation/navigation_error.hpp"
 #include "imulab/report/navigation_page.hpp"
+#include "imulab/tasks/navigate.hpp"
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -48,60 +45,32 @@ Calibration calibration_of(const std::string& name, bool allow_undetermined) {
     if (calibration.method == "import") warn(name + ": an imported calibration states no uncertainties: those of the solution count it as exact");
     return calibration;
   }
-  Calibration ideal;
-  ideal.model.gyro.raw_unit = "rad/s";
-  ideal.model.accel.raw_unit = "m/s^2";
-  return ideal;
+  return no_calibration();
 }
 
 void check(const Options& o) {
   const bool needs_heights = o.navigate.vertical == VerticalChannel::aided || o.navigate.vertical == VerticalChannel::held;
   if (!o.barometer.empty() && !needs_heights) throw Error("--barometer: belongs to --vertical aided or held; expected one of them");
-  for (const auto& [name, value] : {std::pair("--heading", o.heading_deg), std::pair("--heading-sigma", o.heading_sigma_deg)})
-    if (value && !std::isfinite(*value)) throw Error(fmt::format("{}: {} is not an angle; expected a finite number of degrees", name, *value));
   if (o.heading_sigma_deg && !o.heading_deg) throw Error("--heading-sigma: belongs to --heading; expected both");
   if (o.sessions.size() == 1) return;
   for (const auto& [name, value] : {std::pair("--output", o.output), std::pair("--truth", o.truth), std::pair("--barometer", o.barometer)})
     if (!value.empty()) throw Error(fmt::format("{}: belongs to one session; expected a single SESSION", name));
 }
 
-/// The raw data are never overwritten.
-void check_inputs_stay(const Options& options, const Session& session) {
-  std::vector<fs::path> inputs{options.calibration, options.truth, options.barometer};
-  if (session.truth_file) inputs.push_back(session_path(session, *session.truth_file));
-  if (!options.report.empty()) expect_inputs_stay("--report", options.report, session, inputs);
-  expect_others_stay(options.report, {options.output});
-  if (options.output.empty()) return;
-  if (fs::is_directory(options.output)) throw Error(fmt::format("-o {}: expected a file to write", options.output));
-  expect_inputs_stay("-o", options.output, session, inputs);
-}
-
-/// What the session's calibration explains of its errors, or why that is not known.
-void add_explanation(NavigatedSession& out, const Calibration& calibration, const Session& session, const Recording& recording) {
-  try {
-    out.explained = navigated_budget(calibration, session, recording, out.navigated);
-    if (!out.explained) out.unexplained = "the calibration has no uncertainties.";
-  } catch (const Error& e) {
-    out.unexplained = e.what();
-  }
-}
-
-NavigatedSession navigated(const Options& options, const Calibration& calibration, const std::string& name) {
-  const Session session = read_session(name);
+Session session_of_one(const std::string& name) {
+  Session session = session_at(name);
   if (session.recordings.size() != 1) throw Error(fmt::format("{}: has {} recordings; expected one", session.file, session.recordings.size()));
-  check_inputs_stay(options, session);
+  return session;
+}
+
+NavigatedSession navigated(const Options& options, const Calibration& calibration, const std::string& name, const Session& session) {
   const Recording recording = read_for(calibration, session, session.recordings[0]);
-  NavigatedSession out{.session = name, .navigated = {}, .errors = {}};
-  {
+  const std::optional<TrueMotion> truth =
+      options.truth.empty() ? session_truth(session) : std::optional(TrueMotion{options.truth, read_solution(options.truth)});
+  const NavigatedSession out = [&] {
     const Progress progress("navigating");
-    out.navigated = navigate(calibration, session, recording, options.navigate);
-  }
-  if (!options.truth.empty() || session.truth_file) {
-    const fs::path truth = options.truth.empty() ? session_path(session, *session.truth_file) : fs::path(options.truth);
-    const Solution reference = read_solution(truth);
-    out.errors = errors_at(truth.string(), [&] { return navigation_errors(out.navigated.solution, reference); });
-  }
-  if (!options.report.empty() || options.json) add_explanation(out, calibration, session, recording);
+    return navigate_session(name, calibration, session, recording, options.navigate, truth, !options.report.empty() || options.json);
+  }();
   const std::string who = options.sessions.size() > 1 ? name + ": " : "";
   for (const auto& text : out.navigated.warnings) warn(who + text);
   if (out.errors)
@@ -117,13 +86,15 @@ void run(Options options) {
   const Calibration calibration = calibration_of(options.calibration, options.allow_undetermined);
   if (!options.barometer.empty()) options.navigate.barometer = read_heights(options.barometer);
   if (options.heading_deg) options.navigate.heading = {*options.heading_deg * unit::deg, options.heading_sigma_deg.value_or(0) * unit::deg};
+  std::vector<Session> opened;  // all of them before the first is navigated
+  for (const auto& name : options.sessions) opened.push_back(session_of_one(name));
   std::vector<NavigatedSession> sessions;
-  for (const auto& name : options.sessions) sessions.push_back(navigated(options, calibration, name));
+  for (std::size_t i = 0; i < opened.size(); ++i) sessions.push_back(navigated(options, calibration, options.sessions[i], opened[i]));
   if (!options.output.empty()) write_solution(options.output, sessions[0].navigated.solution);
   if (!options.report.empty()) write_whole(options.report, navigation_page({.sessions = sessions}));
   if (options.output == "-") return;
-  fmt::print("{}", options.json ? navigation_json(sessions) : navigation_table(sessions));
-  if (!options.output.empty() && !options.json) fmt::print("{}: {} states\n", options.output, sessions[0].navigated.solution.size());
+  options.json ? print_json(navigation_json(sessions)) : print(navigation_table(sessions));
+  if (!options.output.empty() && !options.json) print(fmt::format("{}: {} states\n", options.output, sessions[0].navigated.solution.size()));
 }
 
 }  // namespace
@@ -131,20 +102,21 @@ void run(Options options) {
 void add_navigate(Verb app) {
   const auto o = std::make_shared<Options>();
   Verb verb = app.verb("navigate", "Align, compute the pure-inertial solution, and compare it with a truth");
-  verb.option("CALIBRATION", o->calibration, "calibration.json, or none if the recordings are in rad/s and m/s^2 already").required();
+  verb.option("CALIBRATION", o->calibration, "calibration.json, or none if the recordings are in rad/s and m/s^2 already").required().reads();
   verb.option("SESSION", o->sessions, "session folders or session.toml files, each with one recording; several give one row each")
       .required()
-      .takes_several(1);
+      .takes_several(1)
+      .reads();
   verb.option("--vertical CHANNEL", o->vertical, "treatment of the vertical channel; aided and held need --barometer")
       .one_of({"free", "fixed", "aided", "held"})
       .show_default();
-  verb.option("--barometer FILE", o->barometer, "heights for aided and held: a CSV file with t,height_m");
+  verb.option("--barometer FILE", o->barometer, "heights for aided and held: a CSV file with t,height_m").reads();
   verb.flag("--align", o->navigate.align, "align on the first rest even if the session gives an attitude");
   verb.option("--heading", o->heading_deg, "heading at the end of the rest, deg; only roll and pitch are then aligned").in_range(-360., 360.);
   verb.option("--heading-sigma", o->heading_sigma_deg, "standard uncertainty of --heading, deg; exact if absent").in_range(0., 180.);
   verb.option("--gaps HOW", o->gaps, "what to do at missing samples").one_of({"integrate", "refuse"}).show_default();
-  verb.option("--truth FILE", o->truth, "reference solution; the session's [truth] if absent");
-  verb.option("-o,--output FILE", o->output, "write the whole solution to this CSV file; - for standard output in place of the table");
+  verb.option("--truth FILE", o->truth, "reference solution; the session's [truth] if absent").reads();
+  verb.option("-o,--output FILE", o->output, "write the whole solution to this CSV file; - for standard output in place of the table").writes();
   add_report_option(verb, o->report);
   add_allow_undetermined(verb, o->allow_undetermined);
   verb.flag("--json", o->json, "print the result as JSON");

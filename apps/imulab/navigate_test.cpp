@@ -224,8 +224,8 @@ TEST(NavigateCommand, WhatIsWrongIsNamed) {
              "elsewhen.csv: the truth runs from 500.000 s to 510.000 s, the solution from 40.000 s to 100.000 s: expected times that overlap"},
         Case{"none session/lost.toml", "lost.csv: cannot be opened"}, Case{"none session/nan.toml", "nan.csv:71: az: nan is not a reading"},
         Case{"none session -o session/recording.csv", "would overwrite"}, Case{"none session -o session", "expected a file to write"},
-        Case{"none session --heading nan", "--heading: nan is not an angle"},
-        Case{"none session --heading 3 --heading-sigma nan", "--heading-sigma: nan is not an angle"},
+        Case{"none session --heading nan", "--heading: nan; expected a finite number"},
+        Case{"none session --heading 3 --heading-sigma nan", "--heading-sigma: nan; expected a finite number"},
         Case{"none session --heading-sigma 1", "--heading-sigma: belongs to --heading"}, Case{"none session --heading 400", "--heading"},
         Case{"none session --vertical up", "--vertical"}, Case{"nothing.json session", "nothing.json"}, Case{"none", "SESSION"}}) {
     const CommandResult result = run_imulab(folder, std::string("navigate ") + c.arguments);

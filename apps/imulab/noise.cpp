@@ -2,6 +2,7 @@
 #include "imulab/io/result/noise.hpp"
 
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/files.hpp"
 #include "apps/imulab/inspected.hpp"
 #include "apps/imulab/report.hpp"
 #include "apps/imulab/session_recording.hpp"
@@ -50,9 +51,7 @@ struct Log {
 
 Log read_log(const Options& o, const std::string& path) {
   const Session session = open_session(path, o.declarations);
-  const RecordingSource& source = choose_recording(session, o.one);
-  for (const auto& [option, output] : {std::pair{"-o", &o.output}, {"--report", &o.report}})
-    if (!output->empty()) expect_inputs_stay(option, *output, session);
+  const RecordingSource& source = named_recording(session, o.one);
   Log log{read_recording(session, source), {}, {}};
   for (const std::string& text : log.reading.warnings) warn(text);
   log.still = still_part(log.reading.recording, session);
@@ -71,15 +70,14 @@ void expect_noise(const NoiseAnalysis& analysis) {
 template <class Result>
 void write_result(const Options& o, const Result& result) {
   const bool printed = o.output == "-";
-  if (o.json || !printed) fmt::print("{}", o.json ? noise_json(result) : noise_text(result));
+  if (o.json || !printed) o.json ? print_json(noise_json(result)) : print(noise_text(result));
   if (o.output.empty() || (o.json && printed)) return;
   write_whole(o.output, noise_json(result));
-  if (!o.json && !printed) fmt::print("\nwritten: {}\n", o.output);
+  if (!o.json && !printed) print(fmt::format("\nwritten: {}\n", o.output));
 }
 
 void run(const Options& o) {
   expect_free("-o", o.output, o.force);
-  expect_others_stay(o.report, {o.output});
   if (o.recordings.size() == 1) {
     const Log log = read_log(o, o.recordings[0]);
     for (const std::string& text : log.analysis.warnings) warn(text);
@@ -104,14 +102,14 @@ void run(const Options& o) {
 void add_noise(Verb app) {
   const auto o = std::make_shared<Options>();
   Verb verb = app.verb("noise", "Allan deviation and noise coefficients of a log at rest, with confidence");
-  verb.option("RECORDING", o->recordings, "a log at rest, or a session with one; several: mean, spread and worst of them").required();
+  verb.option("RECORDING", o->recordings, "a log at rest, or a session with one; several: mean, spread and worst of them").required().reads();
   verb.option("--recording FILE", o->one, "which of a session's recordings, where it has several");
   verb.option("--deviation KIND", o->deviation, "the deviation of the curve; the coefficients do not depend on it")
       .one_of(kind_names())
       .show_default();
   verb.flag("--remove-temperature", o->remove_temperature, "subtract a parabola of the temperature first");
   add_declarations(verb, o->declarations);
-  verb.option("-o,--output FILE", o->output, "write the result as JSON, with the whole curve");
+  verb.option("-o,--output FILE", o->output, "write the result as JSON, with the whole curve").writes();
   verb.flag("--force", o->force, "replace the file if there is one");
   verb.flag("--json", o->json, "print the result as JSON");
   verb.example("imulab noise night.csv -o noise.json");

@@ -310,7 +310,7 @@ TEST_F(PredictCommand, ACommandThatIsWrongIsExplained) {
   for (const char* limit : {"nan", "inf", "-1", "0"})
     expect_refused(std::string("p.toml --require 'accel.offset <= ") + limit + " ug'",
                    "--require: accel.offset <= " + std::string(limit) + " ug: expected a number above 0");
-  expect_refused("p.toml --require 'gyro.g_sensitivity <= 1 deg/h/g'", "--require: gyro.g_sensitivity: this unit's calibration does not estimate it");
+  expect_refused("p.toml --require 'gyro.g_sensitivity <= 1 deg/h/g'", "gyro.g_sensitivity: this unit's calibration does not estimate it");
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ void write(const Output& output, const Session& session) {
 }
 
 void add_output(Verb verb, Output& output) {
-  verb.option("-o,--output FILE", output.file, "the file to write; - for standard output").show_default();
+  verb.option("-o,--output FILE", output.file, "the file to write; - for standard output").writes().show_default();
   verb.flag("--json", output.json, "write the procedure as JSON, for other programs");
 }
 
@@ -53,7 +53,9 @@ void add_turntable(Verb verb, const char* name, const char* about, Session (*pro
   const auto a = std::make_shared<Arguments>(Arguments{options, options.table / unit::arcsec, {}});
   Verb own = verb.verb(name, about);
   own.option("--rest", a->options.rest, "seconds of each rest").in_range(0.1, 86400).show_default();
-  own.option("--table", a->table_arcsec, "declared uncertainty of the table's angles, orthogonality and zeros, one sigma, arcsec").show_default();
+  own.option("--table", a->table_arcsec, "declared uncertainty of the table's angles, orthogonality and zeros, one sigma, arcsec")
+      .in_range(0, 1296000)
+      .show_default();
   add_output(own, a->output);
   own.does([a, procedure] {
     a->options.table = a->table_arcsec * unit::arcsec;

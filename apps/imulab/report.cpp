@@ -1,6 +1,7 @@
 // imulab report RESULT
 #include "apps/imulab/report.hpp"
 
+#include "apps/imulab/files.hpp"
 #include "apps/imulab/session_recording.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/calibration/file.hpp"
@@ -31,16 +32,9 @@ namespace imulab::command {
 namespace fs = std::filesystem;
 
 void add_report_option(Verb& verb, std::string& file) {
-  verb.option("--report FILE", file, "write the result as a page, too: one HTML file, self-contained");
-}
-
-void expect_others_stay(const std::string& page, const std::vector<fs::path>& others) {
-  if (page.empty()) return;
-  if (page == "-" || fs::is_directory(page)) throw Error(fmt::format("--report {}: expected a file to write", page));
-  std::error_code none;
-  for (const fs::path& other : others)
-    if (!other.empty() && (fs::path(page).lexically_normal() == other.lexically_normal() || fs::equivalent(page, other, none)))
-      throw Error(fmt::format("--report {}: would overwrite {}; expected another file", page, other.string()));
+  verb.option("--report FILE", file, "write the result as a page, too: one HTML file, self-contained")
+      .check([](const std::string& text) { return text == "-" ? "-; expected a file to write" : ""; })
+      .writes();
 }
 
 namespace {
@@ -104,7 +98,7 @@ CalibrationReport saved_calibration(Calibration calibration, const Options& o) {
     report.missing.push_back(fmt::format("{}: {}.", pictures, e.what()));
     return report;
   }
-  expect_inputs_stay("-o", o.output, *report.session, {o.result});
+  will_read_files_of(*report.session);
   add_evidence(report, *report.session, bad);
   return report;
 }
@@ -152,13 +146,9 @@ std::string page_of(SavedResult saved, const Options& o) {
 
 void run(const Options& o) {
   if (o.json && o.output == "-") throw Error("--json: standard output has the page; expected -o FILE");
-  if (fs::is_directory(o.output)) throw Error(fmt::format("-o {}: is a folder; expected a file to write", o.output));
-  std::error_code none;
-  if (o.output == o.result || fs::equivalent(o.output, o.result, none))
-    throw Error(fmt::format("-o {}: would overwrite the result; expected another file", o.output));
   write_whole(o.output, page_of(read_result(o.result), o));
-  if (o.json) fmt::print("{}", fields_json({{{"file", o.output}}}));
-  if (!o.json && o.output != "-") fmt::print("written: {}\n", o.output);
+  if (o.json) print_json(fields_json({{{"file", o.output}}}));
+  if (!o.json && o.output != "-") print(fmt::format("written: {}\n", o.output));
 }
 
 }  // namespace
@@ -168,9 +158,10 @@ void add_report(Verb app) {
   Verb verb = app.verb("report", "Show a saved result as a page: one HTML file, self-contained");
   verb.option("RESULT", o->result,
               "calibration.json, or what compare, predict, plan, navigate, budget or compensate print with --json; - for standard input")
-      .required();
-  verb.option("-o,--output FILE", o->output, "the page to write; - for standard output").required();
-  verb.option("--session SESSION", o->session, "the session's folder or file, if it is not where it was (calibrations)");
+      .required()
+      .reads();
+  verb.option("-o,--output FILE", o->output, "the page to write; - for standard output").required().writes();
+  verb.option("--session SESSION", o->session, "the session's folder or file, if it is not where it was (calibrations)").reads();
   verb.flag("--json", o->json, "print what was written as JSON");
   verb.example("imulab report calibration.json -o calibration.html");
   verb.does([o] { run(*o); });

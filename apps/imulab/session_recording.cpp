@@ -4,7 +4,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording/file.hpp"
 #include "imulab/io/session/file.hpp"
-#include "imulab/io/text/names.hpp"
+#include "imulab/tasks/recordings.hpp"
 
 #include <fmt/core.h>
 
@@ -35,15 +35,8 @@ Recording read_for(const Calibration& calibration, const Session& session, const
   return std::move(reading.recording);
 }
 
-const RecordingSource& choose_recording(const Session& session, const std::string& name) {
-  std::vector<std::string_view> files;
-  for (const RecordingSource& source : session.recordings) {
-    if (source.file == name || (name.empty() && session.recordings.size() == 1)) return source;
-    files.push_back(source.file);
-  }
-  if (files.empty()) throw Error(session.file + ": has no recordings; expected at least one [[recording]]");
-  throw Error(fmt::format("{}: {}; expected --recording with one of {}", session.file,
-                          name.empty() ? "has several recordings" : "has no recording " + name, text::listed(files)));
+const RecordingSource& named_recording(const Session& session, const std::string& name) {
+  return errors_at("--recording", [&]() -> const RecordingSource& { return choose_recording(session, name); });
 }
 
 std::filesystem::path find_session(const std::string& given, const std::string& calibration_file, const std::string& recorded) {
@@ -53,21 +46,6 @@ std::filesystem::path find_session(const std::string& given, const std::string& 
   for (const fs::path& place : {fs::path(recorded), folder / recorded, folder / fs::path(recorded).filename()})
     if (fs::is_regular_file(place)) return place;
   return recorded;
-}
-
-void expect_inputs_stay(const std::string& option, const std::string& output, const Session& session, std::vector<std::filesystem::path> inputs) {
-  namespace fs = std::filesystem;
-  inputs.emplace_back(session.file);
-  for (const auto& recording : session.recordings)
-    for (const std::string& file : recording.files()) inputs.push_back(session_path(session, file));
-  for (const auto& input : inputs)
-    if (fs::exists(output) && fs::exists(input) && fs::equivalent(output, input))
-      throw Error(fmt::format("{} {}: would overwrite {}; expected another file", option, output, input.string()));
-}
-
-void expect_free(const std::string& option, const std::string& output, bool force) {
-  if (output.empty() || output == "-" || force || !std::filesystem::is_regular_file(output)) return;
-  throw Error(fmt::format("{} {}: exists; expected a new file, or --force to replace it", option, output));
 }
 
 }  // namespace imulab::command

@@ -7,7 +7,6 @@
 
 #include <filesystem>
 #include <string>
-#include <vector>
 
 namespace imulab::command {
 
@@ -18,15 +17,10 @@ void check_thermal_units(const Calibration& calibration, const RecordingSource& 
 Recording read_for(const Calibration& calibration, const Session& session, const RecordingSource& source);
 
 /// The recording of that file; the only one if no name is given. Otherwise throws Error that lists them.
-const RecordingSource& choose_recording(const Session& session, const std::string& name);
-
-/// Raw data are never overwritten: throws Error where `output`, of that option, is the session's file, one of its recordings, or one of `more`.
-void expect_inputs_stay(const std::string& option, const std::string& output, const Session& session, std::vector<std::filesystem::path> more = {});
+const RecordingSource& named_recording(const Session& session, const std::string& name);
 
 /// The session's file of a calibration: as `given` (a folder or a file), else where the calibration names it, from here or from the calibration's
 /// folder, else beside the calibration; the recorded name where none of these is a file.
 std::filesystem::path find_session(const std::string& given, const std::string& calibration_file, const std::string& recorded);
-/// A calibration or a recording is the work of hours: it is not replaced by accident. Throws Error where `output`, of that option, exists.
-void expect_free(const std::string& option, const std::string& output, bool force);
 
 }  // namespace imulab::command

@@ -288,10 +288,19 @@ TEST(TrajectoryBadInput, AMissionIsRefusedWithItsLine) {
            {mission(rest, "carrier = \"ship\"\n"), "m.toml:2: carrier: \"ship\" is not allowed; expected one of aircraft, vehicle"},
            {mission(rest + "[wind]\nspeed = 4\n"), "m.toml:9: wind: is not a known key"},
            {lasting("31536000"), "m.toml: 3.1536e+07 s at 100 Hz are 3153600000 samples, files of 851.5 GB: expected at most 10000000 samples"},
-           {lasting("1e300"), "m.toml: 1e+300 s at 100 Hz are "},
+           {lasting("1e29"), "m.toml: 1e+29 s at 100 Hz are "},
+           {lasting("1e300"), "m.toml:7: segment.duration_s: 1e+300 is out of range; expected 1e-30 to 1e+30"},
+           {mission(rest, "rate_hz = 1e-300\n"), "m.toml:2: rate_hz: 1e-300 is out of range; expected 0.001 to 1000000"},
+           {mission(rest, "rate_hz = 1e300\n"), "m.toml:2: rate_hz: 1e+300 is out of range"},
            {lasting("2e6", "rate_hz = 1\n"), "m.toml: 2e+06 s: expected at most 1e+06 s"},
            {mission(rest, "", start + "climb_deg = 90\n"), "m.toml:6: start.climb_deg: 90 is out of range"},
            {mission(rest + "[gyro_temperature]\nnoise = 1\n"), "m.toml:9: gyro_temperature: is given without [[temperature]]"},
+           // What follows a missing key is not read as if it were there.
+           {format + rest + "[gyro_temperature]\nunit = \"degC\"\n", "m.toml:1: start: is missing"},
+           {start + rest + "[gyro_temperature]\nunit = \"degC\"\n", "m.toml:1: format: is missing"},
+           {start + rest + "[accel_temperature]\nunit = \"degC\"\n", "m.toml:1: format: is missing"},
+           {"fromat = \"imulab.mission/1\"\n" + start + rest + "[gyro_temperature]\nunit = \"degC\"\n",
+            "m.toml:1: fromat: is not a known key; expected format"},
            {mission(rest + "[[temperature]]\ntime_s = 5\ndegC = 1\n[[temperature]]\ntime_s = 5\ndegC = 2\n"),
             "m.toml:13: temperature.time_s: is not after the previous point"},
            {mission(rest + "[[temperature]]\ntime_s = 5\n"), "m.toml:9: temperature.degC: is missing"},
@@ -336,7 +345,7 @@ TEST(TrajectoryBadInput, AFolderThatHoldsSomethingIsLeftAlone) {
   folder.write("out/mine.txt", "x");
   const CommandResult result = run_imulab(folder, "trajectory m.toml -o out");
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.errors, HasSubstr("imulab: out: exists; expected a new or an empty folder"));
+  EXPECT_THAT(result.errors, HasSubstr("imulab: -o out: exists; expected a new or an empty folder"));
   EXPECT_TRUE(std::filesystem::exists(folder / "out/mine.txt"));
 }
 

@@ -28,12 +28,12 @@ void run(const Options& o) {
   std::string changed, missing;
   std::vector<JsonFields> files;
   for (const VerifiedFile& f : verify_sources(calibration, find_session(o.session, o.calibration, calibration.session_file))) {
-    if (!o.json) fmt::print("{}: {}\n", f.file.string(), to_string(f.state));
+    if (!o.json) print(fmt::format("{}: {}\n", f.file.string(), to_string(f.state)));
     files.push_back({{{"file", f.file.string()}, {"state", std::string(to_string(f.state))}}});
     std::string& list = f.state == FileState::changed ? changed : missing;
     if (f.state != FileState::unchanged) list += fmt::format("{}{}", list.empty() ? "" : ", ", f.file.string());
   }
-  if (o.json) fmt::print("{}", fields_json({{{"files", files}, {"unchanged", changed.empty() && missing.empty()}}}));
+  if (o.json) print_json(fields_json({{{"files", files}, {"unchanged", changed.empty() && missing.empty()}}}));
   if (!changed.empty()) throw Unsupported(fmt::format("{}: not what it was made from: {}", o.calibration, changed));
   if (!missing.empty()) throw Unsupported(fmt::format("{}: not found: {}; expected --session with their place", o.calibration, missing));
 }

@@ -27,7 +27,7 @@ class Unsupported : public std::runtime_error {
 /// What `f` returns. The message of an Error that it throws gets "PLACE: " in front: algorithms name values, their callers know the file, key or
 /// flag.
 template <class F>
-auto errors_at(const std::string& place, const F& f) {
+decltype(auto) errors_at(const std::string& place, const F& f) {
   try {
     return f();
   } catch (const Error& e) {

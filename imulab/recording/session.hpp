@@ -193,6 +193,7 @@ struct InitialState {
 struct Session {
   std::string file;                        ///< the TOML file
   std::string sha256;                      ///< of its text
+  std::optional<std::string> noise_taken;  ///< the file of an analysis that the IMU's noise is from
   std::optional<std::string> operated_by;  ///< who took the data
   std::optional<std::string> warm_up;      ///< before the recording, in words
   std::optional<std::string> power_cycles;

@@ -57,6 +57,10 @@ std::vector<Range> recorded_samples(const RecordingSource& source, std::span<con
   constexpr double rounding = 1e-12;  // of a time as a number of samples, relative
   const double rate = source.rate_hz.value_or(default_sample_rate);
   if (!(rate > 0)) throw Error(fmt::format("a sampling rate of {:g} Hz; expected one above 0", rate));
+  constexpr double most_counted = 1e15;  // of samples: a double and an index hold it
+  for (const Step& step : steps)
+    if (!(std::max(std::abs(step.start), std::abs(step.end)) * rate < most_counted))
+      throw Error(fmt::format("a step from {:g} to {:g} s at {:g} Hz; expected less than {:g} samples", step.start, step.end, rate, most_counted));
   const auto last = [&](const Step& step) { return static_cast<std::size_t>(std::floor(std::max(0.0, step.end) * rate * (1 + rounding))); };
   std::vector<Range> samples;
   if (source.extent == Extent::all && !steps.empty()) samples.push_back({0, last(steps.back())});

@@ -56,16 +56,16 @@ MissionBudget mission_budget(const MissionFile& file, const ErrorSpecification& 
   ErrorSourcesReading reading = read_error_sources(specification, task.mission);
   MissionBudget out;
   out.warnings = std::move(reading.warnings);
-  out.motion = nominal_motion(trajectory_of(file.mission), 1 / file.mission.rate);
+  out.motion = nominal_motion(errors_at(task.mission, [&] { return trajectory_of(file.mission); }), 1 / file.mission.rate);
   StrapdownOptions strapdown;
   strapdown.vertical = specification.vertical;
   out.budget = error_budget(out.motion, reading.sources, {.strapdown = strapdown, .output_interval = task.every});
   if (task.runs > 0) {
-    out.monte_carlo = error_monte_carlo(out.motion, reading.sources,
-                                        {.strapdown = strapdown, .output_interval = task.every, .runs = task.runs, .seed = task.seed},
-                                        [&](std::uint64_t done) {
-                                          if (task.progress) task.progress(static_cast<double>(done) / static_cast<double>(task.runs));
-                                        });
+    out.monte_carlo =
+        error_monte_carlo(out.motion, reading.sources, {.strapdown = strapdown, .output_interval = task.every, .runs = task.runs, .seed = task.seed},
+                          [&](std::uint64_t done) {
+                            if (task.progress) task.progress(static_cast<double>(done) / static_cast<double>(task.runs));
+                          });
     out.runs = task.runs;
   }
   if (auto warning = large_angles(out.budget)) out.warnings.push_back(std::move(*warning));
@@ -75,9 +75,9 @@ MissionBudget mission_budget(const MissionFile& file, const ErrorSpecification& 
 std::string budget_json(const MissionBudget& b) { return budget_json(b.budget, b.monte_carlo, b.motion.states); }
 
 std::string budget_page(const MissionBudget& b, const std::string& mission) {
-  return budget_page(BudgetReport{
-      .mission = mission,
-      .summary = {.budget = b.budget, .monte_carlo = b.monte_carlo, .runs = b.runs, .track = report::thinned_track(b.motion.states)}});
+  return budget_page(
+      BudgetReport{.mission = mission,
+                   .summary = {.budget = b.budget, .monte_carlo = b.monte_carlo, .runs = b.runs, .track = report::thinned_track(b.motion.states)}});
 }
 
 void write_budget(const std::filesystem::path& path, const MissionBudget& b) {

@@ -15,12 +15,12 @@
 namespace imulab {
 
 struct BudgetTask {
-  std::string mission;                                                ///< its file: for messages, and beside it the files that it names
+  std::string mission;                                                   ///< its file: for messages, and beside it the files that it names
   std::optional<std::string> grade = {}, system = {}, calibration = {};  ///< one at most, in place of the mission's sensors; the last a file
-  std::optional<std::string> noise = {};                              ///< file of an analysis, in place of the noise terms
-  std::uint64_t runs = 200, seed = 1;                                 ///< of the Monte Carlo; 0: none
-  double every = 10;                                                  ///< s between outputs
-  std::function<void(double)> progress = {};                          ///< told about which part is done, 0 to 1; from any thread
+  std::optional<std::string> noise = {};                                 ///< file of an analysis, in place of the noise terms
+  std::uint64_t runs = 200, seed = 1;                                    ///< of the Monte Carlo; 0: none
+  double every = 10;                                                     ///< s between outputs
+  std::function<void(double)> progress = {};                             ///< told about which part is done, 0 to 1; from any thread
 };
 
 struct MissionBudget {

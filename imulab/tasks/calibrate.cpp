@@ -33,8 +33,7 @@ CalibrationOptions options_of(const CalibrationTask& task, const Method& method,
 
 void expect_unit(const Recording& recording, const char* triad, const std::string& unit, const std::string& declared) {
   const bool counts = declared == "count";
-  if (counts != (unit == "count"))
-    throw Error(fmt::format("{}: {} is in {}; the session declares {}", recording.name, triad, unit, declared));
+  if (counts != (unit == "count")) throw Error(fmt::format("{}: {} is in {}; the session declares {}", recording.name, triad, unit, declared));
 }
 
 }  // namespace

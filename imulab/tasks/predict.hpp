@@ -20,7 +20,7 @@ struct PredictionTask {
   std::vector<Requirement> requirements = {};
   std::uint64_t runs = 20000;  ///< of the Monte Carlo (turntable); 0: none
   std::uint64_t seed = 1;
-  bool classical = false;  ///< turntable: as turntable::Plan has it
+  bool classical = false;                     ///< turntable: as turntable::Plan has it
   std::function<void(double)> progress = {};  ///< told about which part is done, 0 to 1; from any thread
 };
 
@@ -53,8 +53,8 @@ std::string shortcomings(const PredictedProcedure& predicted);
 struct PlanTask {
   std::vector<Requirement> requirements;
   std::string grade = "navigation";
-  double latitude = 0;                        ///< rad
-  std::optional<double> gravity = {};         ///< m/s^2, measured; absent: normal gravity
+  double latitude = 0;                 ///< rad
+  std::optional<double> gravity = {};  ///< m/s^2, measured; absent: normal gravity
   std::vector<RigAxis> axes = {RigAxis::outer, RigAxis::middle, RigAxis::inner};
   bool by_hand = false;
   std::optional<double> time = {};            ///< s in all; absent: as short as the requirements allow

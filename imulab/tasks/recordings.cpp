@@ -17,8 +17,8 @@ const RecordingSource& choose_recording(const Session& session, const std::strin
     files.push_back(source.file);
   }
   if (files.empty()) throw Error(session.file + ": has no recordings; expected at least one [[recording]]");
-  throw Error(fmt::format("{}: {}; expected the name of one: {}", session.file,
-                          name.empty() ? "has several recordings" : "has no recording " + name, text::listed(files)));
+  throw Error(fmt::format("{}: {}; expected one of {}", session.file, name.empty() ? "has several recordings" : "has no recording " + name,
+                          text::listed(files)));
 }
 
 }  // namespace imulab

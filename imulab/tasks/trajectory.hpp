@@ -16,10 +16,10 @@
 namespace imulab {
 
 struct TrajectoryTask {
-  std::string mission;                       ///< its file: for messages, and beside it the files that it names
-  bool errors = false;                       ///< the IMU has the errors of the mission's [errors]; else it is ideal, or:
-  std::optional<Calibration> unit = {};      ///< gives the raw readings of this one, with the noise of [errors]
-  std::uint64_t seed = 1;                    ///< of errors and noise
+  std::string mission;                        ///< its file: for messages, and beside it the files that it names
+  bool errors = false;                        ///< the IMU has the errors of the mission's [errors]; else it is ideal, or:
+  std::optional<Calibration> unit = {};       ///< gives the raw readings of this one, with the noise of [errors]
+  std::uint64_t seed = 1;                     ///< of errors and noise
   std::function<void(double)> progress = {};  ///< told about which part is done, 0 to 1
 };
 

@@ -235,6 +235,8 @@ Calibration parse_calibration(std::string_view text, const std::string& file) {
   return c;
 }
 
-Calibration read_calibration(const std::filesystem::path& path) { return parse_calibration(MappedFile(path).text(), input_name(path)); }
+Calibration read_calibration(const std::filesystem::path& path) {
+  return parse_calibration(MappedFile(path, Content::settings).text(), input_name(path));
+}
 
 }  // namespace imulab

@@ -2,6 +2,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/json_dump.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <fmt/core.h>
@@ -151,13 +152,13 @@ Json quality_json(const Quality& q) {
 /// Objects and lists of lists one element a line, plain lists on one line.
 std::string layout(const Json& value, const std::string& indent) {
   const bool plain = std::none_of(value.begin(), value.end(), [](const Json& v) { return v.is_structured(); });
-  if (!value.is_structured() || value.empty()) return value.dump();
+  if (!value.is_structured() || value.empty()) return dump_json(value, -1);
   const bool one_line = value.is_array() && plain;
   const std::string inner = indent + "  ", separator = one_line ? ", " : ",\n" + inner;
   std::string out;
   for (const auto& item : value.items()) {
     if (!out.empty()) out += separator;
-    if (value.is_object()) out += Json(item.key()).dump() + ": ";
+    if (value.is_object()) out += dump_json(Json(item.key()), -1) + ": ";
     out += layout(item.value(), inner);
   }
   const std::string brackets = value.is_array() ? "[]" : "{}";

@@ -3,6 +3,7 @@
 #include "imulab/io/export/noise_values.hpp"
 #include "imulab/io/export/targets.hpp"
 #include "imulab/io/export/write.hpp"
+#include "imulab/io/text/json_dump.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <fmt/format.h>
@@ -115,7 +116,7 @@ std::string json_matrix_text(const ExportInput& input) {
                     {"accelerometers", {{"N", noise_json(n.accel_N)}, {"K", noise_json(n.accel_K)}, {"axes", axes_json(input.noise->accel)}}},
                     {"gyros", {{"N", noise_json(n.gyro_N)}, {"K", noise_json(n.gyro_K)}, {"axes", axes_json(input.noise->gyro)}}}};
   }
-  return out.dump(2) + "\n";
+  return dump_json(out) + "\n";
 }
 
 Sentences left_out_of_matrices(const ExportInput& input) {

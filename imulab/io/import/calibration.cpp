@@ -100,7 +100,7 @@ ImportedModel read_model(const Source& source, const ImportOptions& options, con
     model.warnings.push_back("the file has one triad, taken as the accelerometers': the gyros stay as they are; --gyro names their file");
     return model;
   }
-  const MappedFile file(*options.gyro_file);
+  const MappedFile file(*options.gyro_file, Content::settings);
   const Source gyros{without_mark(file.text()), input_name(*options.gyro_file), options.instance};
   const ImportFormat& gyro_format = format_of(gyros);
   const ImportedModel gyro = gyro_format.read(gyros);
@@ -149,7 +149,7 @@ Imported import_calibration_text(std::string_view text, const std::string& name,
 }
 
 Imported import_calibration(const std::filesystem::path& file, const ImportOptions& options) {
-  const MappedFile mapped(file);
+  const MappedFile mapped(file, Content::settings);
   return import_calibration_text(mapped.text(), input_name(file), options);
 }
 

@@ -2,6 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/io/text/names.hpp"
+#include "imulab/io/text/printable.hpp"
 
 #include <fmt/core.h>
 
@@ -63,9 +64,9 @@ std::size_t TableLayout::find(const Column& column) const {
   const std::string& name = std::get<std::string>(column);
   const auto found = std::find(names.begin(), names.end(), name);
   if (found == names.end())
-    throw Error(fmt::format("{}: column {} is not there; expected one of {}", file, name, text::listed({names.begin(), names.end()})));
+    throw Error(fmt::format("{}: column {} is not there; expected one of {}", file, excerpt(name), text::listed_excerpts(names)));
   if (std::find(found + 1, names.end(), name) != names.end())
-    throw Error(fmt::format("{}: column {} is there more than once; expected one of that name, or columns by number", file, name));
+    throw Error(fmt::format("{}: column {} is there more than once; expected one of that name, or columns by number", file, excerpt(name)));
   return static_cast<std::size_t>(found - names.begin());
 }
 
@@ -101,8 +102,8 @@ bool is_row(const std::vector<std::string_view>& fields) {
   return 2 * static_cast<std::size_t>(std::count_if(fields.begin(), fields.end(), is_number)) >= fields.size();
 }
 
-/// Where text of another kind stands before the table (a device's name, settings): the first line of at least four rows of as many fields, of which no
-/// line before the header has as many. Nothing where there is no such text.
+/// Where text of another kind stands before the table (a device's name, settings): the first line of at least four rows of as many fields, of which
+/// no line before the header has as many. Nothing where there is no such text.
 std::optional<std::size_t> begin_after_preamble(const std::vector<Line>& lines, TableLayout layout) {
   constexpr std::size_t enough = 4;
   for (std::size_t i = 1; i + enough <= lines.size(); ++i) {
@@ -157,7 +158,10 @@ std::optional<TableLayout> find_layout(const std::string& file, std::string_view
   layout.delimiter = delimiter_of(trimmed(lines[first].text));
   const auto fields = fields_of(lines[first].text, layout);
   layout.columns = fields.size();
-  const bool header = std::none_of(fields.begin(), fields.end(), is_number);  // a row with one bad field is a bad row, not a header
+  const auto a_row = [&](const Line& line) { return is_row(fields_of(line.text, layout)); };
+  if (complete && lines.size() > first + 1 && std::none_of(lines.begin() + static_cast<std::ptrdiff_t>(first), lines.end(), a_row))
+    throw Error(file + ": has no row of numbers; expected CSV or plain columns of numbers");  // of another kind of file nothing is quoted
+  const bool header = std::none_of(fields.begin(), fields.end(), is_number);                  // a row with one bad field is a bad row, not a header
   if (header) layout.names = names_of(lines[first].text, layout);
   if (header && first + 1 == lines.size()) return std::nullopt;
   const Line& row = lines[header ? first + 1 : first];

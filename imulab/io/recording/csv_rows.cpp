@@ -2,6 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/io/text/decimal.hpp"
+#include "imulab/io/text/printable.hpp"
 #include "imulab/recording/unit_names.hpp"
 
 #include <fmt/core.h>
@@ -32,12 +33,6 @@ const char* read_stamp(const char* p, const char* last, int exponent, std::int64
   return number.end;
 }
 
-/// A field as it is quoted in a message.
-std::string shortened(std::string_view field) {
-  constexpr std::size_t longest = 40;
-  return field.size() <= longest ? std::string(field) : fmt::format("{}... ({} characters)", field.substr(0, longest), field.size());
-}
-
 /// Says what is wrong with a row that could not be read, or whose stamp is too far from the zero.
 [[noreturn]] void explain(std::string_view line, std::size_t number, const RowPlan& plan, bool too_far = false) {
   const TableLayout& layout = plan.layout;
@@ -49,24 +44,24 @@ std::string shortened(std::string_view field) {
   for (std::size_t i = 0; i < fields.size(); ++i) {
     if (plan.fields[i] == unused) continue;
     const std::string_view field = fields[i];
-    const std::string where = fmt::format("{}:{}: {}: ", layout.file, number, layout.column_name(i));
+    const std::string where = fmt::format("{}:{}: {}: ", layout.file, number, excerpt(layout.column_name(i)));
     if (field.empty()) throw Error(where + "is empty; expected a number");
     const char* last = field.data() + field.size();
     if (plan.fields[i] == time_field || plan.fields[i] == fraction_field) {
       const text::ScaledInteger stamp =
           text::scaled_integer(field.data(), last, plan.fields[i] == time_field ? plan.exponent : plan.fraction_exponent);
       if (too_far || (stamp.status == text::ScaledInteger::Status::too_large && stamp.end == last))
-        throw Error(fmt::format("{}{} is too far from the clock's zero; expected less than 146 years (is the unit right?)", where, shortened(field)));
-      if (stamp.end != last) throw Error(fmt::format("{}\"{}\" is not a time; expected a decimal number", where, shortened(field)));
+        throw Error(fmt::format("{}{} is too far from the clock's zero; expected less than 146 years (is the unit right?)", where, excerpt(field)));
+      if (stamp.end != last) throw Error(fmt::format("{}\"{}\" is not a time; expected a decimal number", where, excerpt(field)));
       continue;
     }
     double value = 0;
     const std::string_view digits = field.substr(field.front() == '+');
     const auto [end, error] = std::from_chars(digits.data(), last, value);
     if (error == std::errc::result_out_of_range)
-      throw Error(fmt::format("{}{} is too large or too small; expected a number that a double can hold", where, shortened(field)));
-    if (error != std::errc() || end != last) throw Error(fmt::format("{}\"{}\" is not a number; expected one", where, shortened(field)));
-    if (!std::isfinite(value)) throw Error(fmt::format("{}{} is not a reading; expected a finite number", where, shortened(field)));
+      throw Error(fmt::format("{}{} is too large or too small; expected a number that a double can hold", where, excerpt(field)));
+    if (error != std::errc() || end != last) throw Error(fmt::format("{}\"{}\" is not a number; expected one", where, excerpt(field)));
+    if (!std::isfinite(value)) throw Error(fmt::format("{}{} is not a reading; expected a finite number", where, excerpt(field)));
   }
   throw Error(fmt::format("{}:{}: cannot be read; expected a row of numbers", layout.file, number));
 }

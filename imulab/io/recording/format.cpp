@@ -32,6 +32,8 @@ const std::vector<RecordingFormat>& recording_formats() {
 
 const RecordingFormat& format_of(const TableRequest& request, const std::vector<RecordingFormat>& formats) {
   bag::expect_no_folder(request.file);
+  if (is_stream(request.file))  // it is opened more than once
+    throw Error(input_name(request.file) + ": is a pipe or a device; expected a recording that is a file on disk");
   const MappedFile mapped(request.file);
   const std::string_view head = mapped.text().substr(0, 4096);
   const auto format = std::find_if(formats.begin(), formats.end(), [&](const RecordingFormat& f) {

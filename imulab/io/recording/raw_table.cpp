@@ -2,6 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/io/text/names.hpp"
+#include "imulab/io/text/printable.hpp"
 
 #include <fmt/core.h>
 
@@ -40,9 +41,9 @@ std::size_t find_column(const TableDescription& table, const Column& column, con
   const std::string& name = std::get<std::string>(column);
   const auto found = std::find_if(table.columns.begin(), table.columns.end(), [&](const ColumnDescription& c) { return c.name == name; });
   if (found != table.columns.end()) return static_cast<std::size_t>(found - table.columns.begin());
-  std::vector<std::string_view> names;
+  std::vector<std::string> names;
   for (const ColumnDescription& c : table.columns) names.push_back(c.name);
-  throw Error(fmt::format("{}: column {} is not there; expected one of {}", where, name, text::listed(names)));
+  throw Error(fmt::format("{}: column {} is not there; expected one of {}", where, excerpt(name), text::listed_excerpts(names)));
 }
 
 }  // namespace imulab::recording_io

@@ -4,6 +4,7 @@
 #include "imulab/io/result/fields.hpp"
 #include "imulab/io/result/json_parts.hpp"
 #include "imulab/io/result/prediction.hpp"
+#include "imulab/io/text/json_dump.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <cmath>
@@ -82,10 +83,10 @@ Json to_json(const turntable::Tolerance& t) {
 
 std::string comparison_json(const std::vector<NamedCalibration>& calibrations, const std::vector<Comparison>& comparisons,
                             const std::optional<Agreement>& agreement) {
-  if (comparisons.size() == 1) return to_json(calibrations[0].name, calibrations[1].name, comparisons[0]).dump(2) + "\n";
+  if (comparisons.size() == 1) return dump_json(to_json(calibrations[0].name, calibrations[1].name, comparisons[0])) + "\n";
   Json list = Json::array();
   for (std::size_t k = 0; k < comparisons.size(); ++k) list.push_back(to_json(calibrations[0].name, calibrations[k + 1].name, comparisons[k]));
-  return Json{{"comparisons", std::move(list)}, {"agreement", agreement ? to_json(*agreement) : Json(nullptr)}}.dump(2) + "\n";
+  return dump_json(Json{{"comparisons", std::move(list)}, {"agreement", agreement ? to_json(*agreement) : Json(nullptr)}}) + "\n";
 }
 
 std::string prediction_json(const turntable::Prediction& p, const std::optional<turntable::MonteCarloResult>& monte_carlo,
@@ -114,7 +115,7 @@ std::string prediction_json(const turntable::Prediction& p, const std::optional<
       if (a.alone) entry["others_perfect"] = to_json(*a.alone);
     }
   }
-  return out.dump(2) + "\n";
+  return dump_json(out) + "\n";
 }
 
 namespace {
@@ -141,9 +142,7 @@ Json to_json(const JsonFields& object) {
 
 }  // namespace
 
-std::string fields_json(const JsonFields& object, bool one_line) {
-  return to_json(object).dump(one_line ? -1 : 2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
+std::string fields_json(const JsonFields& object, bool one_line) { return dump_json(to_json(object), one_line ? -1 : 2) + "\n"; }
 
 std::string path_json(const hybrid::Path& path, const std::vector<Requirement>& requirements, const Prediction& p,
                       const std::vector<Shortfall>& missed) {
@@ -154,7 +153,7 @@ std::string path_json(const hybrid::Path& path, const std::vector<Requirement>& 
     turns.push_back({{"axis", std::string(to_string(turn.axis))}, {"angle_deg", turn.angle_deg}, {"rest_s", turn.rest}});
   Json out{{"requirements", std::move(required)}, {"duration_s", path.duration}, {"first_rest_s", path.first_rest}, {"turns", std::move(turns)}};
   out.update(Json::parse(prediction_json(p, missed, std::nullopt)));
-  return out.dump(2) + "\n";
+  return dump_json(out) + "\n";
 }
 
 std::string prediction_json(const Prediction& p, const std::vector<Shortfall>& shortfalls, const std::optional<hybrid::Advice>& advice) {
@@ -173,7 +172,7 @@ std::string prediction_json(const Prediction& p, const std::vector<Shortfall>& s
     for (const CoefficientIndex index : advice->coefficients) direction.push_back(name_of(index));
     out["worst_determined"] = {{"coefficients", std::move(direction)}, {"advice", advice->turns}};
   }
-  return out.dump(2) + "\n";
+  return dump_json(out) + "\n";
 }
 
 }  // namespace imulab

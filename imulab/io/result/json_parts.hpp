@@ -1,6 +1,8 @@
 // What the sources that write results as JSON share. Slow to compile: for them, no others.
 #pragma once
 
+#include "imulab/io/text/json_dump.hpp"
+
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
@@ -17,7 +19,7 @@ using Json = nlohmann::ordered_json;
 /// As dump(2), but a list of many numbers is one line.
 inline void write_json(std::string& out, const Json& json, std::size_t indent = 0) {
   constexpr std::size_t many = 16;
-  const auto plain = [](const Json& j) { return j.dump(-1, ' ', false, Json::error_handler_t::replace); };
+  const auto plain = [](const Json& j) { return dump_json(j, -1); };
   const bool numbers =
       json.is_array() && json.size() >= many && std::all_of(json.begin(), json.end(), [](const Json& j) { return j.is_number() || j.is_null(); });
   if (!json.is_structured() || json.empty() || numbers) {

@@ -44,7 +44,7 @@ NoiseCoefficients noise_coefficients_at(const Field& axis) {
 }  // namespace
 
 ImuNoise read_noise(const std::string& path) {
-  const MappedFile file(path);
+  const MappedFile file(path, Content::settings);
   return parse_noise(file.text(), path);
 }
 

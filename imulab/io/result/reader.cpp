@@ -172,9 +172,6 @@ SavedResult parse_result(std::string_view text, const std::string& file) {
   throw Error(fmt::format("{}: not a result; expected {}", file, expected_result));
 }
 
-SavedResult read_result(const std::filesystem::path& path) {
-  if (path == "-") return parse_result(std::string(std::istreambuf_iterator<char>(std::cin), {}), "standard input");
-  return parse_result(MappedFile(path).text(), path.string());
-}
+SavedResult read_result(const std::filesystem::path& path) { return parse_result(MappedFile(path, Content::settings).text(), input_name(path)); }
 
 }  // namespace imulab

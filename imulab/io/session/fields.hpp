@@ -25,6 +25,11 @@ using namespace text;
 
 inline constexpr std::string_view session_format = "imulab.session/1";
 
+/// Stamps are 64-bit nanoseconds, half of whose range is for sums: 146 years, also of a clock that counts from 1970.
+inline Number clock_time() { return within(-4.6e9, 4.6e9); }
+inline Number sampling_rate() { return within(1e-3, 1e6); }  // Hz
+inline Number turn_number() { return within(-1e6, 1e6); }    // deg or deg/s
+
 /// A number of at least 0; absent: 0.
 template <class Fields>
 void transfer_size(Fields& f, std::string_view key, double& value, double factor = 1) {
@@ -162,7 +167,7 @@ void transfer(Fields& f, TimeSource& time) {
     f.check(time.unit == "s", "fraction_column", "is added to seconds; expected unit = \"s\"");
     f.choice("fraction_unit", time.fraction_unit, {"ms", "us", "ns"}, Presence::required);
   }
-  f.number("ticks_per_s", time.ticks_per_s, positive());
+  f.number("ticks_per_s", time.ticks_per_s, within(1e-3, 1e12));
   f.check((time.unit == "tick") == time.ticks_per_s.has_value(), "ticks_per_s",
           time.unit == "tick" ? "is missing; expected because the unit is tick" : "is of unit = \"tick\"; expected none");
   std::optional<double> bits = time.wrap_bits;
@@ -213,7 +218,7 @@ void transfer(Fields& f, RecordingSource& recording) {
   transfer_name(f, "topic", recording.topic);
   transfer_name(f, "layout", recording.layout);
   transfer_name(f, "rig", recording.rig);
-  f.number("rate_hz", recording.rate_hz, positive());
+  f.number("rate_hz", recording.rate_hz, sampling_rate());
   f.choice("extent", recording.extent, std::vector{Extent::all, Extent::steps}, Presence::optional);
   f.table("time", Presence::required, [&](Fields& t) { transfer(t, recording.time); });
   f.check(recording.time.unit != "sample" || recording.rate_hz, "rate_hz", "is missing; expected because time is in samples");
@@ -240,20 +245,20 @@ template <class Fields>
 void transfer(Fields& f, StepText& step) {
   f.choice("kind", step.kind, std::vector{StepKind::hold, StepKind::rotate, StepKind::spin});
   f.text("recording", step.recording);
-  f.number("start_s", step.start_s, any_number());
-  f.number("end_s", step.end_s, any_number());
+  f.number("start_s", step.start_s, clock_time());
+  f.number("end_s", step.end_s, clock_time());
   if (step.kind != StepKind::rotate) {
     f.number("duration_s", step.duration_s, positive());
     f.number("move_s", step.move_s, not_negative());
   }
   if (step.kind == StepKind::hold) {
-    f.number("outer_deg", step.angles_deg[static_cast<std::size_t>(RigAxis::outer)], any_number());
-    f.number("middle_deg", step.angles_deg[static_cast<std::size_t>(RigAxis::middle)], any_number());
-    f.number("inner_deg", step.angles_deg[static_cast<std::size_t>(RigAxis::inner)], any_number());
+    f.number("outer_deg", step.angles_deg[static_cast<std::size_t>(RigAxis::outer)], turn_number());
+    f.number("middle_deg", step.angles_deg[static_cast<std::size_t>(RigAxis::middle)], turn_number());
+    f.number("inner_deg", step.angles_deg[static_cast<std::size_t>(RigAxis::inner)], turn_number());
   }
   if (step.kind == StepKind::rotate) {
     f.choice("axis", step.axis, std::vector{RigAxis::outer, RigAxis::middle, RigAxis::inner});
-    f.number("angle_deg", step.angle_deg, any_number());
+    f.number("angle_deg", step.angle_deg, turn_number());
     f.check(step.angle_deg != 0, "angle_deg", "is 0; expected a turn");
     f.number("rate_dps", step.rate_dps, positive());
     f.number("acceleration_dps2", step.acceleration_dps2, positive());
@@ -264,7 +269,7 @@ void transfer(Fields& f, StepText& step) {
     f.check(!step.up || step.up->index != step.outward->index, "outward", "is parallel to up; expected a body axis perpendicular to it");
   }
   if (step.kind == StepKind::spin) {
-    f.number("rate_dps", step.rate_dps, any_number());
+    f.number("rate_dps", step.rate_dps, turn_number());
     f.number_or_numbers("radius_m", step.radius_m, or_default(not_negative()));
   }
   f.number("temperature_degC", step.temperature_degC, within(-273.15, 1000));
@@ -272,11 +277,11 @@ void transfer(Fields& f, StepText& step) {
 
 template <class Fields>
 void transfer(Fields& f, InitialState& initial) {
-  f.number("time_s", initial.time, or_default(any_number()));
+  f.number("time_s", initial.time, or_default(clock_time()));
   f.number("latitude_deg", initial.latitude, within(-90, 90, unit::deg));
   f.number("longitude_deg", initial.longitude, within(-180, 360, unit::deg));
   f.number("height_m", initial.height, within(-12e3, 1e6));
-  f.numbers("velocity_enu_mps", initial.velocity_enu, any_number());
+  f.numbers("velocity_enu_mps", initial.velocity_enu, within(-1e5, 1e5));
   f.number("roll_deg", initial.roll, within(-360, 360, unit::deg));
   f.number("pitch_deg", initial.pitch, within(-90, 90, unit::deg));
   f.number("heading_deg", initial.heading, within(-360, 360, unit::deg));

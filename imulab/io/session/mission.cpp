@@ -28,17 +28,19 @@ void read_start(TomlFields& f, FlightStart& start) {
   f.check(std::abs(start.latitude) <= limit, "latitude_deg", fmt::format("is at or near a pole; expected at most {:g}", limit / unit::deg));
   f.number("longitude_deg", start.longitude, within(-180, 360, unit::deg));
   f.number("height_m", start.height, within(-1e3, 100e3));
-  start.speed = f.number_or("speed_mps", 0, not_negative());
+  start.speed = f.number_or("speed_mps", 0, within(0, 1e5));
   start.heading = f.number_or("heading_deg", 0, within(-360, 360, unit::deg));
   start.climb = f.number_or("climb_deg", 0, within(-89, 89, unit::deg));
 }
 
-void read_track(TomlFields& f, const std::filesystem::path& mission_file, Mission& mission) {
+void read_track(TomlFields& f, const std::filesystem::path& mission_file, Mission& mission, std::vector<std::filesystem::path>& files) {
   std::string file;
   f.text("file", file);
   mission.smoothing.position = f.number_or("position_sigma_m", 0, not_negative());
   mission.smoothing.attitude = f.number_or("attitude_sigma_arcsec", 0, not_negative(unit::arcsec));
-  if (!file.empty()) mission.track = read_solution(mission_file.parent_path() / file);
+  if (file.empty()) return;
+  files.push_back(mission_file.parent_path() / file);
+  mission.track = read_solution(files.back());
 }
 
 void read_carrier(TomlFields& f, Carrier& carrier) {
@@ -77,8 +79,9 @@ void read_temperature(TomlFields& f, std::optional<UnitTemperature>& temperature
   }
 }
 
-void read_motion(TomlFields& f, const std::filesystem::path& path, Mission& mission) {
-  mission.rate = f.number_or("rate_hz", mission.rate, Number{1, 0, 1e6, true});
+void read_motion(TomlFields& f, const std::filesystem::path& path, MissionFile& file) {
+  Mission& mission = file.mission;
+  mission.rate = f.number_or("rate_hz", mission.rate, within(1e-3, 1e6));
   const double every = mission.rate / f.number_or("truth_rate_hz", mission.rate, positive());
   f.check(every >= 1 && std::abs(every - std::round(every)) < 1e-9 * every, "truth_rate_hz",
           "does not divide rate_hz; expected rate_hz divided by a whole number");
@@ -92,20 +95,23 @@ void read_motion(TomlFields& f, const std::filesystem::path& path, Mission& miss
   f.table("start", segments ? Presence::required : Presence::optional, [&](TomlFields& t) { read_start(t, mission.start); });
   read_segments(f, mission);
   f.check(track || !mission.segments.empty(), "segment", "is empty; expected [[segment]] tables");
-  f.table("track", Presence::optional, [&](TomlFields& t) { read_track(t, path, mission); });
+  f.table("track", Presence::optional, [&](TomlFields& t) { read_track(t, path, mission, file.files); });
   read_temperature(f, mission.temperature);
 }
 
 }  // namespace
 
 MissionFile read_mission(const std::filesystem::path& path) {
-  const MappedFile mapped(path);
+  const MappedFile mapped(path, Content::settings);
   TomlFields f(input_name(path), mapped.text());
   MissionFile file;
   f.format("imulab.mission/1");
-  read_motion(f, path, file.mission);
+  read_motion(f, path, file);
   f.table_of<ErrorSpecification>("errors", file.errors, read_errors);
   f.done();
+  if (file.errors)
+    for (const auto& name : {file.errors->calibration, file.errors->noise})
+      if (name) file.files.push_back(path.parent_path() / *name);
   return file;
 }
 

@@ -14,6 +14,7 @@ namespace imulab {
 struct MissionFile {
   motion::Mission mission;
   std::optional<ErrorSpecification> errors;
+  std::vector<std::filesystem::path> files;  ///< that it names
 };
 
 /// Reads a mission, and the file of its track. Throws Error with file, line and key: for unknown keys, kinds and units, values out of range, and

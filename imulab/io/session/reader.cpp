@@ -87,7 +87,7 @@ void take_noise(ImuDeclaration& imu, const std::string& file) {
 
 Session read_session(const std::filesystem::path& path) {
   const std::filesystem::path file = std::filesystem::is_directory(path) ? path / "session.toml" : path;
-  const MappedFile mapped(file);
+  const MappedFile mapped(file, Content::settings);
   return parse_session(mapped.text(), input_name(file));
 }
 
@@ -110,6 +110,7 @@ Session parse_session(std::string_view text, const std::string& file) {
   f.table_of<InitialState>("initial", session.initial, [](TomlFields& t, InitialState& initial) { transfer(t, initial); });
   f.table("truth", Presence::optional, [&](TomlFields& t) { t.text("file", session.truth_file.emplace()); });
   f.done();
+  session.noise_taken = session.imu.noise_file;
   if (session.imu.noise_file) take_noise(session.imu, session_path(session, *session.imu.noise_file).string());
   return session;
 }

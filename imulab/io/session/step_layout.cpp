@@ -65,6 +65,10 @@ std::optional<StepLayout::Problem> StepLayout::place(const StepText& text, const
     step.end = step.start + *text.duration_s;
   }
 
+  constexpr double latest = 4.6e9;  // s, as of start_s and end_s
+  if (!(std::abs(step.end) <= latest))
+    return Problem{"kind", fmt::format("{} ends {:g} s after the begin; expected at most {:g}", to_string(text.kind), step.end, latest)};
+
   step.kind = text.kind;
   step.recording = recording;
   for (std::size_t a = 0; a < 3; ++a) step.angles[a] = next.angles_deg[a] * unit::deg;

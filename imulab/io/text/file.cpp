@@ -3,16 +3,11 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/text/unfinished.hpp"
 
-#include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
-#include <optional>
-#include <poll.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -25,99 +20,10 @@ namespace fs = std::filesystem;
   throw Error(path.string() + ": " + what + (errno != 0 ? std::string(": ") + std::strerror(errno) : std::string()));
 }
 
-struct Descriptor {
-  int fd;
-  ~Descriptor() {
-    if (fd >= 0) ::close(fd);
-  }
-};
-
-using SteadyClock = std::chrono::steady_clock;
-
-/// Whether there is something to read, or the end, before this time.
-bool wait_for_more(int descriptor, SteadyClock::time_point until) {
-  while (true) {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - SteadyClock::now()).count();
-    pollfd waiting{descriptor, POLLIN, 0};
-    const int ready = left <= 0 ? 0 : ::poll(&waiting, 1, static_cast<int>(std::min<std::int64_t>(left, 1'000'000)));
-    if (ready < 0 && errno == EINTR) continue;
-    if (ready != 0 || left <= 0) return ready != 0;
-  }
-}
-
-/// A stream to its end, or to a time.
-StreamText read_open_stream(int descriptor, const fs::path& path, std::optional<SteadyClock::time_point> until) {
-  constexpr std::size_t piece = 1 << 16, longest = std::size_t{1} << 30;
-  StreamText stream;
-  std::string& text = stream.text;
-  for (std::size_t size = 0;;) {
-    if (until && !wait_for_more(descriptor, *until)) {
-      stream.ended = false;
-      return stream;
-    }
-    text.resize(size + piece);
-    const ssize_t n = ::read(descriptor, text.data() + size, piece);
-    if (n < 0 && errno != EINTR && !(until && errno == EAGAIN)) fail(input_name(path), "cannot be read");
-    size += static_cast<std::size_t>(std::max<ssize_t>(n, 0));
-    if (size > longest) throw Error(input_name(path) + ": is longer than a gigabyte; expected a file on disk");
-    text.resize(size);
-    if (n == 0) return stream;
-  }
-}
-
 }  // namespace
 
 std::string input_name(const fs::path& path) { return path == "-" ? "standard input" : path.string(); }
 
-bool is_stream(const fs::path& path) {
-  const fs::file_status status = fs::status(path);
-  return path == "-" || (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status));
-}
-
-StreamText read_stream(const fs::path& path, double longest_s) {
-  errno = 0;
-  const auto until = SteadyClock::now() + std::chrono::duration_cast<SteadyClock::duration>(std::chrono::duration<double>(longest_s));
-  if (path == "-") return read_open_stream(STDIN_FILENO, path, until);
-  const Descriptor file{::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};  // a pipe without a writer must not wait here
-  if (file.fd < 0) fail(path, "cannot be opened");
-  return read_open_stream(file.fd, path, until);
-}
-
-MappedFile::MappedFile(const std::filesystem::path& path) {
-  errno = 0;
-  if (path == "-") {
-    streamed_ = read_open_stream(STDIN_FILENO, path, std::nullopt).text;
-    return;
-  }
-  const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC)};
-  if (file.fd < 0) fail(path, "cannot be opened");
-  struct stat status {};
-  if (::fstat(file.fd, &status) != 0) fail(path, "cannot be read");
-  if (S_ISDIR(status.st_mode)) throw Error(path.string() + ": is a folder; expected a file");
-  if (!S_ISREG(status.st_mode)) {
-    streamed_ = read_open_stream(file.fd, path, std::nullopt).text;
-    return;
-  }
-  size_ = static_cast<std::size_t>(status.st_size);
-  if (size_ == 0) return;  // nothing to map
-  void* mapped = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.fd, 0);
-  if (mapped == MAP_FAILED) fail(path, "cannot be read");
-  ::madvise(mapped, size_, MADV_SEQUENTIAL);
-  data_ = static_cast<const char*>(mapped);
-}
-
-MappedFile::~MappedFile() {
-  if (data_ != nullptr) ::munmap(const_cast<char*>(data_), size_);
-}
-
-void MappedFile::release(std::size_t offset) const {
-  const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-  if (data_ != nullptr) ::madvise(const_cast<char*>(data_), std::min(offset, size_) / page * page, MADV_DONTNEED);
-}
-
-namespace {
-
-/// The file that a symbolic link leads to, even if it is not there yet: the link stays.
 fs::path behind_links(fs::path path) {
   constexpr int most_links = 40;  // as Linux
   std::error_code failure;
@@ -127,6 +33,8 @@ fs::path behind_links(fs::path path) {
   }
   return path;
 }
+
+namespace {
 
 /// What the user gives new files and folders.
 mode_t usual_mode(mode_t all) {

@@ -8,20 +8,27 @@
 
 namespace imulab {
 
-/// A file in memory for reading: a regular file is mapped; a pipe, a device or standard input ("-") is read to its end. Throws Error where it cannot
-/// be opened, is a folder, or is a stream of more than a gigabyte. An empty file has an empty text.
+/// The most that is read of a stream, of a file of settings (a session, a calibration, a result), and the most that is copied instead of mapped.
+/// Bytes.
+inline constexpr std::size_t longest_stream = std::size_t{1} << 30, longest_settings = std::size_t{1} << 26, most_copied = std::size_t{1} << 24;
+
+enum class Content { readings, settings };
+
+/// A file in memory for reading: a long regular file is mapped; a short one, a pipe, a device or standard input ("-") is read to its end. Throws
+/// Error where it cannot be opened, is a folder, is a pipe to which nobody writes within seconds, is longer than it may be, or becomes shorter
+/// meanwhile (of a mapped file: see lost_pages.hpp). An empty file has an empty text.
 class MappedFile {
  public:
-  explicit MappedFile(const std::filesystem::path& path);
+  explicit MappedFile(const std::filesystem::path& path, Content content = Content::readings);
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
   /// Lets go of the memory of what is before `offset`; it can still be read.
   void release(std::size_t offset) const;
-  std::string_view text() const { return data_ != nullptr ? std::string_view{data_, size_} : std::string_view{streamed_}; }
+  std::string_view text() const { return data_ != nullptr ? std::string_view{data_, size_} : std::string_view{text_}; }
 
  private:
-  std::string streamed_;
+  std::string text_, message_;
   const char* data_ = nullptr;
   std::size_t size_ = 0;
 };
@@ -73,6 +80,9 @@ class NewFolder {
   std::filesystem::path place_, filling_;
   bool committed_ = false;
 };
+
+/// The file that a symbolic link leads to, even if it is not there yet; any other path as it is.
+std::filesystem::path behind_links(std::filesystem::path path);
 
 /// The name of a file in messages: "-" is "standard input".
 std::string input_name(const std::filesystem::path& path);

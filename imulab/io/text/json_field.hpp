@@ -2,11 +2,14 @@
 #pragma once
 
 #include "imulab/core/error.hpp"
+#include "imulab/io/text/json_dump.hpp"
+#include "imulab/io/text/printable.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -24,11 +27,10 @@ class Field {
  public:
   Field(const Json& value, std::string file, std::string path) : value_(value), file_(std::move(file)), path_(std::move(path)) {}
 
-  [[noreturn]] void fail(const std::string& text) const { throw Error(file_ + ": " + (path_.empty() ? "" : path_ + ": ") + text); }
+  [[noreturn]] void fail(const std::string& text) const { throw Error(file_ + ": " + (path_.empty() ? "" : excerpt(path_, 200) + ": ") + text); }
   [[noreturn]] void expected(const std::string& what) const {
-    std::string found = value_.dump(-1, ' ', false, Json::error_handler_t::replace);
-    if (found.size() > 40) found = found.substr(0, 37) + "...";
-    fail("expected " + what + ", found " + found);
+    const bool structured = value_.is_structured();  // a list of a million numbers is not written to be cut
+    fail("expected " + what + ", found " + (structured ? value_.type_name() : excerpt(dump_json(value_, -1))));
   }
 
   /// Of an object, in the file's order.
@@ -57,12 +59,16 @@ class Field {
   }
 
   double number() const {
+    constexpr double largest = 1e30;  // products of a few such numbers are still numbers
     if (!value_.is_number()) expected("a number");
+    if (!(std::abs(value_.get<double>()) <= largest)) expected("a number from -1e30 to 1e30");
     return value_.get<double>();
   }
   double number_or_nan() const { return is_null() ? std::numeric_limits<double>::quiet_NaN() : number(); }
   int whole_number() const {
     if (!value_.is_number_integer()) expected("a whole number");
+    constexpr double largest = std::numeric_limits<int>::max();
+    if (!(std::abs(value_.get<double>()) <= largest)) expected("a whole number that 32 bits hold");
     return value_.get<int>();
   }
   std::uint64_t size_in_bytes() const {
@@ -122,9 +128,9 @@ inline Json parse_json(std::string_view text, const std::string& file, const std
   } catch (const Json::parse_error& e) {
     const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(std::min(e.byte, text.size())), '\n');
     throw Error(fmt::format("{}:{}: not JSON; expected {}: {}", file, line, what,
-                            std::string_view(e.what()).substr(std::string_view(e.what()).find("] ") + 2)));
+                            excerpt(std::string_view(e.what()).substr(std::string_view(e.what()).find("] ") + 2), 200)));
   } catch (const Json::exception& e) {
-    throw Error(fmt::format("{}: not {}: {}", file, what, e.what()));
+    throw Error(fmt::format("{}: not {}: {}", file, what, excerpt(e.what(), 200)));
   }
 }
 

@@ -1,5 +1,7 @@
 #include "imulab/io/text/names.hpp"
 
+#include "imulab/io/text/printable.hpp"
+
 #include <algorithm>
 #include <numeric>
 
@@ -30,7 +32,16 @@ std::string listed(const std::vector<std::string_view>& names) {
   return text;
 }
 
+std::string listed_excerpts(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 20;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), most); ++i) text.append(i == 0 ? "" : ", ").append(excerpt(names[i]));
+  return names.size() > most ? text + ", ..." : text;
+}
+
 std::string_view nearest_name(std::string_view word, const std::vector<std::string_view>& names) {
+  constexpr std::size_t longest = 100;  // the search takes the product of both lengths
+  if (word.size() > longest) return {};
   std::string_view best;
   std::size_t least = std::max<std::size_t>(2, word.size() / 3) + 1;
   for (const std::string_view name : names)

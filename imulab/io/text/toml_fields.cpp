@@ -3,6 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/text/decimal.hpp"
 #include "imulab/io/text/names.hpp"
+#include "imulab/io/text/printable.hpp"
 
 #include <fmt/core.h>
 #include <toml++/toml.h>
@@ -24,7 +25,7 @@ struct TomlFields::Node {
   std::vector<std::string_view> asked;
   std::string missing;  // the first missing key; reported last, since a misspelt key explains it
 
-  std::string name(std::string_view key) const { return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key); }
+  std::string name(std::string_view key) const { return path.empty() ? excerpt(key) : fmt::format("{}.{}", path, excerpt(key)); }
   const toml::node* find(std::string_view key, Presence presence) {
     if (std::find(asked.begin(), asked.end(), key) == asked.end()) asked.push_back(key);
     const toml::node* node = table->get(key);
@@ -34,12 +35,22 @@ struct TomlFields::Node {
   [[noreturn]] void fail(const toml::node& node, std::string_view key, const std::string& message) const {
     throw Error(fmt::format("{}:{}: {}: {}", file, node.source().begin.line, name(key), message));
   }
+  /// A key that resembles the missing one is a misspelt one.
+  [[noreturn]] void fail_missing() const {
+    for (const auto& [key, value] : *table)
+      if (std::find(asked.begin(), asked.end(), key.str()) == asked.end() && !nearest_name(key.str(), {missing}).empty())
+        throw Error(fmt::format("{}:{}: {}: is not a known key; expected {}", file, key.source().begin.line, name(key.str()), missing));
+    throw Error(fmt::format("{}:{}: {}: is missing", file, std::max(table->source().begin.line, 1U), name(missing)));
+  }
   double number(const toml::node& node, std::string_view key, const Number& kind) const {
     const auto integer = node.value_exact<std::int64_t>();
     const std::optional<double> value = integer ? static_cast<double>(*integer) : node.value_exact<double>();
     if (!value) fail(node, key, fmt::format("{}; expected a number", kind_of(node)));
     if (!std::isfinite(*value)) fail(node, key, "is not finite; expected a finite number");
     if (*value < kind.low || *value > kind.high || (kind.above_low && *value == kind.low)) fail(node, key, out_of_range(*value, kind));
+    constexpr double largest = 1e30, smallest = 1e-30;  // products of a few such numbers are still numbers
+    if (std::abs(*value) > largest || (kind.above_low && *value < smallest))
+      fail(node, key, fmt::format("{} is out of range; expected {} to {}", *value, kind.above_low ? smallest : -largest, largest));
     return *value * kind.factor;
   }
   Column column(const toml::node& node, std::string_view key) const {
@@ -75,6 +86,8 @@ struct TomlFields::Node {
 
 namespace {
 
+constexpr std::size_t longest_reason = 200;  // characters of a library's message, which may quote the file
+
 /// The parser calls itself for every part of a dotted key: throws Error, before it does, for a key of more parts than any file of ours has. Text in
 /// quotes is one part.
 void expect_shallow_keys(const std::string& file, std::string_view text) {
@@ -105,7 +118,7 @@ TomlFields::TomlFields(const std::string& file, std::string_view text) : node_(s
   try {
     node_->root = toml::parse(text, file);
   } catch (const toml::parse_error& e) {
-    throw Error(fmt::format("{}:{}: {}; expected TOML", file, e.source().begin.line, e.description()));
+    throw Error(fmt::format("{}:{}: {}; expected TOML", file, e.source().begin.line, excerpt(e.description(), longest_reason)));
   }
   node_->table = &node_->root;
 }
@@ -119,7 +132,7 @@ void TomlFields::format(std::string_view name) {
   text("format", found);
   const bool same_kind = found.starts_with(name.substr(0, slash + 1));
   check(found == name, "format",
-        fmt::format("\"{}\" is {}; expected \"{}\"", found,
+        fmt::format("\"{}\" is {}; expected \"{}\"", excerpt(found),
                     same_kind ? "a format this version does not know" : fmt::format("not a {}", name.substr(dot, slash - dot)), name));
 }
 
@@ -192,7 +205,7 @@ void TomlFields::choose(std::string_view key, const std::vector<std::string_view
   const auto word = node->value_exact<std::string>();
   if (!word) node_->fail(*node, key, fmt::format("{}; expected one of {}", Node::kind_of(*node), listed(names)));
   const auto found = std::find(names.begin(), names.end(), *word);
-  if (found == names.end()) node_->fail(*node, key, fmt::format("\"{}\" is not allowed; expected one of {}", *word, listed(names)));
+  if (found == names.end()) node_->fail(*node, key, fmt::format("\"{}\" is not allowed; expected one of {}", excerpt(*word), listed(names)));
   index = static_cast<std::size_t>(found - names.begin());
 }
 
@@ -298,7 +311,8 @@ void TomlFields::tables(std::string_view key, const Body& body) {
 }
 
 void TomlFields::check(bool good, std::string_view key, const std::string& message) const {
-  if (good || !node_->missing.empty()) return;
+  if (good) return;
+  if (!node_->missing.empty()) node_->fail_missing();
   const toml::node* node = node_->table->get(key);
   node_->fail(node != nullptr ? *node : *node_->table, key, message);
 }
@@ -310,8 +324,7 @@ void TomlFields::done() const {
     const std::string hint = nearest.empty() ? "one of " + listed(node_->asked) : std::string(nearest);
     throw Error(fmt::format("{}:{}: {}: is not a known key; expected {}", node_->file, key.source().begin.line, node_->name(key.str()), hint));
   }
-  if (!node_->missing.empty())
-    throw Error(fmt::format("{}:{}: {}: is missing", node_->file, std::max(node_->table->source().begin.line, 1U), node_->name(node_->missing)));
+  if (!node_->missing.empty()) node_->fail_missing();
 }
 
 std::string toml_as_json(std::string_view toml) {
@@ -320,7 +333,7 @@ std::string toml_as_json(std::string_view toml) {
     text << toml::json_formatter{toml::parse(toml)} << "\n";
     return text.str();
   } catch (const toml::parse_error& e) {
-    throw Error(std::string(e.description()));
+    throw Error(excerpt(e.description(), longest_reason));
   }
 }
 

@@ -84,7 +84,8 @@ class TomlFields {
   }
   void tables(std::string_view key, const Body& body);  ///< [[key]], or one [key]
 
-  /// Throws Error with `message` about the key (at the table's line where the key is absent) unless good. A missing required key goes first.
+  /// Throws Error with `message` about the key (at the table's line where the key is absent) unless good; about a required key that is missing
+  /// instead, if one was. So what follows a check may rely on it.
   void check(bool good, std::string_view key, const std::string& message) const;
   /// Throws Error where the file has a key that was not read, or a required one is missing.
   void done() const;

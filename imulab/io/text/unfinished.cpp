@@ -1,5 +1,7 @@
 #include "imulab/io/text/unfinished.hpp"
 
+#include "imulab/io/text/lost_pages.hpp"
+
 #include <csignal>
 #include <fcntl.h>
 #include <mutex>
@@ -31,6 +33,14 @@ void pass_on(int number) {
   [[maybe_unused]] const ssize_t written = ::write(signal_pipe[1], &byte, 1);
 }
 
+constexpr int wrong_input = 2;  // exit code
+
+/// The file that is being read is lost: this thread cannot go on.
+void end_for_lost_pages() {
+  pass_on(SIGBUS);
+  for (;;) ::pause();
+}
+
 void wait_for_signal() {
   unsigned char number = 0;
   while (::read(signal_pipe[0], &number, 1) != 1) {
@@ -39,6 +49,7 @@ void wait_for_signal() {
   const std::scoped_lock lock(all.mutex);
   std::error_code ignored;
   for (const std::filesystem::path& path : all.paths) std::filesystem::remove_all(path, ignored);
+  if (number == SIGBUS) ::_exit(wrong_input);
   std::signal(number, SIG_DFL);
   ::kill(::getpid(), number);
   for (;;) ::pause();  // with the lock: nothing is finished any more
@@ -64,6 +75,7 @@ void remove_unfinished_on_signals() {
   for (const int end : ends) ::close(end);
   if (signal_pipe[0] < 0 || signal_pipe[1] < 0) return;
   std::thread(wait_for_signal).detach();
+  explain_lost_pages(end_for_lost_pages);
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction before {
     }, action{};
