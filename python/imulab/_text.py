@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import sys
 import warnings
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -19,8 +20,11 @@ class DataWarning(UserWarning):
 
 def warn(texts: Iterable[str]) -> None:
     """Each as a DataWarning at the place in the user's code that called."""
+    level, frame = 2, sys._getframe(1)
+    while frame.f_back is not None and str(frame.f_globals.get("__name__", "")).startswith("imulab."):
+        frame, level = frame.f_back, level + 1
     for text in texts:
-        warnings.warn(text, DataWarning, stacklevel=4)
+        warnings.warn(text, DataWarning, stacklevel=level)
 
 
 def path(name: str, value: Any) -> str:
