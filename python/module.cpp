@@ -7,6 +7,9 @@
 #include "python/work.hpp"
 #include <pybind11/stl.h>
 
+#include <exception>
+#include <filesystem>
+
 namespace imulab::python {
 namespace {
 
@@ -28,6 +31,13 @@ PYBIND11_MODULE(_imulab, module) {
   namespace py = pybind11;
   py::register_exception<imulab::Error>(module, "Error", PyExc_ValueError);
   py::register_exception<imulab::Unsupported>(module, "Unsupported", PyExc_RuntimeError);
+  py::register_exception_translator([](std::exception_ptr failure) {
+    try {
+      std::rethrow_exception(failure);
+    } catch (const std::filesystem::filesystem_error& e) {  // a name that the system refuses
+      PyErr_SetString(py::module_::import("imulab._imulab").attr("Error").ptr(), e.what());
+    }
+  });
   module.attr("software") = imulab::software();
   module.def("wait_for_abandoned", &python::wait_for_abandoned);
   module.def("write_whole", [](const std::string& path, const std::string& text) { imulab::write_whole(path, text); });

@@ -172,7 +172,7 @@ class Calibration:
 
         def readings(name: str, own: npt.ArrayLike | None) -> FloatArray | None:
             value = temperature if own is None else own
-            if value is not None and np.ndim(value) == 0:
+            if isinstance(value, (int, float, np.number)):  # one for all samples
                 value = np.full(count, value)
             return _arrays.thermal(name, value, count)
 
@@ -223,6 +223,8 @@ class Calibration:
         noise: for targets that hold noise. Further arguments as the options of `imulab export`. What the target cannot hold is warned of.
         """
         self._expect_usable(allow_undetermined)
+        if noise is not None and not hasattr(noise, "json"):
+            raise TypeError(f"noise: expected the answer of imulab.noise, got a {type(noise).__name__}")
         text, notes = self._calibration.exported(target, "" if noise is None else noise.json, axes, rate_hz, model, variance_matched, instance)
         warn(notes)
         return text

@@ -66,6 +66,10 @@ class Recording:
         forces = _arrays.rows("accel", accel, count)
 
         def options(triad: str, unit: str, per_unit: float, increment: bool, limits: tuple[float, float] | None, own: Any) -> dict[str, Any]:
+            if not isinstance(unit, str):
+                raise TypeError(f"{triad}_unit: expected a name, got a {type(unit).__name__}")
+            if limits is not None and np.shape(_arrays.numbers(f"{triad}_limits", limits)) != (2,):
+                raise Error(f"{triad}_limits: expected two numbers, the least and the largest reading")
             readings = _arrays.thermal(f"{triad}_temperature", temperature if own is None else own, count)
             return {"unit": unit, "counts_per_unit": per_unit, "increment": increment, "limits": limits, "temperature": readings}
 

@@ -111,6 +111,11 @@ class Inspection(Result):
 class Comparison(Result):
     """Calibrations compared, coefficient by coefficient."""
 
+    @property
+    def sigmas(self) -> dict[str, float]:
+        """Of two calibrations: each difference in its standard uncertainty, where both determined the coefficient."""
+        return {name: row["sigmas"] for name, row in self["coefficients"].items() if row["sigmas"] is not None}
+
 
 class Prediction(Result):
     """Standard uncertainties to come."""
@@ -118,7 +123,7 @@ class Prediction(Result):
     @property
     def sigma(self) -> dict[str, float]:
         """Of each determined coefficient, SI."""
-        return {row["name"]: row["sigma"] for row in self["coefficients"]}
+        return {name: row["closed_form"] for name, row in self["coefficients"].items()}
 
 
 class Plan(Prediction):
@@ -150,11 +155,9 @@ class Noise(Result):
         pyplot = optional_package("matplotlib.pyplot", "plot")
         figure, axes = pyplot.subplots(1, 2, layout="constrained", figsize=(10, 4))
         for axis in self["axes"]:
-            curve = axis["deviation"]
             place = axes[0] if axis["name"].startswith("gyro") else axes[1]
-            tau, value = [p["tau_s"] for p in curve], [p["deviation"] for p in curve]
-            place.fill_between(tau, [p["lower_95"] for p in curve], [p["upper_95"] for p in curve], alpha=0.2)
-            place.loglog(tau, value, label=axis["name"])
+            place.fill_between(axis["tau"], axis["lower"], axis["upper"], alpha=0.2)
+            place.loglog(axis["tau"], axis["deviation"], label=axis["name"])
             place.set_xlabel("averaging time, s")
             place.set_ylabel(f"deviation, {axis['unit']}")
             place.legend()

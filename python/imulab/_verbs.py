@@ -53,6 +53,12 @@ def _is_session(place: str) -> bool:
     return os.path.isdir(place) or place.endswith(".toml")
 
 
+def _expect(name: str, value: Any, *kinds: type) -> None:
+    if not isinstance(value, kinds):
+        expected = " or ".join(kind.__name__ for kind in kinds if kind is not type(None))
+        raise TypeError(f"{name}: expected a {expected}, got a {type(value).__name__}")
+
+
 def _declared(data: Data, site: Site | Table | None, imu: Table | None) -> tuple[Session, list[Recording] | None]:
     """The session of what was given, and its recordings where they are in memory."""
     own = site is not None or imu is not None
@@ -135,6 +141,8 @@ def calibrate(
 
 def compensate(calibration: Calibration, recording: Recording, *, reject_outliers: bool = False, allow_undetermined: bool = False) -> Recording:
     """A recording in rad/s and m/s^2. reject_outliers: spikes of one or two samples are replaced first."""
+    _expect("calibration", calibration, Calibration)
+    _expect("recording", recording, Recording)
     calibration._expect_usable(allow_undetermined)
     out, out_of_range, _ = _imulab.compensate(calibration._calibration, recording._recording, reject_outliers)
     if len(out_of_range):
@@ -159,6 +167,7 @@ def simulate(
 
     unit: the IMU to simulate; grade: a grade by its name, or noise.json; both in place of the procedure's. output: also writes this new folder.
     """
+    _expect("unit", unit, Calibration, type(None))
     session = procedure if isinstance(procedure, Session) else read_session(procedure)
     made, recordings, truth = _imulab.simulate(
         session._session, _seed(seed), None if unit is None else unit._calibration, grade, "" if output is None else path("output", output)
@@ -229,7 +238,7 @@ def allan_deviation(
 
     factors: averaging times in samples; without them four an octave up to a third of the record.
     """
-    if factors is not None and any(int(f) != f or f < 1 for f in factors):
+    if factors is not None and not all(isinstance(f, (int, np.integer)) and f >= 1 for f in factors):
         raise Error("factors: expected whole numbers of samples, from 1")
     columns = _imulab.deviation(_arrays.column("rate", rate), interval_s, kind, None if factors is None else [int(f) for f in factors]).T
     return dict(zip(("tau", "deviation", "edf", "lower_68", "upper_68", "lower_95", "upper_95"), (np.ascontiguousarray(c) for c in columns)))
@@ -247,6 +256,7 @@ def trajectory(
     """What an ideal IMU measures on a mission, and the truth. errors: with those of the mission; unit: raw readings of this IMU."""
     if errors and unit is not None:
         raise Error("errors and unit exclude each other")
+    _expect("unit", unit, Calibration, type(None))
     session, recording, truth, warnings = _imulab.trajectory(
         path("mission", mission),
         errors,
@@ -277,6 +287,7 @@ def navigate(
 
     calibration: None for recordings that are in SI already. vertical: "free", "fixed", or "aided" and "held" with a `barometer`: a CSV file.
     """
+    _expect("calibration", calibration, Calibration, type(None))
     if isinstance(data, Flight):
         session, found = data.session, data.recording
     else:

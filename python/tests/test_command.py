@@ -2,6 +2,9 @@
 
 
 import json
+import os
+import subprocess
+import warnings
 
 import imulab
 import pytest
@@ -53,8 +56,9 @@ def test_plan(command):
 
 def test_noise(rest_log, command, tmp_path):
     rest_log.save(tmp_path / "rest.csv")
-    own = imulab.noise(tmp_path / "rest.csv")
-    assert own.data == command("noise", tmp_path / "rest.csv", "--json")
+    units = {"gyro.unit": "rad/s", "accel.unit": "m/s^2"}  # a log at rest does not show them
+    own = imulab.noise(imulab.inspect(tmp_path / "rest.csv", declare=units).session)
+    assert own.data == command("noise", tmp_path / "rest.csv", *(a for k, v in units.items() for a in ("--set", f"{k}={v}")), "--json")
 
 
 def test_inspect(hand_session, command):
@@ -107,21 +111,13 @@ def test_trajectory_navigate_and_budget(command, tmp_path):
 
 
 def test_export(calibration, command, tmp_path):
-    import subprocess, os
-
     calibration.save(tmp_path / "c.json")
     for target in ("csv", "json-matrix", "vectornav"):
-        printed = subprocess.run([os.environ["IMULAB_COMMAND"], "export", tmp_path / "c.json", "--to", target], capture_output=True, text=True, check=True)
-        with pytest.warns() if printed.stderr else _nothing():
-            assert calibration.to(target) == printed.stdout
-
-
-class _nothing:
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        return None
+        done = subprocess.run([os.environ["IMULAB_COMMAND"], "export", tmp_path / "c.json", "--to", target], capture_output=True, check=True)
+        with warnings.catch_warnings(record=True) as warned:
+            warnings.simplefilter("always")
+            assert calibration.to(target) == done.stdout.decode()
+        assert bool(warned) == bool(done.stderr)
 
 
 def test_json_is_the_text(calibration):
