@@ -146,7 +146,7 @@ TEST(BadInput, NumbersOutOfRange) {
            {"inspect session/recording.csv --set latitude_deg=95", "--set: latitude_deg = 95: is out of range"},
            {"navigate none session --heading nan", "--heading: nan; expected a finite number"},
            {"plan --require 'accel.offset <= 1 mg' --latitude 91", "--latitude: 91; expected "},
-           {"predict session --runs 1e9", "--runs: 1e9; expected 0, or 100 to 10000000"},
+           {"predict session --runs 1000000000", "--runs: 1000000000; expected 0, or 100 to 10000000"},
            {"--threads 0 compare a b", "--threads: Value 0 not in range 1 to 1024"},
        })
     expect_refused(folder, arguments, message);
@@ -234,9 +234,10 @@ TEST(BadInput, NamesOfAnyBytes) {
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_THAT(result.output, HasSubstr("x\\x1b[31m\\xc2\\x9b, method handheld"));
   EXPECT_THAT(read_text(folder / "c.json"), HasSubstr("\"odd\xEF\xBF\xBD/session.toml\""));  // U+FFFD
+  ASSERT_EQ(run_shell(folder, "cp c.json " + place + "/d.json").exit_code, 0);
   for (const std::string& command :
        {"calibrate " + place + " --method handheld --json", "inspect " + place + "/recording.csv --json",
-        "compensate c.json " + place + " -o " + place + "/out.csv --json", "compare c.json " + place + "/truth.json --json",
+        "compensate c.json " + place + " -o " + place + "/out.csv --json", "compare c.json " + place + "/d.json --json",
         "export c.json --to csv -o " + place + "/c.csv --json", "simulate " + place + "/session.toml -o " + place + "/new --json"}) {
     const CommandResult printed = run_imulab(folder, command);
     EXPECT_EQ(printed.exit_code, command.starts_with("simulate") ? 2 : 0) << command << printed.errors;  // the session has no steps

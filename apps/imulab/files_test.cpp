@@ -75,11 +75,11 @@ struct Files : testing::Test {
     std::string command = row.command;
     return run_imulab(folder, command.replace(command.find('@'), 1, file));
   }
-  void expect_refused(const Row& row, const std::string& file, const std::string& why) const {
+  void expect_refused(const Row& row, const std::string& file, const testing::Matcher<const std::string&>& why) const {
     const CommandResult result = run(row, file);
     EXPECT_EQ(result.exit_code, 2) << row.command << " " << file;
     EXPECT_THAT(result.errors, HasSubstr("imulab: " + row.option + " " + file)) << row.command;
-    EXPECT_THAT(result.errors, HasSubstr(why)) << row.command << " " << file;
+    EXPECT_THAT(result.errors, why) << row.command << " " << file;
     EXPECT_EQ(result.output, "") << row.command;
   }
 };
@@ -93,7 +93,7 @@ TEST_F(Files, NoOutputReplacesAnInput) {
       fs::create_symlink(input, folder / "soft.csv");
       fs::create_hard_link(folder / input, folder / "hard.csv");
       for (const std::string& name : {input, "S/../" + input, (folder / input).string(), std::string("soft.csv"), std::string("hard.csv")})
-        expect_refused(row, name, "would overwrite ");
+        expect_refused(row, name, testing::AnyOf(HasSubstr("would overwrite "), HasSubstr(row.verb == "compensate" ? "a .csv" : "would overwrite ")));
       EXPECT_EQ(read_text(folder / input), before) << row.command;
     }
 }
@@ -102,12 +102,12 @@ TEST_F(Files, NoOutputReplacesAFolderOrATruth) {
   for (const Row& row : rows) {
     const std::string truth = read_text(folder / "S/truth.json");
     if (row.command.find("compensate") != 0) {  // whose -o is a folder, too
-      expect_refused(row, "S", "is a folder; expected a file");
-      expect_refused(row, "S/truth.json", "would overwrite");
+      expect_refused(row, "S", HasSubstr("is a folder; expected a file"));
+      expect_refused(row, "S/truth.json", HasSubstr("would overwrite the truth of a session"));
     }
     EXPECT_EQ(read_text(folder / "S/truth.json"), truth);
   }
-  for (const Row& row : makers) expect_refused(row, "S", "exists; expected a new or an empty folder");
+  for (const Row& row : makers) expect_refused(row, "S", HasSubstr("exists; expected a new or an empty folder"));
 }
 
 TEST_F(Files, NoTwoOutputsAreOneFile) {
@@ -149,8 +149,8 @@ TEST_F(Files, EveryOptionThatWritesIsTested) {
   for (std::sregex_iterator at(all.begin(), all.end(), verb), end; at != end; ++at, ++verbs) {
     const std::string name = (*at)[1].str() == "procedure" ? "procedure zhang-24" : (*at)[1].str(), help = run_imulab(folder, "help " + name).output;
     for (const std::string option : {"-o", "--report", "--curves", "--save", "--man"})
-      if (std::regex_search(help, std::regex("(^|\n) +" + option + "[ ,]")))
-        EXPECT_TRUE(tested.contains((*at)[1].str() + " " + option)) << name << " " << option;
+      EXPECT_TRUE(!std::regex_search(help, std::regex("(^|\n) +" + option + "[ ,]")) || tested.contains((*at)[1].str() + " " + option))
+          << name << " " << option;
   }
   EXPECT_GE(verbs, 19);
 }

@@ -149,7 +149,7 @@ std::string live_picture(const LiveView& view, bool color) {
     text += fmt::format(" at rest for {:.1f} s: long enough\n\n", *view.resting_s);
   text += map_text(view, color) + requirements_text(view, color) + "\n";
   if (view.done) return text;
-  if (!view.problem.empty()) text += fmt::format(" {}\n", excerpt(view.problem, 78));
+  if (!view.problem.empty()) text += fmt::format(" {}\n", excerpt(view.problem, 75));
   if (view.next)
     text += colored(fmt::format(" next: {},\n       then hold still for {:g} s", turn_text(*view.next), view.rest_s), Color::yellow, color) + "\n";
   return text;
