@@ -36,6 +36,7 @@ const std::vector<Row> rows{
     {"live", "-o", "live S/recording.csv --session S -o @ --force", session_files},
     {"live", "--save", "live S/recording.csv --session S --save @ --force", session_files},
     {"noise", "-o", "noise S -o @ --force", session_files},
+    {"noise", "-o", "noise S S2 -o @ --force", {"S2/recording.csv"}},
     {"noise", "--report", "noise S --report @", session_files},
     {"compare", "--report", "compare c.json t.json --report @", {"c.json", "t.json"}},
     {"report", "-o", "report c.json --session S -o @", with(session_files, {"c.json"})},
@@ -62,6 +63,7 @@ struct Files : testing::Test {
     ASSERT_EQ(run_imulab(folder, "procedure hand-held --poses 12 -o p.toml").exit_code, 0);
     ASSERT_EQ(run_imulab(folder, "simulate p.toml -o S").exit_code, 0);
     ASSERT_LE(run_imulab(folder, "calibrate S --method handheld -o c.json").exit_code, 1);
+    fs::copy(folder / "S", folder / "S2");
     fs::copy_file(folder / "S/truth.json", folder / "t.json");
     fs::copy_file(folder / "S/recording.csv", folder / "rows.csv");
     folder.write("noise.json", "{}");
