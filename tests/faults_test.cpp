@@ -93,6 +93,19 @@ TEST_F(Faults, OldOrNewOfEveryVerbThatWrites) {
   expect_old_or_new("predict p.toml --method handheld --report page", {"page"});
   expect_old_or_new("compensate c.json S --allow-undetermined -o out.csv --report page", {"out.csv", "page"});
   expect_old_or_new("compensate c.json S --allow-undetermined -o out.npz", {"out.npz"});
+  for (const char* bag : {"imu_zstd.mcap", "imu_lz4.bag", "imu.db3"}) {
+    const std::string kind = fs::path(bag).extension().string();
+    fs::copy_file(fs::path(IMULAB_SOURCE) / "tests/recordings" / bag, inputs / ("run" + kind));
+    const std::string vector = "output = \"rate\", unit = ";
+    inputs.write("bag.toml", "format = \"imulab.session/1\"\n[imu]\nname = \"x\"\n[site]\ngravity_mps2 = 9.8\n[[recording]]\nfile = \"run" + kind +
+                                 "\"\ntime = { column = \"header.stamp\", unit = \"ns\" }\n"
+                                 "gyro = { columns = [\"angular_velocity.x\", \"angular_velocity.y\", \"angular_velocity.z\"], " +
+                                 vector +
+                                 "\"rad/s\" }\n"
+                                 "accel = { columns = [\"linear_acceleration.x\", \"linear_acceleration.y\", \"linear_acceleration.z\"], " +
+                                 vector + "\"m/s^2\" }\n");
+    expect_old_or_new("compensate c.json bag.toml --allow-undetermined -o out" + kind, {"out" + kind});
+  }
   expect_old_or_new("export c.json --allow-undetermined --to csv -o out --force", {"out"});
   expect_old_or_new("import matrix.json -o out --force", {"out"});
   expect_old_or_new("navigate none T -o out --report page", {"out", "page"});

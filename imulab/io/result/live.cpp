@@ -137,7 +137,7 @@ std::string progress_text(const RequirementResult& r) {
 }
 
 std::string live_picture(const LiveView& view, bool color) {
-  std::string text = fmt::format(" {:.30}: calibration by hand, {:.1f} s, {} rest{}\n", view.imu.empty() ? "IMU" : view.imu, view.time_s,
+  std::string text = fmt::format(" {}: calibration by hand, {:.1f} s, {} rest{}\n", view.imu.empty() ? "IMU" : excerpt(view.imu, 30), view.time_s,
                                  view.up.size(), view.up.size() == 1 ? "" : "s");
   if (view.done)
     text += " done\n\n";
