@@ -23,6 +23,7 @@ Contents contents(const fs::path& folder) {
 
 struct Faults : testing::Test {
   TemporaryFolder inputs;
+  int all_ = 0;
   void SetUp() override {
     inputs.write("m.toml",
                  "format = \"imulab.mission/1\"\nrate_hz = 10\n[start]\nlatitude_deg = 45\nlongitude_deg = 10\nheight_m = 100\n[[segment]]\nkind = "
@@ -81,6 +82,7 @@ struct Faults : testing::Test {
         for (const auto& [name, text] : before) EXPECT_TRUE(fs::exists(place / name)) << what << ": " << name << " is gone";
       }
     EXPECT_GE(faults, 4) << command;
+    RecordProperty("faults", all_ += faults);
   }
 };
 

@@ -147,6 +147,8 @@ TEST(BadInput, NumbersOutOfRange) {
            {"navigate none session --heading nan", "--heading: nan; expected a finite number"},
            {"plan --require 'accel.offset <= 1 mg' --latitude 91", "--latitude: 91; expected "},
            {"predict session --runs 1000000000", "--runs: 1000000000; expected 0, or 100 to 10000000"},
+           {"export c.json --to c-header --accel-counts-per-unit 1e-300", "--accel-counts-per-unit: 1e-300; expected a number from 1e-09 to 1e+12"},
+           {"export c.json --to c-header --gyro-range -1", "--gyro-range: -1; expected a number from 1e-09 to 1e+12"},
            {"--threads 0 compare a b", "--threads: Value 0 not in range 1 to 1024"},
        })
     expect_refused(folder, arguments, message);
@@ -258,6 +260,20 @@ TEST(BadInput, ACalibrationFromANewerFormat) {
   expect_refused(folder, "compensate newer.json session -o out.csv", message);
   expect_refused(folder, "compare c.json newer.json", message);
   EXPECT_FALSE(std::filesystem::exists(folder / "out.csv"));
+}
+
+TEST(BadInput, ACalibrationWithNumbersOfNoSize) {
+  const TemporaryFolder folder;
+  hand_held_session().write(folder);
+  ASSERT_EQ(run_imulab(folder, "calibrate session --method handheld -o c.json").exit_code, 0);
+  std::string huge = read_text(folder / "c.json");
+  const std::size_t at = huge.find("\"matrix\"", huge.find("\"gyro\"", huge.find("\"model\"")));  // the first matrix of the gyros: its element xx
+  ASSERT_NE(at, std::string::npos);
+  huge.replace(huge.find_first_of("-0123456789", at), huge.find(',', at) - huge.find_first_of("-0123456789", at), "1e300");
+  folder.write("huge.json", huge);
+  for (const char* command :
+       {"compensate huge.json session -o out.csv", "compare huge.json c.json", "export huge.json --to csv", "navigate huge.json session"})
+    expect_refused(folder, command, "huge.json: gyro.matrix.xx is 1e+300; expected a number from -1e+30 to 1e+30");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/report.hpp"
+#include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/result/comparison.hpp"
@@ -45,6 +46,7 @@ void warn_of_open_frame(const NamedCalibration& input) {
 
 NamedCalibration read(const std::string& file) {
   NamedCalibration input{file == "-" ? "standard input" : file, read_calibration(file)};
+  expect_sizes(input.calibration, input.name);
   errors_at(input.name, [&] { compare(input.calibration, input.calibration); });  // a singular matrix is refused where its file is known
   warn_of_open_frame(input);
   return input;
