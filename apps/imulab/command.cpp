@@ -21,6 +21,7 @@
 #include <iostream>
 #include <limits>
 #include <memory>
+#include <new>
 #include <optional>
 #include <sstream>
 #include <type_traits>
@@ -292,6 +293,9 @@ int run(std::vector<std::string> arguments) {
   } catch (const Unsupported& e) {
     complain(e.what());
     return 1;
+  } catch (const std::bad_alloc&) {
+    complain("out of memory; expected less data, or a machine with more memory");
+    return 2;
   } catch (const std::exception& e) {  // Error, and what the system refuses
     complain(e.what());
     return 2;
