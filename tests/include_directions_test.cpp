@@ -140,5 +140,22 @@ TEST(IncludeDirections, UnknownRoomsAndRelativePathsAreCaught) {
   EXPECT_THAT(violations("imulab/model/x.cpp", "#include \"frame.hpp\""), ElementsAre(HasSubstr("a path from the root")));
 }
 
+/// What verbs print passes print.cpp, which shows what would steer a terminal; the picture of `live`, which steers it, is its own.
+TEST(Printing, VerbsHaveOneWay) {
+  const std::regex direct(R"(fmt::print\(|std::c(out|err)|[^n]printf\(|fputs)");
+  std::size_t verbs = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(IMULAB_SOURCE) / "apps/imulab")) {
+    const std::string name = entry.path().filename().string();
+    if (entry.path().extension() != ".cpp" || name.ends_with("_test.cpp") ||
+        std::set<std::string>{"command.cpp", "print.cpp", "live.cpp"}.contains(name))
+      continue;
+    std::ostringstream text;
+    text << std::ifstream(entry.path()).rdbuf();
+    EXPECT_FALSE(std::regex_search(text.str(), direct)) << name << ": expected print() or print_json()";
+    ++verbs;
+  }
+  EXPECT_GT(verbs, 15u);
+}
+
 }  // namespace
 }  // namespace imulab

@@ -146,7 +146,9 @@ TEST(BadInput, NumbersOutOfRange) {
            {"inspect session/recording.csv --set latitude_deg=95", "--set: latitude_deg = 95: is out of range"},
            {"navigate none session --heading nan", "--heading: nan; expected a finite number"},
            {"plan --require 'accel.offset <= 1 mg' --latitude 91", "--latitude: 91; expected "},
-           {"predict session --runs 1e9", "--runs: 1e9; expected 0, or 100 to 10000000"},
+           {"predict session --runs 1000000000", "--runs: 1000000000; expected 0, or 100 to 10000000"},
+           {"export c.json --to c-header --accel-counts-per-unit 1e-300", "--accel-counts-per-unit: 1e-300; expected a number from 1e-09 to 1e+12"},
+           {"export c.json --to c-header --gyro-range -1", "--gyro-range: -1; expected a number from 1e-09 to 1e+12"},
            {"--threads 0 compare a b", "--threads: Value 0 not in range 1 to 1024"},
        })
     expect_refused(folder, arguments, message);
@@ -182,6 +184,17 @@ TEST(BadInput, DeclaredNumbersOutOfRange) {
     EXPECT_FALSE(std::filesystem::exists(folder / "out")) << d.to;
   }
 }
+
+#ifndef __SANITIZE_ADDRESS__  // which takes terabytes of addresses
+TEST(BadInput, MoreThanTheMemoryHolds) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run_imulab(folder, "procedure zhang-24 --rest 10000 -o long.toml").exit_code, 0);  // 35 million samples, 2 GB
+  const CommandResult result = run_shell(folder, "ulimit -v 1000000; '" IMULAB_COMMAND "' simulate long.toml -o out");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.errors, "imulab: out of memory; expected less data, or a machine with more memory\n");
+  EXPECT_EQ(run_shell(folder, "ls").output, "long.toml\n");
+}
+#endif
 
 TEST(BadInput, WhatIsNoFileOfOurs) {
   const TemporaryFolder folder;
@@ -234,9 +247,10 @@ TEST(BadInput, NamesOfAnyBytes) {
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_THAT(result.output, HasSubstr("x\\x1b[31m\\xc2\\x9b, method handheld"));
   EXPECT_THAT(read_text(folder / "c.json"), HasSubstr("\"odd\xEF\xBF\xBD/session.toml\""));  // U+FFFD
+  ASSERT_EQ(run_shell(folder, "cp c.json " + place + "/d.json").exit_code, 0);
   for (const std::string& command :
        {"calibrate " + place + " --method handheld --json", "inspect " + place + "/recording.csv --json",
-        "compensate c.json " + place + " -o " + place + "/out.csv --json", "compare c.json " + place + "/truth.json --json",
+        "compensate c.json " + place + " -o " + place + "/out.csv --json", "compare c.json " + place + "/d.json --json",
         "export c.json --to csv -o " + place + "/c.csv --json", "simulate " + place + "/session.toml -o " + place + "/new --json"}) {
     const CommandResult printed = run_imulab(folder, command);
     EXPECT_EQ(printed.exit_code, command.starts_with("simulate") ? 2 : 0) << command << printed.errors;  // the session has no steps
@@ -257,6 +271,20 @@ TEST(BadInput, ACalibrationFromANewerFormat) {
   expect_refused(folder, "compensate newer.json session -o out.csv", message);
   expect_refused(folder, "compare c.json newer.json", message);
   EXPECT_FALSE(std::filesystem::exists(folder / "out.csv"));
+}
+
+TEST(BadInput, ACalibrationWithNumbersOfNoSize) {
+  const TemporaryFolder folder;
+  hand_held_session().write(folder);
+  ASSERT_EQ(run_imulab(folder, "calibrate session --method handheld -o c.json").exit_code, 0);
+  std::string huge = read_text(folder / "c.json");
+  const std::size_t at = huge.find("\"matrix\"", huge.find("\"gyro\"", huge.find("\"model\"")));  // the first matrix of the gyros: its element xx
+  ASSERT_NE(at, std::string::npos);
+  huge.replace(huge.find_first_of("-0123456789", at), huge.find(',', at) - huge.find_first_of("-0123456789", at), "1e300");
+  folder.write("huge.json", huge);
+  for (const char* command :
+       {"compensate huge.json session -o out.csv", "compare huge.json c.json", "export huge.json --to csv", "navigate huge.json session"})
+    expect_refused(folder, command, "huge.json: gyro.matrix.xx is 1e+300; expected a number from -1e+30 to 1e+30");
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/printable.hpp"
-#include "imulab/io/text/terminal.hpp"
 #include "imulab/io/text/unfinished.hpp"
 
 #include <CLI/CLI.hpp>
@@ -22,6 +21,7 @@
 #include <iostream>
 #include <limits>
 #include <memory>
+#include <new>
 #include <optional>
 #include <sstream>
 #include <type_traits>
@@ -179,32 +179,6 @@ void Verb::does(std::function<void()> work) {
   });
 }
 
-void print(const std::string& text, std::FILE* out) {
-  const std::string shown = printable(text);
-  for (const auto& [word, color] : {std::pair{"good", Color::green}, {"doubtful", Color::yellow}})
-    if (out == stdout && output_has_color() && shown.starts_with(word))
-      return fmt::print("{}{}", in_color(color, word), shown.substr(std::string_view(word).size()));
-  fmt::print(out, "{}", shown);
-}
-
-void print_json(const std::string& text) { fmt::print("{}", text); }
-
-namespace {
-
-/// "imulab: ..." on standard error, after all of standard output. The middle of a text without end is left out.
-void complain(Color color, const std::string& what, const std::string& text) {
-  constexpr std::size_t longest = 4096, kept = 1024;
-  std::string shown = text.size() <= longest ? text : text.substr(0, kept) + " ... " + text.substr(text.size() - kept);
-  shown = printable(shown);
-  std::fflush(stdout);
-  fmt::print(stderr, "imulab: {}{}\n", errors_have_color() && !what.empty() ? in_color(color, what) : what, shown);
-}
-
-}  // namespace
-
-void warn(const std::string& text) { complain(Color::yellow, "warning: ", text); }
-void note(const std::string& text) { complain(Color::green, "", text); }
-
 namespace {
 
 /// CLI11 says of a misspelt command only that one is required: name it, and those there are.
@@ -305,7 +279,7 @@ int run(std::vector<std::string> arguments) {
     return 0;
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() != 0) {
-      complain(Color::red, "", fmt::format("{} (--help explains the command)", e.what()));
+      complain(fmt::format("{} (--help explains the command)", e.what()));
       return 2;
     }
     try {  // help and version
@@ -313,14 +287,17 @@ int run(std::vector<std::string> arguments) {
       expect_output_written();
       return 0;
     } catch (const Error& lost) {
-      complain(Color::red, "", lost.what());
+      complain(lost.what());
       return 2;
     }
   } catch (const Unsupported& e) {
-    complain(Color::red, "", e.what());
+    complain(e.what());
     return 1;
+  } catch (const std::bad_alloc&) {
+    complain("out of memory; expected less data, or a machine with more memory");
+    return 2;
   } catch (const std::exception& e) {  // Error, and what the system refuses
-    complain(Color::red, "", e.what());
+    complain(e.what());
     return 2;
   }
 }

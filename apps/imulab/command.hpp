@@ -31,6 +31,9 @@ void warn(const std::string& text);
 /// What was done without being asked for: on standard error like a warning, as "imulab: ...".
 void note(const std::string& text);
 
+/// What ends the command: on standard error, as "imulab: ...".
+void complain(const std::string& text);
+
 struct UsedOptions;  // of a verb: those that name files
 
 /// An option of a verb. Each call changes it and returns it again.

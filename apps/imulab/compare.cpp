@@ -3,10 +3,12 @@
 
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/report.hpp"
+#include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/result/comparison.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/printable.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/report/comparison_page.hpp"
 
@@ -44,6 +46,7 @@ void warn_of_open_frame(const NamedCalibration& input) {
 
 NamedCalibration read(const std::string& file) {
   NamedCalibration input{file == "-" ? "standard input" : file, read_calibration(file)};
+  expect_sizes(input.calibration, input.name);
   errors_at(input.name, [&] { compare(input.calibration, input.calibration); });  // a singular matrix is refused where its file is known
   warn_of_open_frame(input);
   return input;
@@ -71,8 +74,8 @@ void check_same_raw_units(const NamedCalibration& a, const NamedCalibration& b) 
 void check_same_imu(const NamedCalibration& a, const NamedCalibration& b) {
   const std::string &of_a = a.calibration.serial, &of_b = b.calibration.serial;
   if (!of_a.empty() && !of_b.empty() && of_a != of_b)
-    throw Error(fmt::format("{}: is of serial number {}, and {} is of {}; expected calibrations of one IMU, or --different-imus", b.name, of_b,
-                            a.name, of_a));
+    throw Error(fmt::format("{}: is of serial number {}, and {} is of {}; expected calibrations of one IMU, or --different-imus", b.name,
+                            excerpt(of_b), a.name, excerpt(of_a)));
 }
 
 std::vector<NamedCalibration> read_all(const std::vector<std::string>& files, bool different_imus) {

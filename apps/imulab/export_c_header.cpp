@@ -38,12 +38,12 @@ void add_c_header_options(Verb& verb, CHeaderArguments& a) {
   verb.option("--input-accel UNIT", a.accel_unit, "c-header: unit of the firmware's accelerometer readings; absent: as recorded")
       .one_of(rates(Quantity::accel));
   verb.option("--input-gyro UNIT", a.gyro_unit, "c-header: unit of its gyro readings; absent: as recorded").one_of(rates(Quantity::gyro));
-  verb.option("--accel-counts-per-unit N", a.accel_counts_per_unit, "c-header: the readings are counts, so many to one unit");
-  verb.option("--gyro-counts-per-unit N", a.gyro_counts_per_unit, "c-header: the same of the gyros");
+  verb.option("--accel-counts-per-unit N", a.accel_counts_per_unit, "c-header: the readings are counts, so many to one unit").in_range(1e-9, 1e12);
+  verb.option("--gyro-counts-per-unit N", a.gyro_counts_per_unit, "c-header: the same of the gyros").in_range(1e-9, 1e12);
   verb.flag("--body-axes", a.body_axes, "c-header: the readings are along the body axes, not in the recording's columns");
   verb.flag("--fixed-point", a.fixed_point, "c-header: also a compensation in integers");
-  verb.option("--accel-range R", a.accel_range, "--fixed-point: largest reading; absent: 32768 counts, or 16 g");
-  verb.option("--gyro-range R", a.gyro_range, "--fixed-point: largest reading; absent: 32768 counts, or 2000 deg/s");
+  verb.option("--accel-range R", a.accel_range, "--fixed-point: largest reading; absent: 32768 counts, or 16 g").in_range(1e-9, 1e12);
+  verb.option("--gyro-range R", a.gyro_range, "--fixed-point: largest reading; absent: 32768 counts, or 2000 deg/s").in_range(1e-9, 1e12);
 }
 
 CHeaderOptions c_header_options(const CHeaderArguments& a, const Calibration& c) {

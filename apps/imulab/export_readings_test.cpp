@@ -167,10 +167,10 @@ TEST(ExportedReadings, ThatDoNotFitAreRefused) {
               HasSubstr("count.json: readings of the accelerometers in g; expected count, which the calibration was made from"));
   EXPECT_THAT(refused("si.json --to c-header --input-gyro count"), HasSubstr("expected a physical unit, which the calibration was made from"));
   EXPECT_THAT(refused("si.json --to c-header --input-gyro knots"), HasSubstr("knots"));
-  EXPECT_THAT(refused("si.json --to c-header --accel-counts-per-unit -3"), HasSubstr("expected a number above 0"));
+  EXPECT_THAT(refused("si.json --to c-header --accel-counts-per-unit -3"), HasSubstr("--accel-counts-per-unit: -3; expected a number from 1e-09"));
   EXPECT_THAT(refused("count.json --to c-header --accel-counts-per-unit 3"), HasSubstr("expected a physical unit with them"));
   EXPECT_THAT(refused("si.json --to c-header --accel-range 3"), HasSubstr("--accel-range: is of --fixed-point; expected that flag as well"));
-  EXPECT_THAT(refused("si.json --to c-header --fixed-point --accel-range 0"), HasSubstr("--accel-range: expected a number above 0"));
+  EXPECT_THAT(refused("si.json --to c-header --fixed-point --accel-range 0"), HasSubstr("--accel-range: 0; expected a number from 1e-09"));
   EXPECT_THAT(refused("count.json --to c-header --fixed-point --gyro-range 1e12"), HasSubstr("expected one above 0 that 30 bits hold"));
   CHeaderOptions options;
   options.accel = RecordedAs{"m/s^2", 1, 0, {"+x", "-x", "+z"}};

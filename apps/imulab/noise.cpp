@@ -49,8 +49,7 @@ struct Log {
   NoiseAnalysis analysis;
 };
 
-Log read_log(const Options& o, const std::string& path) {
-  const Session session = open_session(path, o.declarations);
+Log read_log(const Options& o, const Session& session) {
   const RecordingSource& source = named_recording(session, o.one);
   Log log{read_recording(session, source), {}, {}};
   for (const std::string& text : log.reading.warnings) warn(text);
@@ -78,17 +77,20 @@ void write_result(const Options& o, const Result& result) {
 
 void run(const Options& o) {
   expect_free("-o", o.output, o.force);
-  if (o.recordings.size() == 1) {
-    const Log log = read_log(o, o.recordings[0]);
+  if (o.recordings.size() > 1 && !o.report.empty()) throw Error("--report: shows one log; expected one recording");
+  std::vector<Session> sessions;  // all of them before the first is analyzed
+  for (const std::string& path : o.recordings) sessions.push_back(open_session(path, o.declarations));
+  if (sessions.size() == 1) {
+    const Log log = read_log(o, sessions[0]);
     for (const std::string& text : log.analysis.warnings) warn(text);
     write_result(o, log.analysis);
     if (!o.report.empty()) write_whole(o.report, noise_page(log.analysis, log.still));
     return expect_noise(log.analysis);
   }
-  if (!o.report.empty()) throw Error("--report: shows one log; expected one recording");
   std::vector<NoiseAnalysis> logs;
-  for (const std::string& path : o.recordings) {
-    logs.push_back(read_log(o, path).analysis);
+  for (std::size_t i = 0; i < sessions.size(); ++i) {
+    const std::string& path = o.recordings[i];
+    logs.push_back(read_log(o, sessions[i]).analysis);
     logs.back().recording = path;
     for (const std::string& text : logs.back().warnings) warn(path + ": " + text);
   }

@@ -59,7 +59,7 @@ TEST_F(PlanCommand, RefusesBadInput) {
   expect_ends("plan --require 'accel.offset <= 5 ug' --axes 4", 2, "--axes: 4; expected 1, 2, 3, hand, or names such as outer,inner");
   expect_ends("plan --require 'accel.offset <= 5 ug' --grade best", 2, "best");
   expect_ends("plan --require 'accel.offset <= 5 ug' --latitude 91", 2, "expected a number from -90 to 90");
-  expect_ends("plan --require 'accel.offset <= 5 ug' --time 0.1", 2, "expected seconds from 60 to 14400");
+  expect_ends("plan --require 'accel.offset <= 5 ug' --time 0.1", 2, "expected a number from 60 to 14400");
   expect_ends("plan --require 'accel.offset <= 5 ug' --rest 7.5", 2, "expected a whole number from 6 to 600");
   expect_ends("plan --require 'accel.offset <= 5 ug' --time 60 --rest 60", 2, "no turn and rest fit into the time");
 }

@@ -130,6 +130,7 @@ TimeGuess declared_time(const SignalTable& table, const Declarations& declared, 
   if (guess.source.unit == "tick" && !guess.source.ticks_per_s) guess.open = "time.ticks_per_s: how many ticks are a second";
   if (const std::string* rate = find(declared, "rate_hz")) {
     const double declared_hz = positive_number(*rate, "rate_hz");
+    if (declared_hz < 1e-3 || declared_hz > 1e6) throw Error(fmt::format("rate_hz = {}: is out of range; expected 0.001 to 1000000", *rate));
     if (guess.column && guess.source.unit != "sample")
       throw Error(fmt::format("rate_hz = {}: the rows have stamps; expected no rate, or time.unit = sample", *rate));
     guess.rate_hz = declared_hz;

@@ -94,7 +94,8 @@ class ZipWriter {
   /// What a member's own head and the directory have in common.
   static std::string description(const std::string& name, std::size_t size, std::uint32_t check) {
     std::string out;
-    for (const std::uint16_t word : {20, 0, 0, 0, 0x21}) append<std::uint16_t>(out, word);  // version 2.0, no flags, stored, 1980-01-01
+    constexpr std::uint16_t words[] = {20, 0, 0, 0, 0x21};
+    for (const std::uint16_t word : words) append<std::uint16_t>(out, word);  // version 2.0, no flags, stored, 1980-01-01
     append<std::uint32_t>(out, check);
     append<std::uint32_t>(out, static_cast<std::uint32_t>(size));
     append<std::uint32_t>(out, static_cast<std::uint32_t>(size));

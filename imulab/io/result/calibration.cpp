@@ -3,6 +3,7 @@
 #include "imulab/estimate/method.hpp"
 #include "imulab/io/result/reached.hpp"
 #include "imulab/io/text/figures.hpp"
+#include "imulab/io/text/printable.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/requirement.hpp"
 #include "imulab/model/user_unit.hpp"
@@ -122,8 +123,8 @@ std::string calibration_summary(const Calibration& calibration) {
   std::string text = wrapped("", verdict_text(calibration.quality)) + "\n";
   text += reached_text([&](CoefficientIndex index) { return judged_uncertainty(calibration, index); }) + fit_text(calibration) +
           requirements_text(calibration);
-  text += "\n" + wrapped("", fmt::format("{}{}method {}, frame: {}", calibration.imu, calibration.imu.empty() ? "" : ", ", calibration.method,
-                                         calibration.frame));
+  text += "\n" + wrapped("", fmt::format("{}{}method {}, frame: {}", excerpt(calibration.imu), calibration.imu.empty() ? "" : ", ",
+                                         excerpt(calibration.method), calibration.frame));
   return text + "\n" + coefficient_rows(calibration) + hidden_text(calibration);
 }
 

@@ -1,6 +1,7 @@
 #include "imulab/io/result/comparison.hpp"
 
 #include "imulab/io/text/figures.hpp"
+#include "imulab/io/text/printable.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <fmt/format.h>
@@ -17,7 +18,7 @@ std::string origin(const NamedCalibration& named) {
   const Calibration& c = named.calibration;
   const std::string frame = c.frame == "rig" ? "the rig's frame" : "the accelerometers' frame";
   if (c.estimated.empty()) return fmt::format("{}  (no uncertainties: taken as the truth; {})", named.name, frame);
-  return fmt::format("{}  ({}{}{}; {})", named.name, c.imu, c.imu.empty() ? "" : ", ", c.method, frame);
+  return fmt::format("{}  ({}{}{}; {})", named.name, excerpt(c.imu), c.imu.empty() ? "" : ", ", excerpt(c.method), frame);
 }
 
 std::string or_dash(const std::optional<double>& value, const char* format) { return value ? fmt::format(fmt::runtime(format), *value) : "-"; }

@@ -137,7 +137,7 @@ std::string progress_text(const RequirementResult& r) {
 }
 
 std::string live_picture(const LiveView& view, bool color) {
-  std::string text = fmt::format(" {:.30}: calibration by hand, {:.1f} s, {} rest{}\n", view.imu.empty() ? "IMU" : view.imu, view.time_s,
+  std::string text = fmt::format(" {}: calibration by hand, {:.1f} s, {} rest{}\n", view.imu.empty() ? "IMU" : excerpt(view.imu, 30), view.time_s,
                                  view.up.size(), view.up.size() == 1 ? "" : "s");
   if (view.done)
     text += " done\n\n";
@@ -149,7 +149,7 @@ std::string live_picture(const LiveView& view, bool color) {
     text += fmt::format(" at rest for {:.1f} s: long enough\n\n", *view.resting_s);
   text += map_text(view, color) + requirements_text(view, color) + "\n";
   if (view.done) return text;
-  if (!view.problem.empty()) text += fmt::format(" {}\n", excerpt(view.problem, 78));
+  if (!view.problem.empty()) text += fmt::format(" {}\n", excerpt(view.problem, 75));
   if (view.next)
     text += colored(fmt::format(" next: {},\n       then hold still for {:g} s", turn_text(*view.next), view.rest_s), Color::yellow, color) + "\n";
   return text;

@@ -56,6 +56,15 @@ TEST(LivePicture, FitsIntoEightyColumnsAndTwentyFourLines) {
   EXPECT_THAT(live_picture(full_view(), true), HasSubstr("\033["));
 }
 
+TEST(LivePicture, ANameDoesNotSteerTheTerminal) {
+  LiveView view;
+  view.imu = "x\x1b[31m", view.problem = "y\x1b[2J\nz";
+  const std::string picture = live_picture(view, false);
+  EXPECT_EQ(picture.find('\x1b'), std::string::npos);
+  EXPECT_THAT(picture, testing::HasSubstr("x\\x1b[31m: calibration by hand"));
+  EXPECT_THAT(picture, testing::HasSubstr("y\\x1b[2J\\x0az"));
+}
+
 TEST(LivePicture, ShowsWhatWasUpAndWhatIsNext) {
   LiveView view;
   view.resting_s = 5;

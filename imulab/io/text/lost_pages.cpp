@@ -19,6 +19,7 @@ struct MappedBytes {
   std::atomic<std::size_t> message_size{0};
 };
 std::array<MappedBytes, 64> all_mapped;  // a file that finds no place here is read all the same
+std::atomic<bool> said{false};
 void (*leave)() = nullptr;
 pid_t own_process = 0;
 
@@ -26,7 +27,8 @@ void on_bus_error(int, siginfo_t* info, void*) {
   const auto at = reinterpret_cast<std::uintptr_t>(info->si_addr);
   for (const MappedBytes& bytes : all_mapped) {
     if (at < bytes.begin || at >= bytes.end || ::getpid() != own_process) continue;
-    [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, bytes.message, bytes.message_size);
+    [[maybe_unused]] ssize_t written = 0;
+    if (!said.exchange(true)) written = ::write(STDERR_FILENO, bytes.message, bytes.message_size);  // several threads may read it
     leave();
   }
   std::signal(SIGBUS, SIG_DFL);  // and the same instruction again

@@ -125,7 +125,7 @@ class McapRewriter {
 
   void change_footer(std::span<char> summary_and_footer, std::size_t footer_at) {
     char* footer = summary_and_footer.data() + footer_at + mcap_head_bytes;
-    for (const std::size_t at : {0, 8})
+    for (const std::size_t at : {std::size_t{0}, std::size_t{8}})
       if (load<std::uint64_t>(footer + at) != 0) move(footer + at);
     char* crc = footer + 16;
     if (load<std::uint32_t>(crc) != 0) store<std::uint32_t>(crc, crc32({summary_and_footer.data(), summary_and_footer.size() - 4}));

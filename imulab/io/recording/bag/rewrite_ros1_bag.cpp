@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include <cstdint>
 #include <span>
 #include <string>
 
@@ -11,10 +12,14 @@ namespace imulab::bag {
 namespace {
 
 std::string record_bytes(const std::string& head, std::string_view data) {
+  const auto size_of = [](std::string_view text) {
+    if (text.size() > UINT32_MAX) throw Damaged("a record of more than 4 GiB");
+    return static_cast<std::uint32_t>(text.size());
+  };
   std::string bytes;
-  append<std::uint32_t>(bytes, head.size());
+  append<std::uint32_t>(bytes, size_of(head));
   bytes += head;
-  append<std::uint32_t>(bytes, data.size());
+  append<std::uint32_t>(bytes, size_of(data));
   return bytes.append(data);
 }
 

@@ -1,0 +1,39 @@
+// The one way of text to people: what would steer a terminal is shown.
+#include "apps/imulab/command.hpp"
+#include "imulab/io/text/printable.hpp"
+#include "imulab/io/text/terminal.hpp"
+
+#include <fmt/core.h>
+
+#include <string_view>
+#include <utility>
+
+namespace imulab::command {
+
+void print(const std::string& text, std::FILE* out) {
+  const std::string shown = printable(text);
+  for (const auto& [word, color] : {std::pair{"good", Color::green}, {"doubtful", Color::yellow}})
+    if (out == stdout && output_has_color() && shown.starts_with(word))
+      return fmt::print("{}{}", in_color(color, word), shown.substr(std::string_view(word).size()));
+  fmt::print(out, "{}", shown);
+}
+
+void print_json(const std::string& text) { fmt::print("{}", text); }
+
+namespace {
+
+/// "imulab: ..." on standard error, after all of standard output. The middle of a text without end is left out.
+void say(Color color, const std::string& what, const std::string& text) {
+  constexpr std::size_t longest = 4096, kept = 1024;
+  const std::string shown = text.size() <= longest ? text : text.substr(0, kept) + " ... " + text.substr(text.size() - kept);
+  std::fflush(stdout);
+  fmt::print(stderr, "imulab: {}{}\n", errors_have_color() && !what.empty() ? in_color(color, what) : what, printable(shown));
+}
+
+}  // namespace
+
+void warn(const std::string& text) { say(Color::yellow, "warning: ", text); }
+void note(const std::string& text) { say(Color::green, "", text); }
+void complain(const std::string& text) { say(Color::red, "", text); }
+
+}  // namespace imulab::command
