@@ -1,6 +1,7 @@
 // imulab demo: a good calibration from a poor table (Cheng 2014), and twenty drives that prove it. Nothing is needed but the command.
 #include "apps/imulab/command.hpp"
 #include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/method.hpp"
@@ -17,7 +18,6 @@
 #include "imulab/simulate/simulate_motion.hpp"
 
 #include <fmt/core.h>
-#include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
@@ -77,7 +77,7 @@ DrivesReport drive_all(const Truth& truth, const std::vector<std::pair<std::stri
   std::vector<std::vector<NavigationErrors>> errors(calibrations.size(), std::vector<NavigationErrors>(drives));
   Progress progress("driving", drives);
   std::atomic<std::uint64_t> done = 0;
-  tbb::parallel_for(std::size_t{0}, drives, [&](std::size_t k) {
+  parallel_for(drives, [&](std::size_t k) {
     const Recording recording = simulate_motion(drive.increments, interval, on_the_road, seed + k);
     for (std::size_t c = 0; c < calibrations.size(); ++c) errors[c][k] = errors_of(drive, recording, calibrations[c].second);
     progress.report(static_cast<double>(++done));

@@ -60,7 +60,7 @@ TEST(Help, WritesManualPages) {
 TEST(Help, BashCompletesVerbsOptionsAndValues) {
   const TemporaryFolder folder;
   const auto completed = [&](const std::string& words) {
-    return run_shell(folder, "cat > complete.sh <<'END'\nsource <('" IMULAB_COMMAND "' help --completion bash)\nCOMP_WORDS=(" + words +
+    return run_shell(folder, "cat > complete.sh <<'END'\nsource <('" + command_path() + "' help --completion bash)\nCOMP_WORDS=(" + words +
                                  ")\nCOMP_CWORD=$((${#COMP_WORDS[@]}-1))\n_imulab\necho \"${COMPREPLY[@]}\"\nEND\nbash complete.sh")
         .output;
   };

@@ -2,6 +2,7 @@
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/report.hpp"
 #include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
@@ -15,7 +16,6 @@
 #include "imulab/report/prediction_page.hpp"
 
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -38,7 +38,7 @@ struct Options {
 std::vector<KnobAnswer> answers_to(const std::vector<Requirement>& requirements, const turntable::Plan& plan) {
   std::vector<KnobAnswer> answers{
       {turntable::Knob::table, {}, {}}, {turntable::Knob::timing, {}, {}}, {turntable::Knob::imu, {}, {}}, {turntable::Knob::all, {}, {}}};
-  tbb::parallel_for(std::size_t{0}, 2 * answers.size() - 1, [&](std::size_t k) {
+  parallel_for(2 * answers.size() - 1, [&](std::size_t k) {
     KnobAnswer& a = answers[k / 2];
     if (k % 2 == 0)
       a.declared = tolerance(plan, a.knob, requirements);
