@@ -61,7 +61,11 @@ TEST(Package, TheExamplesBuildAndRunAgainstIt) {
     EXPECT_LT(worst, 1e-6) << "nine digits of 264 s";
   }
 
+  // The same by pkg-config, wherever the prefix stands.
+  run(folder, "mv prefix moved && export PKG_CONFIG_PATH=\"$PWD/moved/$(cd moved && echo lib*/pkgconfig)\" && g++ -std=c++20 '" IMULAB_SOURCE
+              "/examples/predict.cpp' $(pkg-config --cflags --libs imulab) -o by_pkg_config && ./by_pkg_config > by_pkg_config.txt");
   const std::string prediction = run(folder, "build/predict");
+  EXPECT_EQ(run(folder, "cat by_pkg_config.txt"), prediction);
   EXPECT_THAT(prediction, HasSubstr("gyro.matrix.zz"));
   EXPECT_THAT(prediction, HasSubstr("% from orthogonality\n"));
   EXPECT_EQ(run_shell(folder, "build/compensate nowhere.json").exit_code, 1);
