@@ -2,7 +2,7 @@
 #pragma once
 
 #include "tests/temporary_folder.hpp"
-#include "tests/under_test.hpp"
+#include "tests/tested_build.hpp"
 #include <cstdlib>
 #include <fstream>
 #include <sstream>

@@ -31,7 +31,9 @@ TEST(Help, ListsEveryVerbInAGroup) {
   for (const char* group : {"\nstart here\n", "\ncalibrate\n", "\nbefore the measurement\n", "\nuse a calibration\n", "\nin navigation\n"})
     EXPECT_THAT(text, HasSubstr(group));
   for (const std::string& verb : verbs)
-    if (verb.find(' ') == std::string::npos) EXPECT_THAT(text, HasSubstr("\n  " + verb + " ")) << verb;
+    if (verb.find(' ') == std::string::npos) {
+      EXPECT_THAT(text, HasSubstr("\n  " + verb + " ")) << verb;
+    }
 }
 
 /// An example that the parser refuses has a wrong name in it; files that do not exist are refused later.

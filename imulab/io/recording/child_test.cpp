@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/under_test.hpp"
+#include "tests/tested_build.hpp"
 #include <algorithm>
 #include <cerrno>
 #include <csignal>

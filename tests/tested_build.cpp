@@ -1,4 +1,4 @@
-#include "tests/under_test.hpp"
+#include "tests/tested_build.hpp"
 
 namespace imulab {
 
