@@ -1,5 +1,6 @@
 // The hybrid method on 25 min at 100 Hz (149,800 samples). Targets on one core: one pass of the filter at least 1 million samples/s; the session read
 // from its CSV file and calibrated with all iterations and tests of terms within 1 s.
+#include "imulab/core/parallel.hpp"
 #include "imulab/estimate/hybrid/filter.hpp"
 #include "imulab/estimate/hybrid/hybrid.hpp"
 #include "imulab/io/recording/file.hpp"
@@ -9,7 +10,6 @@
 #include "imulab/simulate/simulate.hpp"
 
 #include <benchmark/benchmark.h>
-#include <tbb/global_control.h>
 
 #include <filesystem>
 #include <random>
@@ -52,7 +52,7 @@ void hybrid_one_pass(benchmark::State& state) {
 BENCHMARK(hybrid_one_pass)->Unit(benchmark::kMillisecond);
 
 void hybrid_from_file(benchmark::State& state) {
-  const tbb::global_control one_core(tbb::global_control::max_allowed_parallelism, 1);
+  const ThreadLimit one_core(1);
   const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("imulab-bench-" + std::to_string(std::random_device{}()));
   std::filesystem::create_directories(folder);
   write_recording(folder / "recording.csv", example().recording);

@@ -1,16 +1,16 @@
 // Samples per second of a simulation, noise included. Targets on one core: 5 million per second with white noise, 2 million with all terms.
+#include "imulab/core/parallel.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/simulate/simulate.hpp"
 
 #include <benchmark/benchmark.h>
-#include <oneapi/tbb/global_control.h>
 
 namespace {
 
 using namespace imulab;
 
 void simulate(benchmark::State& state, Session session, NoiseTerms noise) {
-  const oneapi::tbb::global_control one_thread(oneapi::tbb::global_control::max_allowed_parallelism, 1);
+  const ThreadLimit one_thread(1);
   session.imu.grade = "tactical";  // all terms: Q as well
   session.imu.noise = noise;
   const Truth truth = draw_truth(session, 1);

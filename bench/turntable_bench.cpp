@@ -1,17 +1,17 @@
 // Whole turntable procedures per second at the level of rest means and turn sums (target: 30,000 on one core): Zhang's procedure with drawn table
 // errors, g and noise, its readings, and their calibration to second order.
+#include "imulab/core/parallel.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
 #include "imulab/rig/procedure.hpp"
 
 #include <benchmark/benchmark.h>
-#include <tbb/global_control.h>
 
 namespace {
 
 using namespace imulab;
 
 void turntable_procedure(benchmark::State& state) {
-  const tbb::global_control one_core(tbb::global_control::max_allowed_parallelism, 1);
+  const ThreadLimit one_core(1);
   const turntable::Plan plan = turntable::plan_of(zhang_24_procedure({}));
   const std::uint64_t runs = 10000;
   std::uint64_t seed = 1;

@@ -1,5 +1,6 @@
 // The whole-unit method on Dai's procedure: 303 points, 151,500 samples. Target on one core: three recordings read from CSV and calibrated, with the
 // choice of terms, within 0.5 s.
+#include "imulab/core/parallel.hpp"
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
 #include "imulab/io/recording/file.hpp"
 #include "imulab/io/session/file.hpp"
@@ -7,7 +8,6 @@
 #include "imulab/simulate/simulate.hpp"
 
 #include <benchmark/benchmark.h>
-#include <tbb/global_control.h>
 
 #include <filesystem>
 #include <random>
@@ -39,7 +39,7 @@ void whole_unit_estimate(benchmark::State& state) {
 BENCHMARK(whole_unit_estimate)->Unit(benchmark::kMillisecond);
 
 void whole_unit_from_files(benchmark::State& state) {
-  const tbb::global_control one_core(tbb::global_control::max_allowed_parallelism, 1);
+  const ThreadLimit one_core(1);
   const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("imulab-bench-" + std::to_string(std::random_device{}()));
   std::filesystem::create_directories(folder);
   for (const Recording& recording : example().recordings) write_recording(folder / recording.name, recording);

@@ -1,12 +1,14 @@
-# Libraries for files that not every user has: used where they are found, unless IMULAB_WITH_... is OFF. A consumer of the package needs those that it was
-# built with (IMULAB_BUILT_WITH), since the library is static. Name; module of pkg-config, or CMake's package; its target; what needs it.
+# Libraries that not every user needs: used where they are found, unless IMULAB_WITH_... is OFF. A consumer of the package needs those that it was
+# built with (IMULAB_BUILT_WITH), since the library is static. Name; module of pkg-config, or CMake's package; its target; what needs it;
+# its Debian package; how pkg-config names it, or the linker.
 set(IMULAB_OPTIONAL_DEPENDENCIES
-    "LZ4|liblz4|PkgConfig::IMULAB_LZ4|bags compressed with LZ4"
-    "ZSTD|libzstd|PkgConfig::IMULAB_ZSTD|bags compressed with Zstandard"
-    "BZIP2|BZip2|BZip2::BZip2|bags compressed with bzip2"
-    "SQLITE|sqlite3|PkgConfig::IMULAB_SQLITE|ROS 2 bags in SQLite"
-    "HDF5|hdf5|PkgConfig::IMULAB_HDF5|recordings in HDF5"
-    "MATIO|matio|PkgConfig::IMULAB_MATIO|recordings in MATLAB files")
+    "TBB|TBB|TBB::tbb|work on several threads|libtbb-dev|tbb"
+    "LZ4|liblz4|PkgConfig::IMULAB_LZ4|bags compressed with LZ4|liblz4-dev|liblz4"
+    "ZSTD|libzstd|PkgConfig::IMULAB_ZSTD|bags compressed with Zstandard|libzstd-dev|libzstd"
+    "BZIP2|BZip2|BZip2::BZip2|bags compressed with bzip2|libbz2-dev|-lbz2"
+    "SQLITE|sqlite3|PkgConfig::IMULAB_SQLITE|ROS 2 bags in SQLite|libsqlite3-dev|sqlite3"
+    "HDF5|hdf5|PkgConfig::IMULAB_HDF5|recordings in HDF5|libhdf5-dev|hdf5"
+    "MATIO|matio|PkgConfig::IMULAB_MATIO|recordings in MATLAB files|libmatio-dev|matio")
 
 macro(imulab_find_optional name module target required)
   if("${target}" MATCHES "^PkgConfig::")
@@ -34,20 +36,36 @@ foreach(dependency IN LISTS IMULAB_OPTIONAL_DEPENDENCIES)
   endif()
 endforeach()
 
-# Links what was found to the library, and tells the sources that follow, which are units of their own. IMULAB_BUILT_WITH: the names.
-function(imulab_link_optional_dependencies library)
+# Tells the given sources, which are units of their own, what was found. IMULAB_BUILT_WITH: its names. IMULAB_OPTIONAL_TARGETS: what to link.
+# IMULAB_BUILD_OPTIONS: rows for cmake/build.cpp.in. IMULAB_OPTIONAL_PACKAGES, _MODULES, _LIBRARIES: for the packages of the library.
+function(imulab_tell_of_optional_dependencies)
   foreach(dependency IN LISTS IMULAB_OPTIONAL_DEPENDENCIES)
     string(REPLACE "|" ";" dependency "${dependency}")
     list(GET dependency 0 name)
     list(GET dependency 2 target)
     list(GET dependency 3 what)
+    list(GET dependency 4 package)
+    list(GET dependency 5 linked)
     if(IMULAB_WITH_${name} AND TARGET ${target})
-      target_link_libraries(${library} PRIVATE ${target})
+      list(APPEND targets ${target})
       set_property(SOURCE ${ARGN} APPEND PROPERTY COMPILE_DEFINITIONS IMULAB_WITH_${name})
       list(APPEND built_with ${name})
+      list(APPEND packages ${package})
+      if(linked MATCHES "^-l")
+        string(APPEND libraries " ${linked}")
+      else()
+        string(APPEND modules " ${linked}")
+      endif()
+      string(APPEND options "              {\"${name}\", \"${what}\", true},\n")
     else()
+      string(APPEND options "              {\"${name}\", \"${what}\", false},\n")
       message(STATUS "Without ${name}: no ${what}")
     endif()
   endforeach()
   set(IMULAB_BUILT_WITH "${built_with}" PARENT_SCOPE)
+  set(IMULAB_OPTIONAL_TARGETS "${targets}" PARENT_SCOPE)
+  set(IMULAB_BUILD_OPTIONS "${options}" PARENT_SCOPE)
+  set(IMULAB_OPTIONAL_PACKAGES "${packages}" PARENT_SCOPE)
+  set(IMULAB_OPTIONAL_MODULES "${modules}" PARENT_SCOPE)
+  set(IMULAB_OPTIONAL_LIBRARIES "${libraries}" PARENT_SCOPE)
 endfunction()

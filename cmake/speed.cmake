@@ -3,9 +3,12 @@
 
 # The precompiled header without anything else, for all that needs no more.
 file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/precompiled.cpp "")
-add_library(imulab_precompiled OBJECT ${CMAKE_CURRENT_BINARY_DIR}/precompiled.cpp)
-target_link_libraries(imulab_precompiled PRIVATE Eigen3::Eigen fmt::fmt)
-target_precompile_headers(imulab_precompiled PRIVATE ${CMAKE_CURRENT_LIST_DIR}/precompiled.hpp)
+function(imulab_add_precompiled name)
+  add_library(${name} OBJECT ${PROJECT_BINARY_DIR}/precompiled.cpp)
+  target_link_libraries(${name} PRIVATE Eigen3::Eigen fmt::fmt)
+  target_precompile_headers(${name} PRIVATE ${PROJECT_SOURCE_DIR}/cmake/precompiled.hpp)
+endfunction()
+imulab_add_precompiled(imulab_precompiled)
 
 # The sources of one folder are one unit, so a helper's name is unique in its folder's namespace.
 function(imulab_units_by_folder target)

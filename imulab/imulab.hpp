@@ -1,7 +1,9 @@
 // Every public header: what a program that uses the library calls. The other installed headers are the library's own.
 #pragma once
 
+#include "imulab/core/build.hpp"
 #include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"

@@ -47,8 +47,9 @@ std::vector<DocumentedCommand> commands_of(const std::string& page, const std::s
 /// What differs from the page, one text per command.
 std::vector<std::string> wrong_commands(const std::string& page, const std::string& name) {
   const TemporaryFolder folder;
-  for (const char* name : {"docs", "tests", "examples"}) fs::create_directory_symlink(fs::path(IMULAB_SOURCE) / name, folder / name);  // as in the repository
-  const std::string path = "export PATH=\"" + fs::path(IMULAB_COMMAND).parent_path().string() + ":$PATH\"; ";
+  for (const char* part : {"docs", "tests", "examples"})
+    fs::create_directory_symlink(fs::path(IMULAB_SOURCE) / part, folder / part);  // as in the repository
+  const std::string path = "export PATH=\"" + fs::path(command_path()).parent_path().string() + ":$PATH\"; ";
   std::vector<std::string> wrong;
   for (const DocumentedCommand& command : commands_of(page, name)) {
     if (command.text.starts_with("./dev")) continue;  // builds the project

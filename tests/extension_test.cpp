@@ -106,7 +106,10 @@ Recording read_imu7_session(const TemporaryFolder& folder, const std::vector<Rec
   folder.write("unit.imu7", bytes);
   Session session;
   session.file = folder / "session.toml";
-  session.recordings = {{.file = "unit.imu7", .gyro = {.columns = {2, 3, 4}, .unit = "rad/s"}, .accel = {.columns = {5, 6, 7}, .unit = "m/s^2"}}};
+  RecordingSource& source = session.recordings.emplace_back();
+  source.file = "unit.imu7";
+  source.gyro = {.columns = {2, 3, 4}, .unit = "rad/s"};
+  source.accel = {.columns = {5, 6, 7}, .unit = "m/s^2"};
   return read_recording(session, session.recordings.front(), formats).recording;
 }
 

@@ -46,7 +46,7 @@ struct Faults : testing::Test {
   void expect_old_or_new(const std::string& command, const std::vector<std::string>& outputs, bool findings = false) {
     const TemporaryFolder work, marks;
     const fs::path place = work / "w";
-    const std::string run = "cd w && '" IMULAB_COMMAND "' " + command;
+    const std::string run = "cd w && '" + command_path() + "' " + command;
     prepare(inputs.path(), place, outputs);
     const Contents before = contents(place);
     const CommandResult good = run_shell(work, run);

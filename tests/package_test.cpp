@@ -38,7 +38,7 @@ std::vector<std::vector<double>> numbers(std::string text) {
 
 TEST(Package, TheExamplesBuildAndRunAgainstIt) {
   const TemporaryFolder folder;
-  run(folder, "cmake --install '" + std::filesystem::path(IMULAB_COMMAND).parent_path().string() + "' --prefix \"$PWD/prefix\"");
+  run(folder, "cmake --install '" + std::filesystem::path(command_path()).parent_path().string() + "' --prefix \"$PWD/prefix\"");
   EXPECT_THAT(run(folder, "prefix/bin/imulab --version"), StartsWith("imulab "));
   run(folder, "cmake -S '" IMULAB_SOURCE "/examples' -B build -DCMAKE_PREFIX_PATH=\"$PWD/prefix\" && cmake --build build");
   ASSERT_FALSE(HasFailure());
@@ -61,7 +61,11 @@ TEST(Package, TheExamplesBuildAndRunAgainstIt) {
     EXPECT_LT(worst, 1e-6) << "nine digits of 264 s";
   }
 
+  // The same by pkg-config, wherever the prefix stands.
+  run(folder, "mv prefix moved && export PKG_CONFIG_PATH=\"$PWD/moved/$(cd moved && echo lib*/pkgconfig)\" && g++ -std=c++20 '" IMULAB_SOURCE
+              "/examples/predict.cpp' $(pkg-config --cflags --libs imulab) -o by_pkg_config && ./by_pkg_config > by_pkg_config.txt");
   const std::string prediction = run(folder, "build/predict");
+  EXPECT_EQ(run(folder, "cat by_pkg_config.txt"), prediction);
   EXPECT_THAT(prediction, HasSubstr("gyro.matrix.zz"));
   EXPECT_THAT(prediction, HasSubstr("% from orthogonality\n"));
   EXPECT_EQ(run_shell(folder, "build/compensate nowhere.json").exit_code, 1);
@@ -80,18 +84,23 @@ TEST(Package, TheTutorialShowsTheExamples) {
 }
 
 TEST(Package, TheTutorialNamesItsDependencies) {
-  const std::map<std::string, std::string> packages{{"Eigen3", "libeigen3-dev"}, {"fmt", "libfmt-dev"},
-                                                    {"TBB", "libtbb-dev"},       {"tomlplusplus", "libtomlplusplus-dev"},
-                                                    {"PkgConfig", "pkg-config"}, {"GeographicLib", "libgeographiclib-dev"},
-                                                    {"ZLIB", "zlib1g-dev"},      {"libdeflate", "libdeflate-dev"}, {"yaml-cpp", "libyaml-cpp-dev"}};
+  const std::map<std::string, std::string> packages{{"Eigen3", "libeigen3-dev"},
+                                                    {"fmt", "libfmt-dev"},
+                                                    {"tomlplusplus", "libtomlplusplus-dev"},
+                                                    {"PkgConfig", "pkg-config"},
+                                                    {"GeographicLib", "libgeographiclib-dev"},
+                                                    {"ZLIB", "zlib1g-dev"},
+                                                    {"libdeflate", "libdeflate-dev"},
+                                                    {"yaml-cpp", "libyaml-cpp-dev"}};
   const std::string page = read_text(IMULAB_SOURCE "/docs/tutorial-library.md"), list = read_text(IMULAB_SOURCE "/cmake/dependencies.cmake");
   const std::regex dependency("(?:find_package|pkg_check_modules)\\(([\\w-]+)");
   for (std::sregex_iterator i(list.begin(), list.end(), dependency), end; i != end; ++i) {
     ASSERT_TRUE(packages.contains((*i)[1])) << (*i)[1];
     EXPECT_THAT(page, HasSubstr(packages.at((*i)[1])));
   }
-  const std::map<std::string, std::string> optional{{"LZ4", "liblz4-dev"},        {"ZSTD", "libzstd-dev"}, {"BZIP2", "libbz2-dev"},
-                                                    {"SQLITE", "libsqlite3-dev"}, {"HDF5", "libhdf5-dev"}, {"MATIO", "libmatio-dev"}};
+  const std::map<std::string, std::string> optional{{"TBB", "libtbb-dev"},    {"LZ4", "liblz4-dev"},        {"ZSTD", "libzstd-dev"},
+                                                    {"BZIP2", "libbz2-dev"},  {"SQLITE", "libsqlite3-dev"}, {"HDF5", "libhdf5-dev"},
+                                                    {"MATIO", "libmatio-dev"}};
   const std::string optional_list = read_text(IMULAB_SOURCE "/cmake/optional_dependencies.cmake");
   const std::regex row("\"(\\w+)[|]");
   std::size_t rows = 0;

@@ -172,8 +172,8 @@ TEST(Page, EveryPageDrawsAndAsksNobodyAndNoTextRuns) {
 
 TEST(Page, APrintedCalibrationIsACertificate) {
   const TemporaryFolder folder;
-  ASSERT_EQ(run_shell(folder, std::string("'") + IMULAB_COMMAND + "' procedure hand-held --poses 24 -o hand.toml && '" + IMULAB_COMMAND +
-                                  "' simulate hand.toml -o hand && '" + IMULAB_COMMAND + "' calibrate hand --method handheld --report page.html")
+  ASSERT_EQ(run_shell(folder, "'" + command_path() + "' procedure hand-held --poses 24 -o hand.toml && '" + command_path() +
+                                  "' simulate hand.toml -o hand && '" + command_path() + "' calibrate hand --method handheld --report page.html")
                 .exit_code,
             0);
   const CommandResult printed = run_shell(folder, std::string(chromium) + "--no-pdf-header-footer --print-to-pdf=page.pdf \"file://$PWD/page.html\"");

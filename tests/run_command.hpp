@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tests/temporary_folder.hpp"
+#include "tests/tested_build.hpp"
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -42,7 +43,7 @@ inline std::string on_one_line(const std::string& text) {
 
 /// Runs `imulab ARGUMENTS` in `folder`.
 inline CommandResult run_imulab(const TemporaryFolder& folder, const std::string& arguments) {
-  return run_shell(folder, std::string("'") + IMULAB_COMMAND + "' " + arguments);
+  return run_shell(folder, "'" + command_path() + "' " + arguments);
 }
 
 }  // namespace imulab

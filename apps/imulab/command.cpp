@@ -2,14 +2,15 @@
 
 #include "apps/imulab/files.hpp"
 #include "apps/imulab/help.hpp"
+#include "imulab/core/build.hpp"
 #include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/printable.hpp"
 #include "imulab/io/text/unfinished.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
-#include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
 #include <charconv>
@@ -234,6 +235,16 @@ void add_help(CLI::App& app) {
   });
 }
 
+std::string version_text() {
+  const Build b = build();
+  std::string text = fmt::format("imulab {}\ncompiler  {}, {}, {}\n", b.version, b.compiler, b.type, b.processor);
+  for (const bool with : {true, false})
+    for (const BuildOption& option : b.options)
+      if (option.built_with == with) text += fmt::format("{:8}  {:6}  {}\n", with ? "with" : "without", option.name, option.purpose);
+  text.pop_back();
+  return text;
+}
+
 void expect_output_written() {
   std::cout.flush();
   if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw Error("standard output cannot be written: the result is lost");
@@ -249,11 +260,10 @@ int run(std::vector<std::string> arguments) {
   app.formatter(std::make_shared<Help>());
   app.fallthrough();
   app.require_subcommand(1);
-  app.set_version_flag("--version", "imulab " IMULAB_VERSION);
-  std::optional<oneapi::tbb::global_control> threads;
+  app.set_version_flag("--version", version_text, "print the version, and what imulab was built with");
+  std::optional<ThreadLimit> threads;
   app.add_option_function<std::size_t>(
-         "--threads", [&](std::size_t n) { threads.emplace(oneapi::tbb::global_control::max_allowed_parallelism, n); },
-         "work on at most this many processors; the results do not depend on it")
+         "--threads", [&](std::size_t n) { threads.emplace(n); }, "work on at most this many processors; the results do not depend on it")
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
   add_demo(Verb(&app));

@@ -125,7 +125,7 @@ TEST_F(CompareCommand, JsonOfSeveralHasTheDocumentedShape) {
 }
 
 TEST_F(CompareCommand, ReadsOneFromStandardInput) {
-  const CommandResult piped = run_shell(folder, std::string("'") + IMULAB_COMMAND + "' compare calibration.json - < truth.json");
+  const CommandResult piped = run_shell(folder, "'" + command_path() + "' compare calibration.json - < truth.json");
   EXPECT_EQ(piped.exit_code, 0) << piped.errors;
   const CommandResult named = run_imulab(folder, "compare calibration.json truth.json");
   std::string expected = on_one_line(named.output);

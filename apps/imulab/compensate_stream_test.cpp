@@ -121,7 +121,7 @@ TEST(CompensateStream, ARowGoesOutAsSoonAsItCan) {
   const TemporaryFolder folder;
   folder.write("session.toml", session_head + recording_entry("recording.csv"));
   folder.write("calibration.json", calibration_text(any_calibration()));
-  const std::string command = std::string("'") + IMULAB_COMMAND + "' compensate calibration.json - --session . -o - ";
+  const std::string command = "'" + command_path() + "' compensate calibration.json - --session . -o - ";
   // The writer goes on only when it has read the answer: a row that waited for more rows would wait for ever.
   const std::string talk = R"(mkfifo in out && (timeout 20 )" + command + R"(OPTION < in > out &) && exec 3> in 4< out &&
 echo t,gx,gy,gz,ax,ay,az,T >&3 && for i in 1 2 3 4 5; do echo 0.0$i,1,2,3,0,0,1,20 >&3; [ $i -gt DELAY ] || continue;
@@ -202,7 +202,7 @@ for (i = 1; i <= )" +
           R"(; ++i) printf "%.2f,%.3f,%.3f,%.3f,%.4f,0.02,1.0000,20.00\n", i / 100, 10 * sin(i), cos(i), sin(2 * i), cos(3 * i) }' > rows.csv)");
   const pid_t child = ::fork();
   if (child == 0) {
-    const std::string command = "cd '" + folder.path().string() + "' && ASAN_OPTIONS=quarantine_size_mb=1 exec '" + IMULAB_COMMAND +
+    const std::string command = "cd '" + folder.path().string() + "' && ASAN_OPTIONS=quarantine_size_mb=1 exec '" + command_path() +
                                 "' compensate calibration.json - --session . --reject-outliers -o - < rows.csv > /dev/null 2>&1";
     ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
     ::_exit(127);
@@ -289,7 +289,7 @@ TEST(CompensateStream, ASteadyTwoKilohertzIsLateByLessThanTenMilliseconds) {
   for (const std::string option : {"", "--reject-outliers"}) {
     // 99 of 100 rows within 10 ms, where the filter's two samples are one. What `cat` in its place is late by is the machine's: twice that is
     // granted, and one quiet run in three is enough. Rows that wait for a block of many, a quarter of a second on average, fail all three.
-    const std::string program = std::string("'") + IMULAB_COMMAND + "' compensate calibration.json - --session . -o - " + option;
+    const std::string program = "'" + command_path() + "' compensate calibration.json - --session . -o - " + option;
     double late = HUGE_VAL, most = 0;
     for (int run = 0; run < 3 && !(late < most); ++run) {
       const Delays of_machine = delays_at_2_kHz(folder, "cat", 2000), delays = delays_at_2_kHz(folder, program, 2000);

@@ -2,6 +2,7 @@
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
 #include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/method.hpp"
@@ -18,7 +19,6 @@
 #include "imulab/simulate/simulate_motion.hpp"
 
 #include <fmt/core.h>
-#include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
@@ -78,7 +78,7 @@ DrivesReport drive_all(const Truth& truth, const std::vector<std::pair<std::stri
   std::vector<std::vector<NavigationErrors>> errors(calibrations.size(), std::vector<NavigationErrors>(drives));
   Progress progress("driving", drives);
   std::atomic<std::uint64_t> done = 0;
-  tbb::parallel_for(std::size_t{0}, drives, [&](std::size_t k) {
+  parallel_for(drives, [&](std::size_t k) {
     const Recording recording = simulate_motion(drive.increments, interval, on_the_road, seed + k);
     for (std::size_t c = 0; c < calibrations.size(); ++c) errors[c][k] = errors_of(drive, recording, calibrations[c].second);
     progress.report(static_cast<double>(++done));

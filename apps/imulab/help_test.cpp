@@ -31,7 +31,9 @@ TEST(Help, ListsEveryVerbInAGroup) {
   for (const char* group : {"\nstart here\n", "\ncalibrate\n", "\nbefore the measurement\n", "\nuse a calibration\n", "\nin navigation\n"})
     EXPECT_THAT(text, HasSubstr(group));
   for (const std::string& verb : verbs)
-    if (verb.find(' ') == std::string::npos) EXPECT_THAT(text, HasSubstr("\n  " + verb + " ")) << verb;
+    if (verb.find(' ') == std::string::npos) {
+      EXPECT_THAT(text, HasSubstr("\n  " + verb + " ")) << verb;
+    }
 }
 
 /// An example that the parser refuses has a wrong name in it; files that do not exist are refused later.
@@ -60,7 +62,7 @@ TEST(Help, WritesManualPages) {
 TEST(Help, BashCompletesVerbsOptionsAndValues) {
   const TemporaryFolder folder;
   const auto completed = [&](const std::string& words) {
-    return run_shell(folder, "cat > complete.sh <<'END'\nsource <('" IMULAB_COMMAND "' help --completion bash)\nCOMP_WORDS=(" + words +
+    return run_shell(folder, "cat > complete.sh <<'END'\nsource <('" + command_path() + "' help --completion bash)\nCOMP_WORDS=(" + words +
                                  ")\nCOMP_CWORD=$((${#COMP_WORDS[@]}-1))\n_imulab\necho \"${COMPREPLY[@]}\"\nEND\nbash complete.sh")
         .output;
   };

@@ -56,7 +56,7 @@ TEST(ImportCommand, TellsWhatItReadAsJson) {
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.output, HasSubstr("\"format\": \"matrix and bias\""));
   EXPECT_THAT(result.errors, HasSubstr("imulab: warning: matrix.txt: the file has one triad"));
-  const CommandResult streamed = run_shell(folder, std::string("cat matrix.txt | '") + IMULAB_COMMAND + "' import - -o -");
+  const CommandResult streamed = run_shell(folder, std::string("cat matrix.txt | '") + command_path() + "' import - -o -");
   EXPECT_EQ(streamed.exit_code, 0) << streamed.errors;
   EXPECT_EQ(parse_calibration(streamed.output, "c").method, "import");
 }

@@ -104,7 +104,7 @@ TEST(InspectCommand, RefusesWhatIsNoRecording) {
   EXPECT_THAT(run_imulab(folder, "inspect log.csv --set gyro.unit").errors, HasSubstr("--set gyro.unit: has no value; expected KEY=VALUE"));
   EXPECT_THAT(run_imulab(folder, "inspect log.csv -o log.csv --force").errors, HasSubstr("would overwrite log.csv"));
   EXPECT_THAT(run_imulab(folder, "calibrate session --method handheld --set rate_hz=100").errors, HasSubstr("--set: declares a recording"));
-  EXPECT_EQ(run_shell(folder, std::string("cat log.csv | '") + IMULAB_COMMAND + "' inspect -").exit_code, 0) << "a pipe";
+  EXPECT_EQ(run_shell(folder, std::string("cat log.csv | '") + command_path() + "' inspect -").exit_code, 0) << "a pipe";
 }
 
 TEST(InspectCommand, UnderstandsRealRecords) {
@@ -146,10 +146,10 @@ TEST(InspectCommand, AStreamWithoutAnEndIsLeft) {
   write_log(folder);
   const std::string endless = "mkfifo port; (cat log.csv; printf '9999,1'; exec sleep 100) > port 2>&1 & writer=$!; ";
   const auto run = [&](const std::string& arguments) {
-    return run_shell(folder, endless + "'" IMULAB_COMMAND "' inspect " + arguments + "; code=$?; kill $writer; rm port; exit $code");
+    return run_shell(folder, endless + "'" + command_path() + "' inspect " + arguments + "; code=$?; kill $writer; rm port; exit $code");
   };
   const auto begin = std::chrono::steady_clock::now();
-  const CommandResult whole = run_shell(folder, "cat log.csv | '" IMULAB_COMMAND "' inspect - --json");
+  const CommandResult whole = run_shell(folder, "cat log.csv | '" + command_path() + "' inspect - --json");
   ASSERT_EQ(whole.exit_code, 0) << whole.errors;
   EXPECT_THAT(whole.output, Not(HasSubstr("did not end")));
   const std::string rows = whole.output.substr(whole.output.find("\"rows\""), 20);
@@ -165,8 +165,8 @@ TEST(InspectCommand, AStreamWithoutAnEndIsLeft) {
 
 TEST(InspectCommand, AStreamThatSaysNothingIsAnError) {
   const TemporaryFolder folder;
-  const CommandResult result = run_shell(
-      folder, "mkfifo port; sleep 100 > port 2>&1 & writer=$!; '" IMULAB_COMMAND "' inspect - --for 0.5 < port; code=$?; kill $writer; exit $code");
+  const CommandResult result = run_shell(folder, "mkfifo port; sleep 100 > port 2>&1 & writer=$!; '" + command_path() +
+                                                     "' inspect - --for 0.5 < port; code=$?; kill $writer; exit $code");
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.errors, HasSubstr("imulab: standard input: no line in 0.5 s; expected rows of numbers"));
 }

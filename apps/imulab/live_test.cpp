@@ -19,7 +19,7 @@ using Json = nlohmann::json;
 const TemporaryFolder& folder() {
   static const TemporaryFolder made;
   static const bool simulated = [] {
-    run_shell(made, std::string("'") + IMULAB_COMMAND + "' procedure hand-held --poses 16 | sed 's/rate_hz = 100/rate_hz = 200/' > hand.toml");
+    run_shell(made, "'" + command_path() + "' procedure hand-held --poses 16 | sed 's/rate_hz = 100/rate_hz = 200/' > hand.toml");
     run_imulab(made, "simulate hand.toml -o session");
     run_shell(made, "sed '/^\\[\\[step\\]\\]/,$d' session/session.toml > session/found.toml");
     return true;
@@ -30,7 +30,7 @@ const TemporaryFolder& folder() {
 
 /// The recording through `filter` into `imulab live - --session session ARGUMENTS`.
 CommandResult live(const std::string& filter, const std::string& arguments) {
-  const std::string command = "'" + std::string(IMULAB_COMMAND) + "' live - --session session " + arguments;
+  const std::string command = "'" + command_path() + "' live - --session session " + arguments;
   return run_shell(folder(), filter + " session/recording.csv | " + command);
 }
 
@@ -122,7 +122,7 @@ TEST(Live, BadStreams) {
 
 TEST(Live, CtrlCEndsTheStreamAsIfTheLastRowHadCome) {
   const CommandResult r =
-      run_shell(folder(), std::string("mkfifo rows; (head -20000 session/recording.csv; sleep 20) > rows & '") + IMULAB_COMMAND +
+      run_shell(folder(), std::string("mkfifo rows; (head -20000 session/recording.csv; sleep 20) > rows & '") + command_path() +
                               "' live - --session session -o stopped.json --require 'gyro.matrix.diagonal <= 10 ppm' < rows > log & p=$!\n"
                               "for i in $(seq 100); do grep -q 'rest 10' log && break; sleep 0.1; done; kill -INT $p; wait $p");
   EXPECT_EQ(r.exit_code, 1);

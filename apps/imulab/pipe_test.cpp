@@ -8,7 +8,7 @@ namespace {
 
 struct Pipe : ::testing::Test {
   TemporaryFolder folder;
-  CommandResult shell(const std::string& command) const { return run_shell(folder, "imulab() { '" IMULAB_COMMAND "' \"$@\"; }\n" + command); }
+  CommandResult shell(const std::string& command) const { return run_shell(folder, "imulab() { '" + command_path() + "' \"$@\"; }\n" + command); }
 };
 
 TEST_F(Pipe, AProcedureIsPredictedAndSimulated) {
@@ -43,8 +43,8 @@ TEST_F(Pipe, ASignalLeavesNothingHalfMade) {
   ASSERT_EQ(shell("imulab procedure zhang-24 --rest 3000 -o long.toml").exit_code, 0);
   for (const auto& [name, code] : {std::pair{"INT", 130}, std::pair{"TERM", 143}}) {
     // Seven million samples take seconds; the code tells that the signal came before their end.
-    const CommandResult result =
-        shell(std::string("timeout --preserve-status -s ") + name + " 0.7 '" IMULAB_COMMAND "' simulate long.toml -o out; echo code $?; ls -d out*");
+    const CommandResult result = shell(std::string("timeout --preserve-status -s ") + name + " 0.7 '" + command_path() +
+                                       "' simulate long.toml -o out; echo code $?; ls -d out*");
     EXPECT_EQ(result.output, "code " + std::to_string(code) + "\n") << "and nothing is left";
   }
   EXPECT_EQ(shell("imulab simulate long.toml -o out --seed -1").exit_code, 2);

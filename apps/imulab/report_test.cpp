@@ -95,16 +95,16 @@ TEST_F(Report, AWrongFileIsNamed) {
 }
 
 TEST_F(Report, JsonOfOtherVerbsBecomesTheirPage) {
-  ASSERT_EQ(run_shell(*folder_, "PATH=\"" + std::filesystem::path(IMULAB_COMMAND).parent_path().string() +
+  ASSERT_EQ(run_shell(*folder_, "PATH=\"" + std::filesystem::path(command_path()).parent_path().string() +
                                     ":$PATH\"; imulab compare hand.json hand/truth.json --json --report a.html > c.json && imulab report c.json -o "
                                     "b.html && cmp a.html b.html")
                 .exit_code,
             0);
   ASSERT_EQ(run("procedure six-position -o six.toml").exit_code, 0);
-  ASSERT_EQ(run_shell(*folder_, std::string("'") + IMULAB_COMMAND + "' predict six.toml --runs 0 --json > p.json; '" + IMULAB_COMMAND +
-                                    "' report - -o p.html < p.json")
-                .exit_code,
-            0);
+  ASSERT_EQ(
+      run_shell(*folder_, "'" + command_path() + "' predict six.toml --runs 0 --json > p.json; '" + command_path() + "' report - -o p.html < p.json")
+          .exit_code,
+      0);
   EXPECT_TRUE(says("p.html", "<section id=\"shares\">"));
 }
 

@@ -86,7 +86,9 @@ TEST(WrongDeclaration, AChannelThatClipsIsSaidAndItsSamplesAreNotUsed) {
   text.write(folder);
   const CommandResult result = run_imulab(folder, "calibrate session --method static -o c.json");
   EXPECT_THAT(result.errors, HasSubstr("at a limit"));
-  if (result.exit_code == 0) EXPECT_THAT(run_imulab(folder, "compare c.json session/truth.json").output, Not(HasSubstr(" *\n")));
+  if (result.exit_code == 0) {
+    EXPECT_THAT(run_imulab(folder, "compare c.json session/truth.json").output, Not(HasSubstr(" *\n")));
+  }
 }
 
 TEST(WrongDeclaration, ARateThatTheStampsContradictIsSaid) {

@@ -1,13 +1,12 @@
 #include "imulab/rig/ideal_recording.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
 #include "imulab/rig/machine.hpp"
 #include "imulab/rig/machine_motion.hpp"
 #include "imulab/rig/mean_motion.hpp"
 
 #include <fmt/core.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -92,8 +91,8 @@ Recording ideal_recording(const Session& procedure, const RecordingSource& sourc
   Recording recording = empty_recording(source, rate, samples);
   const std::vector<Block> blocks = blocks_of(samples);
   // Isolated: a thread that waits here must not start an outer loop's next recording on the same stack.
-  tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t block) {
+  isolate_parallel([&] {
+    parallel_for(blocks.size(), [&](std::size_t block) {
       const auto [sample, place_of, size] = blocks[block];
       MotionColumns out;
       for (std::size_t axis = 0; axis < 3; ++axis) {

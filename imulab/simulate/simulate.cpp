@@ -1,6 +1,7 @@
 #include "imulab/simulate/simulate.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
 #include "imulab/earth/earth.hpp"
 #include "imulab/model/compensate.hpp"
 #include "imulab/model/sensor_noise.hpp"
@@ -9,8 +10,6 @@
 #include "imulab/simulate/temperature.hpp"
 
 #include <fmt/core.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -115,9 +114,9 @@ Recording simulate_recording(const Session& procedure, const RecordingSource& so
                             accel_followed = followed_readings(truth.model.accel, source.accel_temperature, temperatures);
   const std::vector<AxisNoise> noise = noise_of(truth, source, recording.interval_s, seed);
   // Isolated: a thread that waits here must not start an outer loop's next session on the same stack.
-  tbb::this_task_arena::isolate([&] {
-    tbb::parallel_for(std::size_t{0}, noise.size(), [&](std::size_t axis) { add_noise(noise[axis], samples, column(recording, axis)); });
-    tbb::parallel_for(std::size_t{0}, (recording.size() + block_size - 1) / block_size, [&](std::size_t block) {
+  isolate_parallel([&] {
+    parallel_for(noise.size(), [&](std::size_t axis) { add_noise(noise[axis], samples, column(recording, axis)); });
+    parallel_for((recording.size() + block_size - 1) / block_size, [&](std::size_t block) {
       const std::size_t begin = block * block_size, size = std::min(block_size, recording.size() - begin);
       const auto part = [&](const std::vector<double>& readings) {
         std::array<std::span<const double>, 3> columns;

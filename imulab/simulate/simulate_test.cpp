@@ -1,6 +1,7 @@
 #include "imulab/simulate/simulate.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
@@ -9,7 +10,6 @@
 #include "imulab/rig/procedure.hpp"
 
 #include <gmock/gmock.h>
-#include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
@@ -116,7 +116,7 @@ TEST(Simulate, IsBitEqualOnAnyNumberOfThreads) {
   s.imu.noise = NoiseTerms::full;
   const Truth truth = draw_truth(s, 3);
   const auto on = [&](std::size_t threads) {
-    const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, threads);
+    const ThreadLimit limit(threads);
     return simulate_recording(s, s.recordings[0], truth, 3);
   };
   const Recording one = on(1);

@@ -1,12 +1,12 @@
 #include "imulab/tasks/predict.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
 #include "imulab/estimate/turntable/tolerance.hpp"
 #include "imulab/io/text/figures.hpp"
 #include "imulab/report/prediction_page.hpp"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <utility>
 
@@ -16,7 +16,7 @@ namespace {
 std::vector<KnobAnswer> answers_to(const std::vector<Requirement>& requirements, const turntable::Plan& plan) {
   std::vector<KnobAnswer> answers{
       {turntable::Knob::table, {}, {}}, {turntable::Knob::timing, {}, {}}, {turntable::Knob::imu, {}, {}}, {turntable::Knob::all, {}, {}}};
-  tbb::parallel_for(std::size_t{0}, 2 * answers.size() - 1, [&](std::size_t k) {
+  parallel_for(2 * answers.size() - 1, [&](std::size_t k) {
     KnobAnswer& a = answers[k / 2];
     if (k % 2 == 0)
       a.declared = tolerance(plan, a.knob, requirements);

@@ -1,5 +1,6 @@
 // The proof by a drive (Cheng 2014, sec 3.3): one IMU, calibrated by the classical method on a good table and on a poor one and by the hybrid method
 // on the poor one; then an hour at 60 km/h after an alignment of 300 s, navigated with each, the same recording for all.
+#include "imulab/core/parallel.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/turntable/turntable.hpp"
 #include "imulab/navigation/city_drive.hpp"
@@ -8,7 +9,6 @@
 #include "imulab/simulate/simulate_motion.hpp"
 
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/calibration_input.hpp"
@@ -66,7 +66,7 @@ double rate(const CityDrive& d, const Recording& recording, const Calibration& c
 std::vector<DriveRun> drives(int runs) {
   const CityDrive d = drive();
   std::vector<DriveRun> out(static_cast<std::size_t>(runs));
-  tbb::parallel_for(0, runs, [&](int k) {
+  parallel_for(runs, [&](int k) {
     const auto seed = static_cast<std::uint64_t>(k + 1);
     const SensorModel unit = hybrid_unit(seed);
     const TableTime good = on_table(classical_procedure(), good_table, unit, seed),

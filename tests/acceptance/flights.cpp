@@ -1,5 +1,6 @@
 // The proof by a flight (Dai 2011, sec 4.2): one MEMS IMU, its recording compensated in several ways, and a FOG IMU of table 4 on the same flight;
 // all navigated without aiding from the exact start.
+#include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
@@ -9,7 +10,6 @@
 #include "imulab/simulate/simulate_motion.hpp"
 
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/acceptance/mems_unit.hpp"
@@ -136,7 +136,7 @@ DaiFlights dai_flights(int runs) {
   const Flight with_roll = flight(true), without_roll = flight(false);
   const auto count = static_cast<std::size_t>(runs);
   DaiFlights out{std::vector<FlightRun>(count), std::vector<FlightRun>(count)};
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+  parallel_for(count, [&](std::size_t k) {
     const CalibratedUnit unit = calibrated_unit(k + 1);
     out.with_roll[k] = flight_run(with_roll, unit, k + 1);
     out.without_roll[k] = flight_run(without_roll, unit, k + 1);

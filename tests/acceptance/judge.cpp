@@ -1,10 +1,10 @@
+#include "imulab/core/parallel.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include "tests/acceptance/acceptance.hpp"
 #include <cmath>
@@ -55,7 +55,7 @@ std::vector<Check> judge(const std::vector<Run>& runs) {
 
 std::vector<Run> run_all(Run (*run)(std::uint64_t), int count) {
   std::vector<Run> runs(static_cast<std::size_t>(count));
-  tbb::parallel_for(0, count, [&](int i) { runs[static_cast<std::size_t>(i)] = run(static_cast<std::uint64_t>(i + 1)); });
+  parallel_for(count, [&](int i) { runs[static_cast<std::size_t>(i)] = run(static_cast<std::uint64_t>(i + 1)); });
   return runs;
 }
 

@@ -1,5 +1,6 @@
 // Every method with its defaults on units and data that are not ideal (docs/validation.md): all terms of the model, correlated noise, a delay between
 // the triads, late stamps, a bumped rest. What is stated has to hold all the same.
+#include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
@@ -12,7 +13,6 @@
 
 #include <Eigen/Cholesky>
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include "tests/acceptance/acceptance.hpp"
 #include <cmath>
@@ -166,7 +166,7 @@ std::vector<Check> judge_runs(const std::vector<MisspecifiedRun>& runs, bool goo
 std::vector<Check> misspecified(const Method& method, int count) {
   std::vector<MisspecifiedRun> runs(static_cast<std::size_t>(count));
   std::mutex printing;
-  tbb::parallel_for(0, count, [&](int i) {
+  parallel_for(count, [&](int i) {
     try {
       runs[static_cast<std::size_t>(i)] = run(method, static_cast<std::uint64_t>(i + 1));
     } catch (const std::exception& e) {

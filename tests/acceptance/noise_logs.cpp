@@ -1,4 +1,5 @@
 // Noise coefficients of simulated logs of 3 h at 200 Hz: do the intervals hold, and are the errors as small as the spectrum allows?
+#include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/estimate/noise/likelihood.hpp"
@@ -8,7 +9,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/flicker_log.hpp"
@@ -143,7 +143,7 @@ struct LogResult {
 
 std::vector<Check> noise_logs(int logs) {
   std::vector<LogResult> results(static_cast<std::size_t>(logs));
-  tbb::parallel_for(0, logs, [&](int i) {
+  parallel_for(logs, [&](int i) {
     LogResult& r = results[static_cast<std::size_t>(i)];
     const auto seed = static_cast<std::uint64_t>(i + 1);
     r.truth = drawn_noise(seed);

@@ -1,11 +1,11 @@
 // Do predictions agree with what calibrate states of simulated sessions, and with the scatter of its estimates?
+#include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/model/grade.hpp"
 #include "imulab/rig/procedure.hpp"
 
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include "tests/acceptance/acceptance.hpp"
 #include <algorithm>
@@ -86,7 +86,7 @@ std::vector<Check> predictions(const Method& method, int sessions) {
   const Predicted of = predicted_case(method.name);
   const Prediction p = method.predict(of.procedure);
   std::vector<Outcome> all(static_cast<std::size_t>(sessions));
-  tbb::parallel_for(0, sessions, [&](int i) { all[static_cast<std::size_t>(i)] = session_of(method, of, p, static_cast<std::uint64_t>(i + 1)); });
+  parallel_for(sessions, [&](int i) { all[static_cast<std::size_t>(i)] = session_of(method, of, p, static_cast<std::uint64_t>(i + 1)); });
   const double n = sessions, m = static_cast<double>(p.coefficients.size());
   std::vector<double> stated, squares(p.coefficients.size(), 0.0);
   for (const Outcome& s : all) {

@@ -1,5 +1,6 @@
 // Simulated whole-unit sessions, and their Fisher information, derived independently of the estimator: raw means as a function of the coefficients
 // and of every error of the machines, which are unknowns with a prior; derivatives by differences through the inverse of the sensor model.
+#include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
@@ -11,7 +12,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/whole_unit_session.hpp"
@@ -190,7 +190,7 @@ std::vector<Check> whole_unit_outputs(int runs) {
   };
   std::vector<Result> results(static_cast<std::size_t>(runs));
   std::vector<CoefficientIndex> indices;
-  tbb::parallel_for(0, runs, [&](int i) {
+  parallel_for(runs, [&](int i) {
     const auto seed = static_cast<std::uint64_t>(i + 1);
     const WholeUnitSession s = whole_unit_session(seed, {}, [](Session&) {});
     const Calibration c = whole_unit::calibrate(s.input(), full_whole_unit()).calibration;

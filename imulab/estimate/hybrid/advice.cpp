@@ -1,11 +1,11 @@
 #include "imulab/core/decomposition.hpp"
+#include "imulab/core/parallel.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/hybrid/motion_information.hpp"
 #include "imulab/estimate/hybrid/prediction.hpp"
 #include "imulab/recording/turn.hpp"
 
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -85,7 +85,7 @@ Advice advise(const Plan& plan, const Prediction& prediction, const std::vector<
   const PoseOnTable& here = prediction.end;
   const std::size_t n = turns.size();
   std::vector<Outcome> single(n), pair(n * n);
-  tbb::parallel_for(std::size_t{0}, n, [&](std::size_t k) {
+  parallel_for(n, [&](std::size_t k) {
     single[k] = with(now, here, turns[k]);
     for (std::size_t j = 0; j < n; ++j) pair[n * k + j] = with(single[k].knowledge, turned(here, turns[k]), turns[j]);
   });

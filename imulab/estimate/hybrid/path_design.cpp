@@ -1,8 +1,7 @@
 #include "imulab/estimate/hybrid/path_design.hpp"
 
+#include "imulab/core/parallel.hpp"
 #include "imulab/estimate/hybrid/path_judge.hpp"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -58,7 +57,7 @@ std::vector<Beginning> best_of(std::vector<Beginning> all, std::size_t most, std
 std::vector<Beginning> continued(const PathJudge& judge, const std::vector<Beginning>& beam, const std::vector<QuarterTurn>& moves, int rest,
                                  double longest) {
   std::vector<Beginning> next(beam.size() * moves.size());
-  tbb::parallel_for(std::size_t{0}, next.size(), [&](std::size_t k) {
+  parallel_for(next.size(), [&](std::size_t k) {
     const Beginning& b = beam[k / moves.size()];
     const QuarterTurn& move = moves[k % moves.size()];
     const double duration = b.duration + judge.duration(move) + rest * judge.quantum;
@@ -110,7 +109,7 @@ std::vector<std::size_t> order_of(const std::vector<double>& values) {
 /// Worst ratios with the rests changed one at a time, by `change` quanta; infinite where a rest cannot be changed.
 std::vector<double> one_by_one(const PathJudge& judge, const QuarterPath& path, int change) {
   std::vector<double> out(path.rests.size(), infinite);
-  tbb::parallel_for(std::size_t{0}, out.size(), [&](std::size_t k) {
+  parallel_for(out.size(), [&](std::size_t k) {
     const int rest = path.rests[k] + change;
     if (rest * judge.quantum < shortest_rest || rest * judge.quantum > longest_rest) return;
     QuarterPath changed = path;
@@ -183,7 +182,7 @@ QuarterPath polished(const PathJudge& judge, QuarterPath path, const std::vector
       trial.turns[k / moves.size()] = moves[k % moves.size()];
       return trial;
     };
-    tbb::parallel_for(std::size_t{0}, value.size(), [&](std::size_t k) {
+    parallel_for(value.size(), [&](std::size_t k) {
       const QuarterPath trial = changed(k);
       if (judge.duration(trial) <= longest) value[k] = judge.worst(trial);
     });

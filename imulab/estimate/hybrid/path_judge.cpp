@@ -1,8 +1,7 @@
 #include "imulab/estimate/hybrid/path_judge.hpp"
 
+#include "imulab/core/parallel.hpp"
 #include "imulab/recording/turn.hpp"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +26,7 @@ PathJudge::PathJudge(const PathQuestion& q)
   const int most = q.rest ? 1 : longest_rest / usual_quantum;  // quanta
   turn_.resize(attitudes.size());
   rest_.resize(attitudes.size());
-  tbb::parallel_for(std::size_t{0}, attitudes.size(), [&](std::size_t k) {
+  parallel_for(attitudes.size(), [&](std::size_t k) {
     for (Index a = 0; a < 3; ++a)
       for (std::size_t t = 0; t < turns.size(); ++t)
         turn_[k][static_cast<std::size_t>(a)][t] =

@@ -1,6 +1,7 @@
 #include "imulab/estimate/noise/noise_analysis.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
 #include "imulab/recording/clipping.hpp"
 #include "imulab/recording/pieces.hpp"
 #include "imulab/recording/rests.hpp"
@@ -8,7 +9,6 @@
 
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -186,7 +186,7 @@ NoiseAnalysis analyze_noise(const StillPart& still, const NoiseOptions& options)
   analysis.notes = still.notes;
   analysis.axes.resize(6);
   std::array<double, 6> slopes{};
-  tbb::parallel_for(std::size_t{0}, std::size_t{6}, [&](std::size_t k) {
+  parallel_for(std::size_t{6}, [&](std::size_t k) {
     NoiseAxis& axis = analysis.axes[k];
     const std::vector<double>& column = k < 3 ? r.gyro[k] : r.accel[k - 3];
     const Columns3& temperature = k < 3 ? r.gyro_temperature : r.accel_temperature;

@@ -2,12 +2,12 @@
 #include "imulab/estimate/noise/noise_fit.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/model/sensor_noise.hpp"
 
 #include <gmock/gmock.h>
-#include <tbb/parallel_for.h>
 
 #include "tests/flicker_log.hpp"
 #include <algorithm>
@@ -52,9 +52,8 @@ struct Held {
 
 std::array<Held, 5> count(const NoiseModel& truth, std::size_t logs) {
   std::vector<NoiseFit> fits(logs);
-  tbb::parallel_for(std::size_t{0}, logs, [&](std::size_t k) {
-    fits[k] = fit_noise(k % 2 == 0 ? simulated(truth, 12000, 1 + k) : constructed(truth, 12000, 1 + k), interval);
-  });
+  parallel_for(logs,
+               [&](std::size_t k) { fits[k] = fit_noise(k % 2 == 0 ? simulated(truth, 12000, 1 + k) : constructed(truth, 12000, 1 + k), interval); });
   std::array<Held, 5> out;
   for (const NoiseFit& f : fits) {
     const std::array<const NoiseCoefficient*, 5> found{&f.Q, &f.N, &f.B, &f.K, &f.R};

@@ -1,6 +1,7 @@
 #include "imulab/estimate/turntable/prediction.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
 #include "imulab/estimate/turntable/estimator.hpp"
 #include "imulab/model/forward_model.hpp"
 #include "imulab/model/grade.hpp"
@@ -8,7 +9,6 @@
 #include "imulab/rig/table_readings.hpp"
 
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -177,7 +177,7 @@ MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t
   constexpr std::uint64_t block = 128;
   std::vector<Moments> moments((runs + block - 1) / block, Moments::Zero(n, 3));
   std::atomic<std::uint64_t> done = 0;
-  tbb::parallel_for(std::size_t{0}, moments.size(), [&](std::size_t b) {
+  parallel_for(moments.size(), [&](std::size_t b) {
     const std::uint64_t begin = b * block, count = std::min(block, runs - begin);
     const MatrixXd found = estimator.solve(estimator.linearized(sampler.draw(begin, static_cast<Index>(count))));
     for (Index run = 0; run < found.cols(); ++run) {

@@ -1,12 +1,12 @@
 #include "imulab/estimate/turntable/prediction.hpp"
 
+#include "imulab/core/parallel.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/turntable/estimator.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/rig/procedure.hpp"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "tests/table_steps.hpp"
 #include <algorithm>
@@ -154,7 +154,7 @@ TEST(TurntablePrediction, MonteCarloIsRepeatableOnAnyNumberOfThreads) {
   const Plan plan = zhang(20 * unit::arcsec);
   std::vector<MonteCarloResult> results;
   for (const auto& [threads, seed] : {std::pair{1, 7}, {2, 7}, {2, 8}}) {
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+    const ThreadLimit control(static_cast<std::size_t>(threads));
     results.push_back(monte_carlo(plan, 1000, static_cast<std::uint64_t>(seed)));  // the last block is not full
   }
   EXPECT_EQ(results[0].sigma, results[1].sigma);

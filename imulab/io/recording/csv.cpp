@@ -1,13 +1,12 @@
 #include "imulab/io/recording/csv.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
 #include "imulab/io/recording/csv_rows.hpp"
 #include "imulab/io/recording/formats.hpp"
 #include "imulab/io/text/file.hpp"
 
 #include <fmt/core.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <utility>
@@ -64,7 +63,7 @@ std::optional<TimedTable> in_sequence(std::vector<TimedTable> parts, const std::
     all.repeated += part.repeated;
     line += lines[p];
   }
-  tbb::parallel_for(std::size_t{0}, all.values.size(), [&](std::size_t c) {
+  parallel_for(all.values.size(), [&](std::size_t c) {
     all.values[c].reserve(all.time_ns.size());
     for (std::size_t p = 1; p < parts.size(); ++p) {
       all.values[c].insert(all.values[c].end(), parts[p].values[c].begin(), parts[p].values[c].end());
@@ -77,13 +76,13 @@ std::optional<TimedTable> in_sequence(std::vector<TimedTable> parts, const std::
 /// The same by several threads, where rows do not depend on those before; nothing where something is wrong, which is found again in order.
 std::optional<TimedTable> read_rows_in_parallel(const RowReader& reader, std::string_view text) {
   constexpr std::size_t worth_it = std::size_t{4} << 20;  // bytes: a hundredth of a second
-  const std::size_t count = std::min<std::size_t>(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()), text.size() / worth_it);
+  const std::size_t count = std::min<std::size_t>(parallel_threads(), text.size() / worth_it);
   if (count < 2 || !reader.is_independent()) return std::nullopt;
   const std::vector<std::string_view> texts = parts_of_lines(text, count);
   std::vector<TimedTable> parts(texts.size());
   std::vector<std::size_t> lines(texts.size());
   try {
-    tbb::parallel_for(std::size_t{0}, texts.size(), [&](std::size_t p) { parts[p] = read_rows(reader, texts[p], &lines[p]); });
+    parallel_for(texts.size(), [&](std::size_t p) { parts[p] = read_rows(reader, texts[p], &lines[p]); });
   } catch (const Error&) {
     return std::nullopt;
   }

@@ -3,11 +3,9 @@
 
 #include "tests/recording_files.hpp"
 
-#ifdef __SANITIZE_ADDRESS__
-// Of damaged files libhdf5 and libmatio keep memory, and libmatio asks for more than there is.
+// For the sanitizers: of damaged files libhdf5 and libmatio keep memory, and libmatio asks for more than there is.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5\nleak:libmatio\nleak:inflateCopy\n"; }
 extern "C" const char* __asan_default_options() { return "allocator_may_return_null=1"; }
-#endif
 
 namespace imulab {
 namespace {

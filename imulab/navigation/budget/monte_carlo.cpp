@@ -1,6 +1,7 @@
 #include "imulab/navigation/budget/monte_carlo.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/core/statistics.hpp"
@@ -12,7 +13,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <fmt/format.h>
-#include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -230,7 +230,7 @@ ErrorDistribution error_monte_carlo(const NominalMotion& motion, const ErrorSour
   const Columns truth = true_motion(plan);
   std::vector<Errors> runs(options.runs);
   std::atomic<std::uint64_t> done = 0;
-  tbb::parallel_for(std::uint64_t{0}, options.runs, [&](std::uint64_t k) {
+  parallel_for(options.runs, [&](std::uint64_t k) {
     const auto errors = flown(plan, truth, k);
     runs[k] = errors.cast<float>();
     out.end.col(static_cast<Eigen::Index>(k)) = errors.rightCols<1>();

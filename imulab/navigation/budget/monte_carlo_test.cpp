@@ -1,6 +1,7 @@
 #include "imulab/navigation/budget/monte_carlo.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/model/coefficient.hpp"
@@ -8,7 +9,6 @@
 #include "imulab/navigation/motion/flight.hpp"
 
 #include <gtest/gtest.h>
-#include <oneapi/tbb/global_control.h>
 
 #include <atomic>
 #include <cmath>
@@ -153,7 +153,7 @@ TEST(ErrorMonteCarlo, IsBitEqualOnAnyNumberOfThreadsAndTellsItsProgress) {
     for (std::uint64_t seen = most; seen < done && !most.compare_exchange_weak(seen, done);) {
     }
   });
-  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  const ThreadLimit one_thread(1);
   const ErrorDistribution one = error_monte_carlo(motion, sources, options);
   EXPECT_EQ(many.end, one.end);
   EXPECT_EQ(many.sigma, one.sigma);

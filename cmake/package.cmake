@@ -1,0 +1,66 @@
+# What is installed, in three parts: the command, what programs of your own need (dev), and the Python module (python/CMakeLists.txt); and the Debian
+# packages of them, which `./dev package` makes.
+include(CMakePackageConfigHelpers)
+set(IMULAB_HELP ${CMAKE_BINARY_DIR}/help)
+add_custom_command(TARGET imulab_command POST_BUILD # manual pages and completion, from the command itself
+                   COMMAND imulab_command help --man ${IMULAB_HELP}
+                   COMMAND imulab_command help --completion bash > ${IMULAB_HELP}/imulab.bash
+                   COMMAND imulab_command help --completion zsh > ${IMULAB_HELP}/_imulab
+                   COMMAND imulab_command help --completion fish > ${IMULAB_HELP}/imulab.fish)
+set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON) # a package of the command does not wait for the tests
+
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME command)
+install(TARGETS imulab_command RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(DIRECTORY ${IMULAB_HELP}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 FILES_MATCHING PATTERN "*.1")
+install(FILES ${IMULAB_HELP}/imulab.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME imulab)
+install(FILES ${IMULAB_HELP}/_imulab DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
+install(FILES ${IMULAB_HELP}/imulab.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/imulab RENAME copyright)
+install(FILES CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/imulab)
+foreach(package libeigen3-dev libceres-dev libboost1.74-dev librandom123-dev libcli11-dev nlohmann-json3-dev libjs-dygraphs) # their code is in the command's
+  install(FILES /usr/share/doc/${package}/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/imulab/licenses RENAME ${package} OPTIONAL)
+endforeach()
+
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME dev) # find_package(imulab) gives imulab::imulab; pkg-config knows imulab
+file(RELATIVE_PATH IMULAB_PREFIX_FROM_PC /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+string(REGEX REPLACE "/$" "" IMULAB_PREFIX_FROM_PC "${IMULAB_PREFIX_FROM_PC}")
+configure_file(cmake/imulab.pc.in imulab.pc @ONLY)
+configure_file(cmake/imulabConfig.cmake.in imulabConfig.cmake @ONLY)
+write_basic_package_version_file(imulabConfigVersion.cmake COMPATIBILITY SameMajorVersion)
+install(TARGETS imulab EXPORT imulabTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(DIRECTORY imulab DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp")
+install(EXPORT imulabTargets NAMESPACE imulab:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/imulab)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/imulabConfig.cmake cmake/dependencies.cmake cmake/optional_dependencies.cmake
+              ${CMAKE_CURRENT_BINARY_DIR}/imulabConfigVersion.cmake
+        DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/imulab)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/imulab.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libimulab-dev RENAME copyright)
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_COMPONENTS_ALL command dev)
+if(TARGET imulab_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
+set(CPACK_PACKAGE_VENDOR imulab)
+set(CPACK_PACKAGE_CONTACT "imulab <imulab@users.noreply.github.com>")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_COMMAND_PACKAGE_NAME imulab)
+set(CPACK_DEBIAN_COMMAND_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_COMMAND_DESCRIPTION "calibrates inertial measurement units, with the uncertainty of every coefficient")
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME libimulab-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+list(JOIN IMULAB_OPTIONAL_PACKAGES ", " IMULAB_OPTIONAL_PACKAGES)
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "pkg-config, libeigen3-dev, libfmt-dev, libtomlplusplus-dev, libgeographiclib-dev, zlib1g-dev, libdeflate-dev, \
+libyaml-cpp-dev, ${IMULAB_OPTIONAL_PACKAGES}")
+set(CPACK_DEBIAN_DEV_DESCRIPTION "imulab as a C++ library: static library, headers, CMake and pkg-config files")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-imulab)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PYTHON_DESCRIPTION "imulab as a Python module")
+set(CPACK_PACKAGE_DIRECTORY ${CMAKE_BINARY_DIR}/packages)
+include(CPack)

@@ -1,0 +1,35 @@
+#include "imulab/core/parallel.hpp"
+
+#ifdef IMULAB_WITH_TBB
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+#endif
+
+namespace imulab {
+
+#ifdef IMULAB_WITH_TBB
+struct ThreadLimit::Control {
+  tbb::global_control control;
+};
+ThreadLimit::ThreadLimit(std::size_t threads) : control_(new Control{{tbb::global_control::max_allowed_parallelism, threads}}) {}
+
+void parallel_for(std::size_t count, const std::function<void(std::size_t)>& work) { tbb::parallel_for(std::size_t{0}, count, work); }
+void isolate_parallel(const std::function<void()>& work) { tbb::this_task_arena::isolate(work); }
+std::size_t parallel_threads() { return static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()); }
+#else
+struct ThreadLimit::Control {};
+ThreadLimit::ThreadLimit(std::size_t) {}
+
+void parallel_for(std::size_t count, const std::function<void(std::size_t)>& work) {
+  for (std::size_t k = 0; k < count; ++k) work(k);
+}
+void isolate_parallel(const std::function<void()>& work) { work(); }
+std::size_t parallel_threads() { return 1; }
+#endif
+
+ThreadLimit::~ThreadLimit() = default;
+ThreadLimit::ThreadLimit(ThreadLimit&&) noexcept = default;
+ThreadLimit& ThreadLimit::operator=(ThreadLimit&&) noexcept = default;
+
+}  // namespace imulab
