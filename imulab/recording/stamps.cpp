@@ -15,7 +15,7 @@ namespace {
 
 constexpr double interval_tolerance = 0.02;
 constexpr std::size_t many = std::size_t{1} << 23;  // stamps: copies of their differences would take 64 MB
-constexpr std::size_t rows = 16;  // stamps that scatter by a fifth of an interval leave a twelfth on the difference of two medians
+constexpr std::size_t rows = 16;                    // stamps that scatter by a fifth of an interval leave a twelfth on the difference of two medians
 
 /// Reorders the differences.
 double median_s(std::vector<std::int64_t>& differences) {

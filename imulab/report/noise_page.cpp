@@ -208,7 +208,8 @@ std::string noise_page(const NoiseAnalysis& analysis, const RecordingView& recor
                                   scale_of(*worst).density_name,
                               "N, worst " + worst->name});
   }
-  page.body = deviations_section(analysis) + spectra_section(analysis, recording, still) + coefficients_section(analysis) + signal_section(analysis, recording, still);
+  page.body = deviations_section(analysis) + spectra_section(analysis, recording, still) + coefficients_section(analysis) +
+              signal_section(analysis, recording, still);
   return page_text(page);
 }
 

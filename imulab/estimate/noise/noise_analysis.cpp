@@ -37,8 +37,7 @@ std::string clipped_axes(const RecordingView& recording, const Range& range) {
   for (std::size_t column = gyro_columns; column < gyro_temperature_columns; ++column) {
     std::size_t clipped = 0;
     for_each_clipped(recording, column, range, [&](std::size_t) { ++clipped; });
-    if (static_cast<double>(clipped) > seldom * static_cast<double>(range.size()))
-      names += (names.empty() ? "" : ", ") + axis_name(column);
+    if (static_cast<double>(clipped) > seldom * static_cast<double>(range.size())) names += (names.empty() ? "" : ", ") + axis_name(column);
   }
   return names;
 }
