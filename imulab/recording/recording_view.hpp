@@ -25,12 +25,11 @@ class ColumnSource {
   virtual void read(std::size_t column, const Range& range, std::vector<double>& buffer) const = 0;
 };
 
-/// Fields and methods as Recording's, which has to stay where it is.
+/// Fields and methods as Recording's, which has to outlive it.
 class RecordingView {
  public:
   RecordingView() = default;
   RecordingView(const Recording& recording);  // a Recording is one
-  RecordingView(Recording&&) = delete;
 
   std::string_view name;
   double interval_s = 0;

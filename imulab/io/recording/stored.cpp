@@ -37,8 +37,10 @@ ColumnFile with_inserted(std::size_t size, std::span<const std::size_t> before, 
   return out;
 }
 
-std::string why_not_in_pieces(const RecordingFormat& format, const PartRequests& parts, const RecordingSource& source) {
+std::string why_not_in_pieces(const RecordingFormat& format, const TableRequest& request, const PartRequests& parts, const RecordingSource& source) {
   if (format.rows == nullptr) return fmt::format("{} is read as a whole; expected CSV, .npy or .npz for a log as long as this", format.name);
+  if (format.rows(request, parts.tables.front().columns) == 0)
+    return "compressed arrays whose columns stand one after the other are read as a whole; expected rows, or arrays that are not compressed";
   if (parts.tables.size() > 1) return "its triads are in several tables, which are read as a whole";
   const bool increments = source.gyro.output == Output::increment || source.accel.output == Output::increment;
   if (increments && !source.rate_hz) return "increments without rate_hz are read as a whole; expected rate_hz in the session";
@@ -47,7 +49,7 @@ std::string why_not_in_pieces(const RecordingFormat& format, const PartRequests&
 
 /// Without reading what is short anyway.
 std::uint64_t rows_of(const RecordingFormat& format, const TableRequest& request, const std::vector<Column>& wanted, std::uint64_t most_bytes) {
-  if (format.rows != nullptr) return format.rows(request, wanted);
+  if (const std::size_t rows = format.rows != nullptr ? format.rows(request, wanted) : 0; rows > 0) return rows;
   std::error_code unknown;
   if (std::filesystem::file_size(request.file, unknown) < most_bytes || unknown) return 0;
   std::size_t most = 0;
@@ -109,6 +111,7 @@ StoredRecording::StoredRecording(const RecordingSource& source) {
 }
 
 void StoredRecording::read(std::size_t column, const Range& range, std::vector<double>& buffer) const {
+  if (range.size() > 16 * usual_block) stamps_.release();                    // a whole column: not both in memory
   if (buffer.capacity() < range.size()) std::vector<double>().swap(buffer);  // else both are in memory for a moment
   buffer.resize(range.size());
   files_[place_[column]].read(range.begin, buffer);
@@ -188,7 +191,7 @@ std::optional<StoredReading> read_stored(const Session& session, const Recording
   const RecordingFormat& format = format_of(request, formats);
   const std::uint64_t bytes = 8 * (table.columns.size() + 1) * rows_of(format, request, table.columns, most_bytes);
   if (bytes <= most_bytes) return std::nullopt;
-  if (const std::string reason = why_not_in_pieces(format, parts, source); !reason.empty()) {
+  if (const std::string reason = why_not_in_pieces(format, request, parts, source); !reason.empty()) {
     why = fmt::format("{}: its columns take {:.2g} GB, the analysis about three times as much memory: {}", request.file.string(),
                       1e-9 * static_cast<double>(bytes), reason);
     return std::nullopt;
