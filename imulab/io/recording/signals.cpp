@@ -60,6 +60,8 @@ const TableDescription& table_of_imu(const std::vector<TableDescription>& tables
                           named.empty() ? "no table has" : "several tables have", text::listed(names)));
 }
 
+constexpr std::size_t part_of_long = 3;  // of what may be read at once: inspection holds it three times
+
 std::string head_note(std::size_t rows) { return fmt::format("the first {} rows were looked at", rows); }
 
 void append(RawColumn& to, RawColumn&& from) {
@@ -86,7 +88,7 @@ RawTable columns_of_head(const RecordingFormat& format, const TableRequest& requ
   format.pieces(request, columns, [&](RawTable&& piece) {
     head.warnings.insert(head.warnings.end(), piece.warnings.begin(), piece.warnings.end());
     for (std::size_t c = 0; c < columns.size(); ++c) append(head.columns[c], std::move(piece.columns[c]));
-    return head.columns.front().size() < most_rows;
+    return head.columns.front().size() < most_rows / part_of_long;
   });
   head.warnings.push_back(head_note(head.columns.front().size()));
   return head;
@@ -130,7 +132,7 @@ std::string_view first_lines(const std::string& name, std::string_view text, std
   const auto lines = static_cast<std::size_t>(std::count(head.begin(), head.end(), '\n')) + 1;
   const double bytes = static_cast<double>(head.size()) / static_cast<double>(lines * layout.columns) * static_cast<double>(most_numbers);
   if (layout.offset + bytes >= static_cast<double>(text.size())) return text;
-  const std::size_t end = text.find('\n', layout.offset + static_cast<std::size_t>(bytes));
+  const std::size_t end = text.find('\n', layout.offset + static_cast<std::size_t>(bytes / part_of_long));
   return text.substr(0, end == std::string_view::npos ? text.size() : end + 1);
 }
 
