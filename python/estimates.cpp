@@ -123,7 +123,7 @@ Outcome noise(std::shared_ptr<Session> session, std::shared_ptr<Recording> recor
     const auto still = std::make_shared<StillPart>(still_part(*recording, *session));
     const auto analysis = std::make_shared<NoiseAnalysis>(analyze_noise(*still, options));
     Outcome out{.json = noise_json(*analysis), .text = noise_text(*analysis), .warnings = analysis->warnings, .page = [still, analysis] {
-                  return noise_page(*analysis, *still);
+                  return noise_page(*analysis, still->recording, still->range);
                 }};
     for (const NoiseAxis& axis : analysis->axes)
       if (!axis.fit) out.shortcomings += (out.shortcomings.empty() ? "no noise to be seen on " : ", ") + axis.name;

@@ -46,21 +46,21 @@ Declarations parse_declarations(const std::vector<std::string>& texts) {
 }
 
 Inspection inspect_files(const std::vector<std::string>& files, const std::vector<std::string>& topics, const Declarations& declared,
-                         double longest_s) {
+                         double longest_s, std::size_t most_numbers) {
   std::vector<SignalTable> tables;
   for (const std::string& file : files)
     for (const std::string& topic : topics.empty() ? std::vector<std::string>{""} : topics)
-      tables.push_back(read_signals(file, topic, recording_formats(), longest_s));
+      tables.push_back(read_signals(file, topic, recording_formats(), longest_s, most_numbers));
   return inspect(inspection::joined(std::move(tables), declared), declared);
 }
 
-Session open_session(const std::filesystem::path& path, const std::vector<std::string>& texts) {
+Session open_session(const std::filesystem::path& path, const std::vector<std::string>& texts, std::size_t most_numbers) {
   if (is_session(path)) {
     if (!texts.empty()) throw Error("--set: declares a recording; expected it without a session, which declares all itself");
     return session_at(path);
   }
   const Declarations declared = parse_declarations(texts);
-  const Inspection inspection = inspect_files({path.string()}, {}, declared);
+  const Inspection inspection = inspect_files({path.string()}, {}, declared, stream_s, most_numbers);
   if (!inspection.problems.empty()) throw Error(fmt::format("{}: {}", path.string(), inspection.problems.front()));
   if (!inspection.complete()) {
     std::string questions;

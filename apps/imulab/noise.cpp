@@ -8,12 +8,15 @@
 #include "apps/imulab/session_recording.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording/file.hpp"
+#include "imulab/io/recording/stored.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/report/noise_page.hpp"
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +27,7 @@ namespace {
 struct Options {
   std::vector<std::string> recordings, declarations;
   std::string one, output, report, deviation = "overlapping-allan";
+  double in_memory_mb = 336;  // six million rows of seven numbers: the analysis then takes about a gigabyte
   bool json = false, force = false, remove_temperature = false;
 };
 
@@ -42,20 +46,33 @@ DeviationKind kind_of(const std::string& name) {
   return DeviationKind::overlapping_allan;
 }
 
-/// What was read, with the still part that was used.
 struct Log {
-  RecordingReading reading;
-  StillPart still;
   NoiseAnalysis analysis;
+  std::string page;  // where one is asked for
 };
+
+Log analyzed(const Options& o, const RecordingView& recording, const StillRange& still) {
+  Log log{analyze_noise(recording, still, {kind_of(o.deviation), o.remove_temperature}), {}};
+  if (!o.report.empty()) log.page = noise_page(log.analysis, recording, still.range);
+  return log;
+}
+
+std::uint64_t most_bytes(const Options& o) { return static_cast<std::uint64_t>(1e6 * o.in_memory_mb); }
 
 Log read_log(const Options& o, const Session& session) {
   const RecordingSource& source = named_recording(session, o.one);
-  Log log{read_recording(session, source), {}, {}};
-  for (const std::string& text : log.reading.warnings) warn(text);
-  log.still = still_part(log.reading.recording, session);
-  log.analysis = analyze_noise(log.still, {kind_of(o.deviation), o.remove_temperature});
-  return log;
+  std::string why_not;
+  if (std::optional<StoredReading> stored = read_stored(session, source, most_bytes(o), why_not)) {
+    for (const std::string& text : stored->warnings) warn(text);
+    const std::size_t filled = stored->recording.fill_short_gaps();
+    const RecordingView recording = stored->recording.view();
+    return analyzed(o, recording, still_range(recording, session, filled));
+  }
+  if (!why_not.empty()) warn(why_not);
+  const RecordingReading reading = read_recording(session, source);
+  for (const std::string& text : reading.warnings) warn(text);
+  const StillPart still = still_part(reading.recording, session);
+  return analyzed(o, still.recording, {still.range, still.notes});
 }
 
 /// Axes without noise are an answer that the log does not give.
@@ -79,12 +96,12 @@ void run(const Options& o) {
   expect_free("-o", o.output, o.force);
   if (o.recordings.size() > 1 && !o.report.empty()) throw Error("--report: shows one log; expected one recording");
   std::vector<Session> sessions;  // all of them before the first is analyzed
-  for (const std::string& path : o.recordings) sessions.push_back(open_session(path, o.declarations));
+  for (const std::string& path : o.recordings) sessions.push_back(open_session(path, o.declarations, most_bytes(o) / sizeof(double)));
   if (sessions.size() == 1) {
     const Log log = read_log(o, sessions[0]);
     for (const std::string& text : log.analysis.warnings) warn(text);
     write_result(o, log.analysis);
-    if (!o.report.empty()) write_whole(o.report, noise_page(log.analysis, log.still));
+    if (!o.report.empty()) write_whole(o.report, log.page);
     return expect_noise(log.analysis);
   }
   std::vector<NoiseAnalysis> logs;
@@ -111,6 +128,10 @@ void add_noise(Verb app) {
       .show_default();
   verb.flag("--remove-temperature", o->remove_temperature, "subtract a parabola of the temperature first");
   add_declarations(verb, o->declarations);
+  verb.option("--in-memory MB", o->in_memory_mb,
+              "columns that take more than this go through temporary files (in TMPDIR, else /var/tmp); the results do not depend on it")
+      .in_range(1, 1e6)
+      .show_default();
   verb.option("-o,--output FILE", o->output, "write the result as JSON, with the whole curve").writes();
   verb.flag("--force", o->force, "replace the file if there is one");
   verb.flag("--json", o->json, "print the result as JSON");

@@ -1,7 +1,9 @@
 #include "imulab/recording/clipping.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
 
 namespace imulab {
 
@@ -12,63 +14,104 @@ struct Level {
   std::size_t count;
 };
 
-/// Distinct values from the extreme inward, with their counts, as far as `levels`. `sign` +1: from the largest down.
-std::vector<Level> outer_levels(const std::vector<double>& channel, int sign, std::size_t levels) {
-  std::vector<Level> found;
-  for (double bound = HUGE_VAL; found.size() < levels;) {
-    Level next{-HUGE_VAL, 0};
-    for (const double reading : channel) {
-      const double value = sign * reading;
-      if (!(value < bound) || value < next.value) continue;
-      next.count = value == next.value ? next.count + 1 : 1;
-      next.value = value;
+/// Calls a function with one block of a channel after the other.
+using Channel = std::function<void(const std::function<void(std::span<const double>)>&)>;
+
+/// The four outermost distinct values at each end, from the extreme inward, with their counts; fewer where there are no more.
+class OuterLevels {
+ public:
+  void add(std::span<const double> readings) {
+    for (const double reading : readings) {
+      add(high_, reading);
+      add(low_, -reading);
     }
-    if (next.count == 0) break;
-    found.push_back(next);
-    bound = next.value;
   }
-  return found;
-}
+  /// The values times `sign`.
+  std::vector<Level> at(int sign) const {
+    std::vector<Level> found;
+    for (const Level& level : sign > 0 ? high_ : low_)
+      if (level.count > 0) found.push_back(level);
+    return found;
+  }
+
+ private:
+  using Levels = std::array<Level, 4>;
+  static void add(Levels& levels, double value) {
+    if (value < levels.back().value) return;
+    std::size_t k = 0;
+    while (k < levels.size() && value < levels[k].value) ++k;
+    if (k < levels.size() && value == levels[k].value) {
+      ++levels[k].count;
+    } else if (k < levels.size()) {
+      std::move_backward(levels.begin() + static_cast<std::ptrdiff_t>(k), levels.end() - 1, levels.end());
+      levels[k] = {value, 1};
+    }
+  }
+  static constexpr Level none{-HUGE_VAL, 0};
+  Levels high_{none, none, none, none}, low_ = high_;
+};
 
 /// Longest run of samples at this value, and of samples between both extremes.
 struct Runs {
   std::size_t at = 0, elsewhere = 0;
 };
 
-Runs longest_runs(const std::vector<double>& channel, double value) {
-  const auto [least, most] = std::minmax_element(channel.begin(), channel.end());
+Runs longest_runs(const Channel& channel, double value, double least, double most) {
   Runs runs;
-  for (std::size_t begin = 0; begin < channel.size();) {
-    std::size_t end = begin + 1;
-    while (end < channel.size() && channel[end] == channel[begin]) ++end;
-    if (channel[begin] == value) runs.at = std::max(runs.at, end - begin);
-    if (channel[begin] > *least && channel[begin] < *most) runs.elsewhere = std::max(runs.elsewhere, end - begin);
-    begin = end;
-  }
+  double last = 0;
+  std::size_t length = 0;
+  const auto end_run = [&] {
+    if (length > 0 && last == value) runs.at = std::max(runs.at, length);
+    if (length > 0 && last > least && last < most) runs.elsewhere = std::max(runs.elsewhere, length);
+  };
+  channel([&](std::span<const double> readings) {
+    for (const double reading : readings) {
+      if (length > 0 && reading == last) {
+        ++length;
+        continue;
+      }
+      end_run();
+      last = reading, length = 1;
+    }
+  });
+  end_run();
   return runs;
 }
 
-bool clips(const std::vector<double>& channel, int sign) {
-  const std::vector<Level> levels = outer_levels(channel, sign, 4);
+bool clips(const Channel& channel, const OuterLevels& outer, int sign) {
+  const std::vector<Level> levels = outer.at(sign);
   if (levels.size() < 4 || levels[0].count < 3) return false;  // a constant channel is stuck, not clipped
   const std::size_t beside = std::max({levels[1].count, levels[2].count, levels[3].count});
   if (levels[0].count < 3 * beside) return false;
-  const Runs runs = longest_runs(channel, sign * levels[0].value);
+  const Runs runs = longest_runs(channel, sign * levels[0].value, -outer.at(-1)[0].value, outer.at(1)[0].value);
   return runs.elsewhere == 1 || runs.at >= 3 * runs.elsewhere;
+}
+
+void for_each_clipped(const Channel& channel, const std::function<void(std::size_t)>& each) {
+  OuterLevels outer;
+  channel([&](std::span<const double> readings) { outer.add(readings); });
+  const bool high = clips(channel, outer, 1), low = clips(channel, outer, -1);
+  if (!high && !low) return;
+  const double most = high ? outer.at(1)[0].value : HUGE_VAL, least = low ? -outer.at(-1)[0].value : -HUGE_VAL;
+  std::size_t i = 0;
+  channel([&](std::span<const double> readings) {
+    for (const double reading : readings) {
+      if (reading == most || reading == least) each(i);
+      ++i;
+    }
+  });
 }
 
 }  // namespace
 
 std::vector<std::size_t> clipped_samples(const std::vector<double>& channel) {
   std::vector<std::size_t> samples;
-  for (const int sign : {1, -1}) {
-    if (!clips(channel, sign)) continue;
-    const double limit = sign > 0 ? *std::max_element(channel.begin(), channel.end()) : *std::min_element(channel.begin(), channel.end());
-    for (std::size_t i = 0; i < channel.size(); ++i)
-      if (channel[i] == limit) samples.push_back(i);
-  }
-  std::sort(samples.begin(), samples.end());
+  for_each_clipped([&](const auto& each) { each(channel); }, [&](std::size_t i) { samples.push_back(i); });
   return samples;
+}
+
+void for_each_clipped(const RecordingView& recording, std::size_t column, const Range& range, const std::function<void(std::size_t)>& each) {
+  for_each_clipped([&](const auto& of) { for_each_block(recording, column, range, usual_block, of); }, each);
 }
 
 }  // namespace imulab

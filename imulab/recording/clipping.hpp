@@ -1,7 +1,10 @@
 // Channels that clip: a reading at the end of the sensor's range says only that the true value lies beyond.
 #pragma once
 
+#include "imulab/recording/recording_view.hpp"
+
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 namespace imulab {
@@ -11,5 +14,7 @@ namespace imulab {
 /// often as each of the three steps next to it and stays three times longer than any other. (The tail of a normal distribution thins out toward its
 /// end.)
 std::vector<std::size_t> clipped_samples(const std::vector<double>& channel);
+/// The same of a range of a column: calls `each` with the samples, ascending.
+void for_each_clipped(const RecordingView& recording, std::size_t column, const Range& range, const std::function<void(std::size_t)>& each);
 
 }  // namespace imulab

@@ -17,7 +17,7 @@ struct ReadingOptions {
   std::string unit{};          ///< "rad/s", "deg/s", "deg/h"; "m/s^2", "g"; of increments "rad", "deg"; "m/s"; or "count"; empty: SI
   double counts_per_unit = 1;  ///< so many counts of the readings are one `unit`
   bool increment = false;      ///< each reading is the integral over its interval (delta angle, delta velocity)
-  std::optional<std::array<BodyAxis, 3>> axes{};  ///< along which body axis each column measures; absent: x, y, z
+  std::optional<std::array<BodyAxis, 3>> axes{};   ///< along which body axis each column measures; absent: x, y, z
   std::optional<std::array<double, 2>> limits{};   ///< readings at or beyond them are saturated; as the readings are
   std::vector<std::vector<double>> temperature{};  ///< none, one column for the three axes, or three; degC, K or raw
 };

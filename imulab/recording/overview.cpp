@@ -11,12 +11,17 @@ namespace imulab {
 
 namespace {
 
-std::array<std::span<const double>, 3> part(const Columns3& columns, const Range& range) {
-  std::array<std::span<const double>, 3> out;
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    if (!columns[axis].empty()) out[axis] = std::span(columns[axis]).subspan(range.begin, range.size());
-  return out;
-}
+/// A triad's columns, or temperatures.
+struct Part {
+  Columns3 buffers;
+  std::array<std::span<const double>, 3> samples;
+
+  Part(const RecordingView& recording, std::size_t first, const Range& range) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (recording.has(first + axis)) samples[axis] = recording.samples(first + axis, range, buffers[axis]);
+  }
+  Part(Part&&) = delete;
+};
 
 /// The extremes of some samples, in the order in which they came.
 std::pair<double, double> extremes(std::span<const double> samples) {
@@ -41,32 +46,32 @@ std::array<std::span<const double>, 3> spans_of(const Columns3& columns) { retur
 
 }  // namespace
 
-MotionSamples compensated_samples(const SensorModel& model, const Recording& recording, const Range& range) {
+MotionSamples compensated_samples(const SensorModel& model, const RecordingView& recording, const Range& range) {
   MotionSamples out;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     out.rate[axis].resize(range.size());
     out.force[axis].resize(range.size());
   }
-  compensate(
-      model,
-      {part(recording.gyro, range), part(recording.accel, range), part(recording.gyro_temperature, range), part(recording.accel_temperature, range)},
-      {{out.rate[0], out.rate[1], out.rate[2]}, {out.force[0], out.force[1], out.force[2]}});
+  const Part gyro(recording, gyro_columns, range), accel(recording, accel_columns, range),
+      gyro_temperature(recording, gyro_temperature_columns, range), accel_temperature(recording, accel_temperature_columns, range);
+  compensate(model, {gyro.samples, accel.samples, gyro_temperature.samples, accel_temperature.samples},
+             {{out.rate[0], out.rate[1], out.rate[2]}, {out.force[0], out.force[1], out.force[2]}});
   return out;
 }
 
-Overview overview(const SensorModel& model, const Recording& recording, std::size_t intervals) {
+Overview overview(const SensorModel& model, const RecordingView& recording, std::size_t intervals) {
   Overview out;
   const std::size_t n = recording.size();
   const bool all = n <= 2 * intervals;
   if (!all) out.samples_per_interval = (n + intervals - 1) / intervals;
   const std::size_t step = all ? std::max<std::size_t>(n, 1) : out.samples_per_interval;
-  const Columns3& temperature = recording.accel_temperature[0].empty() ? recording.gyro_temperature : recording.accel_temperature;
+  const std::size_t temperature = recording.has(accel_temperature_columns) ? accel_temperature_columns : gyro_temperature_columns;
   for (std::size_t begin = 0; begin < n; begin += step) {
     const Range range{begin, std::min(n, begin + step)};
     const MotionSamples motion = compensated_samples(model, recording, range);
     add(out.rate, spans_of(motion.rate), all);
     add(out.force, spans_of(motion.force), all);
-    add(out.temperature, part(temperature, range), all);
+    add(out.temperature, Part(recording, temperature, range).samples, all);
     if (all) {
       for (std::size_t i = begin; i < range.end; ++i) out.time.push_back(recording.time_s(i));
       continue;

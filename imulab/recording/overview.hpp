@@ -2,7 +2,7 @@
 #pragma once
 
 #include "imulab/model/sensor_model.hpp"
-#include "imulab/recording/recording.hpp"
+#include "imulab/recording/recording_view.hpp"
 
 #include <cstddef>
 #include <vector>
@@ -18,12 +18,12 @@ struct Overview {
 };
 
 /// At most 2 `intervals` points. Throws Error as `compensate` does.
-Overview overview(const SensorModel& model, const Recording& recording, std::size_t intervals);
+Overview overview(const SensorModel& model, const RecordingView& recording, std::size_t intervals);
 
 /// The samples of a range, compensated. Throws Error where the model needs a temperature that the recording lacks.
 struct MotionSamples {
   Columns3 rate, force;  ///< rad/s, m/s^2
 };
-MotionSamples compensated_samples(const SensorModel& model, const Recording& recording, const Range& range);
+MotionSamples compensated_samples(const SensorModel& model, const RecordingView& recording, const Range& range);
 
 }  // namespace imulab

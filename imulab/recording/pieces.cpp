@@ -6,7 +6,7 @@
 
 namespace imulab {
 
-std::vector<Range> without_interruptions(const Recording& recording, Range range, double shortest_gap_s) {
+std::vector<Range> without_interruptions(const RecordingView& recording, Range range, double shortest_gap_s) {
   std::vector<Range> pieces;
   auto gap = std::lower_bound(recording.gaps.begin(), recording.gaps.end(), range.begin + 1);
   auto saturated = std::lower_bound(recording.saturated.begin(), recording.saturated.end(), range.begin);
@@ -30,7 +30,7 @@ std::vector<Range> without_interruptions(const Recording& recording, Range range
 
 double start_of_sample(const Recording& recording, std::size_t i) { return recording.time_s(i) - recording.interval(i, recording.gyro_increment); }
 
-Range longest_piece(const Recording& r, const Range& range) {
+Range longest_piece(const RecordingView& r, const Range& range) {
   Range longest;
   if (range.size() == 0) return longest;
   for (const Range& piece : without_interruptions(r, range))

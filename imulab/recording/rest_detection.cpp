@@ -18,7 +18,7 @@ constexpr std::size_t strides_per_window = 10;
 
 /// Below this nothing is distinguished from a rest, however small the noise (of an ideal IMU): a hundredth of the Earth's rate, 1 ug, and the
 /// rounding to whole counts.
-double least_noise(const std::string& unit) {
+double least_noise(std::string_view unit) {
   if (unit == "rad/s") return 7.3e-7;
   return unit == "m/s^2" ? 1e-5 : 0.3;
 }
@@ -28,23 +28,28 @@ struct Windows {
   std::vector<double> mean, variance;
 };
 
-Windows windows_of(const std::vector<double>& column, std::size_t length, std::size_t stride, double least) {
+Windows windows_of(const RecordingView& recording, std::size_t column, std::size_t length, std::size_t stride, double least) {
   // Sums of strides, combined about a local origin: one pass, and no cancellation for raw counts far from zero.
-  const std::size_t strides = column.size() / stride, per_window = length / stride;
-  std::vector<double> sum(strides), square(strides);
-  const double origin = column.empty() ? 0 : column[0];
-  for (std::size_t k = 0; k < strides; ++k) {
-    double s = 0, q = 0;
-    for (std::size_t i = k * stride; i < (k + 1) * stride; ++i) {
-      const double d = column[i] - origin;
-      s += d;
-      q += d * d;
+  const std::size_t strides = recording.size() / stride, per_window = length / stride;
+  std::vector<double> sum, square, buffer;
+  sum.reserve(strides), square.reserve(strides);
+  const double origin = recording.samples(column, {0, 1}, buffer)[0];
+  const std::size_t block = std::max(stride, usual_block / stride * stride);
+  for_each_block(recording, column, {0, strides * stride}, block, [&](std::span<const double> samples) {
+    for (std::size_t begin = 0; begin < samples.size(); begin += stride) {
+      double s = 0, q = 0;
+      for (std::size_t i = begin; i < begin + stride; ++i) {
+        const double d = samples[i] - origin;
+        s += d;
+        q += d * d;
+      }
+      sum.push_back(s);
+      square.push_back(q);
     }
-    sum[k] = s;
-    square[k] = q;
-  }
+  });
   Windows windows;
   const double n = static_cast<double>(per_window * stride);
+  windows.mean.reserve(strides), windows.variance.reserve(strides);
   for (std::size_t k = 0; k + per_window <= strides; ++k) {
     double s = 0, q = 0;
     for (std::size_t i = k; i < k + per_window; ++i) {
@@ -125,7 +130,7 @@ Quietness quietness_of(const std::array<Windows, 3>& axes, double threshold_sigm
 
 /// Runs of quiet windows as sample ranges, cut at gaps and saturated samples. Where motion adjoins, one stride is trimmed: a quiet window may contain
 /// its first, slow part.
-std::vector<Range> quiet_runs(const Recording& recording, const std::vector<char>& quiet, std::size_t length, std::size_t stride) {
+std::vector<Range> quiet_runs(const RecordingView& recording, const std::vector<char>& quiet, std::size_t length, std::size_t stride) {
   std::vector<Range> runs;
   for (std::size_t k = 0; k < quiet.size();) {
     if (!quiet[k]) {
@@ -144,20 +149,23 @@ std::vector<Range> quiet_runs(const Recording& recording, const std::vector<char
   return pieces;
 }
 
-double mean_of(const std::vector<double>& column, Range range) {
+double mean_of(const RecordingView& recording, std::size_t column, Range range) {
   double sum = 0;
-  const double origin = column[range.begin];
-  for (std::size_t i = range.begin; i < range.end; ++i) sum += column[i] - origin;
+  std::vector<double> buffer;
+  const double origin = recording.samples(column, {range.begin, range.begin + 1}, buffer)[0];
+  for_each_block(recording, column, range, usual_block, [&](std::span<const double> samples) {
+    for (const double sample : samples) sum += sample - origin;
+  });
   return origin + sum / static_cast<double>(range.size());
 }
 
 /// The runs with a steady rotation: the gyros' mean is farther from the runs' median than rests differ.
-std::vector<char> turning_runs(const Recording& recording, const std::vector<Range>& runs, const std::array<double, 3>& noise) {
+std::vector<char> turning_runs(const RecordingView& recording, const std::vector<Range>& runs, const std::array<double, 3>& noise) {
   std::vector<char> turning(runs.size(), 0);
-  for (int j = 0; j < 3; ++j) {
+  for (std::size_t j = 0; j < 3; ++j) {
     std::vector<double> means, weighted;
     for (const Range& run : runs) {
-      means.push_back(mean_of(recording.gyro[j], run));
+      means.push_back(mean_of(recording, gyro_columns + j, run));
       const auto copies = 1 + run.size() / (1 + runs.front().size() / 4);  // the median weighted by duration, coarsely
       weighted.insert(weighted.end(), std::min<std::size_t>(copies, 64), means.back());
     }
@@ -172,28 +180,38 @@ std::vector<char> turning_runs(const Recording& recording, const std::vector<Ran
   return turning;
 }
 
-/// Do the readings of quiet windows vary smoothly, like motion? For the means of strides, half the mean square of successive differences over the
-/// variance about the window's mean (von Neumann's ratio) is 1 for noise, and near 0 for motion that is smooth over a window. Less than the least
-/// noise is not motion.
-bool quiet_is_motion(const Recording& recording, const std::vector<char>& quiet, std::size_t stride) {
+/// For the means of ten strides from `first` on, half the mean square of successive differences over the variance about their mean (von Neumann's
+/// ratio).
+double smoothness(const RecordingView& recording, std::size_t column, std::size_t first, std::size_t stride, double least) {
+  std::array<double, 10> mean{};
+  std::vector<double> buffer;
+  const std::span<const double> samples = recording.samples(column, {first, first + mean.size() * stride}, buffer);
+  for (std::size_t s = 0; s < mean.size(); ++s) {
+    const std::span<const double> part = samples.subspan(s * stride, stride);
+    double sum = 0;
+    for (const double sample : part) sum += sample - part[0];
+    mean[s] = part[0] + sum / static_cast<double>(stride);
+  }
+  double center = 0, squares = 0, differences = 0;
+  for (const double m : mean) center += m / 10;
+  for (std::size_t s = 0; s < mean.size(); ++s) {
+    squares += (mean[s] - center) * (mean[s] - center) / 9;
+    if (s > 0) differences += (mean[s] - mean[s - 1]) * (mean[s] - mean[s - 1]) / 18;
+  }
+  return squares > least * least ? differences / squares : 1;
+}
+
+/// Do the readings of quiet windows vary smoothly, like motion? The ratio is 1 for noise, and near 0 for motion that is smooth over a window. Less
+/// than the least noise is not motion.
+bool quiet_is_motion(const RecordingView& recording, const std::vector<char>& quiet, std::size_t stride) {
   std::vector<double> ratios;
   const double least_gyro = least_noise(recording.gyro_unit), least_accel = least_noise(recording.accel_unit);
   const std::size_t step = 1 + quiet.size() / 2000;  // enough windows for a median
   for (std::size_t k = 0; k < quiet.size(); k += step) {
     if (!quiet[k]) continue;
     double sum = 0;
-    for (const auto& [triad, least] : {std::pair(&recording.gyro, least_gyro), std::pair(&recording.accel, least_accel)})
-      for (const auto& column : *triad) {
-        std::array<double, 10> mean{};
-        for (std::size_t s = 0; s < mean.size(); ++s) mean[s] = mean_of(column, {(k + s) * stride, (k + s + 1) * stride});
-        double center = 0, squares = 0, differences = 0;
-        for (const double m : mean) center += m / 10;
-        for (std::size_t s = 0; s < mean.size(); ++s) {
-          squares += (mean[s] - center) * (mean[s] - center) / 9;
-          if (s > 0) differences += (mean[s] - mean[s - 1]) * (mean[s] - mean[s - 1]) / 18;
-        }
-        sum += squares > least * least ? differences / squares : 1;
-      }
+    for (const auto& [triad, least] : {std::pair(gyro_columns, least_gyro), std::pair(accel_columns, least_accel)})
+      for (std::size_t axis = 0; axis < 3; ++axis) sum += smoothness(recording, triad + axis, k * stride, stride, least);
     ratios.push_back(sum / 6);
   }
   // Noise through a filter of a few hertz keeps 0.5; a turn at 500 deg/s has 0.1.
@@ -204,15 +222,19 @@ bool quiet_is_motion(const Recording& recording, const std::vector<char>& quiet,
 
 RestDetection detect_rests(const Recording& recording, const RestOptions& options) {
   validate(recording);
+  return detect_rests(RecordingView(recording), options);
+}
+
+RestDetection detect_rests(const RecordingView& recording, const RestOptions& options) {
   RestDetection found;
   const auto stride = static_cast<std::size_t>(std::max(1.0, std::round(options.window_s / strides_per_window / recording.interval_s)));
   const std::size_t length = strides_per_window * stride;
   if (recording.size() < 2 * length) return found;
 
   std::array<Windows, 3> gyro, accel;
-  for (int j = 0; j < 3; ++j) {
-    gyro[j] = windows_of(recording.gyro[j], length, stride, least_noise(recording.gyro_unit));
-    accel[j] = windows_of(recording.accel[j], length, stride, least_noise(recording.accel_unit));
+  for (std::size_t j = 0; j < 3; ++j) {
+    gyro[j] = windows_of(recording, gyro_columns + j, length, stride, least_noise(recording.gyro_unit));
+    accel[j] = windows_of(recording, accel_columns + j, length, stride, least_noise(recording.accel_unit));
   }
   const Quietness g = quietness_of(gyro, options.threshold_sigmas, length), a = quietness_of(accel, options.threshold_sigmas, length);
   std::vector<char> quiet(g.quiet.size());

@@ -34,5 +34,7 @@ inline constexpr double still_s = 0.25;
 
 /// Throws Error for what `validate` refuses.
 RestDetection detect_rests(const Recording& recording, const RestOptions& options = {});
+/// Of a recording that is valid.
+RestDetection detect_rests(const RecordingView& recording, const RestOptions& options = {});
 
 }  // namespace imulab

@@ -1,6 +1,7 @@
 #include "imulab/recording/rests.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/recording/validate.hpp"
 
 #include <fmt/core.h>
 
@@ -11,8 +12,8 @@ namespace imulab {
 namespace {
 
 /// The holds of a rate table, centrifuge or chamber differ in their mounts, which methods that work on rests do not use.
-void expect_axis_angles(const Recording& recording, const Session& session, const RecordingSource& source) {
-  const std::string where = session.file + (recording.name.empty() ? "" : ": " + recording.name);
+void expect_axis_angles(const RecordingView& recording, const Session& session, const RecordingSource& source) {
+  const std::string where = session.file + (recording.name.empty() ? "" : ": " + std::string(recording.name));
   const RigDeclaration* const rig = session.rig_of(source);
   if (rig != nullptr && rig->kind != RigKind::turntable && rig->kind != RigKind::none)
     throw Error(fmt::format("{}: recorded on a rig of kind \"{}\"; expected \"turntable\" or \"none\" (a hand)", where, to_string(rig->kind)));
@@ -21,14 +22,23 @@ void expect_axis_angles(const Recording& recording, const Session& session, cons
       throw Error(fmt::format("{}: a step of kind \"spin\" at {:g} s; expected rests (hold) and turns (rotate)", where, step.start));
 }
 
+bool has_holds(const std::vector<Step>& steps) {
+  return std::any_of(steps.begin(), steps.end(), [](const Step& step) { return step.kind == StepKind::hold; });
+}
+
 }  // namespace
 
 Rests rests_of(const Recording& recording, const Session& session) {
+  if (!has_holds(session.steps_of(session.source_of(recording.name)))) validate(recording);
+  return rests_of(RecordingView(recording), session);
+}
+
+Rests rests_of(const RecordingView& recording, const Session& session) {
   Rests rests;
   const RecordingSource source = session.source_of(recording.name);
   if (!session.steps.empty()) expect_axis_angles(recording, session, source);
   const std::vector<Step> steps = session.steps_of(source);
-  if (std::none_of(steps.begin(), steps.end(), [](const Step& step) { return step.kind == StepKind::hold; })) {
+  if (!has_holds(steps)) {
     RestDetection detection = detect_rests(recording);
     for (const Step& step : steps)  // a hand that takes a new grip
       std::erase_if(detection.rests, [&](Range r) { return recording.time_s(r.begin) > step.start && recording.time_s(r.end - 1) < step.end; });

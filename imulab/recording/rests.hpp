@@ -17,5 +17,7 @@ struct Rests {
 /// The holds of the steps that belong to the recording; where it has none, the rests that detect_rests finds, less those inside a turn that the steps
 /// declare. Throws Error for steps of machines: a rate table, centrifuge or chamber.
 Rests rests_of(const Recording& recording, const Session& session);
+/// Of a recording that is valid.
+Rests rests_of(const RecordingView& recording, const Session& session);
 
 }  // namespace imulab

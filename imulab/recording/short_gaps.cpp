@@ -12,14 +12,14 @@ constexpr std::size_t longest = 2;     // samples of a gap
 constexpr double largest_share = 0.1;  // of the recording
 
 /// How many samples are missing before sample i; 0: none, or not a whole number of few.
-std::size_t missing_before(const Recording& r, std::size_t i) {
+std::size_t missing_before(const RecordingView& r, std::size_t i) {
   const double intervals = (r.time_s(i) - r.time_s(i - 1)) / r.interval_s, whole = std::round(intervals);
   const bool few = whole >= 2 && whole <= static_cast<double>(longest) + 1 && std::abs(intervals - whole) < 0.25;
   return few ? static_cast<std::size_t>(whole) - 1 : 0;
 }
 
 /// Samples to insert before each sample of `gaps`; 0 where the neighbors do not support it.
-std::vector<std::size_t> to_fill(const Recording& r) {
+std::vector<std::size_t> to_fill(const RecordingView& r) {
   std::vector<std::size_t> counts;
   for (const std::size_t i : r.gaps) {
     const bool inside = i >= 2 && i + 1 < r.size();
@@ -48,10 +48,7 @@ std::vector<double> filled_column(const std::vector<double>& column, const std::
   for (std::size_t i = 0; i < column.size(); ++i) {
     if (gap < gaps.size() && gaps[gap] == i) {
       const std::size_t count = counts[gap++];
-      for (std::size_t k = 1; k <= count; ++k) {
-        const std::array<double, 4> w = cubic_weights(static_cast<double>(count) + 1, static_cast<double>(k));
-        out.push_back(w[0] * column[i - 2] + w[1] * column[i - 1] + w[2] * column[i] + w[3] * column[i + 1]);
-      }
+      for (std::size_t k = 1; k <= count; ++k) out.push_back(filled_sample(std::span(column).subspan(i - 2).first<4>(), count, k));
     }
     out.push_back(column[i]);
   }
@@ -60,25 +57,52 @@ std::vector<double> filled_column(const std::vector<double>& column, const std::
 
 }  // namespace
 
+ShortGaps short_gaps(const RecordingView& recording) {
+  ShortGaps out{to_fill(recording), 0};
+  for (const std::size_t count : out.counts) out.filled += count;
+  if (static_cast<double>(out.filled) > largest_share * static_cast<double>(recording.size())) out.filled = 0;
+  return out;
+}
+
+double filled_sample(std::span<const double, 4> neighbors, std::size_t count, std::size_t k) {
+  const std::array<double, 4> w = cubic_weights(static_cast<double>(count) + 1, static_cast<double>(k));
+  return w[0] * neighbors[0] + w[1] * neighbors[1] + w[2] * neighbors[2] + w[3] * neighbors[3];
+}
+
+std::int64_t filled_stamp(std::int64_t before_ns, std::int64_t after_ns, std::size_t count, std::size_t k) {
+  return before_ns + static_cast<std::int64_t>(k) * ((after_ns - before_ns) / static_cast<std::int64_t>(count + 1));
+}
+
+FilledMarks filled_marks(const RecordingView& r, const ShortGaps& inserted) {
+  FilledMarks out;
+  std::size_t before = 0, limit = 0;
+  for (std::size_t gap = 0; gap <= r.gaps.size(); ++gap) {
+    const std::size_t next = gap < r.gaps.size() ? r.gaps[gap] : r.size();
+    for (; limit < r.saturated.size() && r.saturated[limit] < next; ++limit) out.saturated.push_back(r.saturated[limit] + before);
+    if (gap == r.gaps.size()) break;
+    before += inserted.counts[gap];
+    if (inserted.counts[gap] == 0) out.gaps.push_back(next + before);
+  }
+  return out;
+}
+
 FilledRecording with_short_gaps_filled(const Recording& r) {
-  FilledRecording out{r, 0};
-  const std::vector<std::size_t> counts = to_fill(r);
-  for (const std::size_t count : counts) out.filled += count;
-  if (out.filled == 0 || static_cast<double>(out.filled) > largest_share * static_cast<double>(r.size())) return {r, 0};
+  const ShortGaps inserted = short_gaps(r);
+  if (inserted.filled == 0) return {r, 0};
+  FilledRecording out{r, inserted.filled};
   Recording& f = out.recording;
   for (auto [to, from] :
        {std::pair{&f.gyro, &r.gyro}, {&f.accel, &r.accel}, {&f.gyro_temperature, &r.gyro_temperature}, {&f.accel_temperature, &r.accel_temperature}})
-    for (std::size_t axis = 0; axis < 3; ++axis) (*to)[axis] = filled_column((*from)[axis], r.gaps, counts);
-  f.time_ns.clear(), f.gaps.clear(), f.saturated.clear();
-  std::size_t gap = 0, limit = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) (*to)[axis] = filled_column((*from)[axis], r.gaps, inserted.counts);
+  FilledMarks marks = filled_marks(r, inserted);
+  f.gaps = std::move(marks.gaps), f.saturated = std::move(marks.saturated);
+  f.time_ns.clear();
+  std::size_t gap = 0;
   for (std::size_t i = 0; i < r.size(); ++i) {
     if (gap < r.gaps.size() && r.gaps[gap] == i) {
-      const std::size_t count = counts[gap++];
-      const std::int64_t step = count > 0 ? (r.time_ns[i] - r.time_ns[i - 1]) / static_cast<std::int64_t>(count + 1) : 0;
-      for (std::size_t k = 1; k <= count; ++k) f.time_ns.push_back(r.time_ns[i - 1] + static_cast<std::int64_t>(k) * step);
-      if (count == 0) f.gaps.push_back(f.time_ns.size());
+      const std::size_t count = inserted.counts[gap++];
+      for (std::size_t k = 1; k <= count; ++k) f.time_ns.push_back(filled_stamp(r.time_ns[i - 1], r.time_ns[i], count, k));
     }
-    if (limit < r.saturated.size() && r.saturated[limit] == i) f.saturated.push_back(f.time_ns.size()), ++limit;
     f.time_ns.push_back(r.time_ns[i]);
   }
   return out;

@@ -152,23 +152,20 @@ std::string spectrum_figure(const NoiseAxis& axis, std::span<const double> readi
   return figure(plot.svg(), axis.name);
 }
 
-std::string spectra_section(const NoiseAnalysis& analysis, const StillPart& still) {
+std::string spectra_section(const NoiseAnalysis& analysis, const RecordingView& recording, const Range& still) {
   std::vector<std::string> figures;
-  for (std::size_t k = 0; k < analysis.axes.size(); ++k) {
-    const std::vector<double>& column = k < 3 ? still.recording.gyro[k] : still.recording.accel[k - 3];
-    if (analysis.axes[k].fit)
-      figures.push_back(spectrum_figure(analysis.axes[k], std::span(column).subspan(still.range.begin, still.range.size()), analysis.interval_s));
-  }
+  std::vector<double> buffer;
+  for (std::size_t k = 0; k < analysis.axes.size(); ++k)
+    if (analysis.axes[k].fit) figures.push_back(spectrum_figure(analysis.axes[k], recording.samples(k, still, buffer), analysis.interval_s));
   return section("spectrum", "Spectrum",
                  "Root of the two-sided density. Circles: what the coefficients are fitted to, without lines. Blue: Welch's, with lines, the largest "
                  "of neighboring ones.",
                  key({{"Welch", color::sky}, {"measured", color::ink}, {"model", color::vermilion}}) + beside(figures));
 }
 
-std::string signal_section(const NoiseAnalysis& analysis, const StillPart& still) {
+std::string signal_section(const NoiseAnalysis& analysis, const RecordingView& r, const Range& still) {
   constexpr std::size_t intervals = 1500;
-  const Overview shown = overview(SensorModel{}, still.recording, intervals);
-  const Recording& r = still.recording;
+  const Overview shown = overview(SensorModel{}, r, intervals);
   std::string charts;
   for (const bool gyro : {true, false}) {
     const bool counts = (gyro ? r.gyro_unit : r.accel_unit) == "count";
@@ -183,7 +180,7 @@ std::string signal_section(const NoiseAnalysis& analysis, const StillPart& still
       chart.y.push_back(column);
       for (double& value : chart.y.back()) value /= gyro && !counts ? unit::deg : 1;
     }
-    chart.marks.push_back({r.time_s(still.range.begin), r.time_s(still.range.end - 1), Mark::rest});
+    chart.marks.push_back({r.time_s(still.begin), r.time_s(still.end - 1), Mark::rest});
     charts += time_chart(chart);
   }
   return section("signal", "Signal", "The shaded part was used, the rest was cut.", list(analysis.notes) + charts);
@@ -192,7 +189,9 @@ std::string signal_section(const NoiseAnalysis& analysis, const StillPart& still
 }  // namespace
 }  // namespace report
 
-std::string noise_page(const NoiseAnalysis& analysis, const StillPart& still) {
+std::string noise_page(const NoiseAnalysis& analysis, const StillPart& still) { return noise_page(analysis, still.recording, still.range); }
+
+std::string noise_page(const NoiseAnalysis& analysis, const RecordingView& recording, const Range& still) {
   using namespace report;
   Page page;
   page.kind = "Noise";
@@ -209,7 +208,8 @@ std::string noise_page(const NoiseAnalysis& analysis, const StillPart& still) {
                                   scale_of(*worst).density_name,
                               "N, worst " + worst->name});
   }
-  page.body = deviations_section(analysis) + spectra_section(analysis, still) + coefficients_section(analysis) + signal_section(analysis, still);
+  page.body = deviations_section(analysis) + spectra_section(analysis, recording, still) + coefficients_section(analysis) +
+              signal_section(analysis, recording, still);
   return page_text(page);
 }
 

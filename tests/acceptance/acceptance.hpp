@@ -74,6 +74,8 @@ std::vector<Check> predictions(const Method& method, int sessions);
 
 /// Noise coefficients of simulated logs (seeds 1 .. logs) against their truth and the Cramer-Rao bound of the spectrum's likelihood.
 std::vector<Check> noise_logs(int logs);
+/// In which share of logs (seeds 1 .. logs) of some lengths the random walk is determined beside flicker, and how well.
+std::vector<Check> noise_lengths(int logs);
 
 /// Of a turntable session whose readings have this white noise.
 Eigen::MatrixXd turntable_information(const TableMotion& motion, const SensorModel& truth, const turntable::RawNoise& noise,

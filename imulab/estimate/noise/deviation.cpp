@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace imulab {
 
@@ -57,6 +58,35 @@ void set_bounds(DeviationPoint& point) {
   point.upper_95 = bound(0.025);
 }
 
+std::vector<std::size_t> possible_factors(std::size_t readings, double interval_s, const std::vector<std::size_t>& factors, DeviationKind kind) {
+  if (readings < 3) throw Error(fmt::format("{} readings: too few; expected at least 3", readings));
+  if (!(interval_s > 0) || std::isinf(interval_s)) throw Error(fmt::format("interval {:g} s: expected a positive time", interval_s));
+  std::vector<std::size_t> possible;
+  for (const std::size_t m : factors) {
+    if (m == 0) throw Error("averaging factor 0: expected at least 1");
+    if (m <= readings / reach(kind)) possible.push_back(m);
+  }
+  return possible;
+}
+
+std::vector<DeviationPoint> points_of(const std::vector<double>& phase, double interval_s, const std::vector<std::size_t>& factors,
+                                      DeviationKind kind) {
+  const std::vector<SquareSum> sums = square_sums(phase, factors, kind);
+  std::vector<DeviationPoint> points;
+  for (std::size_t k = 0; k < factors.size(); ++k) {
+    DeviationPoint point;
+    const auto m = static_cast<double>(point.factor = factors[k]);
+    point.tau = m * interval_s;
+    point.terms = sums[k].terms;
+    point.deviation = std::sqrt(sums[k].sum / (scale(kind) * static_cast<double>(point.terms))) / m;
+    point.noise_type = noise::noise_type(phase, point.factor, is_hadamard(kind) ? -4 : -2);
+    point.edf = edf_of(point, phase.size(), kind);
+    set_bounds(point);
+    points.push_back(point);
+  }
+  return points;
+}
+
 }  // namespace
 
 std::vector<std::size_t> averaging_factors(std::size_t samples) {
@@ -68,28 +98,14 @@ std::vector<std::size_t> averaging_factors(std::size_t samples) {
 }
 
 std::vector<DeviationPoint> deviation(std::span<const double> rate, double interval_s, const std::vector<std::size_t>& factors, DeviationKind kind) {
-  if (rate.size() < 3) throw Error(fmt::format("{} readings: too few; expected at least 3", rate.size()));
-  if (!(interval_s > 0) || std::isinf(interval_s)) throw Error(fmt::format("interval {:g} s: expected a positive time", interval_s));
-  std::vector<std::size_t> possible;
-  for (const std::size_t m : factors) {
-    if (m == 0) throw Error("averaging factor 0: expected at least 1");
-    if (m <= rate.size() / reach(kind)) possible.push_back(m);
-  }
-  const std::vector<double> phase = noise::phase_of(rate);
-  const std::vector<SquareSum> sums = square_sums(phase, possible, kind);
-  std::vector<DeviationPoint> points;
-  for (std::size_t k = 0; k < possible.size(); ++k) {
-    DeviationPoint point;
-    const auto m = static_cast<double>(point.factor = possible[k]);
-    point.tau = m * interval_s;
-    point.terms = sums[k].terms;
-    point.deviation = std::sqrt(sums[k].sum / (scale(kind) * static_cast<double>(point.terms))) / m;
-    point.noise_type = noise::noise_type(phase, point.factor, is_hadamard(kind) ? -4 : -2);
-    point.edf = edf_of(point, phase.size(), kind);
-    set_bounds(point);
-    points.push_back(point);
-  }
-  return points;
+  const std::vector<std::size_t> possible = possible_factors(rate.size(), interval_s, factors, kind);
+  return points_of(noise::phase_of(rate), interval_s, possible, kind);
+}
+
+std::vector<DeviationPoint> deviation_in_place(std::vector<double>&& rate, double interval_s, const std::vector<std::size_t>& factors,
+                                               DeviationKind kind) {
+  const std::vector<std::size_t> possible = possible_factors(rate.size(), interval_s, factors, kind);
+  return points_of(noise::phase_in_place(std::move(rate)), interval_s, possible, kind);
 }
 
 }  // namespace imulab

@@ -81,6 +81,22 @@ TEST(Deviation, HasTheTermsAndTimesOfTheDefinition) {
   EXPECT_NEAR(points[3].deviation, 1.028221763903267e-02, 1e-14);
 }
 
+TEST(Deviation, IsTheSameInTheMemoryOfTheReadings) {
+  std::vector<double> rate;
+  for (int i = 0; i < 5000; ++i) rate.push_back(9.8 + std::fmod(0.61803398875 * i * i, 1.0));
+  const std::vector<std::size_t> factors = averaging_factors(rate.size());
+  for (const DeviationKind kind : {DeviationKind::overlapping_allan, DeviationKind::total}) {
+    const std::vector<DeviationPoint> expected = deviation(rate, 0.01, factors, kind);
+    std::vector<double> own = rate;
+    const std::vector<DeviationPoint> points = deviation_in_place(std::move(own), 0.01, factors, kind);
+    ASSERT_EQ(points.size(), expected.size());
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      EXPECT_EQ(points[k].deviation, expected[k].deviation) << k;
+      EXPECT_EQ(points[k].edf, expected[k].edf) << k;
+    }
+  }
+}
+
 TEST(Deviation, HasTheBoundsOfStable32) {
   struct Row {
     std::size_t m, terms;

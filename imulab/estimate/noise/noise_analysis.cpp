@@ -6,6 +6,7 @@
 #include "imulab/recording/pieces.hpp"
 #include "imulab/recording/rests.hpp"
 #include "imulab/recording/short_gaps.hpp"
+#include "imulab/recording/validate.hpp"
 
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
@@ -24,30 +25,27 @@ namespace {
 constexpr double shortest_still_s = 30;
 constexpr std::size_t fewest_samples = 1024;
 
-double seconds(const Recording& recording, const Range& range) { return static_cast<double>(range.size()) * recording.interval_s; }
+double seconds(const RecordingView& recording, const Range& range) { return static_cast<double>(range.size()) * recording.interval_s; }
 
 /// How often a channel that varies may stand at its end without being called saturated there.
 constexpr double seldom = 0.001;
 
-std::string clipped_axes(const Recording& recording, const Range& range) {
+std::string axis_name(std::size_t column) { return fmt::format("{}.{}", column < accel_columns ? "gyro" : "accel", "xyz"[column % 3]); }
+
+std::string clipped_axes(const RecordingView& recording, const Range& range) {
   std::string names;
-  const auto look = [&](const Columns3& triad, const char* triad_name) {
-    for (std::size_t j = 0; j < 3; ++j) {
-      const std::vector<double> readings(triad[j].begin() + static_cast<std::ptrdiff_t>(range.begin),
-                                         triad[j].begin() + static_cast<std::ptrdiff_t>(range.end));
-      if (static_cast<double>(clipped_samples(readings).size()) > seldom * static_cast<double>(range.size()))
-        names += fmt::format("{}{}.{}", names.empty() ? "" : ", ", triad_name, "xyz"[j]);
-    }
-  };
-  look(recording.gyro, "gyro");
-  look(recording.accel, "accel");
+  for (std::size_t column = gyro_columns; column < gyro_temperature_columns; ++column) {
+    std::size_t clipped = 0;
+    for_each_clipped(recording, column, range, [&](std::size_t) { ++clipped; });
+    if (static_cast<double>(clipped) > seldom * static_cast<double>(range.size())) names += (names.empty() ? "" : ", ") + axis_name(column);
+  }
   return names;
 }
 
-[[noreturn]] void too_short(const Recording& recording, const std::vector<Range>& rests, const Range& best) {
+[[noreturn]] void too_short(const RecordingView& recording, const std::vector<Range>& rests, const Range& best) {
   const std::string expected = fmt::format("expected at least {:g} s and {} samples at rest", shortest_still_s, fewest_samples);
   const Range all{0, recording.size()};
-  const std::string where = recording.name + ": ";
+  const std::string where = std::string(recording.name) + ": ";
   if (seconds(recording, all) < shortest_still_s || all.size() < fewest_samples)
     throw Unsupported(fmt::format("{}has {:.3g} s, {} samples: too short to see noise; {}", where, seconds(recording, all), all.size(), expected));
   const std::size_t saturated = recording.saturated.size();
@@ -64,7 +62,7 @@ std::string clipped_axes(const Recording& recording, const Range& range) {
                                 seconds(recording, longest), seconds(recording, best), expected));
 }
 
-std::vector<std::string> cut_notes(const Recording& recording, const std::vector<Range>& rests, const Range& used) {
+std::vector<std::string> cut_notes(const RecordingView& recording, const std::vector<Range>& rests, const Range& used) {
   std::vector<std::string> notes;
   notes.push_back(fmt::format("at rest: {:.6g} to {:.6g} s, {} samples; {:.3g} of {:.6g} s were cut",
                               recording.time_s(used.begin) - recording.interval_s, recording.time_s(used.end - 1), used.size(),
@@ -84,64 +82,84 @@ std::vector<std::string> cut_notes(const Recording& recording, const std::vector
   return notes;
 }
 
-bool temperature_known(const Columns3& temperature, const Range& range) { return temperature[0].size() >= range.end; }
+struct Extent {
+  double least, most;
+};
 
-std::vector<double> part_of(const std::vector<double>& column, const Range& range) {
-  return {column.begin() + static_cast<std::ptrdiff_t>(range.begin), column.begin() + static_cast<std::ptrdiff_t>(range.end)};
-}
-
-void warn_of_temperature(NoiseAnalysis& analysis, const Columns3& temperature, const Range& range, const char* triad) {
-  if (!temperature_known(temperature, range)) return;
-  const std::vector<double> part = part_of(temperature[0], range);
-  const auto [least, most] = std::minmax_element(part.begin(), part.end());
-  if (*most - *least > 1)
-    analysis.warnings.push_back(fmt::format(
-        "the {} temperature changed by {:.3g} during the rest: R, K and B contain its effect; see --remove-temperature", triad, *most - *least));
-}
-
-/// A thermometer's own noise would weaken the slope: means over 10 s, and straight lines between their middles.
-std::vector<double> smoothed(const std::vector<double>& temperature, double interval_s) {
-  const auto block = std::max<std::size_t>(1, static_cast<std::size_t>(10 / interval_s));
-  const std::size_t blocks = std::max<std::size_t>(1, temperature.size() / block);
-  if (blocks < 2) return temperature;
-  std::vector<double> means(blocks), out(temperature.size());
-  for (std::size_t b = 0; b < blocks; ++b) {
-    const auto first = temperature.begin() + static_cast<std::ptrdiff_t>(b * block);
-    means[b] = std::accumulate(first, first + static_cast<std::ptrdiff_t>(block), 0.0) / static_cast<double>(block);
-  }
-  for (std::size_t k = 0; k < out.size(); ++k) {
-    const double at = (static_cast<double>(k) + 0.5) / static_cast<double>(block) - 0.5;  // in blocks' middles; beyond the last two along their line
-    const auto b = static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(blocks - 2)));
-    out[k] = means[b] + (at - static_cast<double>(b)) * (means[b + 1] - means[b]);
-  }
+Extent extent_of(const RecordingView& recording, std::size_t column, const Range& range) {
+  Extent out{HUGE_VAL, -HUGE_VAL};
+  for_each_block(recording, column, range, usual_block, [&](std::span<const double> samples) {
+    const auto [least, most] = std::minmax_element(samples.begin(), samples.end());
+    out = {std::min(out.least, *least), std::max(out.most, *most)};
+  });
   return out;
 }
 
-/// Readings less a parabola of the temperature; `slope` per unit of the temperature, at its mean.
-std::vector<double> without_temperature(const std::vector<double>& readings, const std::vector<double>& temperature, double interval_s,
-                                        double& slope) {
-  const std::vector<double> smooth = smoothed(temperature, interval_s);
-  const double center = std::accumulate(smooth.begin(), smooth.end(), 0.0) / static_cast<double>(smooth.size());
-  const auto [least, most] = std::minmax_element(smooth.begin(), smooth.end());
-  const double half = 0.5 * (*most - *least);
+void warn_of_temperature(NoiseAnalysis& analysis, const RecordingView& recording, std::size_t column, const Range& range, const char* triad) {
+  if (!recording.has(column)) return;
+  const Extent temperature = extent_of(recording, column, range);
+  if (temperature.most - temperature.least > 1)
+    analysis.warnings.push_back(
+        fmt::format("the {} temperature changed by {:.3g} during the rest: R, K and B contain its effect; see --remove-temperature", triad,
+                    temperature.most - temperature.least));
+}
+
+/// A thermometer's own noise would weaken the slope: means over 10 s, and straight lines between their middles; of a short record its readings.
+class SmoothTemperature {
+ public:
+  SmoothTemperature(const RecordingView& recording, std::size_t column, const Range& range)
+      : block_(std::max<std::size_t>(1, static_cast<std::size_t>(10 / recording.interval_s))) {
+    const std::size_t blocks = std::max<std::size_t>(1, range.size() / block_);
+    if (blocks < 2) {
+      block_ = 0;
+      std::vector<double> buffer;
+      const std::span<const double> samples = recording.samples(column, range, buffer);
+      means_.assign(samples.begin(), samples.end());
+      return;
+    }
+    for_each_block(recording, column, {range.begin, range.begin + blocks * block_}, block_, [&](std::span<const double> samples) {
+      means_.push_back(std::accumulate(samples.begin(), samples.end(), 0.0) / static_cast<double>(block_));
+    });
+  }
+  double operator()(std::size_t k) const {
+    if (block_ == 0) return means_[k];
+    const double at = (static_cast<double>(k) + 0.5) / static_cast<double>(block_) - 0.5;  // in blocks' middles; beyond the last two along their line
+    const auto b = static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(means_.size() - 2)));
+    return means_[b] + (at - static_cast<double>(b)) * (means_[b + 1] - means_[b]);
+  }
+
+ private:
+  std::size_t block_;  // 0: means_ are the readings
+  std::vector<double> means_;
+};
+
+/// Takes a parabola of the temperature off the readings; returns the slope per unit of the temperature, at its mean.
+double remove_parabola(std::vector<double>& readings, const SmoothTemperature& smooth) {
+  const std::size_t n = readings.size();
+  double sum = 0, least = HUGE_VAL, most = -HUGE_VAL;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double T = smooth(k);
+    sum += T, least = std::min(least, T), most = std::max(most, T);
+  }
+  const double center = sum / static_cast<double>(n), half = 0.5 * (most - least), origin = readings[0];
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   const auto row = [&](double T) { return Eigen::Vector3d(1, (T - center) / half, std::pow((T - center) / half, 2)); };
-  for (std::size_t k = 0; k < smooth.size(); ++k)
-    normal += row(smooth[k]) * row(smooth[k]).transpose(), right += row(smooth[k]) * (readings[k] - readings[0]);
+  for (std::size_t k = 0; k < n; ++k) {
+    const Eigen::Vector3d at = row(smooth(k));
+    normal += at * at.transpose(), right += at * (readings[k] - origin);
+  }
   const Eigen::Vector3d fitted = normal.ldlt().solve(right);
-  slope = fitted[1] / half;
-  std::vector<double> out = readings;
-  for (std::size_t k = 0; k < out.size(); ++k) out[k] -= row(smooth[k]).tail<2>().dot(fitted.tail<2>());
-  return out;
+  for (std::size_t k = 0; k < n; ++k) readings[k] -= row(smooth(k)).tail<2>().dot(fitted.tail<2>());
+  return fitted[1] / half;
 }
 
-void expect_temperature(const Recording& r, const Range& range, const Columns3& temperature, const char* triad) {
-  if (!temperature_known(temperature, range))
+void expect_temperature(const RecordingView& r, const Range& range, std::size_t column, const char* triad) {
+  if (!r.has(column))
     throw Unsupported(fmt::format("{}: has no {} temperature to remove; expected a column declared as {}_temperature", r.name, triad, triad));
-  const std::vector<double> part = part_of(temperature[0], range);
-  const auto [least, most] = std::minmax_element(part.begin(), part.end());
-  if (!(*most > *least)) throw Unsupported(fmt::format("{}: the {} temperature does not change: nothing to remove", r.name, triad));
+  const Extent temperature = extent_of(r, column, range);
+  if (!(temperature.most > temperature.least))
+    throw Unsupported(fmt::format("{}: the {} temperature does not change: nothing to remove", r.name, triad));
 }
 
 void warn_of_fit(NoiseAnalysis& analysis, const NoiseAxis& axis) {
@@ -155,26 +173,57 @@ void warn_of_fit(NoiseAnalysis& analysis, const NoiseAxis& axis) {
                                             axis.name, m.ratio, m.low_hz, m.high_hz));
 }
 
+/// One axis: of a column on disk in the memory of `n` numbers.
+void analyze_axis(NoiseAxis& axis, const RecordingView& r, std::size_t column, const Range& range, const NoiseOptions& options, double& slope) {
+  axis.name = axis_name(column);
+  axis.unit = column < accel_columns ? r.gyro_unit : r.accel_unit;
+  std::vector<double> buffer;
+  if (r.on_disk != nullptr) buffer.reserve(range.size() + 1);  // for the phase in its place
+  std::span<const double> readings = r.samples(column, range, buffer);
+  if (std::all_of(readings.begin(), readings.end(), [&](double reading) { return reading == readings[0]; })) {
+    axis.problem = "all readings are equal";
+    return;
+  }
+  const double step = resolution_of(readings);
+  if (options.remove_temperature) {
+    if (buffer.empty()) buffer.assign(readings.begin(), readings.end());
+    slope = remove_parabola(buffer, SmoothTemperature(r, column + gyro_temperature_columns, range));
+    readings = buffer;
+  }
+  const std::vector<std::size_t> factors = averaging_factors(readings.size());
+  axis.fit = fit_noise(readings, r.interval_s, step);
+  axis.deviation = buffer.empty() ? deviation(readings, r.interval_s, factors, options.kind)
+                                  : deviation_in_place(std::move(buffer), r.interval_s, factors, options.kind);
+}
+
 }  // namespace
 
-StillPart still_part(const Recording& recording, const Session& session) {
-  StillPart still;
-  FilledRecording filled = with_short_gaps_filled(recording);
-  still.recording = std::move(filled.recording);
-  const std::vector<Range> rests = rests_of(still.recording, session).ranges;
+StillRange still_range(const RecordingView& recording, const Session& session, std::size_t filled) {
+  StillRange still;
+  const std::vector<Range> rests = rests_of(recording, session).ranges;
   for (const Range& rest : rests)
-    if (const Range piece = longest_piece(still.recording, rest); piece.size() > still.range.size()) still.range = piece;
-  if (seconds(still.recording, still.range) < shortest_still_s || still.range.size() < fewest_samples) too_short(still.recording, rests, still.range);
-  still.notes = cut_notes(still.recording, rests, still.range);
-  if (filled.filled > 0) still.notes.push_back(fmt::format("{} lost samples were filled in", filled.filled));
+    if (const Range piece = longest_piece(recording, rest); piece.size() > still.range.size()) still.range = piece;
+  if (seconds(recording, still.range) < shortest_still_s || still.range.size() < fewest_samples) too_short(recording, rests, still.range);
+  still.notes = cut_notes(recording, rests, still.range);
+  if (filled > 0) still.notes.push_back(fmt::format("{} lost samples were filled in", filled));
   return still;
 }
 
+StillPart still_part(const Recording& recording, const Session& session) {
+  validate(recording);
+  FilledRecording filled = with_short_gaps_filled(recording);
+  StillRange found = still_range(filled.recording, session, filled.filled);
+  return {std::move(filled.recording), found.range, std::move(found.notes)};
+}
+
 NoiseAnalysis analyze_noise(const StillPart& still, const NoiseOptions& options) {
-  const Recording& r = still.recording;
+  return analyze_noise(still.recording, {still.range, still.notes}, options);
+}
+
+NoiseAnalysis analyze_noise(const RecordingView& r, const StillRange& still, const NoiseOptions& options) {
   if (options.remove_temperature) {
-    expect_temperature(r, still.range, r.gyro_temperature, "gyro");
-    expect_temperature(r, still.range, r.accel_temperature, "accel");
+    expect_temperature(r, still.range, gyro_temperature_columns, "gyro");
+    expect_temperature(r, still.range, accel_temperature_columns, "accel");
   }
   NoiseAnalysis analysis;
   analysis.recording = r.name;
@@ -186,25 +235,11 @@ NoiseAnalysis analyze_noise(const StillPart& still, const NoiseOptions& options)
   analysis.notes = still.notes;
   analysis.axes.resize(6);
   std::array<double, 6> slopes{};
-  parallel_for(std::size_t{6}, [&](std::size_t k) {
-    NoiseAxis& axis = analysis.axes[k];
-    const std::vector<double>& column = k < 3 ? r.gyro[k] : r.accel[k - 3];
-    const Columns3& temperature = k < 3 ? r.gyro_temperature : r.accel_temperature;
-    std::span<const double> readings = std::span(column).subspan(still.range.begin, still.range.size());
-    axis.name = fmt::format("{}.{}", k < 3 ? "gyro" : "accel", "xyz"[k % 3]);
-    axis.unit = k < 3 ? r.gyro_unit : r.accel_unit;
-    if (std::all_of(readings.begin(), readings.end(), [&](double reading) { return reading == readings[0]; })) {
-      axis.problem = "all readings are equal";
-      return;
-    }
-    const double step = resolution_of(readings);
-    std::vector<double> without;
-    if (options.remove_temperature) {
-      readings = without = without_temperature({readings.begin(), readings.end()}, part_of(temperature[k % 3], still.range), r.interval_s, slopes[k]);
-    }
-    axis.deviation = deviation(readings, r.interval_s, averaging_factors(readings.size()), options.kind);
-    axis.fit = fit_noise(readings, r.interval_s, step);
-  });
+  const auto analyze = [&](std::size_t k) { analyze_axis(analysis.axes[k], r, k, still.range, options, slopes[k]); };
+  if (r.on_disk != nullptr)
+    for (std::size_t k = 0; k < 6; ++k) analyze(k);
+  else
+    parallel_for(std::size_t{6}, analyze);
   if (options.remove_temperature)
     for (std::size_t k = 0; k < 6; ++k)
       if (analysis.axes[k].fit)
@@ -213,8 +248,8 @@ NoiseAnalysis analyze_noise(const StillPart& still, const NoiseOptions& options)
                         analysis.axes[k].name, slopes[k], analysis.axes[k].unit));
   for (const NoiseAxis& axis : analysis.axes) warn_of_fit(analysis, axis);
   if (options.remove_temperature) return analysis;
-  warn_of_temperature(analysis, r.gyro_temperature, still.range, "gyro");
-  warn_of_temperature(analysis, r.accel_temperature, still.range, "accelerometer");
+  warn_of_temperature(analysis, r, gyro_temperature_columns, still.range, "gyro");
+  warn_of_temperature(analysis, r, accel_temperature_columns, still.range, "accelerometer");
   return analysis;
 }
 

@@ -3,7 +3,7 @@
 
 #include "imulab/estimate/noise/deviation.hpp"
 #include "imulab/estimate/noise/noise_fit.hpp"
-#include "imulab/recording/recording.hpp"
+#include "imulab/recording/recording_view.hpp"
 #include "imulab/recording/session.hpp"
 
 #include <array>
@@ -23,6 +23,13 @@ struct StillPart {
 /// Where the session has holds, they are the rests, else they are found. Throws Unsupported where no stretch is long enough: in motion, interrupted,
 /// saturated or short; Error as detect_rests.
 StillPart still_part(const Recording& recording, const Session& session);
+
+/// The same of a recording in memory or on disk, which is valid and whose lost samples were filled.
+struct StillRange {
+  Range range;
+  std::vector<std::string> notes;
+};
+StillRange still_range(const RecordingView& recording, const Session& session, std::size_t filled = 0);
 
 struct NoiseAxis {
   std::string name;  ///< "gyro.x"
@@ -50,5 +57,7 @@ struct NoiseOptions {
 /// Axes in parallel; the result does not depend on the number of threads. Throws Unsupported where a temperature is to be removed that the recording
 /// does not have, or that does not change.
 NoiseAnalysis analyze_noise(const StillPart& still, const NoiseOptions& options = {});
+/// Of columns on disk one axis after the other, each in memory as a whole but once; the result is the same, bit for bit.
+NoiseAnalysis analyze_noise(const RecordingView& recording, const StillRange& still, const NoiseOptions& options = {});
 
 }  // namespace imulab

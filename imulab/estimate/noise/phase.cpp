@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #if defined(__x86_64__)
 #include <immintrin.h>
@@ -90,9 +91,7 @@ std::vector<SquareSum> differences(const std::vector<double>& phase, const std::
   return sums;
 }
 
-}  // namespace
-
-std::vector<double> phase_of(std::span<const double> rate) {
+double mean_rate(std::span<const double> rate) {
   const auto n = static_cast<Eigen::Index>(rate.size());
   const Eigen::Map<const Eigen::ArrayXd> readings(rate.data(), n);
   const double origin = rate.empty() ? 0 : rate[0];
@@ -101,9 +100,29 @@ std::vector<double> phase_of(std::span<const double> rate) {
     const auto wrong = std::find_if(rate.begin(), rate.end(), [](double x) { return !std::isfinite(x); });
     throw Error(fmt::format("reading {}: is not finite; expected numbers", wrong - rate.begin() + (wrong == rate.end() ? 0 : 1)));
   }
+  return mean;
+}
+
+}  // namespace
+
+std::vector<double> phase_of(std::span<const double> rate) {
+  const double mean = mean_rate(rate);
   std::vector<double> phase(rate.size() + 1);
   double x = 0;
   for (std::size_t i = 0; i < rate.size(); ++i) phase[i + 1] = x += rate[i] - mean;
+  return phase;
+}
+
+std::vector<double> phase_in_place(std::vector<double>&& rate) {
+  const double mean = mean_rate(rate);
+  std::vector<double> phase = std::move(rate);
+  double x = 0;
+  for (double& value : phase) {
+    const double before = x;
+    x += value - mean;
+    value = before;
+  }
+  phase.push_back(x);
   return phase;
 }
 

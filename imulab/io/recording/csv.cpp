@@ -9,6 +9,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <functional>
+#include <string>
 #include <utility>
 
 namespace imulab::recording_io {
@@ -89,6 +91,17 @@ std::optional<TimedTable> read_rows_in_parallel(const RowReader& reader, std::st
   return in_sequence(std::move(parts), lines);
 }
 
+/// A column that is requested twice was read once.
+void put_as_requested(TimedTable& table, const std::vector<std::size_t>& places) {
+  std::vector<std::vector<double>> values(places.size());
+  for (std::size_t i = places.size(); i-- > 0;) {
+    const auto end = places.begin() + static_cast<std::ptrdiff_t>(i);
+    const bool again = std::find(places.begin(), end, places[i]) != end;
+    values[i] = again ? table.values[places[i]] : std::move(table.values[places[i]]);
+  }
+  table.values = std::move(values);
+}
+
 /// A logger that was switched off: the last line has no end, and fewer fields than the others.
 bool ends_inside_a_row(std::string_view text, const TableLayout& layout) {
   const std::size_t last = text.rfind('\n') + 1;
@@ -96,6 +109,70 @@ bool ends_inside_a_row(std::string_view text, const TableLayout& layout) {
   const std::size_t fields = fields_of(text.substr(last), layout).size();
   return text.find_first_not_of(" \t\r", last) != std::string_view::npos && fields < layout.columns;
 }
+
+std::vector<std::string> warnings_of(const std::string& file, const TableLayout& layout, bool cut) {
+  std::vector<std::string> warnings;
+  if (cut) warnings.push_back(file + ": ends inside a row, which is left out");
+  if (layout.skipped > 0)
+    warnings.push_back(fmt::format("{}: {} line{} of other text before the table passed over", file, layout.skipped, layout.skipped == 1 ? "" : "s"));
+  return warnings;
+}
+
+/// Pieces of a text: by several threads as long as all is well, else in order from the last piece on that was read.
+class PieceReader {
+ public:
+  explicit PieceReader(const RowReader& first) : first_(first), reader_(first) {}
+
+  /// Whole lines, which follow those of the piece before.
+  TimedTable read(std::string_view text) {
+    std::optional<TimedTable> parallel = read_rows_in_parallel(first_, text);
+    if (parallel && (parallel->time_ns.empty() || (rows_ > 0 && parallel->time_ns.front() <= last_.time_ns))) parallel.reset();
+    const std::size_t before = lines_;
+    TimedTable table;
+    if (parallel) {
+      lines_ += static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) + !text.ends_with('\n');
+      table.lines.append(parallel->lines, 0, before);
+      parallel->lines = std::move(table.lines);
+      table = *std::move(parallel);
+      in_order_ = false;
+    } else {
+      table = in_order(text);
+    }
+    if (!table.time_ns.empty()) {
+      last_.time_ns = table.time_ns.back();
+      last_.values.clear();
+      for (const auto& column : table.values) last_.values.push_back(column.back());
+    }
+    rows_ += table.time_ns.size();
+    return table;
+  }
+
+ private:
+  TimedTable in_order(std::string_view text) {
+    if (!in_order_) {
+      reader_ = first_;
+      reader_.continue_after(last_, lines_);
+      in_order_ = true;
+    }
+    const std::size_t repeated = reader_.repeated();
+    TimedTable table;
+    table.values.resize(reader_.row().values.size());
+    while (reader_.next(text)) {
+      table.lines.add(table.time_ns.size(), reader_.line());
+      table.time_ns.push_back(reader_.row().time_ns);
+      for (std::size_t k = 0; k < table.values.size(); ++k) table.values[k].push_back(reader_.row().values[k]);
+    }
+    table.repeated = reader_.repeated() - repeated;
+    lines_ = reader_.lines_read();
+    return table;
+  }
+
+  const RowReader first_;
+  RowReader reader_;
+  Row last_;
+  std::size_t lines_ = 0, rows_ = 0;
+  bool in_order_ = true;  // whether reader_ stands behind the piece before
+};
 
 }  // namespace
 
@@ -111,19 +188,8 @@ TimedTable read_csv(const std::filesystem::path& path, const TimeSource& time, s
   std::optional<TimedTable> parallel = read_rows_in_parallel(reader, text);
   TimedTable table = parallel ? *std::move(parallel) : read_rows(reader, text);
   table.file = path.string();
-  if (cut) table.warnings.push_back(table.file + ": ends inside a row, which is left out");
-  if (layout.skipped > 0)
-    table.warnings.push_back(
-        fmt::format("{}: {} line{} of other text before the table passed over", table.file, layout.skipped, layout.skipped == 1 ? "" : "s"));
-
-  const std::vector<std::size_t>& places = reader.places();
-  std::vector<std::vector<double>> values(places.size());
-  for (std::size_t i = places.size(); i-- > 0;) {
-    const auto end = places.begin() + static_cast<std::ptrdiff_t>(i);
-    const bool again = std::find(places.begin(), end, places[i]) != end;
-    values[i] = again ? table.values[places[i]] : std::move(table.values[places[i]]);
-  }
-  table.values = std::move(values);
+  table.warnings = warnings_of(table.file, layout, cut);
+  put_as_requested(table, reader.places());
   return table;
 }
 
@@ -147,6 +213,37 @@ RawTable text_columns(const TableRequest& request, const std::vector<Column>& co
   return raw;
 }
 
+/// By the length of the first lines.
+std::size_t text_rows(const TableRequest& request, const std::vector<Column>& columns) {
+  const MappedFile file(request.file);
+  const TableLayout layout = table_layout(request.file.string(), file.text(), names_a_column({.column = std::nullopt}, columns));
+  const std::string_view rows = file.text().substr(layout.offset), head = rows.substr(0, 1 << 16);
+  const auto lines = static_cast<std::size_t>(std::count(head.begin(), head.end(), '\n')) + 1;
+  return rows.size() / (head.size() / lines + 1) + 1;
+}
+
+void read_text_pieces(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns,
+                      const std::function<void(TimedTable&&)>& each) {
+  constexpr std::size_t at_once = std::size_t{1} << 24;  // bytes
+  const MappedFile file(request.file);
+  const TableLayout layout = table_layout(request.file.string(), file.text(), names_a_column(time, columns));
+  std::string_view text = file.text().substr(layout.offset);
+  const bool cut = ends_inside_a_row(text, layout);
+  if (cut) text = text.substr(0, text.rfind('\n') + 1);
+  const RowReader reader(layout, time, rate_hz, columns);
+  PieceReader pieces(reader);
+  for (bool begin = true; begin || !text.empty(); begin = false) {
+    const std::size_t end = text.size() > at_once ? std::min(text.find('\n', at_once), text.size() - 1) + 1 : text.size();
+    TimedTable table = pieces.read(text.substr(0, end));
+    text.remove_prefix(end);
+    file.release(file.text().size());
+    table.file = request.file.string();
+    if (begin) table.warnings = warnings_of(table.file, layout, cut);
+    put_as_requested(table, reader.places());
+    each(std::move(table));
+  }
+}
+
 }  // namespace
 
 RecordingFormat text_format() {
@@ -154,9 +251,10 @@ RecordingFormat text_format() {
           .recognizes = is_text,
           .describe = describe_text,
           .columns = text_columns,
-          .read = [](const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns) {
-            return read_csv(request.file, time, rate_hz, columns);
-          }};
+          .read = [](const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz,
+                     const std::vector<Column>& columns) { return read_csv(request.file, time, rate_hz, columns); },
+          .rows = text_rows,
+          .read_pieces = read_text_pieces};
 }
 
 }  // namespace imulab::recording_io

@@ -140,6 +140,12 @@ bool RowReader::stamp() {
   return time_ns.has_value();
 }
 
+void RowReader::continue_after(const Row& last, std::size_t lines) {
+  row_ = last;
+  any_ = true;
+  next_line_ += lines;
+}
+
 bool RowReader::next(std::string_view& text) {
   const auto read = plan_.layout.delimiter == ' ' ? read_row<true> : read_row<false>;
   while (!text.empty()) {

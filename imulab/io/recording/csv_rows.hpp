@@ -36,6 +36,8 @@ class RowReader {
   /// Comments, empty lines and rows equal to the one before are passed over. Throws Error with file, line and column for what is no such row.
   bool next(std::string_view& text);
   const Row& row() const { return row_; }
+  /// As if `lines` more lines had been read, the last row of which is that of another reader; where a row is independent.
+  void continue_after(const Row& last, std::size_t lines);
   /// Whether a row means the same whatever rows stand before it: its time is in it.
   bool is_independent() const { return stamped_ && clock_.is_independent(); }
   std::size_t lines_read() const { return next_line_ - plan_.layout.line; }

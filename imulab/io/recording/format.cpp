@@ -58,22 +58,23 @@ std::optional<std::int64_t> scaled(const RawColumn& column, std::size_t row, int
   return value;
 }
 
-/// Reads stamp after stamp of a raw table.
+/// Reads stamp after stamp of a raw table, whose columns of time stand behind `before` others.
 class StampReader {
  public:
-  StampReader(const TimeSource& time, std::optional<double> rate_hz, const RawColumn* stamps, const RawColumn* fractions)
-      : clock_(time, rate_hz), stamps_(stamps), fractions_(fractions) {}
+  StampReader(const TimeSource& time, std::optional<double> rate_hz, std::size_t before)
+      : clock_(time, rate_hz), before_(before), stamped_(time.column), has_fraction_(time.column && time.fraction_column) {}
 
-  std::optional<std::int64_t> at(std::size_t row) {
-    if (stamps_ == nullptr) return clock_.next();
-    const auto stamp = scaled(*stamps_, row, clock_.exponent());
-    const auto fraction = fractions_ != nullptr ? scaled(*fractions_, row, clock_.fraction_exponent()) : 0;
+  std::optional<std::int64_t> at(const RawTable& raw, std::size_t row) {
+    if (!stamped_) return clock_.next();
+    const auto stamp = scaled(raw.columns[before_], row, clock_.exponent());
+    const auto fraction = has_fraction_ ? scaled(raw.columns[before_ + 1], row, clock_.fraction_exponent()) : 0;
     return stamp && fraction ? clock_.next(*stamp, *fraction) : std::nullopt;
   }
 
  private:
   Clock clock_;
-  const RawColumn *stamps_, *fractions_;
+  std::size_t before_;
+  bool stamped_, has_fraction_;
 };
 
 std::vector<double> as_numbers(RawColumn column) {
@@ -121,27 +122,28 @@ void expect_ascending(TimedTable& table) {
 }
 
 /// The columns and, behind them, those of time.
-RawTable with_time(const TableRequest& request, const TimeSource& time, std::vector<Column> columns, const RecordingFormat& format) {
+std::vector<Column> columns_and_time(std::vector<Column> columns, const TimeSource& time) {
   if (time.column) columns.push_back(*time.column);
   if (time.column && time.fraction_column) columns.push_back(*time.fraction_column);
-  return format.columns(request, columns);
+  return columns;
 }
 
-/// A table with the stamps of its rows, whose columns of time stand behind `before` others.
-TimedTable stamped_table(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz, const RawTable& raw,
-                         std::size_t before) {
-  const auto after = [&](std::size_t i) { return before + i < raw.columns.size() ? &raw.columns[before + i] : nullptr; };
-  StampReader stamps(time, rate_hz, after(0), after(1));
+RawTable with_time(const TableRequest& request, const TimeSource& time, const std::vector<Column>& columns, const RecordingFormat& format) {
+  return format.columns(request, columns_and_time(columns, time));
+}
 
+/// Such a table's rows with their stamps, `first` rows behind its begin.
+TimedTable stamped_table(const TableRequest& request, const RawTable& raw, StampReader& stamps, std::size_t first) {
   TimedTable table;
   table.file = request.topic.empty() ? request.file.string() : fmt::format("{}: {}", request.file.string(), request.topic);
   table.row = raw.row;
+  table.first = first;
   table.warnings = raw.warnings;
   const std::size_t rows = raw.columns.empty() ? 0 : raw.columns.front().size();
   if (rows == 0) throw Error(table.file + ": has no rows; expected samples");
   table.time_ns.reserve(rows);
   for (std::size_t i = 0; i < rows; ++i) {
-    const auto ns = stamps.at(i);
+    const auto ns = stamps.at(raw, i);
     if (!ns)
       throw Error(fmt::format("{}: {}: the stamp is not a time within 146 years of the clock's zero; expected one (is the unit right?)", table.file,
                               table.place(i)));
@@ -150,10 +152,37 @@ TimedTable stamped_table(const TableRequest& request, const TimeSource& time, st
   return table;
 }
 
+/// The last row of the piece before, put in front of a piece to be checked with it.
+class LastRow {
+ public:
+  void put_before(TimedTable& piece) const {
+    if (values_.empty()) return;
+    piece.time_ns.insert(piece.time_ns.begin(), time_ns_);
+    for (std::size_t c = 0; c < values_.size(); ++c) piece.values[c].insert(piece.values[c].begin(), values_[c]);
+    --piece.first;
+  }
+  void take_off(TimedTable& piece) {
+    if (!values_.empty()) {
+      piece.time_ns.erase(piece.time_ns.begin());
+      for (auto& column : piece.values) column.erase(column.begin());
+      ++piece.first;
+    }
+    if (piece.time_ns.empty()) return;
+    time_ns_ = piece.time_ns.back();
+    values_.clear();
+    for (const auto& column : piece.values) values_.push_back(column.back());
+  }
+
+ private:
+  std::int64_t time_ns_ = 0;
+  std::vector<double> values_;
+};
+
 TimedTable timed_table(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns,
                        const RecordingFormat& format) {
   RawTable raw = with_time(request, time, columns, format);
-  TimedTable table = stamped_table(request, time, rate_hz, raw, columns.size());
+  StampReader stamps(time, rate_hz, columns.size());
+  TimedTable table = stamped_table(request, raw, stamps, 0);
   for (std::size_t c = 0; c < columns.size(); ++c) table.values.push_back(as_numbers(std::move(raw.columns[c])));
   expect_finite(table, columns);
   expect_ascending(table);
@@ -168,10 +197,30 @@ TimedTable read_table(const TableRequest& request, const TimeSource& time, std::
   return format.read != nullptr ? format.read(request, time, rate_hz, columns) : timed_table(request, time, rate_hz, columns, format);
 }
 
+void read_table_in_pieces(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns,
+                          const RecordingFormat& format, const std::function<void(TimedTable&&)>& each) {
+  if (format.read_pieces != nullptr) return format.read_pieces(request, time, rate_hz, columns, each);
+  StampReader stamps(time, rate_hz, columns.size());
+  LastRow last;
+  std::size_t rows = 0;
+  format.pieces(request, columns_and_time(columns, time), [&](RawTable&& raw) {
+    TimedTable piece = stamped_table(request, raw, stamps, rows);
+    rows += piece.time_ns.size();
+    for (std::size_t c = 0; c < columns.size(); ++c) piece.values.push_back(as_numbers(std::move(raw.columns[c])));
+    expect_finite(piece, columns);
+    last.put_before(piece);
+    expect_ascending(piece);
+    last.take_off(piece);
+    each(std::move(piece));
+    return true;
+  });
+}
+
 std::vector<std::int64_t> read_stamps(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz,
                                       const std::vector<RecordingFormat>& formats) {
   const std::vector<Column> first = time.column ? std::vector<Column>{} : std::vector<Column>{1};  // for the number of rows
-  return stamped_table(request, time, rate_hz, with_time(request, time, first, format_of(request, formats)), first.size()).time_ns;
+  StampReader stamps(time, rate_hz, first.size());
+  return stamped_table(request, with_time(request, time, first, format_of(request, formats)), stamps, 0).time_ns;
 }
 
 }  // namespace recording_io

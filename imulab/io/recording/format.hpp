@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -34,6 +35,15 @@ struct RecordingFormat {
   /// Stamps and readings at once, where the format has a better way than its columns; else null.
   recording_io::TimedTable (*read)(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz,
                                    const std::vector<Column>& columns) = nullptr;
+  /// About how many rows a table has whose columns can be read in pieces, so that they are never in memory as a whole; 0 where they cannot. Throws
+  /// Error as `columns` does. Null where no table can.
+  std::size_t (*rows)(const TableRequest& request, const std::vector<Column>& columns) = nullptr;
+  /// The same as `columns`, in pieces of neighboring rows, until `each` says false.
+  void (*pieces)(const TableRequest& request, const std::vector<Column>& columns,
+                 const std::function<bool(recording_io::RawTable&&)>& each) = nullptr;
+  /// The same as `read`.
+  void (*read_pieces)(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns,
+                      const std::function<void(recording_io::TimedTable&&)>& each) = nullptr;
   bool of_layout = false;  ///< reads files whose layout is declared, and no other
 };
 
@@ -49,6 +59,11 @@ namespace recording_io {
 /// stamps that do not ascend.
 TimedTable read_table(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns,
                       const std::vector<RecordingFormat>& formats = recording_formats());
+
+/// The same in pieces of neighboring rows, each with its own lines and warnings, and the number of rows that were dropped in it. Not of a format
+/// without pieces.
+void read_table_in_pieces(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns,
+                          const RecordingFormat& format, const std::function<void(TimedTable&&)>& each);
 
 /// The stamps alone, of every row of the file in its order: also of those that read_table drops. Not of text.
 std::vector<std::int64_t> read_stamps(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz,

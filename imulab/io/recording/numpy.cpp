@@ -153,10 +153,94 @@ RawTable numpy_columns(const TableRequest& request, const std::vector<Column>& c
   return raw;
 }
 
+/// Some columns of one array, some rows after the other.
+class NextRows {
+ public:
+  NextRows(std::string_view text, const NumpyFile& file, std::size_t index, const std::vector<std::size_t>& wanted, const std::string& place)
+      : array_(file.arrays[index]) {
+    for (const std::size_t c : wanted) fields_.push_back(array_.fields[c]);
+    if (file.members.empty() || !file.members[index].deflated) {
+      next_ = (file.members.empty() ? text : file.members[index].stored).data() + array_.offset;
+      return;
+    }
+    reader_ = std::make_unique<ZipReader>(file.members[index], place + ": " + array_.array.name);
+    std::string head(array_.offset, '\0');
+    reader_->read(head.data(), head.size());
+  }
+  std::vector<RawColumn> next(std::size_t rows) {
+    ColumnBuilder builder(fields_, rows);
+    if (reader_ != nullptr) {
+      inflated_.resize(rows * array_.stride);
+      reader_->read(inflated_.data(), inflated_.size());
+      builder.add(inflated_.data(), array_.stride, rows);
+      return builder.take();
+    }
+    builder.add(next_, array_.stride, rows);
+    next_ += rows * array_.stride;
+    return builder.take();
+  }
+  void expect_intact() const {
+    if (reader_ != nullptr) reader_->expect_intact();
+  }
+
+ private:
+  const NpyArray& array_;
+  std::vector<NumberField> fields_;
+  const char* next_ = nullptr;
+  std::unique_ptr<ZipReader> reader_;  // where it is deflated
+  std::string inflated_;
+};
+
+/// Deflated columns that stand one after the other are all in memory, or read once for each piece.
+std::size_t numpy_rows(const TableRequest& request, const std::vector<Column>& columns) {
+  const MappedFile mapped(request.file);
+  const NumpyFile heads = read_heads(mapped.text(), request.file.string());
+  std::size_t rows = 0;
+  for (const ArrayColumn& place : find_array_columns(heads.numbers(), request.topic, columns, request.file.string())) {
+    const NpyArray& array = heads.arrays[place.array];
+    if (array.by_column && !heads.members.empty() && heads.members[place.array].deflated) return 0;
+    rows = array.array.rows;
+  }
+  return rows;
+}
+
+void numpy_pieces(const TableRequest& request, const std::vector<Column>& columns, const std::function<bool(RawTable&&)>& each) {
+  constexpr std::size_t at_once = std::size_t{1} << 17;
+  const MappedFile mapped(request.file);
+  const std::string file = request.file.string();
+  const NumpyFile heads = read_heads(mapped.text(), file);
+  const std::vector<ArrayColumn> places = find_array_columns(heads.numbers(), request.topic, columns, file);
+  if (places.empty()) return;
+  std::vector<NextRows> arrays;
+  std::vector<std::vector<std::size_t>> to_columns;
+  for_each_array(places, heads.arrays.size(), [&](std::size_t a, const std::vector<std::size_t>& wanted, const std::vector<std::size_t>& to) {
+    arrays.emplace_back(mapped.text(), heads, a, wanted, file);
+    to_columns.push_back(to);
+  });
+  const std::size_t rows = heads.arrays[places.front().array].array.rows;
+  for (std::size_t row = 0; row < rows; row += at_once) {
+    RawTable piece;
+    piece.columns.resize(places.size());
+    if (row == 0) piece.warnings = heads.warnings;
+    for (std::size_t a = 0; a < arrays.size(); ++a) {
+      std::vector<RawColumn> read = arrays[a].next(std::min(at_once, rows - row));
+      for (std::size_t k = 0; k < read.size(); ++k) piece.columns[to_columns[a][k]] = std::move(read[k]);
+    }
+    mapped.release(mapped.text().size());
+    if (!each(std::move(piece))) return;
+  }
+  for (const NextRows& array : arrays) array.expect_intact();
+}
+
 }  // namespace
 
 RecordingFormat numpy_format() {
-  return {.name = "NumPy .npy or .npz", .recognizes = is_numpy, .describe = describe_numpy, .columns = numpy_columns};
+  return {.name = "NumPy .npy or .npz",
+          .recognizes = is_numpy,
+          .describe = describe_numpy,
+          .columns = numpy_columns,
+          .rows = numpy_rows,
+          .pieces = numpy_pieces};
 }
 
 }  // namespace imulab::recording_io

@@ -19,13 +19,6 @@ namespace {
 
 constexpr auto none = static_cast<std::size_t>(-1);
 
-/// What is read of one table.
-struct PartRequest {
-  std::string file, topic;
-  TimeSource time;
-  std::vector<Column> columns;
-};
-
 /// A triad or thermometer, which may name a file, topic and clock of its own.
 template <class Source>
 PartColumns request(std::vector<PartRequest>& requests, const RecordingSource& recording, const Source& source) {
@@ -72,14 +65,19 @@ void keep_rows(TimedTable& table, const std::vector<std::size_t>& rows) {
 
 }  // namespace
 
+PartRequests part_requests(const RecordingSource& source) {
+  PartRequests parts;
+  parts.gyro = request(parts.tables, source, source.gyro);
+  parts.accel = request(parts.tables, source, source.accel);
+  if (source.gyro_temperature) parts.gyro_temperature = request(parts.tables, source, *source.gyro_temperature);
+  if (source.accel_temperature) parts.accel_temperature = request(parts.tables, source, *source.accel_temperature);
+  return parts;
+}
+
 RecordingParts read_parts(const Session& session, const RecordingSource& source, const std::vector<RecordingFormat>& formats) {
-  std::vector<PartRequest> requests;
-  RecordingParts parts;
-  parts.gyro = request(requests, source, source.gyro);
-  parts.accel = request(requests, source, source.accel);
-  if (source.gyro_temperature) parts.gyro_temperature = request(requests, source, *source.gyro_temperature);
-  if (source.accel_temperature) parts.accel_temperature = request(requests, source, *source.accel_temperature);
-  for (const PartRequest& part : requests)
+  const PartRequests requests = part_requests(source);
+  RecordingParts parts{{}, requests.gyro, requests.accel, requests.gyro_temperature, requests.accel_temperature};
+  for (const PartRequest& part : requests.tables)
     parts.tables.push_back(
         read_table({session_path(session, part.file), part.topic, source.layout}, part.time, source.rate_hz, part.columns, formats));
   return parts;

@@ -21,6 +21,20 @@ struct RecordingParts {
   PartColumns gyro, accel, gyro_temperature, accel_temperature;
 };
 
+/// What is read of one table.
+struct PartRequest {
+  std::string file, topic;
+  TimeSource time;
+  std::vector<Column> columns;
+};
+
+/// The tables of a recording, not yet read.
+struct PartRequests {
+  std::vector<PartRequest> tables;
+  PartColumns gyro, accel, gyro_temperature, accel_temperature;
+};
+PartRequests part_requests(const RecordingSource& source);
+
 RecordingParts read_parts(const Session& session, const RecordingSource& source, const std::vector<RecordingFormat>& formats);
 
 /// Brings tables of another rate, or stamped at other instants, to the gyro's stamps: accelerometers as means over the gyro's intervals (said in a

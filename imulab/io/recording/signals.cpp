@@ -60,7 +60,41 @@ const TableDescription& table_of_imu(const std::vector<TableDescription>& tables
                           named.empty() ? "no table has" : "several tables have", text::listed(names)));
 }
 
-SignalTable signals_of(const RecordingFormat& format, const TableRequest& request) {
+constexpr std::size_t part_of_long = 3;  // of what may be read at once: inspection holds it three times
+
+std::string head_note(std::size_t rows) { return fmt::format("the first {} rows were looked at", rows); }
+
+void append(RawColumn& to, RawColumn&& from) {
+  if (to.size() == 0) {
+    to = std::move(from);
+    return;
+  }
+  if (to.integers.empty() || from.integers.empty()) {
+    to.numbers.insert(to.numbers.end(), to.integers.begin(), to.integers.end());
+    to.integers.clear();
+    to.numbers.insert(to.numbers.end(), from.numbers.begin(), from.numbers.end());
+    to.numbers.insert(to.numbers.end(), from.integers.begin(), from.integers.end());
+    return;
+  }
+  to.integers.insert(to.integers.end(), from.integers.begin(), from.integers.end());
+}
+
+/// All rows, or the first ones.
+RawTable columns_of_head(const RecordingFormat& format, const TableRequest& request, const std::vector<Column>& columns, std::size_t rows,
+                         std::size_t most_rows) {
+  if (rows <= most_rows || format.pieces == nullptr || format.rows(request, columns) == 0) return format.columns(request, columns);
+  RawTable head;
+  head.columns.resize(columns.size());
+  format.pieces(request, columns, [&](RawTable&& piece) {
+    head.warnings.insert(head.warnings.end(), piece.warnings.begin(), piece.warnings.end());
+    for (std::size_t c = 0; c < columns.size(); ++c) append(head.columns[c], std::move(piece.columns[c]));
+    return head.columns.front().size() < most_rows / part_of_long;
+  });
+  head.warnings.push_back(head_note(head.columns.front().size()));
+  return head;
+}
+
+SignalTable signals_of(const RecordingFormat& format, const TableRequest& request, std::size_t most_numbers) {
   const std::string file = request.file.string();
   const std::vector<TableDescription> tables = format.describe(request);
   const TableDescription& table = table_of_imu(tables, request.topic, file);
@@ -75,7 +109,7 @@ SignalTable signals_of(const RecordingFormat& format, const TableRequest& reques
   }
   TableRequest own = request;
   own.topic = table.name;
-  RawTable raw = format.columns(own, columns);
+  RawTable raw = columns_of_head(format, own, columns, table.rows, most_numbers / std::max<std::size_t>(1, columns.size()));
   result.notes = raw.warnings;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     Signal signal{table.columns[i].name, table.columns[i].unit, columns[i], {}};
@@ -87,6 +121,19 @@ SignalTable signals_of(const RecordingFormat& format, const TableRequest& reques
     result.signals.push_back(std::move(signal));
   }
   return result;
+}
+
+/// The lines of a text that hold about so many numbers.
+std::string_view first_lines(const std::string& name, std::string_view text, std::size_t most_numbers) {
+  constexpr std::size_t shortest_number = 2;  // with what divides it from the next
+  if (text.size() / shortest_number <= most_numbers) return text;
+  const TableLayout layout = table_layout(name, text, false);
+  const std::string_view head = text.substr(layout.offset, 1 << 16);
+  const auto lines = static_cast<std::size_t>(std::count(head.begin(), head.end(), '\n')) + 1;
+  const double bytes = static_cast<double>(head.size()) / static_cast<double>(lines * layout.columns) * static_cast<double>(most_numbers);
+  if (layout.offset + bytes >= static_cast<double>(text.size())) return text;
+  const std::size_t end = text.find('\n', layout.offset + static_cast<std::size_t>(bytes / part_of_long));
+  return text.substr(0, end == std::string_view::npos ? text.size() : end + 1);
 }
 
 /// Where every row is one of numbers.
@@ -167,15 +214,17 @@ SignalTable signals_of_text(const std::string& name, std::string_view text) {
   return table;
 }
 
-SignalTable read_signals(const std::filesystem::path& file, const std::string& topic, const std::vector<RecordingFormat>& formats, double longest_s) {
+SignalTable read_signals(const std::filesystem::path& file, const std::string& topic, const std::vector<RecordingFormat>& formats, double longest_s,
+                         std::size_t most_numbers) {
   if (is_stream(file)) return signals_of_stream(file, longest_s);
   const TableRequest request{file, topic, ""};
   const RecordingFormat& format = format_of(request, formats);
-  if (format.recognizes == is_text) {
-    const MappedFile mapped(file);
-    return signals_of_text(input_name(file), mapped.text());
-  }
-  return signals_of(format, request);
+  if (format.recognizes != is_text) return signals_of(format, request, most_numbers);
+  const MappedFile mapped(file);
+  const std::string_view head = first_lines(input_name(file), mapped.text(), most_numbers);
+  SignalTable table = signals_of_text(input_name(file), head);
+  if (head.size() < mapped.text().size() && !table.signals.empty()) table.notes.push_back(head_note(table.signals.front().values.size()));
+  return table;
 }
 
 }  // namespace imulab

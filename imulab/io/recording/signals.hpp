@@ -15,9 +15,11 @@ inline constexpr double stream_s = 60;
 
 /// The columns of one table of a file. A stream (a pipe, a device, "-") is text, read once: to its end, or for `longest_s` seconds, which is said in
 /// a note. `topic`: empty takes the only table, or the only one whose columns are named like those of an IMU. Throws Error for a file of no known
-/// format, and where it has to be said which table.
+/// format, and where it has to be said which table. Of a file with more than `most_numbers` that can be read in pieces only the
+/// first third of so many is read, which is said in a note.
 SignalTable read_signals(const std::filesystem::path& file, const std::string& topic = "",
-                         const std::vector<RecordingFormat>& formats = recording_formats(), double longest_s = stream_s);
+                         const std::vector<RecordingFormat>& formats = recording_formats(), double longest_s = stream_s,
+                         std::size_t most_numbers = static_cast<std::size_t>(-1));
 
 /// The same of text, whose lines need not all be rows of numbers: those that are not are counted in a note. `name` stands for the file.
 SignalTable signals_of_text(const std::string& name, std::string_view text);

@@ -17,7 +17,7 @@ void LineNumbers::append(const LineNumbers& next, std::size_t row, std::size_t l
 
 std::string TimedTable::place(std::size_t index) const {
   const std::size_t line = lines[index];
-  return line > 0 ? "line " + std::to_string(line) : row + " " + std::to_string(index + 1);
+  return line > 0 ? "line " + std::to_string(line) : row + " " + std::to_string(first + index + 1);
 }
 
 }  // namespace imulab::recording_io

@@ -30,6 +30,7 @@ struct TimedTable {
   std::vector<std::vector<double>> values;  ///< one column for each requested, as long as time_ns; all finite
   LineNumbers lines;                        ///< of a text file
   std::size_t repeated = 0;                 ///< rows dropped because they equal the row before
+  std::size_t first = 0;                    ///< of a piece of a table without lines: how many rows stand before it
   std::string row = "row";                  ///< what a row is called in a file that has no lines
   std::vector<std::string> warnings;        ///< of reading
 

@@ -1,0 +1,63 @@
+// How long a log must be for its random walk to be seen beside its flicker: the table of docs/noise.md.
+#include "imulab/core/parallel.hpp"
+#include "imulab/core/random.hpp"
+#include "imulab/core/statistics.hpp"
+#include "imulab/estimate/noise/noise_fit.hpp"
+#include "imulab/model/sensor_noise.hpp"
+
+#include <fmt/core.h>
+
+#include "tests/acceptance/acceptance.hpp"
+#include "tests/flicker_log.hpp"
+#include <cmath>
+#include <numbers>
+#include <string>
+
+namespace imulab::acceptance {
+
+namespace {
+
+constexpr double interval = 1;  // of the readings: all that counts are ratios
+constexpr std::size_t samples = 65536;
+constexpr double log_s = interval * samples;
+
+/// B = 1; white noise as large as it at a thousandth of the log; K^2 as `ratio` says, which is T K^2 / B^2.
+NoiseModel noise_of(double ratio) {
+  const double flicker = 2 * std::numbers::ln2 / std::numbers::pi;  // Allan variance
+  return {.N = std::sqrt(flicker * log_s / 1000), .B = 1, .K = std::sqrt(ratio / log_s)};
+}
+
+NoiseCoefficient fitted_walk(const NoiseModel& truth, std::uint64_t seed) {
+  std::vector<double> rate(samples);
+  add_flicker(rate, truth.B, interval, seed);
+  const AxisNoise rest({.N = truth.N, .K = truth.K}, interval, seed, "noise of a length");
+  rest.add_slow(rate);
+  rest.add_fast(0, rate);
+  return fit_noise(rate, interval).K;
+}
+
+}  // namespace
+
+std::vector<Check> noise_lengths(int logs) {
+  std::vector<Check> checks;
+  for (const double ratio : {1.0, 10.0, 30.0, 100.0, 300.0, 1000.0}) {
+    const NoiseModel truth = noise_of(ratio);
+    std::vector<NoiseCoefficient> walks(static_cast<std::size_t>(logs));
+    parallel_for(static_cast<std::size_t>(logs), [&](std::size_t i) { walks[i] = fitted_walk(truth, i + 1); });
+    double held = 0;
+    std::vector<double> stated, over;
+    for (const NoiseCoefficient& K : walks) {
+      held += K.lower <= truth.K && truth.K <= K.upper;
+      if (K.determined) stated.push_back(K.standard_uncertainty / K.value), over.push_back(K.value / truth.K);
+    }
+    const std::string name = fmt::format("T K^2 / B^2 = {:g}: ", ratio);
+    checks.push_back({name + "95 % intervals hold", held / logs, 0.9, 1});  // of 120 within 2.5 sigma of 95 %; bounds hold more often
+    checks.push_back({name + "determined", static_cast<double>(stated.size()) / logs, ratio >= 300 ? 0.95 : 0, 1});
+    if (stated.empty()) continue;
+    checks.push_back({name + "stated uncertainty, median", median(stated), 0, 1});
+    checks.push_back({name + "K over its truth, median", median(over), 0, ratio >= 100 ? 1.1 : 10});
+  }
+  return checks;
+}
+
+}  // namespace imulab::acceptance
