@@ -85,4 +85,7 @@ for _name in __all__:  # in messages and in help, the package's own names
     if getattr(globals()[_name], "__module__", "").startswith("imulab."):
         globals()[_name].__module__ = "imulab"
 
+Error.__doc__ = "The input is wrong: the text says where, what is wrong, and what was expected."
+Unsupported.__doc__ = "The input is well formed, but the data do not support what was asked."
+
 _atexit.register(_imulab.wait_for_abandoned)  # of work that was interrupted

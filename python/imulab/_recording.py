@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from . import _arrays, _imulab
 from ._arrays import FloatArray
+from ._imulab import Error
 from ._text import PathLike, optional_package, path
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt

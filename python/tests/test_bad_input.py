@@ -244,6 +244,7 @@ def test_sites(by_hand, site):
     expect_clear(lambda: imulab.calibrate(by_hand.recordings[0], method="handheld", site=site))
 
 
+@pytest.mark.filterwarnings("ignore::imulab.DataWarning")
 def test_recordings_without_information():
     still = imulab.Recording.from_arrays(np.arange(1, 3001) / 100, np.zeros((3000, 3)), np.tile([0, 0, 9.8], (3000, 1)))
     for method in imulab.methods():
