@@ -65,9 +65,9 @@ py::tuple flown(const std::string& mission, bool errors, const std::shared_ptr<C
                         std::move(out.warnings));
 }
 
-Outcome navigated(const std::string& name, const std::shared_ptr<CalibrationObject>& calibration, std::shared_ptr<Session> session,
+std::pair<Outcome, std::shared_ptr<Solution>> navigated(const std::string& name, const std::shared_ptr<CalibrationObject>& calibration, std::shared_ptr<Session> session,
                   std::shared_ptr<Recording> recording, const std::string& vertical, bool align, std::optional<double> heading_deg,
-                  double heading_sigma_deg, const std::string& barometer, const std::string& truth, bool refuse_gaps) {
+                  double heading_sigma_deg, const std::string& barometer, const std::string& truth_file, std::shared_ptr<Solution> truth, bool refuse_gaps) {
   NavigateOptions options;
   const std::map<std::string, VerticalChannel> channels{
       {"free", VerticalChannel::free}, {"fixed", VerticalChannel::fixed}, {"aided", VerticalChannel::aided}, {"held", VerticalChannel::held}};
@@ -79,18 +79,21 @@ Outcome navigated(const std::string& name, const std::shared_ptr<CalibrationObje
   if (refuse_gaps) options.gaps = GapTreatment::refuse;
   const auto found = std::make_shared<NavigatedSession>(run(py::none(), [=](const auto&) mutable {
     if (!barometer.empty()) options.barometer = read_heights(barometer);
-    const auto reference = truth.empty() ? session_truth(*session) : TrueMotion{truth, read_solution(truth)};
+    std::optional<TrueMotion> reference;
+    if (truth)
+      reference = {"truth", *truth};
+    else
+      reference = truth_file.empty() ? session_truth(*session) : TrueMotion{truth_file, read_solution(truth_file)};
     return navigate_session(name, calibration ? calibration->calibration() : no_calibration(), *session, *recording, options, reference, true);
   }));
   Outcome out{.json = navigation_json({*found}), .text = navigation_table({*found}), .warnings = found->navigated.warnings, .page = [found] {
                 return navigation_page({.sessions = {*found}});
               }};
-  out.arrays["solution"] = rows_of(found->navigated.solution);
   if (found->errors) {
     out.arrays["errors"] = rows_of(*found->errors);
     out.warnings.insert(out.warnings.end(), found->errors->warnings.begin(), found->errors->warnings.end());
   }
-  return out;
+  return {std::move(out), std::shared_ptr<Solution>(found, &found->navigated.solution)};
 }
 
 Outcome budgeted(const std::string& mission, const std::optional<std::string>& grade, const std::optional<std::string>& system,
@@ -109,6 +112,12 @@ Outcome budgeted(const std::string& mission, const std::optional<std::string>& g
 }  // namespace
 
 void bind_navigation(py::module_& module) {
+  py::class_<Solution, std::shared_ptr<Solution>>(module, "Solution")
+      .def_property_readonly("rows", [](const Solution& s) { return rows_of(s); })
+      .def("save", [](const Solution& s, const std::string& path) {
+        const py::gil_scoped_release unlocked;
+        write_solution(path, s);
+      });
   module.def("trajectory", &flown);
   module.def("navigate", &navigated);
   module.def("budget", &budgeted);

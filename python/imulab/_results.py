@@ -8,8 +8,6 @@ from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from . import _imulab
 from ._arrays import FloatArray
 from ._imulab import Unsupported
@@ -169,14 +167,19 @@ class Solution:
 
     columns = ("t", "latitude_deg", "longitude_deg", "height_m", "ve", "vn", "vu", "roll_deg", "pitch_deg", "heading_deg")
 
-    def __init__(self, rows: FloatArray) -> None:
+    def __init__(self, solution: _imulab.Solution) -> None:
+        rows = solution.rows
         self.t: FloatArray = rows[:, 0]  #: (N,) s
         self.latitude_deg: FloatArray = rows[:, 1]
         self.longitude_deg: FloatArray = rows[:, 2]
         self.height_m: FloatArray = rows[:, 3]
         self.velocity: FloatArray = rows[:, 4:7]  #: (N, 3) east, north, up, m/s
         self.attitude_deg: FloatArray = rows[:, 7:10]  #: (N, 3) roll, pitch, heading
-        self._rows = rows
+        self._solution, self._rows = solution, rows
+
+    def save(self, file: PathLike) -> None:
+        """Writes it as CSV with the columns above, whole or not at all."""
+        self._solution.save(path("file", file))
 
     def __len__(self) -> int:
         return len(self.t)
@@ -191,12 +194,11 @@ class Solution:
 
 
 class Navigation(Result):
-    """A session navigated."""
+    """A session navigated. `solution`: from the start, then at every sample's end."""
 
-    @property
-    def solution(self) -> Solution:
-        """From the start, then at every sample's end."""
-        return Solution(np.asarray(self._outcome.arrays["solution"]))
+    def __init__(self, outcome: _imulab.Outcome, solution: _imulab.Solution) -> None:
+        super().__init__(outcome)
+        self.solution = Solution(solution)
 
     @property
     def errors(self) -> FloatArray | None:

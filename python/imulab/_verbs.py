@@ -294,7 +294,8 @@ def navigate(
         session, found = _one_recording(data, None, recording)
     if calibration is not None:
         calibration._expect_usable(allow_undetermined)
-    outcome = _imulab.navigate(
+    own = data.truth._solution if isinstance(data, Flight) and truth is None else None
+    outcome, solution = _imulab.navigate(
         found.name,
         None if calibration is None else calibration._calibration,
         session._session,
@@ -305,10 +306,11 @@ def navigate(
         heading_sigma_deg,
         "" if barometer is None else path("barometer", barometer),
         "" if truth is None else path("truth", truth),
+        own,
         refuse_gaps,
     )
     warn(outcome.warnings)
-    return Navigation(outcome)
+    return Navigation(outcome, solution)
 
 
 def budget(
