@@ -1,4 +1,6 @@
 // The command explains itself: in 80 columns, with examples that its own parser accepts, in manual pages and in shells.
+#include "imulab/core/build.hpp"
+
 #include <gmock/gmock.h>
 
 #include "tests/run_command.hpp"
@@ -7,7 +9,9 @@
 namespace imulab {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 const std::vector<std::string> verbs{
     "calibrate",          "live",     "noise",   "compare", "verify",     "report", "procedure", "procedure hand-held",
@@ -34,6 +38,15 @@ TEST(Help, ListsEveryVerbInAGroup) {
     if (verb.find(' ') == std::string::npos) {
       EXPECT_THAT(text, HasSubstr("\n  " + verb + " ")) << verb;
     }
+}
+
+TEST(Help, TheVersionSaysWhatImulabWasBuiltWith) {
+  const TemporaryFolder folder;
+  const std::string text = run_imulab(folder, "--version").output;
+  const Build b = build();
+  EXPECT_THAT(text, StartsWith("imulab " + b.version + "\ncompiler  " + b.compiler + ", "));
+  for (const BuildOption& option : b.options)
+    EXPECT_THAT(text, ContainsRegex("\n" + std::string(option.built_with ? "with" : "without") + " +" + option.name + " +" + option.purpose + "\n"));
 }
 
 /// An example that the parser refuses has a wrong name in it; files that do not exist are refused later.
