@@ -192,7 +192,7 @@ std::optional<StoredReading> read_stored(const Session& session, const Recording
   const std::uint64_t bytes = 8 * (table.columns.size() + 1) * rows_of(format, request, table.columns, most_bytes);
   if (bytes <= most_bytes) return std::nullopt;
   if (const std::string reason = why_not_in_pieces(format, request, parts, source); !reason.empty()) {
-    why = fmt::format("{}: its columns take {:.2g} GB, the analysis about three times as much memory: {}", request.file.string(),
+    why = fmt::format("{}: its columns take {:.2g} GB, the analysis two to three times as much memory: {}", request.file.string(),
                       1e-9 * static_cast<double>(bytes), reason);
     return std::nullopt;
   }
