@@ -4,7 +4,7 @@ set(IMULAB_OPTIONAL_DEPENDENCIES
     "LZ4|liblz4|PkgConfig::IMULAB_LZ4|bags compressed with LZ4"
     "ZSTD|libzstd|PkgConfig::IMULAB_ZSTD|bags compressed with Zstandard"
     "BZIP2|BZip2|BZip2::BZip2|bags compressed with bzip2"
-    "SQLITE|sqlite3|PkgConfig::IMULAB_SQLITE|ROS 2 bags in SQLite"
+    "SQLITE|sqlite3|PkgConfig::IMULAB_SQLITE|ROS 2 bags in SQLite, fleet stores"
     "HDF5|hdf5|PkgConfig::IMULAB_HDF5|recordings in HDF5"
     "MATIO|matio|PkgConfig::IMULAB_MATIO|recordings in MATLAB files")
 
