@@ -111,6 +111,25 @@ std::vector<FleetFailure> FleetStore::failures() {
   return out;
 }
 
+std::vector<std::string> FleetStore::clock_problems() {
+  constexpr double tolerance = 60;  // s, between the clocks of two machines that are set by a network
+  const auto found = [&](const std::string& what, const std::string& query) -> std::vector<std::string> {
+    Statement rows(database_, fmt::format("SELECT COUNT(*), MIN(id), MAX(by) FROM ({}) WHERE by > {}", query, tolerance));
+    if (!rows.next() || rows.integer(0) == 0) return {};
+    return {fmt::format(fmt::runtime(what), rows.integer(0), rows.integer(1), rows.real(2))};
+  };
+  std::vector<std::string> out = found(
+      "{} calibrations, the first of them number {}, were added up to {:.0f} s before the one ahead of them: a clock was set back, and their times "
+      "may be wrong",
+      "SELECT id, LAG(added) OVER (ORDER BY id) - added AS by FROM calibrations");
+  for (std::string& text :
+       found("{} calibrations, the first of them number {}, were measured up to {:.0f} s after they were added: a clock was wrong, and so are "
+             "drifts of their units",
+             "SELECT id, time - added AS by FROM calibrations WHERE removed IS NULL"))
+    out.push_back(std::move(text));
+  return out;
+}
+
 std::string FleetStore::calibration_file(std::int64_t calibration) {
   Statement row(database_, "SELECT deflated, bytes FROM texts WHERE calibration = ?");
   if (!row.with(calibration).next()) throw Error(fmt::format("{}: has no calibration {}", database_.file(), calibration));

@@ -28,7 +28,7 @@ double parse_time(const std::string& text);
 struct FleetOccasion {
   std::string station, operated_by;
   double time = 0;
-  std::string time_from;  ///< "stamps", "file", "created" or "declared": what the time is from
+  std::string time_from;  ///< "stamps", "file", "created", "added" or "declared": what the time is from
 };
 
 /// A session by its content.
@@ -97,6 +97,8 @@ class FleetStore {
   /// In the order of their times; of one unit (0: of all).
   std::vector<FleetRecord> records(std::int64_t unit = 0, bool with_removed = false);
   std::vector<FleetFailure> failures();
+  /// Clocks that went back or ahead: calibrations that were added before earlier ones, and measured after they were added.
+  std::vector<std::string> clock_problems();
   /// The calibration's file as it was stored.
   std::string calibration_file(std::int64_t calibration);
   /// What is wrong with the store itself, and files of sessions that exist and are no longer what they were; `progress` is told the part done.
