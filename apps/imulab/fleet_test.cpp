@@ -123,7 +123,7 @@ TEST_F(FleetCommand, AFullDiskIsAnErrorAndTheStoreIsAsBefore) {
   const auto before = numbers("fleet.db");
   folder.write("b.json", calibration_text(drawn_calibration(1, 2)));
   // The file may not grow: writes beyond 40 kB (the index of the log has 32) fail as on a full disk.
-  const CommandResult full = run_shell(folder, std::string("trap '' XFSZ; ulimit -f 40; '") + IMULAB_COMMAND + "' fleet add b.json");
+  const CommandResult full = run_shell(folder, std::string("trap '' XFSZ; ulimit -f 80; '") + IMULAB_COMMAND + "' fleet add b.json");
   EXPECT_EQ(full.exit_code, 2);
   EXPECT_THAT(full.errors, HasSubstr("fleet.db: SQLite: "));
   EXPECT_EQ(numbers("fleet.db"), before);
