@@ -83,6 +83,12 @@ double where_fallen(const Eigen::ArrayXd& y, const Eigen::ArrayXd& v, double cen
 
 }  // namespace
 
+double random_spread2(const Eigen::ArrayXd& y, const Eigen::ArrayXd& v) {
+  if (y.size() < 2) return 0;
+  const double center = y.mean(), total = (y - center).square().sum() / (static_cast<double>(y.size()) - 1);
+  return best_from(y, v, center, std::max(0.0, total - v.mean()));
+}
+
 RandomEffects random_effects(const Eigen::ArrayXd& y, const Eigen::ArrayXd& v, double confidence) {
   if (y.size() == 0) throw Error("no value; expected at least one unit");
   if (!(v > 0).all() || !v.isFinite().all() || !y.isFinite().all())

@@ -18,4 +18,7 @@ struct RandomEffects {
 /// spread. `confidence`: of the intervals, each alone. Throws Error where there is no value, and for a variance that is not above 0.
 RandomEffects random_effects(const Eigen::ArrayXd& values, const Eigen::ArrayXd& variances, double confidence = 0.95);
 
+/// The spread's square alone.
+double random_spread2(const Eigen::ArrayXd& values, const Eigen::ArrayXd& variances);
+
 }  // namespace imulab
