@@ -6,6 +6,7 @@
 #include "imulab/estimate/method.hpp"
 #include "imulab/fleet/statistics.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/report/fleet_page.hpp"
 
 #include <fmt/format.h>
 
@@ -28,6 +29,7 @@ void stats(const Options& o) {
   FleetStore store(o.store);
   const FleetStatistics statistics = fleet_statistics(store, options, o.method);
   warn_of_clocks(store);
+  if (!o.report.empty()) write_whole(o.report, fleet_page(statistics, store, o.store));
   if (o.json)
     print_json(fleet_statistics_json(statistics, store));
   else
@@ -45,6 +47,7 @@ void add_fleet_stats(Verb& fleet) {
   verb.option("--method METHOD", o->method, "calibrations by this method alone").one_of(names);
   verb.option("--require LIMITS", o->require, "what the values have to be within, as in \"accel.offset <= 5 mg\": capability Cp and Cpk");
   verb.option("--false-alarm P", o->false_alarm, "probability of any outlier in a fleet without").in_range(1e-9, 0.5).show_default();
+  add_report_option(verb, o->report);
   verb.flag("--json", o->json, "print the statistics as JSON");
   verb.example("imulab fleet stats --store fleet.db --require \"accel.offset <= 50 mg\"");
   verb.does([o] { stats(*o); });

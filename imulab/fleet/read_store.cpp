@@ -50,11 +50,15 @@ using fleet::Statement;
 
 }  // namespace
 
-std::vector<FleetUnit> FleetStore::units() {
+std::vector<FleetUnit> FleetStore::units() { return units_where("", ""); }
+
+std::vector<FleetUnit> FleetStore::units_where(const std::string& condition, const std::string& name) {
   Statement rows(database_,
-                 "SELECT u.id, u.serial, u.name, COUNT(c.id), MIN(c.time), MAX(c.time), c.verdict, c.method, c.station, "  // c: of the maximum
-                 "(SELECT COUNT(*) FROM noises n WHERE n.unit = u.id) FROM units u LEFT JOIN calibrations c ON c.unit = u.id AND c.removed IS NULL "
-                 "GROUP BY u.id ORDER BY u.serial, u.name");
+                 "SELECT u.id, u.serial, u.name, COUNT(c.id), (SELECT MIN(time) FROM calibrations f WHERE f.unit = u.id AND f.removed IS NULL), "
+                 "MAX(c.time), c.verdict, c.method, c.station, "  // c: of the maximum
+                 "(SELECT COUNT(*) FROM noises n WHERE n.unit = u.id) FROM units u LEFT JOIN calibrations c ON c.unit = u.id AND c.removed IS NULL " +
+                     condition + " GROUP BY u.id ORDER BY u.serial, u.name");
+  if (!condition.empty()) rows.with(name);
   std::vector<FleetUnit> out;
   while (rows.next())
     out.push_back({rows.integer(0), rows.text(1), rows.text(2), rows.integer(3), rows.integer(9), rows.real(4), rows.real(5), rows.text(6),
@@ -63,9 +67,7 @@ std::vector<FleetUnit> FleetStore::units() {
 }
 
 FleetUnit FleetStore::unit(const std::string& name) {
-  std::vector<FleetUnit> found;
-  for (const FleetUnit& u : units())
-    if (u.serial == name || u.name == name) found.push_back(u);
+  const std::vector<FleetUnit> found = units_where("WHERE ?1 IN (u.serial, u.name)", name);
   if (found.empty()) throw Error(fmt::format("{}: has no unit {}; expected a serial number or a name of imulab fleet list", database_.file(), name));
   for (const FleetUnit& u : found)
     if (u.serial == name) return u;

@@ -111,6 +111,7 @@ class FleetStore {
   fleet::Database& database() { return database_; }
 
  private:
+  std::vector<FleetUnit> units_where(const std::string& condition, const std::string& name);
   std::int64_t unit_of(const Calibration& calibration);
   std::int64_t unit_named(const std::string& serial, const std::string& name);
   std::int64_t session_id(const FleetSession& session, std::int64_t unit, const FleetOccasion& occasion);
