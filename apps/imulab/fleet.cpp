@@ -216,6 +216,7 @@ void add_show(Verb& fleet) {
 void add_fleet(Verb app) {
   Verb fleet = app.verb("fleet", "Keep the calibrations of many units in one store, and see how they spread, drift and differ");
   fleet.needs_verb();
+  fleet.example("imulab fleet calibrate week-12 --method handheld --store fleet.db");
   add_add(fleet);
   add_calibrate_all(fleet);
   add_list(fleet);

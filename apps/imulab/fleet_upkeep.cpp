@@ -121,7 +121,7 @@ void add_fleet_upkeep(Verb& fleet) {
   verb.option("--calibration N", removed->calibration, "this one alone");
   verb.option("--reason TEXT", removed->reason, "why");
   verb.flag("--json", removed->json, "print the count as JSON");
-  verb.example("imulab fleet remove --calibration 17 --reason \"dropped before\" --store fleet.db");
+  verb.example("imulab fleet remove --calibration 17 --reason dropped --store fleet.db");
   verb.does([o = removed] { remove(*o); });
 }
 
