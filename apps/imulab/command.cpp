@@ -270,7 +270,7 @@ int run(std::vector<std::string> arguments) {
   add_help(app);
   for (CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) verb->group("start here");
   for (const Group& group :
-       {Group{"calibrate", {add_inspect, add_calibrate, add_live, add_noise, add_compare, add_verify, add_report}},
+       {Group{"calibrate", {add_inspect, add_calibrate, add_live, add_noise, add_compare, add_verify, add_report, add_fleet}},
         Group{"before the measurement", {add_procedure, add_simulate, add_predict, add_plan}},
         Group{"use a calibration", {add_compensate, add_export, add_import}}, Group{"in navigation", {add_trajectory, add_navigate, add_budget}}})
     for (const auto add : group.verbs) {

@@ -97,6 +97,7 @@ void add_budget(Verb app);
 void add_export(Verb app);
 void add_import(Verb app);
 void add_report(Verb app);
+void add_fleet(Verb app);
 void add_demo(Verb app);
 
 }  // namespace imulab::command

@@ -56,6 +56,9 @@ Run short_whole_unit_run(std::uint64_t seed);
 /// Compensated samples anywhere in the range against the covariance propagated to them, and the stepwise estimate's RMS errors over the joint one's.
 std::vector<Check> whole_unit_outputs(int runs);
 
+/// Drawn fleets of 60 units with three calibrations each, through a store: coverage of spread, drift and station bias; rates of outliers.
+std::vector<Check> fleets(int count);
+
 /// What the acceptance test runs for a method. Every method of the table has at least one.
 struct Case {
   std::string_view method, name;

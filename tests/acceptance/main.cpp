@@ -52,6 +52,7 @@ int main(int argc, char** argv) {
   if (chosen("error-growth")) passed &= report(fmt::format("error-growth: {} runs, seed 1", count(2000)), error_growth(count(2000)));
   if (chosen("whole-unit"))
     passed &= report(fmt::format("whole-unit outputs: {} sessions, seeds 1..{}", count(200), count(200)), whole_unit_outputs(count(200)));
+  if (chosen("fleet")) passed &= report(fmt::format("fleet: {} fleets, seeds 1..{}", count(600), count(600)), fleets(count(600)));
   if (chosen("drives")) fmt::print("drives: {} drives, seeds 1..{}\n{}", count(200), count(200), describe(drives(count(200))));
   if (chosen("dai-flight")) {
     const DaiFlights flown = dai_flights(count(200));

@@ -1,0 +1,228 @@
+// imulab fleet add|calibrate|list|show|stats|check|merge|export|remove
+#include "apps/imulab/fleet.hpp"
+
+#include "apps/imulab/command.hpp"
+#include "apps/imulab/files.hpp"
+#include "imulab/core/error.hpp"
+#include "imulab/estimate/method.hpp"
+#include "imulab/fleet/numbers_of_all.hpp"
+#include "imulab/io/result/fields.hpp"
+#include "imulab/io/text/file.hpp"
+#include "imulab/io/text/terminal.hpp"
+#include "imulab/tasks/calibrate.hpp"
+#include "imulab/tasks/fleet.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+namespace imulab::command {
+
+using fleet::Access;
+using fleet::time_text;
+
+void add_store_option(Verb& verb, std::string& store) { verb.option("--store FILE", store, "the fleet's store").show_default(); }
+
+void warn_of_clocks(FleetStore& store) {
+  for (const std::string& problem : store.clock_problems()) warn(problem);
+}
+
+namespace {
+
+struct Options {
+  std::string store = "fleet.db", method, terms = "auto", unit, output, other, reason;
+  std::vector<std::string> files;
+  std::vector<std::string> calibrations;
+  FleetDeclaration declared;
+  bool json = false, retry = false, csv = false, failures = false;
+};
+
+void add_declared(Verb& verb, FleetDeclaration& declared) {
+  verb.option("--station NAME", declared.station, "where it was measured");
+  verb.option("--operator NAME", declared.operated_by, "who measured, where the session does not say");
+  verb.option("--time TIME", declared.time, "when it was measured (UTC, 2026-03-31T12:00:00Z), instead of the recording's stamps");
+}
+
+void add(const Options& o) {
+  FleetStore store(o.store, Access::write);
+  std::vector<std::string> wrong;
+  std::vector<JsonFields> added;
+  for (const std::string& file : o.files) try {
+      const std::string what = add_to_fleet(file, o.unit, o.declared, store);
+      added.push_back({{{"file", file}, {"added", what}}});
+      if (!o.json) print(fmt::format("{}: {}\n", file, what));
+    } catch (const Error& e) {
+      wrong.emplace_back(e.what());
+    }
+  if (o.json) print_json(fields_json({{{"files", added}, {"errors", wrong}}}));
+  warn_of_clocks(store);
+  if (!wrong.empty()) throw Error(fmt::format("{}", fmt::join(wrong, "\n")));
+}
+
+void add_add(Verb& fleet) {
+  const auto o = std::make_shared<Options>();
+  Verb verb = fleet.verb("add", "Add calibrations, sessions or noise");
+  verb.option("FILE", o->files, "calibration.json, a session's folder, or noise.json").required().takes_several(1);
+  add_store_option(verb, o->store);
+  add_declared(verb, o->declared);
+  verb.option("--unit SERIAL", o->unit, "whose noise it is: a serial number, or a name where there is none");
+  verb.flag("--json", o->json, "print what was added as JSON");
+  verb.example("imulab fleet add calibration.json --store fleet.db --station 2");
+  verb.does([o] { add(*o); });
+}
+
+std::vector<JsonFields> failures_json(const std::vector<FleetFailure>& failures) {
+  std::vector<JsonFields> out;
+  for (const FleetFailure& f : failures)
+    out.push_back({{{"file", f.file}, {"method", f.method}, {"options", f.options}, {"message", f.message}, {"added", time_text(f.added)}}});
+  return out;
+}
+
+void calibrate_all(const Options& o) {
+  parse_terms(o.terms);
+  const std::vector<std::filesystem::path> sessions = sessions_below({o.files.begin(), o.files.end()});
+  FleetStore store(o.store, Access::write);
+  FleetCalibrationTask task{.method = o.method, .terms = o.terms, .declared = o.declared, .retry = o.retry};
+  FleetCalibrationCounts n;
+  {
+    Progress progress("calibrating", static_cast<double>(sessions.size()));
+    task.progress = [&](double done, double) { progress.report(done); };
+    n = calibrate_fleet(sessions, task, store);
+  }
+  for (const FleetFailure& f : n.failures) warn(fmt::format("{}: {}: the store has no calibration of it", f.file, f.message));
+  warn_of_clocks(store);
+  const auto counted = [](std::int64_t k) { return static_cast<std::uint64_t>(k); };
+  if (o.json)
+    print_json(fields_json({{{"sessions", counted(n.sessions)},
+                             {"calibrated", counted(n.calibrated)},
+                             {"skipped", counted(n.skipped)},
+                             {"failed", counted(n.failed)},
+                             {"failed_before", counted(n.failed_before)},
+                             {"failures", failures_json(n.failures)}}}));
+  else
+    print(fmt::format("{} sessions: {} calibrated, {} in the store before, {} failed{}\n", n.sessions, n.calibrated, n.skipped, n.failed,
+                      n.failed_before > 0 ? fmt::format(", {} failed before (--retry tries them again)", n.failed_before) : ""));
+  if (n.failed + n.failed_before > 0)
+    throw Unsupported(
+        fmt::format("{} of {} sessions are not calibrated: imulab fleet list --failures names them", n.failed + n.failed_before, n.sessions));
+}
+
+void add_calibrate_all(Verb& fleet) {
+  const auto o = std::make_shared<Options>();
+  Verb verb = fleet.verb("calibrate", "Calibrate all sessions below folders, each once");
+  verb.option("DIR", o->files, "folders with sessions in them or below them").required().takes_several(1);
+  std::vector<std::string> names;
+  for (const Method& m : methods()) names.emplace_back(m.name);
+  verb.option("--method METHOD", o->method, "as of imulab calibrate").required().one_of(names);
+  verb.option("--terms TERMS", o->terms, "as of imulab calibrate").show_default();
+  add_store_option(verb, o->store);
+  add_declared(verb, o->declared);
+  verb.flag("--retry", o->retry, "sessions that failed before, too");
+  verb.flag("--json", o->json, "print the counts as JSON");
+  verb.example("imulab fleet calibrate week-12 --method handheld --store fleet.db --station 2");
+  verb.does([o] { calibrate_all(*o); });
+}
+
+void list_failures(const Options& o, FleetStore& store) {
+  const std::vector<FleetFailure> failures = store.failures();
+  if (o.json) return print_json(fields_json({{{"failures", failures_json(failures)}}}));
+  std::string text;
+  for (const FleetFailure& f : failures) text += fmt::format("{} ({} {}): {}\n", f.file, f.method, f.options, f.message);
+  print(text.empty() ? "no session has failed\n" : text);
+}
+
+void list(const Options& o) {
+  FleetStore store(o.store);
+  if (o.failures) return list_failures(o, store);
+  const std::vector<FleetUnit> units = store.units();
+  if (o.json) {
+    std::vector<JsonFields> rows;
+    rows.reserve(units.size());
+    for (const FleetUnit& u : units)
+      rows.push_back({{{"serial", u.serial},
+                       {"name", u.name},
+                       {"calibrations", static_cast<std::uint64_t>(u.calibrations)},
+                       {"noises", static_cast<std::uint64_t>(u.noises)},
+                       {"first", u.calibrations > 0 ? time_text(u.first) : ""},
+                       {"last", u.calibrations > 0 ? time_text(u.last) : ""},
+                       {"method", u.method},
+                       {"verdict", u.verdict},
+                       {"station", u.station}}});
+    return print_json(fields_json({{{"units", rows}}}));
+  }
+  std::size_t serial = 6, name = 4;
+  for (const FleetUnit& u : units) serial = std::max(serial, u.serial.size()), name = std::max(name, std::min<std::size_t>(u.name.size(), 30));
+  std::string text = fmt::format("{:<{}}  {:<{}}  calibrations  last                  verdict   station\n", "serial", serial, "name", name);
+  for (const FleetUnit& u : units)
+    text += fmt::format("{:<{}}  {:<{}}  {:>12}  {:<20}  {:<8}  {}\n", u.serial, serial, u.name, name, u.calibrations,
+                        u.calibrations > 0 ? time_text(u.last) : "-", u.verdict, u.station);
+  const std::size_t failed = store.failures().size();
+  print(text + fmt::format("{} units{}\n", units.size(), failed > 0 ? fmt::format("; {} sessions failed (--failures)", failed) : ""));
+}
+
+void add_list(Verb& fleet) {
+  const auto o = std::make_shared<Options>();
+  Verb verb = fleet.verb("list", "List the units, or the sessions that failed");
+  add_store_option(verb, o->store);
+  verb.flag("--failures", o->failures, "the sessions that failed, with their messages");
+  verb.flag("--json", o->json, "print the list as JSON");
+  verb.example("imulab fleet list --store fleet.db");
+  verb.does([o] { list(*o); });
+}
+
+void show(const Options& o) {
+  FleetStore store(o.store);
+  const FleetUnit unit = store.unit(o.unit);
+  const std::vector<FleetRecord> records = store.records(unit.id, true);
+  std::vector<JsonFields> rows;
+  std::string text = fmt::format("{} {}: {} calibrations\n", unit.name, unit.serial, unit.calibrations);
+  for (const FleetRecord& r : records) {
+    rows.push_back({{{"calibration", static_cast<std::uint64_t>(r.id)},
+                     {"time", time_text(r.occasion.time)},
+                     {"time_from", r.occasion.time_from},
+                     {"station", r.occasion.station},
+                     {"operator", r.occasion.operated_by},
+                     {"method", r.method},
+                     {"options", r.options},
+                     {"verdict", r.verdict},
+                     {"created", r.created},
+                     {"software", r.software},
+                     {"session", r.session_file},
+                     {"added", time_text(r.added)},
+                     {"removed", r.removed ? time_text(*r.removed) : ""},
+                     {"reason", r.reason}}});
+    text += fmt::format("  {:>6}  {} ({})  {} {}  {}{}{}{}\n", r.id, time_text(r.occasion.time), r.occasion.time_from, r.method, r.options, r.verdict,
+                        r.occasion.station.empty() ? "" : "  station " + r.occasion.station,
+                        r.occasion.operated_by.empty() ? "" : "  by " + r.occasion.operated_by,
+                        r.removed ? fmt::format("  removed {}{}", time_text(*r.removed), r.reason.empty() ? "" : ": " + r.reason) : "");
+  }
+  if (!o.json) return print(text);
+  print_json(fields_json({{{"serial", unit.serial}, {"name", unit.name}, {"calibrations", rows}}}));
+}
+
+void add_show(Verb& fleet) {
+  const auto o = std::make_shared<Options>();
+  Verb verb = fleet.verb("show", "Show a unit's calibrations, the removed ones too");
+  verb.option("UNIT", o->unit, "a serial number, or a name where there is none").required();
+  add_store_option(verb, o->store);
+  verb.flag("--json", o->json, "print them as JSON");
+  verb.example("imulab fleet show 012 --store fleet.db");
+  verb.does([o] { show(*o); });
+}
+
+}  // namespace
+
+void add_fleet(Verb app) {
+  Verb fleet = app.verb("fleet", "Keep the calibrations of many units in one store, and see how they spread, drift and differ");
+  fleet.needs_verb();
+  fleet.example("imulab fleet calibrate week-12 --method handheld --store fleet.db");
+  add_add(fleet);
+  add_calibrate_all(fleet);
+  add_list(fleet);
+  add_show(fleet);
+  add_fleet_stats(fleet);
+  add_fleet_upkeep(fleet);
+}
+
+}  // namespace imulab::command

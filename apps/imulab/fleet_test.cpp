@@ -1,0 +1,178 @@
+#include "imulab/fleet/numbers_of_all.hpp"
+#include "imulab/fleet/store.hpp"
+#include "imulab/io/calibration/file.hpp"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/fleet_draw.hpp"
+#include "tests/run_command.hpp"
+#include <cstdlib>
+#include <filesystem>
+
+namespace imulab {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+/// Sessions of units 1 to N below week/, moved by hand.
+struct FleetCommand : ::testing::Test {
+  TemporaryFolder folder;
+
+  CommandResult run(const std::string& arguments, int expected = 0) {
+    CommandResult result = run_imulab(folder, arguments);
+    EXPECT_EQ(result.exit_code, expected) << arguments << "\n" << result.errors;
+    return result;
+  }
+  void simulate(int count) {
+    run("procedure hand-held -o hand.toml");
+    std::filesystem::create_directories(folder / "week");
+    for (int k = 1; k <= count; ++k) {
+      const std::string n = std::to_string(k);
+      run_shell(folder, "sed 's/^name = .*/name = \"unit " + n + "\"\\nserial = \"" + n + "\"/' hand.toml > hand" + n + ".toml");
+      run("simulate hand" + n + ".toml --seed " + n + " -o week/unit" + n);
+    }
+  }
+  /// Every number of every unit.
+  std::map<std::string, std::string> numbers(const std::string& file) {
+    FleetStore store(folder / file);
+    std::map<std::string, std::string> out;
+    for (const FleetRecord& r : store.records()) out[r.serial] += fleet::packed(fleet::numbers_of(store, r.id));
+    return out;
+  }
+};
+
+TEST_F(FleetCommand, CalibratesEverySessionOnce) {
+  simulate(3);
+  EXPECT_THAT(run("fleet calibrate week --method handheld --station A").output,
+              HasSubstr("3 sessions: 3 calibrated, 0 in the store before, 0 failed"));
+  EXPECT_THAT(run("fleet calibrate week --method handheld --station A").output, HasSubstr("0 calibrated, 3 in the store before"));
+  EXPECT_THAT(run("fleet calibrate week --method static").output, HasSubstr("3 calibrated, 0 in the store before"));
+  const auto units = nlohmann::json::parse(run("fleet list --json").output)["units"];
+  ASSERT_EQ(units.size(), 3u);
+  EXPECT_EQ(units[0]["serial"], "1");
+  EXPECT_EQ(units[0]["name"], "unit 1");
+  EXPECT_EQ(units[0]["calibrations"], 2);
+  const auto shown = nlohmann::json::parse(run("fleet show 2 --json").output)["calibrations"];
+  ASSERT_EQ(shown.size(), 2u);
+  EXPECT_EQ(shown[0]["method"], "handheld");
+  EXPECT_EQ(shown[0]["station"], "A");
+  // What the store has is what calibrate gives.
+  run("calibrate week/unit2 --method handheld -o alone.json");
+  run("fleet export --calibration " + std::to_string(shown[0]["calibration"].get<int>()) + " -o stored.json");
+  const Calibration alone = read_calibration(folder / "alone.json"), stored = read_calibration(folder / "stored.json");
+  EXPECT_EQ(alone.covariance, stored.covariance);
+  EXPECT_EQ(alone.model.gyro.matrix, stored.model.gyro.matrix);
+  EXPECT_EQ(alone.sources, stored.sources);
+  const std::string csv = run("fleet export --csv").output;
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 7);
+  EXPECT_THAT(csv, HasSubstr("accel.offset.x,u(accel.offset.x)"));
+  EXPECT_THAT(run("fleet check").output, HasSubstr("fleet.db: whole; of 6 files of its sessions 6 are unchanged"));
+  run_shell(folder, "echo '# more' >> week/unit2/recording.csv");
+  EXPECT_THAT(run("fleet check", 1).errors, HasSubstr("unit2/recording.csv"));
+}
+
+TEST_F(FleetCommand, TheNumberOfThreadsChangesNothing) {
+  simulate(5);
+  run("--threads 1 fleet calibrate week --method handheld --store one.db");
+  run("--threads 2 fleet calibrate week --method handheld --store two.db");
+  EXPECT_THAT(numbers("one.db"), SizeIs(5));
+  EXPECT_TRUE(numbers("one.db") == numbers("two.db"));
+}
+
+TEST_F(FleetCommand, AFailedSessionIsRecordedAndTheOthersGoOn) {
+  simulate(3);
+  folder.write("week/unit2/recording.csv", "t,gx,gy,gz,ax,ay,az\n0,0,0,0,0,0,9.8\n0.01,0,0,0,0,0,9.8\n");
+  const CommandResult first = run("fleet calibrate week --method handheld", 1);
+  EXPECT_THAT(first.output, HasSubstr("2 calibrated, 0 in the store before, 1 failed"));
+  EXPECT_THAT(first.errors, HasSubstr("unit2"));
+  EXPECT_THAT(first.errors, HasSubstr("1 of 3 sessions are not calibrated"));
+  const auto failures = nlohmann::json::parse(run("fleet list --failures --json").output)["failures"];
+  ASSERT_EQ(failures.size(), 1u);
+  EXPECT_THAT(failures[0]["file"].get<std::string>(), HasSubstr("unit2/session.toml"));
+  EXPECT_FALSE(failures[0]["message"].get<std::string>().empty());
+  EXPECT_THAT(run("fleet calibrate week --method handheld", 1).output, HasSubstr("0 calibrated, 2 in the store before, 0 failed, 1 failed before"));
+  run("simulate hand2.toml --seed 9 -o new");
+  run_shell(folder, "rm -r week/unit2 && mv new week/unit2");
+  EXPECT_THAT(run("fleet calibrate week --method handheld").output, HasSubstr("1 calibrated, 2 in the store before, 0 failed"));
+  EXPECT_THAT(run("fleet list --failures").output, HasSubstr("no session has failed"));
+}
+
+TEST_F(FleetCommand, GoesOnWhereItWasKilled) {
+  simulate(6);
+  run("fleet calibrate week --method handheld --store whole.db");
+  std::size_t before = 0;
+  for (int k = 0; k < 10; ++k) {
+    run_shell(folder, std::string("timeout -s KILL 0.0") + std::to_string(2 + 7 * k % 10) + " '" + command_path() +
+                          "' --threads 1 fleet calibrate week --method handheld --store killed.db");
+    if (!std::filesystem::exists(folder / "killed.db")) continue;
+    FleetStore store(folder / "killed.db", fleet::Access::write);
+    EXPECT_THAT(store.check().damaged, IsEmpty());
+    EXPECT_GE(store.records().size(), before);
+    before = store.records().size();
+  }
+  run("fleet calibrate week --method handheld --store killed.db");
+  EXPECT_TRUE(numbers("killed.db") == numbers("whole.db"));
+}
+
+TEST_F(FleetCommand, AFullDiskIsAnErrorAndTheStoreIsAsBefore) {
+  folder.write("a.json", calibration_text(drawn_calibration(1, 1)));
+  run("fleet add a.json");
+  const auto before = numbers("fleet.db");
+  std::string files;
+  for (std::uint64_t k = 2; k < 22; ++k) {
+    folder.write("b" + std::to_string(k) + ".json", calibration_text(drawn_calibration(1, k)));
+    files += " b" + std::to_string(k) + ".json";
+  }
+  // No file may grow beyond 40 kB: enough for the index of the log, which has 32, and for its first entries. Then writing fails as on a full disk.
+  const CommandResult full = run_shell(folder, std::string("trap '' XFSZ; ulimit -f 80; '") + command_path() + "' fleet add" + files);
+  EXPECT_EQ(full.exit_code, 2);
+  EXPECT_THAT(full.errors, HasSubstr("expected room to write; the store is as it was before"));
+  const auto after = numbers("fleet.db");
+  EXPECT_LT(after.size(), 21u);
+  EXPECT_TRUE(after.at("1001") == before.at("1001"));
+  EXPECT_THAT(run("fleet check").output, HasSubstr("whole"));
+  run("fleet add" + files);
+  EXPECT_THAT(numbers("fleet.db"), SizeIs(21));
+}
+
+TEST_F(FleetCommand, AddsShowsRemovesAndMerges) {
+  for (int k = 1; k <= 3; ++k) folder.write("c" + std::to_string(k) + ".json", calibration_text(drawn_calibration(1, static_cast<std::uint64_t>(k))));
+  EXPECT_THAT(run("fleet add c1.json c2.json --station 2 --time 2026-03-31").output, HasSubstr("c2.json: calibration\n"));
+  EXPECT_THAT(run("fleet add c1.json").output, HasSubstr("calibration (known)"));
+  EXPECT_THAT(run("fleet show 1001").output, HasSubstr("2026-03-31T00:00:00Z (declared)  drawn"));
+  run("fleet add c3.json --store other.db");
+  EXPECT_THAT(run("fleet merge other.db").output, HasSubstr("1 calibrations added"));
+  EXPECT_THAT(run("fleet list").output, HasSubstr("3 units"));
+  run("fleet remove 1002 --reason 'dropped on the floor'");
+  EXPECT_THAT(run("fleet show 1002").output, HasSubstr("dropped on the floor"));
+  EXPECT_THAT(numbers("fleet.db"), SizeIs(2));
+  EXPECT_THAT(run("fleet remove 1002", 2).errors, HasSubstr("no such calibration"));
+  EXPECT_THAT(run("fleet show 77", 2).errors, HasSubstr("fleet.db: has no unit 77"));
+}
+
+TEST_F(FleetCommand, BadInput) {
+  EXPECT_THAT(run("fleet list", 2).errors, HasSubstr("fleet.db: unable to open database file; expected a fleet store"));
+  EXPECT_THAT(run("fleet calibrate nowhere --method static", 2).errors, HasSubstr("nowhere: no session"));
+  folder.write("c.json", calibration_text(drawn_calibration(1, 1)));
+  Calibration other = drawn_calibration(1, 2);
+  other.serial = "1001";
+  folder.write("same.json", calibration_text(other));
+  folder.write("broken.json", "{");
+  const CommandResult result = run("fleet add c.json same.json broken.json", 2);
+  EXPECT_THAT(result.output, HasSubstr("c.json: calibration"));
+  EXPECT_THAT(result.errors, HasSubstr("two units with one serial number"));
+  EXPECT_THAT(result.errors, HasSubstr("broken.json:1: not JSON"));
+  EXPECT_THAT(run("fleet add c.json --time yesterday", 2).errors, HasSubstr("yesterday: is no time"));
+  folder.write("d.json", calibration_text(drawn_calibration(1, 5)));
+  EXPECT_THAT(run("fleet add d.json --time 2099-01-01").errors, HasSubstr("after they were added: a clock was wrong"));
+  { FleetStore(folder / "fleet.db", fleet::Access::write).database().run("UPDATE calibrations SET added = added + 7200 WHERE id = 1"); }
+  EXPECT_THAT(run("fleet check").errors, HasSubstr("before the one ahead of them: a clock was set back"));
+  { FleetStore(folder / "fleet.db", fleet::Access::write).database().run("PRAGMA user_version = 2"); }
+  EXPECT_THAT(run("fleet list", 2).errors, HasSubstr("a newer imulab wrote it"));
+}
+
+}  // namespace
+}  // namespace imulab

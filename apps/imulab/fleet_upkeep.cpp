@@ -1,0 +1,128 @@
+// imulab fleet check|merge|export|remove
+#include "apps/imulab/command.hpp"
+#include "apps/imulab/files.hpp"
+#include "apps/imulab/fleet.hpp"
+#include "imulab/core/error.hpp"
+#include "imulab/fleet/numbers_of_all.hpp"
+#include "imulab/io/result/fields.hpp"
+#include "imulab/io/text/file.hpp"
+#include "imulab/io/text/terminal.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <memory>
+
+namespace imulab::command {
+
+namespace {
+
+using fleet::Access;
+
+struct Options {
+  std::string store = "fleet.db", other, output, unit, reason;
+  std::string calibration;
+  bool json = false, csv = false, force = false;
+};
+
+void check(const Options& o) {
+  FleetStore store(o.store);
+  FleetStore::Checked c;
+  {
+    Progress progress("checking");
+    c = store.check([&](double part) { progress.report(part); });
+  }
+  const std::vector<std::string> clocks = store.clock_problems();
+  for (const std::string& problem : clocks) warn(problem);
+  if (o.json)
+    print_json(fields_json({{{"damaged", c.damaged},
+                             {"changed", c.changed},
+                             {"files", static_cast<std::uint64_t>(c.files)},
+                             {"missing", static_cast<std::uint64_t>(c.missing)},
+                             {"clocks", clocks}}}));
+  else
+    print(fmt::format("{}: {}; of {} files of its sessions {} are unchanged, {} changed and {} are not there\n", o.store,
+                      c.damaged.empty() ? "whole" : fmt::format("{} damages", c.damaged.size()), c.files,
+                      c.files - c.missing - static_cast<std::int64_t>(c.changed.size()), c.changed.size(), c.missing));
+  if (!c.damaged.empty()) throw Error(fmt::format("{}: {}; expected a whole fleet store", o.store, fmt::join(c.damaged, "; ")));
+  if (!c.changed.empty()) throw Unsupported(fmt::format("{}: not what was calibrated: {}", o.store, fmt::join(c.changed, ", ")));
+}
+
+void merge(const Options& o) {
+  FleetStore store(o.store, Access::write);
+  const std::int64_t added = store.merge(o.other);
+  if (o.json) return print_json(fields_json({{{"calibrations", static_cast<std::uint64_t>(added)}}}));
+  print(fmt::format("{}: {} calibrations added from {}\n", o.store, added, o.other));
+}
+
+std::int64_t calibration_number(const std::string& text) {
+  std::int64_t id = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
+  if (error != std::errc() || end != text.data() + text.size() || id < 1)
+    throw Error(fmt::format("--calibration {}: is no number; expected one of imulab fleet show", text));
+  return id;
+}
+
+void export_it(const Options& o) {
+  if (o.csv == !o.calibration.empty()) throw Error("expected --csv, for all calibrations, or --calibration N, for the file of one");
+  FleetStore store(o.store);
+  const std::string text = o.csv ? fleet::fleet_csv(store) : store.calibration_file(calibration_number(o.calibration));
+  if (o.output.empty() || o.output == "-") return print_json(text);
+  expect_free("-o", o.output, o.force);
+  write_whole(o.output, text);
+}
+
+void remove(const Options& o) {
+  if (o.unit.empty() == o.calibration.empty()) throw Error("expected a unit, or --calibration N");
+  FleetStore store(o.store, Access::write);
+  std::vector<std::int64_t> ids;
+  if (!o.calibration.empty())
+    ids.push_back(calibration_number(o.calibration));
+  else
+    for (const FleetRecord& r : store.records(store.unit(o.unit).id)) ids.push_back(r.id);
+  const std::int64_t removed = store.remove(ids, o.reason);
+  if (removed == 0) throw Error(fmt::format("{}: has no such calibration that is not removed yet", o.store));
+  if (o.json) return print_json(fields_json({{{"removed", static_cast<std::uint64_t>(removed)}}}));
+  print(fmt::format("{}: {} calibrations removed; they stay in the store as history\n", o.store, removed));
+}
+
+Verb upkeep(Verb& fleet, const char* name, const char* summary, const std::shared_ptr<Options>& o) {
+  Verb verb = fleet.verb(name, summary);
+  add_store_option(verb, o->store);
+  return verb;
+}
+
+}  // namespace
+
+void add_fleet_upkeep(Verb& fleet) {
+  const auto checked = std::make_shared<Options>(), merged = std::make_shared<Options>(), exported = std::make_shared<Options>(),
+             removed = std::make_shared<Options>();
+  Verb verb = upkeep(fleet, "check", "Is the store whole, and are the files of its sessions what they were?", checked);
+  verb.flag("--json", checked->json, "print the result as JSON");
+  verb.example("imulab fleet check --store fleet.db");
+  verb.does([o = checked] { check(*o); });
+
+  verb = upkeep(fleet, "merge", "Add what another store has", merged);
+  verb.option("OTHER", merged->other, "the other store, which stays as it is").required();
+  verb.flag("--json", merged->json, "print the count as JSON");
+  verb.example("imulab fleet merge station-2.db --store fleet.db");
+  verb.does([o = merged] { merge(*o); });
+
+  verb = upkeep(fleet, "export", "Write all calibrations as a table, or the file of one", exported);
+  verb.flag("--csv", exported->csv, "a row a calibration: each coefficient and its standard uncertainty, SI");
+  verb.option("--calibration N", exported->calibration, "the file of this calibration, as it was stored");
+  verb.option("-o,--output FILE", exported->output, "the file to write instead of standard output").writes();
+  verb.flag("--force", exported->force, "replace an existing file");
+  verb.example("imulab fleet export --csv --store fleet.db -o fleet.csv");
+  verb.does([o = exported] { export_it(*o); });
+
+  verb = upkeep(fleet, "remove", "Take calibrations out of lists and statistics; they stay as history", removed);
+  verb.option("UNIT", removed->unit, "all calibrations of this unit: a serial number, or a name where there is none");
+  verb.option("--calibration N", removed->calibration, "this one alone");
+  verb.option("--reason TEXT", removed->reason, "why");
+  verb.flag("--json", removed->json, "print the count as JSON");
+  verb.example("imulab fleet remove --calibration 17 --reason dropped --store fleet.db");
+  verb.does([o = removed] { remove(*o); });
+}
+
+}  // namespace imulab::command

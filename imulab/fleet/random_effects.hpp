@@ -1,0 +1,24 @@
+// How much the units of a fleet differ, apart from how well each was measured: y_i = mean + b_i + e_i, b_i ~ N(0, spread^2), e_i ~ N(0, v_i), v_i
+// known.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace imulab {
+
+struct RandomEffects {
+  Eigen::Index units = 0;
+  double mean = 0, mean_low = 0, mean_high = 0;        ///< interval of Hartung and Knapp
+  double spread = 0, spread_low = 0, spread_high = 0;  ///< standard deviation between units; interval: profile of the restricted likelihood
+  double measurement = 0;                              ///< root of the mean variance with which a unit was measured
+  double p_value = 1;                                  ///< probability of such differences between units that are all the same
+};
+
+/// Restricted maximum likelihood (Harville 1977; Hardy and Thompson 1996 for the profile). Of one value the mean with its own uncertainty, and no
+/// spread. `confidence`: of the intervals, each alone. Throws Error where there is no value, and for a variance that is not above 0.
+RandomEffects random_effects(const Eigen::ArrayXd& values, const Eigen::ArrayXd& variances, double confidence = 0.95);
+
+/// The spread's square alone.
+double random_spread2(const Eigen::ArrayXd& values, const Eigen::ArrayXd& variances);
+
+}  // namespace imulab

@@ -1,0 +1,65 @@
+// All statistics of a fleet: how its units spread, apart from how well they were measured; which do not belong; how they drift; how stations and
+// operators differ; whether production is steady and capable (docs/fleet.md).
+#pragma once
+
+#include "imulab/fleet/control.hpp"
+#include "imulab/fleet/drift.hpp"
+#include "imulab/fleet/gauge.hpp"
+#include "imulab/fleet/outliers.hpp"
+#include "imulab/fleet/random_effects.hpp"
+#include "imulab/fleet/sample.hpp"
+#include "imulab/model/requirement.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+struct FleetOptions {
+  double confidence = 0.95;                    ///< of every interval, each alone
+  double false_alarm = 0.01;                   ///< of outliers, and of significant drifts and correlations: of all together
+  std::vector<Requirement> requirements = {};  ///< limits of the values
+};
+
+struct CoefficientStatistics {
+  CoefficientIndex index{};
+  double size = 1;                 ///< SI of one user unit
+  std::string unit;                ///< the user unit; SI where there is none
+  RandomEffects fleet;             ///< of each unit's last calibration, without the outliers
+  ControlChart chart;              ///< by `rows`
+  std::vector<Eigen::Index> rows;  ///< of the sample: the last calibrations that have this coefficient, in the order of their times
+  double control = 0;              ///< three standard deviations of a unit that is measured as well as the average
+  std::optional<Capability> capability;
+  FleetDrift drift;
+  std::optional<RandomEffects> mean_drift;  ///< of the units' slopes, per year
+  std::optional<Gauge> stations, operators;
+};
+
+struct SignificantDrift {
+  CoefficientIndex index;
+  UnitDrift drift;
+};
+
+struct SignificantCorrelation {
+  CoefficientIndex a, b;
+  double correlation = 0;  ///< between units, apart from that of the measurement
+};
+
+struct FleetStatistics {
+  FleetSample sample;
+  std::vector<CoefficientStatistics> coefficients;
+  OutlierSearch search;         ///< units: of the sample's `last`; columns: of its `common`
+  Eigen::MatrixXd correlation;  ///< of `common` over the fleet; zero where a coefficient has no spread
+  std::vector<SignificantCorrelation> correlations;
+  std::vector<SignificantDrift> drifts;  ///< changes that the calibrations do not explain
+};
+
+/// Works on all processors; the result does not depend on their number. Throws Error where the store has no calibration.
+FleetStatistics fleet_statistics(FleetStore& store, const FleetOptions& options = {}, const std::string& method = "");
+
+/// As JSON, and as a table for people. Units by their names in the store.
+std::string fleet_statistics_json(const FleetStatistics& statistics, FleetStore& store);
+std::string fleet_statistics_text(const FleetStatistics& statistics, FleetStore& store);
+
+}  // namespace imulab

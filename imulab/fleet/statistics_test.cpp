@@ -1,0 +1,136 @@
+#include "imulab/core/parallel.hpp"
+#include "imulab/fleet/statistics.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/random.hpp"
+#include "imulab/core/units.hpp"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/fleet_draw.hpp"
+#include "tests/temporary_folder.hpp"
+#include <cmath>
+
+namespace imulab {
+namespace {
+
+using fleet::Access;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+constexpr double year_s = 365.25 * 86400;
+
+/// 150 units, each calibrated three times in two years at two stations. accel.offset.x is 3 mg larger at station B; gyro.offset.y of unit 9 drifts by
+/// 1 deg/s per year; accel.matrix.yy of unit 33 is 1 % off.
+struct DrawnStore : ::testing::Test {
+  TemporaryFolder folder;
+  FleetStore store{folder / "fleet.db", Access::write};
+  DrawnStore() {
+    store.database().run("PRAGMA synchronous = OFF");  // a test's file may be lost with the machine
+    for (std::uint64_t turn = 0; turn < 3; ++turn)
+      for (std::uint64_t unit = 0; unit < 150; ++unit) {
+        Calibration c = drawn_calibration(1, unit, turn);
+        const bool b = (unit + turn) % 2 == 1;
+        if (b) c.model.accel.offset.x() += 3e-3 * unit::g;
+        if (unit == 9) c.model.gyro.offset.y() += static_cast<double>(turn) * unit::deg;
+        if (unit == 33) c.model.accel.matrix(1, 1) += 0.01;
+        store.add_calibration(c, {b ? "B" : "A", "Ada", 1.7e9 + static_cast<double>(turn) * year_s + static_cast<double>(unit) * 3600, "declared"});
+      }
+  }
+  const CoefficientStatistics& of(const FleetStatistics& f, const char* name) {
+    for (const CoefficientStatistics& c : f.coefficients)
+      if (coefficient(c.index).name == name) return c;
+    throw Error(name);
+  }
+};
+
+TEST_F(DrawnStore, ShowsWhatWasDrawn) {
+  FleetOptions options;
+  options.requirements = parse_requirements("gyro.offset <= 1.5 deg/s");
+  const FleetStatistics f = fleet_statistics(store, options);
+  EXPECT_EQ(f.sample.units.size(), 150u);
+  EXPECT_EQ(f.sample.calibration.size(), 450u);
+  ASSERT_EQ(f.search.outliers.size(), 1u);
+  EXPECT_EQ(unit_title(store, f.sample.units[static_cast<std::size_t>(
+                                  f.sample.unit[static_cast<std::size_t>(f.sample.last[static_cast<std::size_t>(f.search.outliers[0].unit)])])]),
+            "unit 33 1033");
+  // Six standard deviations of the estimates: 1 / sqrt(2 x 148) of the spread, 1 / sqrt(149) of it for the mean.
+  const CoefficientStatistics& scale = of(f, "gyro.matrix.zz");
+  EXPECT_NEAR(scale.fleet.spread, 1e-3, 6 * 1.1e-3 / std::sqrt(296.0));
+  EXPECT_NEAR(scale.fleet.mean, 1, 6 * 1.1e-3 / std::sqrt(149.0));
+  EXPECT_NEAR(scale.fleet.measurement, 0.3e-3, 1e-9);
+  EXPECT_EQ(scale.unit, "ppm");
+  const CoefficientStatistics& offset = of(f, "accel.offset.x");
+  ASSERT_TRUE(offset.stations);
+  EXPECT_LT(offset.stations->p_value, 1e-6);
+  EXPECT_LE(offset.stations->levels[1].low, 1.5e-3 * unit::g);  // half of the difference, from the mean of both
+  EXPECT_GE(offset.stations->levels[1].high, 1.5e-3 * unit::g);
+  EXPECT_FALSE(offset.operators);
+  ASSERT_FALSE(f.drifts.empty());
+  EXPECT_EQ(coefficient(f.drifts[0].index).name, "gyro.offset.y");
+  EXPECT_NEAR(f.drifts[0].drift.slope, unit::deg, 0.3 * unit::deg);
+  const CoefficientStatistics& gyro = of(f, "gyro.offset.z");
+  ASSERT_TRUE(gyro.capability);
+  EXPECT_NEAR(gyro.capability->cp, 1.5 / (3 * gyro.fleet.spread / unit::deg), 1e-9);
+  EXPECT_FALSE(scale.capability);
+}
+
+TEST_F(DrawnStore, AsJsonAndTextOnAnyNumberOfThreads) {
+  std::string first;
+  for (const std::size_t threads : {1u, 2u}) {
+    const ThreadLimit limit(threads);
+    const FleetStatistics f = fleet_statistics(store);
+    const std::string json = fleet_statistics_json(f, store);
+    EXPECT_TRUE(first.empty() || first == json);
+    first = json;
+    const std::string text = fleet_statistics_text(f, store);
+    EXPECT_THAT(text, HasSubstr("1 outliers (probability of any false one 1 %)\n  unit 33 1033: distance"));
+    EXPECT_THAT(text, HasSubstr("unit 9 1009: gyro.offset.y"));
+    EXPECT_THAT(text, HasSubstr("accel.offset.x        stations: A -"));
+  }
+  const auto json = nlohmann::json::parse(first);
+  EXPECT_EQ(json["units"], 150);
+  EXPECT_EQ(json["coefficients"].size(), 21u);
+  EXPECT_EQ(json["coefficients"][0]["name"], "accel.offset.x");
+  EXPECT_EQ(json["outliers"][0]["unit"], "unit 33 1033");
+  EXPECT_EQ(json["coefficients"][0]["stations"]["levels"].size(), 2u);
+}
+
+TEST(FleetStatistics, CorrelationsBetweenUnitsAreFound) {
+  const TemporaryFolder folder;
+  FleetStore store(folder / "fleet.db", Access::write);
+  store.database().run("PRAGMA synchronous = OFF");
+  for (std::uint64_t unit = 0; unit < 200; ++unit) {
+    Calibration c = drawn_calibration(3, unit);
+    c.model.gyro.matrix(0, 0) += 2 * (c.model.accel.matrix(0, 0) - 1);  // as one clock makes them; with the error of measurement, a tenth of it
+    store.add_calibration(c, {"A", "", 1.7e9 + static_cast<double>(unit), "declared"});
+  }
+  const FleetStatistics f = fleet_statistics(store);
+  ASSERT_FALSE(f.correlations.empty());
+  EXPECT_EQ(coefficient(f.correlations[0].a).name, "accel.matrix.xx");
+  EXPECT_EQ(coefficient(f.correlations[0].b).name, "gyro.matrix.xx");
+  EXPECT_GT(f.correlations[0].correlation, 0.8);
+  EXPECT_LE(f.correlations.size(), 2u);  // the errors of measurement have a correlation of 0.5, which is none of the units
+}
+
+TEST(FleetStatistics, OfOneUnitAndOfNone) {
+  const TemporaryFolder folder;
+  FleetStore store(folder / "fleet.db", Access::write);
+  EXPECT_THAT([&] { fleet_statistics(store); }, ThrowsMessage<Error>(HasSubstr("fleet.db: has no calibration")));
+  store.add_calibration(drawn_calibration(1, 1), {"A", "", 1.7e9, "declared"});
+  const FleetStatistics f = fleet_statistics(store);
+  EXPECT_FALSE(f.search.possible);
+  EXPECT_EQ(f.coefficients.size(), 21u);
+  EXPECT_EQ(f.coefficients[0].fleet.spread, 0);
+  EXPECT_THAT(fleet_statistics_text(f, store), HasSubstr("not tested: too few units"));
+  EXPECT_TRUE(nlohmann::json::parse(fleet_statistics_json(f, store))["coefficients"][0]["fleet"]["spread_interval"][1].is_null());
+  EXPECT_THAT([&] { fleet_statistics(store, {}, "hybrid"); }, ThrowsMessage<Error>(HasSubstr("by the method hybrid")));
+  // Calibrations whose clock went back count in the order of their times.
+  store.add_calibration(drawn_calibration(1, 1, 1), {"A", "", 1.6e9, "declared"});
+  EXPECT_EQ(load_sample(store).last, std::vector<Eigen::Index>{1});
+  EXPECT_EQ(load_sample(store).calibration, (std::vector<std::int64_t>{2, 1}));
+}
+
+}  // namespace
+}  // namespace imulab

@@ -1,0 +1,197 @@
+#include "imulab/tasks/fleet.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/io/calibration/file.hpp"
+#include "imulab/io/result/noise_reader.hpp"
+#include "imulab/io/session/file.hpp"
+#include "imulab/io/text/file.hpp"
+#include "imulab/tasks/calibrate.hpp"
+
+#include <fmt/format.h>
+#include <oneapi/tbb/parallel_pipeline.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <sys/stat.h>
+
+namespace imulab {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One session on its way through.
+struct FleetItem {
+  FleetSession hashed;
+  std::optional<Session> session;
+  std::optional<Calibration> calibration;
+  FleetOccasion occasion;
+  std::string failure;
+  bool skipped = false, failed_before = false;
+};
+
+/// What any step throws is the session's failure.
+template <class Work>
+void attempt(FleetItem& item, const Work& work) {
+  if (item.skipped || !item.failure.empty()) return;
+  try {
+    work();
+  } catch (const std::exception& e) {
+    item.failure = e.what();
+    if (item.failure.empty()) item.failure = "failed without a message";
+  }
+}
+
+void calibrate_item(FleetItem& item, const FleetCalibrationTask& task) {
+  Session session = std::move(*item.session);
+  item.session.reset();
+  errors_at(session.file + ": [site]", [&] { session.site.gravity(); });
+  const SessionRecordings data = read_recordings(std::move(session), method(task.method));
+  CalibrationResult result = calibrate(data, {.method = task.method, .terms = task.terms});
+  Calibration& c = result.calibration;
+  if (!c.quality.converged) throw Unsupported(shortcomings(result));
+  add_provenance(c, data.session, data.recordings);
+  for (const SourceFile& source : c.sources)
+    for (const SourceFile& before : item.hashed.files)
+      if (before.file == source.file && before.sha256 != source.sha256) throw Error(source.file + ": changed while it was read");
+  c.options = {{"terms", task.terms}};
+  c.quality.warnings.insert(c.quality.warnings.begin(), data.warnings.begin(), data.warnings.end());
+  item.occasion = occasion_of(data.session, data.recordings, task.declared);
+  item.calibration = std::move(c);
+}
+
+void store_item(FleetItem& item, const FleetRequest& request, FleetStore& store) {
+  attempt(item, [&] { item.skipped = !store.add_calibration(*item.calibration, item.occasion, &item.hashed, &request); });
+  if (!item.failure.empty()) store.add_failure(item.hashed, request, item.failure);  // also throws where the store itself is at fault
+}
+
+void count(const FleetItem& item, const FleetRequest& request, FleetCalibrationCounts& counts) {
+  counts.failed_before += item.failed_before;
+  counts.skipped += item.skipped && !item.failed_before;
+  counts.calibrated += !item.skipped && item.failure.empty();
+  if (item.failure.empty()) return;
+  counts.failed += 1;
+  counts.failures.push_back({item.hashed.file, request.method, request.options, item.failure, fleet::now()});
+}
+
+}  // namespace
+
+std::vector<fs::path> sessions_below(const std::vector<fs::path>& places) {
+  std::vector<fs::path> out;
+  for (const fs::path& place : places) {
+    std::vector<fs::path> found;
+    std::error_code none;
+    if (fs::is_directory(place)) {
+      for (const auto& entry : fs::recursive_directory_iterator(place, fs::directory_options::skip_permission_denied))
+        if (entry.path().filename() == "session.toml" && entry.is_regular_file(none)) found.push_back(fs::absolute(entry.path()).lexically_normal());
+    } else if (fs::exists(place)) {
+      found.push_back(fs::absolute(place).lexically_normal());
+    }
+    if (found.empty()) throw Error(place.string() + ": no session; expected a folder with a session.toml in it or below it");
+    std::sort(found.begin(), found.end());
+    out.insert(out.end(), found.begin(), found.end());
+  }
+  return out;
+}
+
+FleetSession fleet_session(const Session& session) {
+  std::vector<std::pair<std::string, fs::path>> files;
+  for (const RecordingSource& source : session.recordings)
+    for (const std::string& file : source.files()) files.emplace_back(file, session_path(session, file));
+  return hashed_session(session.file, session.sha256, files);
+}
+
+FleetOccasion occasion_of(const Session& session, const std::vector<Recording>& recordings, const FleetDeclaration& declared) {
+  constexpr double earliest = 946684800, latest = 4102444800;  // of this century
+  FleetOccasion out{declared.station, declared.operated_by.empty() ? session.operated_by.value_or("") : declared.operated_by, 0, "file"};
+  if (!declared.time.empty()) {
+    out.time = fleet::parse_time(declared.time);
+    out.time_from = "declared";
+    return out;
+  }
+  const bool clock = !recordings.empty() && !session.recordings.empty() && session.recordings.front().time.unit.ends_with('s');  // s, ms, us, ns
+  if (clock && recordings.front().size() > 0) {
+    const double stamp = 1e-9 * static_cast<double>(session.recordings.front().time.zero) + recordings.front().time_s(0);
+    if (stamp >= earliest && stamp < latest) {
+      out.time = stamp;
+      out.time_from = "stamps";
+      return out;
+    }
+  }
+  struct stat status {};
+  const fs::path file = session.recordings.empty() ? fs::path(session.file) : session_path(session, *session.recordings.front().files().begin());
+  if (::stat(file.c_str(), &status) == 0) out.time = static_cast<double>(status.st_mtime);
+  return out;
+}
+
+FleetCalibrationCounts calibrate_fleet(const std::vector<fs::path>& sessions, const FleetCalibrationTask& task, FleetStore& store) {
+  namespace tbb = oneapi::tbb;
+  using Item = std::shared_ptr<FleetItem>;
+  const FleetRequest request{task.method, "terms=" + task.terms};
+  if (!task.declared.time.empty()) errors_at("--time", [&] { fleet::parse_time(task.declared.time); });
+  FleetCalibrationCounts counts{.sessions = static_cast<std::int64_t>(sessions.size()), .failures = {}};
+  std::mutex one;  // of the store
+  std::size_t next = 0, done = 0;
+  const auto take = [&](tbb::flow_control& flow) -> Item {
+    if (next == sessions.size()) return flow.stop(), nullptr;
+    Item item = std::make_shared<FleetItem>();
+    item->hashed.file = sessions[next++].string();
+    return item;
+  };
+  const auto work = [&](const Item& item) {
+    attempt(*item, [&] {
+      item->session = read_session(item->hashed.file);
+      item->hashed = fleet_session(*item->session);
+      const std::lock_guard lock(one);
+      const FleetStore::Known known = store.known(item->hashed, request);
+      item->failed_before = known == FleetStore::Known::failed && !task.retry;
+      item->skipped = known == FleetStore::Known::calibrated || item->failed_before;
+    });
+    // Its own parallel loops do not begin another session in the middle of this one.
+    tbb::this_task_arena::isolate([&] { attempt(*item, [&] { calibrate_item(*item, task); }); });
+    return item;
+  };
+  const auto keep = [&](const Item& item) {
+    {
+      const std::lock_guard lock(one);
+      store_item(*item, request, store);
+    }
+    count(*item, request, counts);
+    if (task.progress) task.progress(static_cast<double>(++done), static_cast<double>(sessions.size()));
+  };
+  const auto in_memory = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()) + 2;
+  tbb::parallel_pipeline(in_memory, tbb::make_filter<void, Item>(tbb::filter_mode::serial_in_order, take) &
+                                        tbb::make_filter<Item, Item>(tbb::filter_mode::parallel, work) &
+                                        tbb::make_filter<Item, void>(tbb::filter_mode::serial_in_order, keep));
+  return counts;
+}
+
+std::string add_to_fleet(const fs::path& file, const std::string& unit, const FleetDeclaration& declared, FleetStore& store) {
+  const auto result = [](const char* what, bool added) { return std::string(what) + (added ? "" : " (known)"); };
+  if (fs::is_directory(file) || file.extension() == ".toml") {
+    const Session session = read_session(fs::absolute(file).lexically_normal());
+    return errors_at(file.string(), [&] {
+      return result("session",
+                    store.add_session(fleet_session(session), session.imu.serial.value_or(""), session.imu.name, occasion_of(session, {}, declared)));
+    });
+  }
+  const std::string text(MappedFile(file, Content::settings).text());
+  FleetOccasion occasion{declared.station, declared.operated_by, fleet::now(), "added"};
+  if (!declared.time.empty()) occasion.time = fleet::parse_time(declared.time), occasion.time_from = "declared";
+  if (text.find("\"imulab.noise/1\"") != std::string::npos) {
+    parse_noise(text, file.string());
+    if (unit.empty()) throw Error(file.string() + ": says nothing of its unit; expected --unit with a serial number");
+    const FleetUnit of = store.unit(unit);
+    return result("noise", store.add_noise(text, of.serial, of.name, occasion));
+  }
+  const Calibration calibration = parse_calibration(text, file.string());
+  if (occasion.operated_by.empty()) occasion.operated_by = calibration.operated_by;
+  if (declared.time.empty() && !calibration.created.empty())
+    errors_at(file.string() + ": created", [&] { occasion.time = fleet::parse_time(calibration.created), occasion.time_from = "created"; });
+  return errors_at(file.string(), [&] { return result("calibration", store.add_calibration(calibration, occasion)); });
+}
+
+}  // namespace imulab

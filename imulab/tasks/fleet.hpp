@@ -1,0 +1,53 @@
+// Sessions into a fleet store: many of them calibrated, each once. What the command's `fleet calibrate` and `fleet add` do.
+#pragma once
+
+#include "imulab/fleet/store.hpp"
+#include "imulab/recording/recording.hpp"
+#include "imulab/recording/session.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+/// What holds for everything that is added at once; empty: as the session says.
+struct FleetDeclaration {
+  std::string station, operated_by;
+  std::string time;  ///< UTC, "2026-03-31T12:00:00Z"
+};
+
+struct FleetCalibrationTask {
+  std::string method;
+  std::string terms = "auto";
+  FleetDeclaration declared = {};
+  bool retry = false;  ///< sessions that failed before, too
+  std::function<void(double done, double all)> progress = {};
+};
+
+struct FleetCalibrationCounts {
+  std::int64_t sessions = 0, calibrated = 0, skipped = 0, failed = 0, failed_before = 0;
+  std::vector<FleetFailure> failures;  ///< of this run, in the sessions' order
+};
+
+/// The session.toml of this folder and of all below it, in the order of their names; a file is itself. Throws Error where there is none.
+std::vector<std::filesystem::path> sessions_below(const std::vector<std::filesystem::path>& places);
+
+/// Calibrates every session whose content the store does not have with this method and these terms. Sessions are worked on in parallel, a few in
+/// memory at a time; each is in the store when it is done, so that a run that is ended goes on where it was. What fails is in the store with its
+/// message. Throws Error where the store cannot be written.
+FleetCalibrationCounts calibrate_fleet(const std::vector<std::filesystem::path>& sessions, const FleetCalibrationTask& task, FleetStore& store);
+
+/// The session with the hashes of its files; reads them all.
+FleetSession fleet_session(const Session& session);
+
+/// When it was measured: the stamps of its first recording where they are of this century, else when the recording's file was written.
+FleetOccasion occasion_of(const Session& session, const std::vector<Recording>& recordings, const FleetDeclaration& declared);
+
+/// Adds a session (a folder or its session.toml), a calibration or noise.json; `unit`: of the noise. What it is: "session", "calibration", "noise",
+/// with " (known)" where the store had it. Throws Error where it is nothing of these.
+std::string add_to_fleet(const std::filesystem::path& file, const std::string& unit, const FleetDeclaration& declared, FleetStore& store);
+
+}  // namespace imulab
