@@ -5,10 +5,9 @@
 
 #include "python/bindings.hpp"
 #include "python/work.hpp"
-#include <pybind11/stl.h>
-
 #include <exception>
 #include <filesystem>
+#include <pybind11/stl.h>
 
 namespace imulab::python {
 namespace {

@@ -65,9 +65,11 @@ py::tuple flown(const std::string& mission, bool errors, const std::shared_ptr<C
                         std::move(out.warnings));
 }
 
-std::pair<Outcome, std::shared_ptr<Solution>> navigated(const std::string& name, const std::shared_ptr<CalibrationObject>& calibration, std::shared_ptr<Session> session,
-                  std::shared_ptr<Recording> recording, const std::string& vertical, bool align, std::optional<double> heading_deg,
-                  double heading_sigma_deg, const std::string& barometer, const std::string& truth_file, std::shared_ptr<Solution> truth, bool refuse_gaps) {
+std::pair<Outcome, std::shared_ptr<Solution>> navigated(const std::string& name, const std::shared_ptr<CalibrationObject>& calibration,
+                                                        std::shared_ptr<Session> session, std::shared_ptr<Recording> recording,
+                                                        const std::string& vertical, bool align, std::optional<double> heading_deg,
+                                                        double heading_sigma_deg, const std::string& barometer, const std::string& truth_file,
+                                                        std::shared_ptr<Solution> truth, bool refuse_gaps) {
   NavigateOptions options;
   const std::map<std::string, VerticalChannel> channels{
       {"free", VerticalChannel::free}, {"fixed", VerticalChannel::fixed}, {"aided", VerticalChannel::aided}, {"held", VerticalChannel::held}};

@@ -1,7 +1,7 @@
-#include "imulab/core/parallel.hpp"
 #include "imulab/fleet/statistics.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/units.hpp"
 
