@@ -152,7 +152,7 @@ py::tuple simulated(std::shared_ptr<Session> procedure, std::uint64_t seed, cons
                     const std::optional<std::string>& grade, const std::string& folder) {
   SimulationTask task{.seed = seed, .unit = unit ? std::optional(unit->calibration()) : std::nullopt, .grade = grade};
   SimulatedSession out = run(py::none(), [=](const auto&) {
-    SimulatedSession s = simulate(*procedure, task);
+    SimulatedSession s = simulate_session(*procedure, task);
     if (!folder.empty()) write_simulated(folder, s);
     return s;
   });

@@ -75,7 +75,7 @@ void take_grade(ImuDeclaration& imu, const std::string& name) {
 
 }  // namespace
 
-SimulatedSession simulate(Session procedure, const SimulationTask& task) {
+SimulatedSession simulate_session(Session procedure, const SimulationTask& task) {
   if (task.grade) take_grade(procedure.imu, *task.grade);
   if (procedure.recordings.empty()) procedure.recordings.push_back(default_source());
   for (RecordingSource& source : procedure.recordings) {

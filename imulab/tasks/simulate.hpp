@@ -29,7 +29,7 @@ struct SimulatedSession {
 
 /// In memory. The procedure without a recording gets one at 100 Hz. Throws Error as draw_truth and simulate_recording do, and for a recording that is
 /// not named like a file of the session's own folder.
-SimulatedSession simulate(Session procedure, const SimulationTask& task = {});
+SimulatedSession simulate_session(Session procedure, const SimulationTask& task = {});
 
 /// recordings, session.toml and truth.json in a new folder, whole or not at all. Throws Error where it exists or cannot be written.
 void write_simulated(const std::filesystem::path& folder, const SimulatedSession& simulated);
