@@ -118,8 +118,8 @@ void make_results(const TemporaryFolder& folder) {
        {"procedure hand-held --poses 24 -o hand.toml", "simulate hand.toml -o hand",
         "calibrate hand --method handheld -o hand.json --report calibration.html", "inspect hand/recording.csv --report inspection.html",
         "procedure six-position -o six.toml", "simulate six.toml -o six", "calibrate six --method turntable -o six.json --report turntable.html",
-        "compare hand.json hand/truth.json --report comparison.html", "predict six.toml --runs 200 --report prediction.html",
-        "compensate hand.json hand -o out.csv --report compensation.html",
+        "compare hand.json hand/truth.json --report comparison.html", "fleet add hand.json six.json", "fleet stats --report fleet.html",
+        "predict six.toml --runs 200 --report prediction.html", "compensate hand.json hand -o out.csv --report compensation.html",
         "navigate six.json six --vertical fixed --truth truth.csv --report navigation.html", "budget mission.toml --runs 20 --report budget.html",
         "plan --require 'gyro.matrix.diagonal <= 20 ppm' --axes 2 --report plan.html", "simulate still.toml -o still",
         "noise still --report noise.html"}) {
@@ -151,7 +151,7 @@ TEST(Page, EveryPageDrawsAndAsksNobodyAndNoTextRuns) {
   make_results(folder);
   make_hostile_page(folder);
   const std::vector<std::string> pages{"calibration", "turntable", "comparison", "prediction", "compensation", "navigation",
-                                       "budget",      "plan",      "inspection", "noise",      "hostile"};
+                                       "budget",      "plan",      "inspection", "noise",      "fleet",        "hostile"};
   const Browsed browsed = browse(folder, pages);
   ASSERT_EQ(browsed.console.size(), 1u) << testing::PrintToString(browsed.console);
   EXPECT_THAT(browsed.console[0], HasSubstr("the probe speaks"));

@@ -35,12 +35,12 @@ OutlierSearch search_of(FleetStore& store, const FleetSample& s, double false_al
 }
 
 /// Rows of one column that have it.
-struct ColumnValues {
+struct FleetColumn {
   std::vector<Eigen::Index> rows;
   Eigen::ArrayXd values, variances;
 };
-ColumnValues column_of(const FleetSample& s, Eigen::Index column, const std::vector<Eigen::Index>& rows) {
-  ColumnValues c;
+FleetColumn column_of(const FleetSample& s, Eigen::Index column, const std::vector<Eigen::Index>& rows) {
+  FleetColumn c;
   for (const Eigen::Index row : rows)
     if (!std::isnan(s.values(row, column))) c.rows.push_back(row);
   c.values = s.values.col(column)(c.rows);
@@ -54,7 +54,7 @@ std::vector<Eigen::Index> all_rows(const FleetSample& s) {
   return rows;
 }
 
-std::optional<Gauge> gauge_of(const FleetSample& s, const ColumnValues& c, const std::vector<Eigen::Index>& level, std::size_t levels,
+std::optional<Gauge> gauge_of(const FleetSample& s, const FleetColumn& c, const std::vector<Eigen::Index>& level, std::size_t levels,
                               double confidence) {
   if (levels < 2) return std::nullopt;
   GaugeInput in{{}, {}, static_cast<Eigen::Index>(levels), c.values, c.variances};
@@ -65,7 +65,7 @@ std::optional<Gauge> gauge_of(const FleetSample& s, const ColumnValues& c, const
   return compare_levels(in, confidence);
 }
 
-void take_drift(CoefficientStatistics& out, const FleetSample& s, const ColumnValues& c, double confidence) {
+void take_drift(CoefficientStatistics& out, const FleetSample& s, const FleetColumn& c, double confidence) {
   if (s.last.size() == static_cast<std::size_t>(s.time.size())) return;  // every unit was calibrated once
   DriftInput in{{}, s.time(c.rows) / year, c.values, c.variances};
   for (const Eigen::Index row : c.rows) in.unit.push_back(s.unit[static_cast<std::size_t>(row)]);
@@ -89,7 +89,7 @@ double row_scale(const FleetSample& s, const std::vector<Eigen::Index>& rows, co
   const CoefficientIndex diagonal = coefficient_index(c.triad, Term::matrix, c.row, c.row);
   const auto found = std::find(s.coefficients.begin(), s.coefficients.end(), diagonal);
   if (found == s.coefficients.end()) return 1;
-  const ColumnValues column = column_of(s, found - s.coefficients.begin(), rows);
+  const FleetColumn column = column_of(s, found - s.coefficients.begin(), rows);
   return column.values.size() > 0 ? std::abs(column.values.mean()) : 1;
 }
 
@@ -119,8 +119,8 @@ CoefficientStatistics statistics_of(const FleetSample& s, Eigen::Index column, c
   CoefficientStatistics out;
   out.index = s.coefficients[static_cast<std::size_t>(column)];
   const Coefficient& c = coefficient(out.index);
-  const ColumnValues good = column_of(s, column, rows), last = column_of(s, column, s.last), all = column_of(s, column, all_rows(s));
-  const ColumnValues& counted = good.values.size() > 0 ? good : last;
+  const FleetColumn good = column_of(s, column, rows), last = column_of(s, column, s.last), all = column_of(s, column, all_rows(s));
+  const FleetColumn& counted = good.values.size() > 0 ? good : last;
   if (counted.values.size() == 0) return out;  // older calibrations alone had it
   out.fleet = random_effects(counted.values, counted.variances, o.confidence);
   out.rows = last.rows;
