@@ -61,8 +61,8 @@ py::tuple flown(const std::string& mission, bool errors, const std::shared_ptr<C
     if (!folder.empty()) write_flown(folder, f);
     return f;
   });
-  return py::make_tuple(std::make_shared<Session>(std::move(out.session)), std::make_shared<Recording>(std::move(out.recording)), rows_of(out.truth),
-                        std::move(out.warnings));
+  return py::make_tuple(std::make_shared<Session>(std::move(out.session)), std::make_shared<Recording>(std::move(out.recording)),
+                        std::make_shared<Solution>(std::move(out.truth)), std::move(out.warnings));
 }
 
 std::pair<Outcome, std::shared_ptr<Solution>> navigated(const std::string& name, const std::shared_ptr<CalibrationObject>& calibration,

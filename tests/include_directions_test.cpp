@@ -51,7 +51,7 @@ std::string problem(const std::string& room, const std::string& folder, char quo
   static const std::regex json_or_toml("^(nlohmann|toml\\+\\+|toml)(/|\\.|$)"), cli("^CLI/");
   if (std::regex_search(included, json_or_toml) && room != "io") return "only io knows TOML and JSON";
   if (std::regex_search(included, cli) && room != "apps") return "only apps knows the command line";
-  const bool own = included.starts_with("imulab/") || included.starts_with("apps/");
+  const bool own = included.starts_with("imulab/") || included.starts_with("apps/") || included.starts_with("python/");
   if (!own) return quote == '"' ? "expected a path from the root, imulab/ROOM/NAME.hpp" : "";
   const auto target = room_of(included);
   if (!target) return "no such room";

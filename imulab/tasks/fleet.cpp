@@ -1,6 +1,7 @@
 #include "imulab/tasks/fleet.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/result/noise_reader.hpp"
 #include "imulab/io/session/file.hpp"
@@ -8,11 +9,10 @@
 #include "imulab/tasks/calibrate.hpp"
 
 #include <fmt/format.h>
-#include <oneapi/tbb/parallel_pipeline.h>
-#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
-#include <memory>
+#include <atomic>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <sys/stat.h>
@@ -128,44 +128,44 @@ FleetOccasion occasion_of(const Session& session, const std::vector<Recording>& 
 }
 
 FleetCalibrationCounts calibrate_fleet(const std::vector<fs::path>& sessions, const FleetCalibrationTask& task, FleetStore& store) {
-  namespace tbb = oneapi::tbb;
-  using Item = std::shared_ptr<FleetItem>;
   const FleetRequest request{task.method, "terms=" + task.terms};
   if (!task.declared.time.empty()) errors_at("--time", [&] { fleet::parse_time(task.declared.time); });
   FleetCalibrationCounts counts{.sessions = static_cast<std::int64_t>(sessions.size()), .failures = {}};
-  std::mutex one;  // of the store
-  std::size_t next = 0, done = 0;
-  const auto take = [&](tbb::flow_control& flow) -> Item {
-    if (next == sessions.size()) return flow.stop(), nullptr;
-    Item item = std::make_shared<FleetItem>();
-    item->hashed.file = sessions[next++].string();
-    return item;
-  };
-  const auto work = [&](const Item& item) {
-    attempt(*item, [&] {
-      item->session = read_session(item->hashed.file);
-      item->hashed = fleet_session(*item->session);
+  std::mutex one;  // of the store, and of what is not yet in it
+  std::map<std::size_t, FleetItem> finished;
+  std::size_t stored = 0;
+  const auto work = [&](FleetItem& item) {
+    attempt(item, [&] {
+      item.session = read_session(item.hashed.file);
+      item.hashed = fleet_session(*item.session);
       const std::lock_guard lock(one);
-      const FleetStore::Known known = store.known(item->hashed, request);
-      item->failed_before = known == FleetStore::Known::failed && !task.retry;
-      item->skipped = known == FleetStore::Known::calibrated || item->failed_before;
+      const FleetStore::Known known = store.known(item.hashed, request);
+      item.failed_before = known == FleetStore::Known::failed && !task.retry;
+      item.skipped = known == FleetStore::Known::calibrated || item.failed_before;
     });
     // Its own parallel loops do not begin another session in the middle of this one.
-    tbb::this_task_arena::isolate([&] { attempt(*item, [&] { calibrate_item(*item, task); }); });
-    return item;
+    isolate_parallel([&] { attempt(item, [&] { calibrate_item(item, task); }); });
   };
-  const auto keep = [&](const Item& item) {
-    {
-      const std::lock_guard lock(one);
-      store_item(*item, request, store);
+  const auto keep = [&](std::size_t at, FleetItem item) {  // in the order of the sessions
+    const std::lock_guard lock(one);
+    finished.emplace(at, std::move(item));
+    for (auto next = finished.find(stored); next != finished.end(); next = finished.find(stored)) {
+      store_item(next->second, request, store);
+      count(next->second, request, counts);
+      finished.erase(next);
+      ++stored;
+      if (task.progress) task.progress(static_cast<double>(stored), static_cast<double>(sessions.size()));
     }
-    count(*item, request, counts);
-    if (task.progress) task.progress(static_cast<double>(++done), static_cast<double>(sessions.size()));
   };
-  const auto in_memory = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()) + 2;
-  tbb::parallel_pipeline(in_memory, tbb::make_filter<void, Item>(tbb::filter_mode::serial_in_order, take) &
-                                        tbb::make_filter<Item, Item>(tbb::filter_mode::parallel, work) &
-                                        tbb::make_filter<Item, void>(tbb::filter_mode::serial_in_order, keep));
+  std::atomic<std::size_t> next = 0;
+  parallel_for(parallel_threads(), [&](std::size_t) {
+    for (std::size_t at = next++; at < sessions.size(); at = next++) {
+      FleetItem item;
+      item.hashed.file = sessions[at].string();
+      work(item);
+      keep(at, std::move(item));
+    }
+  });
   return counts;
 }
 

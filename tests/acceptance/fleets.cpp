@@ -1,13 +1,13 @@
 // Fleets drawn with known spread, drift, station bias and outliers, through a store: do the intervals of all statistics cover, and are outliers found
 // at the stated rate?
 #include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/fleet/statistics.hpp"
 
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/fleet_draw.hpp"
@@ -136,7 +136,7 @@ Check rate(const char* name, const Share& share) {
 
 std::vector<Check> fleets(int count) {
   std::vector<FleetShares> each(static_cast<std::size_t>(count));
-  tbb::parallel_for(std::size_t{0}, each.size(), [&](std::size_t k) { each[k] = shares_of(k + 1); });
+  parallel_for(each.size(), [&](std::size_t k) { each[k] = shares_of(k + 1); });
   FleetShares s;
   for (const FleetShares& one : each) {
     s.mean.add(one.mean), s.spread.add(one.spread), s.slope.add(one.slope), s.bias.add(one.bias);
