@@ -229,10 +229,12 @@ class Calibration:
         warn(notes)
         return text
 
-    def export(self, target: str, file: PathLike, **options: Any) -> None:
-        """Writes what `to` gives, whole or not at all."""
+    def export(self, target: str, file: PathLike | None = None, **options: Any) -> str:
+        """What `to` gives; also written to a file where one is named, whole or not at all."""
         text = self.to(target, **options)
-        _imulab.write_whole(path("file", file), text)
+        if file is not None:
+            _imulab.write_whole(path("file", file), text)
+        return text
 
     def save(self, file: PathLike) -> None:
         """Writes calibration.json, whole or not at all."""

@@ -278,7 +278,7 @@ def test_sessions(tables):
         lambda c: c.save("/no/such/folder/c.json"),
         lambda c: c.save(5),
         lambda c: c.report("/"),
-        lambda c: c.export("csv", None),
+        lambda c: c.export("csv", 5),
         lambda c: imulab.Calibration("c.json"),
         lambda c: imulab.Recording("log.csv"),
         lambda c: imulab.Recording(),
