@@ -85,7 +85,7 @@ std::pair<Outcome, std::shared_ptr<Solution>> navigated(const std::string& name,
     if (truth)
       reference = {"truth", *truth};
     else
-      reference = truth_file.empty() ? session_truth(*session) : TrueMotion{truth_file, read_solution(truth_file)};
+      reference = truth_file.empty() ? session_truth(*session) : read_truth(truth_file);
     return navigate_session(name, calibration ? calibration->calibration() : no_calibration(), *session, *recording, options, reference, true);
   }));
   Outcome out{.json = navigation_json({*found}), .text = navigation_table({*found}), .warnings = found->navigated.warnings, .page = [found] {

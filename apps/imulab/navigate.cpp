@@ -65,8 +65,7 @@ Session session_of_one(const std::string& name) {
 
 NavigatedSession navigated(const Options& options, const Calibration& calibration, const std::string& name, const Session& session) {
   const Recording recording = read_for(calibration, session, session.recordings[0]);
-  const std::optional<TrueMotion> truth =
-      options.truth.empty() ? session_truth(session) : std::optional(TrueMotion{options.truth, read_solution(options.truth)});
+  const std::optional<TrueMotion> truth = options.truth.empty() ? session_truth(session) : read_truth(options.truth);
   const NavigatedSession out = [&] {
     const Progress progress("navigating");
     return navigate_session(name, calibration, session, recording, options.navigate, truth, !options.report.empty() || options.json);

@@ -6,6 +6,8 @@
 #include "imulab/navigation/budget/navigated.hpp"
 #include "imulab/navigation/navigation_error.hpp"
 
+#include <utility>
+
 namespace imulab {
 
 Calibration no_calibration() {
@@ -15,10 +17,14 @@ Calibration no_calibration() {
   return ideal;
 }
 
+TrueMotion read_truth(const std::filesystem::path& file) {
+  Solution solution = read_solution(file);
+  return {file.string(), std::move(solution)};
+}
+
 std::optional<TrueMotion> session_truth(const Session& session) {
   if (!session.truth_file) return std::nullopt;
-  const std::filesystem::path file = session_path(session, *session.truth_file);
-  return TrueMotion{file.string(), read_solution(file)};
+  return read_truth(session_path(session, *session.truth_file));
 }
 
 NavigatedSession navigate_session(const std::string& name, const Calibration& calibration, const Session& session, const Recording& recording,

@@ -12,11 +12,14 @@ namespace imulab {
 /// An IMU whose recordings are in rad/s and m/s^2 already.
 Calibration no_calibration();
 
-/// The reference solution that a session names; none where it names none. Throws Error as read_solution does.
+/// A reference solution.
 struct TrueMotion {
   std::string name;  ///< of its file
   Solution solution;
 };
+/// Throws Error as read_solution does.
+TrueMotion read_truth(const std::filesystem::path& file);
+/// The one that a session names; none where it names none.
 std::optional<TrueMotion> session_truth(const Session& session);
 
 /// `explain`: also what the calibration's uncertainties explain of the errors. Throws as `navigate` and `navigation_errors` do.
