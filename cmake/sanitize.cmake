@@ -1,7 +1,7 @@
 # The library under sanitizers. The tests are compiled once, without: they are linked with the library as it is, and with the library under sanitizers.
 function(imulab_sanitize)
   foreach(target ${ARGN})
-    # -O1: with -Og it compiles in three quarters of the time, and runs several times as long. Assertions are on: Eigen's too.
+    # -O1: with -Og it compiles in three quarters of the time, and runs about twice as long. Assertions are on: Eigen's too.
     target_compile_options(${target} PRIVATE -O1 -g1 -UNDEBUG -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
     target_compile_definitions(${target} PRIVATE EIGEN_MALLOC_ALREADY_ALIGNED=1) # as in the tests' own code: Eigen would put a header before its blocks
     target_link_options(${target} PRIVATE -fsanitize=address,undefined)
