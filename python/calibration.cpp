@@ -9,6 +9,7 @@
 #include "imulab/model/compensate.hpp"
 #include "imulab/recording/compensate_recording.hpp"
 #include "imulab/report/calibration_page.hpp"
+#include "imulab/tasks/usable.hpp"
 
 #include "python/bindings.hpp"
 #include "python/work.hpp"
@@ -131,7 +132,19 @@ void bind_calibration(py::module_& module) {
       .def_property_readonly("because", [](const CalibrationObject& c) { return c.calibration().quality.because; })
       .def_property_readonly("warnings", [](const CalibrationObject& c) { return c.calibration().quality.warnings; })
       .def_property_readonly("unobservable", [](const CalibrationObject& c) { return c.calibration().quality.unobservable; })
-      .def_property_readonly("unusable", [](const CalibrationObject& c) { return unusable(c.calibration()); })
+      .def("usability",
+           [](const CalibrationObject& c, const std::string& name) {
+             Usability found = usability(c.calibration(), name);
+             return std::pair(std::move(found.warnings), std::move(found.undetermined));
+           })
+      .def_property_readonly("thermal_units",
+                             [](const CalibrationObject& c) {
+                               const SensorModel& m = c.calibration().model;
+                               const auto unit = [](const TriadModel& t) {
+                                 return t.temperature ? std::optional(t.temperature->unit) : std::nullopt;
+                               };
+                               return std::pair(unit(m.gyro), unit(m.accel));
+                             })
       .def_property_readonly("shortcomings", [](const CalibrationObject& c) { return shortcomings(*c.result); })
       .def_property_readonly("coefficients", [](const CalibrationObject& c) { return coefficients(c.calibration()); })
       .def_property_readonly("estimated",

@@ -4,11 +4,10 @@
 #include "imulab/estimate/noise/noise_batch.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/recording/file.hpp"
-#include "imulab/io/result/comparison.hpp"
 #include "imulab/io/result/noise.hpp"
-#include "imulab/model/compare.hpp"
 #include "imulab/report/comparison_page.hpp"
 #include "imulab/report/noise_page.hpp"
+#include "imulab/tasks/compare.hpp"
 #include "imulab/tasks/predict.hpp"
 #include "imulab/tasks/recordings.hpp"
 #include "imulab/tasks/simulate.hpp"
@@ -56,21 +55,15 @@ std::pair<std::shared_ptr<CalibrationObject>, std::vector<std::string>> calibrat
   return run(progress, std::move(work));
 }
 
-Outcome compared(const std::vector<std::pair<std::string, std::shared_ptr<CalibrationObject>>>& given) {
+Outcome compared(const std::vector<std::pair<std::string, std::shared_ptr<CalibrationObject>>>& given, bool different_imus) {
   std::vector<NamedCalibration> inputs;
-  std::vector<Calibration> calibrations;
-  for (const auto& [name, object] : given) {
-    inputs.push_back({name, object->calibration()});
-    calibrations.push_back(object->calibration());
-  }
-  ComparisonSummary summary;
-  summary.comparisons = compare(calibrations[0], std::vector<Calibration>(calibrations.begin() + 1, calibrations.end()));
-  summary.agreement = agreement(calibrations);
-  if (summary.agreement->calibrations < 3) summary.agreement.reset();  // for two, their comparison is enough
-  for (const auto& input : inputs) summary.names.push_back(input.name);
-  return {.json = comparison_json(inputs, summary.comparisons, summary.agreement),
-          .text = comparison_table(inputs, summary.comparisons, summary.agreement),
-          .page = [summary] { return comparison_page(summary); }};
+  for (const auto& [name, object] : given) inputs.push_back({name, object->calibration()});
+  const auto found = std::make_shared<ComparedCalibrations>(compare_calibrations(inputs, different_imus));
+  const ComparisonSummary& s = found->summary;
+  return {.json = comparison_json(inputs, s.comparisons, s.agreement),
+          .text = comparison_table(inputs, s.comparisons, s.agreement),
+          .warnings = found->warnings,
+          .page = [found] { return comparison_page(found->summary); }};
 }
 
 Outcome predicted(std::shared_ptr<Session> procedure, const std::string& method, const std::string& require, std::uint64_t runs, std::uint64_t seed,

@@ -2,13 +2,16 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/io/calibration/file.hpp"
 #include "imulab/io/recording/solution.hpp"
 #include "imulab/model/calibration.hpp"
 #include "imulab/navigation/navigation_error.hpp"
 #include "imulab/report/navigation_page.hpp"
 #include "imulab/tasks/budget.hpp"
 #include "imulab/tasks/navigate.hpp"
+#include "imulab/tasks/recordings.hpp"
 #include "imulab/tasks/trajectory.hpp"
+#include "imulab/tasks/usable.hpp"
 
 #include "python/bindings.hpp"
 #include "python/work.hpp"
@@ -86,6 +89,7 @@ std::pair<Outcome, std::shared_ptr<Solution>> navigated(const std::string& name,
       reference = {"truth", *truth};
     else
       reference = truth_file.empty() ? session_truth(*session) : read_truth(truth_file);
+    if (calibration) check_thermal_units(calibration->calibration(), session->source_of(name));
     return navigate_session(name, calibration ? calibration->calibration() : no_calibration(), *session, *recording, options, reference, true);
   }));
   Outcome out{.json = navigation_json({*found}), .text = navigation_table({*found}), .warnings = found->navigated.warnings, .page = [found] {
@@ -98,13 +102,27 @@ std::pair<Outcome, std::shared_ptr<Solution>> navigated(const std::string& name,
   return {std::move(out), std::shared_ptr<Solution>(found, &found->navigated.solution)};
 }
 
+/// Of the calibration that a mission names. Throws Unsupported where it is not determined, unless that is allowed.
+std::vector<std::string> doubts_about(const ErrorSpecification& specification, const std::filesystem::path& mission, bool allowed) {
+  if (!specification.calibration) return {};
+  const std::filesystem::path file = mission.parent_path() / *specification.calibration;
+  Usability found = usability(read_calibration(file), file.string());
+  if (found.undetermined.empty()) return found.warnings;
+  if (!allowed) throw Unsupported(found.undetermined + "; expected a calibration from more data, or allow_undetermined=True");
+  found.warnings.push_back(found.undetermined);
+  return found.warnings;
+}
+
 Outcome budgeted(const std::string& mission, const std::optional<std::string>& grade, const std::optional<std::string>& system,
                  const std::optional<std::string>& calibration, const std::optional<std::string>& noise, std::uint64_t runs, std::uint64_t seed,
-                 double every, const py::object& progress) {
+                 double every, bool allow_undetermined, const py::object& progress) {
   return run(progress, [=](const std::function<void(double)>& report) {
     const BudgetTask task{mission, grade, system, calibration, noise, runs, seed, every, report};
     const MissionFile file = read_mission(mission);
-    const auto b = std::make_shared<MissionBudget>(mission_budget(file, specification_of(task, file), task));
+    const ErrorSpecification specification = specification_of(task, file);
+    std::vector<std::string> doubts = doubts_about(specification, mission, allow_undetermined);
+    const auto b = std::make_shared<MissionBudget>(mission_budget(file, specification, task));
+    b->warnings.insert(b->warnings.begin(), doubts.begin(), doubts.end());
     return Outcome{.json = budget_json(*b), .text = budget_table(b->budget, b->monte_carlo), .warnings = b->warnings, .page = [b, mission] {
                      return budget_page(*b, mission);
                    }};

@@ -2,25 +2,21 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/inspection/declared.hpp"
-#include "imulab/inspection/inspection.hpp"
-#include "imulab/inspection/join.hpp"
-#include "imulab/io/recording/file.hpp"
-#include "imulab/io/recording/signals.hpp"
 #include "imulab/io/result/inspection.hpp"
 #include "imulab/io/session/file.hpp"
-#include "imulab/io/text/file.hpp"
 #include "imulab/recording/overview.hpp"
 #include "imulab/report/inspection_page.hpp"
 #include "imulab/rig/procedure.hpp"
+#include "imulab/tasks/inspect.hpp"
+
+#include <fmt/format.h>
 
 #include "python/bindings.hpp"
 #include "python/work.hpp"
-#include <algorithm>
-#include <functional>
 #include <map>
 #include <optional>
 #include <pybind11/stl.h>
+#include <tuple>
 #include <utility>
 
 namespace imulab::python {
@@ -46,55 +42,43 @@ Session procedure(const std::string& name, const std::map<std::string, double>& 
     take("record", options.record), take("rate_hz", options.rate_hz);
     return dai_unit_procedure(options);
   }
-  const std::map<std::string, Session (*)(const TableProcedureOptions&)> on_table{{"six-position", six_position_procedure},
-                                                                                  {"zhang-24", zhang_24_procedure},
-                                                                                  {"cheng-path", cheng_path_procedure},
-                                                                                  {"ferraris", ferraris_procedure}};
-  const auto it = on_table.find(name);
-  if (it == on_table.end()) throw Error("procedure: no " + name + "; expected hand-held, six-position, ferraris, zhang-24, cheng-path or dai-unit");
-  TableProcedureOptions options = name == "ferraris" ? ferraris_options() : TableProcedureOptions{};
-  double arcsec = options.table / unit::arcsec;
-  take("rest", options.rest), take("rate_hz", options.rate_hz), take("turns", options.turns), take("table_arcsec", arcsec);
-  options.table = arcsec * unit::arcsec;
-  return it->second(options);
+  std::string names = "hand-held, dai-unit";
+  for (const TableProcedure& one : table_procedures()) {
+    names += fmt::format(", {}", one.name);
+    if (one.name != name) continue;
+    TableProcedureOptions options = one.options;
+    double arcsec = options.table / unit::arcsec;
+    take("rest", options.rest), take("rate_hz", options.rate_hz), take("turns", options.turns), take("table_arcsec", arcsec);
+    options.table = arcsec * unit::arcsec;
+    return one.make(options);
+  }
+  throw Error(fmt::format("procedure: no {}; expected one of {}", name, names));
 }
 
-/// An inspection, its session where it is complete, and its page.
-struct Inspected {
-  Outcome outcome;
-  std::shared_ptr<Session> session;  // null: questions are open
-  std::shared_ptr<Recording> recording;
-};
+/// An inspection with its page, its session where that is complete, and the recording.
+using Inspected = std::tuple<Outcome, std::shared_ptr<Session>, std::shared_ptr<Recording>>;
 
-Inspected inspect_files(const std::vector<std::string>& files, const std::vector<std::string>& topics, const Declarations& declared) {
-  inspection::check_declarations(declared);
-  const Site site = declared_site(declared);
-  std::vector<SignalTable> tables;
-  for (const std::string& file : files)
-    for (const std::string& topic : topics.empty() ? std::vector<std::string>{""} : topics) tables.push_back(read_signals(file, topic));
-  const auto found = std::make_shared<Inspection>(inspect(inspection::joined(std::move(tables), declared), declared));
-  Inspected out;
-  if (found->complete()) try {
-      out.session = shared(inspected_session(*found, site));
-      out.session->file = files.front();
-      out.session->sha256 = file_sum(files.front()).sha256;
-      RecordingReading reading = read_recording(*out.session, out.session->recordings.front());
-      for (std::string& text : reading.warnings) found->evidence.push_back(std::move(text));
-      out.recording = std::make_shared<Recording>(std::move(reading.recording));
-    } catch (const Error& e) {
-      found->problems.emplace_back(e.what());
-      out.session = nullptr;
-    }
-  out.outcome.json = inspection_json(*found);
-  out.outcome.text = inspection_text(*found);
-  const std::vector<std::string>& open = found->problems.empty() ? found->ambiguous : found->problems;
-  for (const std::string& text : open) out.outcome.shortcomings += (out.outcome.shortcomings.empty() ? "" : "\n") + text;
-  out.outcome.page = [found, recording = out.recording] {
+Inspected inspected(const InspectionTask& task) {
+  const auto found = std::make_shared<InspectedRecording>(inspect_and_read(task));
+  const Inspection& inspection = found->inspection;
+  Outcome outcome{.json = inspection_json(inspection), .text = inspection_text(inspection)};
+  outcome.shortcomings = fmt::format("{}", fmt::join(inspection.problems.empty() ? inspection.ambiguous : inspection.problems, "\n"));
+  outcome.page = [found] {
     std::optional<Overview> picture;
-    if (recording) picture = overview(SensorModel{}, *recording, 1500);
-    return inspection_page(*found, picture);
+    if (found->recording) picture = overview(SensorModel{}, *found->recording, 1500);
+    return inspection_page(found->inspection, picture);
   };
-  return out;
+  return {std::move(outcome), inspection.complete() ? std::shared_ptr<Session>(found, &found->session) : nullptr,
+          found->recording ? std::shared_ptr<Recording>(found, &*found->recording) : nullptr};
+}
+
+/// As the command opens a recording in place of a session, and what that assumes of gravity.
+std::pair<std::shared_ptr<Session>, std::string> session_of_recording(const std::string& file) {
+  return run(py::none(), [=](const auto&) {
+    const InspectionTask task{.files = {file}};
+    const auto session = shared(session_for(inspect_files(task), task, "declare it: inspect(file, declare={KEY: VALUE}), or write a session"));
+    return std::pair(session, assumed_gravity(*session));
+  });
 }
 
 }  // namespace
@@ -121,8 +105,13 @@ void bind_session(py::module_& module) {
     return shared(procedure(name, options, seed));
   });
   module.def("inspect", [](const std::vector<std::string>& files, const std::vector<std::string>& topics, const Declarations& declared) {
-    Inspected out = run(py::none(), [=](const auto&) { return inspect_files(files, topics, declared); });
-    return std::tuple(std::move(out.outcome), out.session, out.recording);
+    return run(py::none(), [task = InspectionTask{.files = files, .topics = topics, .declared = declared}](const auto&) { return inspected(task); });
+  });
+  module.def("session_of_recording", &session_of_recording);
+  module.def("thermal_units", [](const Session& session, const std::string& file) {
+    const RecordingSource source = session.source_of(file);
+    const auto unit = [](const std::optional<ThermalSource>& thermal) { return thermal ? std::optional(thermal->unit) : std::nullopt; };
+    return std::pair(unit(source.gyro_temperature), unit(source.accel_temperature));
   });
 }
 

@@ -58,7 +58,6 @@ std::string problem(const std::string& room, const std::string& folder, char quo
   if (room == "estimate" && *target == room) return between_methods(folder, included);
   if (*target == room || ranks.at(*target) < ranks.at(room)) return "";
   if (*target == "io" && (room == "report" || room == "fleet")) return "";
-  if (*target == "fleet" && room == "report") return "";
   return room + " may not know " + *target;
 }
 

@@ -8,6 +8,7 @@
 #include "imulab/io/recording/file.hpp"
 #include "imulab/io/recording/stream.hpp"
 #include "imulab/recording/compensator.hpp"
+#include "imulab/tasks/recordings.hpp"
 
 #include <fmt/core.h>
 

@@ -4,7 +4,8 @@
 #include "apps/imulab/report.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/method.hpp"
-#include "imulab/fleet/statistics.hpp"
+#include "imulab/fleet/sample.hpp"
+#include "imulab/io/result/fleet.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/report/fleet_page.hpp"
 
@@ -29,11 +30,11 @@ void stats(const Options& o) {
   FleetStore store(o.store);
   const FleetStatistics statistics = fleet_statistics(store, options, o.method);
   warn_of_clocks(store);
-  if (!o.report.empty()) write_whole(o.report, fleet_page(statistics, store, o.store));
+  if (!o.report.empty()) write_whole(o.report, fleet_page(statistics, o.store));
   if (o.json)
-    print_json(fleet_statistics_json(statistics, store));
+    print_json(fleet_statistics_json(statistics));
   else
-    print(fleet_statistics_text(statistics, store));
+    print(fleet_statistics_text(statistics));
 }
 
 }  // namespace

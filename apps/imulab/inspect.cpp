@@ -1,10 +1,11 @@
 // imulab inspect FILE...
+#include "imulab/tasks/inspect.hpp"
+
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
 #include "apps/imulab/inspected.hpp"
 #include "apps/imulab/report.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/io/recording/file.hpp"
 #include "imulab/io/result/inspection.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/report/inspection_page.hpp"
@@ -47,28 +48,12 @@ Session placed(Session session, const Options& o) {
   return session;
 }
 
-/// The recording as its session declares it, from files; what is wrong with it is a problem of the inspection.
-std::optional<Recording> read_as_declared(const Session& session, Inspection& inspection) {
-  if (!inspection.complete() || is_stream(session.file)) return std::nullopt;
-  try {
-    RecordingReading reading = read_recording(session, session.recordings.front());
-    for (const std::string& text : reading.warnings) inspection.evidence.push_back(text);
-    return std::move(reading.recording);
-  } catch (const Error& e) {
-    inspection.problems.emplace_back(e.what());
-    return std::nullopt;
-  }
-}
-
 void run(const Options& o) {
   expect_free("-o", o.output, o.force);
   if (!o.output.empty() && std::any_of(o.files.begin(), o.files.end(), is_stream))
     throw Error("-o: a session names files; expected a recording that is one, not a stream");
-  const Declarations declared = parse_declarations(o.declarations);
-  Inspection inspection = inspect_files(o.files, o.topics, declared, o.longest_s);
-  Session session = inspected_session(inspection, declared_site(declared));
-  session.file = o.files.front();  // its folder is that of the recording
-  const std::optional<Recording> recording = read_as_declared(session, inspection);
+  const auto [inspection, session, recording] =
+      inspect_and_read({.files = o.files, .topics = o.topics, .declared = parse_declarations(o.declarations), .longest_s = o.longest_s});
   if (o.json) {
     print_json(inspection_json(inspection));
   } else if (o.output != "-") {

@@ -43,23 +43,22 @@ void add_hand_held(Verb verb) {
   hand_held.does([a] { write(a->output, hand_held_procedure(a->options, a->seed)); });
 }
 
-void add_turntable(Verb verb, const char* name, const char* about, Session (*procedure)(const TableProcedureOptions&),
-                   const TableProcedureOptions& options = {}) {
+void add_on_table(Verb verb, const TableProcedure& procedure) {
   struct Arguments {
     TableProcedureOptions options;
     double table_arcsec;
     Output output;
   };
-  const auto a = std::make_shared<Arguments>(Arguments{options, options.table / unit::arcsec, {}});
-  Verb own = verb.verb(name, about);
+  const auto a = std::make_shared<Arguments>(Arguments{procedure.options, procedure.options.table / unit::arcsec, {}});
+  Verb own = verb.verb(std::string(procedure.name), std::string(procedure.summary));
   own.option("--rest", a->options.rest, "seconds of each rest").in_range(0.1, 86400).show_default();
   own.option("--table", a->table_arcsec, "declared uncertainty of the table's angles, orthogonality and zeros, one sigma, arcsec")
       .in_range(0, 1296000)
       .show_default();
   add_output(own, a->output);
-  own.does([a, procedure] {
+  own.does([a, make = procedure.make] {
     a->options.table = a->table_arcsec * unit::arcsec;
-    write(a->output, procedure(a->options));
+    write(a->output, make(a->options));
   });
 }
 
@@ -91,13 +90,9 @@ void add_dai_unit(Verb verb) {
 void add_procedure(Verb app) {
   Verb verb = app.verb("procedure", "Write a standard procedure as TOML, ready to edit");
   verb.needs_verb();
-  add_turntable(verb, "six-position", "Turntable: each body axis up and down", six_position_procedure);
-  add_turntable(verb, "zhang-24", "Turntable: five turns each way about each axis, then 24 positions", zhang_24_procedure);
-  add_turntable(verb, "cheng-path", "Turntable: 20 turns of 90 and 180 deg between rests", cheng_path_procedure);
+  for (const TableProcedure& procedure : table_procedures()) add_on_table(verb, procedure);
   add_hand_held(verb);
   add_dai_unit(verb);
-  add_turntable(verb, "ferraris", "By hand against a box: each axis up and down, a turn of 360 deg about each", ferraris_procedure,
-                ferraris_options());
 }
 
 }  // namespace imulab::command

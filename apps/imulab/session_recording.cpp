@@ -12,22 +12,6 @@
 
 namespace imulab::command {
 
-namespace {
-
-/// Temperatures must be in the unit of the calibration.
-void check_thermal_unit(const TriadModel& model, const std::optional<ThermalSource>& source, const RecordingSource& recording, const char* triad) {
-  if (model.temperature && source && model.temperature->unit != source->unit)
-    throw Error(fmt::format("{}: the {} temperature is in {}; expected {} as in the calibration", recording.file, triad, source->unit,
-                            model.temperature->unit));
-}
-
-}  // namespace
-
-void check_thermal_units(const Calibration& calibration, const RecordingSource& source) {
-  check_thermal_unit(calibration.model.accel, source.accel_temperature, source, "accelerometer");
-  check_thermal_unit(calibration.model.gyro, source.gyro_temperature, source, "gyro");
-}
-
 Recording read_for(const Calibration& calibration, const Session& session, const RecordingSource& source) {
   check_thermal_units(calibration, source);
   RecordingReading reading = read_recording(session, source);

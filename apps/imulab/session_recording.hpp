@@ -10,9 +10,6 @@
 
 namespace imulab::command {
 
-/// Throws Error where a temperature is in another unit than in the calibration.
-void check_thermal_units(const Calibration& calibration, const RecordingSource& source);
-
 /// Prints the warnings of reading. Throws Error where a temperature is in another unit than in the calibration.
 Recording read_for(const Calibration& calibration, const Session& session, const RecordingSource& source);
 

@@ -11,11 +11,8 @@ namespace imulab::command {
 /// The option --allow-undetermined.
 void add_allow_undetermined(Verb& verb, bool& allowed);
 
-/// Throws Error, naming `file`, where a coefficient is beyond any size with which one can compute.
-void expect_sizes(const Calibration& calibration, const std::string& file);
-
-/// The same, and throws Unsupported, naming `file`, where offsets or matrices were not determined and so keep starting values that compensate
-/// nothing; with `allowed` it warns.
+/// Prints the warnings of `usability`, and throws as that; and Unsupported, naming `file`, where offsets or matrices were not determined and so keep
+/// starting values that compensate nothing; with `allowed` it warns.
 void expect_usable(const Calibration& calibration, const std::string& file, bool allowed);
 
 /// Reads the file and expects that.

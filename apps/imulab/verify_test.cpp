@@ -106,7 +106,7 @@ TEST(SerialNumbers, ThatDifferAreComparedOnlyIfThatIsMeant) {
   }
   const CommandResult refused = run_imulab(folder, "compare 1.json 2.json");
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.errors, HasSubstr("expected calibrations of one IMU, or --different-imus"));
+  EXPECT_THAT(refused.errors, HasSubstr("expected calibrations of one IMU, or that different IMUs are allowed"));
   EXPECT_EQ(run_imulab(folder, "compare 1.json 2.json --different-imus").exit_code, 0);
 }
 

@@ -11,6 +11,7 @@
 #include <map>
 #include <numeric>
 #include <unordered_map>
+#include <utility>
 
 namespace imulab {
 
@@ -46,13 +47,25 @@ std::vector<SampleRow> rows_of(FleetStore& store, const std::string& method, Nam
   return out;
 }
 
-void take_rows(FleetSample& s, const std::vector<SampleRow>& rows) {
+/// "name serial" of every unit, by its number.
+std::unordered_map<std::int64_t, std::string> unit_titles(FleetStore& store) {
+  std::unordered_map<std::int64_t, std::string> out;
+  fleet::Statement rows(store.database(), "SELECT id, name, serial FROM units");
+  while (rows.next()) out.emplace(rows.integer(0), rows.bytes(2).empty() ? rows.text(1) : fmt::format("{} {}", rows.text(1), rows.text(2)));
+  return out;
+}
+
+void take_rows(FleetSample& s, const std::vector<SampleRow>& rows, const std::unordered_map<std::int64_t, std::string>& titles) {
   std::unordered_map<std::int64_t, Eigen::Index> units;
   std::vector<Eigen::Index> last;
   s.time.resize(static_cast<Eigen::Index>(rows.size()));
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const auto [unit, added] = units.emplace(rows[k].unit, static_cast<Eigen::Index>(s.units.size()));
-    if (added) s.units.push_back(rows[k].unit), last.push_back(0);
+    if (added) {
+      const auto title = titles.find(rows[k].unit);
+      s.units.push_back(title != titles.end() ? title->second : fmt::format("unit {}", rows[k].unit));
+      last.push_back(0);
+    }
     last[static_cast<std::size_t>(unit->second)] = static_cast<Eigen::Index>(k);
     s.unit.push_back(unit->second);
     s.station.push_back(rows[k].station), s.operated_by.push_back(rows[k].operated_by);
@@ -117,6 +130,12 @@ void take_common(FleetSample& s, const NumbersScan& scan) {
     s.common.push_back(std::find(s.coefficients.begin(), s.coefficients.end(), layout[static_cast<std::size_t>(k)]) - s.coefficients.begin());
 }
 
+std::vector<CoefficientIndex> common_coefficients(const FleetSample& s) {
+  std::vector<CoefficientIndex> out;
+  for (const Eigen::Index k : s.common) out.push_back(s.coefficients[static_cast<std::size_t>(k)]);
+  return out;
+}
+
 }  // namespace
 
 FleetSample load_sample(FleetStore& store, const std::string& method) {
@@ -126,7 +145,7 @@ FleetSample load_sample(FleetStore& store, const std::string& method) {
   if (rows.empty())
     throw Error(
         fmt::format("{}: has no calibration{}; expected one at least", store.database().file(), method.empty() ? "" : " by the method " + method));
-  take_rows(s, rows);
+  take_rows(s, rows, unit_titles(store));
   s.stations = std::move(stations.names), s.operators = std::move(operators.names);
   const auto count = static_cast<Eigen::Index>(rows.size());
   NumbersScan scan;
@@ -152,10 +171,21 @@ FleetSample load_sample(FleetStore& store, const std::string& method) {
   return s;
 }
 
-std::string unit_title(FleetStore& store, std::int64_t unit) {
-  fleet::Statement row(store.database(), "SELECT name, serial FROM units WHERE id = ?");
-  if (!row.with(unit).next()) return fmt::format("unit {}", unit);
-  return row.bytes(1).empty() ? row.text(0) : fmt::format("{} {}", row.text(0), row.text(1));
+FleetStatistics fleet_statistics(FleetStore& store, const FleetOptions& options, const std::string& method) {
+  FleetSample sample = load_sample(store, method);
+  const auto covariance = [&store, calibration = sample.calibration, columns = common_coefficients(sample)](Eigen::Index row) {
+    const fleet::Numbers numbers = fleet::numbers_of(store, calibration[static_cast<std::size_t>(row)]);
+    const auto p = static_cast<Eigen::Index>(columns.size());
+    Eigen::MatrixXd out = Eigen::MatrixXd::Constant(p, p, std::numeric_limits<double>::quiet_NaN());
+    std::vector<Eigen::Index> place, from;
+    for (Eigen::Index k = 0; k < p; ++k) {
+      const auto found = std::find(numbers.estimated.begin(), numbers.estimated.end(), columns[static_cast<std::size_t>(k)]);
+      if (found != numbers.estimated.end()) place.push_back(k), from.push_back(found - numbers.estimated.begin());
+    }
+    out(place, place) = numbers.covariance(from, from);
+    return out;
+  };
+  return fleet_statistics(std::move(sample), covariance, options);
 }
 
 }  // namespace imulab

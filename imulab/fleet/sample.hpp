@@ -1,35 +1,17 @@
-// A fleet's calibrations in memory, in columns: what its statistics work on.
+// The calibrations of a store, for the statistics of a fleet.
 #pragma once
 
+#include "imulab/estimate/fleet/statistics.hpp"
 #include "imulab/fleet/store.hpp"
-#include "imulab/model/coefficient.hpp"
 
-#include <Eigen/Core>
-
-#include <cstdint>
 #include <string>
-#include <vector>
 
 namespace imulab {
-
-/// Rows are calibrations in the order of their times; columns coefficients in table order. SI, in the accelerometers' frame.
-struct FleetSample {
-  std::vector<CoefficientIndex> coefficients;
-  Eigen::MatrixXd values, variances;                     ///< NaN where a calibration did not determine the coefficient
-  Eigen::ArrayXd time;                                   ///< s since 1970
-  std::vector<std::int64_t> calibration;                 ///< numbers in the store
-  std::vector<Eigen::Index> unit, station, operated_by;  ///< of each row, from 0
-  std::vector<std::int64_t> units;                       ///< numbers in the store
-  std::vector<std::string> stations, operators;
-  std::vector<Eigen::Index> last;    ///< each unit's last row, in the order of their times
-  std::vector<Eigen::Index> common;  ///< columns that most units' last calibrations have
-  Eigen::MatrixXd mean_covariance;   ///< of these columns, over those last calibrations
-};
 
 /// Calibrations that were not removed, of one method or of all (""). Throws Error where there is none.
 FleetSample load_sample(FleetStore& store, const std::string& method = "");
 
-/// "name serial" of a unit.
-std::string unit_title(FleetStore& store, std::int64_t unit);
+/// The statistics of these. Throws Error where there is none.
+FleetStatistics fleet_statistics(FleetStore& store, const FleetOptions& options = {}, const std::string& method = "");
 
 }  // namespace imulab

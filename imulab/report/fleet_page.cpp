@@ -20,9 +20,7 @@ constexpr std::size_t most_units = 500;  // of a control chart: the last ones
 
 std::string code(CoefficientIndex index) { return "<code>" + escaped(coefficient(index).name) + "</code>"; }
 
-std::string unit_name(const FleetStatistics& f, FleetStore& store, Eigen::Index unit) {
-  return escaped(shortened(unit_title(store, f.sample.units[static_cast<std::size_t>(unit)]), 60));
-}
+std::string unit_name(const FleetStatistics& f, Eigen::Index unit) { return escaped(shortened(f.sample.units[static_cast<std::size_t>(unit)], 60)); }
 
 bool differs(const std::optional<Gauge>& gauge, double level) { return gauge && gauge->p_value < level; }
 
@@ -130,13 +128,13 @@ std::string charts_section(const FleetStatistics& f) {
                  main + (others.empty() ? "" : folded("Optional terms", others)));
 }
 
-std::string outlier_section(const FleetStatistics& f, FleetStore& store) {
+std::string outlier_section(const FleetStatistics& f) {
   if (f.search.outliers.empty()) return "";
   Table t{.head = {"unit", "distance", "coefficients", "p", "farthest", "standard deviations"}, .rows = {}, .left = {4}};
   for (const FleetOutlier& o : f.search.outliers) {
     if (t.rows.size() == most_rows) break;
     const Eigen::Index row = f.sample.last[static_cast<std::size_t>(o.unit)];
-    t.rows.push_back({unit_name(f, store, f.sample.unit[static_cast<std::size_t>(row)]), number(o.distance), fmt::format("{}", o.coefficients),
+    t.rows.push_back({unit_name(f, f.sample.unit[static_cast<std::size_t>(row)]), number(o.distance), fmt::format("{}", o.coefficients),
                       number(o.p_value, 2), code(f.sample.coefficients[static_cast<std::size_t>(f.sample.common[static_cast<std::size_t>(o.worst)])]),
                       number(o.worst_sigmas)});
   }
@@ -150,7 +148,7 @@ std::string outlier_section(const FleetStatistics& f, FleetStore& store) {
 }
 
 /// One unit's calibrations of a coefficient over the years, with two standard uncertainties, and its line.
-std::string history(const FleetStatistics& f, FleetStore& store, const CoefficientStatistics& c, const UnitDrift& u) {
+std::string history(const FleetStatistics& f, const CoefficientStatistics& c, const UnitDrift& u) {
   constexpr double year = 365.25 * 86400;
   const Eigen::Index column = std::find(f.sample.coefficients.begin(), f.sample.coefficients.end(), c.index) - f.sample.coefficients.begin();
   std::vector<double> x, y, low, high;
@@ -166,11 +164,10 @@ std::string history(const FleetStatistics& f, FleetStore& store, const Coefficie
   plot.band(x, low, high, color::sky);
   plot.line({x.front(), x.back()}, {(u.last - u.slope * u.span - c.fleet.mean) / c.size, (u.last - c.fleet.mean) / c.size}, color::ink);
   plot.dots(x, y, color::blue);
-  return figure(plot.svg(),
-                fmt::format("{}, {}", shortened(unit_title(store, f.sample.units[static_cast<std::size_t>(u.unit)]), 40), coefficient(c.index).name));
+  return figure(plot.svg(), fmt::format("{}, {}", shortened(f.sample.units[static_cast<std::size_t>(u.unit)], 40), coefficient(c.index).name));
 }
 
-std::string drift_section(const FleetStatistics& f, FleetStore& store) {
+std::string drift_section(const FleetStatistics& f) {
   Table means{.head = {"coefficient", "units", "mean per year", "95 % interval", "spread of it", "repeatability", ""}, .rows = {}, .left = {6}};
   for (const CoefficientStatistics& c : f.coefficients)
     if (c.mean_drift)
@@ -184,10 +181,10 @@ std::string drift_section(const FleetStatistics& f, FleetStore& store) {
   for (const SignificantDrift& d : f.drifts) {
     if (t.rows.size() == most_rows) break;
     const auto c = std::find_if(f.coefficients.begin(), f.coefficients.end(), [&](const auto& x) { return x.index == d.index; });
-    t.rows.push_back({unit_name(f, store, d.drift.unit), code(d.index), fmt::format("{}", d.drift.calibrations), number(d.drift.span, 2),
+    t.rows.push_back({unit_name(f, d.drift.unit), code(d.index), fmt::format("{}", d.drift.calibrations), number(d.drift.span, 2),
                       number(d.drift.slope / c->size), fmt::format("{} to {}", number(d.drift.low / c->size, 2), number(d.drift.high / c->size, 2)),
                       escaped(readable_unit(c->unit)), number(d.drift.p_value, 2)});
-    if (histories.size() < most_histories) histories.push_back(history(f, store, *c, d.drift));
+    if (histories.size() < most_histories) histories.push_back(history(f, *c, d.drift));
   }
   return section("drift", "Drift",
                  "A line through each unit's calibrations. Repeatability: how far a unit is from its line beyond the uncertainties. Listed are units "
@@ -232,7 +229,7 @@ std::string correlation_section(const FleetStatistics& f) {
 }  // namespace
 }  // namespace report
 
-std::string fleet_page(const FleetStatistics& f, FleetStore& store, const std::string& title) {
+std::string fleet_page(const FleetStatistics& f, const std::string& title) {
   using namespace report;
   Page page;
   page.kind = "Fleet";
@@ -243,7 +240,7 @@ std::string fleet_page(const FleetStatistics& f, FleetStore& store, const std::s
                   {fmt::format("{}", f.sample.calibration.size()), "calibrations"},
                   {f.search.possible ? fmt::format("{}", f.search.outliers.size()) : "not tested", "outliers"},
                   {fmt::format("{}", f.drifts.size()), "drifts"}};
-  page.body = outlier_section(f, store) + drift_section(f, store) + gauge_section(f) + spread_section(f) + charts_section(f) + correlation_section(f);
+  page.body = outlier_section(f) + drift_section(f) + gauge_section(f) + spread_section(f) + charts_section(f) + correlation_section(f);
   return page_text(page);
 }
 

@@ -197,4 +197,13 @@ Session cheng_path_procedure(const TableProcedureOptions& options) {
   return turns_procedure("cheng-path", options.rest, turns, options);
 }
 
+const std::vector<TableProcedure>& table_procedures() {
+  static const std::vector<TableProcedure> table{
+      {"six-position", "Turntable: each body axis up and down", six_position_procedure, {}},
+      {"zhang-24", "Turntable: five turns each way about each axis, then 24 positions", zhang_24_procedure, {}},
+      {"cheng-path", "Turntable: 20 turns of 90 and 180 deg between rests", cheng_path_procedure, {}},
+      {"ferraris", "By hand against a box: each axis up and down, a turn of 360 deg about each", ferraris_procedure, ferraris_options()}};
+  return table;
+}
+
 }  // namespace imulab

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace imulab {
 
@@ -60,6 +61,14 @@ Session turns_procedure(const std::string& name, double first_rest, std::span<co
 
 /// A path after Cheng 2014: 20 turns of 90 and 180 deg with rests between them, so that every coefficient is observable.
 Session cheng_path_procedure(const TableProcedureOptions& options);
+
+/// The procedures on a table that are made by options alone, in one table.
+struct TableProcedure {
+  std::string_view name, summary;
+  Session (*make)(const TableProcedureOptions& options);
+  TableProcedureOptions options;  ///< unless others are given
+};
+const std::vector<TableProcedure>& table_procedures();
 
 /// The source of the thermal readings: a sensor at each axis of a triad, one at each triad, or the gyros' resonance frequencies and three sensors at
 /// the accelerometers.

@@ -72,6 +72,8 @@ SessionRecordings given_recordings(Session session, std::vector<Recording> recor
       source.file = recording.name;
       source.gyro.unit = recording.gyro_unit;
       source.accel.unit = recording.accel_unit;
+      if (!recording.gyro_temperature[0].empty()) source.gyro_temperature = ThermalSource{};  // degC
+      if (!recording.accel_temperature[0].empty()) source.accel_temperature = ThermalSource{};
       session.recordings.push_back(std::move(source));
     }
     if (recordings.size() == 1)

@@ -34,7 +34,8 @@ struct SessionRecordings {
 SessionRecordings read_recordings(Session session, const Method& method, const std::string& chosen = "");
 
 /// Recordings from memory, one for each of the session's. Throws Error for another number, for a name that is not the session's, and for units that
-/// the session contradicts. A session without recordings takes them as they are.
+/// the session contradicts. A session without recordings takes them as they are, temperatures
+/// in degC.
 SessionRecordings given_recordings(Session session, std::vector<Recording> recordings);
 
 /// Calibrates. The result has the requirements' answers and its declared origin (`add_declared_origin`). Throws Error for a task that the method does

@@ -18,6 +18,7 @@ from ._text import PathLike, optional_package, path, warn
 if TYPE_CHECKING:
     import pandas  # type: ignore[import]
 
+    from ._recording import Recording
     from ._results import Noise
 
 
@@ -196,13 +197,16 @@ class Calibration:
             raise Error("out: rate and force share memory; expected two arrays")
 
     def _expect_usable(self, allowed: bool) -> None:
-        names = self._calibration.unusable
-        if not names:
-            return
-        text = f"the data did not determine {', '.join(names)}: starting values, which compensate nothing"
-        if not allowed:
-            raise Unsupported(f"{text}; expected a calibration from more data, or allow_undetermined=True")
-        warn([text])
+        warnings, undetermined = self._calibration.usability(self.name)
+        if undetermined and not allowed:
+            raise Unsupported(f"{undetermined}; expected a calibration from more data, or allow_undetermined=True")
+        warn([*warnings, undetermined] if undetermined else warnings)
+
+    def _expect_thermal_units(self, recording: Recording) -> None:
+        """Temperatures in another unit would be taken for the calibration's."""
+        for triad, own, given in zip(("gyro", "accelerometer"), self._calibration.thermal_units, recording.temperature_units):
+            if own is not None and given is not None and own != given:
+                raise Error(f"{recording.name}: the {triad} temperature is in {given}; expected {own} as in the calibration")
 
     # Where it goes
 

@@ -23,10 +23,16 @@ class Recording:
     change; each attribute that is an array is a new copy.
     """
 
-    def __init__(self, recording: _imulab.Recording) -> None:
+    def __init__(self, recording: _imulab.Recording, temperature_units: tuple[str | None, str | None] = (None, None)) -> None:
         if not isinstance(recording, _imulab.Recording):
             raise TypeError("expected Recording.from_arrays(t, gyro, accel) or read_recording(file)")
         self._recording = recording
+        self.temperature_units = temperature_units  #: of the gyros' and the accelerometers' thermal readings; None: not known, or none
+
+    @classmethod
+    def _of(cls, recording: _imulab.Recording, session: _imulab.Session) -> Recording:
+        """One of a session, which declares the unit of its thermal readings."""
+        return cls(recording, _imulab.thermal_units(session, recording.name))
 
     @classmethod
     def from_arrays(
@@ -74,6 +80,8 @@ class Recording:
             readings = _arrays.thermal(f"{triad}_temperature", temperature if own is None else own, count)
             return {"unit": unit, "counts_per_unit": per_unit, "increment": increment, "limits": limits, "temperature": readings}
 
+        units = ("degC" if temperature is not None or gyro_temperature is not None else None,
+                 "degC" if temperature is not None or accel_temperature is not None else None)
         return cls(
             _imulab.Recording(
                 times,
@@ -83,7 +91,8 @@ class Recording:
                 interval_s,
                 options("gyro", gyro_unit, gyro_counts_per_unit, gyro_increment, gyro_limits, gyro_temperature),
                 options("accel", accel_unit, accel_counts_per_unit, accel_increment, accel_limits, accel_temperature),
-            )
+            ),
+            units,
         )
 
     def __len__(self) -> int:

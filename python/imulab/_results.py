@@ -102,8 +102,8 @@ class Inspection(Result):
     def recording(self) -> Recording:
         """The recording, read as that session declares it. Raises Unsupported with the open questions."""
         self.expect_supported()
-        assert self._recording is not None
-        return Recording(self._recording)
+        assert self._recording is not None and self._session is not None
+        return Recording._of(self._recording, self._session)
 
 
 class Comparison(Result):

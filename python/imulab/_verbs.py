@@ -75,7 +75,12 @@ def _declared(data: Data, site: Site | Table | None, imu: Table | None) -> tuple
     if isinstance(data, Session):
         return data, None
     place = path("data", data)
-    return (read_session(place) if _is_session(place) else inspect(place).session), None
+    if _is_session(place):
+        return read_session(place), None
+    session, gravity = _imulab.session_of_recording(place)
+    if gravity:
+        warn([f"{place}: assumed: {gravity}; declare the place: inspect(file, declare={{'latitude_deg': '47.4'}}).session"])
+    return Session._of(session), None
 
 
 def _one_recording(data: Data, site: Site | Table | None, chosen: str) -> tuple[Session, Recording]:
@@ -83,7 +88,7 @@ def _one_recording(data: Data, site: Site | Table | None, chosen: str) -> tuple[
     if recordings is None:
         found, notes = _imulab.read_recording(session._session, _imulab.choose_recording(session._session, chosen))
         warn(notes)
-        return session, Recording(found)
+        return session, Recording._of(found, session._session)
     named = [r for r in recordings if r.name == chosen] if chosen else recordings
     if len(named) != 1:
         raise Error(f"recording: {chosen!r}; expected one of {', '.join(r.name for r in recordings)}")
@@ -144,20 +149,23 @@ def compensate(calibration: Calibration, recording: Recording, *, reject_outlier
     _expect("calibration", calibration, Calibration)
     _expect("recording", recording, Recording)
     calibration._expect_usable(allow_undetermined)
+    calibration._expect_thermal_units(recording)
     out, out_of_range, _ = _imulab.compensate(calibration._calibration, recording._recording, reject_outliers)
     if len(out_of_range):
         warn([f"{recording.name}: {len(out_of_range)} of {len(recording)} samples are outside the calibrated temperatures"])
-    return Recording(out)
+    return Recording(out, recording.temperature_units)
 
 
-def compare(*calibrations: Calibration) -> Comparison:
-    """The others with the first, coefficient by coefficient, in sigmas and in user units. One without uncertainties counts as the truth."""
+def compare(*calibrations: Calibration, different_imus: bool = False) -> Comparison:
+    """The others with the first, coefficient by coefficient, in sigmas and in user units. One without uncertainties counts as the truth.
+
+    different_imus: also where their serial numbers differ.
+    """
     if len(calibrations) < 2 or not all(isinstance(c, Calibration) for c in calibrations):
         raise TypeError("expected two or more calibrations")
-    units = {(c.gyro_unit, c.accel_unit) for c in calibrations if c.gyro_unit and c.accel_unit}
-    if len(units) > 1:
-        raise Error("the calibrations were made from readings in different units; expected the same")
-    return Comparison(_imulab.compare([(c.name, c._calibration) for c in calibrations]))
+    outcome = _imulab.compare([(c.name, c._calibration) for c in calibrations], different_imus)
+    warn(outcome.warnings)
+    return Comparison(outcome)
 
 
 def simulate(
@@ -172,7 +180,7 @@ def simulate(
     made, recordings, truth = _imulab.simulate(
         session._session, _seed(seed), None if unit is None else unit._calibration, grade, "" if output is None else path("output", output)
     )
-    return Simulation(Session._of(made), [Recording(r) for r in recordings], Calibration(truth, "truth"))
+    return Simulation(Session._of(made), [Recording._of(r, made) for r in recordings], Calibration(truth, "truth"))
 
 
 def _seed(seed: int) -> int:
@@ -266,7 +274,7 @@ def trajectory(
         _callback(progress),
     )
     warn(warnings)
-    return Flight(Session._of(session), Recording(recording), Solution(truth))
+    return Flight(Session._of(session), Recording._of(recording, session), Solution(truth))
 
 
 def navigate(
@@ -323,6 +331,7 @@ def budget(
     runs: int = 200,
     seed: int = 1,
     every: float = 10.0,
+    allow_undetermined: bool = False,
     progress: Progress | None = None,
 ) -> Budget:
     """Position, velocity and attitude errors of a mission, by source, with a Monte Carlo of `runs` runs.
@@ -342,6 +351,7 @@ def budget(
         runs,
         _seed(seed),
         every,
+        allow_undetermined,
         _callback(progress),
     )
     warn(outcome.warnings)

@@ -5,7 +5,7 @@
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/fleet/statistics.hpp"
+#include "imulab/fleet/sample.hpp"
 
 #include <fmt/core.h>
 
@@ -72,10 +72,10 @@ void take_spread(const FleetStatistics& f, double factor, FleetShares& s) {
   }
 }
 
-void take_drift(const FleetStatistics& f, FleetStore& store, std::uint64_t seed, FleetShares& s) {
+void take_drift(const FleetStatistics& f, std::uint64_t seed, FleetShares& s) {
   for (const CoefficientStatistics& c : f.coefficients)
     for (const UnitDrift& u : c.drift.units) {
-      const std::string title = unit_title(store, f.sample.units[static_cast<std::size_t>(u.unit)]);
+      const std::string& title = f.sample.units[static_cast<std::size_t>(u.unit)];
       const double truth = slope_of(seed, std::stoull(title.substr(title.rfind(' ') + 1)) - 1000, c.index);
       s.slope.take(u.low <= truth && truth <= u.high);
     }
@@ -108,14 +108,13 @@ FleetShares shares_of(std::uint64_t seed) {
   }
   take_spread(f, kind == Kind::drift ? std::hypot(1, 0.3 * static_cast<double>(turns - 1)) : 1, s);
   if (kind == Kind::drift) {
-    take_drift(f, store, seed, s);
+    take_drift(f, seed, s);
     s.false_alarms.take(!f.search.outliers.empty());
     return s;
   }
   double found = 0;
   for (const FleetOutlier& o : f.search.outliers) {
-    const std::string title = unit_title(
-        store, f.sample.units[static_cast<std::size_t>(f.sample.unit[static_cast<std::size_t>(f.sample.last[static_cast<std::size_t>(o.unit)])])]);
+    const std::string& title = f.sample.unit_of_row(f.sample.last[static_cast<std::size_t>(o.unit)]);
     found += is_outlier(std::stoull(title.substr(title.rfind(' ') + 1)) - 1000);
   }
   s.found.hits += found, s.found.all += 2;

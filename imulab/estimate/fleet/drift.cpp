@@ -1,4 +1,4 @@
-#include "imulab/fleet/drift.hpp"
+#include "imulab/estimate/fleet/drift.hpp"
 
 #include "imulab/core/statistics.hpp"
 

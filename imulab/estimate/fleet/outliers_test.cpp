@@ -1,4 +1,4 @@
-#include "imulab/fleet/outliers.hpp"
+#include "imulab/estimate/fleet/outliers.hpp"
 
 #include "imulab/core/random.hpp"
 

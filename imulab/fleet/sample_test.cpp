@@ -1,9 +1,10 @@
-#include "imulab/fleet/statistics.hpp"
+#include "imulab/fleet/sample.hpp"
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/io/result/fleet.hpp"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -52,9 +53,7 @@ TEST_F(DrawnStore, ShowsWhatWasDrawn) {
   EXPECT_EQ(f.sample.units.size(), 150u);
   EXPECT_EQ(f.sample.calibration.size(), 450u);
   ASSERT_EQ(f.search.outliers.size(), 1u);
-  EXPECT_EQ(unit_title(store, f.sample.units[static_cast<std::size_t>(
-                                  f.sample.unit[static_cast<std::size_t>(f.sample.last[static_cast<std::size_t>(f.search.outliers[0].unit)])])]),
-            "unit 33 1033");
+  EXPECT_EQ(f.sample.unit_of_row(f.sample.last[static_cast<std::size_t>(f.search.outliers[0].unit)]), "unit 33 1033");
   // Six standard deviations of the estimates: 1 / sqrt(2 x 148) of the spread, 1 / sqrt(149) of it for the mean.
   const CoefficientStatistics& scale = of(f, "gyro.matrix.zz");
   EXPECT_NEAR(scale.fleet.spread, 1e-3, 6 * 1.1e-3 / std::sqrt(296.0));
@@ -81,10 +80,10 @@ TEST_F(DrawnStore, AsJsonAndTextOnAnyNumberOfThreads) {
   for (const std::size_t threads : {1u, 2u}) {
     const ThreadLimit limit(threads);
     const FleetStatistics f = fleet_statistics(store);
-    const std::string json = fleet_statistics_json(f, store);
+    const std::string json = fleet_statistics_json(f);
     EXPECT_TRUE(first.empty() || first == json);
     first = json;
-    const std::string text = fleet_statistics_text(f, store);
+    const std::string text = fleet_statistics_text(f);
     EXPECT_THAT(text, HasSubstr("1 outliers (probability of any false one 1 %)\n  unit 33 1033: distance"));
     EXPECT_THAT(text, HasSubstr("unit 9 1009: gyro.offset.y"));
     EXPECT_THAT(text, HasSubstr("accel.offset.x        stations: A -"));
@@ -123,8 +122,8 @@ TEST(FleetStatistics, OfOneUnitAndOfNone) {
   EXPECT_FALSE(f.search.possible);
   EXPECT_EQ(f.coefficients.size(), 21u);
   EXPECT_EQ(f.coefficients[0].fleet.spread, 0);
-  EXPECT_THAT(fleet_statistics_text(f, store), HasSubstr("not tested: too few units"));
-  EXPECT_TRUE(nlohmann::json::parse(fleet_statistics_json(f, store))["coefficients"][0]["fleet"]["spread_interval"][1].is_null());
+  EXPECT_THAT(fleet_statistics_text(f), HasSubstr("not tested: too few units"));
+  EXPECT_TRUE(nlohmann::json::parse(fleet_statistics_json(f))["coefficients"][0]["fleet"]["spread_interval"][1].is_null());
   EXPECT_THAT([&] { fleet_statistics(store, {}, "hybrid"); }, ThrowsMessage<Error>(HasSubstr("by the method hybrid")));
   // Calibrations whose clock went back count in the order of their times.
   store.add_calibration(drawn_calibration(1, 1, 1), {"A", "", 1.6e9, "declared"});

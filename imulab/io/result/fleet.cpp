@@ -1,4 +1,5 @@
-#include "imulab/fleet/statistics.hpp"
+#include "imulab/io/result/fleet.hpp"
+
 #include "imulab/io/result/fields.hpp"
 #include "imulab/io/text/figures.hpp"
 
@@ -11,7 +12,7 @@ namespace imulab {
 
 namespace {
 
-std::string name_of(CoefficientIndex index) { return std::string(coefficient(index).name); }
+std::string coefficient_name(CoefficientIndex index) { return std::string(coefficient(index).name); }
 
 JsonObject effects_json(const RandomEffects& r) {
   return {{{{{"units", static_cast<std::uint64_t>(r.units)},
@@ -47,20 +48,17 @@ JsonFields drift_json(const UnitDrift& u, const std::string& unit) {
            {"p_value", u.p_value}}};
 }
 
-std::string unit_of_row(const FleetStatistics& f, FleetStore& store, Eigen::Index row) {
-  return unit_title(store, f.sample.units[static_cast<std::size_t>(f.sample.unit[static_cast<std::size_t>(row)])]);
-}
-std::string outlier_name(const FleetStatistics& f, FleetStore& store, const FleetOutlier& o) {
-  return unit_of_row(f, store, f.sample.last[static_cast<std::size_t>(o.unit)]);
+std::string outlier_name(const FleetStatistics& f, const FleetOutlier& o) {
+  return f.sample.unit_of_row(f.sample.last[static_cast<std::size_t>(o.unit)]);
 }
 
-std::vector<JsonFields> rules_json(const CoefficientStatistics& c, const FleetStatistics& f, FleetStore& store) {
+std::vector<JsonFields> rules_json(const CoefficientStatistics& c, const FleetStatistics& f) {
   constexpr std::size_t most = 20;
   std::vector<JsonFields> out;
   for (std::size_t k = 0; k < run_rule_count; ++k) {
     std::vector<std::string> first;
     for (const Eigen::Index at : c.chart.fired[k])
-      if (first.size() < most) first.push_back(unit_of_row(f, store, c.rows[static_cast<std::size_t>(at)]));
+      if (first.size() < most) first.push_back(f.sample.unit_of_row(c.rows[static_cast<std::size_t>(at)]));
     out.push_back({{{"rule", std::string(run_rules()[k].name)},
                     {"fired", static_cast<std::uint64_t>(c.chart.fired[k].size())},
                     {"expected", run_rules()[k].false_alarm * static_cast<double>(c.rows.size())},
@@ -69,14 +67,14 @@ std::vector<JsonFields> rules_json(const CoefficientStatistics& c, const FleetSt
   return out;
 }
 
-JsonFields coefficient_json(const CoefficientStatistics& c, const FleetStatistics& f, FleetStore& store) {
+JsonFields coefficient_json(const CoefficientStatistics& c, const FleetStatistics& f) {
   JsonFields out{
-      {{"name", name_of(c.index)},
+      {{"name", coefficient_name(c.index)},
        {"fleet", effects_json(c.fleet)},
        {"user",
         JsonObject{{{{{"unit", c.unit}, {"size", c.size}, {"spread", c.fleet.spread / c.size}, {"measurement", c.fleet.measurement / c.size}}}}}},
        {"control_limits", std::vector{c.fleet.mean - c.control, c.fleet.mean + c.control}},
-       {"run_rules", rules_json(c, f, store)}}};
+       {"run_rules", rules_json(c, f)}}};
   if (c.capability)
     out.fields.push_back({"capability", JsonObject{{{{{"target", c.capability->target},
                                                       {"limit", c.capability->limit},
@@ -98,23 +96,24 @@ JsonFields coefficient_json(const CoefficientStatistics& c, const FleetStatistic
 
 }  // namespace
 
-std::string fleet_statistics_json(const FleetStatistics& f, FleetStore& store) {
+std::string fleet_statistics_json(const FleetStatistics& f) {
   std::vector<JsonFields> coefficients, outliers, drifts, correlations;
-  for (const CoefficientStatistics& c : f.coefficients) coefficients.push_back(coefficient_json(c, f, store));
+  for (const CoefficientStatistics& c : f.coefficients) coefficients.push_back(coefficient_json(c, f));
   for (const FleetOutlier& o : f.search.outliers)
-    outliers.push_back({{{"unit", outlier_name(f, store, o)},
-                         {"distance", o.distance},
-                         {"coefficients", static_cast<std::uint64_t>(o.coefficients)},
-                         {"p_value", o.p_value},
-                         {"farthest", name_of(f.sample.coefficients[static_cast<std::size_t>(f.sample.common[static_cast<std::size_t>(o.worst)])])},
-                         {"sigmas", o.worst_sigmas}}});
+    outliers.push_back(
+        {{{"unit", outlier_name(f, o)},
+          {"distance", o.distance},
+          {"coefficients", static_cast<std::uint64_t>(o.coefficients)},
+          {"p_value", o.p_value},
+          {"farthest", coefficient_name(f.sample.coefficients[static_cast<std::size_t>(f.sample.common[static_cast<std::size_t>(o.worst)])])},
+          {"sigmas", o.worst_sigmas}}});
   for (const SignificantDrift& d : f.drifts) {
-    JsonFields one = drift_json(d.drift, unit_title(store, f.sample.units[static_cast<std::size_t>(d.drift.unit)]));
-    one.fields.insert(one.fields.begin() + 1, {"coefficient", name_of(d.index)});
+    JsonFields one = drift_json(d.drift, f.sample.units[static_cast<std::size_t>(d.drift.unit)]);
+    one.fields.insert(one.fields.begin() + 1, {"coefficient", coefficient_name(d.index)});
     drifts.push_back(std::move(one));
   }
   for (const SignificantCorrelation& c : f.correlations)
-    correlations.push_back({{{"a", name_of(c.a)}, {"b", name_of(c.b)}, {"correlation", c.correlation}}});
+    correlations.push_back({{{"a", coefficient_name(c.a)}, {"b", coefficient_name(c.b)}, {"correlation", c.correlation}}});
   return fields_json({{{"units", static_cast<std::uint64_t>(f.sample.units.size())},
                        {"calibrations", static_cast<std::uint64_t>(f.sample.calibration.size())},
                        {"false_alarm", f.search.false_alarm},
@@ -150,7 +149,7 @@ std::string gauge_text(const CoefficientStatistics& c, const Gauge& g, const std
   return text + fmt::format(" {} from their mean\n", c.unit);
 }
 
-std::string rule_text(const CoefficientStatistics& c, const FleetStatistics& f, FleetStore& store) {
+std::string rule_text(const CoefficientStatistics& c, const FleetStatistics& f) {
   std::string text;
   const auto n = static_cast<double>(c.rows.size());
   for (std::size_t k = 0; k < run_rule_count; ++k) {
@@ -158,7 +157,7 @@ std::string rule_text(const CoefficientStatistics& c, const FleetStatistics& f, 
     const double cluster = k == 0 ? 1 : 3;  // a run fires at several units, one after the other
     if (found <= expected + 4 * std::sqrt(cluster * expected) + cluster) continue;
     text += fmt::format("  {:<21} {}: at {} units, {} expected; the first is {}\n", coefficient(c.index).name, run_rules()[k].name, found,
-                        text::number(expected, 2), unit_of_row(f, store, c.rows[static_cast<std::size_t>(c.chart.fired[k].front())]));
+                        text::number(expected, 2), f.sample.unit_of_row(c.rows[static_cast<std::size_t>(c.chart.fired[k].front())]));
   }
   return text;
 }
@@ -167,7 +166,7 @@ std::string headed(const std::string& heading, const std::string& body) { return
 
 }  // namespace
 
-std::string fleet_statistics_text(const FleetStatistics& f, FleetStore& store) {
+std::string fleet_statistics_text(const FleetStatistics& f) {
   std::string text = fmt::format("{} units, {} calibrations; each unit's last one counts{}\n\n", f.sample.units.size(), f.sample.calibration.size(),
                                  f.search.outliers.empty() ? "" : ", outliers apart");
   text += fmt::format("{:<21} {:>6} {:>12} {:>9} {:>9} {:>9} {:>9}  unit\n", "coefficient", "units", "mean", "spread", "low", "high", "measured");
@@ -177,28 +176,28 @@ std::string fleet_statistics_text(const FleetStatistics& f, FleetStore& store) {
     text += spread_row(c);
     if (c.stations) gauge += gauge_text(c, *c.stations, f.sample.stations, "stations", level);
     if (c.operators) gauge += gauge_text(c, *c.operators, f.sample.operators, "operators", level);
-    rules += rule_text(c, f, store);
+    rules += rule_text(c, f);
   }
   std::string outliers, correlations;
   constexpr std::size_t most = 20;
   for (std::size_t k = 0; k < std::min(most, f.search.outliers.size()); ++k) {
     const FleetOutlier& o = f.search.outliers[k];
-    outliers +=
-        fmt::format("  {}: distance {} in {} coefficients; {} is {:+.1f} standard deviations from the mean\n", outlier_name(f, store, o),
-                    text::number(o.distance), o.coefficients,
-                    name_of(f.sample.coefficients[static_cast<std::size_t>(f.sample.common[static_cast<std::size_t>(o.worst)])]), o.worst_sigmas);
+    outliers += fmt::format("  {}: distance {} in {} coefficients; {} is {:+.1f} standard deviations from the mean\n", outlier_name(f, o),
+                            text::number(o.distance), o.coefficients,
+                            coefficient_name(f.sample.coefficients[static_cast<std::size_t>(f.sample.common[static_cast<std::size_t>(o.worst)])]),
+                            o.worst_sigmas);
   }
   for (std::size_t k = 0; k < std::min(most, f.drifts.size()); ++k) {
     const SignificantDrift& d = f.drifts[k];
     const auto c = std::find_if(f.coefficients.begin(), f.coefficients.end(), [&](const auto& x) { return x.index == d.index; });
     const double half = 0.5 * (d.drift.high - d.drift.low) / c->size;
-    drift += fmt::format("  {}: {} {} +/- {} {} per year over {} years\n", unit_title(store, f.sample.units[static_cast<std::size_t>(d.drift.unit)]),
-                         name_of(d.index), text::to_digits_of(half, d.drift.slope / c->size), text::two_digits(half), c->unit,
+    drift += fmt::format("  {}: {} {} +/- {} {} per year over {} years\n", f.sample.units[static_cast<std::size_t>(d.drift.unit)],
+                         coefficient_name(d.index), text::to_digits_of(half, d.drift.slope / c->size), text::two_digits(half), c->unit,
                          text::number(d.drift.span, 2));
   }
   for (std::size_t k = 0; k < std::min(most, f.correlations.size()); ++k)
-    correlations +=
-        fmt::format("  {:<21} {:<21} {:+.2f}\n", name_of(f.correlations[k].a), name_of(f.correlations[k].b), f.correlations[k].correlation);
+    correlations += fmt::format("  {:<21} {:<21} {:+.2f}\n", coefficient_name(f.correlations[k].a), coefficient_name(f.correlations[k].b),
+                                f.correlations[k].correlation);
   if (f.search.outliers.empty()) outliers = "  none\n";
   if (!f.search.possible) outliers = "  not tested: too few units for so many coefficients\n";
   text +=

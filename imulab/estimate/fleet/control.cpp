@@ -1,4 +1,4 @@
-#include "imulab/fleet/control.hpp"
+#include "imulab/estimate/fleet/control.hpp"
 
 #include <algorithm>
 #include <cmath>

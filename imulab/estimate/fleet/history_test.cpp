@@ -1,8 +1,8 @@
 // Drift, gauge and control of drawn fleets.
 #include "imulab/core/random.hpp"
-#include "imulab/fleet/control.hpp"
-#include "imulab/fleet/drift.hpp"
-#include "imulab/fleet/gauge.hpp"
+#include "imulab/estimate/fleet/control.hpp"
+#include "imulab/estimate/fleet/drift.hpp"
+#include "imulab/estimate/fleet/gauge.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "imulab/fleet/random_effects.hpp"
+#include "imulab/estimate/fleet/random_effects.hpp"
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"

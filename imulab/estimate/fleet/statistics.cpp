@@ -1,12 +1,12 @@
-#include "imulab/fleet/statistics.hpp"
+#include "imulab/estimate/fleet/statistics.hpp"
 
 #include "imulab/core/parallel.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/fleet/numbers_of_all.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace imulab {
 
@@ -14,23 +14,11 @@ namespace {
 
 constexpr double year = 365.25 * 86400;
 
-OutlierSearch search_of(FleetStore& store, const FleetSample& s, double false_alarm) {
+OutlierSearch search_of(const FleetSample& s, const std::function<Eigen::MatrixXd(Eigen::Index row)>& covariance, double false_alarm) {
   OutlierInput input;
   input.values = s.values(s.last, s.common);
   input.mean_covariance = s.mean_covariance;
-  input.covariance = [&](Eigen::Index unit) {
-    const fleet::Numbers numbers = fleet::numbers_of(store, s.calibration[static_cast<std::size_t>(s.last[static_cast<std::size_t>(unit)])]);
-    const auto p = static_cast<Eigen::Index>(s.common.size());
-    Eigen::MatrixXd out = Eigen::MatrixXd::Constant(p, p, std::numeric_limits<double>::quiet_NaN());
-    std::vector<Eigen::Index> place, from;
-    for (Eigen::Index k = 0; k < p; ++k) {
-      const auto found = std::find(numbers.estimated.begin(), numbers.estimated.end(),
-                                   s.coefficients[static_cast<std::size_t>(s.common[static_cast<std::size_t>(k)])]);
-      if (found != numbers.estimated.end()) place.push_back(k), from.push_back(found - numbers.estimated.begin());
-    }
-    out(place, place) = numbers.covariance(from, from);
-    return out;
-  };
+  input.covariance = [&](Eigen::Index unit) { return covariance(s.last[static_cast<std::size_t>(unit)]); };
   return find_outliers(input, false_alarm);
 }
 
@@ -172,10 +160,11 @@ void take_significant_drifts(FleetStatistics& f, double false_alarm) {
 
 }  // namespace
 
-FleetStatistics fleet_statistics(FleetStore& store, const FleetOptions& options, const std::string& method) {
+FleetStatistics fleet_statistics(FleetSample sample, const std::function<Eigen::MatrixXd(Eigen::Index row)>& covariance,
+                                 const FleetOptions& options) {
   FleetStatistics f;
-  f.sample = load_sample(store, method);
-  f.search = search_of(store, f.sample, options.false_alarm);
+  f.sample = std::move(sample);
+  f.search = search_of(f.sample, covariance, options.false_alarm);
   std::vector<char> out(f.sample.last.size());
   for (const FleetOutlier& o : f.search.outliers) out[static_cast<std::size_t>(o.unit)] = 1;
   std::vector<Eigen::Index> rows;

@@ -2,14 +2,15 @@
 // operators differ; whether production is steady and capable (docs/fleet.md).
 #pragma once
 
-#include "imulab/fleet/control.hpp"
-#include "imulab/fleet/drift.hpp"
-#include "imulab/fleet/gauge.hpp"
-#include "imulab/fleet/outliers.hpp"
-#include "imulab/fleet/random_effects.hpp"
-#include "imulab/fleet/sample.hpp"
+#include "imulab/estimate/fleet/control.hpp"
+#include "imulab/estimate/fleet/drift.hpp"
+#include "imulab/estimate/fleet/gauge.hpp"
+#include "imulab/estimate/fleet/outliers.hpp"
+#include "imulab/estimate/fleet/random_effects.hpp"
+#include "imulab/estimate/fleet/sample.hpp"
 #include "imulab/model/requirement.hpp"
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -55,11 +56,9 @@ struct FleetStatistics {
   std::vector<SignificantDrift> drifts;  ///< changes that the calibrations do not explain
 };
 
-/// Works on all processors; the result does not depend on their number. Throws Error where the store has no calibration.
-FleetStatistics fleet_statistics(FleetStore& store, const FleetOptions& options = {}, const std::string& method = "");
-
-/// As JSON, and as a table for people. Units by their names in the store.
-std::string fleet_statistics_json(const FleetStatistics& statistics, FleetStore& store);
-std::string fleet_statistics_text(const FleetStatistics& statistics, FleetStore& store);
+/// `covariance`: of the calibration in a row, of the sample's `common` columns; NaN where it has none. Works on all processors; the result does not
+/// depend on their number.
+FleetStatistics fleet_statistics(FleetSample sample, const std::function<Eigen::MatrixXd(Eigen::Index row)>& covariance,
+                                 const FleetOptions& options = {});
 
 }  // namespace imulab

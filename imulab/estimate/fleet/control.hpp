@@ -1,7 +1,7 @@
 // Is production steady? Control limits, run rules and capability of one coefficient over the units in the order in which they were measured.
 #pragma once
 
-#include "imulab/fleet/random_effects.hpp"
+#include "imulab/estimate/fleet/random_effects.hpp"
 
 #include <Eigen/Core>
 

@@ -1,8 +1,8 @@
-#include "imulab/fleet/gauge.hpp"
+#include "imulab/estimate/fleet/gauge.hpp"
 
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/fleet/random_effects.hpp"
+#include "imulab/estimate/fleet/random_effects.hpp"
 
 #include <algorithm>
 #include <cmath>

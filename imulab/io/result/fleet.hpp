@@ -1,0 +1,15 @@
+// The statistics of a fleet, for people and for programs.
+#pragma once
+
+#include "imulab/estimate/fleet/statistics.hpp"
+
+#include <string>
+
+namespace imulab {
+
+/// JSON (docs/fleet.md): SI.
+std::string fleet_statistics_json(const FleetStatistics& statistics);
+/// A row a coefficient in user units; then outliers, drifts, stations and operators, unsteady production and correlations.
+std::string fleet_statistics_text(const FleetStatistics& statistics);
+
+}  // namespace imulab

@@ -1,0 +1,67 @@
+#include "imulab/tasks/compare.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/io/text/printable.hpp"
+#include "imulab/model/coefficient.hpp"
+#include "imulab/model/compare.hpp"
+#include "imulab/tasks/usable.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <tuple>
+
+namespace imulab {
+namespace {
+
+/// The accelerometers' frame follows from their matrix.
+std::vector<std::string> open_frame(const NamedCalibration& input) {
+  const std::vector<CoefficientIndex>& estimated = input.calibration.estimated;
+  if (input.calibration.frame != "rig" || estimated.empty()) return {};
+  for (const CoefficientIndex index : select_coefficients("accel.matrix"))
+    if (std::find(estimated.begin(), estimated.end(), index) == estimated.end())
+      return {
+          fmt::format("{}: {} was not estimated, so the accelerometers' frame, in which is compared, is not known: differences have the other's "
+                      "misalignments in them",
+                      input.name, coefficient(index).name)};
+  return {};
+}
+
+void check_same_raw_units(const NamedCalibration& a, const NamedCalibration& b) {
+  for (const auto& [triad, a_unit, b_unit] : {std::tuple("accel", a.calibration.model.accel.raw_unit, b.calibration.model.accel.raw_unit),
+                                              std::tuple("gyro", a.calibration.model.gyro.raw_unit, b.calibration.model.gyro.raw_unit)})
+    if (!a_unit.empty() && !b_unit.empty() && a_unit != b_unit)
+      throw Error(fmt::format("{}: {} was calibrated from {}, expected {} as in {}", b.name, triad, b_unit, a_unit, a.name));
+}
+
+void check_same_imu(const NamedCalibration& a, const NamedCalibration& b) {
+  const std::string &of_a = a.calibration.serial, &of_b = b.calibration.serial;
+  if (!of_a.empty() && !of_b.empty() && of_a != of_b)
+    throw Error(fmt::format("{}: is of serial number {}, and {} is of {}; expected calibrations of one IMU, or that different IMUs are allowed",
+                            b.name, excerpt(of_b), a.name, excerpt(of_a)));
+}
+
+}  // namespace
+
+ComparedCalibrations compare_calibrations(const std::vector<NamedCalibration>& inputs, bool different_imus) {
+  ComparedCalibrations out;
+  std::vector<Calibration> calibrations;
+  for (std::size_t k = 0; k < inputs.size(); ++k) {
+    const NamedCalibration& input = inputs[k];
+    expect_sizes(input.calibration, input.name);
+    errors_at(input.name, [&] { compare(input.calibration, input.calibration); });  // a singular matrix is refused where its name is known
+    for (std::size_t i = 0; i < k; ++i) {
+      check_same_raw_units(inputs[i], input);
+      if (!different_imus) check_same_imu(inputs[i], input);
+    }
+    for (std::string& text : open_frame(input)) out.warnings.push_back(std::move(text));
+    out.summary.names.push_back(input.name);
+    calibrations.push_back(input.calibration);
+  }
+  out.summary.comparisons = compare(calibrations.front(), std::vector<Calibration>(calibrations.begin() + 1, calibrations.end()));
+  out.summary.agreement = agreement(calibrations);
+  if (out.summary.agreement->calibrations < 3) out.summary.agreement.reset();  // for two, their comparison is enough
+  return out;
+}
+
+}  // namespace imulab

@@ -1,0 +1,41 @@
+// A recording inspected: what it holds, the session for it, and the recording as that session declares it.
+#pragma once
+
+#include "imulab/inspection/inspection.hpp"
+#include "imulab/io/recording/signals.hpp"
+#include "imulab/recording/recording.hpp"
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+struct InspectionTask {
+  std::vector<std::string> files, topics = {};  ///< files of one recording; topics: several of one file, or none
+  Declarations declared = {};
+  double longest_s = stream_s;                              ///< for how long a stream is read
+  std::size_t most_numbers = static_cast<std::size_t>(-1);  ///< of a file that can be read in pieces no more are looked at
+};
+
+/// Throws Error as read_signals and inspect do, and for declarations that there are not.
+Inspection inspect_files(const InspectionTask& task);
+
+struct InspectedRecording {
+  Inspection inspection;
+  Session session;                     ///< complete where the inspection is
+  std::optional<Recording> recording;  ///< as the session declares it; absent where something is open, wrong, or a stream
+};
+
+/// What is wrong with the recording as its session declares it is a problem of the inspection.
+InspectedRecording inspect_and_read(const InspectionTask& task);
+
+/// The session of one file, of which nothing is open. Throws Error for a problem, Unsupported with the open questions. `hint` says how they are
+/// answered.
+Session session_for(const Inspection& inspection, const InspectionTask& task, const std::string& hint);
+
+/// What such a session assumes of gravity; empty where it is declared.
+std::string assumed_gravity(const Session& session);
+
+}  // namespace imulab
