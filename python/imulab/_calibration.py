@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import html
-import json
+from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -11,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _imulab
+from ._answer import Answer
 from ._arrays import FloatArray
 from ._imulab import Error, Unsupported
 from ._text import PathLike, optional_package, path, warn
@@ -31,7 +31,7 @@ class Coefficient(NamedTuple):
     unit: str
 
 
-class Calibration:
+class Calibration(Answer):
     """The model of an IMU with the standard uncertainty of every coefficient.
 
     From `calibrate`, `read_calibration` or `import_calibration`. It does not change.
@@ -40,7 +40,7 @@ class Calibration:
     def __init__(self, calibration: _imulab.Calibration, name: str = "") -> None:
         if not isinstance(calibration, _imulab.Calibration):
             raise TypeError("expected read_calibration(file) or calibrate(data, method=...)")
-        self._calibration = calibration
+        self._answer: _imulab.Calibration = calibration
         self.name = name or calibration.imu or calibration.method  #: of its file or IMU, for comparisons
 
     # What it says
@@ -48,7 +48,7 @@ class Calibration:
     @cached_property
     def coefficients(self) -> list[Coefficient]:
         """All of the model, in the order of files."""
-        return [Coefficient(n, v, None if np.isnan(s) else s, unit) for n, v, s, unit in self._calibration.coefficients]
+        return [Coefficient(n, v, None if np.isnan(s) else s, unit) for n, v, s, unit in self._answer.coefficients]
 
     @property
     def values(self) -> dict[str, float]:
@@ -63,77 +63,51 @@ class Calibration:
     @property
     def estimated(self) -> list[str]:
         """Names of the coefficients in `covariance`."""
-        return list(self._calibration.estimated)
+        return list(self._answer.estimated)
 
     @property
     def covariance(self) -> FloatArray:
         """(M, M), SI, in the order of `estimated`."""
-        return self._calibration.covariance
+        return self._answer.covariance
 
     @property
     def verdict(self) -> str:
         """"good" or "doubtful"."""
-        return self._calibration.verdict
+        return self._answer.verdict
 
     @property
     def because(self) -> list[str]:
         """Why it is doubtful."""
-        return self._calibration.because
-
-    @property
-    def shortcomings(self) -> str:
-        """Why it is not what was asked for: not converged, coefficients not determined, requirements not reached. Empty: it is."""
-        return self._calibration.shortcomings
-
-    def expect_supported(self) -> None:
-        """Raises Unsupported with the shortcomings where there are any, as the command ends with exit code 1."""
-        if self.shortcomings:
-            raise Unsupported(self.shortcomings)
-
-    @property
-    def warnings(self) -> list[str]:
-        """What was found in the data, and what it means for the result."""
-        return self._calibration.warnings
+        return self._answer.because
 
     @property
     def method(self) -> str:
-        return self._calibration.method
+        return self._answer.method
 
     @property
     def imu(self) -> str:
         """The name of the IMU."""
-        return self._calibration.imu
+        return self._answer.imu
 
     @property
     def curves(self) -> dict[str, FloatArray]:
         """Of the method hybrid: "t" [s], and of each coefficient its residual over time and, as "NAME.sigma", its standard uncertainty."""
-        return self._calibration.curves
+        return self._answer.curves
 
     @property
     def gyro_unit(self) -> str:
         """What `apply` takes: "rad/s" or "count"."""
-        return self._calibration.gyro_unit
+        return self._answer.gyro_unit
 
     @property
     def accel_unit(self) -> str:
         """What `apply` takes: "m/s^2" or "count"."""
-        return self._calibration.accel_unit
-
-    @property
-    def json(self) -> str:
-        """calibration.json."""
-        return self._calibration.json
-
-    @cached_property
-    def data(self) -> dict[str, Any]:
-        """The same as dicts and lists."""
-        data: dict[str, Any] = json.loads(self.json)
-        return data
+        return self._answer.accel_unit
 
     @property
     def details(self) -> str:
         """Every estimated coefficient in SI and in user units, what was used, and the tests of optional terms."""
-        return self._calibration.details
+        return self._answer.details
 
     def to_frame(self) -> pandas.DataFrame:
         """The coefficients as a pandas table, the name as its index."""
@@ -178,14 +152,13 @@ class Calibration:
             return _arrays.thermal(name, value, count)
 
         targets = out if out is not None else (np.empty((count, 3)), np.empty((count, 3)))
-        self._check_out(targets, count)
-        self._calibration.apply(
-            rates, forces, readings("gyro_temperature", gyro_temperature), readings("accel_temperature", accel_temperature), *targets
-        )
+        given = (rates, forces, readings("gyro_temperature", gyro_temperature), readings("accel_temperature", accel_temperature))
+        self._check_out(targets, count, given)
+        self._answer.apply(*given, *targets)
         return (targets[0][0], targets[1][0]) if single and out is None else targets
 
     @staticmethod
-    def _check_out(targets: tuple[FloatArray, FloatArray], count: int) -> None:
+    def _check_out(targets: tuple[FloatArray, FloatArray], count: int, given: Sequence[FloatArray | None]) -> None:
         if not isinstance(targets, tuple) or len(targets) != 2:
             raise TypeError("out: expected two arrays, (rate, force)")
         for name, target in zip(("rate", "force"), targets):
@@ -195,16 +168,21 @@ class Calibration:
                 raise Error(f"out: {name}: expected shape ({count}, 3), C-contiguous and writeable")
         if np.shares_memory(*targets):
             raise Error("out: rate and force share memory; expected two arrays")
+        for target in targets:  # a part would be read after it was written
+            for array in given:
+                same = array is not None and array.ctypes.data == target.ctypes.data and array.strides == target.strides
+                if array is not None and not same and np.may_share_memory(array, target):
+                    raise Error("out: shares memory with a part of the input; expected the input itself, or other memory")
 
     def _expect_usable(self, allowed: bool) -> None:
-        warnings, undetermined = self._calibration.usability(self.name)
+        warnings, undetermined = self._answer.usability(self.name)
         if undetermined and not allowed:
             raise Unsupported(f"{undetermined}; expected a calibration from more data, or allow_undetermined=True")
         warn([*warnings, undetermined] if undetermined else warnings)
 
     def _expect_thermal_units(self, recording: Recording) -> None:
         """Temperatures in another unit would be taken for the calibration's."""
-        for triad, own, given in zip(("gyro", "accelerometer"), self._calibration.thermal_units, recording.temperature_units):
+        for triad, own, given in zip(("gyro", "accelerometer"), self._answer.thermal_units, recording.temperature_units):
             if own is not None and given is not None and own != given:
                 raise Error(f"{recording.name}: the {triad} temperature is in {given}; expected {own} as in the calibration")
 
@@ -229,7 +207,7 @@ class Calibration:
         self._expect_usable(allow_undetermined)
         if noise is not None and not hasattr(noise, "json"):
             raise TypeError(f"noise: expected the answer of imulab.noise, got a {type(noise).__name__}")
-        text, notes = self._calibration.exported(target, "" if noise is None else noise.json, axes, rate_hz, model, variance_matched, instance)
+        text, notes = self._answer.exported(target, "" if noise is None else noise.json, axes, rate_hz, model, variance_matched, instance)
         warn(notes)
         return text
 
@@ -240,25 +218,11 @@ class Calibration:
             _imulab.write_whole(path("file", file), text)
         return text
 
-    def save(self, file: PathLike) -> None:
-        """Writes calibration.json, whole or not at all."""
-        self._calibration.save(path("file", file))
-
-    def report(self, file: PathLike) -> None:
-        """Writes the page: one HTML file, self-contained; with pictures from the recordings where it was just made from them."""
-        _imulab.write_whole(path("file", file), self._calibration.page())
-
     def __reduce__(self) -> tuple[Any, ...]:
         return _unpickled, (self.json, self.name)
 
-    def __str__(self) -> str:
-        return self._calibration.text
-
     def __repr__(self) -> str:
         return f"<imulab.Calibration {self.imu!r} by {self.method}: {self.verdict or 'no verdict'}, {len(self.estimated)} coefficients>"
-
-    def _repr_html_(self) -> str:
-        return f"<pre>{html.escape(str(self))}</pre>"
 
 
 def _unpickled(text: str, name: str) -> Calibration:

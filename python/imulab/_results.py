@@ -1,16 +1,13 @@
-"""Answers of the verbs: the command's JSON as data, its table as text, its page."""
+"""Answers of the verbs but `calibrate`."""
 
 from __future__ import annotations
 
-import html
-import json
 from collections.abc import Iterator
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from . import _imulab
+from ._answer import Answer
 from ._arrays import FloatArray
-from ._imulab import Unsupported
 from ._recording import Recording
 from ._session import Session
 from ._text import PathLike, optional_package, path
@@ -19,25 +16,11 @@ if TYPE_CHECKING:
     import pandas  # type: ignore[import]
 
 
-class Result:
-    """An answer. `result["key"]` is a value of the JSON that the command prints; print(result) is its table.
-
-    `shortcomings` says why it is not what was asked for; empty: it is. The command ends with exit code 1 there; `expect_supported()` raises.
-    """
+class Result(Answer):
+    """An answer whose values are those of its JSON: result["key"]."""
 
     def __init__(self, outcome: _imulab.Outcome) -> None:
-        self._outcome = outcome
-
-    @property
-    def json(self) -> str:
-        """What the command prints with --json."""
-        return self._outcome.json
-
-    @cached_property
-    def data(self) -> dict[str, Any]:
-        """The same as dicts and lists; null is None."""
-        data: dict[str, Any] = json.loads(self.json)
-        return data
+        self._answer: _imulab.Outcome = outcome
 
     def __getitem__(self, key: str) -> Any:
         return self.data[key]
@@ -45,38 +28,9 @@ class Result:
     def __iter__(self) -> Iterator[str]:
         return iter(self.data)
 
-    @property
-    def shortcomings(self) -> str:
-        """Why the answer is not what was asked for; empty: it is."""
-        return self._outcome.shortcomings
-
-    @property
-    def warnings(self) -> list[str]:
-        """What was found, and what it means for the result."""
-        return self._outcome.warnings
-
-    def expect_supported(self) -> None:
-        """Raises Unsupported with the shortcomings where there are any."""
-        if self.shortcomings:
-            raise Unsupported(self.shortcomings)
-
-    def save(self, file: PathLike) -> None:
-        """Writes the JSON, whole or not at all."""
-        _imulab.write_whole(path("file", file), self.json)
-
-    def report(self, file: PathLike) -> None:
-        """Writes the page: one HTML file, self-contained."""
-        _imulab.write_whole(path("file", file), self._outcome.page())
-
-    def __str__(self) -> str:
-        return self._outcome.text
-
     def __repr__(self) -> str:
         first = next((line for line in str(self).splitlines() if line.strip()), "").strip()
         return f"<imulab.{type(self).__name__}: {first}>"
-
-    def _repr_html_(self) -> str:
-        return f"<pre>{html.escape(str(self))}</pre>"
 
 
 class Inspection(Result):
@@ -203,7 +157,7 @@ class Navigation(Result):
     @property
     def errors(self) -> FloatArray | None:
         """(N, 10): t [s]; position east, north, up [m]; velocity [m/s]; attitude [rad]. None without a reference."""
-        return self._outcome.arrays.get("errors")
+        return self._answer.arrays.get("errors")
 
     def plot(self) -> Any:
         """The track, as a figure of matplotlib."""

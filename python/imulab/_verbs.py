@@ -150,7 +150,7 @@ def compensate(calibration: Calibration, recording: Recording, *, reject_outlier
     _expect("recording", recording, Recording)
     calibration._expect_usable(allow_undetermined)
     calibration._expect_thermal_units(recording)
-    out, out_of_range, _ = _imulab.compensate(calibration._calibration, recording._recording, reject_outliers)
+    out, out_of_range, _ = _imulab.compensate(calibration._answer, recording._recording, reject_outliers)
     if len(out_of_range):
         warn([f"{recording.name}: {len(out_of_range)} of {len(recording)} samples are outside the calibrated temperatures"])
     return Recording(out, recording.temperature_units)
@@ -163,7 +163,7 @@ def compare(*calibrations: Calibration, different_imus: bool = False) -> Compari
     """
     if len(calibrations) < 2 or not all(isinstance(c, Calibration) for c in calibrations):
         raise TypeError("expected two or more calibrations")
-    outcome = _imulab.compare([(c.name, c._calibration) for c in calibrations], different_imus)
+    outcome = _imulab.compare([(c.name, c._answer) for c in calibrations], different_imus)
     warn(outcome.warnings)
     return Comparison(outcome)
 
@@ -178,7 +178,7 @@ def simulate(
     _expect("unit", unit, Calibration, type(None))
     session = procedure if isinstance(procedure, Session) else read_session(procedure)
     made, recordings, truth = _imulab.simulate(
-        session._session, _seed(seed), None if unit is None else unit._calibration, grade, "" if output is None else path("output", output)
+        session._session, _seed(seed), None if unit is None else unit._answer, grade, "" if output is None else path("output", output)
     )
     return Simulation(Session._of(made), [Recording._of(r, made) for r in recordings], Calibration(truth, "truth"))
 
@@ -268,7 +268,7 @@ def trajectory(
     session, recording, truth, warnings = _imulab.trajectory(
         path("mission", mission),
         errors,
-        None if unit is None else unit._calibration,
+        None if unit is None else unit._answer,
         _seed(seed),
         "" if output is None else path("output", output),
         _callback(progress),
@@ -305,7 +305,7 @@ def navigate(
     own = data.truth._solution if isinstance(data, Flight) and truth is None else None
     outcome, solution = _imulab.navigate(
         found.name,
-        None if calibration is None else calibration._calibration,
+        None if calibration is None else calibration._answer,
         session._session,
         found._recording,
         vertical,

@@ -163,6 +163,17 @@ def test_apply_out(calibration, out):
     expect_clear(lambda: calibration.apply(GOOD, GOOD, out=out))
 
 
+def test_apply_to_a_part_of_its_input(calibration):
+    """In place is fine; shifted, a block would be read after it was written."""
+    memory = np.ones((N + 1, 3))
+    expect_clear(lambda: calibration.apply(memory[:-1], GOOD, out=(memory[1:], np.empty((N, 3)))))
+    expect_clear(lambda: calibration.apply(GOOD, memory[::-1][1:], out=(np.empty((N, 3)), memory[1:])))
+    swapped = [GOOD.copy(), 2 * GOOD]
+    expected = calibration.apply(*(a.copy() for a in swapped))
+    calibration.apply(*swapped, out=(swapped[1], swapped[0]))
+    assert (swapped[1] == expected[0]).all() and (swapped[0] == expected[1]).all()
+
+
 @pytest.mark.parametrize("bad", cases(NOT_NUMBERS | {"rows": GOOD, "short": [1.0], "nan": [1.0, np.nan, 2.0, 3.0], "empty": []}))
 def test_deviation(bad):
     expect_clear(lambda: imulab.allan_deviation(bad, 0.01))
