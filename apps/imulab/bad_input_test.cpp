@@ -118,7 +118,7 @@ TEST(BadInput, ACommandThatIsWrong) {
            {"procedure hand-held --poses 0", "hand-held: no poses; expected at least one"},
            {"procedure hand-held --poses 1000000000", "hand-held: 1000000000 poses; expected at most 100000"},
            {"procedure zhang-24 --rest inf", "--rest"},
-           {"procedure six-feet", "six-feet is not a procedure, expected one of six-position, zhang-24, cheng-path, hand-held, dai-unit"},
+           {"procedure six-feet", "six-feet is not a procedure, expected one of six-position, zhang-24, cheng-path, ferraris, hand-held, dai-unit"},
            {"simulate session", "--output is required"},
            {"simulate nowhere.toml -o out", "nowhere.toml: cannot be opened: No such file"},
            {"compensate file session -o out.csv", "file: is empty; expected a calibration"},
