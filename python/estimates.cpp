@@ -144,8 +144,8 @@ Array deviation_of(const Array& rate, double interval_s, const std::string& kind
 py::tuple simulated(std::shared_ptr<Session> procedure, std::uint64_t seed, const std::shared_ptr<CalibrationObject>& unit,
                     const std::optional<std::string>& grade, const std::string& folder) {
   SimulationTask task{.seed = seed, .unit = unit ? std::optional(unit->calibration()) : std::nullopt, .grade = grade};
-  SimulatedSession out = run(py::none(), [=](const auto&) {
-    SimulatedSession s = simulate_session(*procedure, task);
+  Simulation out = run(py::none(), [=](const auto&) {
+    Simulation s = simulate_session(*procedure, task);
     if (!folder.empty()) write_simulated(folder, s);
     return s;
   });

@@ -27,7 +27,7 @@ void simulate(const Arguments& a) {
   const std::string file = procedure.file;
   SimulationTask task{.seed = a.seed, .unit = {}, .grade = a.grade};
   if (a.unit) task.unit = read_calibration(*a.unit);
-  const SimulatedSession simulated = errors_at(file, [&] { return simulate_session(std::move(procedure), task); });
+  const Simulation simulated = errors_at(file, [&] { return simulate_session(std::move(procedure), task); });
   write_simulated(a.folder, simulated);
   std::string report;
   std::vector<JsonFields> files;

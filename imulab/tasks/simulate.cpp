@@ -75,7 +75,7 @@ void take_grade(ImuDeclaration& imu, const std::string& name) {
 
 }  // namespace
 
-SimulatedSession simulate_session(Session procedure, const SimulationTask& task) {
+Simulation simulate_session(Session procedure, const SimulationTask& task) {
   if (task.grade) take_grade(procedure.imu, *task.grade);
   if (procedure.recordings.empty()) procedure.recordings.push_back(default_source());
   for (RecordingSource& source : procedure.recordings) {
@@ -86,7 +86,7 @@ SimulatedSession simulate_session(Session procedure, const SimulationTask& task)
   if (!given && procedure.imu.truth) given = read_calibration(session_path(procedure, *procedure.imu.truth));
   if (!given && task.grade && !procedure.imu.grade) given = Calibration{};
   const Truth truth = draw_truth(procedure, task.seed, given ? std::optional(given->model) : std::nullopt);
-  SimulatedSession out;
+  Simulation out;
   for (const RecordingSource& source : procedure.recordings) {
     out.rig.push_back({source.file, draw_rig_errors(procedure, source, task.seed)});
     out.recordings.push_back(simulate_recording(procedure, source, truth, task.seed, out.rig.back().errors));
@@ -97,7 +97,7 @@ SimulatedSession simulate_session(Session procedure, const SimulationTask& task)
   return out;
 }
 
-void write_simulated(const fs::path& path, const SimulatedSession& simulated) {
+void write_simulated(const fs::path& path, const Simulation& simulated) {
   NewFolder folder(path);
   for (std::size_t k = 0; k < simulated.recordings.size(); ++k)
     write_recording(folder.path() / simulated.session.recordings[k].file, simulated.recordings[k]);

@@ -20,7 +20,7 @@ struct SimulationTask {
   std::optional<std::string> grade = {};  ///< a grade by its name, or the file of a noise analysis (.json), in place of the procedure's
 };
 
-struct SimulatedSession {
+struct Simulation {
   Session session;                    ///< as a user would have it: without the truth, with the limits of a data sheet, without the steps of a hand
   std::vector<Recording> recordings;  ///< one for each of the session's
   Calibration truth;
@@ -29,9 +29,9 @@ struct SimulatedSession {
 
 /// In memory. The procedure without a recording gets one at 100 Hz. Throws Error as draw_truth and simulate_recording do, and for a recording that is
 /// not named like a file of the session's own folder.
-SimulatedSession simulate_session(Session procedure, const SimulationTask& task = {});
+Simulation simulate_session(Session procedure, const SimulationTask& task = {});
 
 /// recordings, session.toml and truth.json in a new folder, whole or not at all. Throws Error where it exists or cannot be written.
-void write_simulated(const std::filesystem::path& folder, const SimulatedSession& simulated);
+void write_simulated(const std::filesystem::path& folder, const Simulation& simulated);
 
 }  // namespace imulab
