@@ -3,6 +3,7 @@
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
 #include "apps/imulab/inspected.hpp"
+#include "apps/imulab/prior.hpp"
 #include "apps/imulab/report.hpp"
 #include "apps/imulab/session_recording.hpp"
 #include "imulab/core/error.hpp"
@@ -23,7 +24,7 @@ namespace imulab::command {
 namespace {
 
 struct CalibrateArguments {
-  std::string session, method, output, terms = "auto", recording, curves, report;
+  std::string session, method, output, terms = "auto", recording, curves, report, prior;
   std::optional<std::string> require;
   std::vector<std::string> declarations;
   bool json = false, stepwise = false, force = false, verbose = false;
@@ -48,6 +49,7 @@ std::map<std::string, std::string> options_used(const CalibrateArguments& argume
   std::map<std::string, std::string> used{{"terms", arguments.terms}};
   if (!arguments.recording.empty()) used["recording"] = arguments.recording;
   if (arguments.stepwise) used["stepwise"] = "true";
+  if (!arguments.prior.empty()) used["prior"] = arguments.prior;
   return used;
 }
 
@@ -58,6 +60,7 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
   CalibrationTask task = task_of(arguments, chosen);
   Session session = open_session(arguments.session, arguments.declarations);
   expect_free("-o", arguments.output, arguments.force);
+  if (!arguments.prior.empty()) task.prior = prior_at(arguments.prior);
   errors_at(session.file + ": [site]", [&] { session.site.gravity(); });  // if neither gravity nor the latitude is known
   if (!chosen.takes_several || !arguments.recording.empty()) named_recording(session, arguments.recording);
   const SessionRecordings data = read_recordings(std::move(session), chosen, arguments.recording);
@@ -107,6 +110,7 @@ void add_calibrate(Verb app) {
   verb.option("--curves FILE", a->curves, "hybrid: a CSV file with the convergence of each coefficient and its standard uncertainty").writes();
   verb.option("--require LIMITS", a->require,
               "what the calibration is for, as in \"gyro.matrix.diagonal <= 100 ppm, accel.offset <= 200 ug\"; exit code 1 where it is not reached");
+  add_prior_option(verb, a->prior);
   add_report_option(verb, a->report);
   verb.flag("--force", a->force, "replace the calibration file if there is one");
   verb.flag("--json", a->json, "print the calibration file instead of the table");

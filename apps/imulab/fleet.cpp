@@ -9,6 +9,7 @@
 #include "imulab/io/result/fields.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/terminal.hpp"
+#include "imulab/io/text/time.hpp"
 #include "imulab/tasks/calibrate.hpp"
 #include "imulab/tasks/fleet.hpp"
 
@@ -20,7 +21,6 @@
 namespace imulab::command {
 
 using fleet::Access;
-using fleet::time_text;
 
 void add_store_option(Verb& verb, std::string& store) { verb.option("--store FILE", store, "the fleet's store").show_default(); }
 

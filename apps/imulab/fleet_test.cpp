@@ -1,3 +1,4 @@
+#include "imulab/core/units.hpp"
 #include "imulab/fleet/numbers_of_all.hpp"
 #include "imulab/fleet/store.hpp"
 #include "imulab/io/calibration/file.hpp"
@@ -34,6 +35,16 @@ struct FleetCommand : ::testing::Test {
       run_shell(folder, "sed 's/^name = .*/name = \"unit " + n + "\"\\nserial = \"" + n + "\"/' hand.toml > hand" + n + ".toml");
       run("simulate hand" + n + ".toml --seed " + n + " -o week/unit" + n);
     }
+  }
+  /// fleet.db with drawn units, calibrated once a year; their x gyros drift by 0.2 deg/s a year.
+  void draw(std::uint64_t units, std::uint64_t years) {
+    FleetStore store(folder / "fleet.db", fleet::Access::write);
+    for (std::uint64_t year = 0; year < years; ++year)
+      for (std::uint64_t unit = 0; unit < units; ++unit) {
+        Calibration c = drawn_calibration(1, unit, year);
+        c.model.gyro.offset.x() += 0.2 * unit::deg * static_cast<double>(year);
+        store.add_calibration(c, {"A", "", 1.7e9 + 365.25 * 86400 * static_cast<double>(year), "declared"});
+      }
   }
   /// Every number of every unit.
   std::map<std::string, std::string> numbers(const std::string& file) {
@@ -151,6 +162,75 @@ TEST_F(FleetCommand, AddsShowsRemovesAndMerges) {
   EXPECT_THAT(numbers("fleet.db"), SizeIs(2));
   EXPECT_THAT(run("fleet remove 1002", 2).errors, HasSubstr("no such calibration"));
   EXPECT_THAT(run("fleet show 77", 2).errors, HasSubstr("fleet.db: has no unit 77"));
+}
+
+TEST_F(FleetCommand, SaysWhenUnitsAreDue) {
+  draw(12, 3);
+  const std::string stats = "fleet stats --due 'gyro.offset <= 0.8 deg/s' --report fleet.html --unit-pages 'unit pages'";
+  EXPECT_THAT(run(stats).output, HasSubstr("due for calibration"));
+  const auto due = nlohmann::json::parse(run("fleet stats --due 'gyro.offset <= 0.8 deg/s' --json").output)["due"];
+  ASSERT_EQ(due.size(), 12u);
+  // Calibrated last in November 2025. Measured to 0.09 deg/s, a drift of 0.2 deg/s a year leaves between one and four years to 0.8 deg/s.
+  for (const auto& unit : due) {
+    EXPECT_EQ(unit["coefficient"], "gyro.offset.x");
+    EXPECT_THAT(unit["time"].get<std::string>(), ::testing::AllOf(::testing::Gt("2026-11"), ::testing::Lt("2029-12")));
+  }
+  const std::string page = read_text(folder / "fleet.html");
+  EXPECT_THAT(page, HasSubstr("<a href=\"unit%20pages/calibration-25.html\">unit 0 1000</a>"));
+  EXPECT_THAT(read_text(folder / "unit pages/calibration-25.html"), HasSubstr("unit 0"));
+  // An error that the calibration itself has: due at once. Without a second calibration nothing is known.
+  EXPECT_THAT(run("fleet stats --due 'accel.offset <= 10 ug'").output, HasSubstr("2025-11-14           unit 0 1000, for accel.offset.x"));
+  EXPECT_THAT(run(stats, 2).errors, HasSubstr("--unit-pages unit pages: exists"));
+  EXPECT_THAT(run("fleet stats --due 'accel.offset <= 10 apples'", 2).errors, HasSubstr("--due"));
+  EXPECT_THAT(run("fleet stats --unit-pages pages", 2).errors, HasSubstr("--unit-pages: belongs to --report"));
+  std::filesystem::remove(folder / "fleet.db");
+  draw(3, 1);
+  EXPECT_THAT(run("fleet stats --due 'accel.offset <= 10 mg'").errors, HasSubstr("no unit was calibrated twice"));
+}
+
+TEST_F(FleetCommand, IsThePriorOfAPlan) {
+  draw(60, 1);
+  const std::string plan = "plan --require 'gyro.matrix.diagonal <= 900 ppm' --grade mems --axes hand";
+  const auto without = nlohmann::json::parse(run(plan + " --json").output);
+  const auto with = nlohmann::json::parse(run(plan + " --prior fleet.db --report plan.html --json > plan.json; cat plan.json").output);
+  EXPECT_LT(with["duration_s"], without["duration_s"]);
+  EXPECT_EQ(with["prior"]["duration_without_s"], without["duration_s"]);
+  EXPECT_EQ(with["prior"]["units"], 60);
+  // Both together: at most what was required, and more than the session alone.
+  for (const char* name : {"gyro.matrix.xx", "gyro.matrix.yy", "gyro.matrix.zz"})
+    EXPECT_LE(with["coefficients"][name]["closed_form"], 900e-6 * (1 + 1e-9));
+  EXPECT_THAT(read_text(folder / "plan.html"), HasSubstr("with what 60 units of fleet.db say of it; without: "));
+  run("report plan.json -o again.html");
+  EXPECT_EQ(read_text(folder / "plan.html"), read_text(folder / "again.html"));
+  EXPECT_THAT(run("plan --require 'gyro.matrix.diagonal <= 5000 ppm' --prior fleet.db", 2).errors,
+              HasSubstr("fleet.db: its units meet the requirements uncalibrated"));
+  std::filesystem::remove(folder / "fleet.db");
+  draw(20, 1);
+  EXPECT_THAT(run(plan + " --prior fleet.db", 2).errors,
+              HasSubstr("--prior: fleet.db: 20 units that belong together are too few for a prior of 21 coefficients; expected at least 27"));
+}
+
+TEST_F(FleetCommand, IsThePriorOfACalibration) {
+  simulate(30);
+  run("fleet calibrate week --method handheld");
+  run("simulate hand1.toml --seed 31 -o next");
+  // From rests alone: what they leave open is the fleet's.
+  run("calibrate next --method static -o alone.json");
+  run("calibrate next --method static --prior fleet.db -o next.json");
+  const Calibration alone = read_calibration(folder / "alone.json"), next = read_calibration(folder / "next.json");
+  const CoefficientIndex scale = coefficient_index("gyro.matrix.xx"), offset = coefficient_index("accel.offset.x");
+  EXPECT_FALSE(standard_uncertainty(alone, scale));
+  ASSERT_TRUE(standard_uncertainty(next, scale));
+  EXPECT_LT(*standard_uncertainty(next, offset), *standard_uncertainty(alone, offset));
+  EXPECT_THAT(next.quality.unobservable, IsEmpty());
+  EXPECT_EQ(next.options.at("prior"), "fleet.db");
+  const Calibration truth = read_calibration(folder / "next/truth.json");
+  EXPECT_NEAR(coefficient_value(next.model, scale), coefficient_value(truth.model, scale), 5 * *standard_uncertainty(next, scale));
+  EXPECT_THAT(run("fleet add next.json", 2).errors, HasSubstr("was calibrated with a fleet's prior"));
+  // Units with readings of another kind.
+  std::filesystem::remove(folder / "fleet.db");
+  draw(40, 1);
+  EXPECT_THAT(run("calibrate next --method handheld --prior fleet.db -o other.json", 2).errors, HasSubstr("expected one kind of unit"));
 }
 
 TEST_F(FleetCommand, BadInput) {

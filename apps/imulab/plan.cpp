@@ -1,5 +1,6 @@
 // imulab plan --require ...
 #include "apps/imulab/command.hpp"
+#include "apps/imulab/prior.hpp"
 #include "apps/imulab/report.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
@@ -20,7 +21,7 @@ namespace imulab::command {
 namespace {
 
 struct Options {
-  std::string require, grade = "navigation", axes = "3", report;
+  std::string require, grade = "navigation", axes = "3", report, prior;
   double latitude_deg = 45;
   std::optional<double> gravity, time, rest;
   std::optional<std::string> output;
@@ -57,6 +58,7 @@ void run(const Options& options) {
                 .time = options.time,
                 .rest = options.rest};
   if (options.json && options.output == "-") throw Error("--json: standard output has the procedure; expected -o FILE");
+  if (!options.prior.empty()) task.prior = prior_at(options.prior);
   const PlannedProcedure planned = [&] {
     Progress progress("planning");
     task.progress = [&progress](double part) { progress.report(part); };
@@ -84,6 +86,7 @@ void add_plan(Verb app) {
       .show_default();
   verb.option("--time N", o->time, "find the best path within this many seconds instead of the shortest").in_range(60, hybrid::longest_path);
   verb.option("--rest", o->rest, "duration of every rest in whole seconds; if absent, each is chosen").in_range(6, 600, true);
+  add_prior_option(verb, o->prior);
   verb.option("-o,--output FILE", o->output, "the procedure to write; - for standard output in place of the table").writes();
   add_report_option(verb, o->report);
   verb.flag("--json", o->json, "print the result as JSON");

@@ -1,6 +1,7 @@
 #include "imulab/fleet/numbers_of_all.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/io/text/time.hpp"
 
 #include <fmt/format.h>
 

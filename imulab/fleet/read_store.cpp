@@ -5,11 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <chrono>
-#include <cmath>
-#include <cstdio>
-#include <ctime>
 
 namespace imulab {
 
@@ -18,28 +14,6 @@ namespace fleet {
 double now() {
   return 1e-3 *
          static_cast<double>(std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::system_clock::now().time_since_epoch()).count());
-}
-
-std::string time_text(double time) {
-  constexpr double latest = 253402300799.0;  // of the year 9999
-  if (!(time > -latest && time <= latest)) return "";
-  const auto seconds = static_cast<std::time_t>(std::floor(time));
-  std::tm parts{};
-  std::array<char, 32> text;
-  gmtime_r(&seconds, &parts);
-  return {text.data(), std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts)};
-}
-
-double parse_time(const std::string& text) {
-  using namespace std::chrono;
-  int y = 0, mo = 0, d = 0, h = 0, mi = 0, s = 0, length = 0;
-  const bool date_only = std::sscanf(text.c_str(), "%4d-%2d-%2d%n", &y, &mo, &d, &length) == 3 && text.size() == static_cast<std::size_t>(length);
-  const bool whole = date_only || (std::sscanf(text.c_str(), "%4d-%2d-%2dT%2d:%2d:%2dZ%n", &y, &mo, &d, &h, &mi, &s, &length) == 6 &&
-                                   text.size() == static_cast<std::size_t>(length));
-  const year_month_day date{year(y), month(static_cast<unsigned>(mo)), day(static_cast<unsigned>(d))};
-  if (!whole || !date.ok() || h < 0 || h > 23 || mi < 0 || mi > 59 || s < 0 || s > 60)
-    throw Error(fmt::format("{}: is no time; expected UTC as in 2026-03-31 or 2026-03-31T12:00:00Z", text));
-  return static_cast<double>(sys_days(date).time_since_epoch().count()) * 86400.0 + 3600.0 * h + 60.0 * mi + s;
 }
 
 }  // namespace fleet

@@ -171,9 +171,11 @@ FleetSample load_sample(FleetStore& store, const std::string& method) {
   return s;
 }
 
-FleetStatistics fleet_statistics(FleetStore& store, const FleetOptions& options, const std::string& method) {
-  FleetSample sample = load_sample(store, method);
-  const auto covariance = [&store, calibration = sample.calibration, columns = common_coefficients(sample)](Eigen::Index row) {
+namespace {
+
+/// Of the calibration in a row, of the sample's common columns; NaN where it has none.
+std::function<Eigen::MatrixXd(Eigen::Index row)> covariances_of(FleetStore& store, const FleetSample& sample) {
+  return [&store, calibration = sample.calibration, columns = common_coefficients(sample)](Eigen::Index row) {
     const fleet::Numbers numbers = fleet::numbers_of(store, calibration[static_cast<std::size_t>(row)]);
     const auto p = static_cast<Eigen::Index>(columns.size());
     Eigen::MatrixXd out = Eigen::MatrixXd::Constant(p, p, std::numeric_limits<double>::quiet_NaN());
@@ -185,7 +187,33 @@ FleetStatistics fleet_statistics(FleetStore& store, const FleetOptions& options,
     out(place, place) = numbers.covariance(from, from);
     return out;
   };
+}
+
+}  // namespace
+
+FleetStatistics fleet_statistics(FleetStore& store, const FleetOptions& options, const std::string& method) {
+  FleetSample sample = load_sample(store, method);
+  const auto covariance = covariances_of(store, sample);
   return fleet_statistics(std::move(sample), covariance, options);
+}
+
+FleetPrior fleet_prior(FleetStore& store) {
+  const FleetSample sample = load_sample(store);
+  const std::string& file = store.database().file();
+  FleetPrior prior = [&] {
+    try {
+      return fleet_prior(sample, covariances_of(store, sample));
+    } catch (const Error& e) {
+      throw Error(fmt::format("{}: {}", file, e.what()));
+    }
+  }();
+  prior.fleet = file;
+  fleet::Statement kinds(store.database(),
+                         "SELECT DISTINCT u.accel_unit, u.gyro_unit FROM units u JOIN calibrations c ON c.unit = u.id WHERE c.removed IS NULL");
+  kinds.next();
+  prior.accel_unit = kinds.text(0), prior.gyro_unit = kinds.text(1);
+  if (kinds.next()) throw Error(file + ": has units with readings in counts and others in SI; expected one kind of unit for a prior");
+  return prior;
 }
 
 }  // namespace imulab

@@ -1,6 +1,7 @@
 // The calibrations of a store, for the statistics of a fleet.
 #pragma once
 
+#include "imulab/estimate/fleet/prior.hpp"
 #include "imulab/estimate/fleet/statistics.hpp"
 #include "imulab/fleet/store.hpp"
 
@@ -13,5 +14,8 @@ FleetSample load_sample(FleetStore& store, const std::string& method = "");
 
 /// The statistics of these. Throws Error where there is none.
 FleetStatistics fleet_statistics(FleetStore& store, const FleetOptions& options = {}, const std::string& method = "");
+
+/// What the store's units say of the next one. Throws Error for units with readings of different kinds, and for too few.
+FleetPrior fleet_prior(FleetStore& store);
 
 }  // namespace imulab

@@ -136,6 +136,7 @@ bool FleetStore::add_session(const FleetSession& session, const std::string& ser
 }
 
 bool FleetStore::add_calibration(const Calibration& c, const FleetOccasion& o, const FleetSession* session, const FleetRequest* request) {
+  if (c.options.contains("prior")) throw Error("was calibrated with a fleet's prior, which would count twice; expected a calibration without");
   const fleet::Numbers numbers = fleet::numbers_of(c);
   const std::string text = calibration_text(c);
   const std::string key = session != nullptr && request != nullptr ? key_of(*session, *request) : sha256("file\n" + text);

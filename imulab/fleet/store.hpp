@@ -18,10 +18,7 @@ namespace imulab {
 
 namespace fleet {
 inline constexpr int store_version = 1;
-double now();                        ///< s since 1970
-std::string time_text(double time);  ///< "2026-03-31T12:00:00Z"
-/// Throws Error for what is no date or date and time (UTC).
-double parse_time(const std::string& text);
+double now();  ///< s since 1970
 }  // namespace fleet
 
 /// Where and when a unit was measured.
@@ -77,8 +74,8 @@ class FleetStore {
   Known known(const FleetSession& session, const FleetRequest& request);
   /// A session of a unit, calibrated or not; false: it was there.
   bool add_session(const FleetSession& session, const std::string& serial, const std::string& name, const FleetOccasion& occasion);
-  /// A calibration of a session, or of a file where there is none; false: it was there. Throws Error where it has no uncertainties, and where its
-  /// unit's serial number is another unit's.
+  /// A calibration of a session, or of a file where there is none; false: it was there. Throws Error where it has no uncertainties or a fleet's
+  /// prior in it, and where its unit's serial number is another unit's.
   bool add_calibration(const Calibration& calibration, const FleetOccasion& occasion, const FleetSession* session = nullptr,
                        const FleetRequest* request = nullptr);
   /// noise.json, as text; false: it was there.

@@ -3,6 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/fleet/numbers.hpp"
 #include "imulab/io/calibration/file.hpp"
+#include "imulab/io/text/time.hpp"
 
 #include <gmock/gmock.h>
 
@@ -258,11 +259,11 @@ TEST(FleetStore, MergesWhatIsMissing) {
 }
 
 TEST(FleetTime, ReadsWhatItWrites) {
-  EXPECT_EQ(fleet::time_text(1.7e9), "2023-11-14T22:13:20Z");
-  EXPECT_EQ(fleet::parse_time("2023-11-14T22:13:20Z"), 1.7e9);
-  EXPECT_EQ(fleet::time_text(fleet::parse_time("2024-02-29")), "2024-02-29T00:00:00Z");
+  EXPECT_EQ(time_text(1.7e9), "2023-11-14T22:13:20Z");
+  EXPECT_EQ(parse_time("2023-11-14T22:13:20Z"), 1.7e9);
+  EXPECT_EQ(time_text(parse_time("2024-02-29")), "2024-02-29T00:00:00Z");
   for (const char* bad : {"", "2023-02-29", "yesterday", "2023-11-14T25:00:00Z", "2023-11-14 22:13:20", "2023-11-14Z"})
-    EXPECT_THROW(fleet::parse_time(bad), Error) << bad;
+    EXPECT_THROW(parse_time(bad), Error) << bad;
 }
 
 }  // namespace

@@ -103,7 +103,7 @@ struct SourceFile {
 
 struct Calibration {
   std::string imu, serial, method, created, software;
-  std::string operated_by;  ///< who took the data
+  std::string operated_by, station, measured;  ///< who took the data, where, and when (UTC)
   std::string firmware, warm_up, power_cycles;
   std::vector<Reference> references;  ///< as the session declares them
   std::string session_file, session_sha256;
@@ -112,8 +112,8 @@ struct Calibration {
   std::string frame = "accelerometers";        ///< or "rig"
   SensorModel model;
   std::optional<RecordedAs> recorded_accel, recorded_gyro;  ///< absent: not known, or the recordings differ
-  std::vector<CoefficientIndex> estimated;  ///< table indices of the coefficients in `covariance`, in its order
-  Eigen::MatrixXd covariance;               ///< SI, estimated.size() squared
+  std::vector<CoefficientIndex> estimated;                  ///< table indices of the coefficients in `covariance`, in its order
+  Eigen::MatrixXd covariance;                               ///< SI, estimated.size() squared
   Quality quality;
 };
 

@@ -195,6 +195,8 @@ struct Session {
   std::string sha256;                      ///< of its text
   std::optional<std::string> noise_taken;  ///< the file of an analysis that the IMU's noise is from
   std::optional<std::string> operated_by;  ///< who took the data
+  std::optional<std::string> station;      ///< where
+  std::optional<std::string> measured;     ///< when: UTC, "2026-03-31" or "2026-03-31T12:00:00Z"
   std::optional<std::string> warm_up;      ///< before the recording, in words
   std::optional<std::string> power_cycles;
   std::vector<Reference> references;  ///< at most one of each quantity

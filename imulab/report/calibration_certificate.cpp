@@ -97,6 +97,8 @@ std::string identification_section(const CalibrationReport& report) {
   facts.add("firmware", c.firmware);
   facts.add("date", c.created);
   facts.add("data taken by", c.operated_by);
+  facts.add("at the station", c.station);
+  facts.add("measured", c.measured);
   facts.add("warm-up", c.warm_up);
   facts.add("power cycles", c.power_cycles);
   facts.add("method", c.method);

@@ -1,5 +1,6 @@
 #include "imulab/report/fleet_page.hpp"
 
+#include "imulab/io/result/fleet.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/pictures.hpp"
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace imulab {
 
@@ -20,7 +22,17 @@ constexpr std::size_t most_units = 500;  // of a control chart: the last ones
 
 std::string code(CoefficientIndex index) { return "<code>" + escaped(coefficient(index).name) + "</code>"; }
 
-std::string unit_name(const FleetStatistics& f, Eigen::Index unit) { return escaped(shortened(f.sample.units[static_cast<std::size_t>(unit)], 60)); }
+/// A fleet, and where its units' pages are.
+struct Fleet {
+  const FleetStatistics& statistics;
+  const std::vector<std::string>& links;
+
+  std::string unit_name(Eigen::Index unit) const {
+    const auto k = static_cast<std::size_t>(unit);
+    const std::string name = escaped(shortened(statistics.sample.units[k], 60));
+    return k < links.size() && !links[k].empty() ? fmt::format("<a href=\"{}\">{}</a>", escaped(links[k]), name) : name;
+  }
+};
 
 bool differs(const std::optional<Gauge>& gauge, double level) { return gauge && gauge->p_value < level; }
 
@@ -128,13 +140,14 @@ std::string charts_section(const FleetStatistics& f) {
                  main + (others.empty() ? "" : folded("Optional terms", others)));
 }
 
-std::string outlier_section(const FleetStatistics& f) {
+std::string outlier_section(const Fleet& fleet) {
+  const FleetStatistics& f = fleet.statistics;
   if (f.search.outliers.empty()) return "";
   Table t{.head = {"unit", "distance", "coefficients", "p", "farthest", "standard deviations"}, .rows = {}, .left = {4}};
   for (const FleetOutlier& o : f.search.outliers) {
     if (t.rows.size() == most_rows) break;
     const Eigen::Index row = f.sample.last[static_cast<std::size_t>(o.unit)];
-    t.rows.push_back({unit_name(f, f.sample.unit[static_cast<std::size_t>(row)]), number(o.distance), fmt::format("{}", o.coefficients),
+    t.rows.push_back({fleet.unit_name(f.sample.unit[static_cast<std::size_t>(row)]), number(o.distance), fmt::format("{}", o.coefficients),
                       number(o.p_value, 2), code(f.sample.coefficients[static_cast<std::size_t>(f.sample.common[static_cast<std::size_t>(o.worst)])]),
                       number(o.worst_sigmas)});
   }
@@ -167,7 +180,8 @@ std::string history(const FleetStatistics& f, const CoefficientStatistics& c, co
   return figure(plot.svg(), fmt::format("{}, {}", shortened(f.sample.units[static_cast<std::size_t>(u.unit)], 40), coefficient(c.index).name));
 }
 
-std::string drift_section(const FleetStatistics& f) {
+std::string drift_section(const Fleet& fleet) {
+  const FleetStatistics& f = fleet.statistics;
   Table means{.head = {"coefficient", "units", "mean per year", "95 % interval", "spread of it", "repeatability", ""}, .rows = {}, .left = {6}};
   for (const CoefficientStatistics& c : f.coefficients)
     if (c.mean_drift)
@@ -181,7 +195,7 @@ std::string drift_section(const FleetStatistics& f) {
   for (const SignificantDrift& d : f.drifts) {
     if (t.rows.size() == most_rows) break;
     const auto c = std::find_if(f.coefficients.begin(), f.coefficients.end(), [&](const auto& x) { return x.index == d.index; });
-    t.rows.push_back({unit_name(f, d.drift.unit), code(d.index), fmt::format("{}", d.drift.calibrations), number(d.drift.span, 2),
+    t.rows.push_back({fleet.unit_name(d.drift.unit), code(d.index), fmt::format("{}", d.drift.calibrations), number(d.drift.span, 2),
                       number(d.drift.slope / c->size), fmt::format("{} to {}", number(d.drift.low / c->size, 2), number(d.drift.high / c->size, 2)),
                       escaped(readable_unit(c->unit)), number(d.drift.p_value, 2)});
     if (histories.size() < most_histories) histories.push_back(history(f, *c, d.drift));
@@ -191,6 +205,17 @@ std::string drift_section(const FleetStatistics& f) {
                  "whose drift the "
                  "calibrations do not explain; the band is two standard uncertainties with the repeatability.",
                  (t.rows.empty() ? "" : table(t)) + beside(histories) + table(means));
+}
+
+std::string due_section(const Fleet& fleet) {
+  Table t{.head = {"unit", "due", "for"}, .rows = {}, .left = {1, 2}};
+  for (const UnitDue& d : fleet.statistics.due)
+    if (t.rows.size() < most_rows) t.rows.push_back({fleet.unit_name(d.unit), due_text(d), code(d.coefficient)});
+  if (t.rows.empty()) return "";
+  return section("due", "Due for calibration",
+                 "Before this day the error since the unit's last calibration stays within its limit, at 95 %: by the unit's drift and that of the "
+                 "fleet, the uncertainty of the calibration, and how well units repeat.",
+                 table(t));
 }
 
 std::string gauge_rows(const FleetStatistics& f, std::optional<Gauge> CoefficientStatistics::*which, const std::vector<std::string>& names,
@@ -229,8 +254,21 @@ std::string correlation_section(const FleetStatistics& f) {
 }  // namespace
 }  // namespace report
 
-std::string fleet_page(const FleetStatistics& f, const std::string& title) {
+std::vector<Eigen::Index> units_on_page(const FleetStatistics& f) {
+  std::set<Eigen::Index> units;
+  const auto first = [](std::size_t count) { return std::min(count, report::most_rows); };
+  for (std::size_t k = 0; k < first(f.search.outliers.size()); ++k) {
+    const Eigen::Index row = f.sample.last[static_cast<std::size_t>(f.search.outliers[k].unit)];
+    units.insert(f.sample.unit[static_cast<std::size_t>(row)]);
+  }
+  for (std::size_t k = 0; k < first(f.drifts.size()); ++k) units.insert(f.drifts[k].drift.unit);
+  for (std::size_t k = 0; k < first(f.due.size()); ++k) units.insert(f.due[k].unit);
+  return {units.begin(), units.end()};
+}
+
+std::string fleet_page(const FleetStatistics& f, const std::string& title, const std::vector<std::string>& links) {
   using namespace report;
+  const Fleet fleet{f, links};
   Page page;
   page.kind = "Fleet";
   page.title = shortened(title, 80);
@@ -240,7 +278,8 @@ std::string fleet_page(const FleetStatistics& f, const std::string& title) {
                   {fmt::format("{}", f.sample.calibration.size()), "calibrations"},
                   {f.search.possible ? fmt::format("{}", f.search.outliers.size()) : "not tested", "outliers"},
                   {fmt::format("{}", f.drifts.size()), "drifts"}};
-  page.body = outlier_section(f) + drift_section(f) + gauge_section(f) + spread_section(f) + charts_section(f) + correlation_section(f);
+  page.body = outlier_section(fleet) + drift_section(fleet) + due_section(fleet) + gauge_section(f) + spread_section(f) + charts_section(f) +
+              correlation_section(f);
   return page_text(page);
 }
 

@@ -92,6 +92,14 @@ std::string shortened(std::string_view text, std::size_t most) {
   return characters <= most ? std::string(text) : fmt::format("{}… ({} characters)", text.substr(0, kept), characters);
 }
 
+std::string relative_url(std::string_view path) {
+  constexpr std::string_view plain = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-._~/";
+  std::string out;
+  for (const char c : path)
+    out += plain.find(c) != std::string_view::npos ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  return out;
+}
+
 std::string number(double value, int digits) { return std::isfinite(value) ? with_minus_sign(text::number(value, digits)) : "not determined"; }
 
 std::string tick_text(double value) {

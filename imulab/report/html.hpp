@@ -13,6 +13,9 @@ std::string escaped(std::string_view text);
 /// The first characters of a long text, then "… (N characters)".
 std::string shortened(std::string_view text, std::size_t most);
 
+/// A path as a link: bytes that have a meaning in one, or none, as %20.
+std::string relative_url(std::string_view path);
+
 /// Three significant digits, with a true minus sign; "not determined" where it is not finite.
 std::string number(double value, int digits = 3);
 /// A round value beside an axis; powers of ten as such where they are long.

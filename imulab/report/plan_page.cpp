@@ -67,7 +67,7 @@ std::string plan_page(const PlanSummary& r) {
   std::string required;
   for (const Requirement& requirement : r.requirements) required += (required.empty() ? "" : ", ") + to_string(requirement);
   page.title = "Procedure for " + readable_unit(required);
-  page.subtitle = "Hybrid method";
+  page.subtitle = r.prior ? "Hybrid method, " + prior_text(*r.prior) : "Hybrid method";
   page.verdict = plan_verdict(r);
   page.body = turns_section(r.path) + requirements_figure(r) + prediction_sections(r.prediction);
   return page_text(page);

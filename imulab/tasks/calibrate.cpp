@@ -36,6 +36,27 @@ void expect_unit(const Recording& recording, const char* triad, const std::strin
   if (counts != (unit == "count")) throw Error(fmt::format("{}: {} is in {}; the session declares {}", recording.name, triad, unit, declared));
 }
 
+/// The prior, and what is said of it.
+void add_prior(Calibration& calibration, const FleetPrior& prior) {
+  Quality& quality = calibration.quality;
+  if (!quality.converged) return;
+  const PriorUse use = take_prior(calibration, prior);
+  if (!use.taken) {
+    quality.warnings.push_back(fmt::format(
+        "the unit does not belong to the fleet of {}: it is {:.1f} from its mean, of which chance explains {:.2g}; the prior is not taken",
+        prior.fleet, use.distance, use.p_value));
+    return;
+  }
+  quality.notes.push_back(fmt::format("prior: {:.0f} units of {}; the data alone are {:.1f} from their mean (chance: {:.2g})", prior.units,
+                                      prior.fleet, use.distance, use.p_value));
+  std::string filled;
+  for (const CoefficientIndex index : use.filled) {
+    filled += fmt::format(" {}", coefficient(index).name);
+    std::erase(quality.unobservable, std::string(coefficient(index).name));
+  }
+  if (!filled.empty()) quality.notes.push_back("from the fleet alone:" + filled);
+}
+
 }  // namespace
 
 std::vector<CoefficientIndex> parse_terms(std::string_view terms) {
@@ -93,6 +114,7 @@ SessionRecordings given_recordings(Session session, std::vector<Recording> recor
 CalibrationResult calibrate(const SessionRecordings& data, const CalibrationTask& task) {
   const Method& chosen = method(task.method);
   CalibrationResult result = calibrate(chosen, {data.session, data.recordings}, options_of(task, chosen, data.recordings));
+  if (task.prior) add_prior(result.calibration, *task.prior);
   add_declared_origin(result.calibration, data.session, data.recordings);
   Quality& quality = result.calibration.quality;
   for (const Requirement& requirement : task.requirements) quality.requirements.push_back(assess(result.calibration, requirement));

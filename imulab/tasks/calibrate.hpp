@@ -1,6 +1,7 @@
 // A session calibrated: its recordings read, the method run, and where the result comes from filled in. What the command and the Python module share.
 #pragma once
 
+#include "imulab/estimate/fleet/prior.hpp"
 #include "imulab/estimate/method.hpp"
 
 #include <functional>
@@ -17,6 +18,7 @@ struct CalibrationTask {
   bool stepwise = false;       ///< whole-unit
   bool curves = false;         ///< hybrid: convergence curves
   std::vector<Requirement> requirements = {};
+  std::optional<FleetPrior> prior = {};       ///< what a fleet says of the unit: the result is then in the accelerometers' frame
   std::function<void(double)> progress = {};  ///< as CalibrationOptions has it
 };
 

@@ -6,6 +6,7 @@
 #include "imulab/io/result/noise_reader.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/time.hpp"
 #include "imulab/tasks/calibrate.hpp"
 
 #include <fmt/format.h>
@@ -106,9 +107,10 @@ FleetSession fleet_session(const Session& session) {
 
 FleetOccasion occasion_of(const Session& session, const std::vector<Recording>& recordings, const FleetDeclaration& declared) {
   constexpr double earliest = 946684800, latest = 4102444800;  // of this century
-  FleetOccasion out{declared.station, declared.operated_by.empty() ? session.operated_by.value_or("") : declared.operated_by, 0, "file"};
-  if (!declared.time.empty()) {
-    out.time = fleet::parse_time(declared.time);
+  const auto said = [](const std::string& option, const std::optional<std::string>& key) { return option.empty() ? key.value_or("") : option; };
+  FleetOccasion out{said(declared.station, session.station), said(declared.operated_by, session.operated_by), 0, "file"};
+  if (const std::string time = said(declared.time, session.measured); !time.empty()) {
+    out.time = parse_time(time);
     out.time_from = "declared";
     return out;
   }
@@ -129,7 +131,7 @@ FleetOccasion occasion_of(const Session& session, const std::vector<Recording>& 
 
 FleetCalibrationCounts calibrate_fleet(const std::vector<fs::path>& sessions, const FleetCalibrationTask& task, FleetStore& store) {
   const FleetRequest request{task.method, "terms=" + task.terms};
-  if (!task.declared.time.empty()) errors_at("--time", [&] { fleet::parse_time(task.declared.time); });
+  if (!task.declared.time.empty()) errors_at("--time", [&] { parse_time(task.declared.time); });
   FleetCalibrationCounts counts{.sessions = static_cast<std::int64_t>(sessions.size()), .failures = {}};
   std::mutex one;  // of the store, and of what is not yet in it
   std::map<std::size_t, FleetItem> finished;
@@ -180,7 +182,7 @@ std::string add_to_fleet(const fs::path& file, const std::string& unit, const Fl
   }
   const std::string text(MappedFile(file, Content::settings).text());
   FleetOccasion occasion{declared.station, declared.operated_by, fleet::now(), "added"};
-  if (!declared.time.empty()) occasion.time = fleet::parse_time(declared.time), occasion.time_from = "declared";
+  if (!declared.time.empty()) occasion.time = parse_time(declared.time), occasion.time_from = "declared";
   if (text.find("\"imulab.noise/1\"") != std::string::npos) {
     parse_noise(text, file.string());
     if (unit.empty()) throw Error(file.string() + ": says nothing of its unit; expected --unit with a serial number");
@@ -189,8 +191,11 @@ std::string add_to_fleet(const fs::path& file, const std::string& unit, const Fl
   }
   const Calibration calibration = parse_calibration(text, file.string());
   if (occasion.operated_by.empty()) occasion.operated_by = calibration.operated_by;
-  if (declared.time.empty() && !calibration.created.empty())
-    errors_at(file.string() + ": created", [&] { occasion.time = fleet::parse_time(calibration.created), occasion.time_from = "created"; });
+  if (occasion.station.empty()) occasion.station = calibration.station;
+  if (declared.time.empty() && !calibration.measured.empty())
+    errors_at(file.string() + ": measured", [&] { occasion.time = parse_time(calibration.measured), occasion.time_from = "declared"; });
+  else if (declared.time.empty() && !calibration.created.empty())
+    errors_at(file.string() + ": created", [&] { occasion.time = parse_time(calibration.created), occasion.time_from = "created"; });
   return errors_at(file.string(), [&] { return result("calibration", store.add_calibration(calibration, occasion)); });
 }
 

@@ -1,5 +1,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/io/text/figures.hpp"
+#include "imulab/model/frame.hpp"
 #include "imulab/report/plan_page.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/tasks/predict.hpp"
@@ -8,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace imulab {
@@ -36,13 +39,39 @@ void expect_reachable(const hybrid::PathQuestion& q) {
                                       q.unit.procedure.site.given_gravity ? "" : "; a measured value of gravity is more certain"));
 }
 
-std::string minutes(double seconds) { return fmt::format("{:.0f} min {:02.0f} s", std::floor(seconds / 60), std::floor(std::fmod(seconds, 60))); }
+/// A prediction together with the prior: of each coefficient by itself.
+void add_prior(Prediction& prediction, const FleetPrior& prior) {
+  std::erase_if(prediction.undetermined, [&](CoefficientIndex index) {
+    if (!std::isfinite(relative_sigma(prior, index))) return false;
+    const Eigen::Index n = prediction.sigma.size();
+    prediction.coefficients.push_back(index);
+    for (Eigen::VectorXd* of : {&prediction.sigma, &prediction.cramer_rao}) {
+      of->conservativeResize(n + 1);
+      (*of)[n] = std::numeric_limits<double>::infinity();
+    }
+    return true;
+  });
+  prediction.remaining = {};
+  for (std::size_t k = 0; k < prediction.coefficients.size(); ++k)
+    for (Eigen::VectorXd* of : {&prediction.sigma, &prediction.cramer_rao}) {
+      double& sigma = (*of)[static_cast<Eigen::Index>(k)];
+      sigma = 1 / std::hypot(1 / sigma, 1 / relative_sigma(prior, prediction.coefficients[k]));
+    }
+}
+
+/// What the path itself has to reach.
+std::vector<Requirement> with_prior(const PlanTask& task) {
+  std::vector<Requirement> left = left_to_reach(task.requirements, *task.prior);
+  std::erase_if(left, [](const Requirement& r) { return zero_by_frame(r.coefficients.front()); });
+  if (left.empty()) throw Error(fmt::format("{}: its units meet the requirements uncalibrated; expected tighter ones", task.prior->fleet));
+  return left;
+}
 
 }  // namespace
 
 PlannedProcedure plan(const PlanTask& task) {
   hybrid::PathQuestion question;
-  question.requirements = task.requirements;
+  question.requirements = task.prior ? with_prior(task) : task.requirements;
   question.unit = hybrid::plan_of(procedure_of(task, 60, {}));
   question.axes = task.axes;
   question.turn_rate = task.by_hand ? hand_rate : TableProcedureOptions{}.turn_rate;
@@ -53,21 +82,33 @@ PlannedProcedure plan(const PlanTask& task) {
   PlannedProcedure out;
   out.timed = task.time.has_value();
   out.requirements = task.requirements;
-  out.path = design_path(question, [&](int done) {
-    if (task.progress) task.progress(0.01 * done);
-  });
+  const bool compared = task.prior && !task.time;
+  const auto path_of = [&](const hybrid::PathQuestion& q, double begin, double part) {
+    return design_path(q, [&](int done) {
+      if (task.progress) task.progress(begin + part * 0.01 * done);
+    });
+  };
+  out.path = path_of(question, 0, compared ? 0.5 : 1);
+  if (task.prior) out.prior = PriorEffect{task.prior->fleet, task.prior->units, std::numeric_limits<double>::quiet_NaN()};
+  if (compared) {
+    question.requirements = task.requirements;
+    const hybrid::Path without = path_of(question, 0.5, 0.5);
+    if (without.worst <= 1) out.prior->duration_without = without.duration;
+    if (without.worst <= 1 && without.duration < out.path.duration) out.path = without;  // the search does not look at all paths
+  }
   if (out.path.turns.empty()) throw Error("no turn and rest fit into the time; expected a longer time");
   out.procedure = procedure_of(task, out.path.first_rest, out.path.turns);
   out.prediction = predict(hybrid::plan_of(out.procedure));
+  if (task.prior) add_prior(out.prediction, *task.prior);
   out.missed = shortfalls(out.prediction, task.requirements);
   return out;
 }
 
-std::string plan_json(const PlannedProcedure& p) { return path_json(p.path, p.requirements, p.prediction, p.missed); }
+std::string plan_json(const PlannedProcedure& p) { return path_json(p.path, p.requirements, p.prediction, p.missed, p.prior); }
 
 std::string plan_text(const PlannedProcedure& p) {
-  return fmt::format("{} turns in {}\n\n{}\n{}", p.path.turns.size(), minutes(p.path.duration), path_table(p.path),
-                     prediction_table(p.prediction, p.requirements));
+  return fmt::format("{} turns in {}{}\n\n{}\n{}", p.path.turns.size(), text::minutes(p.path.duration), p.prior ? ",\n" + prior_text(*p.prior) : "",
+                     path_table(p.path), prediction_table(p.prediction, p.requirements));
 }
 
 std::string plan_page(const PlannedProcedure& p) {
@@ -76,7 +117,7 @@ std::string plan_page(const PlannedProcedure& p) {
                             .sigma = p.prediction.sigma,
                             .cramer_rao = p.prediction.cramer_rao,
                             .missed = p.missed};
-  return plan_page(PlanSummary{p.requirements, p.path, std::move(summary)});
+  return plan_page(PlanSummary{p.requirements, p.path, std::move(summary), p.prior});
 }
 
 std::string shortcomings(const PlannedProcedure& p) {

@@ -1,6 +1,7 @@
 // A procedure judged before any data: what each coefficient will be known to, what limits it, and the shortest path that meets requirements.
 #pragma once
 
+#include "imulab/estimate/fleet/prior.hpp"
 #include "imulab/estimate/hybrid/path_design.hpp"
 #include "imulab/estimate/hybrid/prediction.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
@@ -59,6 +60,7 @@ struct PlanTask {
   bool by_hand = false;
   std::optional<double> time = {};            ///< s in all; absent: as short as the requirements allow
   std::optional<double> rest = {};            ///< s, of every rest; absent: chosen
+  std::optional<FleetPrior> prior = {};       ///< what a fleet says of the unit
   std::function<void(double)> progress = {};  ///< 0 to 1
 };
 
@@ -68,6 +70,7 @@ struct PlannedProcedure {
   Session procedure;
   Prediction prediction;
   std::vector<Shortfall> missed;
+  std::optional<PriorEffect> prior;
   bool timed = false;
 };
 

@@ -60,7 +60,8 @@ struct Share {
 };
 
 struct FleetShares {
-  Share mean, spread, slope, bias, station_found, false_alarms, found, others;
+  Share mean, spread, slope, bias, station_found, false_alarms, found, others, with_prior;
+  double alone = 0, together = 0;  ///< sums of the squares of a new unit's errors, in spreads: without the prior, and with it
 };
 
 void take_spread(const FleetStatistics& f, double factor, FleetShares& s) {
@@ -93,6 +94,20 @@ void take_stations(const FleetStatistics& f, FleetShares& s) {
   }
 }
 
+/// The next unit, measured to a spread, with the fleet as its prior. Truth: the same draw without the error of measurement.
+void take_next_unit(FleetStore& store, std::uint64_t seed, FleetShares& s) {
+  const FleetPrior prior = fleet_prior(store);
+  const Calibration truth = drawn_calibration(seed, 5000, 0, 1e-9), alone = drawn_calibration(seed, 5000, 0, 1.0);
+  Calibration together = alone;
+  if (!take_prior(together, prior).taken) return;
+  for (const CoefficientIndex index : alone.estimated) {
+    const double spread = spread_of(coefficient(index)), true_value = coefficient_value(truth.model, index);
+    const double before = coefficient_value(alone.model, index) - true_value, after = coefficient_value(together.model, index) - true_value;
+    s.with_prior.take(std::abs(after) <= normal_quantile(0.975) * *standard_uncertainty(together, index));
+    s.alone += before * before / (spread * spread), s.together += after * after / (spread * spread);
+  }
+}
+
 FleetShares shares_of(std::uint64_t seed) {
   const Kind kind = static_cast<Kind>(seed % 3);
   const TemporaryFolder folder;
@@ -117,6 +132,7 @@ FleetShares shares_of(std::uint64_t seed) {
     const std::string& title = f.sample.unit_of_row(f.sample.last[static_cast<std::size_t>(o.unit)]);
     found += is_outlier(std::stoull(title.substr(title.rfind(' ') + 1)) - 1000);
   }
+  take_next_unit(store, seed, s);
   s.found.hits += found, s.found.all += 2;
   s.others.take(static_cast<double>(f.search.outliers.size()) > found);
   return s;
@@ -139,12 +155,16 @@ std::vector<Check> fleets(int count) {
   FleetShares s;
   for (const FleetShares& one : each) {
     s.mean.add(one.mean), s.spread.add(one.spread), s.slope.add(one.slope), s.bias.add(one.bias);
+    s.with_prior.add(one.with_prior), s.alone += one.alone, s.together += one.together;
     s.station_found.add(one.station_found), s.false_alarms.add(one.false_alarms), s.found.add(one.found), s.others.add(one.others);
   }
   return {covers("coverage of the mean", s.mean),
           covers("coverage of the spread", s.spread),
           covers("coverage of a unit's drift", s.slope),
           covers("coverage of a station's bias", s.bias),
+          covers("coverage with the prior", s.with_prior),
+          // Both together where each is right: 1/sqrt(2). The prior is wider for so few units: 0.8.
+          {"a new unit's errors with the prior, of those without", std::sqrt(s.together / s.alone), 0.6, 0.85},
           {"stations' bias found", s.station_found.hits / s.station_found.all, 0.95, 1},
           rate("fleets with a false outlier", s.false_alarms),
           {"outliers of 15 spreads found", s.found.hits / s.found.all, 0.99, 1},

@@ -29,8 +29,8 @@ std::vector<History> histories_of(const DriftInput& input) {
 }
 
 struct Line {
-  double slope = 0, variance = 0, middle = 0, mean = 0;  // at the middle time
-  double squares = 0;                                    // of the residuals, weighted
+  double slope = 0, variance = 0, middle = 0, mean = 0, mean_variance = 0;  // at the middle time
+  double squares = 0;                                                       // of the residuals, weighted
 };
 
 Line line_through(const DriftInput& in, const History& h, double additional) {
@@ -40,7 +40,7 @@ Line line_through(const DriftInput& in, const History& h, double additional) {
     const double a = 1 / (in.variances[k] + additional);
     w += a, wt += a * (in.time[k] - h.first), wy += a * in.values[k];
   }
-  l.middle = h.first + wt / w, l.mean = wy / w;
+  l.middle = h.first + wt / w, l.mean = wy / w, l.mean_variance = 1 / w;
   double tt = 0, ty = 0;
   for (const Eigen::Index k : h.rows) {
     const double a = 1 / (in.variances[k] + additional), t = in.time[k] - l.middle;
@@ -102,6 +102,10 @@ FleetDrift fleet_drift(const DriftInput& input, double confidence) {
                          .slope = l.slope,
                          .low = l.slope - factor * u,
                          .high = l.slope + factor * u,
+                         .uncertainty = u,
+                         .since_middle = h.last - l.middle,
+                         .level = l.mean,
+                         .level_uncertainty = std::sqrt(l.mean_variance),
                          .p_value = two_sided(l.slope / u, freedom),
                          .last = l.mean + l.slope * (h.last - l.middle)});
   }

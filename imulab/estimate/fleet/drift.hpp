@@ -19,8 +19,11 @@ struct UnitDrift {
   int calibrations = 0;
   double span = 0;                      ///< years, from the first to the last
   double slope = 0, low = 0, high = 0;  ///< per year, with its interval
-  double p_value = 1;                   ///< of so large a slope without a drift
-  double last = 0;                      ///< the line's value at the last calibration
+  double uncertainty = 0;               ///< standard, of the slope
+  double since_middle = 0;              ///< years from the calibrations' weighted middle to the last; there level and slope have independent errors
+  double level = 0, level_uncertainty = 0;
+  double p_value = 1;  ///< of so large a slope without a drift
+  double last = 0;     ///< the line's value at the last calibration
 };
 
 struct FleetDrift {

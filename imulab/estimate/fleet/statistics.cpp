@@ -61,14 +61,34 @@ void take_drift(CoefficientStatistics& out, const FleetSample& s, const FleetCol
   if (out.drift.units.size() < 2) return;
   const auto n = static_cast<Eigen::Index>(out.drift.units.size());
   Eigen::ArrayXd slopes(n), variances(n);
-  const bool student = out.drift.repeatability > 0;
-  const double factor = student_quantile(0.5 + 0.5 * confidence, student ? out.drift.degrees_of_freedom : std::numeric_limits<double>::infinity());
   for (Eigen::Index k = 0; k < n; ++k) {
     const UnitDrift& u = out.drift.units[static_cast<std::size_t>(k)];
-    const double sigma = 0.5 * (u.high - u.low) / factor;
-    slopes[k] = u.slope, variances[k] = sigma * sigma;
+    slopes[k] = u.slope, variances[k] = u.uncertainty * u.uncertainty;
   }
   out.mean_drift = random_effects(slopes, variances, confidence);
+}
+
+/// When each unit is due for this coefficient.
+void take_due(CoefficientStatistics& out, const FleetSample& s, const FleetColumn& last, const std::vector<Requirement>& errors, double scale) {
+  double limit = std::numeric_limits<double>::infinity();
+  for (const Requirement& r : errors)
+    if (contains(r.coefficients, out.index)) limit = std::min(limit, r.limit * (coefficient(out.index).term == Term::matrix ? scale : 1));
+  if (!out.mean_drift || std::isinf(limit)) return;
+  const Slope fleet = slopes_of(*out.mean_drift);
+  std::vector<const UnitDrift*> own(s.units.size());
+  for (const UnitDrift& u : out.drift.units) own[static_cast<std::size_t>(u.unit)] = &u;
+  for (std::size_t k = 0; k < last.rows.size(); ++k) {
+    const Eigen::Index unit = s.unit[static_cast<std::size_t>(last.rows[k])], row = static_cast<Eigen::Index>(k);
+    const double repeatability = out.drift.repeatability;
+    Slope slope = fleet;
+    Aging aging{.level_sigma = std::hypot(std::sqrt(last.variances[row]), repeatability), .repeatability = repeatability};
+    if (const UnitDrift* line = own[static_cast<std::size_t>(unit)]) {
+      slope = slope_among(fleet, {line->slope, line->uncertainty * line->uncertainty});
+      aging.level = line->level - last.values[row], aging.level_sigma = line->level_uncertainty, aging.since_middle = line->since_middle;
+    }
+    aging.slope = slope.mean, aging.slope_sigma = std::sqrt(slope.variance);
+    out.due.push_back({unit, out.index, s.time[last.rows[k]] + year * years_until(aging, limit)});
+  }
 }
 
 /// The mean scale of a matrix element's row; 1 where the fleet has none.
@@ -118,6 +138,7 @@ CoefficientStatistics statistics_of(const FleetSample& s, Eigen::Index column, c
   take_units(out, scale);
   take_capability(out, o.requirements, scale);
   take_drift(out, s, all, o.confidence);
+  take_due(out, s, last, o.errors, scale);
   out.stations = gauge_of(s, all, s.station, s.stations.size(), o.confidence);
   out.operators = gauge_of(s, all, s.operated_by, s.operators.size(), o.confidence);
   return out;
@@ -158,6 +179,17 @@ void take_significant_drifts(FleetStatistics& f, double false_alarm) {
   std::stable_sort(f.drifts.begin(), f.drifts.end(), [](const auto& a, const auto& b) { return a.drift.p_value < b.drift.p_value; });
 }
 
+/// Each unit's first date.
+void take_first_due(FleetStatistics& f) {
+  std::vector<std::optional<UnitDue>> first(f.sample.units.size());
+  for (const CoefficientStatistics& c : f.coefficients)
+    for (const UnitDue& d : c.due)
+      if (std::optional<UnitDue>& at = first[static_cast<std::size_t>(d.unit)]; !at || d.time < at->time) at = d;
+  for (const std::optional<UnitDue>& d : first)
+    if (d) f.due.push_back(*d);
+  std::stable_sort(f.due.begin(), f.due.end(), [](const UnitDue& a, const UnitDue& b) { return a.time < b.time; });
+}
+
 }  // namespace
 
 FleetStatistics fleet_statistics(FleetSample sample, const std::function<Eigen::MatrixXd(Eigen::Index row)>& covariance,
@@ -176,6 +208,7 @@ FleetStatistics fleet_statistics(FleetSample sample, const std::function<Eigen::
   std::erase_if(f.coefficients, [](const CoefficientStatistics& c) { return c.rows.empty(); });
   take_correlations(f, options.false_alarm);
   take_significant_drifts(f, options.false_alarm);
+  take_first_due(f);
   return f;
 }
 

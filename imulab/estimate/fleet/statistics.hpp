@@ -4,6 +4,7 @@
 
 #include "imulab/estimate/fleet/control.hpp"
 #include "imulab/estimate/fleet/drift.hpp"
+#include "imulab/estimate/fleet/due.hpp"
 #include "imulab/estimate/fleet/gauge.hpp"
 #include "imulab/estimate/fleet/outliers.hpp"
 #include "imulab/estimate/fleet/random_effects.hpp"
@@ -21,6 +22,14 @@ struct FleetOptions {
   double confidence = 0.95;                    ///< of every interval, each alone
   double false_alarm = 0.01;                   ///< of outliers, and of significant drifts and correlations: of all together
   std::vector<Requirement> requirements = {};  ///< limits of the values
+  std::vector<Requirement> errors = {};        ///< how large the errors of a calibration may become before the unit is due
+};
+
+/// A unit that is to be calibrated again, for the coefficient that is the first to need it.
+struct UnitDue {
+  Eigen::Index unit = 0;
+  CoefficientIndex coefficient{};
+  double time = 0;  ///< s since 1970; infinite: not within `due_horizon`. Not after the last calibration: that is not as good as required
 };
 
 struct CoefficientStatistics {
@@ -35,6 +44,7 @@ struct CoefficientStatistics {
   FleetDrift drift;
   std::optional<RandomEffects> mean_drift;  ///< of the units' slopes, per year
   std::optional<Gauge> stations, operators;
+  std::vector<UnitDue> due;  ///< each unit that has this coefficient; none where no error is limited, or no unit's drift is known
 };
 
 struct SignificantDrift {
@@ -54,6 +64,7 @@ struct FleetStatistics {
   Eigen::MatrixXd correlation;  ///< of `common` over the fleet; zero where a coefficient has no spread
   std::vector<SignificantCorrelation> correlations;
   std::vector<SignificantDrift> drifts;  ///< changes that the calibrations do not explain
+  std::vector<UnitDue> due;              ///< the earliest first, each unit once
 };
 
 /// `covariance`: of the calibration in a row, of the sample's `common` columns; NaN where it has none. Works on all processors; the result does not

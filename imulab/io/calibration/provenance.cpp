@@ -55,6 +55,8 @@ std::string software() { return "imulab " IMULAB_VERSION; }
 void add_declared_origin(Calibration& calibration, const Session& session, std::span<const Recording> recordings) {
   calibration.serial = session.imu.serial.value_or("");
   calibration.operated_by = session.operated_by.value_or("");
+  calibration.station = session.station.value_or("");
+  calibration.measured = session.measured.value_or("");
   calibration.firmware = session.imu.firmware.value_or("");
   calibration.warm_up = session.warm_up.value_or("");
   calibration.power_cycles = session.power_cycles.value_or("");

@@ -212,6 +212,8 @@ Calibration parse_calibration(std::string_view text, const std::string& file) {
   }
   c.serial = root.text_or_empty("serial");
   c.operated_by = root.text_or_empty("operator");
+  c.station = root.text_or_empty("station");
+  c.measured = root.text_or_empty("measured");
   c.firmware = root.text_or_empty("firmware");
   c.warm_up = root.text_or_empty("warm_up");
   c.power_cycles = root.text_or_empty("power_cycles");

@@ -175,6 +175,8 @@ Json calibration_json(const Calibration& c) {
            {"imu", c.imu},
            {"serial", text_or_null(c.serial)},
            {"operator", text_or_null(c.operated_by)},
+           {"station", text_or_null(c.station)},
+           {"measured", text_or_null(c.measured)},
            {"firmware", text_or_null(c.firmware)},
            {"warm_up", text_or_null(c.warm_up)},
            {"power_cycles", text_or_null(c.power_cycles)},

@@ -2,6 +2,7 @@
 
 #include "imulab/io/result/fields.hpp"
 #include "imulab/io/text/figures.hpp"
+#include "imulab/io/text/time.hpp"
 
 #include <fmt/format.h>
 
@@ -96,8 +97,12 @@ JsonFields coefficient_json(const CoefficientStatistics& c, const FleetStatistic
 
 }  // namespace
 
+std::string due_text(const UnitDue& due) {
+  return std::isfinite(due.time) ? time_text(due.time).substr(0, 10) : fmt::format("not in {:g} years", due_horizon);
+}
+
 std::string fleet_statistics_json(const FleetStatistics& f) {
-  std::vector<JsonFields> coefficients, outliers, drifts, correlations;
+  std::vector<JsonFields> coefficients, outliers, drifts, correlations, due;
   for (const CoefficientStatistics& c : f.coefficients) coefficients.push_back(coefficient_json(c, f));
   for (const FleetOutlier& o : f.search.outliers)
     outliers.push_back(
@@ -114,6 +119,10 @@ std::string fleet_statistics_json(const FleetStatistics& f) {
   }
   for (const SignificantCorrelation& c : f.correlations)
     correlations.push_back({{{"a", coefficient_name(c.a)}, {"b", coefficient_name(c.b)}, {"correlation", c.correlation}}});
+  for (const UnitDue& d : f.due)
+    due.push_back({{{"unit", f.sample.units[static_cast<std::size_t>(d.unit)]},
+                    {"coefficient", coefficient_name(d.coefficient)},
+                    {"time", std::isfinite(d.time) ? time_text(d.time) : ""}}});
   return fields_json({{{"units", static_cast<std::uint64_t>(f.sample.units.size())},
                        {"calibrations", static_cast<std::uint64_t>(f.sample.calibration.size())},
                        {"false_alarm", f.search.false_alarm},
@@ -121,6 +130,7 @@ std::string fleet_statistics_json(const FleetStatistics& f) {
                        {"outliers_tested", f.search.possible},
                        {"outliers", outliers},
                        {"drifts", drifts},
+                       {"due", due},
                        {"correlations", correlations}}});
 }
 
@@ -178,8 +188,11 @@ std::string fleet_statistics_text(const FleetStatistics& f) {
     if (c.operators) gauge += gauge_text(c, *c.operators, f.sample.operators, "operators", level);
     rules += rule_text(c, f);
   }
-  std::string outliers, correlations;
+  std::string outliers, correlations, due;
   constexpr std::size_t most = 20;
+  for (std::size_t k = 0; k < std::min(most, f.due.size()); ++k)
+    due += fmt::format("  {:<20} {}, for {}\n", due_text(f.due[k]), f.sample.units[static_cast<std::size_t>(f.due[k].unit)],
+                       coefficient_name(f.due[k].coefficient));
   for (std::size_t k = 0; k < std::min(most, f.search.outliers.size()); ++k) {
     const FleetOutlier& o = f.search.outliers[k];
     outliers += fmt::format("  {}: distance {} in {} coefficients; {} is {:+.1f} standard deviations from the mean\n", outlier_name(f, o),
@@ -204,6 +217,7 @@ std::string fleet_statistics_text(const FleetStatistics& f) {
       headed(fmt::format("{} outliers (probability of any false one {} %)", f.search.outliers.size(), text::number(100 * f.search.false_alarm, 2)),
              outliers);
   text += headed(fmt::format("{} drifts beyond what the calibrations explain", f.drifts.size()), drift);
+  text += headed("due for calibration, the first of them", due);
   text += headed("stations and operators that differ", gauge);
   text += headed("production that is not steady", rules);
   text += headed(fmt::format("{} correlations between units", f.correlations.size()), correlations);

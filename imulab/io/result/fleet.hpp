@@ -9,6 +9,8 @@ namespace imulab {
 
 /// JSON (docs/fleet.md): SI.
 std::string fleet_statistics_json(const FleetStatistics& statistics);
+/// "2027-03-31", or "not in 20 years".
+std::string due_text(const UnitDue& due);
 /// A row a coefficient in user units; then outliers, drifts, stations and operators, unsteady production and correlations.
 std::string fleet_statistics_text(const FleetStatistics& statistics);
 

@@ -145,13 +145,14 @@ Json to_json(const JsonFields& object) {
 std::string fields_json(const JsonFields& object, bool one_line) { return dump_json(to_json(object), one_line ? -1 : 2) + "\n"; }
 
 std::string path_json(const hybrid::Path& path, const std::vector<Requirement>& requirements, const Prediction& p,
-                      const std::vector<Shortfall>& missed) {
+                      const std::vector<Shortfall>& missed, const std::optional<PriorEffect>& prior) {
   Json required = Json::array();
   for (const Requirement& r : requirements) required.push_back(to_string(r));
   Json turns = Json::array();
   for (const TableTurn& turn : path.turns)
     turns.push_back({{"axis", std::string(to_string(turn.axis))}, {"angle_deg", turn.angle_deg}, {"rest_s", turn.rest}});
   Json out{{"requirements", std::move(required)}, {"duration_s", path.duration}, {"first_rest_s", path.first_rest}, {"turns", std::move(turns)}};
+  if (prior) out["prior"] = {{"fleet", prior->fleet}, {"units", prior->units}, {"duration_without_s", prior->duration_without}};
   out.update(Json::parse(prediction_json(p, missed, std::nullopt)));
   return dump_json(out) + "\n";
 }

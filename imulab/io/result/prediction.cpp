@@ -211,6 +211,12 @@ std::string shortfall_text(const Shortfall& s) {
   return fmt::format("{} has {:.4g} {} where {:g} {} is required", name, s.sigma / unit.size, unit.name, s.requirement.limit / unit.size, unit.name);
 }
 
+std::string prior_text(const PriorEffect& prior) {
+  std::string text = fmt::format("with what {:.0f} units of {} say of it", prior.units, prior.fleet);
+  if (std::isfinite(prior.duration_without)) text += "; without: " + text::minutes(prior.duration_without);
+  return text;
+}
+
 std::string path_table(const hybrid::Path& path) {
   const std::vector<std::string> words = rig::in_words(path.turns);
   std::string text = fmt::format("rest {:g} s\n", path.first_rest);

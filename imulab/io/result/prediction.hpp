@@ -45,9 +45,18 @@ std::string turns_text(const hybrid::Advice& advice);
 /// "gyro.matrix.xx has 31.2 ppm where 10 ppm is required" or "gyro.matrix.xx is not determined".
 std::string shortfall_text(const Shortfall& shortfall);
 
-/// {"requirements", "duration_s", "first_rest_s", "turns": [{"axis", "angle_deg", "rest_s"}]} and the prediction's own keys.
+/// A fleet's prior, and the shortest path without it (NaN where the time was given).
+struct PriorEffect {
+  std::string fleet;
+  double units = 0, duration_without = 0;  ///< s
+};
+
+/// {"requirements", "duration_s", "first_rest_s", "turns": [{"axis", "angle_deg", "rest_s"}]}, "prior" where there is one, and the prediction's own
+/// keys.
 std::string path_json(const hybrid::Path& path, const std::vector<Requirement>& requirements, const Prediction& prediction,
-                      const std::vector<Shortfall>& missed);
+                      const std::vector<Shortfall>& missed, const std::optional<PriorEffect>& prior = {});
+/// "with what 60 units of fleet.db say of it; without: 14 min 05 s"
+std::string prior_text(const PriorEffect& prior);
 /// First rest, then a row a turn and the rest after it.
 std::string path_table(const hybrid::Path& path);
 

@@ -152,6 +152,10 @@ PlanSummary plan_of(const Field& root) {
       if (f["axis"].text() == to_string(axis)) return TableTurn{axis, f["angle_deg"].number(), f["rest_s"].number()};
     f["axis"].expected("outer, middle or inner");
   });
+  if (root.has("prior")) {
+    const Field f = root["prior"];
+    out.prior = PriorEffect{f["fleet"].text(), f["units"].number(), f["duration_without_s"].number_or_nan()};
+  }
   out.prediction = prediction_of(root);
   return out;
 }

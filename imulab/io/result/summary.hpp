@@ -4,6 +4,7 @@
 #include "imulab/estimate/hybrid/path_design.hpp"
 #include "imulab/io/result/compensation.hpp"
 #include "imulab/io/result/navigation.hpp"
+#include "imulab/io/result/prediction.hpp"
 #include "imulab/model/calibration.hpp"
 #include "imulab/model/compare.hpp"
 #include "imulab/model/requirement.hpp"
@@ -40,6 +41,7 @@ struct PlanSummary {
   std::vector<Requirement> requirements;
   hybrid::Path path;  ///< from JSON: without its worst ratio
   PredictionSummary prediction;
+  std::optional<PriorEffect> prior = {};
 };
 
 struct BudgetSummary {

@@ -5,13 +5,12 @@
 #include "imulab/io/session/step_layout.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/names.hpp"
+#include "imulab/io/text/time.hpp"
 #include "imulab/io/text/toml_fields.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
-#include <cstdio>
 
 namespace imulab {
 namespace {
@@ -26,15 +25,6 @@ void read_rig(TomlFields& f, Session& session) {
   session.rigs.push_back(rig);
 }
 
-/// A date of the calendar, as in 2026-03-31.
-bool is_date(const std::string& text) {
-  int year = 0, month = 0, day = 0, end = 0;
-  if (text.size() != 10 || std::sscanf(text.c_str(), "%4d-%2d-%2d%n", &year, &month, &day, &end) != 3 || end != 10) return false;
-  return std::chrono::year_month_day{std::chrono::year(year), std::chrono::month(static_cast<unsigned>(month)),
-                                     std::chrono::day(static_cast<unsigned>(day))}
-      .ok();
-}
-
 void read_reference(TomlFields& f, Session& session) {
   Reference reference;
   transfer(f, reference);
@@ -42,7 +32,8 @@ void read_reference(TomlFields& f, Session& session) {
           "quantity", "repeats the quantity of an earlier reference; expected each once");
   f.check(!reference.instrument.empty(), "instrument", "is empty; expected make, type and serial number");
   f.check(!reference.certificate.empty(), "certificate", "is empty; expected its number");
-  f.check(reference.date.empty() || is_date(reference.date), "date", "is no date; expected one as in \"2026-03-31\"");
+  f.check(reference.date.empty() || (reference.date.size() == 10 && time_of(reference.date)), "date",
+          "is no date; expected one as in \"2026-03-31\"");
   session.references.push_back(reference);
 }
 
@@ -99,6 +90,9 @@ Session parse_session(std::string_view text, const std::string& file) {
   StepLayout layout;
   f.format(session_format);
   f.text("operator", session.operated_by);
+  f.text("station", session.station);
+  f.text("measured", session.measured);
+  f.check(!session.measured || time_of(*session.measured), "measured", "is no time; expected UTC as in \"2026-03-31\" or \"2026-03-31T12:00:00Z\"");
   f.text("warm_up", session.warm_up);
   f.text("power_cycles", session.power_cycles);
   f.table("imu", Presence::optional, [&](TomlFields& t) { transfer(t, session.imu); });

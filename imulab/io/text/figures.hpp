@@ -19,6 +19,9 @@ std::string to_digits_of(double uncertainty, double value);
 /// A number with so many significant digits, and no power of ten where people read it without: "1360", "0.0873", "3.12e-06".
 std::string number(double value, int digits = 3);
 
+/// "14 min 05 s"
+std::string minutes(double seconds);
+
 /// `sentence` in lines of at most `width` columns: the first begins with `first`, the others with as many spaces. Ends with a new line. Words longer
 /// than a line stay whole. Counts code points of UTF-8.
 std::string wrapped(std::string_view first, std::string_view sentence, std::size_t width = terminal_width);
