@@ -1,6 +1,7 @@
 // imulab budget SPEC
 #include "imulab/tasks/budget.hpp"
 
+#include "apps/imulab/checkpoint.hpp"
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
 #include "apps/imulab/report.hpp"
@@ -28,6 +29,7 @@ struct Options {
   std::uint64_t runs = 200, seed = 1;
   double every = 10;
   bool catalogue = false, json = false, allow_undetermined = false, verbose = false;
+  CheckpointOptions shared;
 };
 
 void run(const Options& o) {
@@ -36,6 +38,7 @@ void run(const Options& o) {
   const MissionFile file = read_mission(o.mission);
   for (const std::filesystem::path& named : file.files) will_read(named);
   BudgetTask task{o.mission, o.grade, o.system, o.calibration, o.noise, o.runs, o.seed, o.every};
+  task.checkpoint = o.shared.checkpoint();
   const ErrorSpecification specification = specification_of(task, file);
   if (const auto& name = specification.calibration) {
     const std::filesystem::path path = std::filesystem::path(o.mission).parent_path() / *name;
@@ -46,6 +49,7 @@ void run(const Options& o) {
     task.progress = [&progress](double part) { progress.report(part); };
     return mission_budget(file, specification, task);
   }();
+  if (!leads_processes()) return;  // another process says it
   if (!o.folder.empty()) write_budget(o.folder, budget);
   if (!o.report.empty()) write_whole(o.report, budget_page(budget, std::filesystem::path(o.mission).filename().string()));
   for (const std::string& text : budget.warnings) warn(text);
@@ -69,6 +73,7 @@ void add_budget(Verb app) {
   verb.option("--runs", o->runs, "number of Monte Carlo runs; 0 for none").show_default().in_range(0., 1e7);
   verb.option("--seed", o->seed, "random seed; the same seed gives the same result").show_default();
   verb.option("--every", o->every, "seconds between rows of the files").in_range(1e-3, 1e6).show_default();
+  add_checkpoint_options(verb, o->shared);
   verb.option("-o,--output FOLDER", o->folder, "the folder to create: total.csv, sources.csv, monte_carlo.csv over time, runs.csv").creates();
   add_report_option(verb, o->report);
   verb.flag("--catalogue", o->catalogue, "list the available grades and systems");

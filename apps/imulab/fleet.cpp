@@ -1,6 +1,7 @@
 // imulab fleet add|calibrate|list|show|stats|check|merge|export|remove
 #include "apps/imulab/fleet.hpp"
 
+#include "apps/imulab/checkpoint.hpp"
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
 #include "imulab/core/error.hpp"
@@ -36,6 +37,7 @@ struct Options {
   std::vector<std::string> calibrations;
   FleetDeclaration declared;
   bool json = false, retry = false, csv = false, failures = false;
+  CheckpointOptions shared;
 };
 
 void add_declared(Verb& verb, FleetDeclaration& declared) {
@@ -82,14 +84,16 @@ std::vector<JsonFields> failures_json(const std::vector<FleetFailure>& failures)
 void calibrate_all(const Options& o) {
   parse_terms(o.terms);
   const std::vector<std::filesystem::path> sessions = sessions_below({o.files.begin(), o.files.end()});
-  FleetStore store(o.store, Access::write);
+  FleetStore store(leads_processes() ? o.store : ":memory:", Access::write);  // the leading process has it alone
   FleetCalibrationTask task{.method = o.method, .terms = o.terms, .declared = o.declared, .retry = o.retry};
+  task.checkpoint = o.shared.checkpoint();
   FleetCalibrationCounts n;
   {
     Progress progress("calibrating", static_cast<double>(sessions.size()));
     task.progress = [&](double done, double) { progress.report(done); };
     n = calibrate_fleet(sessions, task, store);
   }
+  if (!leads_processes()) return;
   for (const FleetFailure& f : n.failures) warn(fmt::format("{}: {}: the store has no calibration of it", f.file, f.message));
   warn_of_clocks(store);
   const auto counted = [](std::int64_t k) { return static_cast<std::uint64_t>(k); };
@@ -118,6 +122,7 @@ void add_calibrate_all(Verb& fleet) {
   verb.option("--terms TERMS", o->terms, "as of imulab calibrate").show_default();
   add_store_option(verb, o->store);
   add_declared(verb, o->declared);
+  add_checkpoint_options(verb, o->shared);
   verb.flag("--retry", o->retry, "sessions that failed before, too");
   verb.flag("--json", o->json, "print the counts as JSON");
   verb.example("imulab fleet calibrate week-12 --method handheld --store fleet.db --station 2");

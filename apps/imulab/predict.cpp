@@ -1,6 +1,7 @@
 // imulab predict PROCEDURE
 #include "imulab/tasks/predict.hpp"
 
+#include "apps/imulab/checkpoint.hpp"
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
 #include "apps/imulab/report.hpp"
@@ -24,10 +25,12 @@ struct Options {
   std::optional<std::string> require;
   std::uint64_t runs = 20000, seed = 1;
   bool classical = false, json = false, verbose = false;
+  CheckpointOptions shared;
 };
 
 void run(const Options& options) {
   PredictionTask task{.method = options.method, .runs = options.runs, .seed = options.seed, .classical = options.classical};
+  task.checkpoint = options.shared.checkpoint();
   if (options.require) task.requirements = errors_at("--require", [&] { return parse_requirements(*options.require); });
   const Session procedure = session_at(options.procedure);
   const PredictedProcedure predicted = [&] {
@@ -35,6 +38,7 @@ void run(const Options& options) {
     task.progress = [&progress](double part) { progress.report(part); };
     return predict(procedure, task);
   }();
+  if (!leads_processes()) return;  // another process says it
   if (!options.report.empty()) write_whole(options.report, prediction_page(predicted, options.procedure));
   options.json ? print_json(prediction_json(predicted)) : print(prediction_text(predicted, task.requirements, options.verbose));
   if (predicted.on_turntable)
@@ -44,9 +48,9 @@ void run(const Options& options) {
 
 /// No Monte Carlo, or one of a useful and finite size.
 std::string bad_runs(const std::string& text) {
-  const bool digits = !text.empty() && text.size() < 10 && text.find_first_not_of("0123456789") == std::string::npos;
+  const bool digits = !text.empty() && text.size() < 11 && text.find_first_not_of("0123456789") == std::string::npos;
   const long runs = digits ? std::stol(text) : -1;
-  return runs == 0 || (runs >= 100 && runs <= 10'000'000) ? "" : fmt::format("{}; expected 0, or 100 to 10000000", text);
+  return runs == 0 || (runs >= 100 && runs <= 1'000'000'000) ? "" : fmt::format("{}; expected 0, or 100 to 1000000000", text);
 }
 
 }  // namespace
@@ -69,14 +73,17 @@ void add_predict(Verb app) {
   const Option seed = verb.option("--seed", options->seed, "random seed; the same seed gives the same result").show_default();
   const Option classical =
       verb.flag("--classical", options->classical, "Zhang 2010: weights from the sensors' noise alone, a separate gyro bias in turns");
+  add_checkpoint_options(verb, options->shared);
   add_report_option(verb, options->report);
   verb.flag("--json", options->json, "print the result as JSON");
   verb.flag("-v,--verbose", options->verbose, "print also first and second order and the Monte Carlo, with more digits");
   verb.example("imulab procedure zhang-24 -o procedure.toml");
   verb.example("imulab predict procedure.toml --require \"gyro.matrix.off_diagonal <= 5 arcsec\"");
   verb.does([=] {
-    for (const auto& [name, wanted] :
-         {std::pair{"--runs", runs.given() && options->runs != 0}, {"--seed", seed.given()}, {"--classical", classical.given()}})
+    for (const auto& [name, wanted] : {std::pair{"--runs", runs.given() && options->runs != 0},
+                                       {"--seed", seed.given()},
+                                       {"--classical", classical.given()},
+                                       {"--checkpoint", !options->shared.folder.empty()}})
       if (options->method != "turntable" && wanted) throw Error(fmt::format("{}: belongs to --method turntable", name));
     run(*options);
   });

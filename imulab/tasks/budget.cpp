@@ -61,11 +61,12 @@ MissionBudget mission_budget(const MissionFile& file, const ErrorSpecification& 
   strapdown.vertical = specification.vertical;
   out.budget = error_budget(out.motion, reading.sources, {.strapdown = strapdown, .output_interval = task.every});
   if (task.runs > 0) {
-    out.monte_carlo =
-        error_monte_carlo(out.motion, reading.sources, {.strapdown = strapdown, .output_interval = task.every, .runs = task.runs, .seed = task.seed},
-                          [&](std::uint64_t done) {
-                            if (task.progress) task.progress(static_cast<double>(done) / static_cast<double>(task.runs));
-                          });
+    out.monte_carlo = error_monte_carlo(
+        out.motion, reading.sources, {.strapdown = strapdown, .output_interval = task.every, .runs = task.runs, .seed = task.seed},
+        [&](std::uint64_t done) {
+          if (task.progress) task.progress(static_cast<double>(done) / static_cast<double>(task.runs));
+        },
+        task.checkpoint ? &*task.checkpoint : nullptr);
     out.runs = task.runs;
   }
   if (auto warning = large_angles(out.budget)) out.warnings.push_back(std::move(*warning));

@@ -21,6 +21,7 @@ struct BudgetTask {
   std::uint64_t runs = 200, seed = 1;                                    ///< of the Monte Carlo; 0: none
   double every = 10;                                                     ///< s between outputs
   std::function<void(double)> progress = {};                             ///< told about which part is done, 0 to 1; from any thread
+  std::optional<Checkpoint> checkpoint = {};                             ///< of the Monte Carlo
 };
 
 struct MissionBudget {

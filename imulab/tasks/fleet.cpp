@@ -1,7 +1,6 @@
 #include "imulab/tasks/fleet.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/core/parallel.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/result/noise_reader.hpp"
 #include "imulab/io/session/file.hpp"
@@ -12,8 +11,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
-#include <map>
+#include <cstring>
 #include <mutex>
 #include <optional>
 #include <sys/stat.h>
@@ -62,6 +60,82 @@ void calibrate_item(FleetItem& item, const FleetCalibrationTask& task) {
   c.quality.warnings.insert(c.quality.warnings.begin(), data.warnings.begin(), data.warnings.end());
   item.occasion = occasion_of(data.session, data.recordings, task.declared);
   item.calibration = std::move(c);
+}
+
+/// A finished item as bytes, and back: what one process does, another stores.
+class Packer {
+ public:
+  explicit Packer(std::string bytes = {}) : bytes_(std::move(bytes)) {}
+  const std::string& bytes() const { return bytes_; }
+  void put(const std::string& text) {
+    const std::uint64_t size = text.size();
+    bytes_.append(reinterpret_cast<const char*>(&size), sizeof size) += text;
+  }
+  std::string text() {
+    std::uint64_t size = 0;
+    take(&size, sizeof size);
+    if (size > bytes_.size() - at_) throw Error("a result in the checkpoint is cut: another version of imulab wrote it");
+    std::string out = bytes_.substr(at_, size);
+    at_ += size;
+    return out;
+  }
+  void put(double number) { bytes_.append(reinterpret_cast<const char*>(&number), sizeof number); }
+  double number() {
+    double out = 0;
+    take(&out, sizeof out);
+    return out;
+  }
+
+ private:
+  void take(void* to, std::size_t size) {
+    if (size > bytes_.size() - at_) throw Error("a result in the checkpoint is cut: another version of imulab wrote it");
+    std::memcpy(to, bytes_.data() + at_, size);
+    at_ += size;
+  }
+  std::string bytes_;
+  std::size_t at_ = 0;
+};
+
+std::string packed(const FleetItem& item) {
+  Packer p;
+  for (const std::string& text : {item.hashed.file, item.hashed.sha256, item.hashed.hash, item.failure, item.occasion.station,
+                                  item.occasion.operated_by, item.occasion.time_from, item.calibration ? calibration_text(*item.calibration) : ""})
+    p.put(text);
+  for (const double number :
+       {item.occasion.time, item.skipped ? 1.0 : 0.0, item.failed_before ? 1.0 : 0.0, static_cast<double>(item.hashed.files.size())})
+    p.put(number);
+  for (const SourceFile& file : item.hashed.files) p.put(file.file), p.put(file.sha256), p.put(static_cast<double>(file.bytes));
+  return p.bytes();
+}
+
+FleetItem unpacked(const std::string& bytes) {
+  Packer p(bytes);
+  FleetItem item;
+  for (std::string* text : {&item.hashed.file, &item.hashed.sha256, &item.hashed.hash, &item.failure, &item.occasion.station,
+                            &item.occasion.operated_by, &item.occasion.time_from})
+    *text = p.text();
+  if (const std::string calibration = p.text(); !calibration.empty()) item.calibration = parse_calibration(calibration, item.hashed.file);
+  item.occasion.time = p.number(), item.skipped = p.number() != 0, item.failed_before = p.number() != 0;
+  for (double left = p.number(); left > 0; --left) {
+    SourceFile file;
+    file.file = p.text(), file.sha256 = p.text(), file.bytes = static_cast<std::uint64_t>(p.number());
+    item.hashed.files.push_back(std::move(file));
+  }
+  return item;
+}
+
+/// What all results of a checkpoint depend on: which sessions, and what is asked for.
+std::string identity_of(const std::vector<fs::path>& sessions, const FleetCalibrationTask& task) {
+  std::string all = fmt::format("{} {} {} {} {}", task.method, task.terms, task.declared.station, task.declared.operated_by, task.declared.time);
+  for (const fs::path& session : sessions) {  // and which files are beside them
+    std::vector<std::string> files;
+    for (const auto& entry : fs::directory_iterator(session.parent_path()))
+      if (entry.is_regular_file())
+        files.push_back(fmt::format("\n{} {} {}", entry.path().string(), entry.file_size(), entry.last_write_time().time_since_epoch().count()));
+    std::sort(files.begin(), files.end());
+    all += fmt::format("\n{}{}", session.string(), fmt::join(files, ""));
+  }
+  return fmt::format("{} sessions {}", sessions.size(), sha256(all));
 }
 
 void store_item(FleetItem& item, const FleetRequest& request, FleetStore& store) {
@@ -133,10 +207,11 @@ FleetCalibrationCounts calibrate_fleet(const std::vector<fs::path>& sessions, co
   const FleetRequest request{task.method, "terms=" + task.terms};
   if (!task.declared.time.empty()) errors_at("--time", [&] { parse_time(task.declared.time); });
   FleetCalibrationCounts counts{.sessions = static_cast<std::int64_t>(sessions.size()), .failures = {}};
-  std::mutex one;  // of the store, and of what is not yet in it
-  std::map<std::size_t, FleetItem> finished;
-  std::size_t stored = 0;
-  const auto work = [&](FleetItem& item) {
+  std::mutex one;  // of the store
+  SharedWork all{.count = sessions.size(), .work = {}, .take = {}, .identity = identity_of(sessions, task)};
+  all.work = [&](std::size_t at) {
+    FleetItem item;
+    item.hashed.file = sessions[at].string();
     attempt(item, [&] {
       item.session = read_session(item.hashed.file);
       item.hashed = fleet_session(*item.session);
@@ -145,29 +220,18 @@ FleetCalibrationCounts calibrate_fleet(const std::vector<fs::path>& sessions, co
       item.failed_before = known == FleetStore::Known::failed && !task.retry;
       item.skipped = known == FleetStore::Known::calibrated || item.failed_before;
     });
-    // Its own parallel loops do not begin another session in the middle of this one.
-    isolate_parallel([&] { attempt(item, [&] { calibrate_item(item, task); }); });
+    attempt(item, [&] { calibrate_item(item, task); });
+    return packed(item);
   };
-  const auto keep = [&](std::size_t at, FleetItem item) {  // in the order of the sessions
+  all.take = [&](std::size_t, const std::string& bytes) {  // in the order of the sessions
+    if (!leads_processes()) return;                        // another process has the store
     const std::lock_guard lock(one);
-    finished.emplace(at, std::move(item));
-    for (auto next = finished.find(stored); next != finished.end(); next = finished.find(stored)) {
-      store_item(next->second, request, store);
-      count(next->second, request, counts);
-      finished.erase(next);
-      ++stored;
-      if (task.progress) task.progress(static_cast<double>(stored), static_cast<double>(sessions.size()));
-    }
+    FleetItem item = unpacked(bytes);
+    store_item(item, request, store);
+    count(item, request, counts);
   };
-  std::atomic<std::size_t> next = 0;
-  parallel_for(parallel_threads(), [&](std::size_t) {
-    for (std::size_t at = next++; at < sessions.size(); at = next++) {
-      FleetItem item;
-      item.hashed.file = sessions[at].string();
-      work(item);
-      keep(at, std::move(item));
-    }
-  });
+  if (task.progress) all.progress = [&](std::size_t done) { task.progress(static_cast<double>(done), static_cast<double>(sessions.size())); };
+  for_each(all, task.checkpoint ? &*task.checkpoint : nullptr);
   return counts;
 }
 

@@ -1,6 +1,7 @@
 // Sessions into a fleet store: many of them calibrated, each once. What the command's `fleet calibrate` and `fleet add` do.
 #pragma once
 
+#include "imulab/core/shared_work.hpp"
 #include "imulab/fleet/store.hpp"
 #include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"
@@ -8,6 +9,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +27,7 @@ struct FleetCalibrationTask {
   FleetDeclaration declared = {};
   bool retry = false;  ///< sessions that failed before, too
   std::function<void(double done, double all)> progress = {};
+  std::optional<Checkpoint> checkpoint = {};  ///< several processes share the sessions; each has a store of its own, or all have one
 };
 
 struct FleetCalibrationCounts {

@@ -33,9 +33,12 @@ PredictedProcedure::OnTurntable predict_turntable(const Session& procedure, cons
   expect_estimated(task.requirements, out.plan);
   out.prediction = predict(out.plan);
   if (task.runs > 0 && !out.prediction.coefficients.empty())
-    out.monte_carlo = monte_carlo(out.plan, task.runs, task.seed, [&](std::uint64_t done) {
-      if (task.progress) task.progress(static_cast<double>(done) / static_cast<double>(task.runs));
-    });
+    out.monte_carlo = monte_carlo(
+        out.plan, task.runs, task.seed,
+        [&](std::uint64_t done) {
+          if (task.progress) task.progress(static_cast<double>(done) / static_cast<double>(task.runs));
+        },
+        task.checkpoint ? &*task.checkpoint : nullptr);
   if (!task.requirements.empty()) out.answers = answers_to(task.requirements, out.plan);
   return out;
 }

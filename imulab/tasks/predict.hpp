@@ -23,6 +23,7 @@ struct PredictionTask {
   std::uint64_t seed = 1;
   bool classical = false;                     ///< turntable: as turntable::Plan has it
   std::function<void(double)> progress = {};  ///< told about which part is done, 0 to 1; from any thread
+  std::optional<Checkpoint> checkpoint = {};  ///< of the Monte Carlo
 };
 
 struct PredictedProcedure {

@@ -1,7 +1,6 @@
 #include "imulab/estimate/turntable/prediction.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/core/parallel.hpp"
 #include "imulab/estimate/turntable/estimator.hpp"
 #include "imulab/model/forward_model.hpp"
 #include "imulab/model/grade.hpp"
@@ -12,7 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 
 namespace imulab::turntable {
@@ -161,7 +159,8 @@ Prediction predict(const Plan& plan) {
 
 imulab::Prediction predict(const Session& procedure) { return predict(plan_of(procedure)); }
 
-MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t seed, const std::function<void(std::uint64_t)>& progress) {
+MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t seed, const std::function<void(std::uint64_t)>& progress,
+                             const Checkpoint* checkpoint) {
   const TableMotion motion(plan.parts, plan.rig, plan.site);
   const Estimator estimator = estimator_of(plan, motion);
   const ReadingsSampler sampler(motion, {plan.accel_noise.turn_on, plan.gyro_noise.turn_on}, estimator.noise(), seed);
@@ -174,20 +173,27 @@ MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t
   };
   const VectorXd expected = values({}) + estimator.second_order({}, coefficients).bias;
 
-  constexpr std::uint64_t block = 128;
-  std::vector<Moments> moments((runs + block - 1) / block, Moments::Zero(n, 3));
-  std::atomic<std::uint64_t> done = 0;
-  parallel_for(moments.size(), [&](std::size_t b) {
+  constexpr std::uint64_t least_block = 128, most_parts = 1 << 16;  // a checkpoint keeps a kilobyte of each part
+  const std::uint64_t block = least_block * std::max<std::uint64_t>(1, (runs + least_block * most_parts - 1) / (least_block * most_parts));
+  SharedWork blocks{.count = (runs + block - 1) / block, .work = {}, .take = {}};
+  blocks.work = [&](std::size_t b) {
     const std::uint64_t begin = b * block, count = std::min(block, runs - begin);
     const MatrixXd found = estimator.solve(estimator.linearized(sampler.draw(begin, static_cast<Index>(count))));
+    Moments sum = Moments::Zero(n, 3);
     for (Index run = 0; run < found.cols(); ++run) {
       const VectorXd error = values(backward(found.col(run))) - expected, square = error.cwiseAbs2();
-      moments[b].col(0) += error, moments[b].col(1) += square, moments[b].col(2) += square.cwiseAbs2();
+      sum.col(0) += error, sum.col(1) += square, sum.col(2) += square.cwiseAbs2();
     }
-    if (progress) progress(done += count);
-  });
+    return bytes_of(sum.data(), static_cast<std::size_t>(sum.size()));
+  };
   Moments mean = Moments::Zero(n, 3);
-  for (const Moments& m : moments) mean += m;  // in order: the same bits on any number of threads
+  blocks.take = [&](std::size_t, const std::string& bytes) {  // in order: the same bits on any number of threads
+    Moments sum(n, 3);
+    read_numbers(bytes, sum.data(), static_cast<std::size_t>(sum.size()));
+    mean += sum;
+  };
+  if (progress) blocks.progress = [&](std::size_t done) { progress(std::min(runs, done * block)); };
+  for_each(blocks, checkpoint);
   mean /= static_cast<double>(runs);
   return {coefficients, runs, mean.col(0), mean.col(1).cwiseSqrt(),
           (mean.col(2).cwiseQuotient(mean.col(1).cwiseAbs2()).array() - 1).cwiseMax(0.0).sqrt() / (2 * std::sqrt(static_cast<double>(runs)))};

@@ -2,6 +2,7 @@
 // without linearizing (docs/predict.md).
 #pragma once
 
+#include "imulab/core/shared_work.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/model/noise.hpp"
 #include "imulab/rig/table_plan.hpp"
@@ -54,7 +55,8 @@ struct MonteCarloResult {
 };
 
 /// Whole procedures with drawn table errors, g and noise, each calibrated, at the level of rest means and turn sums. Bit-equal on any number of
-/// threads. `progress` is called with the number of finished runs, from any thread.
-MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t seed, const std::function<void(std::uint64_t)>& progress = {});
+/// threads and processes. `progress` is called with the number of finished runs, from any thread.
+MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t seed, const std::function<void(std::uint64_t)>& progress = {},
+                             const Checkpoint* checkpoint = nullptr);
 
 }  // namespace imulab::turntable

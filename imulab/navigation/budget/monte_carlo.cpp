@@ -1,7 +1,6 @@
 #include "imulab/navigation/budget/monte_carlo.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/core/statistics.hpp"
@@ -16,7 +15,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <string>
 
@@ -213,7 +211,7 @@ void summarise(ErrorDistribution& out, const std::vector<Errors>& runs, double d
 }  // namespace
 
 ErrorDistribution error_monte_carlo(const NominalMotion& motion, const ErrorSources& sources, const MonteCarloOptions& options,
-                                    const std::function<void(std::uint64_t)>& progress) {
+                                    const std::function<void(std::uint64_t)>& progress, const Checkpoint* checkpoint) {
   ErrorGrowth(motion, sources, options.strapdown);  // checks both
   if (options.runs == 0) throw Error("Monte Carlo: no runs; expected at least one");
   const Plan plan(motion, sources, options);
@@ -229,14 +227,20 @@ ErrorDistribution error_monte_carlo(const NominalMotion& motion, const ErrorSour
   for (BudgetRows* rows : {&out.end, &out.peak}) rows->resize(budget_quantities, static_cast<Eigen::Index>(options.runs));
   const Columns truth = true_motion(plan);
   std::vector<Errors> runs(options.runs);
-  std::atomic<std::uint64_t> done = 0;
-  parallel_for(options.runs, [&](std::uint64_t k) {
-    const auto errors = flown(plan, truth, k);
+  SharedWork flights{.count = options.runs, .work = {}, .take = {}};
+  flights.work = [&](std::size_t k) {
+    const BudgetRows errors = flown(plan, truth, k);
+    return bytes_of(errors.data(), static_cast<std::size_t>(errors.size()));
+  };
+  flights.take = [&](std::size_t k, const std::string& result) {
+    BudgetRows errors(budget_quantities, static_cast<Eigen::Index>(plan.outputs.size()));
+    read_numbers(result, errors.data(), static_cast<std::size_t>(errors.size()));
     runs[k] = errors.cast<float>();
     out.end.col(static_cast<Eigen::Index>(k)) = errors.rightCols<1>();
     out.peak.col(static_cast<Eigen::Index>(k)) = errors.cwiseAbs().rowwise().maxCoeff();
-    if (progress) progress(++done);
-  });
+  };
+  flights.progress = progress;
+  for_each(flights, checkpoint);
   summarise(out, runs, motion.time.back() - motion.time.front());
   return out;
 }
