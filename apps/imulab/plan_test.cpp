@@ -47,7 +47,8 @@ TEST_F(PlanCommand, TheSameBitsTwice) {
 }
 
 TEST_F(PlanCommand, SaysWhatCannotBeReached) {
-  expect_ends("plan --require 'accel.matrix.diagonal <= 10 ppm'", 1, "is as uncertain as gravity, 30.6 ppm; a measured value of gravity is more certain");
+  expect_ends("plan --require 'accel.matrix.diagonal <= 10 ppm'", 1,
+              "is as uncertain as gravity, 30.6 ppm; a measured value of gravity is more certain");
   expect_ends("plan --require 'gyro.matrix.xx <= 10 ppm' --axes 1", 1, "gyro.matrix.xx has ");
 }
 

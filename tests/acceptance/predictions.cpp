@@ -15,37 +15,35 @@ namespace imulab::acceptance {
 
 namespace {
 
-/// A short procedure for a method, with the unit's noise declared; whether the terms that a unit may have are estimated, too.
-struct Predicted {
-  Session procedure;
-  bool all_terms = true;
-};
-
-Predicted predicted_case(std::string_view method) {
+/// A short procedure for a method, with the unit's noise declared.
+Session predicted_case(std::string_view method) {
   HandHeldOptions hand;
   hand.poses = 25, hand.first_rest = 10;
   TableProcedureOptions table;
   table.rest = 30, table.rate_hz = 50;
   DaiUnitOptions unit;
   unit.record = 1;
-  if (method == "whole-unit") return {dai_unit_procedure(unit)};
-  if (method == "turntable") return {zhang_24_procedure(table), false};
-  if (method == "hybrid") return {cheng_path_procedure(table), false};
+  if (method == "whole-unit") return dai_unit_procedure(unit);
+  if (method == "turntable") return zhang_24_procedure(table);
+  if (method == "hybrid") return cheng_path_procedure(table);
   if (method == "static") hand.grade = "navigation";  // whose gyros resolve Earth's rate
   Session s = hand_held_procedure(hand, 1);
   s.imu.accel_noise_density = grade(hand.grade).accel_noise.N, s.imu.gyro_noise_density = grade(hand.grade).gyro_noise.N;
-  return {s};
+  return s;
 }
 
 /// A unit whose terms are all as uncertain as the priors say, in a place whose gravity is.
-Truth drawn_truth(const Predicted& of, std::uint64_t seed) {
-  Truth truth = draw_truth(of.procedure, seed);
-  const Grade& by = grade(*of.procedure.imu.grade);
-  if (!of.all_terms || by.ranges) return truth;
+Truth drawn_truth(const Session& of, std::uint64_t seed) {
+  Truth truth = draw_truth(of, seed);
+  const Grade& by = grade(*of.imu.grade);
+  if (by.ranges) return truth;
   const TermSizes& sizes = by.terms;
   const RandomStream draws(seed, "terms of a prediction's test");
   for (std::uint64_t k = 0; k < 9; ++k)
     truth.model.g_sensitivity(static_cast<int>(k / 3), static_cast<int>(k % 3)) = sizes.g_sensitivity * draws.normal(12 + k);
+  constexpr double lever_arm = 0.05;  // m: the prior where none is declared; on a table every turn shows it
+  if (!of.rigs.empty() && of.rigs.front().kind == RigKind::turntable)
+    for (std::uint64_t k = 0; k < 9; ++k) truth.model.lever_arm(static_cast<int>(k / 3), static_cast<int>(k % 3)) = lever_arm * draws.normal(21 + k);
   for (std::uint64_t axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<Eigen::Index>(axis);
     truth.model.accel.quadratic[i] = sizes.accel_quadratic * draws.normal(4 * axis);
@@ -61,15 +59,14 @@ struct Outcome {
   std::vector<double> stated, squares;
 };
 
-Outcome session_of(const Method& method, const Predicted& of, const Prediction& p, std::uint64_t seed) {
+Outcome session_of(const Method& method, const Session& of, const Prediction& p, std::uint64_t seed) {
   const Truth truth = drawn_truth(of, seed);
   std::vector<Recording> recordings;
-  for (const RecordingSource& source : of.procedure.recordings)
-    recordings.push_back(simulate_recording(of.procedure, source, truth, seed, draw_rig_errors(of.procedure, source, seed)));
+  for (const RecordingSource& source : of.recordings)
+    recordings.push_back(simulate_recording(of, source, truth, seed, draw_rig_errors(of, source, seed)));
   CalibrationOptions options;
   options.whole_unit.full = true;
-  if (!of.all_terms) options.terms = p.coefficients;
-  const Calibration c = method.calibrate({of.procedure, recordings}, options).calibration;
+  const Calibration c = method.calibrate({of, recordings}, options).calibration;
   Outcome out;
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
     const CoefficientIndex index = p.coefficients[i];
@@ -83,8 +80,8 @@ Outcome session_of(const Method& method, const Predicted& of, const Prediction& 
 }  // namespace
 
 std::vector<Check> predictions(const Method& method, int sessions) {
-  const Predicted of = predicted_case(method.name);
-  const Prediction p = method.predict(of.procedure);
+  const Session of = predicted_case(method.name);
+  const Prediction p = method.predict(of, {});
   std::vector<Outcome> all(static_cast<std::size_t>(sessions));
   parallel_for(sessions, [&](int i) { all[static_cast<std::size_t>(i)] = session_of(method, of, p, static_cast<std::uint64_t>(i + 1)); });
   const double n = sessions, m = static_cast<double>(p.coefficients.size());
