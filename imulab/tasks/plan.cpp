@@ -69,7 +69,7 @@ PlannedProcedure plan(const PlanTask& task) {
     double worst = 1;
     for (const Shortfall& s : out.missed) worst = std::max(worst, s.sigma / s.requirement.limit);
     if (worst == 1 || worst > agreement || out.timed || out.path.worst > 1) break;
-    for (Requirement& r : question.requirements) r.limit /= worst * 1.001;
+    for (Requirement& r : question.requirements) r.limit /= 1.01 * worst;
   }
   return out;
 }

@@ -95,7 +95,7 @@ std::vector<Check> predictions(const Method& method, int sessions) {
   // The drawn unit's scales are off by 1 %, and where a coefficient rests on few rests its uncertainty changes by several times that; noise is
   // measured; a spread beyond it is found by chance in a session in six, and only enlarges. The sums of squares are chi-square distributed: outside
   // once in a thousand runs of all coefficients together.
-  return {{"stated over predicted, median", median(stated), 0.98, 1.02},
+  return {{"stated over predicted, median", median(stated), 0.99, 1.01},
           {"stated over predicted, least", *std::min_element(stated.begin(), stated.end()), 0.8, 1.05},
           {"least scatter " + name(least), std::sqrt(*least), std::sqrt(chi_square_quantile(0.0005 / m, n) / n), 1},
           {"largest scatter " + name(most), std::sqrt(*most), 1, std::sqrt(chi_square_quantile(1 - 0.0005 / m, n) / n)}};

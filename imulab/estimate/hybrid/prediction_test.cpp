@@ -53,9 +53,12 @@ TEST(HybridPrediction, HasTheTermsOfCalibrate) {
     std::vector<std::string> considered;
     for (const CoefficientIndex index : p.considered) considered.emplace_back(coefficient(index).name);
     EXPECT_EQ(considered, c.quality.considered);
-    for (std::size_t i = 0; i < p.coefficients.size(); ++i)
-      EXPECT_NEAR(*standard_uncertainty(c, p.coefficients[i]) / p.sigma[static_cast<Eigen::Index>(i)], 1, 0.01)
-          << coefficient(p.coefficients[i]).name;
+    for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
+      const Coefficient& term = coefficient(p.coefficients[i]);
+      // Lever arms show in the ramps of turns, of which the session has four samples each.
+      const double tolerance = term.term == Term::lever_arm ? 0.1 : 0.01;
+      EXPECT_NEAR(*standard_uncertainty(c, p.coefficients[i]) / p.sigma[static_cast<Eigen::Index>(i)], 1, tolerance) << term.name;
+    }
   }
 }
 

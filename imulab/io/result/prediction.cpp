@@ -100,14 +100,14 @@ std::vector<Shares> in_columns(const Shares& all) {
 std::string share_rows(const turntable::Prediction& p, const Shares& shares) {
   std::string text;
   for (const std::size_t line : {0u, 1u}) {
-    text += fmt::format("{:<21} {:<13} {:>8}", line == 0 ? "" : "coefficient", line == 0 ? "" : "unit", line == 0 ? "" : "sigma");
+    text += fmt::format("{:<21} {:<13} {:>7}", line == 0 ? "" : "coefficient", line == 0 ? "" : "unit", line == 0 ? "" : "sigma");
     for (const std::string& source : shares.sources) text += fmt::format(" {:>5}", heading(source)[line]);
     text += "\n";
   }
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     const UserUnit unit = unit_of(p.coefficients[i], p.coefficients, p.sigma);
-    text += fmt::format("{:<21} {:<13} {:>8}", coefficient(p.coefficients[i]).name, unit.name, text::two_digits(p.sigma[row] / unit.size));
+    text += fmt::format("{:<21} {:<13} {:>7}", coefficient(p.coefficients[i]).name, unit.name, text::two_digits(p.sigma[row] / unit.size));
     for (Eigen::Index k = 0; k < shares.percent.cols(); ++k) text += fmt::format(" {:>5.0f}", shares.percent(row, k));
     text += "\n";
   }
@@ -121,8 +121,8 @@ std::string term_rows(const turntable::Prediction& p) {
     const Coefficient& c = coefficient(term.first);
     const UserUnit unit = user_unit_of_si(c, term.prior);
     const bool unseen = std::find(p.considered.begin(), p.considered.end(), term.first) != p.considered.end();
-    text += fmt::format("  {:<19} prior {} {}{}\n", term.name, text::two_digits(term.prior / unit.size), unit.name,
-                        unseen ? "; the procedure says nothing of it" : "");
+    text += fmt::format("  {:<18} prior {} {}{}\n", term.name, text::two_digits(term.prior / unit.size), unit.name,
+                        unseen ? "; the procedure does not show it" : "");
   }
   return text.empty() ? "" : "\nTerms that the IMU may have, one sigma before the data:\n" + text;
 }
