@@ -10,8 +10,7 @@
 namespace imulab::turntable {
 namespace {
 
-/// Covariance of dM M^-1 in place of the matrices M, and of nonlinearity of calibrated readings: as of a unit with an ideal matrix, whatever the unit's
-/// own scales and misalignments.
+/// Covariance of dM M^-1 in place of the matrices M, and of nonlinearity of calibrated readings: as of a unit with an ideal matrix.
 Eigen::MatrixXd as_of_an_ideal_unit(const Calibration& c) {
   const auto n = static_cast<Eigen::Index>(c.estimated.size());
   Eigen::MatrixXd map = Eigen::MatrixXd::Identity(n, n);
