@@ -66,9 +66,9 @@ Outcome compared(const std::vector<std::pair<std::string, std::shared_ptr<Calibr
           .page = [found] { return comparison_page(found->summary); }};
 }
 
-Outcome predicted(std::shared_ptr<Session> procedure, const std::string& method, const std::string& require, std::uint64_t runs, std::uint64_t seed,
-                  bool classical, const py::object& progress) {
-  PredictionTask task{.method = method, .runs = runs, .seed = seed, .classical = classical};
+Outcome predicted(std::shared_ptr<Session> procedure, const std::string& method, const std::string& terms, const std::string& require,
+                  std::uint64_t runs, std::uint64_t seed, bool classical, const py::object& progress) {
+  PredictionTask task{.method = method, .terms = parse_terms(terms), .runs = runs, .seed = seed, .classical = classical};
   if (!require.empty()) task.requirements = parse_requirements(require);
   return run(progress, [=](const std::function<void(double)>& report) mutable {
     task.progress = report;

@@ -81,7 +81,7 @@ TEST(Methods, EveryOnePredictsWhatItWillEstimate) {
   for (const Method& method : methods()) {
     SCOPED_TRACE(method.name);
     const Session& procedure = example(method.name).session;
-    const Prediction p = method.predict(procedure);
+    const Prediction p = method.predict(procedure, {});
     EXPECT_EQ(p.sigma.size(), std::ssize(p.coefficients));
     EXPECT_EQ(p.cramer_rao.size(), std::ssize(p.coefficients));
     EXPECT_GT(p.sigma.minCoeff(), 0);

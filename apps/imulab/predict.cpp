@@ -9,6 +9,7 @@
 #include "imulab/estimate/method.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/terminal.hpp"
+#include "imulab/tasks/calibrate.hpp"
 
 #include <fmt/core.h>
 
@@ -21,7 +22,7 @@ namespace imulab::command {
 namespace {
 
 struct Options {
-  std::string procedure, method = "turntable", report;
+  std::string procedure, method = "turntable", terms = "auto", report;
   std::optional<std::string> require;
   std::uint64_t runs = 20000, seed = 1;
   bool classical = false, json = false, verbose = false;
@@ -29,14 +30,22 @@ struct Options {
 };
 
 void run(const Options& options) {
-  PredictionTask task{.method = options.method, .runs = options.runs, .seed = options.seed, .classical = options.classical};
+  PredictionTask task{.method = options.method,
+                      .terms = errors_at("--terms", [&] { return parse_terms(options.terms); }),
+                      .runs = options.runs,
+                      .seed = options.seed,
+                      .classical = options.classical};
   task.checkpoint = options.shared.checkpoint();
   if (options.require) task.requirements = errors_at("--require", [&] { return parse_requirements(*options.require); });
   const Session procedure = session_at(options.procedure);
   const PredictedProcedure predicted = [&] {
     Progress progress("Monte Carlo");
     task.progress = [&progress](double part) { progress.report(part); };
-    return predict(procedure, task);
+    try {
+      return predict(procedure, task);
+    } catch (const TermsError& e) {
+      throw Error(fmt::format("--terms: {}", e.what()));
+    }
   }();
   if (!leads_processes()) return;  // another process says it
   if (!options.report.empty()) write_whole(options.report, prediction_page(predicted, options.procedure));
@@ -65,6 +74,8 @@ void add_predict(Verb app) {
   verb.option("--method METHOD", options->method, "the method of the calibration; Monte Carlo and tolerances are of turntable alone")
       .one_of(names)
       .show_default();
+  verb.option("--terms TERMS", options->terms, "as of imulab calibrate: the coefficients that it estimates; others are taken as exactly zero")
+      .show_default();
   verb.option("--require LIMITS", options->require,
               "requirements, as in \"gyro.matrix.off_diagonal <= 5 arcsec, accel.offset <= 20 ug\"; finds which table, "
               "timing and noise meet them");
@@ -85,6 +96,7 @@ void add_predict(Verb app) {
                                        {"--classical", classical.given()},
                                        {"--checkpoint", !options->shared.folder.empty()}})
       if (options->method != "turntable" && wanted) throw Error(fmt::format("{}: belongs to --method turntable", name));
+    if (options->classical && options->terms != "auto") throw Error("--terms: Zhang's estimate is that of offsets and matrices");
     run(*options);
   });
 }

@@ -117,8 +117,8 @@ TEST_F(PredictCommand, PrintsATableInUserUnitsWithTheShares) {
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_EQ(result.errors, "");  // no terminal, no progress
   EXPECT_THAT(result.output, HasSubstr("Standard uncertainty of every coefficient, and shares of its variance in percent\n"));
-  EXPECT_THAT(result.output, ContainsRegex("coefficient +unit +sigma +orth. angle +zero +(time +)?g noise noise\n"));
-  EXPECT_THAT(result.output, ContainsRegex("accel.matrix.xx +ppm +31 .* (99|100) "));  // g alone: 3e-4 of 9.806 m/s^2
+  EXPECT_THAT(result.output, ContainsRegex("coefficient +unit +sigma +orth. angle +zero +noise +cubic +others\n"));
+  EXPECT_THAT(result.output, ContainsRegex("accel.matrix.xx +ppm +31 .* (9[5-8])"));  // g alone: 3e-4 of 9.806 m/s^2
   EXPECT_THAT(result.output, ContainsRegex("gyro.offset.x +deg/h +0.00[0-9]+ "));
   EXPECT_THAT(result.output, ContainsRegex("Monte Carlo: 1000 procedures. At most [0-9.]+ % from the closed form"));
   EXPECT_THAT(result.output, Not(HasSubstr("nan")));
@@ -128,14 +128,14 @@ TEST_F(PredictCommand, PrintsATableInUserUnitsWithTheShares) {
     EXPECT_LE(line.size(), 80u);
     rows += line.starts_with("accel.") || line.starts_with("gyro.");
   }
-  EXPECT_EQ(rows, 24u);
+  EXPECT_EQ(rows, 45u);
 }
 
 TEST_F(PredictCommand, EvenWithEverySourceLinesStayShort) {
   folder.write("full.toml", with("grade = \"navigation\"\n[site]", "grade = \"mems\"\nnoise = \"full\"\n[site]\nlatitude_sigma_deg = 1"));
   const CommandResult result = run_imulab(folder, "predict full.toml --runs 100");
   EXPECT_EQ(result.exit_code, 0) << result.errors;
-  EXPECT_THAT(result.output, ContainsRegex("sigma [^\n]* +on +others\n"));
+  EXPECT_THAT(result.output, ContainsRegex("sigma [^\n]* +others\n"));
   EXPECT_THAT(result.output, ContainsRegex("accel.offset.x +ug +5000 "));  // 5 mg of turn-on bias
   EXPECT_THAT(result.output, HasSubstr("gyro.g_sensitivity.zz deg/h/g "));
   std::istringstream lines(result.output);
@@ -151,10 +151,10 @@ TEST_F(PredictCommand, WithoutRunsThereIsNoMonteCarlo) {
 
 TEST_F(PredictCommand, JsonHasTheDocumentedShape) {
   const CommandResult result =
-      run_imulab(folder, "predict p.toml --runs 1000 --json --require 'gyro.matrix <= 500 ppm, accel.matrix.diagonal <= 1 ppm'");
+      run_imulab(folder, "predict p.toml --runs 1000 --json --require 'gyro.matrix <= 500 ppm, accel.matrix.diagonal <= 6 ppm'");
   EXPECT_EQ(result.exit_code, 1);  // g
   const Json json = Json::parse(result.output);
-  ASSERT_EQ(json["coefficients"].size(), 24u);
+  ASSERT_EQ(json["coefficients"].size(), 45u);
   for (const auto& [name, c] : json["coefficients"].items()) {
     const double closed = c["closed_form"], first = c["first_order"], second = c["second_order"];
     EXPECT_GT(closed, 0) << name;
@@ -172,12 +172,15 @@ TEST_F(PredictCommand, JsonHasTheDocumentedShape) {
   ASSERT_EQ(json["not_met"].size(), 1u);
   EXPECT_EQ(json["not_met"][0]["selector"], "accel.matrix.diagonal");
   EXPECT_EQ(json["not_met"][0]["source"], "gravity");
-  EXPECT_EQ(json["not_met"][0]["limit"], 1e-6);
+  EXPECT_EQ(json["not_met"][0]["limit"], 6e-6);
+  EXPECT_EQ(json["considered"].size(), 9u);  // accel.cubic, gyro.quadratic, gyro.cubic
+  EXPECT_NEAR(json["priors"]["accel.cubic"].get<double>() * 9.80665 * 9.80665, 5e-6, 1e-12);
+  EXPECT_NEAR(json["coefficients"]["accel.matrix.xx"]["budget"]["accel.cubic"].get<double>(), 5e-6, 1e-7);
   for (const char* knob : {"table", "timing", "imu", "all"}) {
     EXPECT_TRUE(json["tolerance"][knob]["others_as_declared"]["factor"].is_null()) << knob;
     EXPECT_EQ(json["tolerance"][knob]["others_as_declared"]["not_met"][0]["source"], "gravity") << knob;
   }
-  const Json& alone = json["tolerance"]["imu"]["others_perfect"];  // with g known, the unit alone decides
+  const Json& alone = json["tolerance"]["imu"]["others_perfect"];  // with g known, the unit alone decides, and its cubic term of 5 ppm
   EXPECT_GT(alone["factor"], 0);
   EXPECT_NEAR(alone["gyro_noise_density"].get<double>() / alone["factor"].get<double>(), 0.001 * std::acos(-1.0) / 180 / 60, 1e-12);
 }
@@ -187,7 +190,7 @@ TEST_F(PredictCommand, AnswersTheInverseQuestion) {
   EXPECT_EQ(met.exit_code, 0) << met.errors;
   const std::string answers = on_one_line(met.output);
   EXPECT_THAT(answers, HasSubstr("As declared, every requirement is met. "));
-  EXPECT_THAT(answers, ContainsRegex("coarsest table all else perfect 2.[0-9]+ x declared: angle, orthogonality, zero 4.[0-9]+ arcsec "));
+  EXPECT_THAT(answers, ContainsRegex("coarsest table all else perfect 1.[0-9]+ x declared: angle, orthogonality, zero 3.[0-9]+ arcsec "));
   EXPECT_THAT(answers, ContainsRegex("longest timing error of a turn all else perfect any, tried up to 300 x declared: timing 3000 ms "));
   EXPECT_THAT(answers, ContainsRegex("noisiest unit all else perfect .* noise [0-9.]+ deg/sqrt\\(h\\) and [0-9.]+ ug/sqrt\\(Hz\\) "));
 
@@ -201,7 +204,7 @@ TEST_F(PredictCommand, AnswersTheInverseQuestion) {
   const CommandResult never = run_imulab(folder, "predict p.toml --runs 0 --require 'accel.matrix.diagonal <= 1 ppm'");
   EXPECT_EQ(never.exit_code, 1);
   EXPECT_THAT(on_one_line(never.output),
-              ContainsRegex("all else as declared none: not even a perfect table accel.matrix.diagonal <= 1 ppm: accel.matrix.[a-z]+ has 30.[0-9] "
+              ContainsRegex("all else as declared none: not even a perfect table accel.matrix.diagonal <= 1 ppm: accel.matrix.[a-z]+ has 31 "
                             "ppm, most of it from gravity "));
   EXPECT_THAT(never.errors, HasSubstr("imulab: the requirements are not met with this procedure, not even with a hundredth of "));
 }
@@ -219,7 +222,7 @@ TEST_F(PredictCommand, WhatTheProcedureLeavesOpenIsNamedAndTheRestPrinted) {
   EXPECT_THAT(on_one_line(result.output), HasSubstr("Monte Carlo: 1000 procedures, without what is not determined. "));
   EXPECT_THAT(on_one_line(result.output), HasSubstr("gyro.matrix <= 100 arcsec: the procedure does not determine gyro.matrix.x"));
   const Json json = Json::parse(run_imulab(folder, "predict open.toml --runs 0 --json").output);
-  EXPECT_EQ(json["coefficients"].size() + json["undetermined"].size(), 24u);
+  EXPECT_EQ(json["coefficients"].size() + json["undetermined"].size(), 45u);
   EXPECT_TRUE(std::count(json["undetermined"].begin(), json["undetermined"].end(), "accel.matrix.xx"));
 }
 
@@ -302,7 +305,7 @@ TEST_F(PredictCommand, ACommandThatIsWrongIsExplained) {
   expect_refused("", "procedure is required");
   expect_refused("nowhere.toml", "nowhere.toml: cannot be opened: No such file");
   expect_refused("hand.toml", "hand.toml: the rig is of kind \"none\"; the method turntable expects \"turntable\"");
-  for (const char* runs : {"-1", "1", "99", "10000001", "99999999999999999999", "1e3", "abc", "''"})
+  for (const char* runs : {"-1", "1", "99", "1000000001", "99999999999999999999", "1e3", "abc", "''"})
     expect_refused(std::string("p.toml --runs ") + runs, "--runs: ");
   expect_refused("p.toml --require ''", "--require: \"\": expected COEFFICIENTS <= NUMBER UNIT");
   expect_refused("p.toml --require 'accel.ofset <= 1 ug'", "--require: unknown coefficient \"accel.ofset\"");
@@ -310,7 +313,10 @@ TEST_F(PredictCommand, ACommandThatIsWrongIsExplained) {
   for (const char* limit : {"nan", "inf", "-1", "0"})
     expect_refused(std::string("p.toml --require 'accel.offset <= ") + limit + " ug'",
                    "--require: accel.offset <= " + std::string(limit) + " ug: expected a number above 0");
-  expect_refused("p.toml --require 'gyro.g_sensitivity <= 1 deg/h/g'", "gyro.g_sensitivity: this unit's calibration does not estimate it");
+  expect_refused("p.toml --terms accel.offset,accel.matrix,gyro.offset,gyro.matrix --require 'gyro.g_sensitivity <= 1 deg/h/g'",
+                 "gyro.g_sensitivity: gyro.g_sensitivity.xx is not among the terms to be estimated");
+  expect_refused("p.toml --terms accel.cubic", "--terms: accel.cubic.x is not a coefficient that the method turntable estimates");
+  expect_refused("p.toml --classical --terms accel.offset", "--terms: ");
 }
 
 }  // namespace

@@ -80,7 +80,8 @@ std::vector<Recording> corrected_recordings(const CalibrationInput& input, std::
           fmt::format("{}: {} samples are missing, one or two at a time; they were interpolated from their neighbors", r.name, filled.filled));
       continue;
     }
-    out[k] = with_even_stamps(std::move(out[k]), *clock);
+    const bool declared = k >= input.session.recordings.size() || input.session.recordings[k].rate_hz;
+    out[k] = with_even_stamps(std::move(out[k]), *clock, declared);
     said.push_back(fmt::format(
         "{}: its stamps scatter by {:.2g} ms (RMS) about an even clock of {:.6g} ms, which is used in their place (stamps = \"recorded\" keeps them)",
         r.name, 1e3 * clock->scatter_s, 1e3 * clock->interval_s));
@@ -140,6 +141,8 @@ CalibrationResult calibrate(const Method& method, const CalibrationInput& input,
   quality.warnings.insert(quality.warnings.begin(), clocks.begin(), clocks.end());
   for (std::string& contradiction : kernel::contradictions(result.calibration.model, input.recordings.front()))
     kernel::add_doubt(quality, std::move(contradiction));
+  for (const Recording& recording : recordings)
+    if (std::string wrong = kernel::interval_contradiction(recording); !wrong.empty()) kernel::add_doubt(quality, std::move(wrong));
   return result;
 }
 

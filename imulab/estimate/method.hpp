@@ -94,8 +94,9 @@ struct Method {
   bool takes_full = false, takes_stepwise = false, takes_curves = false;
   /// Throws Error where declarations contradict each other or the data, Unsupported where nothing can be determined.
   CalibrationResult (*calibrate)(const CalibrationInput& input, const CalibrationOptions& options);
-  /// Of a procedure with one recording; null where the method has no prediction. Throws Error where the procedure lacks what the method needs.
-  Prediction (*predict)(const Session& procedure) = nullptr;
+  /// Of a procedure with one recording, of a calibration with these CalibrationOptions::terms; null where the method has no prediction. Throws Error
+  /// where the procedure lacks what the method needs, TermsError as calibrate does.
+  Prediction (*predict)(const Session& procedure, const std::vector<CoefficientIndex>& terms) = nullptr;
 };
 
 /// All methods, by name.

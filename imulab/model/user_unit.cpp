@@ -44,4 +44,11 @@ UserUnit user_unit(const Coefficient& c, double size) {
   return scaled && size >= 1e4 * units[0].size ? units[1] : units[0];  // a low-grade IMU in mg, deg/s and deg/s/g
 }
 
+UserUnit user_unit_of_si(const Coefficient& c, double size) {
+  using namespace unit;
+  if (c.term == Term::quadratic) return c.triad == Triad::accel ? UserUnit{"ug/g^2", ug / (g * g)} : UserUnit{"ppm/(deg/s)", ppm / deg};
+  if (c.term == Term::cubic) return c.triad == Triad::accel ? UserUnit{"ug/g^3", ug / (g * g * g)} : UserUnit{"ppb/(deg/s)^2", 1e-9 / (deg * deg)};
+  return user_unit(c, size);
+}
+
 }  // namespace imulab

@@ -19,4 +19,7 @@ std::span<const UserUnit> user_units(const Coefficient& coefficient);
 /// The customary unit of this coefficient's differences; `size` is the largest of its term [SI].
 UserUnit user_unit(const Coefficient& coefficient, double size);
 
+/// The same where the readings are in SI, which gives quadratic and cubic terms units of their own: those of a prediction.
+UserUnit user_unit_of_si(const Coefficient& coefficient, double size);
+
 }  // namespace imulab

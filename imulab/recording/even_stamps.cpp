@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace imulab {
 
@@ -70,9 +71,15 @@ std::optional<EvenClock> replacing_clock(const Recording& r, Stamps wanted) {
   return clock && (wanted == Stamps::uniform || clock->scatter_s > 0.05 * clock->interval_s) ? clock : std::nullopt;
 }
 
-Recording with_even_stamps(Recording r, const EvenClock& clock) {
+Recording with_even_stamps(Recording r, const EvenClock& clock, bool interval_declared) {
   for (std::size_t i = 0; i < r.size(); ++i) r.time_ns[i] = clock.stamp_ns(i);
-  if (!r.gyro_increment && !r.accel_increment) r.interval_s = clock.interval_s;  // increments have been divided by the nominal one
+  if (!interval_declared) {
+    for (const auto& [triad, increment] : {std::pair{&r.gyro, r.gyro_increment}, {&r.accel, r.accel_increment}})
+      for (std::vector<double>& column : *triad)
+        for (double& reading : column) reading *= increment ? r.interval_s / clock.interval_s : 1;
+    r.interval_s = clock.interval_s;
+  }
+  if (!r.gyro_increment && !r.accel_increment) r.interval_s = clock.interval_s;
   r.gaps.clear();
   return r;
 }

@@ -27,7 +27,8 @@ std::optional<EvenClock> even_clock(const std::vector<std::int64_t>& time_ns);
 /// Throws Error where it is wanted and the stamps do not support it.
 std::optional<EvenClock> replacing_clock(const Recording& recording, Stamps wanted);
 
-/// The recording with the stamps of that clock.
-Recording with_even_stamps(Recording recording, const EvenClock& clock);
+/// The recording with the stamps of that clock. Increments were divided by the nominal interval: by the clock's instead where that one was not
+/// declared, but the median of stamps that scatter.
+Recording with_even_stamps(Recording recording, const EvenClock& clock, bool interval_declared = true);
 
 }  // namespace imulab

@@ -1,7 +1,9 @@
 #include "imulab/recording/mean_noise.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 namespace imulab {
@@ -67,6 +69,63 @@ double rounding_step(const std::vector<double>& column, const RestMeans& longest
   return step;
 }
 
+/// How often each level occurs in a rest, by its distance from the first, in steps.
+std::map<long, double> levels_of(const std::vector<double>& column, const RestMeans& rest, double step) {
+  std::map<long, double> counts;
+  for (std::size_t i = rest.range.begin; i < rest.range.end; ++i) counts[std::lround((column[i] - column[rest.range.begin]) / step)] += 1;
+  return counts;
+}
+
+/// Logarithm of the likelihood of these counts for normal noise `sigma` about `mean` before the rounding, both in steps.
+double log_likelihood(const std::map<long, double>& counts, double mean, double sigma) {
+  constexpr double stray = 5e-3;  // of the readings may be anywhere: the last of a motion, at a rest's ends
+  double sum = 0;
+  for (const auto& [level, count] : counts) {
+    const double at = static_cast<double>(level), scale = 1 / (std::numbers::sqrt2 * sigma);
+    sum += count * std::log(stray + 0.5 * (std::erf((at + 0.5 - mean) * scale) - std::erf((at - 0.5 - mean) * scale)));
+  }
+  return sum;
+}
+
+/// The same for the most likely mean.
+double best_log_likelihood(const std::map<long, double>& counts, double sigma) {
+  constexpr int parts = 20;
+  double mean = 0, samples = 0;
+  for (const auto& [level, count] : counts) mean += static_cast<double>(level) * count, samples += count;
+  mean /= samples;
+  int best = 0;
+  std::array<double, parts + 1> at{};  // the mean of rounded readings is less than half a step off
+  for (int k = 0; k <= parts; ++k) {
+    at[static_cast<std::size_t>(k)] = log_likelihood(counts, mean + static_cast<double>(k) / parts - 0.5, sigma);
+    if (at[static_cast<std::size_t>(k)] > at[static_cast<std::size_t>(best)]) best = k;
+  }
+  double low = mean + (best - 1.0) / parts - 0.5, high = mean + (best + 1.0) / parts - 0.5;
+  for (int k = 0; k < 20; ++k) {  // of three parts the worse outer one goes
+    const double a = low + (high - low) / 3, b = high - (high - low) / 3;
+    const bool rising = log_likelihood(counts, a, sigma) < log_likelihood(counts, b, sigma);
+    (rising ? low : high) = rising ? a : b;
+  }
+  return std::max(at[static_cast<std::size_t>(best)], log_likelihood(counts, 0.5 * (low + high), sigma));
+}
+
+/// The white noise before the rounding to `step`, by how often each level occurs: its standard deviation alone says nothing where a rest lies between
+/// two levels all the time. The least that the readings allow (two standard deviations), since less noise means more error.
+double least_sigma(const std::vector<double>& column, const std::vector<RestMeans>& rests, double step) {
+  constexpr std::size_t enough = 100;  // rests
+  constexpr double finest = 0.05, coarsest = 1.0, ratio = 1.2;
+  std::vector<double> likelihood;
+  for (double sigma = finest; sigma < coarsest; sigma *= ratio) likelihood.push_back(0);
+  for (std::size_t k = 0; k < std::min(rests.size(), enough); ++k) {
+    const std::map<long, double> counts = levels_of(column, rests[k], step);
+    double sigma = finest;
+    for (double& sum : likelihood) sum += best_log_likelihood(counts, sigma), sigma *= ratio;
+  }
+  const double most = *std::max_element(likelihood.begin(), likelihood.end());
+  double sigma = finest;
+  for (std::size_t k = 0; likelihood[k] < most - 2; ++k) sigma *= ratio;
+  return sigma == finest ? 0 : sigma * step;
+}
+
 }  // namespace
 
 double rounding_variance(double step, double sigma) {
@@ -104,7 +163,10 @@ MeanNoise measure_mean_noise(const Recording& recording, const std::vector<RestM
       const double step = rounding_step(triad[j], longest);
       (out.sample.*of)[axis] = sample_sigma(triad[j], rests);
       (out.step.*of)[axis] = step;
-      (out.rounding.*of)[axis] = std::sqrt(rounding_variance(step, sigma_before_rounding(step, (single.*of)[axis])));
+      // Noise of more than a step leaves nothing of it.
+      const double noise =
+          step > 0 && (single.*of)[axis] < step ? least_sigma(triad[j], rests, step) : sigma_before_rounding(step, (single.*of)[axis]);
+      (out.rounding.*of)[axis] = std::sqrt(rounding_variance(step, noise));
     }
   };
   out.sample.accel = out.sample.gyro = out.rounding.accel = out.rounding.gyro = out.step.accel = out.step.gyro = Vector3d::Zero();

@@ -68,6 +68,27 @@ TEST(MeanNoise, RoundingDoesNotAverageOut) {
   }
 }
 
+/// Rests that all lie between the same two levels scatter as much as noise of half a step would; that a third level is never read tells them apart.
+TEST(MeanNoise, NoiseThatIsSmallerThanTheStepIsSeenInRestsBetweenTwoLevels) {
+  for (const double sigma : {0.05, 0.1, 0.15, 0.5}) {
+    const RandomStream random(4, "mean noise");
+    const Recording r = record([&](std::size_t j, std::size_t i) {
+      const double value = 0.5 + 0.02 * static_cast<double>(i / 400 % 3);  // steps
+      return 0.01 * std::round(value + sigma * random.normal(16000 * j + i));
+    });
+    const MeanNoise noise = measure_mean_noise(r, rests_of(r));
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      const double rounding = noise.rounding.gyro[axis], expected = std::sqrt(rounding_variance(0.01, 0.01 * sigma));
+      if (sigma < 0.3) {
+        EXPECT_GT(rounding, 0.99 * expected) << sigma << " of a step";
+        EXPECT_GT(rounding, 0.1 * noise.step.gyro[axis]) << sigma << " of a step";
+      } else {
+        EXPECT_LT(rounding, 0.01 * noise.step.gyro[axis]) << "no more than a few percent of the noise is missing";
+      }
+    }
+  }
+}
+
 TEST(MeanNoise, TheStepIsFoundInTheReadings) {
   const RandomStream random(3, "mean noise");
   const Recording r = record(

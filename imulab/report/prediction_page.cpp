@@ -23,7 +23,7 @@ UserUnit unit_in(const PredictionSummary& s, std::size_t k) {
   for (std::size_t j = 0; j < s.coefficients.size(); ++j)
     if (coefficient(s.coefficients[j]).triad == c.triad && coefficient(s.coefficients[j]).term == c.term)
       largest = std::max(largest, s.sigma[static_cast<Eigen::Index>(j)]);
-  return user_unit(c, largest);
+  return user_unit_of_si(c, largest);
 }
 
 std::string in_unit(double sigma, const UserUnit& unit) { return uncertainty_text(sigma / unit.size) + " " + readable_unit(unit.name); }

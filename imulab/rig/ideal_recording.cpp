@@ -105,8 +105,9 @@ Recording ideal_recording(const Session& procedure, const RecordingSource& sourc
   return recording;
 }
 
-Recording coarse_recording(const Session& procedure, const Surroundings& surroundings) {
-  constexpr double slowest = 20, fastest = 320, turned = 0.05;  // Hz, Hz, rad
+Recording coarse_recording(const Session& procedure, const Surroundings& surroundings, double slowest) {
+  constexpr double turned = 0.05;  // rad
+  const double fastest = 16 * slowest;
   RecordingSource source;
   if (!procedure.recordings.empty()) source.file = procedure.recordings.front().file, source.rig = procedure.recordings.front().rig;
   for (double rate = slowest;; rate *= 2) {

@@ -25,9 +25,9 @@ std::vector<Range> recorded_samples(const RecordingSource& source, std::span<con
 /// (recorded_motion) or recorded_samples does.
 Recording ideal_recording(const Session& procedure, const RecordingSource& source, const Surroundings& surroundings, const RigErrors& errors = {});
 
-/// The procedure's only recording, or all steps where it has none, of an ideal IMU at a rate of its own: the lowest of 20 to 320 Hz at which no
-/// sample turns by more than 0.05 rad. Throws as ideal_recording.
-Recording coarse_recording(const Session& procedure, const Surroundings& surroundings);
+/// The procedure's only recording, or all steps where it has none, of an ideal IMU at a rate of its own: the lowest of `slowest`, twice that, ... to
+/// sixteen times at which no sample turns by more than 0.05 rad. Throws as ideal_recording.
+Recording coarse_recording(const Session& procedure, const Surroundings& surroundings, double slowest = 20);
 
 }  // namespace imulab::rig
 

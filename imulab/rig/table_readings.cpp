@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <utility>
 
 namespace imulab::rig {
 
@@ -136,14 +137,24 @@ MatrixXd noise_covariance(const TableMotion& motion, const Matrix3d& accel_densi
 }
 
 ReadingsSampler::ReadingsSampler(const TableMotion& motion, const std::array<Spread, 2>& turn_on, const MatrixXd& noise_covariance,
-                                 std::uint64_t seed)
+                                 std::uint64_t seed, VectorXd column_sigma)
     : motion_(motion),
       turn_on_(turn_on),
       by_bias_(by_bias(motion)),
       noise_factor_(Cholesky(noise_covariance).lower().sparseView()),
       table_(seed, "predict: table errors"),
       noise_(seed, "predict: noise"),
-      biases_(seed, "predict: turn-on") {}
+      biases_(seed, "predict: turn-on"),
+      terms_(seed, "predict: terms"),
+      column_sigma_(std::move(column_sigma)) {}
+
+MatrixXd ReadingsSampler::drawn_columns(std::uint64_t begin, Index procedures) const {
+  MatrixXd columns = forward({}).replicate(1, procedures);
+  if (column_sigma_.size() == 0) return columns;
+  MatrixXd drawn(Forward::all, procedures);
+  terms_.normals(begin * static_cast<std::uint64_t>(drawn.rows()), {drawn.data(), static_cast<std::size_t>(drawn.size())});
+  return columns + column_sigma_.asDiagonal() * drawn;
+}
 
 MatrixXd ReadingsSampler::draw(std::uint64_t begin, Index procedures) const {
   const auto normals = [&](const RandomStream& stream, Index rows) {
@@ -161,7 +172,12 @@ MatrixXd ReadingsSampler::draw(std::uint64_t begin, Index procedures) const {
   }
   MatrixXd seen = noise_factor_ * normals(noise_, motion_.rows());
   seen.noalias() += by_bias_ * bias;
-  for (Index k = 0; k < procedures; ++k) seen.col(k) += readings(motion_, {}, motion_.truth(errors.col(k)));
+  if (column_sigma_.size() == 0) {
+    for (Index k = 0; k < procedures; ++k) seen.col(k) += readings(motion_, {}, motion_.truth(errors.col(k)));
+    return seen;
+  }
+  const MatrixXd columns = drawn_columns(begin, procedures);
+  for (Index k = 0; k < procedures; ++k) seen.col(k) += by_forward_columns(motion_, {}, motion_.truth(errors.col(k))) * columns.col(k);
   return seen;
 }
 

@@ -32,20 +32,25 @@ Eigen::MatrixXd mixed_curvature(const TableMotion& motion, const Eigen::MatrixXd
 /// Covariance of the readings from white noise with these raw covariance densities, including the samples that a hold and a turn share.
 Eigen::MatrixXd noise_covariance(const TableMotion& motion, const Matrix3d& accel_density, const Matrix3d& gyro_density);
 
-/// Readings of an ideal IMU in whole procedures, with drawn errors of the table, biases and noise.
+/// Readings in whole procedures of an IMU that is ideal but for drawn terms, with drawn errors of the table, biases and noise.
 class ReadingsSampler {
  public:
-  /// `turn_on`: biases of accelerometers and gyros. `motion` outlives the sampler.
-  ReadingsSampler(const TableMotion& motion, const std::array<Spread, 2>& turn_on, const Eigen::MatrixXd& noise_covariance, std::uint64_t seed);
+  /// `turn_on`: biases of accelerometers and gyros. `column_sigma`: by column of the forward model; empty: an ideal IMU. `motion` outlives the
+  /// sampler.
+  ReadingsSampler(const TableMotion& motion, const std::array<Spread, 2>& turn_on, const Eigen::MatrixXd& noise_covariance, std::uint64_t seed,
+                  Eigen::VectorXd column_sigma = {});
   /// A procedure each column, from number `begin` on: the same for any split into calls.
   Eigen::MatrixXd draw(std::uint64_t begin, Eigen::Index procedures) const;
+  /// Columns of the forward model of these IMUs.
+  Eigen::MatrixXd drawn_columns(std::uint64_t begin, Eigen::Index procedures) const;
 
  private:
   const TableMotion& motion_;
   std::array<Spread, 2> turn_on_;
   Eigen::MatrixXd by_bias_;
   Eigen::SparseMatrix<double> noise_factor_;
-  RandomStream table_, noise_, biases_;
+  RandomStream table_, noise_, biases_, terms_;
+  Eigen::VectorXd column_sigma_;
 };
 
 }  // namespace imulab::rig

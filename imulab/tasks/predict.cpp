@@ -28,8 +28,8 @@ std::vector<KnobAnswer> answers_to(const std::vector<Requirement>& requirements,
 
 PredictedProcedure::OnTurntable predict_turntable(const Session& procedure, const PredictionTask& task) {
   PredictedProcedure::OnTurntable out;
-  out.plan = turntable::plan_of(procedure);
-  out.plan.classical = task.classical;
+  out.plan = turntable::plan_of(procedure, task.terms);
+  if (task.classical) out.plan = classical(std::move(out.plan));
   expect_estimated(task.requirements, out.plan);
   out.prediction = predict(out.plan);
   if (task.runs > 0 && !out.prediction.coefficients.empty())
@@ -59,11 +59,11 @@ PredictedProcedure predict(const Session& procedure, const PredictionTask& task)
   }
   if (chosen.predict == nullptr) throw Error(fmt::format("the method {} has no prediction", chosen.name));
   if (chosen.name != "hybrid") {
-    out.prediction = chosen.predict(procedure);
+    out.prediction = chosen.predict(procedure, task.terms);
     out.missed = shortfalls(out.prediction, task.requirements);
     return out;
   }
-  const hybrid::Plan plan = hybrid::plan_of(procedure);
+  const hybrid::Plan plan = hybrid::plan_of(procedure, task.terms);
   expect_estimated(task.requirements, plan);
   const hybrid::Prediction own = predict(plan);
   out.missed = shortfalls(own, task.requirements);

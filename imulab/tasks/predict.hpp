@@ -18,6 +18,7 @@ namespace imulab {
 
 struct PredictionTask {
   std::string method = "turntable";
+  std::vector<CoefficientIndex> terms = {};  ///< as CalibrationOptions has them
   std::vector<Requirement> requirements = {};
   std::uint64_t runs = 20000;  ///< of the Monte Carlo (turntable); 0: none
   std::uint64_t seed = 1;

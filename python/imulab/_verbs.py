@@ -193,17 +193,20 @@ def predict(
     procedure: Session | PathLike,
     *,
     method: str = "turntable",
+    terms: str = "auto",
     require: str = "",
     runs: int = 20000,
     seed: int = 1,
     classical: bool = False,
     progress: Progress | None = None,
 ) -> Prediction:
-    """Standard uncertainties of a calibration to come, and the requirements that it misses. runs: of the Monte Carlo (turntable); 0: none."""
+    """Standard uncertainties of a calibration to come, and the requirements that it misses.
+
+    terms: as of calibrate. runs: of the Monte Carlo (turntable); 0: none."""
     session = procedure if isinstance(procedure, Session) else read_session(procedure)
     if not 0 <= runs < 10**9:
         raise Error(f"runs: {runs}; expected 0 to 999999999")
-    outcome = _imulab.predict(session._session, method, require, runs, _seed(seed), classical, _callback(progress))
+    outcome = _imulab.predict(session._session, method, terms, require, runs, _seed(seed), classical, _callback(progress))
     warn(outcome.warnings)
     return Prediction(outcome)
 

@@ -6,7 +6,6 @@
 #include "imulab/estimate/hybrid/quality.hpp"
 #include "imulab/estimate/kernel/coarse.hpp"
 #include "imulab/estimate/kernel/input.hpp"
-#include "imulab/estimate/kernel/optional_terms.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/estimate/kernel/rest_start.hpp"
 #include "imulab/model/triad_axes.hpp"
@@ -104,24 +103,6 @@ void warn_of_short_rests(const std::vector<Range>& rests, const std::vector<Rang
                     n, rests.size(), 5 * in_place::settling_time));
 }
 
-/// The determined coefficients of the table; the others stay at the coarse solution and are named.
-Calibration calibration_of(const Data& data, const Iterate& iterate) {
-  const Errors errors = determined_errors(iterate);
-  Calibration c;
-  c.method = "hybrid";
-  c.model = with_mean_offsets(iterate.about.model, errors.mean, iterate.states);
-  c.estimated = errors.coefficients;
-  for (const CoefficientIndex index : errors.considered) c.quality.considered.emplace_back(coefficient(index).name);
-  for (const CoefficientIndex index : errors.open) {
-    c.quality.unobservable.emplace_back(coefficient(index).name);
-    set_coefficient(c.model, index, coefficient_value(data.coarse, index));
-  }
-  const MatrixXd jacobian = correction_jacobian(iterate.about.model, c.estimated, iterate.states);
-  c.covariance = jacobian * errors.covariance * jacobian.transpose();
-  if (!c.estimated.empty()) c.quality.condition = kernel::condition_number(c.covariance);
-  return c;
-}
-
 void add_curves(const Data& data, const Iterate& iterate, double interval, CalibrationResult& out) {
   const Iterate last = repeated(data, iterate, interval);
   for (const Index s : last.states.corrections()) {
@@ -141,26 +122,15 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
                              kernel::Findings findings, const kernel::Findings& last) {
   const Place place = place_of(session.site);
   const bool turntable = on_turntable(session);
-  std::vector<CoefficientIndex> wanted;
-  if (!options.terms.empty()) wanted = kernel::chosen_coefficients(options.terms, all_coefficients(), "hybrid");
   kernel::expect_alive(recording.gyro, recording.name, "gyro", "the method needs all gyros");
   const std::vector<Range> still = in_place::still_parts(recording, rests);
   const kernel::RestStart start = coarse_start(recording, still, session.imu, place.latitude, place.gravity);
   in_place::Blocks cut = in_place::cut_into_blocks(recording, still, turntable);
   const SensorModel coarse = to_raw(start.model, start.scaling);
-  const double delay = kernel::delay_prior(session.imu, recording.interval_s);  // its mean square: of readings that mix neighboring samples
-  Data data{recording,
-            std::move(cut.blocks),
-            place,
-            noise_of(start.noise, coarse, recording, session.imu),
-            coarse,
-            wanted,
-            {kernel::optional_priors(session.imu, coarse.accel.offset, coarse.gyro.offset), delay, delay * recording.interval_s},
-            options.progress};
-
-  Groups terms = wanted.empty() ? Groups{Group::quadratic, Group::g_sensitivity} : optional_groups(wanted);
-  if (wanted.empty() && turntable) terms.insert({Group::lever_arm, Group::delay});
-  const Converged result = converge(data, terms, options.significance);
+  const Terms terms = terms_of(session, options.terms, coarse.accel.offset, coarse.gyro.offset, recording.interval_s);
+  Data data{recording, std::move(cut.blocks), place,        noise_of(start.noise, coarse, recording, session.imu),
+            coarse,    terms.wanted,          terms.priors, options.progress};
+  const Converged result = converge(data, terms.optional, options.significance);
   if (result.latitude) {  // it replaces the site's and is estimated jointly
     Session there = session;
     there.site.latitude = result.latitude->value;
@@ -179,7 +149,6 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
   warn_of_short_rests(rests, still, findings);
   CalibrationResult out{calibration_of(data, result.last), coarse, {}, {}, result.last.iterations};
   out.calibration.imu = session.imu.name;
-  if (wanted.empty()) consider_nonlinearity(data, out.calibration);
   report(data, result, session.site, out.calibration, findings);
   findings.add(last);
   kernel::conclude(out.calibration, findings);

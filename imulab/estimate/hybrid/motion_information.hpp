@@ -14,7 +14,7 @@
 
 namespace imulab::hybrid {
 
-/// White noise alone: offsets that wander are not in it. Of optional groups only the latitude and the g-sensitivity.
+/// White noise alone: offsets that wander are not in it, and neither are terms that are only considered.
 struct InformationModel {
   Place place;
   Noise noise;

@@ -208,9 +208,18 @@ std::vector<QuarterPath> best_candidates(std::vector<Candidate> found, std::size
 
 }  // namespace
 
-double least_sigma(const Plan& unit, CoefficientIndex index) {
+double nonlinear_sigma(const Plan& unit, CoefficientIndex index, double turn_rate) {
   const Coefficient& c = coefficient(index);
-  return c.triad == Triad::accel && c.term == Term::matrix && c.row == c.column ? unit.place.gravity_sigma / unit.place.gravity : 0;
+  if (c.term != Term::matrix || c.row != c.column || !unit.terms.wanted.empty()) return 0;
+  const kernel::PriorSizes& sizes = unit.terms.priors.sizes;
+  if (c.triad == Triad::accel) return sizes.accel.cubic * unit.place.gravity * unit.place.gravity;
+  return std::hypot(sizes.gyro.quadratic * turn_rate, sizes.gyro.cubic * turn_rate * turn_rate);
+}
+
+double least_sigma(const Plan& unit, CoefficientIndex index, double turn_rate) {
+  const Coefficient& c = coefficient(index);
+  const bool as_gravity = c.triad == Triad::accel && c.term == Term::matrix && c.row == c.column;
+  return std::hypot(nonlinear_sigma(unit, index, turn_rate), as_gravity ? unit.place.gravity_sigma / unit.place.gravity : 0);
 }
 
 Path design_path(const PathQuestion& q, const std::function<void(int)>& progress) {

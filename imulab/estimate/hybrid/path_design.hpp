@@ -35,7 +35,9 @@ Path design_path(const PathQuestion& question, const std::function<void(int)>& p
 
 inline constexpr double longest_path = 4 * 3600.0;  // s
 
-/// The uncertainty that no path reduces: an accelerometer's scale is as uncertain as gravity.
-double least_sigma(const Plan& unit, CoefficientIndex index);
+/// What nonlinearity of which no path says anything counts in a scale, at turns of this rate [rad/s]; 0 of other coefficients.
+double nonlinear_sigma(const Plan& unit, CoefficientIndex index, double turn_rate);
+/// The uncertainty that no path reduces: that, and of an accelerometer's scale gravity's.
+double least_sigma(const Plan& unit, CoefficientIndex index, double turn_rate);
 
 }  // namespace imulab::hybrid

@@ -21,7 +21,7 @@ struct Standard {
     s.site.given_gravity_sigma = 1e-7;  // otherwise the accelerometers' scales do not depend on the path
     return s;
   }();
-  Plan plan = plan_of(session);
+  Plan plan = plan_of(session, base_terms().terms);
   Prediction prediction = predict(plan);
   PathQuestion question(double factor) const {
     PathQuestion q{{}, plan, {outer, middle, inner}, 10 * unit::deg, {}, {}};
@@ -37,7 +37,7 @@ Prediction predicted(const Path& path, const Plan& plan) {
   session.site = plan.procedure.site;
   session.rigs.front().kind = plan.procedure.rigs.front().kind;
   EXPECT_NEAR(session.steps.back().end, path.duration, 1e-6);
-  return predict(plan_of(session));
+  return predict(plan_of(session, plan.terms.wanted));
 }
 
 /// The largest ratio of the predicted sigmas to the requirements.
@@ -86,6 +86,28 @@ TEST(PathDesign, FewerAxesAndHandsDoItToo) {
   EXPECT_NEAR(worst_ratio(predicted(by_hand, hand.unit), hand), by_hand.worst, 0.02 * by_hand.worst);  // a turn is one block
 }
 
+/// With the terms that an IMU may have as unknowns of the search, too.
+TEST(PathDesign, CountsTheTermsThatAnImuMayHave) {
+  Session session = hybrid_procedure(60, 100);
+  session.imu.grade = "navigation";
+  PathQuestion q{parse_requirements("accel.offset <= 2 ug, gyro.matrix.off_diagonal <= 2 arcsec"),
+                 plan_of(session),
+                 {outer, middle, inner},
+                 10 * unit::deg,
+                 {},
+                 {}};
+  const Path path = design_path(q);
+  EXPECT_LE(path.worst, 1);
+  double worst = 0;
+  const Prediction p = predicted(path, q.unit);
+  for (const Requirement& r : q.requirements)
+    for (std::size_t i = 0; i < p.coefficients.size(); ++i)
+      if (contains(r.coefficients, p.coefficients[i])) worst = std::max(worst, p.sigma[static_cast<Eigen::Index>(i)] / r.limit);
+  EXPECT_NEAR(worst, path.worst, 0.01 * path.worst);
+  q.unit = plan_of(session, base_terms().terms);
+  EXPECT_LT(design_path(q).duration, path.duration) << "offsets alone are found faster than offsets and quadratic terms";
+}
+
 TEST(PathDesign, AVerticalAxisAloneDoesNotDoIt) {
   const Standard standard;
   PathQuestion q = standard.question(3);
@@ -96,10 +118,18 @@ TEST(PathDesign, AVerticalAxisAloneDoesNotDoIt) {
   EXPECT_EQ(path.worst_coefficient, coefficient_index("gyro.matrix.xx"));
 }
 
-TEST(PathDesign, GravityIsAFloor) {
-  const Plan plan = plan_of(hybrid_procedure(60, 100));
-  EXPECT_NEAR(least_sigma(plan, coefficient_index("accel.matrix.yy")), 3e-4 / 9.8, 1e-7);
-  EXPECT_EQ(least_sigma(plan, coefficient_index("accel.matrix.yx")), 0);
+TEST(PathDesign, GravityAndNonlinearityAreAFloor) {
+  Session session = hybrid_procedure(60, 100);
+  session.imu.grade = "mems";
+  const double rate = 10 * unit::deg;
+  const Plan plan = plan_of(session, base_terms().terms);
+  EXPECT_NEAR(least_sigma(plan, coefficient_index("accel.matrix.yy"), rate), 3e-4 / 9.8, 1e-7);
+  EXPECT_EQ(least_sigma(plan, coefficient_index("accel.matrix.yx"), rate), 0);
+  EXPECT_EQ(least_sigma(plan, coefficient_index("gyro.matrix.yy"), rate), 0);
+  const Plan with_terms = plan_of(session);
+  EXPECT_NEAR(least_sigma(with_terms, coefficient_index("accel.matrix.yy"), rate), std::hypot(3e-4 / 9.8, 200e-6), 1e-6) << "200 ug/g^3";
+  EXPECT_NEAR(least_sigma(with_terms, coefficient_index("gyro.matrix.yy"), rate), 10e-6, 1e-7) << "1 ppm/(deg/s)";
+  EXPECT_EQ(least_sigma(with_terms, coefficient_index("gyro.matrix.yx"), rate), 0);
 }
 
 }  // namespace

@@ -48,7 +48,8 @@ void PathJudge::find_limits(const PathQuestion& q) {
         const Index state = model_.constants[static_cast<std::size_t>(row)];
         if (model_.states.corrects(state) != coefficient) continue;
         // Half of the prior is where a coefficient begins to count as determined.
-        limits_.push_back({row, coefficient, std::min(r.limit, 0.499 * model_.states.prior[state]), least_sigma(q.unit, coefficient)});
+        limits_.push_back({row, coefficient, std::min(r.limit, 0.499 * model_.states.prior[state]), least_sigma(q.unit, coefficient, q.turn_rate),
+                           nonlinear_sigma(q.unit, coefficient, q.turn_rate)});
       }
 }
 
@@ -87,7 +88,7 @@ Score PathJudge::score(const Knowledge& knowledge) const {
   Score s;
   for (const Limit& limit : limits_) {
     if (limit.limit <= limit.floor) continue;  // out of reach of any path
-    const double excess = sigma[limit.row] * sigma[limit.row] - limit.floor * limit.floor;
+    const double excess = std::pow(limit.sigma(sigma[limit.row]), 2) - limit.floor * limit.floor;
     double ratio = std::sqrt(excess / (limit.limit * limit.limit - limit.floor * limit.floor));
     if (!std::isfinite(ratio)) ratio = 1e9;
     s.worst = std::max(s.worst, ratio);
@@ -102,7 +103,8 @@ Path PathJudge::described(const QuarterPath& path) const {
   for (std::size_t k = 0; k < path.turns.size(); ++k) out.turns.push_back({path.turns[k].axis, 90.0 * path.turns[k].quarters, seconds(k + 1)});
   const Eigen::VectorXd sigma = sigma_of(knowledge(path));
   for (const Limit& limit : limits_)
-    if (const double ratio = sigma[limit.row] / limit.limit; !(ratio <= out.worst)) out.worst = ratio, out.worst_coefficient = limit.coefficient;
+    if (const double ratio = limit.sigma(sigma[limit.row]) / limit.limit; !(ratio <= out.worst))
+      out.worst = ratio, out.worst_coefficient = limit.coefficient;
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include "imulab/rig/quarter_table.hpp"
 
 #include <array>
+#include <cmath>
 #include <vector>
 
 namespace imulab::hybrid {
@@ -44,7 +45,8 @@ class PathJudge {
   struct Limit {
     Eigen::Index row;
     CoefficientIndex coefficient;
-    double limit, floor;
+    double limit, floor, nonlinear;
+    double sigma(double of_path) const { return std::hypot(of_path, nonlinear); }
   };
   InformationModel model_;
   double turn_rate_;

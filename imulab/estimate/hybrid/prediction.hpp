@@ -19,12 +19,12 @@ struct Plan {
   Session procedure;
   Place place;
   Noise noise;
-  Groups terms;                 ///< the g-sensitivity where the grade has it
+  Terms terms;                  ///< those of a calibration of this procedure
   bool observe_motion = false;  ///< on a turntable the velocity is zero while it turns, too
 };
 
-/// Of a procedure with one recording. Throws Error where the latitude or the IMU's noise is not declared.
-Plan plan_of(const Session& procedure);
+/// Of a procedure with one recording; `terms` as CalibrationOptions has them. Throws Error where the latitude or the IMU's noise is not declared.
+Plan plan_of(const Session& procedure, const std::vector<CoefficientIndex>& terms = {});
 
 /// Determined and undetermined coefficients as in `calibrate`; `cramer_rao` is sigma where nothing is left undetermined.
 struct Prediction : imulab::Prediction {
@@ -37,7 +37,7 @@ struct Prediction : imulab::Prediction {
 Prediction predict(const Plan& plan);
 
 /// The same, for the table of methods.
-imulab::Prediction predict(const Session& procedure);
+imulab::Prediction predict(const Session& procedure, const std::vector<CoefficientIndex>& terms = {});
 
 /// Throws Error where a required coefficient is not among those that the method estimates.
 void expect_estimated(const std::vector<Requirement>& requirements, const Plan& plan);

@@ -22,7 +22,7 @@ double sigma_of(const Prediction& p, const char* name) {
 TEST(HybridPrediction, IsWhatCalibrateStates) {
   const HybridSession s = hybrid_session(1);
   const Calibration c = calibrated(s, base_terms()).calibration;
-  const Prediction p = predict(plan_of(s.session));
+  const Prediction p = predict(plan_of(s.session, base_terms().terms));
   ASSERT_EQ(p.coefficients, c.estimated);
   for (std::size_t i = 0; i < p.coefficients.size();
        ++i)  // the IMU's errors of 5e-4 and the table's of 1 arcmin change them by little more than that
@@ -33,17 +33,39 @@ TEST(HybridPrediction, IsWhatCalibrateStates) {
 TEST(HybridPrediction, IsWhatCalibrateStatesOfAUnitTurnedByHand) {
   const HybridSession s = hybrid_session(2, [](Session& session) { session.rigs.front() = {}; });
   const Calibration c = calibrated(s, base_terms()).calibration;
-  const Prediction p = predict(plan_of(s.session));
+  const Prediction p = predict(plan_of(s.session, base_terms().terms));
   ASSERT_EQ(p.coefficients, c.estimated);
   for (std::size_t i = 0; i < p.coefficients.size(); ++i)
     EXPECT_NEAR(*standard_uncertainty(c, p.coefficients[i]), p.sigma[static_cast<Eigen::Index>(i)], 0.01 * p.sigma[static_cast<Eigen::Index>(i)])
         << coefficient(p.coefficients[i]).name;
 }
 
+/// Without named terms: quadratic terms, g-sensitivity, lever arms and delay are estimated under their priors, and the others considered.
+TEST(HybridPrediction, HasTheTermsOfCalibrate) {
+  for (const bool by_hand : {false, true}) {
+    const HybridSession s = hybrid_session(3, [&](Session& session) {
+      session.imu.grade = "navigation";  // whose priors do not depend on the drawn offsets
+      if (by_hand) session.rigs.front() = {};
+    });
+    const Calibration c = calibrated(s).calibration;
+    const Prediction p = predict(plan_of(s.session));
+    ASSERT_EQ(p.coefficients, c.estimated);
+    std::vector<std::string> considered;
+    for (const CoefficientIndex index : p.considered) considered.emplace_back(coefficient(index).name);
+    EXPECT_EQ(considered, c.quality.considered);
+    for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
+      const Coefficient& term = coefficient(p.coefficients[i]);
+      // Lever arms show in the ramps of turns, of which the session has four samples each.
+      const double tolerance = term.term == Term::lever_arm ? 0.1 : 0.01;
+      EXPECT_NEAR(*standard_uncertainty(c, p.coefficients[i]) / p.sigma[static_cast<Eigen::Index>(i)], 1, tolerance) << term.name;
+    }
+  }
+}
+
 /// Means of rests alone: a scale is as certain as gravity, an offset at least as well as by the half difference of its two faces.
 TEST(HybridPrediction, GravityBoundsTheAccelerometersScales) {
   const Session session = hybrid_procedure(60, 100);
-  const Plan plan = plan_of(session);
+  const Plan plan = plan_of(session, base_terms().terms);
   const Prediction p = predict(plan);
   const double relative = plan.place.gravity_sigma / plan.place.gravity;
   for (const char* name : {"accel.matrix.xx", "accel.matrix.yy", "accel.matrix.zz"}) {

@@ -109,8 +109,8 @@ void enlarge(const Data& data, const Iterate& iterate, Calibration& calibration,
   kernel::add_scatter(findings, "velocities", factor);
 }
 
-}  // namespace
-
+/// Coefficients of which the data say nothing: cubic terms look like scales at the force and the rate that the data have, and quadratic terms of the
+/// gyros, which turns in both directions tell from scales, like nothing that they can be told from. They count in the scales' covariance.
 void consider_nonlinearity(const Data& data, Calibration& c) {
   std::vector<double> rates;
   for (const Block& block : data.blocks)
@@ -137,6 +137,26 @@ void consider_nonlinearity(const Data& data, Calibration& c) {
     }
 }
 
+}  // namespace
+
+Calibration calibration_of(const Data& data, const Iterate& iterate) {
+  const Errors errors = determined_errors(iterate);
+  Calibration c;
+  c.method = "hybrid";
+  c.model = with_mean_offsets(iterate.about.model, errors.mean, iterate.states);
+  c.estimated = errors.coefficients;
+  for (const CoefficientIndex index : errors.considered) c.quality.considered.emplace_back(coefficient(index).name);
+  for (const CoefficientIndex index : errors.open) {
+    c.quality.unobservable.emplace_back(coefficient(index).name);
+    set_coefficient(c.model, index, coefficient_value(data.coarse, index));
+  }
+  const MatrixXd jacobian = correction_jacobian(iterate.about.model, c.estimated, iterate.states);
+  c.covariance = jacobian * errors.covariance * jacobian.transpose();
+  if (!c.estimated.empty()) c.quality.condition = kernel::condition_number(c.covariance);
+  if (data.wanted.empty()) consider_nonlinearity(data, c);
+  return c;
+}
+
 void report(const Data& data, const Converged& result, const Site& site, Calibration& calibration, kernel::Findings& findings) {
   const Iterate& last = result.last;
   const auto sigma = [&](Index state) { return std::sqrt(last.pass.covariance(state, state)); };
@@ -153,8 +173,14 @@ void report(const Data& data, const Converged& result, const Site& site, Calibra
         fmt::format("the gyros hardly measure the Earth's rate (the heading at the start is known to {:.0f} deg); a g-sensitivity equal on all "
                     "axes is several times less certain than stated; the other coefficients are not affected",
                     heading / unit::deg));
-  if (const Index at = last.states.first(Group::delay); at >= 0)
-    findings.note(fmt::format("the accelerometers' output is {:.3g} +/- {:.2g} ms behind the gyros'", 1e3 * last.pass.x[at], 1e3 * sigma(at)));
+  if (const Index at = last.states.first(Group::delay); at >= 0) {
+    const double delay = last.pass.x[at];
+    findings.note(fmt::format("the accelerometers' output is {:.3g} +/- {:.2g} ms behind the gyros'", 1e3 * delay, 1e3 * sigma(at)));
+    constexpr double most = 1.5;  // samples: the equations are linear in the delay
+    if (std::abs(delay) > most * data.recording.interval_s + 3 * sigma(at))
+      findings.doubt(fmt::format(
+          "the accelerometers' output is {:.3g} ms behind the gyros', more than what the method corrects; shift one triad's stamps", 1e3 * delay));
+  }
   kernel::add_common_doubts(findings, calibration, site);
   if (const auto instead = latitude_instead(calibration, last.about.place)) {
     findings.warn(

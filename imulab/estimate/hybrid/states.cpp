@@ -2,6 +2,8 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/estimate/kernel/input.hpp"
+#include "imulab/estimate/kernel/optional_terms.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/model/output_error.hpp"
 
@@ -70,6 +72,20 @@ Place place_of(const Site& site) {
 
 bool on_turntable(const Session& session) {
   return std::any_of(session.rigs.begin(), session.rigs.end(), [](const RigDeclaration& rig) { return rig.kind == RigKind::turntable; });
+}
+
+Terms terms_of(const Session& session, const std::vector<CoefficientIndex>& wanted, const Vector3d& accel_offset, const Vector3d& gyro_offset,
+               double interval_s) {
+  const double delay = kernel::delay_prior(session.imu, interval_s);  // its mean square: of readings that mix neighboring samples
+  Terms out{{}, {}, {kernel::optional_priors(session.imu, accel_offset, gyro_offset), delay, delay * interval_s}};
+  if (!wanted.empty()) {
+    out.wanted = kernel::chosen_coefficients(wanted, all_coefficients(), "hybrid");
+    out.optional = optional_groups(out.wanted);
+    return out;
+  }
+  out.optional = {Group::quadratic, Group::g_sensitivity};
+  if (on_turntable(session)) out.optional.insert({Group::lever_arm, Group::delay});
+  return out;
 }
 
 std::string_view name(Group group) { return table[static_cast<std::size_t>(group)].name; }

@@ -98,6 +98,14 @@ TEST(HybridTerms, ADelayIsFoundAndHarmsNothing) {
   EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5);
 }
 
+/// Equations that are linear in the delay do not correct three samples.
+TEST(HybridTerms, ALongDelayIsDoubted) {
+  HybridSession s = session_of(4, hybrid_unit(4));
+  for (std::vector<double>& axis : s.recording.accel)
+    for (std::size_t i = axis.size(); --i > 2;) axis[i] = axis[i - 3];
+  EXPECT_THAT(calibrated(s).calibration.quality.because, Contains(HasSubstr("more than what the method corrects")));
+}
+
 TEST(HybridTerms, WhatIsNotThereIsSeldomKept) {
   int kept = 0;
   constexpr int sessions = 6;

@@ -50,7 +50,7 @@ void add_dropped(Findings& findings, const std::vector<std::string>& names, std:
 
 void check_gyro_steps(Findings& findings, const MeanNoise& noise) {
   for (Eigen::Index j = 0; j < 3; ++j)
-    if (noise.rounding.gyro[j] > 0.1 * noise.step.gyro[j])  // the noise is below a third of the step
+    if (noise.rounding.gyro[j] > 0.025 * noise.step.gyro[j])  // the noise is below a third of the step: slopes within it are off by a fifth
       return findings.doubt("the gyros' readings come in steps coarser than their noise; what lies between two steps is lost");
 }
 

@@ -37,11 +37,13 @@ constexpr std::array mistaken_units{MistakenUnit{Triad::gyro, unit::deg, "deg/s"
 
 /// What in the session makes a scale come out as this.
 std::string cause_of(Triad triad, double scale, const Recording& recording) {
-  if (const std::string_view read = mistaken_unit(triad, scale); !read.empty())
-    return fmt::format("the readings are in {}, not in the declared unit", read);
+  const std::string_view read = mistaken_unit(triad, scale);
+  const std::string unit = read.empty() ? "" : fmt::format("the readings are in {}, not in the declared unit", read),
+                    also = read.empty() ? "" : "; or " + unit;
   const bool increment = triad == Triad::accel ? recording.accel_increment : recording.gyro_increment;
-  if (increment && near(scale, recording.interval_s)) return "the readings are rates; declare output = \"rate\"";
-  if (!increment && near(scale, 1 / recording.interval_s)) return "the readings are increments; declare output = \"increment\"";
+  if (increment && near(scale, recording.interval_s)) return "the readings are rates; declare output = \"rate\"" + also;
+  if (!increment && near(scale, 1 / recording.interval_s)) return "the readings are increments; declare output = \"increment\"" + also;
+  if (!unit.empty()) return unit;
   if (triad == Triad::accel && near(scale, 1e-3)) return "the readings are in thousandths of the declared unit";
   if (triad == Triad::gyro && (near(scale, 1e-3) || near(scale, 1e-6)))
     return "the unit of the stamps is smaller than declared (ms or us, not s), or the readings are in thousandths of the declared unit";
@@ -91,7 +93,7 @@ std::string scale_contradiction(Triad triad, const Matrix3d& matrix, const Recor
     if (std::abs(std::log(scale[row])) > std::abs(std::log(scale[worst]))) worst = row;
   }
   if (wrong == 0) return {};
-  const bool common = near(scale.minCoeff(), scale.maxCoeff());
+  const bool common = wrong == 3 && near(scale.minCoeff(), scale.maxCoeff());
   return fmt::format("the {}{} scale is {:.4g} in the declared unit, where 1 is expected: {}", name, common ? "'" : fmt::format("' {}", "xyz"[worst]),
                      common ? scale.mean() : scale[worst],
                      common ? cause_of(triad, scale.mean(), recording) : "this axis is not like the others; check its column");
@@ -115,6 +117,21 @@ std::vector<std::string> contradictions(const SensorModel& model, const Recordin
     if (std::string wrong = counts ? "" : scale_contradiction(triad, matrix, recording); !wrong.empty()) found.push_back(std::move(wrong));
   }
   return found;
+}
+
+std::string interval_contradiction(const Recording& r) {
+  if (!(r.gyro_increment || r.accel_increment)) return {};
+  double time = 0, samples = 0;
+  for (std::size_t i = 1; i < r.size(); ++i)
+    if (!r.follows_gap(i)) time += r.time_s(i) - r.time_s(i - 1), samples += 1;
+  const double ratio = r.interval_s * samples / time;  // that all scales are too small by
+  constexpr std::size_t enough = 200;
+  constexpr double clocks = 5e-4;  // crystals are good to 1e-4, and the ends of a recording to a part of a sample
+  if (samples < enough || !(std::abs(ratio - 1) > clocks)) return {};
+  return fmt::format(
+      "{}: the stamps give {:.6g} Hz where {:.6g} Hz is declared: increments, and with them the scales, are {:.2g} % off if the stamps "
+      "are right; correct rate_hz",
+      r.name, samples / time, 1 / r.interval_s, 100 * std::abs(ratio - 1));
 }
 
 void expect_different_channels(const Recording& recording) {

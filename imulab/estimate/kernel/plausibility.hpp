@@ -28,6 +28,9 @@ void expect_gyro_scale(const Matrix3d& coarse, const Recording& recording);
 /// that are exchanged or reversed. Empty where all is as declared; for readings in counts only the order of the axes is judged.
 std::vector<std::string> contradictions(const SensorModel& model, const Recording& recording);
 
+/// By how much increments are off where the stamps contradict the interval that they were divided by; empty where they agree.
+std::string interval_contradiction(const Recording& recording);
+
 /// Throws Error where two channels of a triad have the same reading in every sample.
 void expect_different_channels(const Recording& recording);
 

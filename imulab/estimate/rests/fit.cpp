@@ -42,9 +42,13 @@ std::vector<char> stated(const RestProblem& problem, const Eigen::MatrixXd& cova
   for (const Triad triad : {Triad::accel, Triad::gyro}) {
     const Coefficient* c = implausible_scale(problem, out, triad);
     if (!c) continue;
-    warnings.push_back(fmt::format("{} is implausible for an IMU: {} is used", c->name,
-                                   triad == Triad::accel ? "the rests are too similar; nothing of the fit"
-                                                         : "the rotations are too few or do not fit; nothing of the gyros' fit"));
+    const TriadModel& prior = triad == Triad::accel ? problem.prior().accel : problem.prior().gyro;
+    const double scale = coefficient_value(problem.model(), coefficient_index(c->name)) / prior.matrix(c->row, c->column);
+    warnings.push_back(fmt::format(
+        "{} is implausible for an IMU, {:.3g} times what {}: {}", c->name, scale,
+        prior.raw_unit == "count" ? "the coarse solution is" : "the declared unit gives; check the unit and this axis's column, and the stamps, or",
+        triad == Triad::accel ? "the rests are too similar; nothing of the fit is used"
+                              : "the rotations are too few or do not fit; nothing of the gyros' fit is used"));
     for (std::size_t i = 0; i < out.size(); ++i)
       if (triad == Triad::accel || coefficient(problem.indices()[i]).triad == triad) out[i] = 0;
     if (triad == Triad::accel) break;

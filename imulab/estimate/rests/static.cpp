@@ -5,7 +5,9 @@
 #include "imulab/estimate/rests/fit.hpp"
 #include "imulab/estimate/rests/rests.hpp"
 #include "imulab/estimate/rests/static_problem.hpp"
+#include "imulab/model/triad_axes.hpp"
 
+#include <Eigen/LU>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -78,11 +80,27 @@ bool start_gyros_at_rest(RestStart& start, const Recording& recording, const Ses
   return gyro.coarse.has_value();
 }
 
+namespace {
+
+/// Rests alone do not tell a reversed or swapped axis. The gyros do, where the motion between the rests shows theirs at right angles.
+void check_axes(RestStart& start, const Recording& recording) {
+  const auto in_motion = kernel::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
+  if (!in_motion || !(std::abs(in_motion->determinant()) > 0)) return;
+  const Matrix3d axes = in_motion->rowwise().normalized();
+  constexpr double oblique = 0.2;  // misalignments are below a few percent; gyros that do not turn with the accelerometers give any matrix
+  if ((axes * axes.transpose() - Matrix3d::Identity()).cwiseAbs().maxCoeff() > oblique) return;
+  if (const std::string wrong = wrong_axes(*in_motion); !wrong.empty())
+    start.findings.doubt(wrong + ", as gravity turns in the IMU; check the order and the signs of both triads' columns");
+}
+
+}  // namespace
+
 CalibrationResult calibrate_static(const CalibrationInput& input, const CalibrationOptions& options) {
   RestStart start = kernel::start_from_rests(input, "static");
   const Recording& recording = input.recordings.front();
   const Session& session = input.session;
   const bool with_gyros = start_gyros_at_rest(start, recording, session);
+  check_axes(start, recording);
   kernel::expect_terms(start, session.imu, session.site.gravity());
   const std::vector<CoefficientIndex> indices = kernel::choose_coefficients(start, options.terms, static_coefficients(with_gyros), "static");
 

@@ -196,6 +196,32 @@ TEST(Static, TermsThatAreNotAskedForKeepTheDeclaredUnit) {
   EXPECT_THROW(calibrated("static", counts, s.rests, {}, s.site(), options), Error) << "counts have no scale to start from";
 }
 
+/// The rests fit as well with an axis reversed; the gyros, between them, do not.
+TEST(Static, AReversedAxisIsDoubtedByTheMotion) {
+  for (const bool swapped : {false, true}) {
+    SimulatedSession s = simulate_session(mems(20), 3);
+    if (swapped)
+      std::swap(s.recording.accel[0], s.recording.accel[1]);
+    else
+      for (double& reading : s.recording.accel[2]) reading = -reading;
+    const Calibration c = calibrated("static", s.recording, s.rests, {}, s.site());
+    EXPECT_EQ(c.quality.verdict, "doubtful");
+    EXPECT_THAT(c.quality.because, Contains(HasSubstr("as gravity turns in the IMU"))) << swapped;
+  }
+}
+
+/// Increments divided by 101.9 Hz where the stamps have 100: every scale is too small by 1.9 %.
+TEST(Static, IncrementsOfAWrongRateAreDoubted) {
+  SimulatedSession s = simulate_session(mems(20), 4);
+  s.recording.accel_increment = true;
+  const CalibrationInput input{s.session, {&s.recording, 1}, s.rests};
+  EXPECT_EQ(calibrate("static", input).calibration.quality.verdict, "good");
+  for (std::vector<double>& axis : s.recording.accel)
+    for (double& reading : axis) reading *= 1.019;
+  s.recording.interval_s /= 1.019;
+  EXPECT_THAT(calibrate("static", input).calibration.quality.because, Contains(HasSubstr("the scales, are 1.9 % off")));
+}
+
 TEST(Static, AGravityThatIsNotOfThePlaceIsDoubted) {
   const SimulatedSession s = simulate_session(mems(20), 8);
   Site wrong = s.site();

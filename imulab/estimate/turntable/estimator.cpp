@@ -206,6 +206,22 @@ Estimator::Uncertainty Estimator::uncertainty(const SensorModel& at) const {
   return out;
 }
 
+MatrixXd Estimator::by_prior(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients,
+                             const std::vector<CoefficientIndex>& terms) const {
+  std::vector<Index> columns;
+  for (const CoefficientIndex index : terms) columns.push_back(Forward::of(coefficient(index)));
+  MatrixXd error = MatrixXd::Zero(Forward::all, std::ssize(columns));  // of the columns: estimate less truth
+  error(known_, Eigen::all) = gain_ * design_(Eigen::all, columns);
+  for (std::size_t k = 0; k < columns.size(); ++k) error(columns[k], static_cast<Index>(k)) -= 1;
+  return backward_derivatives(at, coefficients) * error * prior_(columns).asDiagonal();
+}
+
+VectorXd Estimator::optional_sigma() const {
+  VectorXd out = VectorXd::Zero(prior_.size());
+  out(optional_) = prior_(optional_);
+  return out;
+}
+
 VectorXd Estimator::prior_sigma(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const {
   return (backward_derivatives(at, coefficients)(Eigen::all, optional_) * prior_(optional_).asDiagonal()).rowwise().norm();
 }
@@ -257,7 +273,9 @@ Vector3d Estimator::variance_ratios(const VectorXd& readings) const {
   for (Index k = 0; k < of_table.size(); ++k)
     if (of_site(motion_.sources()[static_cast<std::size_t>(k)])) of_table[k] = 0;
   const MatrixXd noise = weight_.asDiagonal() * noise_ * weight_.asDiagonal(), table = weight_.asDiagonal() * table_jacobian_ * of_table.asDiagonal();
-  const auto ratio = [&z = z, &covariance = covariance](const MatrixXd& variance) { return z.dot(variance * z) / covariance.cwiseProduct(variance).sum(); };
+  const auto ratio = [&z = z, &covariance = covariance](const MatrixXd& variance) {
+    return z.dot(variance * z) / covariance.cwiseProduct(variance).sum();
+  };
   const VectorXd gyro = VectorXd::Ones(accel.size()) - accel;
   return {ratio(accel.asDiagonal() * noise * accel.asDiagonal()), ratio(gyro.asDiagonal() * noise * gyro.asDiagonal()),
           ratio(table * table.transpose())};

@@ -70,6 +70,11 @@ class Estimator {
   Uncertainty uncertainty(const SensorModel& at) const;
   /// d coefficient / d reading, one row for each of `coefficients`.
   Eigen::MatrixXd sensitivity(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const;
+  /// Errors of the coefficients where the truth of one of `terms`, with a prior, is off by one sigma of it: a column for each of `terms`.
+  Eigen::MatrixXd by_prior(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients,
+                           const std::vector<CoefficientIndex>& terms) const;
+  /// Standard deviations of the forward model's columns that have a prior; 0 of the others.
+  Eigen::VectorXd optional_sigma() const;
   /// Prior sigmas of the optional terms, of the model's coefficients.
   Eigen::VectorXd prior_sigma(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const;
 

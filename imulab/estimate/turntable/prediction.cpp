@@ -1,9 +1,8 @@
 #include "imulab/estimate/turntable/prediction.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/estimate/turntable/estimator.hpp"
+#include "imulab/estimate/turntable/terms.hpp"
 #include "imulab/model/forward_model.hpp"
-#include "imulab/model/grade.hpp"
 #include "imulab/recording/declared_noise.hpp"
 #include "imulab/rig/table_readings.hpp"
 
@@ -45,6 +44,7 @@ std::vector<std::size_t> rests_of_turns(const TableMotion& motion) {
 Estimator estimator_of(const Plan& plan, const TableMotion& motion) {
   EstimatorOptions options;
   options.terms = plan.terms;
+  options.optional = plan.optional;
   options.table_errors = !plan.classical;
   options.bias_while_turning = plan.classical;
   if (plan.classical) options.left_out = rests_of_turns(motion);
@@ -98,10 +98,19 @@ void add_sources(Prediction& out, const Plan& plan, const TableMotion& motion, c
   const MatrixXd by_turn_on = sensitivity * bias;
   add("gyro turn-on", of_turn_on(plan.gyro_noise.turn_on, by_turn_on.rightCols<3>()));
   add("accelerometer turn-on", of_turn_on(plan.accel_noise.turn_on, by_turn_on.leftCols<3>()));
+  VectorXd of_terms = VectorXd::Zero(sensitivity.rows());
+  for (const char* term : {"accel.quadratic", "accel.cubic", "gyro.quadratic", "gyro.cubic", "gyro.g_sensitivity"}) {
+    const std::vector<CoefficientIndex> members = select_coefficients(term);
+    if (!plan.optional || !contains(plan.terms, members.front())) continue;
+    const VectorXd variance = estimator.by_prior({}, out.coefficients, members).rowwise().squaredNorm();
+    of_terms += variance;
+    add(term, variance);
+    out.terms.push_back({term, members.front(), kernel::prior_sigma(*plan.optional, coefficient(members.front()), 1)});
+  }
   // What is asked for but not determined stays at its start, and may be off by its prior. Classical weights' stated covariance does not know the
   // table.
   if (out.undetermined.empty()) return;
-  const VectorXd rest = stated - by_source.rowwise().squaredNorm() - noise_of(sensitivity);
+  const VectorXd rest = stated - by_source.rowwise().squaredNorm() - noise_of(sensitivity) - of_terms;
   add(undetermined_source, plan.classical ? VectorXd::Zero(rest.size()) : VectorXd(rest.cwiseMax(0.0)));
 }
 
@@ -110,7 +119,7 @@ using Moments = Eigen::MatrixX3d;
 
 }  // namespace
 
-Plan plan_of(const Session& procedure) {
+Plan plan_of(const Session& procedure, const std::vector<CoefficientIndex>& terms) {
   if (procedure.recordings.size() > 1)
     throw Error(fmt::format("{}: {} recordings; expected a procedure with one", procedure.file, procedure.recordings.size()));
   const RecordingSource source = procedure.recordings.empty() ? RecordingSource{} : procedure.recordings.front();
@@ -134,9 +143,20 @@ Plan plan_of(const Session& procedure) {
   if (!(noise.accel.N > 0) || !(noise.gyro.N > 0))
     throw Error(fmt::format("{}: the {} noise density is 0; expected one above 0, since the readings are weighted by their noise", procedure.file,
                             noise.accel.N > 0 ? "gyro" : "accelerometer"));
-  const bool with_g = procedure.imu.grade && grade(*procedure.imu.grade).g_sensitivity > 0;
+  plan.terms = chosen_coefficients(terms, "m/s^2", "rad/s");
+  if (!terms.empty()) return plan;
+  EstimatorOptions asked;
+  asked.terms = plan.terms;
+  const EstimatorOptions all = with_optional_terms(asked, procedure.imu, Vector3d::Zero(), Vector3d::Zero());
+  plan.terms = all.terms;
+  plan.optional = all.optional;
+  return plan;
+}
+
+Plan classical(Plan plan) {
+  plan.classical = true;
   plan.terms = select_each({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"});
-  if (with_g) plan.terms = select_each({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix", "gyro.g_sensitivity"});
+  plan.optional.reset();
   return plan;
 }
 
@@ -147,6 +167,7 @@ Prediction predict(const Plan& plan) {
   Prediction out;
   out.coefficients = uncertainty.stated;
   out.undetermined = uncertainty.undetermined;
+  out.considered = uncertainty.considered;
   add_sources(out, plan, motion, estimator, uncertainty.covariance.diagonal());
   const auto second = estimator.second_order({}, out.coefficients);
   out.bias = second.bias;
@@ -157,13 +178,14 @@ Prediction predict(const Plan& plan) {
   return out;
 }
 
-imulab::Prediction predict(const Session& procedure) { return predict(plan_of(procedure)); }
+imulab::Prediction predict(const Session& procedure, const std::vector<CoefficientIndex>& terms) { return predict(plan_of(procedure, terms)); }
 
 MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t seed, const std::function<void(std::uint64_t)>& progress,
                              const Checkpoint* checkpoint) {
   const TableMotion motion(plan.parts, plan.rig, plan.site);
   const Estimator estimator = estimator_of(plan, motion);
-  const ReadingsSampler sampler(motion, {plan.accel_noise.turn_on, plan.gyro_noise.turn_on}, estimator.noise(), seed);
+  const ReadingsSampler sampler(motion, {plan.accel_noise.turn_on, plan.gyro_noise.turn_on}, estimator.noise(), seed,
+                                plan.optional ? estimator.optional_sigma() : VectorXd());
   const std::vector<CoefficientIndex> coefficients = estimator.uncertainty({}).stated;
   const auto n = static_cast<Index>(coefficients.size());
   const auto values = [&](const SensorModel& model) {
@@ -171,7 +193,7 @@ MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t
     std::transform(coefficients.begin(), coefficients.end(), v.begin(), [&](CoefficientIndex index) { return coefficient_value(model, index); });
     return v;
   };
-  const VectorXd expected = values({}) + estimator.second_order({}, coefficients).bias;
+  const VectorXd bias = estimator.second_order({}, coefficients).bias;
 
   constexpr std::uint64_t least_block = 128, most_parts = 1 << 16;  // a checkpoint keeps a kilobyte of each part
   const std::uint64_t block = least_block * std::max<std::uint64_t>(1, (runs + least_block * most_parts - 1) / (least_block * most_parts));
@@ -179,9 +201,10 @@ MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t
   blocks.work = [&](std::size_t b) {
     const std::uint64_t begin = b * block, count = std::min(block, runs - begin);
     const MatrixXd found = estimator.solve(estimator.linearized(sampler.draw(begin, static_cast<Index>(count))));
+    const MatrixXd drawn = sampler.drawn_columns(begin, static_cast<Index>(count));
     Moments sum = Moments::Zero(n, 3);
     for (Index run = 0; run < found.cols(); ++run) {
-      const VectorXd error = values(backward(found.col(run))) - expected, square = error.cwiseAbs2();
+      const VectorXd error = values(backward(found.col(run))) - values(backward(drawn.col(run))) - bias, square = error.cwiseAbs2();
       sum.col(0) += error, sum.col(1) += square, sum.col(2) += square.cwiseAbs2();
     }
     return bytes_of(sum.data(), static_cast<std::size_t>(sum.size()));

@@ -3,12 +3,14 @@
 #pragma once
 
 #include "imulab/core/shared_work.hpp"
+#include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/model/noise.hpp"
 #include "imulab/rig/table_plan.hpp"
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,21 +23,33 @@ struct Plan {
   Site site;
   NoiseModel accel_noise, gyro_noise;   ///< N and turn_on count
   std::vector<CoefficientIndex> terms;  ///< what the calibration estimates
+  /// Of those that an IMU may not have. Absent: `terms` are estimated by the data alone, as those that a user names.
+  std::optional<kernel::PriorSizes> optional;
   /// Zhang's formulas on his procedure: weights from the sensors' noise alone, the gyros' bias in turns apart, and the rests of turns only in their
   /// sums.
   bool classical = false;
 };
 
-/// Of the procedure's only recording. Offsets and matrices, and g-sensitivity where the grade has it. Throws Error where the procedure is not one of
-/// a turntable, its steps are wrong, or the unit's noise is not declared.
-Plan plan_of(const Session& procedure);
+/// Of the procedure's only recording; `terms` as CalibrationOptions has them. Throws Error where the procedure is not one of a turntable, its steps
+/// are wrong, or the unit's noise is not declared.
+Plan plan_of(const Session& procedure, const std::vector<CoefficientIndex>& terms = {});
+/// Of Zhang's model: offsets and matrices alone, by his weights.
+Plan classical(Plan plan);
 
 /// The source that stands for what the procedure does not determine: left at its start, it may be off by its prior.
 inline constexpr const char* undetermined_source = "undetermined coefficients";
 
+/// A term that the IMU may have, as a source of error: what the readings do not show of it.
+struct TermSource {
+  std::string name;        ///< among the sources: "accel.quadratic"
+  CoefficientIndex first;  ///< its coefficient of the x axis
+  double prior = 0;        ///< one sigma of each of its coefficients [SI]
+};
+
 /// Rows and elements are in the order of `coefficients`. `sigma` contains the second order, `cramer_rao` does not.
 struct Prediction : imulab::Prediction {
   std::vector<std::string> sources;  ///< "orthogonality", "angle", "zero", "timing", "gravity", ...: columns of `variance`
+  std::vector<TermSource> terms;     ///< those among them
   Eigen::MatrixXd variance;          ///< to first order, by source
   Eigen::VectorXd second_order;      ///< sigma of the second-order part
   Eigen::VectorXd bias;              ///< mean of the second-order part, which `calibrate` takes out
@@ -44,7 +58,7 @@ struct Prediction : imulab::Prediction {
 
 Prediction predict(const Plan& plan);
 /// For the table of methods.
-imulab::Prediction predict(const Session& procedure);
+imulab::Prediction predict(const Session& procedure, const std::vector<CoefficientIndex>& terms = {});
 
 struct MonteCarloResult {
   std::vector<CoefficientIndex> coefficients;
@@ -54,8 +68,8 @@ struct MonteCarloResult {
   Eigen::VectorXd sampling_sigma;  ///< standard deviation of `sigma`, relative
 };
 
-/// Whole procedures with drawn table errors, g and noise, each calibrated, at the level of rest means and turn sums. Bit-equal on any number of
-/// threads and processes. `progress` is called with the number of finished runs, from any thread.
+/// Whole procedures with drawn table errors, g, terms with a prior, and noise, each calibrated, at the level of rest means and turn sums. Bit-equal
+/// on any number of threads and processes. `progress` is called with the number of finished runs, from any thread.
 MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t seed, const std::function<void(std::uint64_t)>& progress = {},
                              const Checkpoint* checkpoint = nullptr);
 

@@ -32,14 +32,18 @@ Plan plan_of(const std::vector<Step>& steps, double table_sigma) {
   return plan;
 }
 
-/// A standard procedure, by its own declarations but for the table's accuracy and the grade.
-Plan standard(Session session, double table_sigma, const char* grade = "navigation") {
+std::vector<CoefficientIndex> linear() { return select_each({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"}); }
+
+/// A standard procedure, by its own declarations but for the table's accuracy and the grade, with these terms; none: with all that an IMU may have.
+Plan standard(Session session, double table_sigma, const char* grade = "navigation", const std::vector<CoefficientIndex>& terms = linear()) {
   RigDeclaration& rig = session.rigs.front();
   rig.angle.value = rig.orthogonality.value = rig.zero.value = table_sigma;
   session.imu.grade = grade;
-  return turntable::plan_of(session);
+  return turntable::plan_of(session, terms);
 }
-Plan zhang(double table_sigma, const char* grade = "navigation") { return standard(zhang_24_procedure({}), table_sigma, grade); }
+Plan zhang(double table_sigma, const char* grade = "navigation", const std::vector<CoefficientIndex>& terms = linear()) {
+  return standard(zhang_24_procedure({}), table_sigma, grade, terms);
+}
 
 std::string name_of(CoefficientIndex index) { return std::string(coefficient(index).name); }
 
@@ -65,11 +69,22 @@ void expect_agreement(const Plan& plan, std::size_t coefficients) {
 TEST(TurntablePrediction, AgreesWithMonteCarloOnZhangsProcedure) { expect_agreement(zhang(2 * unit::arcsec), 24); }
 TEST(TurntablePrediction, AgreesWithMonteCarloOnAPathOfQuarterTurns) { expect_agreement(standard(cheng_path_procedure({}), unit::deg / 60), 24); }
 TEST(TurntablePrediction, AgreesWithMonteCarloOnAnOddProcedure) { expect_agreement(plan_of(odd_steps(), 20 * unit::arcsec), 24); }
-TEST(TurntablePrediction, AgreesWithMonteCarloWithGSensitivity) { expect_agreement(zhang(60 * unit::arcsec, "mems"), 33); }
+TEST(TurntablePrediction, AgreesWithMonteCarloWithGSensitivity) {
+  std::vector<CoefficientIndex> terms = linear();
+  for (const CoefficientIndex index : select_coefficients("gyro.g_sensitivity")) terms.push_back(index);
+  expect_agreement(zhang(60 * unit::arcsec, "mems", terms), 33);
+}
+
+/// Terms that an IMU may have are drawn from their priors: those that the readings show, those that they hardly show, and those that they do not.
+TEST(TurntablePrediction, AgreesWithMonteCarloWithDrawnTerms) {
+  expect_agreement(zhang(2 * unit::arcsec, "navigation", {}), 45);
+  expect_agreement(zhang(2 * unit::arcsec, "mems", {}), 45);
+  expect_agreement(standard(cheng_path_procedure({}), unit::deg / 60, "tactical", {}), 45);
+}
 
 TEST(TurntablePrediction, AgreesWithMonteCarloWithClassicalWeights) {
   Plan plan = zhang(2 * unit::arcsec);
-  plan.classical = true;
+  plan = classical(plan);
   expect_agreement(plan, 24);
 }
 
@@ -95,18 +110,18 @@ TEST(TurntablePrediction, AgreesWithMonteCarloWithAnUncertainLatitudeAndTurnOnBi
   plan.gyro_noise.turn_on.value = 0.003 * unit::deg_per_h;
   plan.accel_noise.turn_on.value = 60 * unit::ug;
   EXPECT_LT(largest_share(predict(plan), "latitude"), 1e-3);
-  plan.classical = true;
+  plan = classical(plan);
   for (const char* source : {"latitude", "gyro turn-on", "accelerometer turn-on"}) EXPECT_GT(largest_share(predict(plan), source), 0.2) << source;
   expect_agreement(plan, 24);
 }
 
 /// The budget comes from the estimator's sensitivity to each source; the covariance that it states, from its normal equations.
 TEST(TurntablePrediction, SharesMakeUpTheStatedCovariance) {
-  for (const Plan& plan : {zhang(2 * unit::arcsec), plan_of(odd_steps(), unit::deg / 60)}) {
+  for (const Plan& plan : {zhang(2 * unit::arcsec), zhang(2 * unit::arcsec, "tactical", {}), plan_of(odd_steps(), unit::deg / 60)}) {
     const TableMotion motion(plan.parts, plan.rig, plan.site);
     const Matrix3d one = Matrix3d::Identity();
     EstimatorOptions settings;
-    settings.terms = plan.terms;
+    settings.terms = plan.terms, settings.optional = plan.optional;
     const Estimator estimator(motion, {}, {raw_density(plan.accel_noise.N, one), raw_density(plan.gyro_noise.N, one)}, settings);
     const auto stated = estimator.uncertainty({});
     const Prediction p = predict(plan);
@@ -121,7 +136,7 @@ TEST(TurntablePrediction, ClassicalWeightsAreNoBetterThanTheBound) {
   Plan plan = zhang(20 * unit::arcsec);
   plan.gyro_noise.turn_on.value = 0.003 * unit::deg_per_h;
   const Prediction best = predict(plan);
-  plan.classical = true;
+  plan = classical(plan);
   const Prediction classical = predict(plan);
   ASSERT_EQ(classical.coefficients, best.coefficients);
   const Eigen::ArrayXd ratio = classical.first_order().array() / classical.cramer_rao.array();

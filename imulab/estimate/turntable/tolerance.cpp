@@ -74,8 +74,7 @@ void expect_estimated(const std::vector<Requirement>& requirements, const Plan& 
   for (const Requirement& requirement : requirements)
     for (const CoefficientIndex index : requirement.coefficients)
       if (!contains(plan.terms, index))
-        throw Error(fmt::format("{}: this unit's calibration does not estimate it; g-sensitivity is that of a grade that has it, such as mems",
-                                requirement.selector));
+        throw Error(fmt::format("{}: {} is not among the terms to be estimated", requirement.selector, coefficient(index).name));
 }
 
 std::vector<Shortfall> shortfalls(const Plan& plan, const std::vector<Requirement>& requirements) {

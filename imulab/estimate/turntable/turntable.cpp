@@ -10,6 +10,7 @@
 #include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/estimate/kernel/terms.hpp"
 #include "imulab/estimate/turntable/fit.hpp"
+#include "imulab/estimate/turntable/terms.hpp"
 
 #include <Eigen/LU>
 #include <fmt/core.h>
@@ -26,28 +27,6 @@ using Eigen::VectorXd;
 using kernel::Findings;
 
 namespace {
-
-/// The forward model keeps a matrix whole or diagonal, and the other terms whole.
-std::vector<CoefficientIndex> chosen_coefficients(const std::vector<CoefficientIndex>& wanted, const TableObservations& seen) {
-  const std::vector<CoefficientIndex> chosen = kernel::chosen_coefficients(
-      wanted, select_each({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix", "gyro.g_sensitivity"}), "turntable");
-  enum class Share { none, some, all };
-  const auto share = [&](const std::string& selector) {
-    const std::vector<CoefficientIndex> whole = select_coefficients(selector);
-    const auto n = std::count_if(whole.begin(), whole.end(), [&](CoefficientIndex index) { return contains(chosen, index); });
-    return n == std::ssize(whole) ? Share::all : n > 0 ? Share::some : Share::none;
-  };
-  for (const auto& [triad, unit] : {std::pair{std::string("accel"), seen.accel_unit}, {std::string("gyro"), seen.gyro_unit}}) {
-    const Share diagonal = share(triad + ".matrix.diagonal"), others = share(triad + ".matrix.off_diagonal");
-    if (diagonal == Share::some || others == Share::some || (others == Share::all && diagonal == Share::none))
-      throw TermsError(fmt::format("{0}.matrix in parts: the method turntable estimates all of it, or {0}.matrix.diagonal, or none", triad));
-    if (unit == "count" && (share(triad + ".offset") == Share::none || diagonal == Share::none))
-      throw TermsError(fmt::format("without {0}.offset or {0}.matrix.diagonal: readings in counts have no offset and scale to start from", triad));
-  }
-  for (const char* term : {"accel.offset", "gyro.offset", "gyro.g_sensitivity"})
-    if (share(term) == Share::some) throw TermsError(fmt::format("{} in parts: the method turntable estimates all of it or none", term));
-  return chosen;
-}
 
 /// What is declared and observed of a triad, and what was found.
 struct TriadView {
@@ -180,13 +159,10 @@ std::optional<Fit> under_wider_priors(const Problem& problem, EstimatorOptions o
 }
 
 /// The same with all terms that an IMU may have, under their priors.
-Fit with_optional_terms(const Fit& free, std::vector<std::string>& widened) {
+Fit fit_with_optional_terms(const Fit& free, std::vector<std::string>& widened) {
   const Problem& problem = *free.problem;
-  EstimatorOptions options = free.options;
-  for (const CoefficientIndex index : select_each({"accel.quadratic", "accel.cubic", "gyro.quadratic", "gyro.cubic"})) options.terms.push_back(index);
-  std::sort(options.terms.begin(), options.terms.end());
-  options.optional = kernel::optional_priors(problem.imu, sensor_offset(free.model.accel, problem.seen.accel_unit),
-                                             sensor_offset(free.model.gyro, problem.seen.gyro_unit));
+  const EstimatorOptions options = with_optional_terms(free.options, problem.imu, sensor_offset(free.model.accel, problem.seen.accel_unit),
+                                                       sensor_offset(free.model.gyro, problem.seen.gyro_unit));
   if (std::optional<Fit> wider = under_wider_priors(problem, options, widened)) return *std::move(wider);
   widened.clear();
   return fit(problem, options);
@@ -236,13 +212,13 @@ Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, 
     throw Unsupported("the holds are too short to measure the sensors' noise; declare the noise densities of accelerometers and gyros");
   const Problem problem(seen, rig, imu, site);
   EstimatorOptions asked;
-  asked.terms = chosen_coefficients(options.terms, seen);
+  asked.terms = chosen_coefficients(options.terms, seen.accel_unit, seen.gyro_unit);
   asked.bias_while_turning = options.turntable.bias_while_turning;
   const Fit free = fit(problem, asked);
   expect_units(problem, free.model);
 
   std::vector<std::string> widened;
-  const Fit whole = options.terms.empty() ? with_optional_terms(free, widened) : free;
+  const Fit whole = options.terms.empty() ? fit_with_optional_terms(free, widened) : free;
   const std::string reversal = reversed_axis(free);
   kernel::Cleaned<Fit> cleaned{whole, {}, {}, true};
   if (reversal.empty()) cleaned = without_outliers(whole, options.outlier_level);

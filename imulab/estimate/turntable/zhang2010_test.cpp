@@ -25,7 +25,7 @@ Plan plan_of_table_1() {
   procedure.imu.gyro_noise_density = 0.005 * unit::deg_per_h * std::sqrt(60);
   procedure.imu.accel_noise_density = 20 * unit::ug * std::sqrt(60);
   Plan plan = plan_of(procedure);
-  plan.classical = true;
+  plan = classical(plan);
   return plan;
 }
 

@@ -99,7 +99,7 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
   return result;
 }
 
-Prediction predict(const Session& procedure) {
+Prediction predict(const Session& procedure, const std::vector<CoefficientIndex>& terms) {
   expect_latitude(procedure);
   const NoiseModels noise = errors_at(procedure.file, [&] { return declared_noise(procedure.imu); });
   const double rate = procedure.recordings.empty() ? 1 : procedure.recordings.front().rate_hz.value_or(default_sample_rate);
@@ -113,6 +113,7 @@ Prediction predict(const Session& procedure) {
     point.raw << motion.force, motion.rate;
   }
   CalibrationOptions options;
+  options.terms = terms;
   options.whole_unit.full = true;  // a term that is left out counts in the covariance all the same
   const JointEstimate joint = joint_estimate(problem, options);
   Calibration calibration;

@@ -106,6 +106,8 @@ std::string prediction_json(const turntable::Prediction& p, const std::optional<
   Json undetermined = Json::array();
   for (const CoefficientIndex index : p.undetermined) undetermined.push_back(name_of(index));
   Json out{{"coefficients", std::move(coefficients)}, {"undetermined", std::move(undetermined)}};
+  for (const CoefficientIndex index : p.considered) out["considered"].push_back(name_of(index));
+  for (const turntable::TermSource& term : p.terms) out["priors"][term.name] = term.prior;
   if (monte_carlo) out["monte_carlo_runs"] = monte_carlo->runs;
   if (!answers.empty()) {
     out["not_met"] = to_json(shortfalls);

@@ -23,7 +23,7 @@ UserUnit unit_of(CoefficientIndex index, const std::vector<CoefficientIndex>& co
   for (std::size_t k = 0; k < coefficients.size(); ++k)
     if (coefficient(coefficients[k]).triad == c.triad && coefficient(coefficients[k]).term == c.term)
       largest = std::max(largest, sigma[static_cast<Eigen::Index>(k)]);
-  return user_unit(c, largest);
+  return user_unit_of_si(c, largest);
 }
 
 /// A source's name as the two lines of a narrow column's head.
@@ -38,6 +38,9 @@ std::array<std::string, 2> heading(const std::string& source) {
   if (source == "accelerometer turn-on") return {"acc.", "on"};
   if (source == "timing") return {"", "time"};
   if (source == turntable::undetermined_source) return {"not", "det."};
+  if (source == "gyro.g_sensitivity") return {"gyro", "g"};
+  if (const auto dot = source.find('.'); dot != std::string::npos)  // a term: "accel.quadratic"
+    return {source.starts_with("accel") ? "acc." : "gyro", source.substr(dot + 1) == "quadratic" ? "quad." : source.substr(dot + 1)};
   return {"", source};
 }
 
@@ -97,29 +100,42 @@ std::vector<Shares> in_columns(const Shares& all) {
 std::string share_rows(const turntable::Prediction& p, const Shares& shares) {
   std::string text;
   for (const std::size_t line : {0u, 1u}) {
-    text += fmt::format("{:<21} {:<8} {:>8} ", line == 0 ? "" : "coefficient", line == 0 ? "" : "unit", line == 0 ? "" : "sigma");
+    text += fmt::format("{:<21} {:<13} {:>7}", line == 0 ? "" : "coefficient", line == 0 ? "" : "unit", line == 0 ? "" : "sigma");
     for (const std::string& source : shares.sources) text += fmt::format(" {:>5}", heading(source)[line]);
     text += "\n";
   }
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     const UserUnit unit = unit_of(p.coefficients[i], p.coefficients, p.sigma);
-    text += fmt::format("{:<21} {:<8} {:>8} ", coefficient(p.coefficients[i]).name, unit.name, text::two_digits(p.sigma[row] / unit.size));
+    text += fmt::format("{:<21} {:<13} {:>7}", coefficient(p.coefficients[i]).name, unit.name, text::two_digits(p.sigma[row] / unit.size));
     for (Eigen::Index k = 0; k < shares.percent.cols(); ++k) text += fmt::format(" {:>5.0f}", shares.percent(row, k));
     text += "\n";
   }
   return text;
 }
 
+/// What the IMU may have, and how large that may be.
+std::string term_rows(const turntable::Prediction& p) {
+  std::string text;
+  for (const turntable::TermSource& term : p.terms) {
+    const Coefficient& c = coefficient(term.first);
+    const UserUnit unit = user_unit_of_si(c, term.prior);
+    const bool unseen = std::find(p.considered.begin(), p.considered.end(), term.first) != p.considered.end();
+    text += fmt::format("  {:<18} prior {} {}{}\n", term.name, text::two_digits(term.prior / unit.size), unit.name,
+                        unseen ? "; the procedure does not show it" : "");
+  }
+  return text.empty() ? "" : "\nTerms that the IMU may have, one sigma before the data:\n" + text;
+}
+
 /// First and second order, closed form and Monte Carlo, with all digits.
 std::string sigma_rows(const turntable::Prediction& p, const std::optional<turntable::MonteCarloResult>& monte_carlo) {
   const Eigen::VectorXd first = p.first_order();
-  std::string text = fmt::format("\n{:<21} {:<8} {:>10} {:>12} {:>12}", "coefficient", "unit", "1st order", "2nd order", "closed form");
+  std::string text = fmt::format("\n{:<21} {:<13} {:>10} {:>12} {:>12}", "coefficient", "unit", "1st order", "2nd order", "closed form");
   text += monte_carlo ? fmt::format(" {:>11}\n", "Monte Carlo") : "\n";
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     const UserUnit unit = unit_of(p.coefficients[i], p.coefficients, p.sigma);
-    text += fmt::format("{:<21} {:<8} {:>10.4g} {:>12.2g} {:>12.4g}", coefficient(p.coefficients[i]).name, unit.name, first[row] / unit.size,
+    text += fmt::format("{:<21} {:<13} {:>10.4g} {:>12.2g} {:>12.4g}", coefficient(p.coefficients[i]).name, unit.name, first[row] / unit.size,
                         p.second_order[row] / unit.size, p.sigma[row] / unit.size);
     text += monte_carlo ? fmt::format(" {:>11.4g}\n", monte_carlo->sigma[row] / unit.size) : "\n";
   }
@@ -162,6 +178,7 @@ std::string prediction_table(const turntable::Prediction& p, const std::optional
   if (details)
     for (const Shares& part : in_columns(all_shares(p))) text += "\n" + share_rows(p, part);
   if (details) text += sigma_rows(p, monte_carlo);
+  text += term_rows(p);
   if ((p.second_order.array() > 0.03 * p.first_order().array()).any())  // below, it changes nothing a person reads
     text +=
         "\n" + text::wrapped("", "The uncertainty contains products of errors (second order), the shares do not; calibrate subtracts their mean.");
@@ -183,7 +200,7 @@ std::string prediction_table(const Prediction& p, const std::vector<Requirement>
   }
   for (std::size_t i = 0; i < p.undetermined.size(); ++i) {
     const Coefficient& c = coefficient(p.undetermined[i]);
-    const UserUnit unit = user_unit(c, 0);
+    const UserUnit unit = user_unit_of_si(c, 0);
     const std::string remaining = p.remaining.size() > 0 ? fmt::format("{:.4g}", p.remaining[static_cast<Eigen::Index>(i)] / unit.size) : "";
     text += fmt::format("{:<21} {:<13} {:>9}  not determined\n", c.name, unit.name, remaining);
   }

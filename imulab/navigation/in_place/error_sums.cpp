@@ -1,6 +1,7 @@
 #include "imulab/navigation/in_place/error_sums.hpp"
 
 #include "imulab/earth/earth.hpp"
+#include "imulab/model/lever_arm.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -84,6 +85,18 @@ BlockSums sums_of(const AttitudeAt& attitude, double begin, double end, double l
       s.gyro_velocity[b] += h * across * (s.gyro[b] + 0.5 * h * basis[b] * a.C_nb);
       s.gyro[b] += h * basis[b] * a.C_nb;
     }
+    s.quadratic += h * a.C_nb * f.cwiseAbs2().asDiagonal();
+    if (a.rate_n.isZero()) continue;
+    const auto rate_at = [&](double t) {
+      const Attitude there = attitude(t);
+      return Vector3d(there.C_nb.transpose() * there.rate_n);
+    };
+    const double middle = begin + (k + 0.5) * h;
+    const Vector3d acceleration = (rate_at(middle + 0.5 * h) - rate_at(middle - 0.5 * h)) / h;
+    s.delay += h * a.C_nb * w.cross(f);
+    s.smear += 0.5 * h * a.C_nb * (w.cross(w.cross(f)) - acceleration.cross(f));
+    const Matrix3d effect = size_effect(w, acceleration);
+    for (Eigen::Index i = 0; i < 3; ++i) s.lever_arm.middleCols<3>(3 * i) += h * a.C_nb.col(i) * effect.row(i);
   }
   s.accel = {s.gyro[0], s.gyro[4], s.gyro[5], s.gyro[6]};
   s.duration = end - begin;

@@ -72,7 +72,7 @@ struct Attitude {
 };
 using AttitudeAt = std::function<Attitude(double time)>;
 
-/// The sums along a known motion, by midpoints of short steps; without those of quadratic terms, lever arms and delay.
+/// The sums along a known motion, by midpoints of short steps.
 BlockSums sums_of(const AttitudeAt& attitude, double begin, double end, double latitude, double gravity);
 
 }  // namespace imulab::in_place
