@@ -1,5 +1,5 @@
 #!/bin/sh
-# sh measure.sh HEADER: flash, stack and instructions of a header's functions, exported with --fixed-point, on two processors in QEMU.
+# sh measure.sh HEADER: flash, stack and instructions of a header's functions, exported with --fixed-point --q15, on two processors in QEMU.
 # Flash: what a program grows by, the compiler's arithmetic included. Instructions and stack: of one call, without the call itself.
 # Instructions are no cycles: a Cortex-M0+ takes one or two each, and more at a branch; a Cortex-M4F takes 14 for a division.
 set -eu
@@ -31,11 +31,11 @@ case $header in /*) ;; *) header=$PWD/$header ;; esac
 echo "| processor | function | numbers | flash, bytes | stack, bytes | instructions |"
 echo "| --- | --- | --- | --- | --- | --- |"
 while read -r machine name flags; do
-  for row in "1 imulab_compensate double" "1 imulab_compensate float" "4 imulab_compensate_fixed int32" "2 imulab_filter_push double" \
+  for row in "1 imulab_compensate double" "1 imulab_compensate float" "4 imulab_compensate_fixed int32" "6 imulab_compensate_q15 int16" "2 imulab_filter_push double" \
     "2 imulab_filter_push float" "5 imulab_filter_fixed_push int32"; do
     set -- $row
     real=$3
-    [ "$real" = int32 ] && real=float
+    case $real in int*) real=float ;; esac
     build "$folder/nothing" 0 "$real" $flags
     build "$folder/program" "$1" "$real" $flags
     bytes=$(($(flash "$1" "$real" $flags) - $(flash 0 "$real" $flags)))
