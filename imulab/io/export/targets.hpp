@@ -26,7 +26,7 @@ std::string csv_text(const ExportInput& input);
 Sentences left_out_of_kalibr(const ExportInput& input);
 Sentences left_out_of_openvins(const ExportInput& input);
 Sentences left_out_of_noise_files(const ExportInput& input);  ///< kalibr-imu, vins, euroc: noise alone
-Sentences left_out_of_ros(const ExportInput& input);  ///< also of the filters' parameters
+Sentences left_out_of_ros(const ExportInput& input);          ///< also of the filters' parameters
 Sentences left_out_of_px4(const ExportInput& input);
 Sentences left_out_of_ardupilot(const ExportInput& input);
 Sentences left_out_of_vectornav(const ExportInput& input);
