@@ -116,7 +116,8 @@ std::string with_short_comments(const std::string& text) {
     while (line.size() > longest && line.starts_with('#')) {
       const std::size_t blank = line.rfind(' ', longest);
       const std::size_t end = blank != std::string::npos && blank > longest / 2 ? blank : longest;
-      out += line.substr(0, end) + "\n";
+      const std::size_t last = line.find_last_not_of(' ', end - 1);
+      out += line.substr(0, last + 1) + "\n";
       line = "#   " + line.substr(line.find_first_not_of(' ', end));
     }
     out += line + "\n";
