@@ -1,6 +1,7 @@
 /* Instructions and stack of one function of an exported header, on QEMU with -icount shift=0, where the clock advances with each instruction.
  *   CALIBRATION: the header, exported with --fixed-point --q15
  *   FLASH_ONLY, if defined: the function alone, for its size
+ *   TRACE, if defined: as much as the filters learn from, then one call that cycles.awk counts
  *   WHAT: 0 nothing, 1 imulab_compensate, 2 imulab_filter_push, 3 imulab_out_of_range, 4 imulab_compensate_fixed, 5 imulab_filter_fixed_push,
  *         6 imulab_compensate_q15 */
 #include CALIBRATION
@@ -35,6 +36,8 @@ __attribute__((noinline)) void measured(void) {
   __asm volatile("");
 #endif
 }
+
+__attribute__((noinline)) void known_end(void) { __asm volatile(""); }
 
 #ifdef FLASH_ONLY
 
@@ -103,6 +106,11 @@ int main(void) {
   }
   imulab_filter_init(&filter);
   imulab_filter_fixed_init(&fixed_filter);
+#ifdef TRACE
+  for (i = 0; WHAT >= 1 && i < (WHAT == 2 || WHAT == 5 ? 100 : 1); ++i) measured();
+  known_end();
+  return 0;
+#endif
   for (i = 0; i < 200; ++i) measured();
   stack = painted_stack();
   known = ticks_of_known_loop();
