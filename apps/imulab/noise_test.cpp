@@ -176,6 +176,9 @@ TEST(NoiseCommand, RefusesNumbersThatAreNone) {
   const CommandResult result = run_imulab(folder, "noise session.toml");
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.errors, HasSubstr("log.csv:3001"));
+  const CommandResult inspected = run_imulab(folder, "noise log.csv --set gyro.unit=rad/s");
+  EXPECT_EQ(inspected.exit_code, 1);
+  EXPECT_THAT(inspected.errors, HasSubstr("gz has no finite number in 1 row, first in row 3000"));
 }
 
 TEST(NoiseCommand, RefusesARateThatChanges) {
