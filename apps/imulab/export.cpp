@@ -154,7 +154,7 @@ void add_export(Verb app) {
   verb.option("CALIBRATION", o->calibration, "calibration.json").required().reads();
   verb.option("--to TARGET", o->target, fmt::format("{}", fmt::join(help, "; "))).required().one_of(names);
   verb.option("-o,--output FILE", o->output, "the file to write; - for standard output; with --to all a folder").show_default();
-  const std::vector<std::string_view> noisy{"kalibr-imu", "kalibr", "openvins", "vins", "euroc", "ros", "json-matrix", "csv"},
+  const std::vector<std::string_view> noisy{"kalibr-imu", "kalibr", "openvins", "vins", "euroc", "ros", "ros-filter", "json-matrix", "csv"},
       autopilots{"px4", "ardupilot"};
   const auto belongs = [&](const std::string& name, Option option, const std::vector<std::string_view>& targets) {
     o->of_targets.push_back({name, option, targets});

@@ -31,7 +31,7 @@ std::optional<RecordedAs> readings(const std::optional<std::string>& unit, const
 }  // namespace
 
 bool CHeaderArguments::given() const {
-  return accel_unit || gyro_unit || accel_counts_per_unit || gyro_counts_per_unit || accel_range || gyro_range || body_axes || fixed_point;
+  return accel_unit || gyro_unit || accel_counts_per_unit || gyro_counts_per_unit || accel_range || gyro_range || body_axes || fixed_point || q15;
 }
 
 void add_c_header_options(Verb& verb, CHeaderArguments& a) {
@@ -41,9 +41,10 @@ void add_c_header_options(Verb& verb, CHeaderArguments& a) {
   verb.option("--accel-counts-per-unit N", a.accel_counts_per_unit, "c-header: the readings are counts, so many to one unit").in_range(1e-9, 1e12);
   verb.option("--gyro-counts-per-unit N", a.gyro_counts_per_unit, "c-header: the same of the gyros").in_range(1e-9, 1e12);
   verb.flag("--body-axes", a.body_axes, "c-header: the readings are along the body axes, not in the recording's columns");
-  verb.flag("--fixed-point", a.fixed_point, "c-header: also a compensation in integers");
-  verb.option("--accel-range R", a.accel_range, "--fixed-point: largest reading; absent: 32768 counts, or 16 g").in_range(1e-9, 1e12);
-  verb.option("--gyro-range R", a.gyro_range, "--fixed-point: largest reading; absent: 32768 counts, or 2000 deg/s").in_range(1e-9, 1e12);
+  verb.flag("--fixed-point", a.fixed_point, "c-header: also a compensation in integers of 32 bits");
+  verb.flag("--q15", a.q15, "c-header: also a compensation in integers of 16 bits");
+  verb.option("--accel-range R", a.accel_range, "--fixed-point, --q15: largest reading; absent: 32768 counts, or 16 g").in_range(1e-9, 1e12);
+  verb.option("--gyro-range R", a.gyro_range, "--fixed-point, --q15: largest reading; absent: 32768 counts, or 2000 deg/s").in_range(1e-9, 1e12);
 }
 
 CHeaderOptions c_header_options(const CHeaderArguments& a, const Calibration& c) {
@@ -51,11 +52,11 @@ CHeaderOptions c_header_options(const CHeaderArguments& a, const Calibration& c)
   CHeaderOptions out;
   out.accel = readings(a.accel_unit, a.accel_counts_per_unit, a.body_axes, c.recorded_accel, or_si(c.model.accel.raw_unit, "m/s^2"));
   out.gyro = readings(a.gyro_unit, a.gyro_counts_per_unit, a.body_axes, c.recorded_gyro, or_si(c.model.gyro.raw_unit, "rad/s"));
-  out.fixed_point = a.fixed_point;
+  out.fixed_point = a.fixed_point, out.q15 = a.q15;
   for (const auto& [option, from, to] :
        {std::tuple("--accel-range", a.accel_range, &out.accel_range), {"--gyro-range", a.gyro_range, &out.gyro_range}}) {
     if (!from) continue;
-    if (!a.fixed_point) throw Error(std::string(option) + ": is of --fixed-point; expected that flag as well");
+    if (!a.fixed_point && !a.q15) throw Error(std::string(option) + ": is of --fixed-point and --q15; expected one of these flags as well");
     if (!(*from > 0)) throw Error(std::string(option) + ": expected a number above 0");
     *to = *from;
   }

@@ -13,7 +13,7 @@ namespace imulab::command {
 struct CHeaderArguments {
   std::optional<std::string> accel_unit, gyro_unit;
   std::optional<double> accel_counts_per_unit, gyro_counts_per_unit, accel_range, gyro_range;
-  bool body_axes = false, fixed_point = false;
+  bool body_axes = false, fixed_point = false, q15 = false;
 
   bool given() const;
 };

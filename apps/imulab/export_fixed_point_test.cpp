@@ -1,4 +1,5 @@
 // The exported compensation in integers is as exact as the header says.
+#include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/io/export/c_header.hpp"
 #include "imulab/io/export/c_header_samples.hpp"
@@ -22,22 +23,26 @@ constexpr const char* program = R"(
 #include <stdio.h>
 int main(void) {
   long v[12];
-  int32_t x[12], force[3], rate[3];
+  DATA x[12], force[3], rate[3];
   int k;
   for (;;) {
     for (k = 0; k < 12; ++k) {
       if (scanf("%ld", &v[k]) != 1) return 0;
-      x[k] = (int32_t)v[k];
+      x[k] = (DATA)v[k];
     }
-    imulab_compensate_fixed(x, x + 3, x + 6, x + 9, force, rate);
+    COMPENSATE(x, x + 3, x + 6, x + 9, force, rate);
     printf("%ld %ld %ld %ld %ld %ld\n", (long)force[0], (long)force[1], (long)force[2], (long)rate[0], (long)rate[1], (long)rate[2]);
   }
 }
 )";
 
+/// As flags of the compiler: which of the two programs it makes.
+constexpr const char *with_32 = " -DDATA=int32_t -DCOMPENSATE=imulab_compensate_fixed",
+                     *with_q15 = " -DDATA=int16_t -DCOMPENSATE=imulab_compensate_q15";
+
 int bits(const std::string& header, const std::string& name) {
   std::smatch found;
-  if (!std::regex_search(header, found, std::regex("#define IMULAB_FIXED_" + name + "_BITS (-?[0-9]+)"))) throw std::runtime_error(name);
+  if (!std::regex_search(header, found, std::regex("#define IMULAB_(?:FIXED|Q15)_" + name + "_BITS (-?[0-9]+)"))) throw std::runtime_error(name);
   return std::stoi(found[1]);
 }
 
@@ -75,7 +80,8 @@ Errors measured(const TemporaryFolder& folder, const Calibration& c, const CHead
   const std::string header = c_header(c, options);
   folder.write("calibration.h", header);
   folder.write("program.c", program);
-  const CommandResult compiled = run_shell(folder, std::string("cc -std=c99 -fsanitize=undefined -fno-sanitize-recover program.c") + header_warnings);
+  const CommandResult compiled = run_shell(
+      folder, std::string("cc -std=c99 -fsanitize=undefined -fno-sanitize-recover program.c") + header_warnings + (options.q15 ? with_q15 : with_32));
   if (compiled.exit_code != 0) throw std::runtime_error(compiled.errors);
   const std::array<int, 4> in_bits{bits(header, "ACCEL"), bits(header, "GYRO"), bits(header, "ACCEL_TEMPERATURE"), bits(header, "GYRO_TEMPERATURE")};
   constexpr std::uint64_t samples = 4096 + 20000;
@@ -102,9 +108,9 @@ Errors measured(const TemporaryFolder& folder, const Calibration& c, const CHead
   return worst;
 }
 
-void expect_as_stated(const Calibration& c, CHeaderOptions options, const Ranges& ranges) {
+void expect_as_stated(const Calibration& c, CHeaderOptions options, const Ranges& ranges, bool q15 = false) {
   const TemporaryFolder folder;
-  options.fixed_point = true;
+  (q15 ? options.q15 : options.fixed_point) = true;
   const Errors said = stated(c_header(c, options)), found = measured(folder, c, options, ranges);
   EXPECT_LE(found.force, said.force);
   EXPECT_LE(found.rate, said.rate);
@@ -142,6 +148,44 @@ TEST(ExportFixedPoint, IsAsExactAsItSaysOfALinearUnit) {
   expect_as_stated(c, {}, {32768, 32768, {0, 0}, {0, 0}});
 }
 
+TEST(ExportFixedPoint, OfQ15IsAsExactAsItSays) {
+  // 16 bits; temperatures to a 2^8th degree, and to a quarter of a thermal reading about 5000
+  expect_as_stated(every_term(), {},
+                   {32767, 32767, {(25 - 67.5) * 256, (25 + 67.5) * 256}, {std::ceil((4987.5 - 168.75) * 4), std::floor((4987.5 + 168.75) * 4)}},
+                   true);
+  Calibration c;
+  c.covariance.resize(0, 0);
+  c.model.accel.matrix << 1.01, 0.003, -0.002, 0.001, 0.99, 0.004, 0.0005, -0.003, 1.002;
+  c.model.accel.offset = {0.3, -0.2, 0.1};
+  c.model.g_sensitivity << 1e-4, -2e-4, 3e-4, 1e-4, 0, 1e-4, -1e-4, 2e-4, 0;
+  c.recorded_accel = RecordedAs{"g", 1, 0, {"+y", "-x", "+z"}};
+  c.recorded_gyro = RecordedAs{"deg/s", 16.4, 0};
+  CHeaderOptions options;
+  options.accel_range = 8;
+  expect_as_stated(c, options, {std::ldexp(8, 11), 32767, {0, 0}, {0, 0}}, true);
+  // 24 bits: the driver shifts its counts to the right.
+  Calibration fine;
+  fine.covariance.resize(0, 0);
+  fine.model.accel.raw_unit = fine.model.gyro.raw_unit = "count";
+  fine.model.accel.matrix *= 2e-5, fine.model.gyro.matrix *= 4e-6;
+  options = {};
+  options.accel_range = options.gyro_range = 1 << 23;
+  expect_as_stated(fine, options, {16384, 16384, {0, 0}, {0, 0}}, true);
+}
+
+TEST(ExportFixedPoint, OfQ15RefusesADriftThatItsWordsCannotHold) {
+  Calibration c = every_term();
+  c.model.accel.thermal(0, 1) = 200;  // counts a degree: 13500 over 67.5 degrees of 32768
+  CHeaderOptions options;
+  options.fixed_point = true;
+  EXPECT_NO_THROW(c_header(c, options));
+  options.q15 = true;
+  EXPECT_THAT([&] { c_header(c, options); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("larger than the range of the readings leaves (16 bits)")));
+  options.accel_range = 1 << 18;  // the driver shifts its readings
+  EXPECT_NO_THROW(c_header(c, options));
+}
+
 /// Any model that a sensor might have: scales, offsets, bends, drifts and ranges over decades.
 TEST(ExportFixedPoint, OfAnyModelNeverOverflowsAndKeepsItsBound) {
   const RandomStream random(11, "models in integers");
@@ -149,14 +193,15 @@ TEST(ExportFixedPoint, OfAnyModelNeverOverflowsAndKeepsItsBound) {
   const auto any = [&] { return 2 * random.uniform(draw++) - 1; };
   const auto decades = [&](double low, double high) { return low * std::pow(high / low, random.uniform(draw++)); };
   const TemporaryFolder folder;
-  for (int model = 0; model < 12; ++model) {
+  for (int model = 0; model < 24; ++model) {
+    const bool q15 = model >= 12;
     Calibration c;
     c.covariance.resize(0, 0);
     CHeaderOptions options;
-    options.fixed_point = true;
+    (q15 ? options.q15 : options.fixed_point) = true;
     Ranges ranges{};
     for (TriadModel* t : {&c.model.accel, &c.model.gyro}) {
-      const double range = std::floor(decades(100, 1e9)), full = decades(1, 300), scale = full / range;  // counts, SI
+      const double range = std::floor(decades(100, q15 ? 32767 : 1e9)), full = decades(1, 300), scale = full / range;  // counts, SI
       t->raw_unit = "count";
       t->matrix.setIdentity();
       for (Eigen::Index i = 0; i < 9; ++i) t->matrix(i) = scale * (t->matrix(i) * decades(0.3, 3) + 0.1 * any());
@@ -164,14 +209,16 @@ TEST(ExportFixedPoint, OfAnyModelNeverOverflowsAndKeepsItsBound) {
         t->offset[i] = full * any();
         t->quadratic[i] = model % 3 == 0 ? 0 : full / range / range * decades(1e-6, 0.3) * any();
         t->cubic[i] = model % 4 == 0 ? 0 : full / std::pow(range, 3) * decades(1e-6, 0.3) * any();
-        if (model % 2 == 0) t->thermal.row(i) << 0, range / 300 * decades(1e-6, 1) * any(), range / 3e4 * decades(1e-6, 1) * any();
+        if (model % 2 == 0)
+          t->thermal.row(i) << 0, range / (q15 ? 3000 : 300) * decades(1e-6, 1) * any(), range / (q15 ? 3e5 : 3e4) * decades(1e-6, 1) * any();
       }
       t->temperature = ThermalReading{"degC", 30 * any(), {-40, 85}};
       (t == &c.model.accel ? options.accel_range : options.gyro_range) = range;
       (t == &c.model.accel ? ranges.accel : ranges.gyro) = range;
       auto& temperature = t == &c.model.accel ? ranges.accel_temperature : ranges.gyro_temperature;
       const double zero = t->temperature->reference, far = 1.5 * std::max(zero + 40, 85 - zero) - 1e-4;
-      if (model % 2 == 0) temperature[0] = (zero - far) * 65536, temperature[1] = (zero + far) * 65536;
+      const double step = q15 ? std::exp2(-std::floor(std::log2(32767 / (std::abs(zero) + far + 1e-4)))) : 1.0 / 65536;
+      if (model % 2 == 0) temperature[0] = std::ceil((zero - far) / step), temperature[1] = std::floor((zero + far) / step);
     }
     for (Eigen::Index i = 0; i < 9; ++i) c.model.g_sensitivity(i) = decades(1e-6, 1e-2) * any();
     const Errors said = stated(c_header(c, options)), found = measured(folder, c, options, ranges);
@@ -179,8 +226,11 @@ TEST(ExportFixedPoint, OfAnyModelNeverOverflowsAndKeepsItsBound) {
     EXPECT_LE(found.rate, said.rate) << model;
     EXPECT_GE(3 * found.force, said.force) << model;
     EXPECT_GE(3 * found.rate, said.rate) << model;
-    folder.write("selftest.c", "#include \"calibration.h\"\nint main(void) { return imulab_selftest_fixed() + imulab_selftest(); }\n");
-    EXPECT_EQ(run_shell(folder, "cc -O2 selftest.c -o selftest && ./selftest").exit_code, 0) << model;
+    folder.write("selftest.c", "#include \"calibration.h\"\nint main(void) { return SELFTEST() + imulab_selftest(); }\n");
+    EXPECT_EQ(run_shell(folder, std::string("cc -O2 -DSELFTEST=imulab_selftest_") + (q15 ? "q15" : "fixed") + " selftest.c -o selftest && ./selftest")
+                  .exit_code,
+              0)
+        << model;
   }
 }
 
@@ -274,7 +324,8 @@ TEST(ExportFixedPoint, TakesTheEndOfARangeBeyondIt) {
   options.fixed_point = true;
   folder.write("calibration.h", c_header(every_term(), options));
   folder.write("program.c", program);
-  ASSERT_EQ(run_shell(folder, std::string("cc -std=c99 -fsanitize=undefined -fno-sanitize-recover program.c") + header_warnings).exit_code, 0);
+  ASSERT_EQ(run_shell(folder, std::string("cc -std=c99 -fsanitize=undefined -fno-sanitize-recover program.c") + header_warnings + with_32).exit_code,
+            0);
   const auto out = [&](const std::string& triad, const std::string& temperature) {
     std::string line;
     for (const std::string& x : {triad, temperature}) line += x + " " + x + " " + x + " " + x + " " + x + " " + x + " ";

@@ -169,7 +169,8 @@ TEST(ExportedReadings, ThatDoNotFitAreRefused) {
   EXPECT_THAT(refused("si.json --to c-header --input-gyro knots"), HasSubstr("knots"));
   EXPECT_THAT(refused("si.json --to c-header --accel-counts-per-unit -3"), HasSubstr("--accel-counts-per-unit: -3; expected a number from 1e-09"));
   EXPECT_THAT(refused("count.json --to c-header --accel-counts-per-unit 3"), HasSubstr("expected a physical unit with them"));
-  EXPECT_THAT(refused("si.json --to c-header --accel-range 3"), HasSubstr("--accel-range: is of --fixed-point; expected that flag as well"));
+  EXPECT_THAT(refused("si.json --to c-header --accel-range 3"),
+              HasSubstr("--accel-range: is of --fixed-point and --q15; expected one of these flags as well"));
   EXPECT_THAT(refused("si.json --to c-header --fixed-point --accel-range 0"), HasSubstr("--accel-range: 0; expected a number from 1e-09"));
   EXPECT_THAT(refused("count.json --to c-header --fixed-point --gyro-range 1e12"), HasSubstr("expected one above 0 that 30 bits hold"));
   CHeaderOptions options;

@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 
 constexpr const char* selftest = "#include \"calibration.h\"\nint main(void) { return imulab_selftest(); }\n";
 constexpr const char* both_selftests =
-    "#include \"calibration.h\"\nint main(void) { return imulab_selftest() ? 1 : imulab_selftest_fixed() ? 2 : 0; }\n";
+    "#include \"calibration.h\"\nint main(void) { return imulab_selftest() ? 1 : imulab_selftest_fixed() ? 2 : imulab_selftest_q15() ? 3 : 0; }\n";
 
 /// Exit code of a program with a header. Throws where it does not compile.
 int run_with(const TemporaryFolder& folder, const std::string& header, const std::string& program, const std::string& compiler) {
@@ -39,7 +39,7 @@ const std::vector<std::string> compilers{"cc -std=c99 program.c", "c++ -std=c++9
 TEST(ExportSelftest, PassesWhereverItCompiles) {
   const TemporaryFolder folder;
   CHeaderOptions options;
-  options.fixed_point = true;
+  options.fixed_point = options.q15 = true;
   Calibration plain, other_axes = every_term_in_si();
   plain.covariance.resize(0, 0);
   other_axes.recorded_accel = RecordedAs{"g*s", 1, 0.005, {"-y", "+x", "-z"}};
@@ -132,7 +132,7 @@ TEST(ExportedHeader, NamesCannotLeaveTheirCommentsAndQuotes) {
     c.imu = name(0), c.method = name(1), c.created = name(2), c.software = name(3);
     c.model.accel.temperature->unit = name(4), c.model.gyro.temperature->unit = name(5);
     CHeaderOptions options;
-    options.fixed_point = true;
+    options.fixed_point = options.q15 = true;
     const std::string compiler = k % 2 == 0 ? "cc -std=c99 -trigraphs program.c" : "c++ -std=c++98 -Wno-long-long -trigraphs program.cpp";
     EXPECT_EQ(run_with(folder, c_header(c, options), both_selftests, compiler), 0) << names[k];
   }
@@ -147,7 +147,7 @@ TEST(ExportedHeader, NamesCannotLeaveTheirCommentsAndQuotes) {
 
 TEST(ExportedHeader, IsLinesThatAnEditorShows) {
   CHeaderOptions options;
-  options.fixed_point = true;
+  options.fixed_point = options.q15 = true;
   const std::string header = c_header(every_term(), options);
   for (const char c : header) ASSERT_TRUE(c == '\n' || (c >= ' ' && c <= '~')) << static_cast<int>(c);
 }

@@ -149,7 +149,7 @@ TEST(ExportCommand, OtherParsersReadTheFiles) {
   if (run_shell(folder, "/usr/bin/python3 -c 'import yaml, cv2'").exit_code != 0) GTEST_SKIP() << "without PyYAML or OpenCV";
   const Calibration c = export_test::si_unit();
   const ImuNoise noise = export_test::some_noise();
-  for (const char* target : {"kalibr-imu", "kalibr", "openvins", "vins", "euroc", "ros"})
+  for (const char* target : {"kalibr-imu", "kalibr", "openvins", "vins", "euroc", "ros", "ros-filter"})
     folder.write(std::string(target) + ".yaml", export_test::exported(target, {c, &noise}));
   folder.write("check.py", R"(
 import yaml, cv2
@@ -160,6 +160,7 @@ def numbers(x):
     return [x]
 for name in ("kalibr-imu", "kalibr", "euroc", "ros"):
     assert len(numbers(yaml.safe_load(open(name + ".yaml")))) >= 5, name
+assert all(isinstance(x, (bool, float)) for x in yaml.safe_load(open("ros-filter.yaml"))["/**"]["ros__parameters"].values())
 vins = cv2.FileStorage("vins.yaml", cv2.FILE_STORAGE_READ)
 print("%.17g" % vins.getNode("acc_n").real())
 chain = cv2.FileStorage("openvins.yaml", cv2.FILE_STORAGE_READ)

@@ -1,4 +1,5 @@
 // imulab noise: from a log at rest to coefficients, and what it refuses.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "tests/run_command.hpp"
@@ -175,24 +176,34 @@ TEST(NoiseCommand, RefusesNumbersThatAreNone) {
   const CommandResult result = run_imulab(folder, "noise session.toml");
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.errors, HasSubstr("log.csv:3001"));
+  const CommandResult inspected = run_imulab(folder, "noise log.csv --set gyro.unit=rad/s");
+  EXPECT_EQ(inspected.exit_code, 1);
+  EXPECT_THAT(inspected.errors, HasSubstr("gz has no finite number in 1 row, first in row 3000"));
 }
 
-TEST(NoiseCommand, SaysThatTheRateChanges) {
+TEST(NoiseCommand, RefusesARateThatChanges) {
   const TemporaryFolder folder;
-  write_log(folder, 6000, still);
-  std::string text = "t,gx,gy,gz,ax,ay,az\n";
-  for (int i = 1; i <= 6000; ++i) {
-    text += std::to_string(i <= 3000 ? 0.01 * i : 30 + 0.02 * (i - 3000));  // 100 Hz, then 50
-    for (const double value : still(i)) text += "," + std::to_string(value);
-    text += "\n";
+  const auto result_of = [&](double first_s, double second_s, int first, int rows) {
+    std::string text = "t,gx,gy,gz,ax,ay,az\n";
+    for (int i = 1; i <= rows; ++i) {
+      text += fmt::format("{:.3f}", i <= first ? first_s * i : first_s * first + second_s * (i - first));
+      for (const double value : still(i)) text += "," + std::to_string(value);
+      text += "\n";
+    }
+    folder.write("log.csv", text);
+    return run_imulab(folder, "noise log.csv --set gyro.unit=rad/s");
+  };
+  for (const auto& [first_s, second_s] : {std::pair{0.01, 0.02}, {0.01, 0.011}}) {
+    const CommandResult result = result_of(first_s, second_s, 4000, 8000);
+    EXPECT_EQ(result.exit_code, 1) << result.output;
+    EXPECT_THAT(result.errors, HasSubstr("the rate changes: 100, 100, 100, 100, "));
   }
-  folder.write("log.csv", text);
-  const CommandResult result = run_imulab(folder, "noise session.toml");
-  EXPECT_NE(result.exit_code + result.errors.size(), 0u) << result.output;
-  // What is used is the first half: the second one is gaps at the first one's rate.
-  if (result.exit_code == 0) {
-    EXPECT_THAT(on_one_line(result.output), HasSubstr("at rest: 0 to 30 s, 3000 samples"));
-  }
+  // More than half of it at 100 Hz: the rest is gaps.
+  EXPECT_THAT(on_one_line(result_of(0.01, 0.02, 5000, 8000).output), HasSubstr("at rest: 0 to 50 s, 5000 samples"));
+  // Stamps to a millisecond of 400 Hz: they differ by 2 and by 3 ms, by neither more often.
+  const CommandResult rounded = result_of(0.0025, 0.0025, 20000, 20000);
+  EXPECT_EQ(rounded.exit_code, 1) << rounded.output;
+  EXPECT_THAT(rounded.errors, HasSubstr("the stamps advance at 400 Hz"));
 }
 
 TEST(NoiseCommand, TakesTheTemperatureAway) {

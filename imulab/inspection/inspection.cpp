@@ -184,6 +184,21 @@ TimeGuess settle_time(const SignalTable& table, const Declarations& declared, In
   return time;
 }
 
+/// Columns of numbers that some rows have none in: none of them is a reading.
+std::string columns_with_holes(const SignalTable& table) {
+  constexpr double most = 0.5;  // of the rows: else it is no column of numbers
+  std::string text;
+  for (std::size_t i = 0; i < table.signals.size(); ++i) {
+    const std::vector<double>& values = table.signals[i].values;
+    const auto is_hole = [](double v) { return !std::isfinite(v); };
+    const auto holes = std::count_if(values.begin(), values.end(), is_hole);
+    if (holes == 0 || static_cast<double>(holes) > most * static_cast<double>(values.size())) continue;
+    const auto first = std::find_if(values.begin(), values.end(), is_hole) - values.begin() + 1;
+    text += fmt::format("; {} has no finite number in {} {}, first in row {}", name_of(table, i), holes, holes == 1 ? "row" : "rows", first);
+  }
+  return text;
+}
+
 }  // namespace
 
 Inspection inspect(const SignalTable& table, const Declarations& declared) {
@@ -214,7 +229,8 @@ Inspection inspect(const SignalTable& table, const Declarations& declared) {
                                           clock.first_backward + 1));
   } else if (!result.triads) {
     result.ambiguous.push_back(
-        "accel.columns, gyro.columns: no two triads of which one measures gravity at rest and the other turns it; and the names do not tell");
+        "accel.columns, gyro.columns: no two triads of which one measures gravity at rest and the other turns it; and the names do not tell" +
+        columns_with_holes(table));
   } else {
     const std::string axes = settle_axes(table, declared, *result.triads, result);
     settle_units(table, *result.triads, time, declared, result);

@@ -47,8 +47,7 @@ int main(int argc, char** argv) {
         passed &=
             report(fmt::format("predictions {}: {} sessions, seeds 1..{}", method.name, count(200), count(200)), predictions(method, count(200)));
   if (chosen("noise")) passed &= report(fmt::format("noise: {} logs, seeds 1..{}", count(500), count(500)), noise_logs(count(500)));
-  if (chosen("noise-lengths"))
-    passed &= report(fmt::format("noise-lengths: {} logs of each length, seeds 1..{}", count(120), count(120)), noise_lengths(count(120)));
+  if (chosen("noise-lengths")) passed &= report(fmt::format("noise-lengths: {} logs of each length", count(400)), noise_lengths(count(400)));
   if (chosen("error-growth")) passed &= report(fmt::format("error-growth: {} runs, seed 1", count(2000)), error_growth(count(2000)));
   if (chosen("whole-unit"))
     passed &= report(fmt::format("whole-unit outputs: {} sessions, seeds 1..{}", count(200), count(200)), whole_unit_outputs(count(200)));

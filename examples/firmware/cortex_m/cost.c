@@ -1,7 +1,9 @@
 /* Instructions and stack of one function of an exported header, on QEMU with -icount shift=0, where the clock advances with each instruction.
- *   CALIBRATION: the header, exported with --fixed-point
+ *   CALIBRATION: the header, exported with --fixed-point --q15
  *   FLASH_ONLY, if defined: the function alone, for its size
- *   WHAT: 0 nothing, 1 imulab_compensate, 2 imulab_filter_push, 3 imulab_out_of_range, 4 imulab_compensate_fixed, 5 imulab_filter_fixed_push */
+ *   TRACE, if defined: as much as the filters learn from, then one call that cycles.awk counts
+ *   WHAT: 0 nothing, 1 imulab_compensate, 2 imulab_filter_push, 3 imulab_out_of_range, 4 imulab_compensate_fixed, 5 imulab_filter_fixed_push,
+ *         6 imulab_compensate_q15 */
 #include CALIBRATION
 #include "semihosting.h"
 
@@ -12,6 +14,7 @@ imulab_real readings[16][6];
 imulab_real temperatures[6];
 imulab_real out[6];
 int32_t integers[16][6], integer_temperatures[6], integer_out[6];
+int16_t short_readings[6], short_temperatures[6], short_out[6];
 imulab_filter filter;
 imulab_filter_fixed fixed_filter;
 int result, next;
@@ -27,10 +30,14 @@ __attribute__((noinline)) void measured(void) {
   imulab_compensate_fixed(integers[0], integers[0] + 3, integer_temperatures, integer_temperatures + 3, integer_out, integer_out + 3);
 #elif WHAT == 5
   result = imulab_filter_fixed_push(&fixed_filter, integers[next++ & 15], integer_out);
+#elif WHAT == 6
+  imulab_compensate_q15(short_readings, short_readings + 3, short_temperatures, short_temperatures + 3, short_out, short_out + 3);
 #else
   __asm volatile("");
 #endif
 }
+
+__attribute__((noinline)) void known_end(void) { __asm volatile(""); }
 
 #ifdef FLASH_ONLY
 
@@ -94,9 +101,16 @@ int main(void) {
   for (i = 0; i < 6; ++i) {
     temperatures[i] = (imulab_real)25.5;
     integer_temperatures[i] = 1000000;
+    short_readings[i] = (int16_t)integers[0][i];
+    short_temperatures[i] = 4000;
   }
   imulab_filter_init(&filter);
   imulab_filter_fixed_init(&fixed_filter);
+#ifdef TRACE
+  for (i = 0; WHAT >= 1 && i < (WHAT == 2 || WHAT == 5 ? 100 : 1); ++i) measured();
+  known_end();
+  return 0;
+#endif
   for (i = 0; i < 200; ++i) measured();
   stack = painted_stack();
   known = ticks_of_known_loop();

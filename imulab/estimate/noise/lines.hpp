@@ -14,7 +14,7 @@ struct WithoutLines {
   std::vector<NoiseLine> lines;  ///< by frequency
 };
 
-/// At most eight. An ordinate whose power over the median about it, by chance, one log of a million has, begins one; it is a line if one frequency
+/// At most eight. An ordinate whose power over the median about it, by chance, one log of a thousand has, begins one; it is a line if one frequency
 /// takes most of the power about it in every piece of the record.
 WithoutLines without_lines(std::span<const double> rate, double interval_s);
 

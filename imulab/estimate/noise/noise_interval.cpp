@@ -11,12 +11,14 @@ namespace imulab::noise {
 
 namespace {
 
-constexpr int most_halvings = 24;                                               // of an interval that holds a bound
-constexpr double precision = 0.01;                                              // of a bound, as a part of its distance from the value
-constexpr double two_sided = 3.841458820694124, one_sided = 2.705543454095404;  // chi-square of one degree: 95 % and 90 %
-constexpr double profile_precision = 1e-3;                                      // of the 3.84 that the misfit rises
-constexpr double farthest = 0.5;   // that another logarithm is expected to follow: one that hardly matters would run away
-constexpr double widest_log = 60;  // of an interval, in the logarithm of a square
+constexpr int most_halvings = 24;   // of an interval that holds a bound
+constexpr double precision = 0.01;  // of a bound, as a part of its distance from the value
+/// Chi-square of one degree, 95 %: also for the bound of what is not determined. With less for it (2.71, 95 % on one side), intervals would be left
+/// too short as well as too long by the very logs that decide which of the two is stated, and hold in 92.5 % of them.
+constexpr double rise_of_95 = 3.841458820694124;
+constexpr double profile_precision = 1e-3;  // of the 3.84 that the misfit rises
+constexpr double farthest = 0.5;            // that another logarithm is expected to follow: one that hardly matters would run away
+constexpr double widest_log = 60;           // of an interval, in the logarithm of a square
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// A parameter as the logarithm of a square, also Q's.
@@ -98,7 +100,7 @@ NoiseCoefficient size_of(const Problem& problem, const Point& best, int paramete
   without.at[parameter] = parameter == Terms::Q ? 0 : absent;
   NoiseCoefficient c;
   double from = log_square(problem, best, parameter);
-  c.determined = from != absent && problem.fitted(without, {parameter, {}}).misfit - best.misfit > two_sided * widening;
+  c.determined = from != absent && problem.fitted(without, {parameter, {}}).misfit - best.misfit > rise_of_95 * widening;
   if (!c.determined) {  // from where the term is a thousandth of the spectrum, if it is less
     Point unit = best;
     set_log_square(problem, unit, parameter, 0);
@@ -106,23 +108,23 @@ NoiseCoefficient size_of(const Problem& problem, const Point& best, int paramete
     const double share = ((problem.density(unit.at) - problem.density(without.at)) / density).maxCoeff();
     from = std::max(from, std::log(1e-3 / share));
   }
-  const double upper = crossing(problem, best, parameter, from, 1, (c.determined ? two_sided : one_sided) * widening);
+  const double upper = crossing(problem, best, parameter, from, 1, rise_of_95 * widening);
   c.upper = std::exp(0.5 * upper);
   if (!c.determined) return {nan, nan, 0, c.upper, false};
   c.value = std::exp(0.5 * from);
-  const double lower = crossing(problem, best, parameter, from, -1, two_sided * widening);
+  const double lower = crossing(problem, best, parameter, from, -1, rise_of_95 * widening);
   c.lower = std::isnan(lower) ? 0 : std::exp(0.5 * lower);
-  c.standard_uncertainty = (c.upper - c.lower) / (2 * std::sqrt(two_sided));
+  c.standard_uncertainty = (c.upper - c.lower) / (2 * std::sqrt(rise_of_95));
   return c;
 }
 
 NoiseCoefficient scale_of(const Problem& problem, const Point& best, int parameter, double widening) {
   const double from = best.at[parameter];
-  const double lower = crossing(problem, best, parameter, from, -1, two_sided * widening),
-               upper = crossing(problem, best, parameter, from, 1, two_sided * widening);
+  const double lower = crossing(problem, best, parameter, from, -1, rise_of_95 * widening),
+               upper = crossing(problem, best, parameter, from, 1, rise_of_95 * widening);
   NoiseCoefficient c{std::exp(from), 0, std::isnan(lower) ? 0 : std::exp(lower), std::exp(upper), true};
   if (std::isnan(upper)) c.upper = std::numeric_limits<double>::infinity();
-  c.standard_uncertainty = (c.upper - c.lower) / (2 * std::sqrt(two_sided));
+  c.standard_uncertainty = (c.upper - c.lower) / (2 * std::sqrt(rise_of_95));
   return c;
 }
 

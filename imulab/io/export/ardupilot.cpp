@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <sstream>
 
 namespace imulab::export_io {
 
@@ -105,6 +106,25 @@ void tempcal_fact(Sentences& facts, const TriadParameters& p, const char* what, 
                               size(single_precision_error(*p.drift, tempcal_reference))));
 }
 
+/// ArduPilot reads a file in pieces of 98 characters (AP_Param::read_param_defaults_file) and would take the rest of a longer comment for a
+/// parameter.
+std::string with_short_comments(const std::string& text) {
+  constexpr std::size_t longest = 97;
+  std::string out;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    while (line.size() > longest && line.starts_with('#')) {
+      const std::size_t blank = line.rfind(' ', longest);
+      const std::size_t end = blank != std::string::npos && blank > longest / 2 ? blank : longest;
+      const std::size_t last = line.find_last_not_of(' ', end - 1);
+      out += line.substr(0, last + 1) + "\n";
+      line = "#   " + line.substr(line.find_first_not_of(' ', end));
+    }
+    out += line + "\n";
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string ardupilot_text(const ExportInput& input) {
@@ -128,9 +148,10 @@ std::string ardupilot_text(const ExportInput& input) {
   facts.insert(facts.end(), axes.begin(), axes.end());
   tempcal_fact(facts, a, "Accelerometers'", accel_size);
   tempcal_fact(facts, g, "Gyros'", gyro_size);
-  std::string text =
-      comment_head(input, "ArduPilot", facts, left_out_of_ardupilot(input)) + ardupilot_xyz(ardupilot_name("ACC", i, "OFFS"), a.offset) +
-      ardupilot_xyz(ardupilot_name("ACC", i, "SCAL"), m.accel.C.diagonal()) + ardupilot_xyz(ardupilot_name("GYR", i, "OFFS"), g.offset);
+  std::string text = with_short_comments(comment_head(input, "ArduPilot", facts, left_out_of_ardupilot(input))) +
+                     ardupilot_xyz(ardupilot_name("ACC", i, "OFFS"), a.offset) +
+                     ardupilot_xyz(ardupilot_name("ACC", i, "SCAL"), m.accel.C.diagonal()) +
+                     ardupilot_xyz(ardupilot_name("GYR", i, "OFFS"), g.offset);
   const std::string tcal = fmt::format("INS_TCAL{}_", i + 1);
   if (!p.range) return text + tcal + "ENABLE,0\n";  // the polynomial of an earlier calibration would be subtracted
   text += tcal + "ENABLE,1\n" + ardupilot_line(tcal + "TMIN", (*p.range)[0]) + ardupilot_line(tcal + "TMAX", (*p.range)[1]);

@@ -2,6 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/io/calibration/file.hpp"
+#include "imulab/io/export/c_header_fixed.hpp"
 #include "imulab/io/export/c_header_parts.hpp"
 #include "imulab/io/export/c_header_text.hpp"
 #include "imulab/io/export/loss.hpp"
@@ -186,7 +187,9 @@ std::string c_header(const Calibration& c, const CHeaderOptions& options) {
   const Input accel = firmware::input_of(c, options, Triad::accel), gyro = firmware::input_of(c, options, Triad::gyro);
   std::string text = head_text(c, accel, gyro, options.calibration_sha256) + compensate_text(c.model, accel, gyro) + out_of_range_text(c.model) +
                      firmware::filter_text() + firmware::selftest_text(c.model, accel, gyro);
-  if (options.fixed_point) text += firmware::fixed_text(c.model, accel, gyro, options) + firmware::fixed_filter_text();
+  if (options.fixed_point) text += firmware::fixed_text(c.model, accel, gyro, options, firmware::words_of_32);
+  if (options.q15) text += firmware::fixed_text(c.model, accel, gyro, options, firmware::words_of_16);
+  if (options.fixed_point || options.q15) text += firmware::fixed_filter_text();
   return text + "#endif\n";
 }
 

@@ -14,7 +14,8 @@ struct CHeaderOptions {
   /// Readings as the driver gives them. Absent: as the calibration's recording had them, or, where it does not say, the model's raw readings.
   std::optional<RecordedAs> accel{}, gyro{};
   bool fixed_point = false;  ///< also imulab_compensate_fixed and imulab_filter_fixed, in integers
-  /// Of imulab_compensate_fixed: the largest readings, in their unit. 0: 32768 counts where that is at least 1.5 g or 50 deg/s,
+  bool q15 = false;          ///< also imulab_compensate_q15, in integers of 16 bits, and imulab_filter_fixed
+  /// Of the integers: the largest readings, in their unit. 0: 32768 counts where that is at least 1.5 g or 50 deg/s,
   /// else 16 g and 2000 deg/s by the calibration's scale.
   double accel_range = 0, gyro_range = 0;
   std::string calibration_sha256{};  ///< of the calibration's file; empty: that of the calibration as imulab writes it is stated
@@ -23,8 +24,7 @@ struct CHeaderOptions {
 /// The text of a header with `imulab_compensate`, which compensates one sample (readings as the options say -> m/s^2, rad/s), `imulab_out_of_range`,
 /// which checks temperatures, `imulab_filter_push` and `imulab_filter_flush`, which reject outliers as OutlierFilter does, and `imulab_selftest`: no
 /// allocation, no library; in double, or in the type that IMULAB_REAL names. Throws Error for a calibration whose numbers are not finite, for
-/// readings that the calibration does not fit (a unit of its model is counts, the reading's is not), and for a model that integers of 32 bits cannot
-/// hold.
+/// readings that the calibration does not fit (a unit of its model is counts, the reading's is not), and for a model that the integers cannot hold.
 std::string c_header(const Calibration& calibration, const CHeaderOptions& options);
 /// With the default options.
 std::string c_header(const Calibration& calibration);

@@ -13,8 +13,9 @@ std::string filter_text();
 /// imulab_selftest: samples with what the library makes of them.
 std::string selftest_text(const SensorModel& model, const Input& accel, const Input& gyro);
 
-/// imulab_compensate_fixed and imulab_selftest_fixed.
-std::string fixed_text(const SensorModel& model, const Input& accel, const Input& gyro, const CHeaderOptions& options);
+struct FixedWords;
+/// imulab_compensate_fixed and imulab_selftest_fixed; of 16 bits imulab_compensate_q15 and imulab_selftest_q15.
+std::string fixed_text(const SensorModel& model, const Input& accel, const Input& gyro, const CHeaderOptions& options, const FixedWords& words);
 
 /// imulab_filter_fixed and its functions; comes after fixed_text, which includes <stdint.h>.
 std::string fixed_filter_text();

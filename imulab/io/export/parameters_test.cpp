@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/export_unit.hpp"
+#include "tests/parameter_loaders.hpp"
 #include <algorithm>
 #include <map>
 #include <sstream>
@@ -17,22 +18,20 @@ namespace {
 
 constexpr int samples = 10000;
 
-using Parameters = std::map<std::string, float>;
-
-Parameters parameters_of(const std::string& text, bool px4) {
-  Parameters out;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    if (line.starts_with('#')) continue;
-    for (char& c : line)
-      if (c == ',') c = ' ';
-    std::istringstream words(line);
-    std::string vehicle, component, name, value;
-    if (px4) words >> vehicle >> component;
-    words >> name >> value;
-    EXPECT_TRUE(out.try_emplace(name, std::stof(value)).second) << name;
+TEST(ExportTargets, LoadersFindEveryParameterOnceAndNoOther) {
+  Calibration c = thermal_unit(11);
+  c.imu = std::string(119, 'x') + " INS_GYR_CAL 0 " + std::string(200, 'y');  // a name as long as heads admit
+  c.quality.unobservable = {"gyro.g_sensitivity.xx", "gyro.g_sensitivity.xy", "gyro.g_sensitivity.xz", "gyro.g_sensitivity.yx", "accel.cubic.x"};
+  for (const int instance : {0, 1}) {
+    ExportInput input{c};
+    input.options.instance = instance;
+    // Accelerometers' offsets and scales, gyros' offsets: 9. PX4: 15 of each triad's temperature, and its switch. ArduPilot: 9 of each, range,
+    // switch, and the temperatures of the offsets.
+    EXPECT_EQ(parameters_of(exported("px4", input), true).size(), 9u + 2 * (15 + 1));
+    const Parameters ardupilot = parameters_of(exported("ardupilot", input), false);
+    EXPECT_EQ(ardupilot.size(), 9u + 2 * 9 + 3 + 2);
+    for (const auto& [name, value] : ardupilot) EXPECT_TRUE(name.starts_with("INS_")) << name;
   }
-  return out;
 }
 
 using Vector3f = Eigen::Vector3f;

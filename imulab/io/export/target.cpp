@@ -22,6 +22,8 @@ const std::vector<ExportTarget>& export_targets() {
       {"vins", "VINS-Fusion and VINS-Mono: noise of a sample", "vins.yaml", to::vins_text, to::left_out_of_noise_files, nullptr, true},
       {"euroc", "EuRoC's sensor.yaml: noise", "sensor.yaml", to::euroc_text, to::left_out_of_noise_files, nullptr, true},
       {"ros", "covariances of ROS' sensor_msgs/Imu", "ros_covariance.yaml", to::ros_text, to::left_out_of_ros, nullptr, true},
+      {"ros-filter", "parameters of ROS' imu_filter_madgwick and imu_complementary_filter", "imu_filter.yaml", to::ros_filter_text,
+       to::left_out_of_ros, nullptr, true},
       {"px4", "parameters of PX4", "px4.params", to::px4_text, to::left_out_of_px4, to::px4_warnings},
       {"ardupilot", "parameters of ArduPilot", "ardupilot.param", to::ardupilot_text, to::left_out_of_ardupilot, to::ardupilot_warnings},
       {"vectornav", "commands for VectorNav's registers", "vectornav.txt", to::vectornav_text, to::left_out_of_vectornav},

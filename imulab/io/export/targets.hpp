@@ -16,6 +16,7 @@ std::string openvins_text(const ExportInput& input);
 std::string vins_text(const ExportInput& input);
 std::string euroc_text(const ExportInput& input);
 std::string ros_text(const ExportInput& input);
+std::string ros_filter_text(const ExportInput& input);
 std::string px4_text(const ExportInput& input);
 std::string ardupilot_text(const ExportInput& input);
 std::string vectornav_text(const ExportInput& input);
@@ -25,7 +26,7 @@ std::string csv_text(const ExportInput& input);
 Sentences left_out_of_kalibr(const ExportInput& input);
 Sentences left_out_of_openvins(const ExportInput& input);
 Sentences left_out_of_noise_files(const ExportInput& input);  ///< kalibr-imu, vins, euroc: noise alone
-Sentences left_out_of_ros(const ExportInput& input);
+Sentences left_out_of_ros(const ExportInput& input);          ///< also of the filters' parameters
 Sentences left_out_of_px4(const ExportInput& input);
 Sentences left_out_of_ardupilot(const ExportInput& input);
 Sentences left_out_of_vectornav(const ExportInput& input);

@@ -86,7 +86,7 @@ TEST(ExportTargets, NumbersAreNumbersInYaml11) {
   const Calibration c = si_unit();
   const ImuNoise noise = some_noise();
   const std::regex number(R"([-+]?[0-9]+\.[0-9]*(e[-+][0-9]+)?)"), token(R"([-+]?[0-9][-+.0-9e]*)");
-  for (const char* target : {"kalibr-imu", "kalibr", "openvins", "vins", "euroc", "ros"}) {
+  for (const char* target : {"kalibr-imu", "kalibr", "openvins", "vins", "euroc", "ros", "ros-filter"}) {
     std::istringstream lines(exported(target, {c, &noise}));
     int numbers = 0;
     for (std::string line; std::getline(lines, line);) {
@@ -100,7 +100,7 @@ TEST(ExportTargets, NumbersAreNumbersInYaml11) {
       for (std::sregex_iterator at(values.begin(), values.end(), token), end; at != end; ++at, ++numbers)
         EXPECT_TRUE(std::regex_match(at->str(), number)) << target << ": " << line;
     }
-    EXPECT_GE(numbers, 5) << target;
+    EXPECT_GE(numbers, std::string_view(target) == "ros-filter" ? 3 : 5) << target;
   }
 }
 
@@ -282,6 +282,30 @@ TEST(ExportTargets, RosCovariancesAreThoseOfSamplesOfEachAxis) {
     EXPECT_NEAR(ros["angular_velocity_covariance"][i].as<double>(), i % 4 == 0 ? std::pow(1e-4 * k, 2) * 200 : 0, 1e-12 * 2e-6);
   }
   EXPECT_EQ(ros["orientation_covariance"][0].as<double>(), -1);
+}
+
+/// CCNYRoboticsLab/imu_tools, imu_filter.cpp, madgwickAHRSupdateIMU: the orientation's rate is q w / 2 less gain times a unit quaternion.
+TEST(ExportTargets, TheRosFiltersGainHoldsTheGyrosError) {
+  Calibration c = si_unit();
+  const ImuNoise noise = some_noise();
+  for (const char* axis : {"x", "y", "z"}) c.estimated.push_back(coefficient_index(std::string("gyro.offset.") + axis));
+  c.covariance = Eigen::MatrixXd::Zero(3, 3);
+  c.covariance.diagonal() << 1e-8, 4e-8, 1e-8;
+  const auto parameters = [&] { return yaml_of(exported("ros-filter", {c, &noise}))["/**"]["ros__parameters"]; };
+  // N of the worst axis 1.5e-4 at 200 Hz, B not known, three times 2e-4 rad/s of offset
+  const double error = 1.5e-4 * std::sqrt(200) + 3 * 2e-4;
+  const double gain = parameters()["gain"].as<double>();
+  EXPECT_NEAR(0.5 * std::sqrt(3 * error * error) / gain, 1, 1e-12) << "the same error on all axes turns the quaternion at half its length";
+  EXPECT_FALSE(parameters()["use_mag"].as<bool>());
+  EXPECT_TRUE(parameters()["do_bias_estimation"].as<bool>()) << "samples at rest differ by 3e-3 rad/s: less than a third of the filter's 0.01";
+  c.covariance(1, 1) = 1;  // rad^2/s^2
+  EXPECT_THAT([&] { parameters(); }, testing::ThrowsMessage<Error>(testing::HasSubstr("it takes at most 1")));
+  c.estimated.clear(), c.covariance.resize(0, 0);
+  EXPECT_NEAR(parameters()["gain"].as<double>(), std::sqrt(0.75) * 1.5e-4 * std::sqrt(200), 1e-15);
+  EXPECT_THAT(exported("ros-filter", {c, &noise}), testing::HasSubstr("the offset's uncertainty is not known"));
+  ImuNoise loud = noise;
+  loud.gyro[2]->N = determined(2e-3);
+  EXPECT_FALSE(yaml_of(exported("ros-filter", {c, &loud}))["/**"]["ros__parameters"]["do_bias_estimation"].as<bool>());
 }
 
 }  // namespace
