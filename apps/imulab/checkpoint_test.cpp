@@ -1,0 +1,105 @@
+// Verbs whose work several processes share, as a user types them.
+#include "imulab/fleet/numbers_of_all.hpp"
+#include "imulab/fleet/store.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/run_command.hpp"
+#include <filesystem>
+#include <string>
+
+namespace imulab {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+struct SharedRuns : ::testing::Test {
+  TemporaryFolder folder;
+
+  std::string run(const std::string& arguments) {
+    const CommandResult result = run_imulab(folder, arguments);
+    EXPECT_EQ(result.exit_code, 0) << arguments << "\n" << result.errors;
+    return result.output;
+  }
+  /// The same output alone, after ten kills, from three processes at once, and merged from two folders.
+  void expect_the_same_bits(const std::string& arguments) {
+    const std::string alone = run(arguments);
+    for (int k = 0; k < 10; ++k)
+      run_shell(folder,
+                "timeout -s KILL 0." + std::to_string(1 + k % 4) + " '" + command_path() + "' --threads 1 " + arguments + " --checkpoint killed");
+    EXPECT_EQ(run(arguments + " --checkpoint killed"), alone);
+    std::string together;
+    for (const char* n : {"1", "2", "3"})
+      together += "'" + command_path() + "' --threads 1 " + arguments + " --checkpoint shared > " + n + ".json & ";
+    run_shell(folder, together + "wait");
+    for (const char* n : {"1.json", "2.json", "3.json"}) EXPECT_EQ(read_text(folder / n), alone);
+    EXPECT_EQ(run(arguments + " --checkpoint merged --merge killed shared"), alone);
+  }
+};
+
+TEST_F(SharedRuns, OfAPrediction) {
+  run("procedure zhang-24 -o procedure.toml");
+  expect_the_same_bits("predict procedure.toml --runs 20000 --json");
+}
+
+TEST_F(SharedRuns, OfABudget) {
+  folder.write("mission.toml",
+               "format = \"imulab.mission/1\"\nrate_hz = 10\n[start]\nlatitude_deg = 45\nlongitude_deg = 8\nheight_m = 400\nspeed_mps = 100\n"
+               "[[segment]]\nkind = \"straight\"\nduration_s = 300\n[errors]\ngrade = \"navigation\"\n");
+  expect_the_same_bits("budget mission.toml --runs 300 --every 60 --json");
+}
+
+TEST_F(SharedRuns, OfAFleet) {
+  run("procedure hand-held -o hand.toml");
+  std::filesystem::create_directories(folder / "week");
+  for (const std::string n : {"1", "2", "3", "4", "5", "6"}) {
+    run_shell(folder, "sed 's/^name = .*/name = \"unit\"\\nserial = \"" + n + "\"/' hand.toml > one.toml");
+    run("simulate one.toml --seed " + n + " -o week/unit" + n);
+  }
+  const auto numbers = [&](const char* file) {
+    FleetStore store(folder / file);
+    std::string out;
+    for (const FleetRecord& r : store.records()) out += r.serial + fleet::packed(fleet::numbers_of(store, r.id));
+    return out;
+  };
+  run("fleet calibrate week --method handheld --store alone.db");
+  // Three ranks: the first one has the store, and one is killed.
+  std::string ranks;
+  for (const char* rank : {"1", "2"})
+    ranks += "OMPI_COMM_WORLD_RANK=" + std::string(rank) + " timeout -s KILL " + (rank[0] == '2' ? "0.2" : "60") + " '" + command_path() +
+             "' --threads 1 fleet calibrate week --method handheld --store shared.db --checkpoint ranks > " + rank + ".txt & ";
+  const CommandResult first =
+      run_shell(folder, ranks + "OMPI_COMM_WORLD_RANK=0 '" + command_path() +
+                            "' --threads 1 fleet calibrate week --method handheld --store shared.db --checkpoint ranks; wait");
+  EXPECT_THAT(first.output, HasSubstr("6 sessions: 6 calibrated, 0 in the store before, 0 failed"));
+  EXPECT_THAT(read_text(folder / "1.txt"), IsEmpty());
+  EXPECT_TRUE(numbers("alone.db") == numbers("shared.db"));
+  // Again: nothing is left. A file that changes is another work.
+  EXPECT_THAT(run("fleet calibrate week --method handheld --store shared.db --checkpoint ranks"), HasSubstr("0 calibrated, 6 in the store before"));
+  run_shell(folder, "echo '# more' >> week/unit2/recording.csv");
+  EXPECT_THAT(run_imulab(folder, "fleet calibrate week --method handheld --store shared.db --checkpoint ranks").errors,
+              HasSubstr("ranks: is the checkpoint of another run"));
+}
+
+TEST_F(SharedRuns, BadInput) {
+  run("procedure zhang-24 -o procedure.toml");
+  run("predict procedure.toml --runs 1000 --checkpoint here");
+  const auto error = [&](const std::string& arguments) {
+    const CommandResult result = run_imulab(folder, arguments);
+    EXPECT_EQ(result.exit_code, 2) << arguments;
+    EXPECT_THAT(result.output, IsEmpty()) << arguments;
+    return result.errors;
+  };
+  EXPECT_THAT(error("predict procedure.toml --runs 2000 --checkpoint here"), HasSubstr("here: is the checkpoint of another run"));
+  EXPECT_THAT(error("predict procedure.toml --runs 1000 --seed 2 --checkpoint here"), HasSubstr("here: is the checkpoint of another run"));
+  EXPECT_THAT(error("predict procedure.toml --runs 1000 --merge here"), HasSubstr("--merge: belongs to --checkpoint"));
+  EXPECT_THAT(error("predict procedure.toml --runs 1000 --checkpoint ."), HasSubstr("is no checkpoint"));
+  EXPECT_THAT(error("predict procedure.toml --runs 1000 --checkpoint procedure.toml"), HasSubstr("procedure.toml"));
+  EXPECT_THAT(error("predict procedure.toml --runs 1000 --checkpoint new --merge nowhere"), HasSubstr("nowhere: is no checkpoint"));
+  EXPECT_THAT(error("predict procedure.toml --method hybrid --checkpoint new"), HasSubstr("--checkpoint: belongs to --method turntable"));
+  EXPECT_THAT(error("predict procedure.toml --runs 1000 --checkpoint /proc/none"), HasSubstr("/proc/none"));
+}
+
+}  // namespace
+}  // namespace imulab
