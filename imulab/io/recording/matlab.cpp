@@ -179,8 +179,31 @@ struct FreeMemory {
   void operator()(void* memory) const { std::free(memory); }
 };
 
-/// Sends some columns of an array. It is read as a whole: of a structure's field libmatio gives no part.
-void send_variable(const MatFile& file, const MatArray& array, const std::vector<std::size_t>& wanted, const SendRows& send) {
+/// Reads `count` numbers, which follow `first` of them in the file: column by column.
+void read_numbers(const MatFile& file, const MatArray& array, void* to, std::size_t first, std::size_t count) {
+  if (Mat_VarReadDataLinear(file.file.get(), array.variable, to, static_cast<int>(first), 1, static_cast<int>(count)) != 0)
+    throw Error(fmt::format("{}: {}: cannot be read; expected a whole variable", file.name, array.array.name));
+}
+
+constexpr std::size_t rows_at_once = 1 << 14;
+
+/// Sends some columns of an array whose bytes are in the file as they are: in parts that stay in the processor's cache.
+void send_plain(const MatFile& file, const MatArray& array, const std::vector<std::size_t>& wanted, const SendRows& send) {
+  const std::size_t size = array.type.bytes, rows = array.array.rows, columns = array.array.columns.size();
+  std::vector<char> part(std::min(rows, rows_at_once) * size * (array.lying ? columns : wanted.size()));
+  std::vector<NumberField> fields;
+  for (std::size_t k = 0; k < wanted.size(); ++k) fields.push_back({array.type, size * (array.lying ? wanted[k] : k * std::min(rows, rows_at_once))});
+  for (std::size_t row = 0; row < rows; row += rows_at_once) {
+    const std::size_t count = std::min(rows_at_once, rows - row);
+    if (array.lying) read_numbers(file, array, part.data(), row * columns, count * columns);
+    for (std::size_t k = 0; k < wanted.size() && !array.lying; ++k)
+      read_numbers(file, array, part.data() + fields[k].offset, wanted[k] * rows + row, count);
+    send_rows(fields, part.data(), size * (array.lying ? columns : 1), count, send);
+  }
+}
+
+/// Sends some columns of an array that is read as a whole: compressed, libmatio begins anew for each part.
+void send_compressed(const MatFile& file, const MatArray& array, const std::vector<std::size_t>& wanted, const SendRows& send) {
   const std::size_t size = array.type.bytes, rows = array.array.rows, columns = array.array.columns.size();
   const std::unique_ptr<char, FreeMemory> buffer(static_cast<char*>(std::calloc(rows * columns, size)));  // zeros at no cost
   if (!buffer) throw std::bad_alloc();
@@ -191,9 +214,14 @@ void send_variable(const MatFile& file, const MatArray& array, const std::vector
   std::vector<NumberField> fields;
   for (const std::size_t c : wanted) fields.push_back({array.type, size * c * (array.lying ? 1 : rows)});
   const std::size_t stride_bytes = size * (array.lying ? columns : 1);
-  constexpr std::size_t at_once = 1 << 14;
-  for (std::size_t row = 0; row < rows; row += at_once)
-    send_rows(fields, buffer.get() + row * stride_bytes, stride_bytes, std::min(at_once, rows - row), send);
+  for (std::size_t row = 0; row < rows; row += rows_at_once)
+    send_rows(fields, buffer.get() + row * stride_bytes, stride_bytes, std::min(rows_at_once, rows - row), send);
+}
+
+void send_variable(const MatFile& file, const MatArray& array, const std::vector<std::size_t>& wanted, const SendRows& send) {
+  const bool small = array.array.rows * array.array.columns.size() <= static_cast<std::size_t>(std::numeric_limits<int>::max());
+  if (array.variable->compression == MAT_COMPRESSION_NONE && small) return send_plain(file, array, wanted, send);
+  send_compressed(file, array, wanted, send);
 }
 
 ChildTask matlab_task(const TableRequest& request) { return child_task(request.file, "libmatio"); }
