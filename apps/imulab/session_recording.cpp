@@ -20,7 +20,7 @@ Recording read_for(const Calibration& calibration, const Session& session, const
 }
 
 const RecordingSource& named_recording(const Session& session, const std::string& name) {
-  if (session.recordings.empty()) return choose_recording(session, name);  // which no option would mend
+  if (session.recordings.empty()) return choose_recording(session, name);  // which no option would fix
   return errors_at("--recording", [&]() -> const RecordingSource& { return choose_recording(session, name); });
 }
 

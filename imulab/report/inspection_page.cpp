@@ -15,7 +15,7 @@ namespace {
 
 Verdict inspection_verdict(const Inspection& inspection) {
   Verdict v;
-  if (!inspection.problems.empty()) return {Tone::doubtful, "not usable", "The file has to be mended first:", inspection.problems, {}};
+  if (!inspection.problems.empty()) return {Tone::doubtful, "not usable", "The file has to be fixed first:", inspection.problems, {}};
   if (!inspection.complete()) {
     v = {Tone::doubtful, "open", "The data do not answer everything that a session needs:", inspection.ambiguous, {}};
     v.actions = {"Declare it: imulab inspect FILE --set KEY=VALUE"};
