@@ -145,11 +145,6 @@ Consistency consistency_of(const std::vector<Estimate>& estimates, const std::ve
   return consistency_of(e, p);
 }
 
-UserUnit unit_of_differences(const Coefficient& c, double size, const SensorModel& model) {
-  const TriadModel& triad = c.triad == Triad::accel ? model.accel : model.gyro;
-  return user_units(c).empty() && triad.raw_unit != "count" ? unit_of_si_readings(c, triad) : user_unit(c, size);
-}
-
 }  // namespace
 
 std::optional<double> CoefficientDifference::sigmas() const {
@@ -183,7 +178,7 @@ std::vector<Comparison> compare(const Calibration& first, const std::vector<Cali
     bool compared = holds(a.estimated, i);
     for (std::size_t k = 0; k < b.size(); ++k) compared = compared || holds(b[k].estimated, i) || all[k].e(i) != 0;
     if (!compared) continue;
-    const UserUnit unit = unit_of_differences(coefficient(i), size(i), a.model);
+    const UserUnit unit = user_unit(coefficient(i), size(i), coefficient(i).triad == Triad::accel ? a.model.accel : a.model.gyro);
     for (std::size_t k = 0; k < b.size(); ++k) {
       const Differences& d = all[k];
       CoefficientDifference x{i, value_a(i), d.b(i), d.e(i), std::nullopt, d.user_e(i) / unit.size, std::nullopt, unit.name};

@@ -57,4 +57,8 @@ UserUnit user_unit(const Coefficient& c, double size) {
   return scaled && size >= 1e4 * units[0].size ? units[1] : units[0];  // a low-grade IMU in mg, deg/s and deg/s/g
 }
 
+UserUnit user_unit(const Coefficient& c, double size, const TriadModel& triad) {
+  return user_units(c).empty() && triad.raw_unit != "count" ? unit_of_si_readings(c, triad) : user_unit(c, size);
+}
+
 }  // namespace imulab

@@ -24,4 +24,7 @@ std::span<const UserUnit> user_units(const Coefficient& coefficient);
 /// the raw readings: see unit_of_si_readings.
 UserUnit user_unit(const Coefficient& coefficient, double size);
 
+/// The same with the readings of this triad: a unit for every term, unless they are counts.
+UserUnit user_unit(const Coefficient& coefficient, double size, const TriadModel& triad);
+
 }  // namespace imulab
