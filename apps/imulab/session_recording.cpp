@@ -4,6 +4,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording/file.hpp"
 #include "imulab/io/session/file.hpp"
+#include "imulab/io/text/terminal.hpp"
 #include "imulab/tasks/recordings.hpp"
 
 #include <fmt/core.h>
@@ -14,7 +15,10 @@ namespace imulab::command {
 
 Recording read_for(const Calibration& calibration, const Session& session, const RecordingSource& source) {
   check_thermal_units(calibration, source);
-  RecordingReading reading = read_recording(session, source);
+  RecordingReading reading = [&] {
+    const Progress progress("reading");
+    return read_recording(session, source);
+  }();
   for (const auto& text : reading.warnings) warn(text);
   return std::move(reading.recording);
 }
