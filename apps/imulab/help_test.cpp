@@ -13,11 +13,37 @@ using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-const std::vector<std::string> verbs{
-    "calibrate",          "live",        "noise",       "compare",     "verify",       "report",      "procedure",       "procedure hand-held",
-    "procedure dai-unit", "simulate",    "predict",     "plan",        "compensate",   "export",      "import",          "trajectory",
-    "navigate",           "budget",      "demo",        "help",        "fleet",        "fleet add",   "fleet calibrate", "fleet list",
-    "fleet show",         "fleet stats", "fleet check", "fleet merge", "fleet export", "fleet remove"};
+const std::vector<std::string> verbs{"calibrate",
+                                     "inspect",
+                                     "live",
+                                     "noise",
+                                     "compare",
+                                     "verify",
+                                     "report",
+                                     "procedure",
+                                     "procedure hand-held",
+                                     "procedure dai-unit",
+                                     "simulate",
+                                     "predict",
+                                     "plan",
+                                     "compensate",
+                                     "export",
+                                     "import",
+                                     "trajectory",
+                                     "navigate",
+                                     "budget",
+                                     "demo",
+                                     "help",
+                                     "fleet",
+                                     "fleet add",
+                                     "fleet calibrate",
+                                     "fleet list",
+                                     "fleet show",
+                                     "fleet stats",
+                                     "fleet check",
+                                     "fleet merge",
+                                     "fleet export",
+                                     "fleet remove"};
 
 TEST(Help, FitsATerminal) {
   const TemporaryFolder folder;

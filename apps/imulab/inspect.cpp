@@ -96,7 +96,7 @@ void add_inspect(Verb app) {
   verb.flag("--json", o->json, "print the result as JSON");
   verb.example("imulab inspect log.csv -o session.toml");
   verb.example("cat /dev/ttyUSB0 | imulab inspect - --for 30");
-  verb.example("imulab inspect log.csv --set gyro.unit=deg/s --set latitude_deg=47.4 -o session.toml");
+  verb.example("imulab inspect log.csv --set gyro.unit=deg/s -o session.toml");
   verb.does([o] { run(*o); });
 }
 
