@@ -1,7 +1,8 @@
 // Every command in the documentation works: the ```console blocks of a page of README.md and docs/*.md run in order in one new folder.
 //
 // A line "$ command" is run by the shell with the built imulab in PATH ("> " continues it). "# exit code N" after it is the expected exit code (0
-// if absent). Output is illustrative, but a line that begins with "imulab: " must appear on standard error.
+// if absent). Output is illustrative, but a line that begins with "imulab: " must appear on standard error. A picture that a page shows is one that
+// commands made, by its file's name.
 #include <gmock/gmock.h>
 
 #include "tests/run_command.hpp"
@@ -44,13 +45,26 @@ std::vector<DocumentedCommand> commands_of(const std::string& page, const std::s
   return commands;
 }
 
-/// What differs from the page, one text per command.
-std::vector<std::string> wrong_commands(const std::string& page, const std::string& name) {
+struct PageRun {
+  std::vector<std::string> wrong;  ///< what differs from the page, one text per command
+  std::set<std::string> files;     ///< names of those that the commands made
+};
+
+/// Names of the files in a folder and below it, but not behind links.
+std::set<std::string> files_below(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file() && entry.file_size() > 0) names.insert(entry.path().filename().string());
+  return names;
+}
+
+PageRun run_page(const std::string& page, const std::string& name) {
   const TemporaryFolder folder;
   for (const char* part : {"docs", "tests", "examples"})
     fs::create_directory_symlink(fs::path(IMULAB_SOURCE) / part, folder / part);  // as in the repository
   const std::string path = "export PATH=\"" + fs::path(command_path()).parent_path().string() + ":$PATH\"; ";
-  std::vector<std::string> wrong;
+  PageRun run;
+  std::vector<std::string>& wrong = run.wrong;
   for (const DocumentedCommand& command : commands_of(page, name)) {
     if (command.text.starts_with("./dev")) continue;  // builds the project
     const CommandResult result = run_shell(folder, path + command.text);
@@ -59,7 +73,19 @@ std::vector<std::string> wrong_commands(const std::string& page, const std::stri
     for (const std::string& line : command.errors)
       if (result.errors.find(line + "\n") == std::string::npos) wrong.push_back(what + "did not say: " + line + "\nbut: " + result.errors);
   }
-  return wrong;
+  run.files = files_below(folder.path());
+  return run;
+}
+
+std::vector<std::string> wrong_commands(const std::string& page, const std::string& name) { return run_page(page, name).wrong; }
+
+/// File names of the pictures that a page shows.
+std::vector<std::string> pictures_of(const std::string& page) {
+  std::vector<std::string> names;
+  static const std::regex picture(R"(!\[[^\]]*\]\(([^)\s]+)\))");
+  for (std::sregex_iterator at(page.begin(), page.end(), picture), end; at != end; ++at)
+    names.push_back(fs::path((*at)[1].str()).filename().string());
+  return names;
 }
 
 std::vector<fs::path> all_pages() {
@@ -103,12 +129,18 @@ std::vector<std::string> broken_links(const std::string& page, const fs::path& f
 
 TEST(Documentation, EveryCommandRuns) {
   std::size_t commands = 0;
+  std::set<std::string> made;
   for (const fs::path& page : all_pages()) {
     const std::string text = read_text(page);
     commands += commands_of(text, "").size();
-    EXPECT_THAT(wrong_commands(text, page.filename().string()), testing::IsEmpty());
+    const PageRun run = run_page(text, page.filename().string());
+    EXPECT_THAT(run.wrong, testing::IsEmpty());
+    made.insert(run.files.begin(), run.files.end());
+    if (page.filename() == "README.md") continue;  // shows others' pictures, too
+    for (const std::string& picture : pictures_of(text)) EXPECT_TRUE(run.files.contains(picture)) << page << " does not make " << picture;
   }
   EXPECT_GE(commands, 5u);  // the tutorial by hand alone has more
+  for (const std::string& picture : pictures_of(read_text(fs::path(IMULAB_SOURCE) / "README.md"))) EXPECT_TRUE(made.contains(picture)) << picture;
 }
 
 TEST(Documentation, EveryLinkExists) {

@@ -14,6 +14,7 @@
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/figures.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/terminal.hpp"
 #include "imulab/recording/compensate_recording.hpp"
 #include "imulab/report/compensation_page.hpp"
 
@@ -62,8 +63,11 @@ std::vector<fs::path> output_files(const Session& session, const fs::path& outpu
 /// As a table, as arrays, or as the bag that it came from.
 void write_compensated(const fs::path& file, const Session& session, const RecordingSource& source, const CompensatedRecording& c) {
   if (file.extension() == ".npz") return write_compensated_npz(file, c);
-  if (!is_bag_name(file)) return write_whole(file, compensated_text(c));
-  write_compensated_bag(file, session, source, c);
+  {
+    const Progress progress("writing");
+    if (!is_bag_name(file)) return write_whole(file, compensated_text(c));
+    write_compensated_bag(file, session, source, c);
+  }
   if (const std::size_t flags = c.recording.saturated.size() + c.out_of_range.size() + c.replaced.size(); flags > 0)
     warn(fmt::format(
         "{}: messages have no flags: {} saturated, {} outside the calibrated temperatures and {} replaced samples are in it like the others",

@@ -175,6 +175,7 @@ void add_demo(Verb app) {
   verb.option("-o,--output FOLDER", a->folder, "the folder to write to").show_default();
   verb.option("--seed", a->seed, "random seed of the IMU and the noise").show_default();
   verb.flag("--json", a->json, "print the figures as JSON");
+  verb.example("imulab demo -o story");
   verb.does([a] { demo(*a); });
 }
 

@@ -55,15 +55,15 @@ std::string text_of(const ExportTarget& target, const ExportInput& input, const 
   if (target.name != "c-header") return target.text(input);
   CHeaderOptions options = c_header_options(o.c_header, input.calibration);
   if (!is_stream(o.calibration)) options.calibration_sha256 = file_sum(o.calibration).sha256;
-  for (const std::string& assumed : assumed_readings(options, input.calibration)) warn(o.calibration + ": " + assumed);
+  for (const std::string& assumed : assumed_readings(options, input.calibration)) warn(input_name(o.calibration) + ": " + assumed);
   return c_header(input.calibration, options);
 }
 
 /// Writes one target's file, whole or not at all, after its warnings.
 JsonFields write_target(const ExportTarget& target, const ExportInput& input, const Options& o, const std::string& output) {
-  const std::string text = errors_at(o.calibration, [&] { return text_of(target, input, o); });
+  const std::string text = errors_at(input_name(o.calibration), [&] { return text_of(target, input, o); });
   const std::vector<std::string> lost = target.left_out(input);
-  const std::string place = o.target == all_targets ? fmt::format("{}: {}", o.calibration, target.name) : o.calibration;
+  const std::string place = o.target == all_targets ? fmt::format("{}: {}", input_name(o.calibration), target.name) : input_name(o.calibration);
   if (o.target == all_targets && !lost.empty())
     warn(fmt::format("{}: does not hold all of the calibration: the head of {} lists what, and how much", place, output));
   else
@@ -116,13 +116,13 @@ void write_all(const ExportInput& input, const Options& o) {
       failed.push_back(planned.target->name);
     }
   }
-  if (written.empty()) throw Error(o.calibration + ": no target could be written");
+  if (written.empty()) throw Error(input_name(o.calibration) + ": no target could be written");
   if (o.json) print_json(fields_json({{{"files", written}}}));
   for (const JsonFields& file : written)
     if (!o.json) print(std::get<std::string>(file.fields[1].second) + "\n");
   if (!failed.empty())
     throw Unsupported(
-        fmt::format("{}: {} of {} targets could not be written: {}", o.calibration, failed.size(), all.size(), fmt::join(failed, ", ")));
+        fmt::format("{}: {} of {} targets could not be written: {}", input_name(o.calibration), failed.size(), all.size(), fmt::join(failed, ", ")));
 }
 
 void run(const Options& o) {

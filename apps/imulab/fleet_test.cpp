@@ -80,7 +80,7 @@ TEST_F(FleetCommand, CalibratesEverySessionOnce) {
   const std::string csv = run("fleet export --csv").output;
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 7);
   EXPECT_THAT(csv, HasSubstr("accel.offset.x,u(accel.offset.x)"));
-  EXPECT_THAT(run("fleet check").output, HasSubstr("fleet.db: whole; of 6 files of its sessions 6 are unchanged"));
+  EXPECT_THAT(on_one_line(run("fleet check").output), HasSubstr("fleet.db: whole; of 6 files of its sessions 6 are unchanged"));
   run_shell(folder, "echo '# more' >> week/unit2/recording.csv");
   EXPECT_THAT(run("fleet check", 1).errors, HasSubstr("unit2/recording.csv"));
 }

@@ -5,6 +5,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/fleet/numbers_of_all.hpp"
 #include "imulab/io/result/fields.hpp"
+#include "imulab/io/text/figures.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/terminal.hpp"
 
@@ -41,9 +42,9 @@ void check(const Options& o) {
                              {"missing", static_cast<std::uint64_t>(c.missing)},
                              {"clocks", clocks}}}));
   else
-    print(fmt::format("{}: {}; of {} files of its sessions {} are unchanged, {} changed and {} are not there\n", o.store,
-                      c.damaged.empty() ? "whole" : fmt::format("{} damages", c.damaged.size()), c.files,
-                      c.files - c.missing - static_cast<std::int64_t>(c.changed.size()), c.changed.size(), c.missing));
+    print(text::wrapped("", fmt::format("{}: {}; of {} files of its sessions {} are unchanged, {} changed and {} are not there", o.store,
+                                        c.damaged.empty() ? "whole" : fmt::format("{} damages", c.damaged.size()), c.files,
+                                        c.files - c.missing - static_cast<std::int64_t>(c.changed.size()), c.changed.size(), c.missing)));
   if (!c.damaged.empty()) throw Error(fmt::format("{}: {}; expected a whole fleet store", o.store, fmt::join(c.damaged, "; ")));
   if (!c.changed.empty()) throw Unsupported(fmt::format("{}: not what was calibrated: {}", o.store, fmt::join(c.changed, ", ")));
 }

@@ -8,6 +8,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/result/inspection.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/terminal.hpp"
 #include "imulab/report/inspection_page.hpp"
 
 #include <fmt/format.h>
@@ -52,8 +53,11 @@ void run(const Options& o) {
   expect_free("-o", o.output, o.force);
   if (!o.output.empty() && std::any_of(o.files.begin(), o.files.end(), is_stream))
     throw Error("-o: a session names files; expected a recording that is one, not a stream");
-  const auto [inspection, session, recording] =
-      inspect_and_read({.files = o.files, .topics = o.topics, .declared = parse_declarations(o.declarations), .longest_s = o.longest_s});
+  const InspectionTask task{.files = o.files, .topics = o.topics, .declared = parse_declarations(o.declarations), .longest_s = o.longest_s};
+  const auto [inspection, session, recording] = [&] {
+    const Progress progress("inspecting");
+    return inspect_and_read(task);
+  }();
   if (o.json) {
     print_json(inspection_json(inspection));
   } else if (o.output != "-") {
@@ -92,7 +96,7 @@ void add_inspect(Verb app) {
   verb.flag("--json", o->json, "print the result as JSON");
   verb.example("imulab inspect log.csv -o session.toml");
   verb.example("cat /dev/ttyUSB0 | imulab inspect - --for 30");
-  verb.example("imulab inspect log.csv --set gyro.unit=deg/s --set latitude_deg=47.4 -o session.toml");
+  verb.example("imulab inspect log.csv --set gyro.unit=deg/s -o session.toml");
   verb.does([o] { run(*o); });
 }
 

@@ -5,6 +5,7 @@
 #include "imulab/inspection/declared.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/terminal.hpp"
 #include "imulab/tasks/inspect.hpp"
 
 #include <fmt/format.h>
@@ -45,10 +46,18 @@ Declarations parse_declarations(const std::vector<std::string>& texts) {
 Session open_session(const std::filesystem::path& path, const std::vector<std::string>& texts, std::size_t most_numbers) {
   if (is_session(path)) {
     if (!texts.empty()) throw Error("--set: declares a recording; expected it without a session, which declares all itself");
-    return session_at(path);
+    if (path != "-") return session_at(path);
+    try {
+      return session_at(path);
+    } catch (const Error& e) {
+      throw Error(fmt::format("{} (- is a session here; a recording has to be a file, or is looked at by imulab inspect -)", e.what()));
+    }
   }
   const InspectionTask task{.files = {path.string()}, .declared = parse_declarations(texts), .most_numbers = most_numbers};
-  const Inspection inspection = inspect_files(task);
+  const Inspection inspection = [&] {
+    const Progress progress("inspecting");
+    return inspect_files(task);
+  }();
   Session session = session_for(inspection, task, "declare with --set KEY=VALUE, or write a session");
   for (const std::string& line : inspection.evidence) note("assumed: " + line);
   if (const std::string gravity = assumed_gravity(session); !gravity.empty())

@@ -10,6 +10,7 @@
 #include "imulab/io/recording/file.hpp"
 #include "imulab/io/recording/stored.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/terminal.hpp"
 #include "imulab/report/noise_page.hpp"
 
 #include <fmt/format.h>
@@ -53,6 +54,7 @@ struct Log {
 };
 
 Log analyzed(const Options& o, const RecordingView& recording, const StillRange& still) {
+  const Progress progress("analyzing");
   Log log{analyze_noise(recording, still, {kind_of(o.deviation), o.remove_temperature}), {}};
   if (!o.report.empty()) log.page = noise_page(log.analysis, recording, still.range);
   return log;
@@ -67,14 +69,18 @@ std::uint64_t most_bytes(const Options& o) { return static_cast<std::uint64_t>(1
 Log read_log(const Options& o, const Session& session) {
   const RecordingSource& source = named_recording(session, o.one);
   std::string why_not;
-  if (std::optional<StoredReading> stored = read_stored(session, source, most_bytes(o), why_not)) {
+  const auto reading_shown = [](const auto& read) {
+    const Progress progress("reading");
+    return read();
+  };
+  if (std::optional<StoredReading> stored = reading_shown([&] { return read_stored(session, source, most_bytes(o), why_not); })) {
     for (const std::string& text : stored->warnings) warn(text);
     const std::size_t filled = stored->recording.fill_short_gaps();
     const RecordingView recording = stored->recording.view();
     return analyzed(o, recording, still_range(recording, session, filled));
   }
   if (!why_not.empty()) warn(why_not);
-  const RecordingReading reading = read_recording(session, source);
+  const RecordingReading reading = reading_shown([&] { return read_recording(session, source); });
   for (const std::string& text : reading.warnings) warn(text);
   const StillPart still = still_part(reading.recording, session);
   return analyzed(o, still.recording, {still.range, still.notes});

@@ -37,6 +37,9 @@ TEST_F(Pipe, AResultThatCannotBePrintedIsAnError) {
 TEST_F(Pipe, WhatIsWrongInAStreamIsNamed) {
   EXPECT_THAT(shell("echo 'format = 1' | imulab predict -").errors, testing::HasSubstr("imulab: standard input:1: format"));
   EXPECT_THAT(shell("echo '{' | imulab export - --to c-header").errors, testing::HasSubstr("imulab: standard input"));
+  EXPECT_THAT(shell("printf 't,gx\\n0,1\\n' | imulab calibrate - --method handheld").errors, testing::HasSubstr("a recording has to be a file"));
+  ASSERT_EQ(shell("imulab procedure hand-held --poses 12 | imulab simulate - -o session").exit_code, 0);
+  EXPECT_THAT(shell("imulab export - --to euroc < session/truth.json").errors, testing::HasSubstr("imulab: standard input: the EuRoC form needs"));
 }
 
 TEST_F(Pipe, ASignalLeavesNothingHalfMade) {

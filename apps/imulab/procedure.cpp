@@ -40,6 +40,7 @@ void add_hand_held(Verb verb) {
   hand_held.option("--poses", a->options.poses, "number of rests").show_default();
   hand_held.option("--seed", a->seed, "random seed of the attitudes").show_default();
   add_output(hand_held, a->output);
+  hand_held.example("imulab procedure hand-held --poses 25 -o hand-held.toml");
   hand_held.does([a] { write(a->output, hand_held_procedure(a->options, a->seed)); });
 }
 
@@ -56,6 +57,7 @@ void add_on_table(Verb verb, const TableProcedure& procedure) {
       .in_range(0, 1296000)
       .show_default();
   add_output(own, a->output);
+  own.example(fmt::format("imulab procedure {0} -o {0}.toml", procedure.name));
   own.does([a, make = procedure.make] {
     a->options.table = a->table_arcsec * unit::arcsec;
     write(a->output, make(a->options));
@@ -78,6 +80,7 @@ void add_dai_unit(Verb verb) {
       .show_default();
   own.flag("--both-ways", a->options.both_ways, "the chamber warms and cools");
   add_output(own, a->output);
+  own.example("imulab procedure dai-unit -o dai-unit.toml");
   own.does([a] {
     for (const ThermalSensors sensors : {ThermalSensors::three, ThermalSensors::one, ThermalSensors::resonance})
       if (to_string(sensors) == a->thermal) a->options.thermal = sensors;
@@ -90,6 +93,7 @@ void add_dai_unit(Verb verb) {
 void add_procedure(Verb app) {
   Verb verb = app.verb("procedure", "Write a standard procedure as TOML, ready to edit");
   verb.needs_verb();
+  verb.example("imulab procedure zhang-24 | imulab predict -");
   for (const TableProcedure& procedure : table_procedures()) add_on_table(verb, procedure);
   add_hand_held(verb);
   add_dai_unit(verb);

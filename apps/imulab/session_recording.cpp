@@ -4,6 +4,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording/file.hpp"
 #include "imulab/io/session/file.hpp"
+#include "imulab/io/text/terminal.hpp"
 #include "imulab/tasks/recordings.hpp"
 
 #include <fmt/core.h>
@@ -14,13 +15,16 @@ namespace imulab::command {
 
 Recording read_for(const Calibration& calibration, const Session& session, const RecordingSource& source) {
   check_thermal_units(calibration, source);
-  RecordingReading reading = read_recording(session, source);
+  RecordingReading reading = [&] {
+    const Progress progress("reading");
+    return read_recording(session, source);
+  }();
   for (const auto& text : reading.warnings) warn(text);
   return std::move(reading.recording);
 }
 
 const RecordingSource& named_recording(const Session& session, const std::string& name) {
-  if (session.recordings.empty()) return choose_recording(session, name);  // which no option would mend
+  if (session.recordings.empty()) return choose_recording(session, name);  // which no option would fix
   return errors_at("--recording", [&]() -> const RecordingSource& { return choose_recording(session, name); });
 }
 

@@ -6,6 +6,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/result/fields.hpp"
+#include "imulab/io/text/terminal.hpp"
 
 #include <fmt/core.h>
 
@@ -27,8 +28,12 @@ void simulate(const Arguments& a) {
   const std::string file = procedure.file;
   SimulationTask task{.seed = a.seed, .unit = {}, .grade = a.grade};
   if (a.unit) task.unit = read_calibration(*a.unit);
-  const Simulation simulated = errors_at(file, [&] { return simulate_session(std::move(procedure), task); });
-  write_simulated(a.folder, simulated);
+  const Simulation simulated = [&] {
+    const Progress progress("simulating");
+    Simulation done = errors_at(file, [&] { return simulate_session(std::move(procedure), task); });
+    write_simulated(a.folder, done);
+    return done;
+  }();
   std::string report;
   std::vector<JsonFields> files;
   for (const Recording& recording : simulated.recordings) {

@@ -4,6 +4,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/result/fields.hpp"
+#include "imulab/io/text/terminal.hpp"
 
 #include <fmt/core.h>
 
@@ -27,7 +28,11 @@ void run(const Options& o) {
     throw Error(fmt::format("{}: has no hashes of recordings; expected a calibration that imulab made from files", o.calibration));
   std::string changed, missing;
   std::vector<JsonFields> files;
-  for (const VerifiedFile& f : verify_sources(calibration, find_session(o.session, o.calibration, calibration.session_file))) {
+  const auto verified = [&] {
+    const Progress progress("verifying");
+    return verify_sources(calibration, find_session(o.session, o.calibration, calibration.session_file));
+  }();
+  for (const VerifiedFile& f : verified) {
     if (!o.json) print(fmt::format("{}: {}\n", f.file.string(), to_string(f.state)));
     files.push_back({{{"file", f.file.string()}, {"state", std::string(to_string(f.state))}}});
     std::string& list = f.state == FileState::changed ? changed : missing;

@@ -49,7 +49,7 @@ struct Inspection {
   std::size_t gaps = 0;
   std::vector<std::string> evidence;   ///< a line each: time, accelerometers, gyros, axes, temperature, clock, readings, rests
   std::vector<std::string> ambiguous;  ///< "KEY: what is not known": what the user has to declare
-  std::vector<std::string> problems;   ///< what has to be mended in the file before it can be used
+  std::vector<std::string> problems;   ///< what has to be fixed in the file before it can be used
   std::vector<MethodFinding> methods;
   std::vector<std::int64_t> time_ns;                ///< of the rows, from the first on; empty without a rate
   std::optional<inspection::TriadEvidence> triads;  ///< where two triads were found

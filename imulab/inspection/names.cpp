@@ -42,6 +42,10 @@ constexpr std::array<std::string_view, 13> gyro_words{"g",       "gyr",    "gyro
 constexpr std::array<std::string_view, 22> other_words{
     "m",   "mag",     "magnetometer", "magnetic", "compass", "q",        "quat",     "quaternion", "orientation", "roll",  "pitch",
     "yaw", "heading", "gps",          "lat",      "lon",     "altitude", "pressure", "baro",       "covariance",  "euler", "velocity"};
+/// Of a value about a sensor, and not of its readings: "gyro_bias.1", "accel_error_count", "gyro_integral_dt", "accelerometer_timestamp_relative".
+constexpr std::array<std::string_view, 19> derived_words{
+    "bias",   "biases",  "calibration", "clip", "clipping",      "covariance", "device", "dt",       "err",      "error",
+    "health", "healthy", "hz",          "id",   "inconsistency", "relative",   "var",    "variance", "vibration"};
 constexpr std::array<std::string_view, 6> temperature_words{"temp", "temperature", "thermometer", "tmp", "temperatures", "degc"};
 constexpr std::array<std::string_view, 14> time_words{"t",      "time",   "timestamp", "stamp", "ts",    "clock", "epoch",
                                                       "millis", "micros", "utc",       "tow",   "temps", "zeit",  "tiempo"};
@@ -94,7 +98,8 @@ Role role_of(std::vector<std::string> words) {
   if (any(nanosecond_words)) return Role::fraction;
   const bool timed = any(time_words) || (words.size() <= 2 && !words.empty() && is_among(words.front(), second_words));
   for (const auto& word : words)  // whole words of a sensor before single letters
-    if (word.size() > 1 && (is_among(word, accel_words) || is_among(word, gyro_words))) return is_among(word, accel_words) ? Role::accel : Role::gyro;
+    if (word.size() > 1 && (is_among(word, accel_words) || is_among(word, gyro_words)))
+      return any(derived_words) ? Role::other : is_among(word, accel_words) ? Role::accel : Role::gyro;
   if (timed) return Role::time;
   if (any(other_words) && !angular) return Role::other;
   if (any(accel_words)) return Role::accel;

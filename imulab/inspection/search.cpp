@@ -59,6 +59,27 @@ bool has_role(const SignalTable& table, const Triad& triad, Role role) {
   return std::all_of(triad.begin(), triad.end(), [&](std::size_t i) { return hint_of(table.signals[i].name).role == role; });
 }
 
+namespace {
+
+/// Those of a sensor whose axes are all named, where there is one: of its columns no other three are meant.
+std::vector<Triad> named_triads(const SignalTable& table, const std::vector<Triad>& triads, Role role) {
+  std::vector<Triad> named, complete;
+  for (const Triad& triad : triads) {
+    if (!has_role(table, triad, role)) continue;
+    named.push_back(triad);
+    const std::string sensor = hint_of(table.signals[triad[0]].name).sensor;
+    bool in_order = true;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const NameHint hint = hint_of(table.signals[triad[axis]].name);
+      in_order = in_order && hint.axis == static_cast<int>(axis) && hint.sensor == sensor;
+    }
+    if (in_order) complete.push_back(triad);
+  }
+  return complete.empty() ? named : complete;
+}
+
+}  // namespace
+
 std::optional<TriadEvidence> find_triads(const SignalTable& table, const std::vector<std::int64_t>& time_ns, const TimeGuess& time,
                                          const DeclaredColumns& declared, const std::vector<double>& scales, Inspection& result) {
   std::vector<std::size_t> taken;
@@ -67,11 +88,7 @@ std::optional<TriadEvidence> find_triads(const SignalTable& table, const std::ve
   std::vector<Triad> triads = possible_triads(table, taken);
   for (const auto& triad : {declared.gyro, declared.accel})
     if (triad && std::find(triads.begin(), triads.end(), *triad) == triads.end()) triads.push_back(*triad);
-  std::vector<Triad> gyros, accels;
-  for (const Triad& triad : triads) {
-    if (has_role(table, triad, Role::gyro)) gyros.push_back(triad);
-    if (has_role(table, triad, Role::accel)) accels.push_back(triad);
-  }
+  std::vector<Triad> gyros = named_triads(table, triads, Role::gyro), accels = named_triads(table, triads, Role::accel);
   if (declared.gyro) gyros = {*declared.gyro};
   if (declared.accel) accels = {*declared.accel};
   const std::size_t all = time_ns.size();

@@ -42,8 +42,8 @@ void add_readings(const SignalTable& table, const TriadEvidence& triads, Inspect
       const Signal& signal = table.signals[(*triad)[axis]];
       step = std::max(step, resolution(signal.values));
       if (const auto samples = clipped_samples(signal.values); !samples.empty())
-        clipped += fmt::format("{}{}.{} at {:.6g} in {} samples", clipped.empty() ? "" : ", ", name, "xyz"[axis],
-                               signal.values[samples.front()], samples.size());
+        clipped += fmt::format("{}{}.{} at {:.6g} in {} samples", clipped.empty() ? "" : ", ", name, "xyz"[axis], signal.values[samples.front()],
+                               samples.size());
     }
     const double least_of_gravity = triads.norm > 0 ? step / triads.norm : 0;
     if (triad == &triads.accel && least_of_gravity > 1e-3)
@@ -51,8 +51,11 @@ void add_readings(const SignalTable& table, const TriadEvidence& triads, Inspect
   }
   if (!clipped.empty()) result.evidence.push_back("saturated: " + clipped);
   if (const double part = repeated_part(table, triads); part > 0.2)
-    result.evidence.push_back(fmt::format("{:.0f} % of the rows repeat all readings of the row before: the sensor is slower than the log", 100 * part));
+    result.evidence.push_back(
+        fmt::format("{:.0f} % of the rows repeat all readings of the row before: the sensor is slower than the log", 100 * part));
 }
+
+std::string counted(std::size_t n, const std::string& what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
 
 std::string direction_text(const Vector3d& up) {
   Eigen::Index axis = 0;
@@ -70,15 +73,19 @@ void add_support(const SignalTable& table, const TriadEvidence& triads, Inspecti
                                           direction_text(triads.up.front())));
   const std::vector<double> parts = leverages(triads.up);
   const double determined = std::accumulate(parts.begin(), parts.end(), 0.0);
-  result.evidence.push_back(fmt::format("rests: {} found{}, {} turns between them{}", rests,
+  result.evidence.push_back(fmt::format("rests: {} found{}, {} between them{}", rests,
                                         rests > 0 ? fmt::format(", whose directions determine {:.0f} of 9 accelerometer parameters", determined) : "",
-                                        triads.turns, triads.turning > 0 ? fmt::format("; {} quiet parts are steady turns", triads.turning) : ""));
+                                        counted(triads.turns, "turn"),
+                                        triads.turning > 0 ? fmt::format("; {} quiet parts are steady turns", triads.turning) : ""));
   const bool still = rests >= 9 && determined > 8.5;
-  const std::string directions = fmt::format("{} rests, {:.0f} of 9 parameters", rests, determined);
+  const std::string directions = fmt::format("{}, {:.0f} of 9 parameters", counted(rests, "rest"), determined);
   result.methods.push_back({"static", still, directions + (still ? "" : ": at least nine rests in different directions are needed")});
   const bool turns = still && triads.explained();
-  result.methods.push_back({"handheld", turns, fmt::format("{}, {} turns", directions, triads.turns) +
-                                                   (turns ? "" : still ? ": the gyros do not explain the turns" : ": as for static, and turns about all axes")});
+  result.methods.push_back(
+      {"handheld", turns,
+       fmt::format("{}, {}", directions, counted(triads.turns, "turn")) + (turns   ? ""
+                                                                           : still ? ": the gyros do not explain the turns"
+                                                                                   : ": as for static, and turns about all axes")});
   result.methods.push_back({"hybrid", false, "needs gyros that resolve the Earth's rate: try it if yours do"});
   result.methods.push_back({"turntable", false, "needs the table's angles as [[step]]"});
   result.methods.push_back({"whole-unit", false, "needs the machines' points as [[step]]"});

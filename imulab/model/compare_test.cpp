@@ -105,8 +105,12 @@ TEST(Compare, OtherTermsDifferInTheirOwnUnits) {
   EXPECT_NEAR(find(small, "gyro.g_sensitivity.zx").user_difference, 2, 1e-9);
   EXPECT_NEAR(find(small, "accel.lever_arm.xy").user_difference, 4, 1e-9);
   EXPECT_FALSE(find(small, "accel.lever_arm.xy").sigmas()) << "neither calibration estimated it";
-  EXPECT_EQ(find(small, "gyro.cubic.y").user_difference, 1e-9);
-  EXPECT_EQ(find(small, "gyro.cubic.y").user_unit, "(rad/s)/raw^3");
+  EXPECT_NEAR(find(small, "gyro.cubic.y").user_difference, unit::deg * unit::deg, 1e-12) << "1e-9 of a rate of 1 rad/s";
+  EXPECT_EQ(find(small, "gyro.cubic.y").user_unit, "ppb/(deg/s)^2");
+  a.model.gyro.raw_unit = b.model.gyro.raw_unit = "count";
+  EXPECT_EQ(find(compare(a, b), "gyro.cubic.y").user_difference, 1e-9);
+  EXPECT_EQ(find(compare(a, b), "gyro.cubic.y").user_unit, "(rad/s)/raw^3") << "how large a count is nobody said";
+  a.model.gyro.raw_unit = b.model.gyro.raw_unit = "rad/s";
   EXPECT_THROW(find(small, "gyro.cubic.x"), Error) << "not estimated, and equal";
 
   b.model.accel.offset.x() += 0.5;

@@ -3,6 +3,7 @@
 #include "imulab/core/units.hpp"
 
 #include <array>
+#include <cmath>
 
 namespace imulab {
 
@@ -18,6 +19,18 @@ constexpr std::array g_sensitivity{UserUnit{"deg/h/g", unit::deg_per_h / unit::g
 constexpr std::array lever_arm{UserUnit{"mm", 1e-3}, UserUnit{"m", 1}};
 
 }  // namespace
+
+UserUnit unit_of_si_readings(const Coefficient& c, const TriadModel& triad) {
+  const bool accel = c.triad == Triad::accel;
+  if (c.term == Term::thermal) {
+    const bool raw = triad.temperature && triad.temperature->unit == "raw", square = c.column == 2;
+    if (accel) return {raw ? (square ? "ug/raw^2" : "ug/raw") : (square ? "ug/K^2" : "ug/K"), unit::ug};
+    return {raw ? (square ? "deg/h/raw^2" : "deg/h/raw") : (square ? "deg/h/K^2" : "deg/h/K"), unit::deg_per_h};
+  }
+  const int order = c.term == Term::quadratic ? 2 : 3;
+  if (accel) return {order == 2 ? "ug/g^2" : "ug/g^3", unit::ug / std::pow(unit::g, order)};
+  return {order == 2 ? "ppm/(deg/s)" : "ppb/(deg/s)^2", (order == 2 ? unit::ppm : 1e-9) / std::pow(unit::deg, order - 1)};
+}
 
 std::span<const UserUnit> user_units(const Coefficient& c) {
   switch (c.term) {
@@ -44,11 +57,8 @@ UserUnit user_unit(const Coefficient& c, double size) {
   return scaled && size >= 1e4 * units[0].size ? units[1] : units[0];  // a low-grade IMU in mg, deg/s and deg/s/g
 }
 
-UserUnit user_unit_of_si(const Coefficient& c, double size) {
-  using namespace unit;
-  if (c.term == Term::quadratic) return c.triad == Triad::accel ? UserUnit{"ug/g^2", ug / (g * g)} : UserUnit{"ppm/(deg/s)", ppm / deg};
-  if (c.term == Term::cubic) return c.triad == Triad::accel ? UserUnit{"ug/g^3", ug / (g * g * g)} : UserUnit{"ppb/(deg/s)^2", 1e-9 / (deg * deg)};
-  return user_unit(c, size);
+UserUnit user_unit(const Coefficient& c, double size, const TriadModel& triad) {
+  return user_units(c).empty() && triad.raw_unit != "count" ? unit_of_si_readings(c, triad) : user_unit(c, size);
 }
 
 }  // namespace imulab

@@ -3,8 +3,6 @@
 #include "imulab/core/units.hpp"
 #include "imulab/model/user_unit.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,15 +10,6 @@
 namespace imulab {
 
 namespace {
-
-/// Readings in SI: what a term adds at one g, at one deg/s or in one kelvin.
-UserUnit per_reading(const Coefficient& c) {
-  const bool accel = c.triad == Triad::accel;
-  if (c.term == Term::thermal) return {accel ? "ug" : "deg/h", accel ? unit::ug : unit::deg_per_h};
-  const int order = c.term == Term::quadratic ? 2 : 3;
-  if (accel) return {order == 2 ? "ug/g^2" : "ug/g^3", unit::ug / std::pow(unit::g, order)};
-  return {order == 2 ? "ppm/(deg/s)" : "ppb/(deg/s)^2", (order == 2 ? unit::ppm : 1e-9) / std::pow(unit::deg, order - 1)};
-}
 
 /// The largest value of a term: one unit for all of its coefficients.
 double largest_of_term(const Calibration& calibration, const Coefficient& c) {
@@ -56,12 +45,7 @@ UserValue user_value(const Calibration& calibration, CoefficientIndex index, con
   if (triad.raw_unit == "count") return of_counts(c, calibration, model, value, sigma);
   if (c.term == Term::offset) return in(user_unit(c, largest_of_term(calibration, c)));
   if (c.term == Term::matrix) return {(value - 1) / unit::ppm, sigma / unit::ppm, "ppm"};
-  UserValue user = in(per_reading(c));
-  if (c.term == Term::thermal) {
-    const bool raw = triad.temperature && triad.temperature->unit == "raw";
-    user.unit += fmt::format("/{}{}", raw ? "raw" : "K", c.column == 2 ? "^2" : "");
-  }
-  return user;
+  return in(unit_of_si_readings(c, triad));
 }
 
 UserValue user_value(const Calibration& calibration, CoefficientIndex index) { return user_value(calibration, index, calibration.model); }

@@ -1,12 +1,15 @@
 // What a certificate states: what was calibrated and how, what it does not cover, where its scales come from, and the files behind it.
 #include "imulab/core/units.hpp"
+#include "imulab/earth/earth.hpp"
 #include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/html.hpp"
+#include "imulab/report/pictures.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace imulab::report {
 
@@ -80,6 +83,45 @@ std::string ranges_text(const CalibrationReport& report) {
   return rate > 0 || force > 0 ? fmt::format("up to {} deg/s and {} g", number(rate / unit::deg), number(force / unit::g)) : "";
 }
 
+/// The tests by their usual names.
+std::string test_text(const Calibration& c, const CalibrationReport& report) {
+  if (c.method == "static") return "multi-position (tumble), static";
+  if (c.method == "handheld") return "multi-position (tumble) by hand, with the rotations between the positions";
+  if (c.method == "turntable") return "multi-position (tumble) and rotations on a table: scale factors, misalignments";
+  if (c.method == "hybrid") return "multi-position (tumble) with rotations in one place: zero velocity";
+  if (c.method != "whole-unit" || !report.session) return "";
+  std::string text;
+  for (const auto& [kind, name] : {std::pair{RigKind::chamber, "thermal soaks"},
+                                   {RigKind::rate_table, "rate table: scale factor, nonlinearity, misalignment"},
+                                   {RigKind::centrifuge, "centrifuge"},
+                                   {RigKind::turntable, "multi-position (tumble)"}})
+    if (std::any_of(report.session->rigs.begin(), report.session->rigs.end(), [k = kind](const RigDeclaration& rig) { return rig.kind == k; }))
+      text += fmt::format("{}{}", text.empty() ? "" : "; ", name);
+  return text;
+}
+
+/// How many positions, and how long each was held.
+std::string positions_text(const Quality& q) {
+  double least = HUGE_VAL, most = 0, all = 0;
+  std::size_t used = 0;
+  for (const PartResidual& rest : q.rests) {
+    if (!rest.used) continue;
+    const double held = rest.end_s - rest.begin_s;
+    least = std::min(least, held), most = std::max(most, held), all += held, ++used;
+  }
+  if (used == 0) return "";
+  return fmt::format("{} rest{} of {} to {} s, {} s together; {} rotation{}", used, used == 1 ? "" : "s", number(least), number(most), number(all),
+                     q.rotations.size(), q.rotations.size() == 1 ? "" : "s");
+}
+
+std::string latitude_text(const Site& site) {
+  if (!site.latitude) return "";
+  const std::string sigma = site.latitude_sigma ? fmt::format(" ± {} deg", number(*site.latitude_sigma / unit::deg, 2)) : "";
+  const Eigen::Vector3d rate = earth_rate_enu(*site.latitude) / unit::deg_per_h;
+  return fmt::format("{} deg{}: the Earth turns by {} deg/h about north and {} deg/h about up", number(*site.latitude / unit::deg, 7), sigma,
+                     number(rate.y(), 5), number(rate.z(), 5));
+}
+
 std::string rotation_reference(const Calibration& c) {
   if (c.method == "turntable") return "the table's angles, with their declared errors";
   if (c.method == "whole-unit") return "the rate table's rate and the centrifuge's radius, with their declared errors";
@@ -102,9 +144,12 @@ std::string identification_section(const CalibrationReport& report) {
   facts.add("warm-up", c.warm_up);
   facts.add("power cycles", c.power_cycles);
   facts.add("method", c.method);
+  facts.add("test", test_text(c, report));
+  facts.add("positions", positions_text(c.quality));
   facts.add("axes", frame_text(c));
   if (report.session) {
     facts.add("gravity", gravity_text(report.session->site));
+    facts.add("latitude", latitude_text(report.session->site));
     facts.add("rig", rigs_text(*report.session));
   }
   facts.add("readings", c.model.accel.raw_unit.empty() && c.model.gyro.raw_unit.empty()
@@ -113,7 +158,10 @@ std::string identification_section(const CalibrationReport& report) {
   facts.add("accelerometer temperature", temperature_text(c.model.accel));
   facts.add("gyro temperature", temperature_text(c.model.gyro));
   facts.add("motion", ranges_text(report));
-  return section("identification", "What was calibrated, and how", "", facts.html() + model_equation(c) + list(c.quality.notes));
+  const std::string sketch = figure(
+      axes_sketch(), "Right-handed axes. At rest the axis that points up measures +1 g. A positive rate turns as the arc does: about z from x to y.");
+  return section("identification", "What was calibrated, and how", "",
+                 facts.html() + "<div class=\"small\">" + sketch + "</div>\n" + model_equation(c) + list(c.quality.notes));
 }
 
 std::string not_covered_section(const CalibrationReport& report) {

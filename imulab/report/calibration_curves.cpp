@@ -35,9 +35,9 @@ std::vector<double> every(const std::vector<double>& values, std::size_t count) 
 std::string convergence_figure(const CalibrationResult& result, const ConvergenceCurve& curve) {
   constexpr std::size_t points = 120;
   const CoefficientIndex index = coefficient_index(curve.name);
-  const UserUnit unit = user_unit(coefficient(index), curve.sigma.empty() ? 1 : curve.sigma.back());
   const Calibration& c = result.calibration;
   const TriadModel& triad = coefficient(index).triad == Triad::accel ? c.model.accel : c.model.gyro;
+  const UserUnit unit = user_unit(coefficient(index), curve.sigma.empty() ? 1 : curve.sigma.back(), triad);
   const double scale = coefficient(index).term == Term::matrix ? std::abs(triad.matrix(coefficient(index).row, coefficient(index).row)) : 1;
   std::vector<double> t = every(result.curve_time, points), y = every(curve.residual, points), s = every(curve.sigma, points), low, high;
   for (std::size_t i = 0; i < t.size(); ++i) {

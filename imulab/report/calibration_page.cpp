@@ -6,6 +6,7 @@
 #include "imulab/recording/coverage.hpp"
 #include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/html.hpp"
+#include "imulab/report/key_figures.hpp"
 
 #include <fmt/format.h>
 
@@ -16,19 +17,6 @@ namespace imulab {
 
 namespace report {
 namespace {
-
-std::vector<KeyFigure> key_figures(const Calibration& calibration) {
-  const auto sigma = [&](CoefficientIndex index) { return judged_uncertainty(calibration, index); };
-  std::vector<KeyFigure> out;
-  for (const auto& [selector, name] : {std::pair{"accel.matrix.diagonal", "accelerometer scale"},
-                                       {"accel.matrix.off_diagonal", "accelerometer misalignment"},
-                                       {"accel.offset", "accelerometer offset"},
-                                       {"gyro.matrix.diagonal", "gyro scale"},
-                                       {"gyro.matrix.off_diagonal", "gyro misalignment"},
-                                       {"gyro.offset", "gyro offset"}})
-    if (const std::string worst = worst_text(selector, sigma); !worst.empty()) out.push_back({"± " + readable_unit(worst), name});
-  return out;
-}
 
 /// Where else to rest the IMU, if the rests leave a large part of the sphere open.
 std::string missing_directions(const CalibrationReport& report) {
@@ -113,12 +101,11 @@ std::string calibration_page(const CalibrationReport& r) {
   page.title = c.imu.empty() ? "unnamed IMU" : c.imu;
   page.subtitle = subtitle_of(c);
   page.verdict = verdict_of(r);
-  page.figures = key_figures(c);
-  page.body = (page.figures.empty() ? "" : "<p class=\"note\">Standard uncertainty of the worst axis of each kind.</p>\n") +
-              warnings_section(c.quality) + missing_section(r.missing) + requirements_section(c.quality) + before_and_after(r) +
-              coefficients_section(c) + recordings_section(r) + residuals_section(c) + coverage_section(r) + uncertainty_section(c) +
-              correlation_section(c) + convergence_section(r.result) + thermal_section(c) + nonlinearity_section(r) + tests_section(c) +
-              identification_section(r) + not_covered_section(r) + traceability_section(r) + origin_section(r);
+  page.figures = key_figures([&](CoefficientIndex index) { return judged_uncertainty(c, index); });
+  page.body = worst_axis_note(page.figures) + warnings_section(c.quality) + missing_section(r.missing) + requirements_section(c.quality) +
+              before_and_after(r) + coefficients_section(c) + recordings_section(r) + residuals_section(c) + coverage_section(r) +
+              uncertainty_section(c) + correlation_section(c) + convergence_section(r.result) + thermal_section(c) + nonlinearity_section(r) +
+              tests_section(c) + identification_section(r) + not_covered_section(r) + traceability_section(r) + origin_section(r);
   return page_text(page);
 }
 

@@ -1,6 +1,6 @@
 #include "imulab/report/comparison_page.hpp"
 
-#include "imulab/model/user_unit.hpp"
+#include "imulab/model/coefficient.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/pictures.hpp"
@@ -79,7 +79,7 @@ std::string sigmas_figure(const Comparison& comparison, double limit, Triad tria
     if (coefficient(d.index).triad != triad || !sigmas) continue;
     const std::string_view name = coefficient(d.index).name;
     rows.push_back({std::string(name.substr(name.find('.') + 1)), *sigmas, 1,
-                    user_units(coefficient(d.index)).empty() ? "" : fmt::format("{} {}", number(d.user_difference), readable_unit(d.user_unit)),
+                    d.user_unit == coefficient(d.index).unit ? "" : fmt::format("{} {}", number(d.user_difference), readable_unit(d.user_unit)),
                     std::abs(*sigmas) > limit});
   }
   return rows.empty() ? ""

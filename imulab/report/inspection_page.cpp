@@ -15,7 +15,7 @@ namespace {
 
 Verdict inspection_verdict(const Inspection& inspection) {
   Verdict v;
-  if (!inspection.problems.empty()) return {Tone::doubtful, "not usable", "The file has to be mended first:", inspection.problems, {}};
+  if (!inspection.problems.empty()) return {Tone::doubtful, "not usable", "The file has to be fixed first:", inspection.problems, {}};
   if (!inspection.complete()) {
     v = {Tone::doubtful, "open", "The data do not answer everything that a session needs:", inspection.ambiguous, {}};
     v.actions = {"Declare it: imulab inspect FILE --set KEY=VALUE"};
@@ -93,7 +93,7 @@ std::string inspection_page(const Inspection& inspection, const std::optional<Ov
   page.verdict = inspection_verdict(inspection);
   page.figures.push_back({std::to_string(inspection.rows), "rows"});
   if (inspection.rate_hz) {
-    page.figures.push_back({number(*inspection.rate_hz, 5) + " Hz", "samples"});
+    page.figures.push_back({number(*inspection.rate_hz, 5) + " Hz", "rate"});
     page.figures.push_back({number(inspection.duration_s) + " s", "duration"});
   }
   if (inspection.triads) page.figures.push_back({std::to_string(inspection.triads->rests.size()), "rests"});

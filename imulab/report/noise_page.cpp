@@ -198,7 +198,7 @@ std::string noise_page(const NoiseAnalysis& analysis, const RecordingView& recor
   page.title = analysis.recording;
   page.verdict = noise_verdict(analysis);
   page.figures.push_back({number(analysis.end_s - analysis.begin_s, 4) + " s", "at rest"});
-  page.figures.push_back({number(1 / analysis.interval_s, 5) + " Hz", "samples"});
+  page.figures.push_back({number(1 / analysis.interval_s, 5) + " Hz", "rate"});
   for (const bool gyro : {true, false}) {
     const NoiseAxis* worst = nullptr;
     for (const NoiseAxis& axis : analysis.axes)

@@ -156,4 +156,19 @@ std::string sphere(const std::vector<SphereMark>& marks, std::string_view descri
   return svg_text(460, 250, description, hemisphere(marks, true, 115, y, radius) + hemisphere(marks, false, 345, y, radius));
 }
 
+std::string axes_sketch() {
+  constexpr double x0 = 100, y0 = 92;
+  const auto arrow = [&](double dx, double dy, const char* name) {
+    const double length = std::hypot(dx, dy), ux = dx / length, uy = dy / length, x = x0 + dx, y = y0 + dy;
+    return line_between(x0, y0, x, y, color::ink, 1.6) + line_between(x, y, x - 8 * ux + 4 * uy, y - 8 * uy - 4 * ux, color::ink, 1.6) +
+           line_between(x, y, x - 8 * ux - 4 * uy, y - 8 * uy + 4 * ux, color::ink, 1.6) +
+           text_at(x + 10 * ux, y + 10 * uy + 4, name, Anchor::middle);
+  };
+  // About z from x, which comes out of the page, to y: counterclockwise as seen from above.
+  const std::string arc = fmt::format("<path d=\"M70 116Q100 134 132 102\" fill=\"none\" stroke=\"{0}\" stroke-width=\"1.6\"/>", color::blue) +
+                          line_between(132, 102, 130, 111, color::blue, 1.6) + line_between(132, 102, 123, 104, color::blue, 1.6);
+  return svg_text(220, 150, "the axes: x toward the viewer, y to the right, z up; a positive rate about z turns x toward y",
+                  arrow(-42, 34, "x") + arrow(70, 0, "y") + arrow(0, -70, "z") + arc);
+}
+
 }  // namespace imulab::report

@@ -39,4 +39,7 @@ struct SphereMark {
 /// Both halves of the sphere, seen along -z and +z (equal-area), with the body's axes.
 std::string sphere(const std::vector<SphereMark>& marks, std::string_view description);
 
+/// Right-handed axes with the sense of a positive rate.
+std::string axes_sketch();
+
 }  // namespace imulab::report

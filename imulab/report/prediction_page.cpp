@@ -3,6 +3,7 @@
 #include "imulab/io/result/prediction.hpp"
 #include "imulab/model/user_unit.hpp"
 #include "imulab/report/html.hpp"
+#include "imulab/report/key_figures.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/pictures.hpp"
 
@@ -10,20 +11,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace imulab {
 
 namespace report {
 namespace {
 
-/// One unit for all coefficients of a term, by the largest of them.
+/// One unit for all coefficients of a term, by the largest of them; the readings are those of an ideal IMU, in SI.
 UserUnit unit_in(const PredictionSummary& s, std::size_t k) {
   const Coefficient& c = coefficient(s.coefficients[k]);
   double largest = 0;
   for (std::size_t j = 0; j < s.coefficients.size(); ++j)
     if (coefficient(s.coefficients[j]).triad == c.triad && coefficient(s.coefficients[j]).term == c.term)
       largest = std::max(largest, s.sigma[static_cast<Eigen::Index>(j)]);
-  return user_unit_of_si(c, largest);
+  return user_unit(c, largest, TriadModel{});
 }
 
 std::string in_unit(double sigma, const UserUnit& unit) { return uncertainty_text(sigma / unit.size) + " " + readable_unit(unit.name); }
@@ -85,6 +87,13 @@ Verdict prediction_verdict(const PredictionReport& report) {
   return v;
 }
 
+std::vector<KeyFigure> prediction_figures(const PredictionSummary& s) {
+  return key_figures([&](CoefficientIndex index) {
+    const auto at = std::find(s.coefficients.begin(), s.coefficients.end(), index) - s.coefficients.begin();
+    return at < s.sigma.size() ? s.sigma[at] : std::numeric_limits<double>::quiet_NaN();
+  });
+}
+
 }  // namespace
 
 std::string shortfall_line(const Shortfall& shortfall) {
@@ -106,7 +115,8 @@ std::string prediction_page(const PredictionReport& r) {
   page.title = r.procedure;
   page.subtitle = "Before any data are taken";
   page.verdict = prediction_verdict(r);
-  page.body = prediction_sections(r.summary);
+  page.figures = prediction_figures(r.summary);
+  page.body = worst_axis_note(page.figures) + prediction_sections(r.summary);
   for (const std::string& text : r.tables)
     if (!text.empty()) page.body += section("tolerances", "What would meet the requirements", "", preformatted(text));
   return page_text(page);

@@ -72,9 +72,11 @@ DataflashContents dataflash_contents(std::string_view text) {
   contents.losses = walk_dataflash(text, length, [&](unsigned char id, std::string_view bytes) {
     const std::size_t instance = contents.instance(id, bytes);
     ++rows[id][instance];
-    if (contents.definitions.defines_others(id) && contents.definitions.add(bytes)) again = true;
+    if (!contents.definitions.defines_others(id)) return;
+    const auto changed = contents.definitions.add(bytes);
+    if (changed && std::any_of(rows[*changed].begin(), rows[*changed].end(), [](std::size_t n) { return n > 0; })) again = true;
   });
-  if (again) {  // instances may have been defined after the first messages
+  if (again) {  // instances were defined after the first messages
     rows.assign(256, {});
     walk_dataflash(text, length, [&](unsigned char id, std::string_view bytes) { ++rows[id][contents.instance(id, bytes)]; });
   }

@@ -48,6 +48,15 @@ std::string session_unit(std::string_view unit) {
   return "";
 }
 
+/// The unit of a field that the log itself gives none, as those before 2018 (no FMTU): ArduPilot's list of log messages has it for the sensors' own.
+std::string documented_unit(std::string_view message, std::string_view field) {
+  const std::string_view name = message.substr(0, message.find_last_not_of("123") + 1);  // IMU2, ACC1
+  if (name != "IMU" && name != "ACC" && name != "GYR") return "";
+  if (field == "GyrX" || field == "GyrY" || field == "GyrZ") return "rad/s";
+  if (field == "AccX" || field == "AccY" || field == "AccZ") return "m/s^2";
+  return field == "Temp" || field == "T" ? "degC" : "";
+}
+
 }  // namespace
 
 void DataflashDefinitions::define(std::string_view message) {
@@ -79,11 +88,11 @@ void DataflashDefinitions::define(std::string_view message) {
   brief_[id] = {static_cast<std::uint16_t>(length), static_cast<std::uint16_t>(now.instance), defines_others};
 }
 
-bool DataflashDefinitions::add(std::string_view message) {
+std::optional<unsigned char> DataflashDefinitions::add(std::string_view message) {
   const auto id = static_cast<unsigned char>(message[2]);
   if (id == dataflash_fmt) {
     if (message.size() >= dataflash_fmt_length) define(message);
-    return false;
+    return std::nullopt;
   }
   const DataflashMessage& layout = messages_[id];
   const std::string_view unit_id = field_bytes(layout, message, "Id");
@@ -95,7 +104,7 @@ bool DataflashDefinitions::add(std::string_view message) {
     if (!unit_id.empty() && factor.size() == sizeof(double)) multipliers_[unit_id[0]] = load<double>(factor.data());
   } else if (layout.name == "FMTU") {
     const std::string_view of = field_bytes(layout, message, "FmtType");
-    if (of.empty()) return false;
+    if (of.empty()) return std::nullopt;
     const std::string units(until_zero(field_bytes(layout, message, "UnitIds"))), multipliers(until_zero(field_bytes(layout, message, "MultIds")));
     DataflashMessage& defined = messages_[static_cast<unsigned char>(of[0])];
     defined.units = units;
@@ -105,9 +114,9 @@ bool DataflashDefinitions::add(std::string_view message) {
     const bool changes = instance != defined.instance;
     defined.instance = instance;
     brief_[static_cast<unsigned char>(of[0])].instance = static_cast<std::uint16_t>(instance);
-    return changes;
+    if (changes) return static_cast<unsigned char>(of[0]);
   }
-  return false;
+  return std::nullopt;
 }
 
 std::vector<DataflashColumn> DataflashDefinitions::columns(unsigned char id) const {
@@ -128,6 +137,7 @@ std::vector<DataflashColumn> DataflashDefinitions::columns(unsigned char id) con
         if (divisor == per_second) name = finer, divisor = 1;
     if (name.empty() && field.name.ends_with("US")) name = "us";  // of logs before FMTU
     if (name.empty() && field.name.ends_with("TimeMS")) name = "ms";
+    if (name.empty() && unit == units_.end() && divisor == 1) name = documented_unit(message.name, field.name);
     for (std::size_t k = 0; k < type.count; ++k)
       columns.push_back(
           {{type.count == 1 ? field.name : fmt::format("{}.{}", field.name, k + 1), name}, {type.type, field.offset + k * type.type.bytes}, divisor});

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -43,9 +44,9 @@ inline constexpr std::size_t dataflash_fmt_length = 89;
 class DataflashDefinitions {
  public:
   DataflashDefinitions() { brief_[dataflash_fmt] = {dataflash_fmt_length, no_instance, true}; }
-  /// Takes a message that defines others (FMT, FMTU, UNIT, MULT): all of its bytes, of a message defined before. True where it defines which message
-  /// has instances.
-  bool add(std::string_view message);
+  /// Takes a message that defines others (FMT, FMTU, UNIT, MULT): all of its bytes, of a message defined before. The message whose instances it
+  /// defines, where it does.
+  std::optional<unsigned char> add(std::string_view message);
   const DataflashMessage& operator[](unsigned char id) const { return messages_[id]; }
   // What is asked of every message of a log.
   std::size_t length(unsigned char id) const { return brief_[id].length; }

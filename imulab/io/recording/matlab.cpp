@@ -22,7 +22,9 @@
 #include <utility>
 
 #ifdef IMULAB_WITH_MATIO
+#include <libdeflate.h>
 #include <matio.h>
+#include <zlib.h>
 #endif
 
 namespace imulab::recording_io {
@@ -52,6 +54,10 @@ bool is_matlab(std::string_view head) {
 
 #ifdef IMULAB_WITH_MATIO
 
+struct FreeMemory {
+  void operator()(void* memory) const { std::free(memory); }
+};
+
 /// Where the variable at `offset` ends, by its own head; 0 where no head is there.
 std::uint64_t end_of_variable(std::string_view text, std::uint64_t offset, bool version_4) {
   if (!version_4) {
@@ -72,7 +78,38 @@ std::uint64_t end_of_variable(std::string_view text, std::uint64_t offset, bool 
   return offset + head + number(4) + number(1) * number(2) * bytes[precision] * (number(3) == 1 ? 2 : 1);
 }
 
-/// Throws Error where the file ends inside a variable: libmatio makes up what is missing.
+/// What the head of a compressed variable says that it is long when unpacked; nothing where that is no variable.
+std::optional<std::uint64_t> unpacked_size(std::string_view packed, bool big_endian) {
+  std::array<char, 8> head{};
+  z_stream stream{};
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
+  stream.avail_in = static_cast<uInt>(packed.size());
+  stream.next_out = reinterpret_cast<Bytef*>(head.data());
+  stream.avail_out = static_cast<uInt>(head.size());
+  if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();
+  inflate(&stream, Z_SYNC_FLUSH);
+  const bool whole = stream.avail_out == 0;
+  inflateEnd(&stream);
+  constexpr std::uint32_t matrix = 14;
+  if (!whole || load<std::uint32_t>(head.data(), big_endian) != matrix) return std::nullopt;
+  return std::uint64_t{head.size()} + load<std::uint32_t>(head.data() + 4, big_endian);
+}
+
+/// Throws Error where a compressed variable is not what was written: libmatio does not look at its sum, and takes seconds on some that are damaged.
+void expect_sound(std::string_view packed, bool big_endian, const std::string& place) {
+  constexpr std::uint64_t most_packed = 1100;  // deflate's own limit is 1032
+  const std::optional<std::uint64_t> size = unpacked_size(packed, big_endian);
+  const bool possible = size && *size <= most_packed * packed.size();
+  const std::unique_ptr<char, FreeMemory> buffer(possible ? static_cast<char*>(std::malloc(*size)) : nullptr);
+  if (possible && !buffer) throw std::bad_alloc();
+  const std::unique_ptr<libdeflate_decompressor, void (*)(libdeflate_decompressor*)> unpacker(libdeflate_alloc_decompressor(),
+                                                                                              libdeflate_free_decompressor);
+  if (!unpacker) throw std::bad_alloc();
+  if (!possible || libdeflate_zlib_decompress(unpacker.get(), packed.data(), packed.size(), buffer.get(), *size, nullptr) != LIBDEFLATE_SUCCESS)
+    throw Error(place + ": a compressed variable is damaged (its sum does not fit); expected a whole file");
+}
+
+/// Throws Error where the file ends inside a variable: libmatio makes up what is missing; or where a compressed one is damaged.
 void expect_whole_mat(const std::filesystem::path& path) {
   const MappedFile mapped(path);
   const std::string_view text = mapped.text();
@@ -82,6 +119,12 @@ void expect_whole_mat(const std::filesystem::path& path) {
     if (end > text.size() || (end == 0 && text.size() - offset < 20))
       throw Error(fmt::format("{}: ends inside a variable, at byte {}; expected a whole file", path.string(), text.size()));
     if (end <= offset) return;  // damaged otherwise, which libmatio says
+    if (!version_4) {
+      constexpr std::uint32_t compressed = 15;
+      const bool big_endian = text.substr(126, 2) == "MI";
+      if (load<std::uint32_t>(text.data() + offset, big_endian) == compressed)
+        expect_sound(text.substr(offset + 8, end - offset - 8), big_endian, fmt::format("{}: byte {}", path.string(), offset));
+    }
     offset = end;
   }
 }
@@ -175,12 +218,31 @@ MatFile open_mat(const std::filesystem::path& path) {
   return file;
 }
 
-struct FreeMemory {
-  void operator()(void* memory) const { std::free(memory); }
-};
+/// Reads `count` numbers, which follow `first` of them in the file: column by column.
+void read_numbers(const MatFile& file, const MatArray& array, void* to, std::size_t first, std::size_t count) {
+  if (Mat_VarReadDataLinear(file.file.get(), array.variable, to, static_cast<int>(first), 1, static_cast<int>(count)) != 0)
+    throw Error(fmt::format("{}: {}: cannot be read; expected a whole variable", file.name, array.array.name));
+}
 
-/// Sends some columns of an array. It is read as a whole: of a structure's field libmatio gives no part.
-void send_variable(const MatFile& file, const MatArray& array, const std::vector<std::size_t>& wanted, const SendRows& send) {
+constexpr std::size_t rows_at_once = 1 << 14;
+
+/// Sends some columns of an array whose bytes are in the file as they are: in parts that stay in the processor's cache.
+void send_plain(const MatFile& file, const MatArray& array, const std::vector<std::size_t>& wanted, const SendRows& send) {
+  const std::size_t size = array.type.bytes, rows = array.array.rows, columns = array.array.columns.size();
+  std::vector<char> part(std::min(rows, rows_at_once) * size * (array.lying ? columns : wanted.size()));
+  std::vector<NumberField> fields;
+  for (std::size_t k = 0; k < wanted.size(); ++k) fields.push_back({array.type, size * (array.lying ? wanted[k] : k * std::min(rows, rows_at_once))});
+  for (std::size_t row = 0; row < rows; row += rows_at_once) {
+    const std::size_t count = std::min(rows_at_once, rows - row);
+    if (array.lying) read_numbers(file, array, part.data(), row * columns, count * columns);
+    for (std::size_t k = 0; k < wanted.size() && !array.lying; ++k)
+      read_numbers(file, array, part.data() + fields[k].offset, wanted[k] * rows + row, count);
+    send_rows(fields, part.data(), size * (array.lying ? columns : 1), count, send);
+  }
+}
+
+/// Sends some columns of an array that is read as a whole: compressed, libmatio begins anew for each part.
+void send_compressed(const MatFile& file, const MatArray& array, const std::vector<std::size_t>& wanted, const SendRows& send) {
   const std::size_t size = array.type.bytes, rows = array.array.rows, columns = array.array.columns.size();
   const std::unique_ptr<char, FreeMemory> buffer(static_cast<char*>(std::calloc(rows * columns, size)));  // zeros at no cost
   if (!buffer) throw std::bad_alloc();
@@ -191,9 +253,14 @@ void send_variable(const MatFile& file, const MatArray& array, const std::vector
   std::vector<NumberField> fields;
   for (const std::size_t c : wanted) fields.push_back({array.type, size * c * (array.lying ? 1 : rows)});
   const std::size_t stride_bytes = size * (array.lying ? columns : 1);
-  constexpr std::size_t at_once = 1 << 14;
-  for (std::size_t row = 0; row < rows; row += at_once)
-    send_rows(fields, buffer.get() + row * stride_bytes, stride_bytes, std::min(at_once, rows - row), send);
+  for (std::size_t row = 0; row < rows; row += rows_at_once)
+    send_rows(fields, buffer.get() + row * stride_bytes, stride_bytes, std::min(rows_at_once, rows - row), send);
+}
+
+void send_variable(const MatFile& file, const MatArray& array, const std::vector<std::size_t>& wanted, const SendRows& send) {
+  const bool small = array.array.rows * array.array.columns.size() <= static_cast<std::size_t>(std::numeric_limits<int>::max());
+  if (array.variable->compression == MAT_COMPRESSION_NONE && small) return send_plain(file, array, wanted, send);
+  send_compressed(file, array, wanted, send);
 }
 
 ChildTask matlab_task(const TableRequest& request) { return child_task(request.file, "libmatio"); }

@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 
 #include "tests/recording_files.hpp"
+#include <cstdint>
+#include <cstring>
+#include <string>
 
 namespace imulab {
 namespace {
@@ -63,6 +66,25 @@ TEST(Matlab, DamageIsSurvived) {
   expect_damage_is_survived(request, {"t", "imu.gyro.1"}, 29);
   expect_damage_is_survived({.file = recording_file("v5_compressed.mat")}, {"t", "imu.gyro.1"}, 19);
   expect_damage_is_survived({.file = recording_file("v4.mat")}, {"t", "gyro.1"}, 19);
+}
+
+TEST(Matlab, ADamagedCompressedVariableIsAnErrorAtOnce) {
+  const TableRequest request{.file = recording_file("v5_compressed.mat")};
+  if (built_without(request)) GTEST_SKIP();
+  const std::string whole = file_bytes(request.file);
+  const TemporaryFolder folder;
+  std::size_t tried = 0;
+  for (std::size_t begin = 128; begin + 8 < whole.size();) {  // variables: type and length, then what zlib packed
+    std::uint32_t length = 0;
+    std::memcpy(&length, whole.data() + begin + 4, sizeof length);
+    for (std::size_t at = begin + 8; at < begin + 8 + length; at += 13, ++tried) {
+      std::string damaged = whole;
+      damaged[at] = static_cast<char>(damaged[at] ^ 0x10);
+      EXPECT_THAT(error_of({.file = folder.write("damaged.mat", damaged)}, {"t"}), HasSubstr("a compressed variable is damaged")) << at;
+    }
+    begin += 8 + length;
+  }
+  EXPECT_GT(tried, 100u);
 }
 
 /// libhdf5 crashes on some of these files: with Debian 12's, bytes 1488 and 1489 of the whole file lead it to freed memory.

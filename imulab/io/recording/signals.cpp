@@ -11,9 +11,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 namespace imulab {
@@ -41,23 +43,66 @@ std::string delimiter_name(char delimiter) {
   }
 }
 
-/// The table that has columns named like those of an IMU, where only one has.
-const TableDescription& table_of_imu(const std::vector<TableDescription>& tables, const std::string& topic, const std::string& file) {
-  if (!topic.empty() || tables.size() < 2) return find_table(tables, topic, file);
-  std::vector<const TableDescription*> named;
-  for (const TableDescription& table : tables) {
-    const auto has = [&](inspection::Role role) {
-      return std::count_if(table.columns.begin(), table.columns.end(),
-                           [&](const ColumnDescription& c) { return inspection::hint_of(c.name).role == role; }) >= 3;
-    };
-    if (has(inspection::Role::gyro) && has(inspection::Role::accel)) named.push_back(&table);
+/// Whether three columns are named like a sensor's; `axes`: like the three axes of one.
+bool has_triad(const TableDescription& table, inspection::Role role, bool axes) {
+  std::map<std::string, std::array<bool, 3>> found;  // by sensor
+  std::ptrdiff_t columns = 0;
+  for (const ColumnDescription& column : table.columns) {
+    const inspection::NameHint hint = inspection::hint_of(column.name);
+    if (hint.role != role) continue;
+    ++columns;
+    if (hint.axis >= 0) found[hint.sensor][static_cast<std::size_t>(hint.axis)] = true;
   }
-  if (named.size() == 1) return *named.front();
+  return axes ? std::any_of(found.begin(), found.end(),
+                            [](const auto& sensor) {
+                              return sensor.second == std::array{true, true, true};
+                            })
+              : columns >= 3;
+}
+
+std::vector<const TableDescription*> tables_with_triads(const std::vector<TableDescription>& tables, bool axes) {
+  std::vector<const TableDescription*> named;
+  for (const TableDescription& table : tables)
+    if (has_triad(table, inspection::Role::gyro, axes) && has_triad(table, inspection::Role::accel, axes)) named.push_back(&table);
+  return named;
+}
+
+/// The table that has columns named like those of an IMU. Of several, that with far the most rows: autopilots log averages and states of theirs
+/// beside the readings, seldom. `others`: the tables that were not taken for that reason.
+const TableDescription& table_of_imu(const std::vector<TableDescription>& tables, const std::string& topic, const std::string& file,
+                                     std::vector<std::string_view>& others) {
+  if (!topic.empty() || tables.size() < 2) return find_table(tables, topic, file);
+  std::vector<const TableDescription*> named = tables_with_triads(tables, true);
+  if (named.empty()) named = tables_with_triads(tables, false);
+  std::stable_sort(named.begin(), named.end(), [](const TableDescription* a, const TableDescription* b) { return a->rows > b->rows; });
+  constexpr std::size_t far_more = 10;  // two IMUs' rates differ by less
+  if (named.size() == 1 || (named.size() > 1 && named[0]->rows / far_more >= named[1]->rows)) {
+    for (std::size_t i = 1; i < named.size(); ++i) others.push_back(named[i]->name);
+    return *named.front();
+  }
   std::vector<std::string_view> names;
   for (const TableDescription& table : tables)
     if (named.empty() || std::find(named.begin(), named.end(), &table) != named.end()) names.push_back(table.name);
   throw Error(fmt::format("{}: {} both gyros and accelerometers by name; expected a topic of {}", file,
                           named.empty() ? "no table has" : "several tables have", text::listed(names)));
+}
+
+/// "PX4 ULog: sensor_combined"
+std::string format_text(const RecordingFormat& format, const TableDescription& table) {
+  const std::string name = table.name == table.type || table.name.starts_with(table.type + ".") ? "" : table.type;
+  std::string text(format.name);
+  for (const std::string& part : {name, table.name})
+    if (!part.empty()) text += (text.size() == format.name.size() ? ": " : " ") + part;
+  return text;
+}
+
+/// A column's name; with its table's where only that one says which sensor it is: "sensor_gyro.x".
+std::string name_in_table(const TableDescription& table, const std::string& name) {
+  using inspection::Role;
+  const inspection::NameHint column = inspection::hint_of(name);
+  const Role sensor = inspection::hint_of(table.name).role;
+  const bool adds = column.role == Role::unknown && column.axis >= 0 && (sensor == Role::gyro || sensor == Role::accel);
+  return adds ? table.name + "." + name : name;
 }
 
 constexpr std::size_t part_of_long = 3;  // of what may be read at once: inspection holds it three times
@@ -97,11 +142,12 @@ RawTable columns_of_head(const RecordingFormat& format, const TableRequest& requ
 SignalTable signals_of(const RecordingFormat& format, const TableRequest& request, std::size_t most_numbers) {
   const std::string file = request.file.string();
   const std::vector<TableDescription> tables = format.describe(request);
-  const TableDescription& table = table_of_imu(tables, request.topic, file);
+  std::vector<std::string_view> others;
+  const TableDescription& table = table_of_imu(tables, request.topic, file, others);
   SignalTable result;
   result.file = file;
   result.topic = tables.size() > 1 || !request.topic.empty() ? table.name : "";
-  result.format = std::string(format.name) + (table.type.empty() ? "" : ": " + table.type) + (table.name.empty() ? "" : " " + table.name);
+  result.format = format_text(format, table);
   std::vector<Column> columns;
   for (std::size_t i = 0; i < table.columns.size(); ++i) {
     const std::string& name = table.columns[i].name;
@@ -111,8 +157,11 @@ SignalTable signals_of(const RecordingFormat& format, const TableRequest& reques
   own.topic = table.name;
   RawTable raw = columns_of_head(format, own, columns, table.rows, most_numbers / std::max<std::size_t>(1, columns.size()));
   result.notes = raw.warnings;
+  if (!others.empty())
+    result.notes.push_back(fmt::format("{} has most rows of the tables with gyros and accelerometers and was taken; --topic takes another: {}",
+                                       table.name, text::listed(others)));
   for (std::size_t i = 0; i < columns.size(); ++i) {
-    Signal signal{table.columns[i].name, table.columns[i].unit, columns[i], {}};
+    Signal signal{name_in_table(table, table.columns[i].name), table.columns[i].unit, columns[i], {}};
     if (raw.columns[i].integers.empty()) {
       signal.values = std::move(raw.columns[i].numbers);
     } else {

@@ -23,11 +23,11 @@ using text::two_digits;
 using text::wrapped;
 
 std::string detail_rows(const Calibration& calibration) {
-  std::string text = fmt::format("  {:<21} {:>13} {:>8} {:>12} {:>7} {}\n", "coefficient", "value (SI)", "+/-", "in user unit", "+/-", "unit");
+  std::string text = fmt::format("  {:<21} {:>13} {:>8} {:>11} {:>7} {}\n", "coefficient", "value (SI)", "+/-", "user unit", "+/-", "unit");
   for (const CoefficientIndex index : calibration.estimated) {
     const double value = coefficient_value(calibration.model, index), sigma = *standard_uncertainty(calibration, index);
     const UserValue user = user_value(calibration, index);
-    text += fmt::format("  {:<21} {:>13.7g} {:>8.2g} {:>12} {:>7} {}\n", coefficient(index).name, value, sigma,
+    text += fmt::format("  {:<21} {:>13.7g} {:>8.2g} {:>11} {:>7} {}\n", coefficient(index).name, value, sigma,
                         to_digits_of(user.uncertainty, user.value), two_digits(user.uncertainty), user.unit);
   }
   return text;

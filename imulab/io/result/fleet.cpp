@@ -142,21 +142,34 @@ std::string spread_row(const CoefficientStatistics& c) {
   const std::string mean = k.term == Term::matrix && k.row == k.column
                                ? text::number(c.fleet.mean, 7)
                                : text::to_digits_of(0.5 * (c.fleet.mean_high - c.fleet.mean_low) / c.size, c.fleet.mean / c.size);
-  std::string flags;
-  if (c.capability) flags += fmt::format("  Cpk {}", text::number(c.capability->cpk, 3));
-  return fmt::format("{:<21} {:>6} {:>12} {:>9} {:>9} {:>9} {:>9}  {}{}\n", k.name, c.fleet.units, mean, in_unit(c.fleet.spread),
-                     in_unit(c.fleet.spread_low), in_unit(c.fleet.spread_high), in_unit(c.fleet.measurement), c.unit, flags);
+  return fmt::format("{:<21} {:>10} {:>7} {:>7} {:>7} {:>8}  {}\n", k.name, mean, in_unit(c.fleet.spread), in_unit(c.fleet.spread_low),
+                     in_unit(c.fleet.spread_high), in_unit(c.fleet.measurement), c.unit);
+}
+
+/// The coefficients that fewer units have than others.
+std::string fewer_units_text(const FleetStatistics& f) {
+  auto most = f.coefficients.empty() ? 0 : f.coefficients.front().fleet.units;
+  for (const CoefficientStatistics& c : f.coefficients) most = std::max(most, c.fleet.units);
+  std::string text;
+  for (const CoefficientStatistics& c : f.coefficients)
+    if (c.fleet.units < most) text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", coefficient_name(c.index), c.fleet.units);
+  return text.empty() ? "" : text::wrapped("", fmt::format("Of {} units, but: {}", most, text));
+}
+
+std::string capability_text(const CoefficientStatistics& c) {
+  if (!c.capability) return "";
+  return fmt::format("  {:<21} Cp {:<6} Cpk {}\n", coefficient(c.index).name, text::number(c.capability->cp, 3), text::number(c.capability->cpk, 3));
 }
 
 /// Levels whose biases chance does not explain, among so many coefficients.
 std::string gauge_text(const CoefficientStatistics& c, const Gauge& g, const std::vector<std::string>& names, const char* what, double level) {
   if (g.p_value >= level) return "";
-  std::string text = fmt::format("  {:<21} {}:", coefficient(c.index).name, what);
+  std::string text;
   for (std::size_t k = 0; k < g.levels.size(); ++k)
     if (g.levels[k].calibrations > 0)
       text += fmt::format(" {} {}", names[k].empty() ? "(none)" : names[k],
                           text::to_digits_of(0.25 * (g.levels[k].high - g.levels[k].low) / c.size, g.levels[k].bias / c.size));
-  return text + fmt::format(" {} from their mean\n", c.unit);
+  return text::wrapped(fmt::format("  {:<21} {}: ", coefficient(c.index).name, what), fmt::format("{} {} from their mean", text, c.unit));
 }
 
 std::string rule_text(const CoefficientStatistics& c, const FleetStatistics& f) {
@@ -166,8 +179,9 @@ std::string rule_text(const CoefficientStatistics& c, const FleetStatistics& f) 
     const double expected = run_rules()[k].false_alarm * n, found = static_cast<double>(c.chart.fired[k].size());
     const double cluster = k == 0 ? 1 : 3;  // a run fires at several units, one after the other
     if (found <= expected + 4 * std::sqrt(cluster * expected) + cluster) continue;
-    text += fmt::format("  {:<21} {}: at {} units, {} expected; the first is {}\n", coefficient(c.index).name, run_rules()[k].name, found,
-                        text::number(expected, 2), f.sample.unit_of_row(c.rows[static_cast<std::size_t>(c.chart.fired[k].front())]));
+    text += text::wrapped(fmt::format("  {:<21} ", coefficient(c.index).name),
+                          fmt::format("{}: at {} units, {} expected; the first is {}", run_rules()[k].name, found, text::number(expected, 2),
+                                      f.sample.unit_of_row(c.rows[static_cast<std::size_t>(c.chart.fired[k].front())])));
   }
   return text;
 }
@@ -179,34 +193,38 @@ std::string headed(const std::string& heading, const std::string& body) { return
 std::string fleet_statistics_text(const FleetStatistics& f) {
   std::string text = fmt::format("{} units, {} calibrations; each unit's last one counts{}\n\n", f.sample.units.size(), f.sample.calibration.size(),
                                  f.search.outliers.empty() ? "" : ", outliers apart");
-  text += fmt::format("{:<21} {:>6} {:>12} {:>9} {:>9} {:>9} {:>9}  unit\n", "coefficient", "units", "mean", "spread", "low", "high", "measured");
-  std::string gauge, rules, drift;
+  text += fmt::format("{:<21} {:>10} {:>7} {:>7} {:>7} {:>8}  unit\n", "coefficient", "mean", "spread", "low", "high", "measured");
+  std::string gauge, rules, drift, capabilities;
   const double level = f.search.false_alarm / static_cast<double>(f.coefficients.size());
   for (const CoefficientStatistics& c : f.coefficients) {
     text += spread_row(c);
     if (c.stations) gauge += gauge_text(c, *c.stations, f.sample.stations, "stations", level);
     if (c.operators) gauge += gauge_text(c, *c.operators, f.sample.operators, "operators", level);
     rules += rule_text(c, f);
+    capabilities += capability_text(c);
   }
+  text += fewer_units_text(f) + headed("against the required limits", capabilities);
   std::string outliers, correlations, due;
   constexpr std::size_t most = 20;
   for (std::size_t k = 0; k < std::min(most, f.due.size()); ++k)
-    due += fmt::format("  {:<20} {}, for {}\n", due_text(f.due[k]), f.sample.units[static_cast<std::size_t>(f.due[k].unit)],
-                       coefficient_name(f.due[k].coefficient));
+    due += text::wrapped(fmt::format("  {:<20} ", due_text(f.due[k])),
+                         fmt::format("{}, for {}", f.sample.units[static_cast<std::size_t>(f.due[k].unit)], coefficient_name(f.due[k].coefficient)));
   for (std::size_t k = 0; k < std::min(most, f.search.outliers.size()); ++k) {
     const FleetOutlier& o = f.search.outliers[k];
-    outliers += fmt::format("  {}: distance {} in {} coefficients; {} is {:+.1f} standard deviations from the mean\n", outlier_name(f, o),
-                            text::number(o.distance), o.coefficients,
-                            coefficient_name(f.sample.coefficients[static_cast<std::size_t>(f.sample.common[static_cast<std::size_t>(o.worst)])]),
-                            o.worst_sigmas);
+    outliers += text::wrapped(
+        fmt::format("  {}: ", outlier_name(f, o)),
+        fmt::format("distance {} in {} coefficients; {} is {:+.1f} standard deviations from the mean", text::number(o.distance), o.coefficients,
+                    coefficient_name(f.sample.coefficients[static_cast<std::size_t>(f.sample.common[static_cast<std::size_t>(o.worst)])]),
+                    o.worst_sigmas));
   }
   for (std::size_t k = 0; k < std::min(most, f.drifts.size()); ++k) {
     const SignificantDrift& d = f.drifts[k];
     const auto c = std::find_if(f.coefficients.begin(), f.coefficients.end(), [&](const auto& x) { return x.index == d.index; });
     const double half = 0.5 * (d.drift.high - d.drift.low) / c->size;
-    drift += fmt::format("  {}: {} {} +/- {} {} per year over {} years\n", f.sample.units[static_cast<std::size_t>(d.drift.unit)],
-                         coefficient_name(d.index), text::to_digits_of(half, d.drift.slope / c->size), text::two_digits(half), c->unit,
-                         text::number(d.drift.span, 2));
+    drift +=
+        text::wrapped(fmt::format("  {}: ", f.sample.units[static_cast<std::size_t>(d.drift.unit)]),
+                      fmt::format("{} {} +/- {} {} per year over {} years", coefficient_name(d.index),
+                                  text::to_digits_of(half, d.drift.slope / c->size), text::two_digits(half), c->unit, text::number(d.drift.span, 2)));
   }
   for (std::size_t k = 0; k < std::min(most, f.correlations.size()); ++k)
     correlations += fmt::format("  {:<21} {:<21} {:+.2f}\n", coefficient_name(f.correlations[k].a), coefficient_name(f.correlations[k].b),

@@ -21,7 +21,7 @@ std::vector<std::string> supported_methods(const Inspection& inspection) {
 }
 
 std::string verdict(const Inspection& inspection) {
-  if (!inspection.problems.empty()) return text::wrapped("not usable: ", "the file has to be mended first");
+  if (!inspection.problems.empty()) return text::wrapped("not usable: ", "the file has to be fixed first");
   if (!inspection.complete())
     return text::wrapped("open: ", fmt::format("{} question{} that the data do not answer; declare with --set KEY=VALUE", inspection.ambiguous.size(),
                                                inspection.ambiguous.size() == 1 ? "" : "s"));

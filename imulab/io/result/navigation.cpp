@@ -1,6 +1,7 @@
 #include "imulab/io/result/navigation.hpp"
 
 #include "imulab/core/units.hpp"
+#include "imulab/io/text/figures.hpp"
 
 #include <fmt/format.h>
 
@@ -51,8 +52,9 @@ std::string error_text(const NavigationErrors& errors) {
 
 std::string headline(const NavigationErrors& errors) {
   const NavigationError& e = errors.history.back();
-  return fmt::format("position error {:.4g} m horizontal, {:.4g} nmi/h; heading error {:.3g} arcsec\n\n", e.horizontal(),
-                     errors.rate / unit::nmi_per_h, e.attitude.z() / unit::arcsec);
+  return text::wrapped("", fmt::format("position error {:.4g} m horizontal, {:.4g} nmi/h; heading error {:.3g} arcsec", e.horizontal(),
+                                       errors.rate / unit::nmi_per_h, e.attitude.z() / unit::arcsec)) +
+         "\n";
 }
 
 std::string one_session(const NavigatedSession& s) {

@@ -3,6 +3,7 @@
 #include "imulab/estimate/hybrid/path_design.hpp"
 #include "imulab/io/result/reached.hpp"
 #include "imulab/io/text/figures.hpp"
+#include "imulab/io/text/terminal.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/user_unit.hpp"
 
@@ -16,14 +17,14 @@
 namespace imulab {
 namespace {
 
-/// One unit for all coefficients of a term, by the largest of them.
+/// One unit for all coefficients of a term, by the largest of them; the readings are those of an ideal IMU, in SI.
 UserUnit unit_of(CoefficientIndex index, const std::vector<CoefficientIndex>& coefficients, const Eigen::VectorXd& sigma) {
   const Coefficient& c = coefficient(index);
   double largest = 0;
   for (std::size_t k = 0; k < coefficients.size(); ++k)
     if (coefficient(coefficients[k]).triad == c.triad && coefficient(coefficients[k]).term == c.term)
       largest = std::max(largest, sigma[static_cast<Eigen::Index>(k)]);
-  return user_unit_of_si(c, largest);
+  return user_unit(c, largest, TriadModel{});
 }
 
 /// A source's name as the two lines of a narrow column's head.
@@ -119,7 +120,7 @@ std::string term_rows(const turntable::Prediction& p) {
   std::string text;
   for (const turntable::TermSource& term : p.terms) {
     const Coefficient& c = coefficient(term.first);
-    const UserUnit unit = user_unit_of_si(c, term.prior);
+    const UserUnit unit = user_unit(c, term.prior, TriadModel{});
     const bool unseen = std::find(p.considered.begin(), p.considered.end(), term.first) != p.considered.end();
     text += fmt::format("  {:<18} prior {} {}{}\n", term.name, text::two_digits(term.prior / unit.size), unit.name,
                         unseen ? "; the procedure does not show it" : "");
@@ -200,12 +201,13 @@ std::string prediction_table(const Prediction& p, const std::vector<Requirement>
   }
   for (std::size_t i = 0; i < p.undetermined.size(); ++i) {
     const Coefficient& c = coefficient(p.undetermined[i]);
-    const UserUnit unit = user_unit_of_si(c, 0);
+    const UserUnit unit = user_unit(c, 0, TriadModel{});
     const std::string remaining = p.remaining.size() > 0 ? fmt::format("{:.4g}", p.remaining[static_cast<Eigen::Index>(i)] / unit.size) : "";
     text += fmt::format("{:<21} {:<13} {:>9}  not determined\n", c.name, unit.name, remaining);
   }
-  if (!p.considered.empty()) text += "\nIts prior: the procedure says nothing of the term, which counts in the others with its prior.\n";
-  for (const std::string& note : p.notes) text += fmt::format("\n{}\n", note);
+  if (!p.considered.empty())
+    text += "\n" + text::wrapped("", "Its prior: the procedure says nothing of the term, which counts in the others with its prior.");
+  for (const std::string& note : p.notes) text += "\n" + text::wrapped("", note);
   return text;
 }
 
@@ -236,11 +238,12 @@ std::string prior_text(const PriorEffect& prior) {
 
 std::string path_table(const hybrid::Path& path) {
   const std::vector<std::string> words = rig::in_words(path.turns);
-  std::string text = fmt::format("rest {:g} s\n", path.first_rest);
+  std::string table = fmt::format("rest {:g} s\n", path.first_rest);
   for (std::size_t k = 0; k < path.turns.size(); ++k)
-    text += fmt::format("{:>3}  {:<6} {:>+5g} deg  rest {:>3g} s   {}\n", k + 1, to_string(path.turns[k].axis), path.turns[k].angle_deg,
-                        path.turns[k].rest, words[k]);
-  return text;
+    table += text::wrapped(
+        fmt::format("{:>3}  {:<6} {:>+5g} deg  rest {:>3g} s   ", k + 1, to_string(path.turns[k].axis), path.turns[k].angle_deg, path.turns[k].rest),
+        words[k]);
+  return table;
 }
 
 }  // namespace imulab

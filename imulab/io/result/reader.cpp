@@ -40,6 +40,12 @@ std::string_view unit_name(const Field& f, CoefficientIndex index) {
   for (const UserUnit& unit : user_units(coefficient(index)))
     if (unit.name == name) return unit.name;
   if (name == coefficient(index).unit) return coefficient(index).unit;
+  TriadModel triad;
+  if (user_units(coefficient(index)).empty())
+    for (const char* temperature : {"K", "raw"}) {
+      triad.temperature = ThermalReading{.unit = temperature};
+      if (const UserUnit unit = unit_of_si_readings(coefficient(index), triad); unit.name == name) return unit.name;
+    }
   static const std::set<std::string, std::less<>> others{"", "ppm", "arcsec"};
   if (const auto at = others.find(name); at != others.end()) return *at;
   f.expected("a unit of " + std::string(coefficient(index).name));

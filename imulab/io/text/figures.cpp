@@ -40,7 +40,11 @@ std::string two_digits(double uncertainty) {
 std::string to_digits_of(double uncertainty, double value) {
   if (!std::isfinite(uncertainty) || uncertainty == 0) return fmt::format("{:.6g}", value);
   const int exponent = exponent_of(std::abs(uncertainty));
-  if (exponent < least_exponent || exponent > largest_exponent) return fmt::format("{:.4g}", value + 0.0);
+  if (exponent < least_exponent || exponent > largest_exponent) {
+    const double step = std::pow(10, exponent - 1), rounded = std::round(value / step) * step;
+    if (rounded == 0) return "0";
+    return fmt::format("{:.{}e}", rounded, std::max(0, static_cast<int>(std::floor(std::log10(std::abs(rounded)) + 1e-9)) - exponent + 1));
+  }
   std::string text = to_place(exponent - 1, value);
   if (text.find_first_not_of("-0.") == std::string::npos && text.starts_with('-')) text.erase(0, 1);  // not -0.00
   return text;

@@ -30,7 +30,12 @@ TEST(Figures, AValueEndsWhereItsUncertaintyDoes) {
   EXPECT_EQ(to_digits_of(0.0996, 1.2345), "1.23");
   EXPECT_EQ(to_digits_of(10, -0.2), "0");
   EXPECT_EQ(to_digits_of(0, 1.25), "1.25");
-  EXPECT_EQ(to_digits_of(1e-9, 1.5e-8), "1.5e-08");
+  EXPECT_EQ(to_digits_of(1e-9, 1.5e-8), "1.50e-08");
+  EXPECT_EQ(to_digits_of(6.1e-6, -1.309e-5), "-1.31e-05");
+  EXPECT_EQ(to_digits_of(5.3e-6, 7.528e-7), "8e-07");
+  EXPECT_EQ(to_digits_of(5.3e-6, 7.5e-9), "0");
+  EXPECT_EQ(to_digits_of(1e-9, 9.96e-10), "1.0e-09");
+  EXPECT_EQ(to_digits_of(2.4e8, -1.234e10), "-1.234e+10");
 }
 
 TEST(Figures, NumbersOfEverySize) {
