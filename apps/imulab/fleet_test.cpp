@@ -190,15 +190,15 @@ TEST_F(FleetCommand, SaysWhenUnitsAreDue) {
 
 TEST_F(FleetCommand, IsThePriorOfAPlan) {
   draw(60, 1);
-  const std::string plan = "plan --require 'gyro.matrix.diagonal <= 900 ppm' --grade mems --axes hand";
+  const std::string plan = "plan --require 'gyro.matrix.off_diagonal <= 200 arcsec' --grade mems --axes hand";
   const auto without = nlohmann::json::parse(run(plan + " --json").output);
   const auto with = nlohmann::json::parse(run(plan + " --prior fleet.db --report plan.html --json > plan.json; cat plan.json").output);
   EXPECT_LT(with["duration_s"], without["duration_s"]);
   EXPECT_EQ(with["prior"]["duration_without_s"], without["duration_s"]);
   EXPECT_EQ(with["prior"]["units"], 60);
   // Both together: at most what was required, and more than the session alone.
-  for (const char* name : {"gyro.matrix.xx", "gyro.matrix.yy", "gyro.matrix.zz"})
-    EXPECT_LE(with["coefficients"][name]["closed_form"], 900e-6 * (1 + 1e-9));
+  for (const char* name : {"gyro.matrix.xy", "gyro.matrix.yx", "gyro.matrix.zx"})
+    EXPECT_LE(with["coefficients"][name]["closed_form"], 200 * unit::arcsec * (1 + 1e-9));
   EXPECT_THAT(read_text(folder / "plan.html"), HasSubstr("with what 60 units of fleet.db say of it; without: "));
   run("report plan.json -o again.html");
   EXPECT_EQ(read_text(folder / "plan.html"), read_text(folder / "again.html"));

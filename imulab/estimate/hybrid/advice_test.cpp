@@ -61,8 +61,11 @@ TEST(HybridAdvice, ShortfallsAreWhatIsNotMet) {
   EXPECT_EQ(missed[1].coefficient, coefficient_index("accel.offset.x"));
 }
 
-TEST(HybridAdvice, GSensitivityIsThatOfAGradeThatHasIt) {
-  EXPECT_THROW(expect_estimated(parse_requirements("gyro.g_sensitivity <= 1 deg/h/g"), plan_with({{middle, 90, 30}})), Error);
+TEST(HybridAdvice, WhatTheTermsLeaveOutCannotBeRequired) {
+  const Session session = plan_with({{middle, 90, 30}}).procedure;
+  const std::vector<Requirement> required = parse_requirements("gyro.g_sensitivity <= 1 deg/h/g");
+  EXPECT_NO_THROW(expect_estimated(required, plan_of(session)));
+  EXPECT_THROW(expect_estimated(required, plan_of(session, select_each({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"}))), Error);
 }
 
 }  // namespace
