@@ -35,5 +35,6 @@ void bind_session(py::module_& module);
 void bind_calibration(py::module_& module);
 void bind_estimates(py::module_& module);
 void bind_navigation(py::module_& module);
+void bind_fleets(py::module_& module);
 
 }  // namespace imulab::python

@@ -2,6 +2,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/noise/noise_batch.hpp"
+#include "imulab/fleet/sample.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/recording/file.hpp"
 #include "imulab/io/result/noise.hpp"
@@ -31,21 +32,29 @@ SessionRecordings recordings_of(const Session& session, const std::optional<Reco
   return given_recordings(session, std::move(copies));
 }
 
+FleetPrior prior_at(const std::string& file) {
+  FleetStore store(file);
+  return fleet_prior(store);
+}
+
 std::pair<std::shared_ptr<CalibrationObject>, std::vector<std::string>> calibrated(std::shared_ptr<Session> session, std::optional<Recordings> given,
                                                                                    const std::string& method_name, const std::string& terms,
                                                                                    const std::string& require, const std::string& chosen,
-                                                                                   bool stepwise, const py::object& progress) {
+                                                                                   bool stepwise, const std::string& prior,
+                                                                                   const py::object& progress) {
   const Method& chosen_method = method(method_name);
   CalibrationTask task{.method = method_name, .terms = terms, .stepwise = stepwise, .curves = true};
   if (!require.empty()) task.requirements = parse_requirements(require);
   auto work = [=](const std::function<void(double)>& report) mutable {
     task.progress = report;
+    if (!prior.empty()) task.prior = prior_at(prior);
     const auto data = std::make_shared<SessionRecordings>(recordings_of(*session, given, chosen_method, chosen));
     auto result = std::make_shared<CalibrationResult>(calibrate(*data, task));
     if (!given) add_provenance(result->calibration, data->session, data->recordings);
     result->calibration.options = {{"terms", terms}};
     if (!chosen.empty()) result->calibration.options["recording"] = chosen;
     if (stepwise) result->calibration.options["stepwise"] = "true";
+    if (!prior.empty()) result->calibration.options["prior"] = prior;
     std::vector<std::string> warnings = data->warnings;
     const std::vector<std::string>& own = result->calibration.quality.warnings;
     warnings.insert(warnings.end(), own.begin(), own.end());
@@ -83,7 +92,8 @@ Outcome predicted(std::shared_ptr<Session> procedure, const std::string& method,
 
 std::pair<Outcome, std::shared_ptr<Session>> planned(const std::string& require, const std::string& grade, double latitude_deg,
                                                      std::optional<double> gravity, const std::vector<std::string>& axes, bool by_hand,
-                                                     std::optional<double> time, std::optional<double> rest, const py::object& progress) {
+                                                     std::optional<double> time, std::optional<double> rest, const std::string& prior,
+                                                     const py::object& progress) {
   PlanTask task{.requirements = parse_requirements(require),
                 .grade = grade,
                 .latitude = latitude_deg * unit::deg,
@@ -96,6 +106,7 @@ std::pair<Outcome, std::shared_ptr<Session>> planned(const std::string& require,
     if (std::find(axes.begin(), axes.end(), to_string(axis)) != axes.end()) task.axes.push_back(axis);
   if (task.axes.empty()) throw Error("axes: expected some of outer, middle, inner");
   return run(progress, [=](const std::function<void(double)>& report) mutable {
+    if (!prior.empty()) task.prior = prior_at(prior);
     task.progress = report;
     const auto p = std::make_shared<PlannedProcedure>(plan(task));
     return std::pair(Outcome{.json = plan_json(*p), .text = plan_text(*p), .shortcomings = shortcomings(*p), .page = [p] { return plan_page(*p); }},

@@ -46,4 +46,5 @@ PYBIND11_MODULE(_imulab, module) {
   python::bind_calibration(module);
   python::bind_estimates(module);
   python::bind_navigation(module);
+  python::bind_fleets(module);
 }

@@ -104,7 +104,7 @@ struct SourceFile {
 struct Calibration {
   std::string imu, serial, method, created, software;
   std::string operated_by, station, measured;  ///< who took the data, where, and when (UTC)
-  std::string firmware, warm_up, power_cycles;
+  std::string firmware, filter, warm_up, power_cycles, valid_until;
   std::vector<Reference> references;  ///< as the session declares them
   std::string session_file, session_sha256;
   std::vector<SourceFile> sources;

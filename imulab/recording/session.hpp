@@ -37,6 +37,7 @@ struct ImuDeclaration {
   std::string name;
   std::optional<std::string> serial;          ///< number of this one
   std::optional<std::string> firmware;        ///< its version
+  std::optional<std::string> filter;          ///< what it does to the readings before they come out, in words: "low-pass, 42 Hz"
   std::optional<std::string> grade;           ///< priors, and what simulate draws from
   std::optional<std::string> truth;           ///< file of the exact IMU to simulate
   std::optional<double> accel_noise_density;  ///< m/s^2/sqrt(Hz)
@@ -197,6 +198,7 @@ struct Session {
   std::optional<std::string> operated_by;  ///< who took the data
   std::optional<std::string> station;      ///< where
   std::optional<std::string> measured;     ///< when: UTC, "2026-03-31" or "2026-03-31T12:00:00Z"
+  std::optional<std::string> valid_until;  ///< the day until which the owner uses the calibration
   std::optional<std::string> warm_up;      ///< before the recording, in words
   std::optional<std::string> power_cycles;
   std::vector<Reference> references;  ///< at most one of each quantity

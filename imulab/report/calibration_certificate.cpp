@@ -137,10 +137,12 @@ std::string identification_section(const CalibrationReport& report) {
   facts.add("IMU", c.imu);
   facts.add("serial number", c.serial);
   facts.add("firmware", c.firmware);
+  facts.add("filter of the readings", c.filter);
   facts.add("date", c.created);
   facts.add("data taken by", c.operated_by);
   facts.add("at the station", c.station);
   facts.add("measured", c.measured);
+  facts.add("valid until", c.valid_until);
   facts.add("warm-up", c.warm_up);
   facts.add("power cycles", c.power_cycles);
   facts.add("method", c.method);

@@ -13,6 +13,7 @@ import atexit as _atexit
 
 from . import _imulab
 from ._calibration import Calibration, Coefficient, import_calibration, read_calibration
+from ._fleet import Fleet, FleetStatistics
 from ._imulab import Error, Unsupported
 from ._recording import Recording
 from ._results import Budget, Comparison, Inspection, Navigation, Noise, Plan, Prediction, Result, Solution
@@ -47,6 +48,8 @@ __all__ = [
     "Comparison",
     "DataWarning",
     "Error",
+    "Fleet",
+    "FleetStatistics",
     "Flight",
     "Inspection",
     "Navigation",

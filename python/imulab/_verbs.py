@@ -13,6 +13,7 @@ import numpy.typing as npt
 from . import _arrays, _imulab
 from ._arrays import FloatArray
 from ._calibration import Calibration
+from ._fleet import Fleet
 from ._imulab import Error
 from ._recording import Recording
 from ._results import Budget, Comparison, Inspection, Navigation, Noise, Plan, Prediction, Solution
@@ -95,6 +96,13 @@ def _one_recording(data: Data, site: Site | Table | None, chosen: str) -> tuple[
     return session, named[0]
 
 
+def _store(prior: Fleet | PathLike | None) -> str:
+    """The file of a fleet that is a prior; empty: none."""
+    if prior is None:
+        return ""
+    return prior.store if isinstance(prior, Fleet) else path("prior", prior)
+
+
 def inspect(*files: PathLike, topics: Sequence[str] = (), declare: Mapping[str, str] | None = None) -> Inspection:
     """What a recording holds: time, units, axes, rests; and the session for it.
 
@@ -124,6 +132,7 @@ def calibrate(
     require: str = "",
     recording: str = "",
     stepwise: bool = False,
+    prior: Fleet | PathLike | None = None,
     progress: Progress | None = None,
 ) -> Calibration:
     """A calibration with the uncertainty of every coefficient.
@@ -132,14 +141,14 @@ def calibrate(
     method: "static", "handheld", "turntable", "hybrid" or "whole-unit".
     terms: "auto", "full" (whole-unit), or names of coefficients to estimate.
     require: what it is for: "gyro.matrix.diagonal <= 100 ppm, accel.offset <= 200 ug".
-    recording: one of a session that has several. progress: called with the part that is done, 0 to 1, where the method knows it.
+    recording: one of a session that has several. prior: a fleet, whose units say what is known of this one. progress: called with the part that is done, 0 to 1, where the method knows it.
 
     Look at `verdict` and `shortcomings` of the result. Raises Error for declarations that are wrong, Unsupported where nothing can be determined.
     """
     session, recordings = _declared(data, site, imu)
     given = None if recordings is None else [r._recording for r in recordings]
     selected = terms if isinstance(terms, str) else ",".join(terms)
-    found, warnings = _imulab.calibrate(session._session, given, method, selected, require, recording, stepwise, _callback(progress))
+    found, warnings = _imulab.calibrate(session._session, given, method, selected, require, recording, stepwise, _store(prior), _callback(progress))
     warn(warnings)
     return Calibration(found)
 
@@ -221,15 +230,19 @@ def plan(
     by_hand: bool = False,
     time: float | None = None,
     rest: float | None = None,
+    prior: Fleet | PathLike | None = None,
     progress: Progress | None = None,
 ) -> Plan:
-    """The shortest turns and rests with which the method hybrid meets requirements, or the best within `time` seconds."""
+    """The shortest turns and rests with which the method hybrid meets requirements, or the best within `time` seconds.
+
+    prior: a fleet, whose units say what is known of this one.
+    """
     if isinstance(axes, str):
         raise TypeError("axes: expected a list of names, got a str")
     for name, value, low, high in (("latitude_deg", latitude_deg, -90, 90), ("gravity", gravity, 9.7, 9.9), ("time", time, 60, 14400), ("rest", rest, 6, 600)):
         if value is not None and not low <= value <= high:
             raise Error(f"{name}: {value}; expected {low} to {high}")
-    return Plan(*_imulab.plan(require, grade, latitude_deg, gravity, list(axes), by_hand, time, rest, _callback(progress)))
+    return Plan(*_imulab.plan(require, grade, latitude_deg, gravity, list(axes), by_hand, time, rest, _store(prior), _callback(progress)))
 
 
 def noise(

@@ -7,10 +7,7 @@
 
 const uint8_t imu = 0x68;
 
-void ask(uint8_t address) {
-  Wire.beginTransmission(imu);
-  Wire.write(address);
-}
+void ask(uint8_t address) { Wire.beginTransmission(imu), Wire.write(address); }
 
 void setup() {
   Serial.begin(115200);

@@ -59,7 +59,7 @@ Calibration any_calibration() {
                                 {"gyro.offset <= 1 deg/h", "gyro.offset.x", 5e-6, std::numeric_limits<double>::infinity(), false}}};
   c.serial = "012";
   c.operated_by = "A. N. Other";
-  c.firmware = "2.1";
+  c.firmware = "2.1", c.filter = "low-pass, 42 Hz", c.station = "table 2", c.measured = "2026-03-31", c.valid_until = "2027-03-31";
   c.warm_up = "45 min";
   c.references = {{"rotation", "table 7", "T 12", "2026-03-31", "U = 2 arcsec"}, {"time", "counter", "C 1", "", ""}};
   c.sources = {{"recording.csv", std::string(64, 'a'), 123456789012, -0.5, 511.7, std::array{20.5, 31.0}, std::nullopt}};
@@ -80,6 +80,7 @@ void expect_equal(const Calibration& a, const Calibration& b) {
   EXPECT_EQ(a.covariance, b.covariance);
   EXPECT_TRUE(a.quality == b.quality);
   EXPECT_EQ(std::tie(a.serial, a.operated_by, a.options), std::tie(b.serial, b.operated_by, b.options));
+  EXPECT_EQ(std::tie(a.filter, a.station, a.measured, a.valid_until), std::tie(b.filter, b.station, b.measured, b.valid_until));
   EXPECT_EQ(std::tie(a.firmware, a.warm_up, a.power_cycles, a.references), std::tie(b.firmware, b.warm_up, b.power_cycles, b.references));
   EXPECT_TRUE(a.sources == b.sources);
 }

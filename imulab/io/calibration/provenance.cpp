@@ -58,6 +58,8 @@ void add_declared_origin(Calibration& calibration, const Session& session, std::
   calibration.station = session.station.value_or("");
   calibration.measured = session.measured.value_or("");
   calibration.firmware = session.imu.firmware.value_or("");
+  calibration.filter = session.imu.filter.value_or("");
+  calibration.valid_until = session.valid_until.value_or("");
   calibration.warm_up = session.warm_up.value_or("");
   calibration.power_cycles = session.power_cycles.value_or("");
   calibration.references = session.references;

@@ -215,6 +215,8 @@ Calibration parse_calibration(std::string_view text, const std::string& file) {
   c.station = root.text_or_empty("station");
   c.measured = root.text_or_empty("measured");
   c.firmware = root.text_or_empty("firmware");
+  c.filter = root.text_or_empty("filter");
+  c.valid_until = root.text_or_empty("valid_until");
   c.warm_up = root.text_or_empty("warm_up");
   c.power_cycles = root.text_or_empty("power_cycles");
   c.references = root.list("references", [](const Field& f) {

@@ -178,6 +178,8 @@ Json calibration_json(const Calibration& c) {
            {"station", text_or_null(c.station)},
            {"measured", text_or_null(c.measured)},
            {"firmware", text_or_null(c.firmware)},
+           {"filter", text_or_null(c.filter)},
+           {"valid_until", text_or_null(c.valid_until)},
            {"warm_up", text_or_null(c.warm_up)},
            {"power_cycles", text_or_null(c.power_cycles)},
            {"references", references_json(c.references)},

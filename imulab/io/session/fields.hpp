@@ -76,6 +76,7 @@ void transfer(Fields& f, ImuDeclaration& imu) {
   f.text("name", imu.name);
   f.text("serial", imu.serial);
   f.text("firmware", imu.firmware);
+  f.text("filter", imu.filter);
   f.text("grade", imu.grade);
   f.text("truth", imu.truth);
   f.number("accel_noise_density", imu.accel_noise_density, not_negative());

@@ -20,11 +20,15 @@ namespace {
 /// Everything a session can say.
 const std::string rich = R"(format = "imulab.session/1"
 operator = "A. Person"
+station = "table 2"
+measured = "2026-03-31T12:00:00Z"
+valid_until = "2027-03-31"
 warm_up = "45 min at 22 degC"
 power_cycles = "none"
 [imu]
 name = "RLG-90 \"#012\""
 firmware = "2.1.4"
+filter = "low-pass, 42 Hz"
 grade = "navigation"
 truth = "truth.json"
 accel_noise_density = 5e-5

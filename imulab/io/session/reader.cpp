@@ -92,6 +92,9 @@ Session parse_session(std::string_view text, const std::string& file) {
   f.text("operator", session.operated_by);
   f.text("station", session.station);
   f.text("measured", session.measured);
+  f.text("valid_until", session.valid_until);
+  f.check(!session.valid_until || (session.valid_until->size() == 10 && time_of(*session.valid_until)), "valid_until",
+          "is no date; expected one as in \"2026-03-31\"");
   f.check(!session.measured || time_of(*session.measured), "measured", "is no time; expected UTC as in \"2026-03-31\" or \"2026-03-31T12:00:00Z\"");
   f.text("warm_up", session.warm_up);
   f.text("power_cycles", session.power_cycles);

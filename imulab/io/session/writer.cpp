@@ -184,6 +184,7 @@ std::string text_of(const Session& session, bool durations) {
   if (session.operated_by) text += fmt::format("operator = {}\n", toml_string(*session.operated_by));
   if (session.station) text += fmt::format("station = {}\n", toml_string(*session.station));
   if (session.measured) text += fmt::format("measured = {}\n", toml_string(*session.measured));
+  if (session.valid_until) text += fmt::format("valid_until = {}\n", toml_string(*session.valid_until));
   if (session.warm_up) text += fmt::format("warm_up = {}\n", toml_string(*session.warm_up));
   if (session.power_cycles) text += fmt::format("power_cycles = {}\n", toml_string(*session.power_cycles));
   if (session.imu != ImuDeclaration{}) text += section("[imu]", session.imu);

@@ -3,7 +3,6 @@
 #define IMULAB_REAL float
 #include "imu_calibration.h"
 
-#include <zephyr/device.h>
 #include <zephyr/drivers/sensor.h>
 #include <zephyr/kernel.h>
 
@@ -18,11 +17,9 @@ int main(void) {
   const struct device* const imu = DEVICE_DT_GET(DT_ALIAS(imu0));
   float accel[3], gyro[3], force[3], rate[3];
   if (!device_is_ready(imu) || imulab_selftest() != 0) return 1;
-  while (sensor_sample_fetch(imu) == 0) {
-    if (read3(imu, SENSOR_CHAN_ACCEL_XYZ, accel) != 0 || read3(imu, SENSOR_CHAN_GYRO_XYZ, gyro) != 0) break;
+  for (; sensor_sample_fetch(imu) == 0 && read3(imu, SENSOR_CHAN_ACCEL_XYZ, accel) == 0 && read3(imu, SENSOR_CHAN_GYRO_XYZ, gyro) == 0; k_msleep(10)) {
     imulab_compensate(accel, gyro, 0, 0, force, rate);
     printk("%d %d %d um/s^2\n", (int)(force[0] * 1e6f), (int)(force[1] * 1e6f), (int)(force[2] * 1e6f));
-    k_msleep(10);
   }
   return 1;
 }

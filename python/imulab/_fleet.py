@@ -1,0 +1,69 @@
+"""Fleets: the calibrations of many units in one store."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from . import _imulab
+from ._results import Result
+from ._text import PathLike, path, warn
+
+
+class FleetStatistics(Result):
+    """How the units of a fleet spread, which do not belong, how they drift, and how stations differ."""
+
+
+class Fleet:
+    """A store of units and their calibrations: one SQLite file, which is made when something is added.
+
+    The same file as of `imulab fleet`. As `prior` of `calibrate` and `plan` it says what is known of a unit before it is measured.
+    """
+
+    def __init__(self, store: PathLike) -> None:
+        self.store = path("store", store)
+
+    def __repr__(self) -> str:
+        return f"<imulab.Fleet: {self.store}>"
+
+    @property
+    def units(self) -> list[dict[str, Any]]:
+        """Serial number, name, how many calibrations, first and last time (UTC), and of the last one method, verdict and station."""
+        return _imulab.fleet_units(self.store)
+
+    def add(self, *files: PathLike, unit: str = "", station: str = "", operator: str = "", time: str = "") -> list[str]:
+        """Adds calibrations, sessions or noise.json (with `unit`); what each is: "calibration", with " (known)" where the store had it."""
+        if not files:
+            raise TypeError("expected files to add")
+        return _imulab.fleet_add(self.store, [path("file", f) for f in files], unit, station, operator, time)
+
+    def calibrate(
+        self,
+        *places: PathLike,
+        method: str,
+        terms: str = "auto",
+        station: str = "",
+        operator: str = "",
+        time: str = "",
+        retry: bool = False,
+        progress: Callable[[float], object] | None = None,
+    ) -> dict[str, Any]:
+        """Calibrates all sessions below folders that the store does not have; counts, and the failures as (file, message)."""
+        if not places:
+            raise TypeError("expected folders with sessions")
+        if progress is not None and not callable(progress):
+            raise TypeError(f"progress: expected a callable, got a {type(progress).__name__}")
+        below = [path("place", p) for p in places]
+        return _imulab.fleet_calibrate(self.store, below, method, terms, station, operator, time, retry, progress)
+
+    def statistics(self, *, method: str = "", require: str = "", due: str = "", false_alarm: float = 0.01) -> FleetStatistics:
+        """As `imulab fleet stats`. require: limits of the values; due: how far a calibration may be off before the unit is due."""
+        if not 1e-9 <= false_alarm <= 0.5:
+            raise _imulab.Error(f"false_alarm: {false_alarm}; expected 1e-09 to 0.5")
+        outcome = _imulab.fleet_statistics(self.store, method, require, due, false_alarm)
+        warn(outcome.warnings)
+        return FleetStatistics(outcome)
+
+    def check(self) -> tuple[list[str], list[str]]:
+        """What is damaged in the store, and which files of its sessions are no longer what they were."""
+        return _imulab.fleet_check(self.store)

@@ -1,0 +1,74 @@
+"""Fleets, as the command has them."""
+
+import imulab
+import pytest
+
+
+@pytest.fixture(scope="module")
+def week(tmp_path_factory):
+    """A folder with sessions of 28 units."""
+    folder = tmp_path_factory.mktemp("fleet") / "week"
+    folder.mkdir()
+    procedure = imulab.procedure("hand-held", poses=15, seed=3)
+    for unit in range(28):
+        procedure.save(folder / "p.toml")
+        text = (folder / "p.toml").read_text().replace("[imu]", f'[imu]\nserial = "{unit}"', 1)
+        (folder / "p.toml").write_text(text)
+        imulab.simulate(imulab.read_session(folder / "p.toml"), seed=unit + 1, output=folder / f"unit{unit}")
+    (folder / "p.toml").unlink()
+    return folder
+
+
+@pytest.fixture(scope="module")
+def fleet(week):
+    fleet = imulab.Fleet(week / "fleet.db")
+    counts = fleet.calibrate(week, method="handheld", station="A")
+    assert counts == {"sessions": 28, "calibrated": 28, "skipped": 0, "failed": 0, "failed_before": 0, "failures": []}
+    return fleet
+
+
+def test_it_is_the_commands_store(fleet, week, command):
+    assert fleet.calibrate(week, method="handheld")["skipped"] == 28
+    assert len(fleet.units) == 28
+    assert {u["station"] for u in fleet.units} == {"A"}
+    assert fleet.statistics(require="accel.offset <= 100 mg").data == command(
+        "fleet", "stats", "--store", fleet.store, "--require", "accel.offset <= 100 mg", "--json"
+    )
+    assert fleet.check() == ([], [])
+
+
+def test_it_is_a_prior(fleet, week, command):
+    plain = imulab.calibrate(week / "unit3", method="handheld")
+    own = imulab.calibrate(week / "unit3", method="handheld", prior=fleet)
+    printed = command("calibrate", week / "unit3", "--method", "handheld", "--prior", fleet.store, "--json")
+    for data in (printed, made := dict(own.data)):
+        data.pop("created")
+    assert made == printed
+    name = "accel.offset.x"
+    assert own.coefficients[name].sigma <= plain.coefficients[name].sigma
+    require = "gyro.matrix.diagonal <= 2000 ppm"
+    planned = imulab.plan(require, grade="mems", by_hand=True, prior=fleet.store)
+    assert planned.data == command("plan", "--require", require, "--grade", "mems", "--axes", "hand", "--prior", fleet.store, "--json")
+    own.save(week / "with-prior.json")
+    with pytest.raises(imulab.Error, match="was calibrated with a fleet's prior"):
+        fleet.add(week / "with-prior.json")
+
+
+def test_bad_input(fleet, tmp_path):
+    with pytest.raises(imulab.Error, match="none.db"):
+        imulab.Fleet(tmp_path / "none.db").units
+    with pytest.raises(imulab.Error, match="false_alarm"):
+        fleet.statistics(false_alarm=2)
+    with pytest.raises(imulab.Error, match="apples"):
+        fleet.statistics(require="accel.offset <= 10 apples")
+    with pytest.raises(TypeError):
+        imulab.Fleet(3)
+    with pytest.raises(TypeError):
+        fleet.calibrate(method="handheld")
+    with pytest.raises(TypeError):
+        fleet.add()
+    with pytest.raises(imulab.Error, match="no session"):
+        fleet.calibrate(tmp_path, method="handheld")
+    (tmp_path / "text.db").write_text("no store at all, but some text that is long enough")
+    with pytest.raises(imulab.Error):
+        imulab.calibrate(tmp_path, method="handheld", prior=tmp_path / "text.db")
