@@ -45,7 +45,7 @@ def test_it_is_a_prior(fleet, week, command):
         data.pop("created")
     assert made == printed
     name = "accel.offset.x"
-    assert own.coefficients[name].sigma <= plain.coefficients[name].sigma
+    assert own.sigma[name] <= plain.sigma[name]
     require = "gyro.matrix.diagonal <= 2000 ppm"
     planned = imulab.plan(require, grade="mems", by_hand=True, prior=fleet.store)
     assert planned.data == command("plan", "--require", require, "--grade", "mems", "--axes", "hand", "--prior", fleet.store, "--json")
