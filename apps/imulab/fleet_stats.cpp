@@ -18,6 +18,8 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <utility>
+#include <vector>
 
 namespace imulab::command {
 
@@ -32,24 +34,28 @@ struct Options {
   bool json = false;
 };
 
-/// The pages of the units that the fleet's page names, each of its last calibration; where they are from there, by unit.
-std::vector<std::string> write_unit_pages(FleetStore& store, const FleetStatistics& f, const Options& o) {
+/// The pages of the units that the fleet's page names, each of its last calibration.
+struct UnitPages {
+  std::vector<std::pair<std::string, std::string>> files;  ///< name and text
+  std::vector<std::string> links;                          ///< by unit, from the fleet's page
+};
+
+UnitPages unit_pages(FleetStore& store, const FleetStatistics& f, const Options& o) {
   const fs::path folder = o.pages, base = fs::absolute(o.report).parent_path();
-  fs::create_directories(folder);
   std::map<Eigen::Index, std::int64_t> last;
   for (const Eigen::Index row : f.sample.last)
     last[f.sample.unit[static_cast<std::size_t>(row)]] = f.sample.calibration[static_cast<std::size_t>(row)];
-  std::vector<std::string> links(f.sample.units.size());
+  UnitPages pages{{}, std::vector<std::string>(f.sample.units.size())};
   for (const Eigen::Index unit : units_on_page(f)) {
     const std::int64_t id = last.at(unit);
     const fs::path file = folder / fmt::format("calibration-{}.html", id);
     CalibrationReport report;
     report.result.calibration = parse_calibration(store.calibration_file(id), fmt::format("{}: calibration {}", o.store, id));
     report.missing.emplace_back("The recording, gravity and rotations: a store keeps the calibration alone.");
-    write_whole(file.string(), calibration_page(report));
-    links[static_cast<std::size_t>(unit)] = report::relative_url(fs::absolute(file).lexically_proximate(base).generic_string());
+    pages.files.emplace_back(file.string(), calibration_page(report));
+    pages.links[static_cast<std::size_t>(unit)] = report::relative_url(fs::absolute(file).lexically_proximate(base).generic_string());
   }
-  return links;
+  return pages;
 }
 
 void stats(const Options& o) {
@@ -62,8 +68,10 @@ void stats(const Options& o) {
   const FleetStatistics statistics = fleet_statistics(store, options, o.method);
   warn_of_clocks(store);
   if (o.due && statistics.due.empty()) warn("--due: no unit was calibrated twice: how units drift is not known");
-  if (!o.report.empty())
-    write_whole(o.report, fleet_page(statistics, o.store, o.pages.empty() ? std::vector<std::string>{} : write_unit_pages(store, statistics, o)));
+  const UnitPages pages = o.pages.empty() ? UnitPages{} : unit_pages(store, statistics, o);
+  if (!o.report.empty()) write_whole(o.report, fleet_page(statistics, o.store, pages.links));
+  if (!pages.files.empty()) fs::create_directories(o.pages);
+  for (const auto& [file, text] : pages.files) write_whole(file, text);
   if (o.json)
     print_json(fleet_statistics_json(statistics));
   else
