@@ -116,7 +116,8 @@ void take_common(FleetSample& s, const NumbersScan& scan) {
   const auto most =
       std::max_element(scan.sums.begin(), scan.sums.end(), [](const auto& a, const auto& b) { return a.second.count < b.second.count; });
   if (most == scan.sums.end() || most->second.count == 0) return;
-  const auto& [layout, sum] = *most;
+  const std::vector<CoefficientIndex>& layout = most->first;
+  const LayoutSum& sum = most->second;
   const auto n = static_cast<Eigen::Index>(layout.size());
   Eigen::MatrixXd mean(n, n);
   for (Eigen::Index i = 0, k = 0; i < n; ++i)
