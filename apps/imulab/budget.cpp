@@ -49,7 +49,7 @@ void run(const Options& o) {
     task.progress = [&progress](double part) { progress.report(part); };
     return mission_budget(file, specification, task);
   }();
-  if (!leads_processes()) return;  // another process says it
+  if (o.shared.silent()) return;
   if (!o.folder.empty()) write_budget(o.folder, budget);
   if (!o.report.empty()) write_whole(o.report, budget_page(budget, std::filesystem::path(o.mission).filename().string()));
   for (const std::string& text : budget.warnings) warn(text);

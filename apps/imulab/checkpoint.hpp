@@ -21,6 +21,8 @@ struct CheckpointOptions {
     if (folder.empty()) return std::nullopt;
     return Checkpoint{folder, {merged.begin(), merged.end()}};
   }
+  /// Whether another process of the same work says what came out.
+  bool silent() const { return !folder.empty() && !leads_processes(); }
 };
 
 inline void add_checkpoint_options(Verb& verb, CheckpointOptions& o) {

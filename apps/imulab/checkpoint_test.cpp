@@ -82,6 +82,24 @@ TEST_F(SharedRuns, OfAFleet) {
               HasSubstr("ranks: is the checkpoint of another run"));
 }
 
+TEST_F(SharedRuns, WithoutAFolderEveryRankIsForItself) {
+  run("procedure zhang-24 -o procedure.toml");
+  const std::string alone = run("predict procedure.toml --runs 1000 --json");
+  const auto as_rank_1 = [&](const std::string& more) {
+    return run_shell(folder, "SLURM_PROCID=1 '" + command_path() + "' predict procedure.toml --runs 1000 --json" + more);
+  };
+  EXPECT_EQ(as_rank_1("").output, alone);
+  EXPECT_THAT(as_rank_1(" --checkpoint shared").output, IsEmpty());
+}
+
+TEST_F(SharedRuns, TheStoreMayLieBesideASession) {
+  run("procedure hand-held -o hand.toml");
+  run("simulate hand.toml -o one");
+  run_shell(folder, "cp one/* .");
+  for (const char* counts : {"1 calibrated, 0 in the store before", "0 calibrated, 1 in the store before"})
+    EXPECT_THAT(run("fleet calibrate session.toml --method handheld --checkpoint ranks"), HasSubstr(counts));
+}
+
 TEST_F(SharedRuns, BadInput) {
   run("procedure zhang-24 -o procedure.toml");
   run("predict procedure.toml --runs 1000 --checkpoint here");

@@ -84,7 +84,7 @@ std::vector<JsonFields> failures_json(const std::vector<FleetFailure>& failures)
 void calibrate_all(const Options& o) {
   parse_terms(o.terms);
   const std::vector<std::filesystem::path> sessions = sessions_below({o.files.begin(), o.files.end()});
-  FleetStore store(leads_processes() ? o.store : ":memory:", Access::write);  // the leading process has it alone
+  FleetStore store(o.shared.silent() ? ":memory:" : o.store, Access::write);  // of processes that share the work one has it
   FleetCalibrationTask task{.method = o.method, .terms = o.terms, .declared = o.declared, .retry = o.retry};
   task.checkpoint = o.shared.checkpoint();
   FleetCalibrationCounts n;
@@ -93,7 +93,7 @@ void calibrate_all(const Options& o) {
     task.progress = [&](double done, double) { progress.report(done); };
     n = calibrate_fleet(sessions, task, store);
   }
-  if (!leads_processes()) return;
+  if (o.shared.silent()) return;
   for (const FleetFailure& f : n.failures) warn(fmt::format("{}: {}: the store has no calibration of it", f.file, f.message));
   warn_of_clocks(store);
   const auto counted = [](std::int64_t k) { return static_cast<std::uint64_t>(k); };

@@ -47,7 +47,7 @@ void run(const Options& options) {
       throw Error(fmt::format("--terms: {}", e.what()));
     }
   }();
-  if (!leads_processes()) return;  // another process says it
+  if (options.shared.silent()) return;
   if (!options.report.empty()) write_whole(options.report, prediction_page(predicted, options.procedure));
   options.json ? print_json(prediction_json(predicted)) : print(prediction_text(predicted, task.requirements, options.verbose));
   if (predicted.on_turntable)

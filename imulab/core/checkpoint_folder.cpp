@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cerrno>
@@ -109,7 +110,10 @@ CheckpointFolder::CheckpointFolder(fs::path folder, std::string identity) : fold
   fs::create_directories(folder_, wrong);
   if (wrong) throw Error(fmt::format("{}: cannot be made: {}", folder_.string(), wrong.message()));
   if (!fs::is_directory(folder_)) throw Error(folder_.string() + ": is a file; expected a folder");
-  if (fs::is_empty(folder_)) create_whole(folder_ / "identity", identity_ + "\n");
+  // Until one of them has made it, processes that begin at once find nothing but what the others are about to name so.
+  const fs::directory_iterator entries(folder_);
+  if (std::all_of(begin(entries), end(entries), [](const auto& entry) { return entry.path().filename().string().starts_with("identity."); }))
+    create_whole(folder_ / "identity", identity_ + "\n");
   expect_identity(folder_, identity_);
   fs::create_directories(folder_ / "claims", wrong);
   if (wrong) throw Error(fmt::format("{}: cannot be made: {}", (folder_ / "claims").string(), wrong.message()));

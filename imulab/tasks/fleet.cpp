@@ -124,16 +124,22 @@ FleetItem unpacked(const std::string& bytes) {
   return item;
 }
 
-/// What all results of a checkpoint depend on: which sessions, and what is asked for.
+/// What all results of a checkpoint depend on: which sessions, their files as they are, and what is asked for.
 std::string identity_of(const std::vector<fs::path>& sessions, const FleetCalibrationTask& task) {
   std::string all = fmt::format("{} {} {} {} {}", task.method, task.terms, task.declared.station, task.declared.operated_by, task.declared.time);
-  for (const fs::path& session : sessions) {  // and which files are beside them
-    std::vector<std::string> files;
-    for (const auto& entry : fs::directory_iterator(session.parent_path()))
-      if (entry.is_regular_file())
-        files.push_back(fmt::format("\n{} {} {}", entry.path().string(), entry.file_size(), entry.last_write_time().time_since_epoch().count()));
-    std::sort(files.begin(), files.end());
-    all += fmt::format("\n{}{}", session.string(), fmt::join(files, ""));
+  const auto add = [&all](const fs::path& file) {
+    struct stat status {};
+    if (::stat(file.c_str(), &status) != 0) return;  // its session fails, which is a result, too
+    all += fmt::format("\n{} {} {}.{}", file.string(), status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
+  };
+  for (const fs::path& file : sessions) {
+    add(file);
+    try {
+      const Session session = read_session(file);
+      for (const RecordingSource& source : session.recordings)
+        for (const std::string& name : source.files()) add(session_path(session, name));
+    } catch (const std::exception&) {  // likewise
+    }
   }
   return fmt::format("{} sessions {}", sessions.size(), sha256(all));
 }
@@ -208,7 +214,8 @@ FleetCalibrationCounts calibrate_fleet(const std::vector<fs::path>& sessions, co
   if (!task.declared.time.empty()) errors_at("--time", [&] { parse_time(task.declared.time); });
   FleetCalibrationCounts counts{.sessions = static_cast<std::int64_t>(sessions.size()), .failures = {}};
   std::mutex one;  // of the store
-  SharedWork all{.count = sessions.size(), .work = {}, .take = {}, .identity = identity_of(sessions, task)};
+  SharedWork all{.count = sessions.size(), .work = {}, .take = {}};
+  if (task.checkpoint) all.identity = identity_of(sessions, task);
   all.work = [&](std::size_t at) {
     FleetItem item;
     item.hashed.file = sessions[at].string();
@@ -224,7 +231,7 @@ FleetCalibrationCounts calibrate_fleet(const std::vector<fs::path>& sessions, co
     return packed(item);
   };
   all.take = [&](std::size_t, const std::string& bytes) {  // in the order of the sessions
-    if (!leads_processes()) return;                        // another process has the store
+    if (task.checkpoint && !leads_processes()) return;     // another process has the store
     const std::lock_guard lock(one);
     FleetItem item = unpacked(bytes);
     store_item(item, request, store);

@@ -27,7 +27,7 @@ struct FleetCalibrationTask {
   FleetDeclaration declared = {};
   bool retry = false;  ///< sessions that failed before, too
   std::function<void(double done, double all)> progress = {};
-  std::optional<Checkpoint> checkpoint = {};  ///< several processes share the sessions; each has a store of its own, or all have one
+  std::optional<Checkpoint> checkpoint = {};  ///< several processes share the sessions; of those that mpirun or srun started the first one stores
 };
 
 struct FleetCalibrationCounts {

@@ -115,7 +115,8 @@ PriorUse take_prior(Calibration& calibration, const FleetPrior& prior) {
   Eigen::VectorXd x(std::ssize(c.estimated));
   for (std::size_t k = 0; k < c.estimated.size(); ++k) x[static_cast<Index>(k)] = coefficient_value(c.model, c.estimated[k]);
   const Matched m = matched(c.estimated, prior);
-  if (m.in_prior.empty()) return use;
+  if (m.in_prior.empty())
+    throw Error(fmt::format("{}: the calibration estimates no offset and no matrix that its units have; expected some", prior.fleet));
   const Eigen::MatrixXd own = prior.covariance(m.in_prior, m.in_prior);
   const double square = squared_norm_in(Eigen::MatrixXd(c.covariance(m.in_calibration, m.in_calibration) + own),
                                         Eigen::VectorXd(x(m.in_calibration) - prior.mean(m.in_prior)));

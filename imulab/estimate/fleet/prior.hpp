@@ -39,7 +39,8 @@ struct PriorUse {
 
 /// The calibration in the accelerometers' frame, with the prior as one observation more. A coefficient that it leaves open has afterwards what the
 /// prior says of it, given the others; these do not become more certain by that. A calibration that chance puts so far from the fleet less than once
-/// in a thousand does not take the prior. Throws Error where the readings' units are others than the fleet's.
+/// in a thousand does not take the prior. Throws Error where the readings' units are others than the fleet's,
+/// and where the calibration and the fleet have nothing in common.
 PriorUse take_prior(Calibration& calibration, const FleetPrior& prior);
 
 /// What a session alone has to reach for these requirements to be met together with the prior: 1/limit^2 = 1/session^2 + 1/prior^2, each coefficient
