@@ -4,6 +4,7 @@
 #include "apps/imulab/help.hpp"
 #include "imulab/core/build.hpp"
 #include "imulab/core/error.hpp"
+#include "imulab/core/memory.hpp"
 #include "imulab/core/parallel.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/printable.hpp"
@@ -126,7 +127,8 @@ VerbDescription describe(const CLI::App& app, const std::string& before = "") {
   for (std::string line; std::getline(lines, line);) verb.examples.push_back(line);
   for (const CLI::Option* option : app.get_options({})) verb.options.push_back(describe(*option));
   for (const CLI::App* root = app.get_parent(); root != nullptr; root = root->get_parent())
-    if (root->get_parent() == nullptr) verb.options.push_back(describe(*root->get_option("--threads")));
+    if (root->get_parent() == nullptr)
+      verb.options.insert(verb.options.end(), {describe(*root->get_option("--threads")), describe(*root->get_option("--memory"))});
   for (const CLI::App* own : app.get_subcommands([](const CLI::App*) { return true; })) verb.verbs.push_back(describe(*own, verb.name + " "));
   return verb;
 }
@@ -266,6 +268,12 @@ int run(std::vector<std::string> arguments) {
          "--threads", [&](std::size_t n) { threads.emplace(n); }, "work on at most this many processors; the results do not depend on it")
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
+  std::optional<MemoryLimit> memory;
+  app.add_option_function<double>(
+         "--memory", [&](double mb) { memory.emplace(static_cast<std::uint64_t>(1e6 * mb)); },
+         "refuse work that would take more memory (all there is)")
+      ->type_name("MB")
+      ->check(CLI::Range(1e-3, 1e9));
   add_demo(Verb(&app));
   add_help(app);
   for (CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) verb->group("start here");
@@ -303,6 +311,9 @@ int run(std::vector<std::string> arguments) {
   } catch (const Unsupported& e) {
     complain(e.what());
     return 1;
+  } catch (const MemoryError& e) {
+    complain(fmt::format("{} (--memory MB sets another limit)", e.what()));
+    return 2;
   } catch (const std::bad_alloc&) {
     complain("out of memory; expected less data, or a machine with more memory");
     return 2;

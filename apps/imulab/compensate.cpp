@@ -65,7 +65,7 @@ void write_compensated(const fs::path& file, const Session& session, const Recor
   if (file.extension() == ".npz") return write_compensated_npz(file, c);
   {
     const Progress progress("writing");
-    if (!is_bag_name(file)) return write_whole(file, compensated_text(c));
+    if (!is_bag_name(file)) return write_compensated_rows(file, c);
     write_compensated_bag(file, session, source, c);
   }
   if (const std::size_t flags = c.recording.saturated.size() + c.out_of_range.size() + c.replaced.size(); flags > 0)

@@ -3,6 +3,7 @@
 
 #include "apps/imulab/command.hpp"
 #include "imulab/inspection/inspection.hpp"
+#include "imulab/io/recording/signals.hpp"
 
 #include <filesystem>
 #include <string>
@@ -18,6 +19,6 @@ Declarations parse_declarations(const std::vector<std::string>& texts);
 /// The session of that name; a recording is inspected, and what is assumed goes to standard error. Throws Unsupported, with what has to be declared,
 /// where the data leave something open. `most_numbers`: as InspectionTask has it.
 Session open_session(const std::filesystem::path& path, const std::vector<std::string>& declarations,
-                     std::size_t most_numbers = static_cast<std::size_t>(-1));
+                     std::size_t most_numbers = all_numbers);
 
 }  // namespace imulab::command

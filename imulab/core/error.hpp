@@ -18,6 +18,12 @@ class TermsError : public Error {
   using Error::Error;
 };
 
+/// The work needs more memory than it may take: an Error to which the caller adds the option that sets the limit.
+class MemoryError : public Error {
+ public:
+  using Error::Error;
+};
+
 /// The input is well formed, but the data do not support what was asked. The command ends with exit code 1.
 class Unsupported : public std::runtime_error {
  public:

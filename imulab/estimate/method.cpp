@@ -70,14 +70,12 @@ std::vector<Recording> corrected_recordings(const CalibrationInput& input, std::
     const Recording& r = input.recordings[k];
     const Stamps wanted = k < input.session.recordings.size() ? input.session.recordings[k].time.stamps : Stamps::automatic;
     const std::optional<EvenClock> clock = replacing_clock(r, wanted);
-    // Given rests name samples: their numbers stay.
-    FilledRecording filled = input.rests || clock ? FilledRecording{} : with_short_gaps_filled(r);
-    if (!clock && filled.filled == 0) continue;
+    const std::size_t lost = input.rests || clock ? 0 : short_gaps(r).filled;  // given rests name samples: their numbers stay
+    if (!clock && lost == 0) continue;
     if (out.empty()) out.assign(input.recordings.begin(), input.recordings.end());
-    if (filled.filled > 0) {
-      out[k] = std::move(filled.recording);
-      said.push_back(
-          fmt::format("{}: {} samples are missing, one or two at a time; they were interpolated from their neighbors", r.name, filled.filled));
+    if (lost > 0) {
+      out[k] = with_short_gaps_filled(std::move(out[k])).recording;
+      said.push_back(fmt::format("{}: {} samples are missing, one or two at a time; they were interpolated from their neighbors", r.name, lost));
       continue;
     }
     const bool declared = k >= input.session.recordings.size() || input.session.recordings[k].rate_hz;

@@ -1,6 +1,7 @@
 #include "imulab/navigation/navigate.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/memory.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/navigation/start.hpp"
@@ -134,6 +135,7 @@ void warn_of_samples(const Recording& r, Navigated& out) {
 Navigated navigate(const Calibration& calibration, const Session& session, const Recording& raw, const NavigateOptions& options) {
   Navigated out;
   out.vertical = options.vertical;
+  expect_memory(6.2 * static_cast<double>(raw.bytes()), raw.name + ": a navigation with a state for each sample");
   CompensatedRecording compensated = compensate(calibration.model, raw);
   Recording& recording = compensated.recording;
   if (const std::size_t count = compensated.out_of_range.size(); count > 0)

@@ -89,13 +89,13 @@ double log_likelihood(const std::map<long, double>& counts, double mean, double 
 
 /// The same for the most likely mean.
 double best_log_likelihood(const std::map<long, double>& counts, double sigma) {
-  constexpr int parts = 20;
+  constexpr int parts = 20, places = parts + 1;
   double mean = 0, samples = 0;
   for (const auto& [level, count] : counts) mean += static_cast<double>(level) * count, samples += count;
   mean /= samples;
   int best = 0;
-  std::array<double, parts + 1> at{};  // the mean of rounded readings is less than half a step off
-  for (int k = 0; k <= parts; ++k) {
+  std::array<double, places> at{};  // the mean of rounded readings is less than half a step off
+  for (int k = 0; k < places; ++k) {
     at[static_cast<std::size_t>(k)] = log_likelihood(counts, mean + static_cast<double>(k) / parts - 0.5, sigma);
     if (at[static_cast<std::size_t>(k)] > at[static_cast<std::size_t>(best)]) best = k;
   }

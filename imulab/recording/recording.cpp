@@ -6,6 +6,13 @@
 
 namespace imulab {
 
+std::size_t Recording::bytes() const {
+  std::size_t numbers = time_ns.size();
+  for (const Columns3* triad : {&gyro, &accel, &gyro_temperature, &accel_temperature})
+    for (const auto& column : *triad) numbers += column.size();
+  return 8 * numbers;
+}
+
 double Recording::interval(std::size_t i, bool increment) const {
   if (increment || i == 0 || follows_gap(i)) return interval_s;
   return 1e-9 * static_cast<double>(time_ns[i] - time_ns[i - 1]);

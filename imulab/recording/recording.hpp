@@ -32,6 +32,8 @@ struct Recording {
   std::vector<std::size_t> gaps;       ///< samples whose interval does not begin at the sample before: time is missing there, ascending
 
   std::size_t size() const { return time_ns.size(); }
+  /// Of memory that its columns take.
+  std::size_t bytes() const;
   double time_s(std::size_t i) const { return 1e-9 * static_cast<double>(time_ns[i]); }
   /// The interval [s] sample i stands for: nominal for increments, at a gap and at the first sample; else the stamps' difference.
   double interval(std::size_t i, bool increment) const;

@@ -86,25 +86,27 @@ FilledMarks filled_marks(const RecordingView& r, const ShortGaps& inserted) {
   return out;
 }
 
-FilledRecording with_short_gaps_filled(const Recording& r) {
+FilledRecording with_short_gaps_filled(Recording recording) {
+  FilledRecording out{std::move(recording), 0};
+  Recording& r = out.recording;
   const ShortGaps inserted = short_gaps(r);
-  if (inserted.filled == 0) return {r, 0};
-  FilledRecording out{r, inserted.filled};
-  Recording& f = out.recording;
-  for (auto [to, from] :
-       {std::pair{&f.gyro, &r.gyro}, {&f.accel, &r.accel}, {&f.gyro_temperature, &r.gyro_temperature}, {&f.accel_temperature, &r.accel_temperature}})
-    for (std::size_t axis = 0; axis < 3; ++axis) (*to)[axis] = filled_column((*from)[axis], r.gaps, inserted.counts);
-  FilledMarks marks = filled_marks(r, inserted);
-  f.gaps = std::move(marks.gaps), f.saturated = std::move(marks.saturated);
-  f.time_ns.clear();
+  out.filled = inserted.filled;
+  if (out.filled == 0) return out;
+  for (Columns3* triad : {&r.gyro, &r.accel, &r.gyro_temperature, &r.accel_temperature})
+    for (std::vector<double>& column : *triad) column = filled_column(column, r.gaps, inserted.counts);
+  std::vector<std::int64_t> time_ns;
+  time_ns.reserve(r.size() + out.filled);
   std::size_t gap = 0;
   for (std::size_t i = 0; i < r.size(); ++i) {
     if (gap < r.gaps.size() && r.gaps[gap] == i) {
       const std::size_t count = inserted.counts[gap++];
-      for (std::size_t k = 1; k <= count; ++k) f.time_ns.push_back(filled_stamp(r.time_ns[i - 1], r.time_ns[i], count, k));
+      for (std::size_t k = 1; k <= count; ++k) time_ns.push_back(filled_stamp(r.time_ns[i - 1], r.time_ns[i], count, k));
     }
-    f.time_ns.push_back(r.time_ns[i]);
+    time_ns.push_back(r.time_ns[i]);
   }
+  FilledMarks marks = filled_marks(r, inserted);
+  r.gaps = std::move(marks.gaps), r.saturated = std::move(marks.saturated);
+  r.time_ns = std::move(time_ns);
   return out;
 }
 

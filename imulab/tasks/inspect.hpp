@@ -16,7 +16,7 @@ struct InspectionTask {
   std::vector<std::string> files, topics = {};  ///< files of one recording; topics: several of one file, or none
   Declarations declared = {};
   double longest_s = stream_s;                              ///< for how long a stream is read
-  std::size_t most_numbers = static_cast<std::size_t>(-1);  ///< of a file that can be read in pieces no more are looked at
+  std::size_t most_numbers = all_numbers;  ///< of a file that can be read in pieces no more are looked at
 };
 
 /// Throws Error as read_signals and inspect do, and for declarations that there are not.

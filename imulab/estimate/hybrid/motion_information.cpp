@@ -51,7 +51,7 @@ InformationModel::InformationModel(const Plan& plan)
       observe_motion(plan.observe_motion) {
   const Index start = states.first(Group::start);
   for (Index s = 0; s < states.constants(); ++s)
-    if (states.prior[s] > 0 && (s < start || s >= start + 3)) constants.push_back(s);
+    if ((s < start || s >= start + 3) && states.prior[s] > 0) constants.push_back(s);
 }
 
 MotionInformation rest_information(const InformationModel& model, const Matrix3d& C_nb, int seconds) {

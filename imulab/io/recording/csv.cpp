@@ -174,6 +174,26 @@ class PieceReader {
   bool in_order_ = true;  // whether reader_ stands behind the piece before
 };
 
+constexpr std::size_t at_once = std::size_t{1} << 24;  // bytes of text: what is read in one piece
+
+/// All rows in pieces of whole lines, which leave memory as they have been read. A column that is requested twice is read once.
+void for_each_piece(const MappedFile& file, const std::string& name, const TableLayout& layout, const RowReader& reader,
+                    const std::function<void(TimedTable&&)>& each) {
+  std::string_view text = file.text().substr(layout.offset);
+  const bool cut = ends_inside_a_row(text, layout);
+  if (cut) text = text.substr(0, text.rfind('\n') + 1);
+  PieceReader pieces(reader);
+  for (bool begin = true; begin || !text.empty(); begin = false) {
+    const std::size_t end = text.size() > at_once ? std::min(text.find('\n', at_once), text.size() - 1) + 1 : text.size();
+    TimedTable table = pieces.read(text.substr(0, end));
+    text.remove_prefix(end);
+    file.release(file.text().size());
+    table.file = name;
+    if (begin) table.warnings = warnings_of(name, layout, cut);
+    each(std::move(table));
+  }
+}
+
 }  // namespace
 
 bool is_text(std::string_view head) { return head.find('\0') == std::string_view::npos; }
@@ -181,16 +201,21 @@ bool is_text(std::string_view head) { return head.find('\0') == std::string_view
 TimedTable read_csv(const std::filesystem::path& path, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns) {
   const MappedFile file(path);
   const TableLayout layout = table_layout(path.string(), file.text(), names_a_column(time, columns));
-  std::string_view text = file.text().substr(layout.offset);
-  const bool cut = ends_inside_a_row(text, layout);
-  if (cut) text = text.substr(0, text.rfind('\n') + 1);
   const RowReader reader(layout, time, rate_hz, columns);
-  std::optional<TimedTable> parallel = read_rows_in_parallel(reader, text);
-  TimedTable table = parallel ? *std::move(parallel) : read_rows(reader, text);
-  table.file = path.string();
-  table.warnings = warnings_of(table.file, layout, cut);
-  put_as_requested(table, reader.places());
-  return table;
+  TimedTable all;
+  for_each_piece(file, path.string(), layout, reader, [&](TimedTable&& piece) {
+    if (all.file.empty()) {
+      all = std::move(piece);
+      if (file.text().size() > at_once) reserve(all, file.text().substr(layout.offset));
+      return;
+    }
+    all.lines.append(piece.lines, all.time_ns.size(), 0);
+    all.time_ns.insert(all.time_ns.end(), piece.time_ns.begin(), piece.time_ns.end());
+    for (std::size_t c = 0; c < all.values.size(); ++c) all.values[c].insert(all.values[c].end(), piece.values[c].begin(), piece.values[c].end());
+    all.repeated += piece.repeated;
+  });
+  put_as_requested(all, reader.places());
+  return all;
 }
 
 namespace {
@@ -224,24 +249,13 @@ std::size_t text_rows(const TableRequest& request, const std::vector<Column>& co
 
 void read_text_pieces(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns,
                       const std::function<void(TimedTable&&)>& each) {
-  constexpr std::size_t at_once = std::size_t{1} << 24;  // bytes
   const MappedFile file(request.file);
   const TableLayout layout = table_layout(request.file.string(), file.text(), names_a_column(time, columns));
-  std::string_view text = file.text().substr(layout.offset);
-  const bool cut = ends_inside_a_row(text, layout);
-  if (cut) text = text.substr(0, text.rfind('\n') + 1);
   const RowReader reader(layout, time, rate_hz, columns);
-  PieceReader pieces(reader);
-  for (bool begin = true; begin || !text.empty(); begin = false) {
-    const std::size_t end = text.size() > at_once ? std::min(text.find('\n', at_once), text.size() - 1) + 1 : text.size();
-    TimedTable table = pieces.read(text.substr(0, end));
-    text.remove_prefix(end);
-    file.release(file.text().size());
-    table.file = request.file.string();
-    if (begin) table.warnings = warnings_of(table.file, layout, cut);
-    put_as_requested(table, reader.places());
-    each(std::move(table));
-  }
+  for_each_piece(file, request.file.string(), layout, reader, [&](TimedTable&& piece) {
+    put_as_requested(piece, reader.places());
+    each(std::move(piece));
+  });
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <string_view>
 
 namespace imulab {
@@ -87,23 +88,28 @@ std::vector<std::uint8_t> marks_of(const CompensatedRecording& c) {
   return marks;
 }
 
-}  // namespace
-
-void write_recording(const std::filesystem::path& path, const Recording& recording) {
-  constexpr std::size_t block = 1 << 20;  // written as it fills, so that a day's recording needs no second copy in memory
-  std::vector<WrittenColumn> columns = reading_columns(recording);
-  add_thermal(columns, recording.gyro_temperature, gyro_temperature_name, gyro_temperature_names);
-  add_thermal(columns, recording.accel_temperature, accel_temperature_name, accel_temperature_names);
+/// Writes a header and rows as they come, so that a day's recording needs no second copy in memory.
+void write_rows(const std::filesystem::path& path, std::string text, std::size_t rows, const std::function<void(std::string&, std::size_t)>& add) {
+  constexpr std::size_t block = 1 << 20;
   WholeFile file(path);
-  std::string text = header(columns, false);
-  for (std::size_t i = 0; i < recording.size(); ++i) {
-    add_row(text, recording, columns, i, nullptr);
+  for (std::size_t i = 0; i < rows; ++i) {
+    add(text, i);
     if (text.size() < block) continue;
     file.write(text);
     text.clear();
   }
   file.write(text);
   file.commit();
+}
+
+}  // namespace
+
+void write_recording(const std::filesystem::path& path, const Recording& recording) {
+  std::vector<WrittenColumn> columns = reading_columns(recording);
+  add_thermal(columns, recording.gyro_temperature, gyro_temperature_name, gyro_temperature_names);
+  add_thermal(columns, recording.accel_temperature, accel_temperature_name, accel_temperature_names);
+  write_rows(path, header(columns, false), recording.size(),
+             [&](std::string& text, std::size_t i) { add_row(text, recording, columns, i, nullptr); });
 }
 
 RecordingSource written_source(RecordingSource source) {
@@ -143,9 +149,12 @@ std::string compensated_rows(const CompensatedRecording& c, bool flags) {
   return text;
 }
 
-std::string compensated_text(const CompensatedRecording& c) {
+void write_compensated_rows(const std::filesystem::path& path, const CompensatedRecording& c) {
   const bool flags = !(c.recording.saturated.empty() && c.out_of_range.empty() && c.replaced.empty());
-  return compensated_header(flags) + compensated_rows(c, flags);
+  const std::vector<WrittenColumn> columns = reading_columns(c.recording);
+  const std::vector<std::uint8_t> marks = flags ? marks_of(c) : std::vector<std::uint8_t>{};
+  write_rows(path, compensated_header(flags), c.recording.size(),
+             [&](std::string& text, std::size_t i) { add_row(text, c.recording, columns, i, flags ? &flag_names[marks[i]] : nullptr); });
 }
 
 }  // namespace imulab

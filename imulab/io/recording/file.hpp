@@ -36,7 +36,7 @@ RecordingSource written_source(RecordingSource source);
 /// more: saturated, out_of_range (a temperature outside the calibrated range) and replaced (an outlier), joined by "|".
 std::string compensated_header(bool flags);
 std::string compensated_rows(const CompensatedRecording& compensated, bool flags);
-/// Both, with flags where some sample has one.
-std::string compensated_text(const CompensatedRecording& compensated);
+/// Both as a file that appears whole or not at all, with flags where some sample has one.
+void write_compensated_rows(const std::filesystem::path& path, const CompensatedRecording& compensated);
 
 }  // namespace imulab

@@ -1,6 +1,7 @@
 #include "imulab/io/recording/format.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/memory.hpp"
 #include "imulab/io/recording/bag/folder.hpp"
 #include "imulab/io/recording/bag/kinds.hpp"
 #include "imulab/io/recording/formats.hpp"
@@ -191,9 +192,21 @@ TimedTable timed_table(const TableRequest& request, const TimeSource& time, std:
 
 }  // namespace
 
+void expect_memory_for(const TableRequest& request, const std::vector<Column>& columns, const RecordingFormat& format, double factor) {
+  constexpr double most_expanded = 8;  // a row of short integers, or of digits, as numbers: a file that is smaller fits anyway
+  std::error_code none;
+  if (most_expanded * static_cast<double>(std::filesystem::file_size(request.file, none)) < static_cast<double>(memory_limit()) || none) return;
+  std::size_t rows = format.rows != nullptr ? format.rows(request, columns) : 0;
+  if (rows == 0) rows = find_table(format.describe(request), request.topic, request.file.string()).rows;
+  const double bytes = 8 * factor * static_cast<double>(rows) * static_cast<double>(columns.size() + 1);
+  expect_memory(bytes, fmt::format("{}: reading {:.3g} million rows of {} columns", request.file.string(), 1e-6 * static_cast<double>(rows),
+                                   columns.size() + 1));
+}
+
 TimedTable read_table(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns,
                       const std::vector<RecordingFormat>& formats) {
   const RecordingFormat& format = format_of(request, formats);
+  expect_memory_for(request, columns, format, 1.2);  // with what finds the rests
   return format.read != nullptr ? format.read(request, time, rate_hz, columns) : timed_table(request, time, rate_hz, columns, format);
 }
 

@@ -55,6 +55,9 @@ const RecordingFormat& format_of(const TableRequest& request, const std::vector<
 
 namespace recording_io {
 
+/// Throws MemoryError where the columns of a table, and work with them that takes `factor` as much, need more memory than they may take.
+void expect_memory_for(const TableRequest& request, const std::vector<Column>& columns, const RecordingFormat& format, double factor);
+
 /// Reads a table with stamps as `time` says and readings in the file's units. Throws Error with file and place for a value that is not finite and
 /// stamps that do not ascend.
 TimedTable read_table(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns,

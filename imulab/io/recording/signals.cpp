@@ -185,14 +185,20 @@ std::string_view first_lines(const std::string& name, std::string_view text, std
   return text.substr(0, end == std::string_view::npos ? text.size() : end + 1);
 }
 
-/// Where every row is one of numbers.
-bool read_numbers(const TableLayout& layout, std::string_view text, SignalTable& table) {
+/// Where every row is one of numbers. Calls `passed` now and then: what was read so far is not needed any more.
+bool read_numbers(const TableLayout& layout, std::string_view text, SignalTable& table, const std::function<void()>& passed) {
+  constexpr std::size_t at_once = std::size_t{1} << 24;  // bytes
   std::vector<Column> columns;
   for (std::size_t i = 0; i < layout.columns; ++i) columns.emplace_back(static_cast<int>(i) + 1);
   try {
     RowReader reader(layout, {.column = std::nullopt}, 1, columns);
-    for (std::string_view rows = text.substr(layout.offset); reader.next(rows);)
-      for (std::size_t i = 0; i < layout.columns; ++i) table.signals[i].values.push_back(reader.row().values[i]);
+    for (std::string_view left = text.substr(layout.offset); !left.empty();) {
+      const std::size_t end = left.size() > at_once ? std::min(left.find('\n', at_once), left.size() - 1) + 1 : left.size();
+      for (std::string_view rows = left.substr(0, end); reader.next(rows);)
+        for (std::size_t i = 0; i < layout.columns; ++i) table.signals[i].values.push_back(reader.row().values[i]);
+      left.remove_prefix(end);
+      passed();
+    }
     return true;
   } catch (const Error&) {
     for (Signal& signal : table.signals) signal.values.clear();
@@ -245,7 +251,7 @@ SignalTable signals_of_stream(const std::filesystem::path& file, double longest_
 
 }  // namespace
 
-SignalTable signals_of_text(const std::string& name, std::string_view text) {
+SignalTable signals_of_text(const std::string& name, std::string_view text, const std::function<void()>& passed) {
   const TableLayout layout = table_layout(name, text, false);
   SignalTable table;
   table.file = name;
@@ -259,7 +265,7 @@ SignalTable signals_of_text(const std::string& name, std::string_view text) {
     const bool usable = !signal.name.empty() && std::count(layout.names.begin(), layout.names.end(), signal.name) == 1;
     signal.column = usable ? Column(signal.name) : Column(static_cast<int>(i) + 1);
   }
-  if (!read_numbers(layout, text, table)) read_what_there_is(layout, text, table);
+  if (!read_numbers(layout, text, table, passed)) read_what_there_is(layout, text, table);
   return table;
 }
 
@@ -268,10 +274,14 @@ SignalTable read_signals(const std::filesystem::path& file, const std::string& t
   if (is_stream(file)) return signals_of_stream(file, longest_s);
   const TableRequest request{file, topic, ""};
   const RecordingFormat& format = format_of(request, formats);
+  if (most_numbers == all_numbers) {
+    constexpr std::size_t of_an_imu = 6;  // columns beside the time, where nothing is known of them yet
+    expect_memory_for(request, std::vector<Column>(of_an_imu, Column(1)), format, 2.5);
+  }
   if (format.recognizes != is_text) return signals_of(format, request, most_numbers);
   const MappedFile mapped(file);
   const std::string_view head = first_lines(input_name(file), mapped.text(), most_numbers);
-  SignalTable table = signals_of_text(input_name(file), head);
+  SignalTable table = signals_of_text(input_name(file), head, [&] { mapped.release(mapped.text().size()); });
   if (head.size() < mapped.text().size() && !table.signals.empty()) table.notes.push_back(head_note(table.signals.front().values.size()));
   return table;
 }

@@ -5,10 +5,14 @@
 #include "imulab/io/recording/format.hpp"
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 namespace imulab {
+
+/// As `most_numbers` below: no limit.
+inline constexpr auto all_numbers = static_cast<std::size_t>(-1);
 
 /// For how long a stream is read where nobody says.
 inline constexpr double stream_s = 60;
@@ -19,9 +23,11 @@ inline constexpr double stream_s = 60;
 /// first third of so many is read, which is said in a note.
 SignalTable read_signals(const std::filesystem::path& file, const std::string& topic = "",
                          const std::vector<RecordingFormat>& formats = recording_formats(), double longest_s = stream_s,
-                         std::size_t most_numbers = static_cast<std::size_t>(-1));
+                         std::size_t most_numbers = all_numbers);
 
-/// The same of text, whose lines need not all be rows of numbers: those that are not are counted in a note. `name` stands for the file.
-SignalTable signals_of_text(const std::string& name, std::string_view text);
+/// The same of text, whose lines need not all be rows of numbers: those that are not are counted in a note. `name` stands for the file. `passed` is
+/// called now and then: what was read so far may leave memory.
+SignalTable signals_of_text(
+    const std::string& name, std::string_view text, const std::function<void()>& passed = [] {});
 
 }  // namespace imulab

@@ -1,0 +1,36 @@
+// Work that would take more memory than there is, or than is allowed, is refused before it begins.
+#include <gmock/gmock.h>
+
+#include "tests/run_command.hpp"
+
+namespace imulab {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+TEST(Memory, WhatWouldTakeMoreIsRefused) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run_imulab(folder, "procedure hand-held --poses 12 -o p.toml").exit_code, 0);
+  ASSERT_EQ(run_imulab(folder, "simulate p.toml -o s").exit_code, 0);  // 9600 rows: 0.54 MB as numbers
+  for (const char* command : {"calibrate s --method static", "compensate s/truth.json s -o c.csv", "navigate none s"}) {
+    const CommandResult refused = run_imulab(folder, std::string(command) + " --memory 0.5");
+    EXPECT_EQ(refused.exit_code, 2) << command;
+    EXPECT_THAT(on_one_line(refused.errors),
+                testing::ContainsRegex("s/recording.csv: reading 0.00[0-9]* million rows of 7 columns takes about 0.000[0-9]* GB of memory"))
+        << command;
+    EXPECT_THAT(on_one_line(refused.errors), HasSubstr("; expected at most 0.0005 GB (--memory MB sets another limit)")) << command;
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "c.csv"));
+  EXPECT_EQ(run_imulab(folder, "inspect s/recording.csv --memory 1").exit_code, 2);
+  EXPECT_EQ(run_imulab(folder, "inspect s/recording.csv --memory 2").exit_code, 0);
+  EXPECT_EQ(run_imulab(folder, "compensate s/truth.json s -o c.csv --memory 1").exit_code, 0);
+  // The navigation needs more than its readings do.
+  const CommandResult states = run_imulab(folder, "navigate none s --memory 1");
+  EXPECT_THAT(states.errors, StartsWith("imulab: recording.csv: a navigation with a state for each sample takes about"));
+  EXPECT_EQ(run_imulab(folder, "navigate none s --memory 10").exit_code, 0);
+  EXPECT_EQ(run_imulab(folder, "noise s --memory 0").exit_code, 2);
+}
+
+}  // namespace
+}  // namespace imulab

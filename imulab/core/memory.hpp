@@ -1,0 +1,27 @@
+// How much memory work may take: said before it begins, so that a file that is too large ends in a message.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace imulab {
+
+/// While it lives, work that says it needs more bytes is refused. Without one the limit is the machine's memory, or that of its control group.
+class MemoryLimit {
+ public:
+  explicit MemoryLimit(std::uint64_t bytes);
+  ~MemoryLimit();
+  MemoryLimit(const MemoryLimit&) = delete;
+  MemoryLimit& operator=(const MemoryLimit&) = delete;
+
+ private:
+  std::uint64_t before_;
+};
+
+/// The limit in force [bytes].
+std::uint64_t memory_limit();
+
+/// Throws MemoryError "WORK takes about 6.8 GB of memory; expected at most 4.0 GB" beyond the limit.
+void expect_memory(double bytes, std::string_view work);
+
+}  // namespace imulab
