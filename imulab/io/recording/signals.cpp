@@ -7,6 +7,7 @@
 #include "imulab/io/recording/csv_rows.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/names.hpp"
+#include "imulab/io/text/reading_meter.hpp"
 
 #include <fmt/core.h>
 
@@ -191,8 +192,12 @@ bool read_numbers(const TableLayout& layout, std::string_view text, SignalTable&
   for (std::size_t i = 0; i < layout.columns; ++i) columns.emplace_back(static_cast<int>(i) + 1);
   try {
     RowReader reader(layout, {.column = std::nullopt}, 1, columns);
-    for (std::string_view rows = text.substr(layout.offset); reader.next(rows);)
+    const ReadingMeter meter(text.size());
+    std::size_t told = text.size(), count = 0;
+    for (std::string_view rows = text.substr(layout.offset); reader.next(rows);) {
       for (std::size_t i = 0; i < layout.columns; ++i) table.signals[i].values.push_back(reader.row().values[i]);
+      if (++count % 4096 == 0) meter.add(std::exchange(told, rows.size()) - rows.size());
+    }
     return true;
   } catch (const Error&) {
     for (Signal& signal : table.signals) signal.values.clear();
@@ -203,9 +208,11 @@ bool read_numbers(const TableLayout& layout, std::string_view text, SignalTable&
 /// Fields that are no numbers become NaN; rows of another length are left out.
 void read_what_there_is(const TableLayout& layout, std::string_view text, SignalTable& table) {
   std::size_t ragged = 0;
+  const ReadingMeter meter(text.size());
   for (std::size_t offset = layout.offset; offset < text.size();) {
     const std::size_t end = std::min(text.find('\n', offset), text.size());
     const std::string_view line = text.substr(offset, end - offset);
+    meter.add(line.size() + 1);
     offset = end + 1;
     const std::size_t first = line.find_first_not_of(" \t\r");
     if (first == std::string_view::npos || line[first] == '#') continue;
