@@ -96,7 +96,10 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
 void add_calibrate(Verb app) {
   const auto a = std::make_shared<CalibrateArguments>();
   Verb verb = app.verb("calibrate", "Compute a calibration and its uncertainties from a session");
-  verb.option("session", a->session, "a session folder or its session.toml; or a recording, which is inspected first").required().reads();
+  verb.option("session", a->session,
+              "a session folder or its session.toml; a recording, which is inspected first; - for a session or rows on standard input")
+      .required()
+      .reads();
   add_declarations(verb, a->declarations);
   std::vector<std::string> names;
   for (const Method& m : methods()) names.emplace_back(m.name);
