@@ -63,7 +63,10 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
   if (!arguments.prior.empty()) task.prior = prior_at(arguments.prior);
   errors_at(session.file + ": [site]", [&] { session.site.gravity(); });  // if neither gravity nor the latitude is known
   if (!chosen.takes_several || !arguments.recording.empty()) named_recording(session, arguments.recording);
-  const SessionRecordings data = read_recordings(std::move(session), chosen, arguments.recording);
+  const SessionRecordings data = [&] {
+    const Progress progress("reading");
+    return read_recordings(std::move(session), chosen, arguments.recording);
+  }();
   for (const std::string& text : data.warnings) warn(text);
   CalibrationResult result;
   try {
@@ -74,7 +77,10 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
     throw Error(fmt::format("--terms: {}", e.what()));
   }
   Calibration& calibration = result.calibration;
-  add_provenance(calibration, data.session, data.recordings);
+  {
+    const Progress progress("reading");
+    add_provenance(calibration, data.session, data.recordings);
+  }
   calibration.options = options_used(arguments);
   Quality& quality = calibration.quality;
   for (const std::string& text : quality.warnings) warn(text);
@@ -90,7 +96,10 @@ CalibrationResult calibrate(const CalibrateArguments& arguments) {
 void add_calibrate(Verb app) {
   const auto a = std::make_shared<CalibrateArguments>();
   Verb verb = app.verb("calibrate", "Compute a calibration and its uncertainties from a session");
-  verb.option("session", a->session, "a session folder or its session.toml; or a recording, which is inspected first").required().reads();
+  verb.option("session", a->session,
+              "a session folder or its session.toml; a recording, which is inspected first; - for a session or rows on standard input")
+      .required()
+      .reads();
   add_declarations(verb, a->declarations);
   std::vector<std::string> names;
   for (const Method& m : methods()) names.emplace_back(m.name);

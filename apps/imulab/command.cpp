@@ -176,8 +176,13 @@ void Verb::does(std::function<void()> work) {
       for (const std::string& file : option->results()) will_write(shortest_name(*option), file);
     for (const CLI::Option* option : used->created)
       for (const std::string& folder : option->results()) will_create(shortest_name(*option), folder);
-    for (const CLI::Option* option : used->read)
-      for (const std::string& file : option->results()) will_read(file);
+    std::ptrdiff_t streams = 0;
+    for (const CLI::Option* option : used->read) {
+      const std::vector<std::string> files = option->results();
+      streams += std::count(files.begin(), files.end(), "-");
+      for (const std::string& file : files) will_read(file);
+    }
+    if (streams > 1) throw Error("-: standard input is named twice; expected it once");
     work();
   });
 }

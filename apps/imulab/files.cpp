@@ -3,6 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/kept.hpp"
 
 #include <fmt/core.h>
 
@@ -95,6 +96,9 @@ Session session_at(const fs::path& path) {
   return session;
 }
 
-void forget_files() { inputs.clear(), outputs.clear(); }
+void forget_files() {
+  inputs.clear(), outputs.clear();
+  forget_kept();
+}
 
 }  // namespace imulab::command

@@ -5,20 +5,78 @@
 #include "imulab/inspection/declared.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/kept.hpp"
 #include "imulab/io/text/terminal.hpp"
 #include "imulab/tasks/inspect.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <string_view>
+
 namespace imulab::command {
 namespace {
+
+/// Whether a text is a session and no recording: a line of its first 64 KiB begins with format = "imulab.session/, which no row of numbers does.
+bool is_session_text(std::string_view text) {
+  text = text.substr(0, std::size_t{1} << 16);
+  if (text.find('\0') != std::string_view::npos) return false;
+  const auto takes = [](std::string_view& line, std::string_view word) {
+    line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+    if (!line.starts_with(word)) return false;
+    line.remove_prefix(word.size());
+    return true;
+  };
+  for (std::size_t begin = 0, end = 0; end != std::string_view::npos; begin = end + 1) {
+    end = text.find('\n', begin);
+    std::string_view line = text.substr(begin, end - begin);
+    if (takes(line, "format") && takes(line, "=") && (takes(line, "\"imulab.session/") || takes(line, "'imulab.session/"))) return true;
+  }
+  return false;
+}
 
 /// A session says so in its first lines; a folder has one.
 bool is_session(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path) || path.extension() == ".toml" || !std::filesystem::is_regular_file(path)) return true;
-  const MappedFile mapped(path);
-  const std::string_view head = mapped.text().substr(0, 4096);
-  return head.find("\"imulab.session/") != std::string_view::npos;
+  return is_session_text(MappedFile(path).text());
+}
+
+Session inspected(const std::filesystem::path& path, const std::vector<std::string>& texts, std::size_t most_numbers) {
+  const InspectionTask task{.files = {path.string()}, .declared = parse_declarations(texts), .most_numbers = most_numbers};
+  const auto [inspection, session] = [&] {
+    const Progress progress("inspecting");
+    Inspection found = inspect_files(task);
+    Session inspected_session = session_for(found, task, "declare with --set KEY=VALUE, or write a session");
+    return std::pair(std::move(found), std::move(inspected_session));
+  }();
+  for (const std::string& line : inspection.evidence) note("assumed: " + line);
+  if (const std::string gravity = assumed_gravity(session); !gravity.empty())
+    note(fmt::format("assumed: {}; declare the place: --set latitude_deg=47.4", gravity));
+  return session;
+}
+
+void expect_no_declarations(const std::vector<std::string>& texts) {
+  if (!texts.empty()) throw Error("--set: declares a recording; expected it without a session, which declares all itself");
+}
+
+/// A session, or rows, which are kept to be read again.
+Session session_of_standard_input(const std::vector<std::string>& texts, std::size_t most_numbers) {
+  constexpr double longest_wait_s = 1e9;  // to its end
+  const std::string name = input_name("-");
+  std::string text = [] {
+    const Progress progress("reading standard input");
+    return read_stream("-", longest_wait_s).text;
+  }();
+  if (text.empty()) throw Error(name + ": is empty; expected a session, or rows of a recording");
+  if (!is_session_text(text)) {
+    keep_as_file(name, std::move(text));
+    return inspected(name, texts, most_numbers);
+  }
+  expect_no_declarations(texts);
+  if (text.size() > longest_settings) throw Error(fmt::format("{}: a session of more than {} MiB; expected less", name, longest_settings >> 20));
+  Session session = parse_session(text, name);
+  will_read_files_of(session);
+  return session;
 }
 
 }  // namespace
@@ -44,25 +102,10 @@ Declarations parse_declarations(const std::vector<std::string>& texts) {
 }
 
 Session open_session(const std::filesystem::path& path, const std::vector<std::string>& texts, std::size_t most_numbers) {
-  if (is_session(path)) {
-    if (!texts.empty()) throw Error("--set: declares a recording; expected it without a session, which declares all itself");
-    if (path != "-") return session_at(path);
-    try {
-      return session_at(path);
-    } catch (const Error& e) {
-      throw Error(fmt::format("{} (- is a session here; a recording has to be a file, or is looked at by imulab inspect -)", e.what()));
-    }
-  }
-  const InspectionTask task{.files = {path.string()}, .declared = parse_declarations(texts), .most_numbers = most_numbers};
-  const Inspection inspection = [&] {
-    const Progress progress("inspecting");
-    return inspect_files(task);
-  }();
-  Session session = session_for(inspection, task, "declare with --set KEY=VALUE, or write a session");
-  for (const std::string& line : inspection.evidence) note("assumed: " + line);
-  if (const std::string gravity = assumed_gravity(session); !gravity.empty())
-    note(fmt::format("assumed: {}; declare the place: --set latitude_deg=47.4", gravity));
-  return session;
+  if (path == "-") return session_of_standard_input(texts, most_numbers);
+  if (!is_session(path)) return inspected(path, texts, most_numbers);
+  expect_no_declarations(texts);
+  return session_at(path);
 }
 
 }  // namespace imulab::command

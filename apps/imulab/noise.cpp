@@ -83,7 +83,7 @@ Log read_log(const Options& o, const Session& session) {
   const RecordingReading reading = reading_shown([&] { return read_recording(session, source); });
   for (const std::string& text : reading.warnings) warn(text);
   const StillPart still = still_part(reading.recording, session);
-  return analyzed(o, still.recording, {still.range, still.notes});
+  return analyzed(o, still.recording, {still.range, still.notes, still.recording.interval_s});
 }
 
 /// Axes without noise are an answer that the log does not give.
@@ -133,7 +133,10 @@ void run(const Options& o) {
 void add_noise(Verb app) {
   const auto o = std::make_shared<Options>();
   Verb verb = app.verb("noise", "Allan deviation and noise coefficients of a log at rest, with confidence");
-  verb.option("RECORDING", o->recordings, "a log at rest, or a session with one; several: mean, spread and worst of them").required().reads();
+  verb.option("RECORDING", o->recordings,
+              "a log at rest, or a session with one, - for either on standard input; several: mean, spread and worst of them")
+      .required()
+      .reads();
   verb.option("--recording FILE", o->one, "which of a session's recordings, where it has several");
   verb.option("--deviation KIND", o->deviation, "the deviation of the curve; the coefficients do not depend on it")
       .one_of(kind_names())
@@ -150,6 +153,7 @@ void add_noise(Verb app) {
   verb.example("imulab noise night.csv -o noise.json");
   add_report_option(verb, o->report);
   verb.example("imulab noise unit1.csv unit2.csv unit3.csv");
+  verb.example("zcat night.csv.gz | imulab noise -");
   verb.example("imulab noise night.csv --set gyro.unit=deg/s");
   verb.does([o] { run(*o); });
 }

@@ -48,7 +48,7 @@ void run(const Options& o) {
 void add_verify(Verb app) {
   const auto o = std::make_shared<Options>();
   Verb verb = app.verb("verify", "Check that the recordings and the session of a calibration are still the same files");
-  verb.option("CALIBRATION", o->calibration, "calibration.json").required();
+  verb.option("CALIBRATION", o->calibration, "calibration.json").required().reads();
   verb.option("--session SESSION", o->session, "the session's folder or file, if it is not where it was");
   verb.flag("--json", o->json, "print the result as JSON");
   verb.example("imulab verify calibration.json");

@@ -31,6 +31,20 @@ std::function<void(SessionText&)> times(std::size_t begin, std::size_t end, doub
   });
 }
 
+/// The readings of columns `begin` to `end` as they were `later` samples later; the recording is taken as a ring.
+std::function<void(SessionText&)> shifted(std::size_t begin, std::size_t end, std::ptrdiff_t later) {
+  return [=](SessionText& s) {
+    std::vector<Row> all;
+    s.for_rows([&](Row& row) { all.push_back(row); });
+    std::size_t i = 0;
+    s.for_rows([&](Row& row) {
+      const std::size_t from = (i++ + all.size() + static_cast<std::size_t>(later)) % all.size();
+      std::copy(all[from].begin() + static_cast<std::ptrdiff_t>(begin), all[from].begin() + static_cast<std::ptrdiff_t>(end),
+                row.begin() + static_cast<std::ptrdiff_t>(begin));
+    });
+  };
+}
+
 const char* const gyro_rate = "output = \"rate\", unit = \"rad/s\"";
 
 TEST(WrongDeclaration, IsNeverGood) {
@@ -59,12 +73,22 @@ TEST(WrongDeclaration, IsNeverGood) {
            Case{"all gyros reversed", times(1, 4, -1), "x is along the -x reading, y is along the -y reading"},
            Case{"a column twice", rows([](Row& row) { row[2] = row[1]; }), "gyro x and y are equal in every sample"},
            Case{"a reading of 1e300", [](SessionText& s) { s.set(778, 4, "1e300"); }, "line 778: accel x is 1e+300 m/s^2"},
+           Case{"gyros of another time", shifted(1, 4, 5000), "the gyros do not turn with the accelerometers"},
+           Case{"gyros of another time", shifted(1, 4, 5000), "the gyros do not turn with the accelerometers", "hybrid"},
+           Case{"one accelerometer late", shifted(6, 7, -1), "the z accelerometer's readings are a sample later than the others'", "hybrid"},
+           Case{"one gyro early", shifted(2, 3, 1), "the y gyro's readings are a sample earlier than the others'", "hybrid"},
            Case{"absolute zero",
                 [](SessionText& s) {
                   for (std::size_t line = 1; line <= s.lines.size(); ++line) s.lines[line - 1] += line == 1 ? ",T" : ",-300";
                   s.session += "\ngyro_temperature = { columns = [\"T\"], unit = \"degC\" }\n";
                 },
-                "the temperature is -300 degC"},
+                "line 2: the temperature is -300 degC; expected -273.15 to 1000"},
+           Case{"a temperature of no IMU",
+                [](SessionText& s) {
+                  for (std::size_t line = 1; line <= s.lines.size(); ++line) s.lines[line - 1] += line == 1 ? ",T" : line == 778 ? ",1e5" : ",293";
+                  s.session += "\ngyro_temperature = { columns = [\"T\"], unit = \"K\" }\n";
+                },
+                "line 778: the temperature is 100000 K; expected 0 to 1273.15"},
        }) {
     SCOPED_TRACE(c.name);
     const TemporaryFolder folder;

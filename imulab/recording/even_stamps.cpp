@@ -18,7 +18,7 @@ struct Early {
 };
 
 /// The earliest stamp of each block, less the even clock of the whole.
-std::vector<Early> earliest(const std::vector<std::int64_t>& time_ns, std::size_t block, double interval_ns) {
+std::vector<Early> earliest(std::span<const std::int64_t> time_ns, std::size_t block, double interval_ns) {
   std::vector<Early> out;
   for (std::size_t begin = 0; begin + block <= time_ns.size(); begin += block) {
     Early best{0, HUGE_VAL};
@@ -44,7 +44,7 @@ std::array<double, 2> line_through(const std::vector<Early>& points) {
 
 std::int64_t EvenClock::stamp_ns(std::size_t i) const { return std::llround(first_ns + 1e9 * interval_s * static_cast<double>(i)); }
 
-std::optional<EvenClock> even_clock(const std::vector<std::int64_t>& time_ns) {
+std::optional<EvenClock> even_clock(std::span<const std::int64_t> time_ns) {
   constexpr std::size_t fewest = 200, block = 50;
   if (time_ns.size() < fewest) return std::nullopt;
   const double mean_ns = static_cast<double>(time_ns.back() - time_ns.front()) / static_cast<double>(time_ns.size() - 1);

@@ -6,8 +6,7 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
-#include <vector>
+#include <span>
 
 namespace imulab {
 
@@ -21,7 +20,7 @@ struct EvenClock {
 
 /// The clock along the earliest stamps (a stamp can be late, not early); empty where the stamps do not support it: fewer than 200, samples missing,
 /// or earliest stamps of fifty that stray by more than a quarter of an interval from one line (a clock that wanders).
-std::optional<EvenClock> even_clock(const std::vector<std::int64_t>& time_ns);
+std::optional<EvenClock> even_clock(std::span<const std::int64_t> time_ns);
 
 /// The clock that is to replace the recording's stamps: if that is wanted, or by itself where they scatter by more than a twentieth of an interval.
 /// Throws Error where it is wanted and the stamps do not support it.

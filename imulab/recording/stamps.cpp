@@ -2,6 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/recording/rounded_stamps.hpp"
 
 #include <fmt/core.h>
 
@@ -107,6 +108,7 @@ std::int64_t difference_of_rank(std::span<const std::int64_t> time_ns, std::size
 }
 
 StampIntervals stamp_intervals(std::span<const std::int64_t> time_ns, std::span<const std::size_t> without) {
+  if (const auto rounded = rounded_stamps(time_ns)) return {rounded->interval_s, rounded->interval_s, rounded->step_s};
   if (time_ns.size() > many && without.empty()) return intervals_of_many(time_ns);
   std::vector<std::int64_t> differences;
   differences.reserve(time_ns.size());
@@ -116,7 +118,7 @@ StampIntervals stamp_intervals(std::span<const std::int64_t> time_ns, std::span<
     if (left_out == without.end() || *left_out != i) differences.push_back(time_ns[i] - time_ns[i - 1]);
   }
   if (differences.empty()) return {};
-  StampIntervals intervals{median_s(differences), 0};
+  StampIntervals intervals{median_s(differences), 0, std::nullopt};
   double sum = 0, count = 0;
   for (const std::int64_t difference : differences)  // sums of whole numbers: exact in any order
     if (static_cast<double>(difference) <= 1.5e9 * intervals.median) sum += static_cast<double>(difference), ++count;

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -23,9 +24,10 @@ void expect_increasing(std::string_view name, std::span<const std::int64_t> time
 /// The stamps' differences [s]; zero if there is none.
 struct StampIntervals {
   double median = 0;
-  double mean = 0;  ///< of the differences of at most one and a half medians: gaps do not count
+  double mean = 0;                  ///< of the differences of at most one and a half medians: gaps do not count
+  std::optional<double> rounded_s;  ///< of stamps that were rounded to so much: median and mean are then the interval of their clock
 
-  /// Coarse stamps (400 Hz in whole milliseconds) have a wrong median but a right mean: an interval is contradicted where both differ from it.
+  /// Of stamps that scatter the median or the mean is right: an interval is contradicted where both differ from it.
   bool allow(double interval_s) const { return same_interval(median, interval_s) || same_interval(mean, interval_s); }
 };
 /// Of ascending stamps, without the differences that end at a sample in `without` (ascending).

@@ -251,23 +251,24 @@ std::string add_to_fleet(const fs::path& file, const std::string& unit, const Fl
                     store.add_session(fleet_session(session), session.imu.serial.value_or(""), session.imu.name, occasion_of(session, {}, declared)));
     });
   }
+  const std::string name = input_name(file);
   const std::string text(MappedFile(file, Content::settings).text());
   FleetOccasion occasion{declared.station, declared.operated_by, fleet::now(), "added"};
   if (!declared.time.empty()) occasion.time = parse_time(declared.time), occasion.time_from = "declared";
   if (text.find("\"imulab.noise/1\"") != std::string::npos) {
-    parse_noise(text, file.string());
-    if (unit.empty()) throw Error(file.string() + ": says nothing of its unit; expected --unit with a serial number");
+    parse_noise(text, name);
+    if (unit.empty()) throw Error(name + ": says nothing of its unit; expected --unit with a serial number");
     const FleetUnit of = store.unit(unit);
     return result("noise", store.add_noise(text, of.serial, of.name, occasion));
   }
-  const Calibration calibration = parse_calibration(text, file.string());
+  const Calibration calibration = parse_calibration(text, name);
   if (occasion.operated_by.empty()) occasion.operated_by = calibration.operated_by;
   if (occasion.station.empty()) occasion.station = calibration.station;
   if (declared.time.empty() && !calibration.measured.empty())
-    errors_at(file.string() + ": measured", [&] { occasion.time = parse_time(calibration.measured), occasion.time_from = "declared"; });
+    errors_at(name + ": measured", [&] { occasion.time = parse_time(calibration.measured), occasion.time_from = "declared"; });
   else if (declared.time.empty() && !calibration.created.empty())
-    errors_at(file.string() + ": created", [&] { occasion.time = parse_time(calibration.created), occasion.time_from = "created"; });
-  return errors_at(file.string(), [&] { return result("calibration", store.add_calibration(calibration, occasion)); });
+    errors_at(name + ": created", [&] { occasion.time = parse_time(calibration.created), occasion.time_from = "created"; });
+  return errors_at(name, [&] { return result("calibration", store.add_calibration(calibration, occasion)); });
 }
 
 }  // namespace imulab

@@ -1,7 +1,11 @@
 #include "imulab/estimate/hybrid/filter.hpp"
 
+#include "imulab/core/rotation.hpp"
 #include "imulab/core/square_root_estimate.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/earth/earth.hpp"
 #include "imulab/navigation/in_place/navigator.hpp"
+#include "imulab/recording/rest_means.hpp"
 
 #include <cmath>
 
@@ -55,11 +59,30 @@ void drift(SquareRootEstimate& e, const States& states, const Noise& noise, doub
   }
 }
 
-/// Block k, from which the motion was measured without interruption, and the rest it belongs to.
+/// Block k, from which the motion was measured without interruption, and the rest it belongs to: to the next motion, also one that is lost.
 Range rest_from(const std::vector<Block>& blocks, std::size_t k) {
   Range rest = blocks[k].samples;
-  for (; k < blocks.size() && blocks[k].at_rest; ++k) rest.end = blocks[k].samples.end;
+  for (++k; k < blocks.size() && blocks[k].at_rest && !blocks[k].lost; ++k) rest.end = blocks[k].samples.end;
   return rest;
+}
+
+/// The attitude at a rest after a motion from sample `from` on that was not measured as a whole. Level by gravity; the heading by the Earth's rate,
+/// where one rest shows it; else as carried by what was measured of the motion, with the mean rate across a gap: tens of degrees off at worst, which
+/// the equations bear, where noise would give any heading, and another one in each pass.
+void align_anew(in_place::Navigator& navigator, const Recording& readings, std::size_t from, const Range& rest, const Data& data) {
+  constexpr double good = 10 * unit::deg;
+  const double seconds = readings.interval_s * static_cast<double>(rest.size());
+  if (data.noise.gyro.maxCoeff() < good * earth_rate * std::cos(data.place.latitude) * std::sqrt(seconds)) return navigator.align(rest);
+  Matrix3d C_nb = navigator.C_nb;
+  for (std::size_t i = from; i < rest.begin; ++i) {
+    const bool gap = i > 0 && readings.follows_gap(i);
+    const Vector3d before = reading_at(readings.gyro, gap ? i - 1 : i);
+    const double seconds_more = gap ? readings.time_s(i) - readings.time_s(i - 1) : readings.interval_s;
+    C_nb = C_nb * rotation_exp(0.5 * seconds_more * (before + reading_at(readings.gyro, i)));
+  }
+  Vector3d force = Vector3d::Zero();
+  for (std::size_t i = rest.begin; i < rest.end; ++i) force += reading_at(readings.accel, i);
+  navigator.C_nb = shortest_rotation((C_nb * force).normalized(), Vector3d::UnitZ()) * C_nb;
 }
 
 }  // namespace
@@ -82,7 +105,7 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
   for (std::size_t k = 0; k < blocks.size(); ++k) {
     const Block& block = blocks[k];
     if (k == 0 || block.lost) {
-      navigator.align(rest_from(blocks, k));
+      k == 0 ? navigator.align(rest_from(blocks, k)) : align_anew(navigator, readings, blocks[k - 1].samples.end, rest_from(blocks, k), data);
       if (k == 0) out.start = navigator.C_nb = about.start.value_or(navigator.C_nb);
       first = block.samples.begin;
       velocity.setZero();

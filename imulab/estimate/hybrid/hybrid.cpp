@@ -4,8 +4,10 @@
 #include "imulab/core/memory.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
+#include "imulab/estimate/hybrid/late_axis.hpp"
 #include "imulab/estimate/hybrid/quality.hpp"
 #include "imulab/estimate/kernel/coarse.hpp"
+#include "imulab/estimate/kernel/common_turns.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/estimate/kernel/rest_start.hpp"
@@ -53,7 +55,8 @@ void start_gyro(kernel::RestStart& start, const Recording& recording, double lat
 }
 
 void check_axes(const Recording& recording, const kernel::RestStart& start) {
-  const auto in_motion = kernel::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
+  const auto in_motion =
+      kernel::with_common_turns(recording, start, kernel::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling));
   if (!in_motion || !(std::abs(in_motion->determinant()) > 0)) return;
   if (const std::string wrong = wrong_axes(*in_motion); !wrong.empty())
     throw Error(recording.name + ": " + wrong + ", as gravity turns in the IMU; expected right-handed axes, the same for both triads");
@@ -133,6 +136,15 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
   Data data{recording, std::move(cut.blocks), place,        noise_of(start.noise, coarse, recording, session.imu),
             coarse,    terms.wanted,          terms.priors, options.progress};
   const Converged result = converge(data, terms.optional, options.significance);
+  if (const auto late = last.doubts.empty() ? late_axis(data, result.last) : std::nullopt) {
+    kernel::Findings instead;
+    instead.warn(
+        fmt::format("{}: it was put right, which lowers the velocities' scatter from {:.3g} to {:.3g} times what the noise explains; check "
+                    "its filter and its column",
+                    text_of(*late), late->before, late->scatter));
+    instead.doubt(text_of(*late));
+    return calibrated(put_right(recording, *late), rests, session, options, std::move(findings), instead);
+  }
   if (result.latitude) {  // it replaces the site's and is estimated jointly
     Session there = session;
     there.site.latitude = result.latitude->value;

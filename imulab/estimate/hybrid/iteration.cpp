@@ -241,9 +241,15 @@ std::optional<SeenLatitude> mirrored_latitude(const Data& data, const Iterate& c
 
 }  // namespace
 
+bool is_hopeless(const Data& data, const Iterate& c) {
+  constexpr double hopeless = 1e4;  // chi-square per degree of freedom: residuals of a hundred times the noise
+  const auto used = std::count_if(data.blocks.begin(), data.blocks.end(), [](const Block& b) { return b.observed; });
+  return !c.converged && chi2_of(c) > hopeless * 3 * static_cast<double>(used);
+}
+
 Converged converge(Data& data, const Groups& terms, double significance) {
   Converged out{converged(data, first_iterate(data, terms)), {}, {}, {}, {}};
-  for (int round = 0; round < 10; ++round) {
+  for (int round = 0; round < 10 && !is_hopeless(data, out.last); ++round) {
     Review seen = review(data, out.last, data.wanted.empty() ? terms : Groups{}, significance);
     out.latitude = seen.latitude;
     if (out.latitude) break;

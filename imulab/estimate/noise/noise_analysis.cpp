@@ -3,6 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/parallel.hpp"
 #include "imulab/recording/clipping.hpp"
+#include "imulab/recording/even_stamps.hpp"
 #include "imulab/recording/pieces.hpp"
 #include "imulab/recording/rests.hpp"
 #include "imulab/recording/short_gaps.hpp"
@@ -15,6 +16,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -62,9 +64,9 @@ std::string clipped_axes(const RecordingView& recording, const Range& range) {
                                 seconds(recording, longest), seconds(recording, best), expected));
 }
 
-/// The stamps of each eighth against the interval that all of the analysis takes. Jitter of a third of it moves the mean of 128 by 0.4 %; 1 % is half
-/// a percent of N.
-void expect_one_rate(const RecordingView& recording, const Range& range) {
+/// The interval of all of the analysis: nominal, or that of the even clock of stamps whose usual difference is another. The stamps of each eighth are
+/// held against it: jitter of a third of it moves the mean of 128 by 0.4 %; 1 % is half a percent of N.
+double one_interval(const RecordingView& recording, const Range& range, bool declared, std::vector<std::string>& notes) {
   constexpr std::size_t parts = 8;
   constexpr double most = 0.01;
   std::array<double, parts> hz;
@@ -78,11 +80,14 @@ void expect_one_rate(const RecordingView& recording, const Range& range) {
   const double nominal = 1 / recording.interval_s;
   if (*greatest / *least - 1 > most)
     throw Unsupported(fmt::format("{}: the rate changes: {} Hz in the eighths of the rest; expected one rate: cut the log", recording.name, rates));
-  if (std::max(*greatest / nominal, nominal / *least) - 1 > most)
-    throw Unsupported(
-        fmt::format("{}: the stamps advance at {:.4g} Hz, but {:.4g} Hz are declared or their usual difference (stamps are rounded); "
-                    "expected the right rate_hz, in a session",
-                    recording.name, hz[0], nominal));
+  if (std::max(*greatest / nominal, nominal / *least) - 1 <= most) return recording.interval_s;
+  const std::optional<EvenClock> clock = declared ? std::nullopt : even_clock(recording.time_ns.subspan(range.begin, range.size()));
+  if (!clock)
+    throw Unsupported(fmt::format("{}: the stamps advance at {:.4g} Hz, but {:.4g} Hz {}; expected the right rate_hz, in a session", recording.name,
+                                  hz[0], nominal, declared ? "are declared" : "is their usual difference"));
+  notes.push_back(fmt::format("the stamps scatter by {:.2g} ms (RMS) about an even clock of {:.6g} ms, which is used in their place",
+                              1e3 * clock->scatter_s, 1e3 * clock->interval_s));
+  return clock->interval_s;
 }
 
 std::vector<std::string> cut_notes(const RecordingView& recording, const std::vector<Range>& rests, const Range& used) {
@@ -219,6 +224,12 @@ void analyze_axis(NoiseAxis& axis, const RecordingView& r, std::size_t column, c
                                   : deviation_in_place(std::move(buffer), r.interval_s, factors, options.kind);
 }
 
+bool rate_is_declared(const RecordingView& recording, const Session& session) {
+  return std::any_of(session.recordings.begin(), session.recordings.end(), [&](const RecordingSource& source) {
+    return source.rate_hz && (session.recordings.size() == 1 || source.file == recording.name);
+  });
+}
+
 }  // namespace
 
 StillRange still_range(const RecordingView& recording, const Session& session, std::size_t filled) {
@@ -227,8 +238,8 @@ StillRange still_range(const RecordingView& recording, const Session& session, s
   for (const Range& rest : rests)
     if (const Range piece = longest_piece(recording, rest); piece.size() > still.range.size()) still.range = piece;
   if (seconds(recording, still.range) < shortest_still_s || still.range.size() < fewest_samples) too_short(recording, rests, still.range);
-  expect_one_rate(recording, still.range);
   still.notes = cut_notes(recording, rests, still.range);
+  still.interval_s = one_interval(recording, still.range, rate_is_declared(recording, session), still.notes);
   if (filled > 0) still.notes.push_back(fmt::format("{} lost samples were filled in", filled));
   return still;
 }
@@ -237,14 +248,17 @@ StillPart still_part(const Recording& recording, const Session& session) {
   validate(recording);
   FilledRecording filled = with_short_gaps_filled(recording);
   StillRange found = still_range(filled.recording, session, filled.filled);
+  filled.recording.interval_s = found.interval_s;
   return {std::move(filled.recording), found.range, std::move(found.notes)};
 }
 
 NoiseAnalysis analyze_noise(const StillPart& still, const NoiseOptions& options) {
-  return analyze_noise(still.recording, {still.range, still.notes}, options);
+  return analyze_noise(still.recording, {still.range, still.notes, still.recording.interval_s}, options);
 }
 
-NoiseAnalysis analyze_noise(const RecordingView& r, const StillRange& still, const NoiseOptions& options) {
+NoiseAnalysis analyze_noise(const RecordingView& recording, const StillRange& still, const NoiseOptions& options) {
+  RecordingView r = recording;
+  r.interval_s = still.interval_s;
   if (options.remove_temperature) {
     expect_temperature(r, still.range, gyro_temperature_columns, "gyro");
     expect_temperature(r, still.range, accel_temperature_columns, "accel");

@@ -28,6 +28,7 @@ StillPart still_part(const Recording& recording, const Session& session);
 struct StillRange {
   Range range;
   std::vector<std::string> notes;
+  double interval_s = 0;  ///< of its samples: nominal, or of the even clock of stamps that scatter
 };
 StillRange still_range(const RecordingView& recording, const Session& session, std::size_t filled = 0);
 

@@ -31,8 +31,13 @@ const Coefficient* implausible_scale(const RestProblem& problem, const std::vect
 
 /// Which of the problem's coefficients the result states: those that the fit determines, and the optional ones with at least their prior. An
 /// implausible triad is not stated; without the accelerometers nothing is.
-std::vector<char> stated(const RestProblem& problem, const Eigen::MatrixXd& covariance, std::vector<std::string>& warnings) {
-  std::vector<char> out;
+struct Stated {
+  std::vector<char> kept;
+  bool implausible = false;
+};
+Stated stated(const RestProblem& problem, const Eigen::MatrixXd& covariance, std::vector<std::string>& warnings) {
+  Stated result;
+  std::vector<char>& out = result.kept;
   for (std::size_t i = 0; i < problem.indices().size(); ++i) {
     const Coefficient& c = coefficient(problem.indices()[i]);
     const auto at = static_cast<Index>(i);
@@ -42,6 +47,7 @@ std::vector<char> stated(const RestProblem& problem, const Eigen::MatrixXd& cova
   for (const Triad triad : {Triad::accel, Triad::gyro}) {
     const Coefficient* c = implausible_scale(problem, out, triad);
     if (!c) continue;
+    result.implausible = true;
     const TriadModel& prior = triad == Triad::accel ? problem.prior().accel : problem.prior().gyro;
     const double scale = coefficient_value(problem.model(), coefficient_index(c->name)) / prior.matrix(c->row, c->column);
     warnings.push_back(fmt::format(
@@ -53,7 +59,24 @@ std::vector<char> stated(const RestProblem& problem, const Eigen::MatrixXd& cova
       if (triad == Triad::accel || coefficient(problem.indices()[i]).triad == triad) out[i] = 0;
     if (triad == Triad::accel) break;
   }
-  return out;
+  return result;
+}
+
+/// What the others become where those that are not stated go back to their prior: an offset was found with the scale that the readings at rest were
+/// multiplied by, and is as uncertain as the prior leaves that.
+VectorXd with_unstated_at_prior(const RestProblem& problem, const std::vector<char>& kept, Eigen::MatrixXd& covariance) {
+  kernel::Parameters parameters(covariance.rows());
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const CoefficientIndex index = problem.indices()[i];
+    const Coefficient& c = coefficient(index);
+    if (kept[i] || is_optional(c.term)) continue;
+    parameters.role[i] = kernel::Role::considered;
+    parameters.offset[static_cast<Index>(i)] = coefficient_value(problem.prior(), index) - coefficient_value(problem.model(), index);
+    parameters.sigma[static_cast<Index>(i)] = problem.prior_sigma(c);
+  }
+  VectorXd correction = VectorXd::Zero(covariance.rows());
+  kernel::consider(correction, covariance, parameters);
+  return correction;
 }
 
 }  // namespace
@@ -91,11 +114,15 @@ Calibration calibration_of(std::string_view method, const kernel::RestStart& sta
   out.method = method;
   const std::vector<CoefficientIndex>& indices = problem.indices();
   const auto n = static_cast<Index>(indices.size());
-  const Eigen::MatrixXd covariance = fit.excess * fit.excess * fit.covariance().topLeftCorner(n, n);
-  const std::vector<char> kept = stated(problem, covariance, out.quality.warnings);
+  Eigen::MatrixXd covariance = fit.excess * fit.excess * fit.covariance().topLeftCorner(n, n);
+  const auto [kept, implausible] = stated(problem, covariance, out.quality.warnings);
+  const VectorXd correction = implausible ? VectorXd(VectorXd::Zero(n)) : with_unstated_at_prior(problem, kept, covariance);
   SensorModel scaled = problem.model();
-  for (std::size_t i = 0; i < indices.size(); ++i)
-    if (!kept[i]) set_coefficient(scaled, indices[i], coefficient_value(problem.prior(), indices[i]));
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    const CoefficientIndex index = indices[i];
+    const double value = coefficient_value(scaled, index) + correction[static_cast<Index>(i)];
+    set_coefficient(scaled, index, kept[i] ? value : coefficient_value(problem.prior(), index));
+  }
   out.model = to_raw(scaled, start.scaling);
   std::vector<Index> at;
   for (std::size_t i = 0; i < indices.size(); ++i) {

@@ -104,6 +104,19 @@ std::vector<Index> RestProblem::unseen_terms(const kernel::Parameters& parameter
   return unseen;
 }
 
+std::vector<Index> RestProblem::open_gyro_matrix(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const {
+  std::vector<Index> matrix;
+  bool open = false;
+  for (const Index i : parameters.with(kernel::Role::estimated)) {
+    if (i >= std::ssize(indices_)) continue;
+    const Coefficient& c = coefficient(indices_[static_cast<std::size_t>(i)]);
+    if (c.triad != Triad::gyro || c.term != Term::matrix) continue;
+    matrix.push_back(i);
+    open = open || (c.row == c.column && !(std::sqrt(covariance(i, i)) < kernel::needed_sigma(c, parameters.sigma[i])));
+  }
+  return open ? matrix : std::vector<Index>{};
+}
+
 bool RestProblem::widen_priors(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) {
   const auto n = std::ssize(indices_);
   const VectorXd unit = parameters.sigma.head(n).cwiseInverse();

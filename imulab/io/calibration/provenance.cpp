@@ -95,7 +95,10 @@ std::vector<VerifiedFile> verify_sources(const Calibration& calibration, const s
     out.push_back({file, file_sum(file).sha256 == recorded ? FileState::unchanged : FileState::changed});
   };
   check(session, calibration.session_sha256);
-  for (const SourceFile& source : calibration.sources) check(session.parent_path() / source.file, source.sha256);
+  for (const SourceFile& source : calibration.sources) {
+    const bool own_session = source.sha256 == calibration.session_sha256;  // a recording that was inspected
+    check(own_session ? session : session.parent_path() / source.file, source.sha256);
+  }
   return out;
 }
 

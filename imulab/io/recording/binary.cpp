@@ -125,4 +125,13 @@ std::vector<RawColumn> ColumnBuilder::take() {
   return std::move(columns_);
 }
 
+void add_counted(ColumnBuilder& builder, const char* first, std::size_t stride, std::size_t count, const ReadingMeter& meter) {
+  constexpr std::size_t at_once = 65536;
+  for (std::size_t row = 0; row < count; row += at_once) {
+    const std::size_t rows = std::min(at_once, count - row);
+    builder.add(first + stride * row, stride, rows);
+    meter.add(rows);
+  }
+}
+
 }  // namespace imulab::recording_io

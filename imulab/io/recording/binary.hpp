@@ -3,6 +3,7 @@
 
 #include "imulab/io/recording/number_bytes.hpp"
 #include "imulab/io/recording/raw_table.hpp"
+#include "imulab/io/text/reading_meter.hpp"
 
 #include <array>
 #include <cstddef>
@@ -55,5 +56,8 @@ class ColumnBuilder {
   std::array<const char*, 256> rows_{};
   std::size_t gathered_ = 0;
 };
+
+/// Rows that stand one after the other, each counted.
+void add_counted(ColumnBuilder& builder, const char* first, std::size_t stride, std::size_t count, const ReadingMeter& meter);
 
 }  // namespace imulab::recording_io

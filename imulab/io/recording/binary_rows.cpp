@@ -3,6 +3,7 @@
 #include "imulab/io/recording/binary.hpp"
 #include "imulab/io/recording/formats.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/reading_meter.hpp"
 
 #include <fmt/core.h>
 
@@ -86,7 +87,7 @@ RawTable columns_of_rows(const TableRequest& request, const std::vector<Column>&
   std::vector<NumberField> fields;
   for (const Column& column : columns) fields.push_back(layout.fields[find_column(table, column, file)]);
   ColumnBuilder builder(std::move(fields), table.rows);
-  builder.add(mapped.text().data() + layout.head, layout.row, table.rows);
+  add_counted(builder, mapped.text().data() + layout.head, layout.row, table.rows, ReadingMeter(table.rows));
   RawTable raw;
   raw.columns = builder.take();
   if (const std::size_t left = (mapped.text().size() - layout.head) % layout.row; left != 0)

@@ -15,6 +15,9 @@ namespace imulab::recording_io {
 
 namespace {
 
+/// Rounding to less of an interval than this moves no nominal interval by as much as two quoted rates may differ.
+constexpr double said_of_rounding = 0.02;
+
 /// No gap is reported where a recording stops between two of its steps: who records point by point leaves out the time between them.
 bool between_steps(std::span<const Step> steps, double begin_s, double end_s, double interval_s) {
   const auto next = std::partition_point(steps.begin(), steps.end(), [&](const Step& step) { return step.end <= begin_s + interval_s; });
@@ -36,6 +39,9 @@ double nominal_interval_s(std::span<const std::int64_t> time_ns, const std::stri
     throw Error(fmt::format("{}: rate_hz = {} is declared, but the stamps give {:.6g} Hz (median difference {:.6g} s); expected agreement within 2 %",
                             file, *source.rate_hz, 1 / stamps.median, stamps.median));
   }
+  if (stamps.rounded_s && *stamps.rounded_s > said_of_rounding * stamps.median)
+    warnings.push_back(fmt::format("{}: the stamps are rounded to {:g} s; an even clock of {:.4g} s ({:.4g} Hz) fits them, and gives its interval",
+                                   file, *stamps.rounded_s, stamps.median, 1 / stamps.median));
   if (!same_interval(stamps.median, stamps.mean))
     warnings.push_back(
         fmt::format("{}: the stamps' differences are uneven (median {:.6g} s, mean {:.6g} s); the median is taken as the nominal interval, "
@@ -80,14 +86,15 @@ void expect_plausible(const Columns3& triad, const ReadingOptions& options, Quan
                                 triad[axis][i], options.unit));
 }
 
-void expect_above_absolute_zero(const std::optional<ThermalSource>& source, const Columns3& readings, const TimedTable& table) {
+void expect_possible_temperature(const std::optional<ThermalSource>& source, const Columns3& readings, const TimedTable& table) {
   if (!source || source->unit == "raw") return;
-  const double zero = source->unit == "K" ? 0 : -273.15;
+  constexpr double least_degC = -273.15, most_degC = 1000;  // absolute zero; every IMU has melted
+  const double zero = source->unit == "K" ? -least_degC : 0;
   for (const auto& column : readings)
     for (std::size_t i = 0; i < column.size(); ++i)
-      if (!(column[i] >= zero))
-        throw Error(fmt::format("{}: {}: the temperature is {:g} {}; expected one above absolute zero, or unit = \"raw\"", table.file, table.place(i),
-                                column[i], source->unit));
+      if (!(column[i] >= least_degC + zero && column[i] <= most_degC + zero))
+        throw Error(fmt::format("{}: {}: the temperature is {:g} {}; expected {:g} to {:g}, or unit = \"raw\"", table.file, table.place(i), column[i],
+                                source->unit, least_degC + zero, most_degC + zero));
 }
 
 void warn_of_rate(const RecordingSource& source, const RecordingView& recording, const TimedTable& table, std::vector<std::string>& warnings) {

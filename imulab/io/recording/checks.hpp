@@ -21,7 +21,7 @@ double nominal_interval_s(std::span<const std::int64_t> time_ns, const std::stri
 
 /// Throws Error for a reading that no sensor gives, named by its line.
 void expect_plausible(const Columns3& triad, const ReadingOptions& options, Quantity quantity, double interval_s, const TimedTable& table);
-void expect_above_absolute_zero(const std::optional<ThermalSource>& source, const Columns3& readings, const TimedTable& table);
+void expect_possible_temperature(const std::optional<ThermalSource>& source, const Columns3& readings, const TimedTable& table);
 
 /// Of the gaps that the steps do not explain. `table`: for the places of rows.
 void warn_of_gaps(const RecordingView& recording, const TimedTable& table, std::span<const Step> steps, std::vector<std::string>& warnings);

@@ -1,5 +1,8 @@
 #include "imulab/io/recording/child_tables.hpp"
 
+#include "imulab/io/text/reading_meter.hpp"
+
+#include <optional>
 #include <string>
 
 namespace imulab::recording_io {
@@ -43,20 +46,26 @@ std::size_t receive_numbers(FromChild& from, std::vector<Number>& numbers, std::
   return more;
 }
 
+/// The rows of one column that came, and how many it has in all.
+struct Received {
+  std::size_t rows, all;
+};
+
 /// Rows of one column; the columns of integers with numbers too large for them become numbers.
-void receive_rows(FromChild& from, RawColumn& column) {
+Received receive_rows(FromChild& from, RawColumn& column) {
   const auto as_numbers = [&] {
     column.numbers.insert(column.numbers.end(), column.integers.begin(), column.integers.end());
     column.integers = {};
   };
   const bool integers = from.number() == 0;
-  const std::size_t all = from.most(sizeof(double));
+  const std::size_t all = from.most(sizeof(double)), before = column.size();
   if (integers) {
     if (receive_numbers(from, column.integers, all) > 0 && !column.numbers.empty()) as_numbers();
   } else {
     if (!column.integers.empty()) as_numbers();
     receive_numbers(from, column.numbers, all);
   }
+  return {column.size() - before, all};
 }
 
 }  // namespace
@@ -71,6 +80,7 @@ std::vector<TableDescription> describe_in_child(const ChildTask& task, const std
 RawTable columns_in_child(const ChildTask& task, std::size_t columns, const std::function<void(const SendColumn&)>& work) {
   RawTable table;
   table.columns.resize(columns);
+  std::optional<ReadingMeter> meter;
   run_in_child(
       task,
       [&](ToParent& to) {
@@ -88,7 +98,9 @@ RawTable columns_in_child(const ChildTask& task, std::size_t columns, const std:
       [&](FromChild& from) {
         const std::uint64_t index = from.number();
         if (index >= columns) from.reject();
-        receive_rows(from, table.columns[index]);
+        const Received received = receive_rows(from, table.columns[index]);
+        if (!meter) meter.emplace(columns * received.all);
+        meter->add(received.rows);
       });
   return table;
 }

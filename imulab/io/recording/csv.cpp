@@ -5,6 +5,7 @@
 #include "imulab/io/recording/csv_rows.hpp"
 #include "imulab/io/recording/formats.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/reading_meter.hpp"
 
 #include <fmt/core.h>
 
@@ -24,16 +25,25 @@ void reserve(TimedTable& table, std::string_view rows) {
   for (auto& column : table.values) column.reserve(estimate);
 }
 
-/// Rows of whole lines, and how many lines they are.
-TimedTable read_rows(RowReader reader, std::string_view text, std::size_t* lines = nullptr) {
-  TimedTable table;
-  table.values.resize(reader.row().values.size());
-  reserve(table, text);
+/// Adds all rows of a text of whole lines to a table. The meter is told after every so many rows.
+void add_rows(RowReader& reader, std::string_view text, TimedTable& table, const ReadingMeter& meter) {
+  constexpr std::size_t at_once = 4096;
+  std::size_t told = text.size();
   while (reader.next(text)) {
     table.lines.add(table.time_ns.size(), reader.line());
     table.time_ns.push_back(reader.row().time_ns);
     for (std::size_t k = 0; k < table.values.size(); ++k) table.values[k].push_back(reader.row().values[k]);
+    if (table.time_ns.size() % at_once == 0) meter.add(std::exchange(told, text.size()) - text.size());
   }
+  meter.add(told);
+}
+
+/// Rows of whole lines, and how many lines they are.
+TimedTable read_rows(RowReader reader, std::string_view text, const ReadingMeter& meter, std::size_t* lines = nullptr) {
+  TimedTable table;
+  table.values.resize(reader.row().values.size());
+  reserve(table, text);
+  add_rows(reader, text, table, meter);
   table.repeated = reader.repeated();
   if (lines != nullptr) *lines = reader.lines_read();
   return table;
@@ -76,7 +86,7 @@ std::optional<TimedTable> in_sequence(std::vector<TimedTable> parts, const std::
 }
 
 /// The same by several threads, where rows do not depend on those before; nothing where something is wrong, which is found again in order.
-std::optional<TimedTable> read_rows_in_parallel(const RowReader& reader, std::string_view text) {
+std::optional<TimedTable> read_rows_in_parallel(const RowReader& reader, std::string_view text, const ReadingMeter& meter) {
   constexpr std::size_t worth_it = std::size_t{4} << 20;  // bytes: a hundredth of a second
   const std::size_t count = std::min<std::size_t>(parallel_threads(), text.size() / worth_it);
   if (count < 2 || !reader.is_independent()) return std::nullopt;
@@ -84,7 +94,7 @@ std::optional<TimedTable> read_rows_in_parallel(const RowReader& reader, std::st
   std::vector<TimedTable> parts(texts.size());
   std::vector<std::size_t> lines(texts.size());
   try {
-    parallel_for(texts.size(), [&](std::size_t p) { parts[p] = read_rows(reader, texts[p], &lines[p]); });
+    parallel_for(texts.size(), [&](std::size_t p) { parts[p] = read_rows(reader, texts[p], meter, &lines[p]); });
   } catch (const Error&) {
     return std::nullopt;
   }
@@ -121,11 +131,11 @@ std::vector<std::string> warnings_of(const std::string& file, const TableLayout&
 /// Pieces of a text: by several threads as long as all is well, else in order from the last piece on that was read.
 class PieceReader {
  public:
-  explicit PieceReader(const RowReader& first) : first_(first), reader_(first) {}
+  PieceReader(const RowReader& first, const ReadingMeter& meter) : first_(first), reader_(first), meter_(meter) {}
 
   /// Whole lines, which follow those of the piece before.
   TimedTable read(std::string_view text) {
-    std::optional<TimedTable> parallel = read_rows_in_parallel(first_, text);
+    std::optional<TimedTable> parallel = read_rows_in_parallel(first_, text, meter_);
     if (parallel && (parallel->time_ns.empty() || (rows_ > 0 && parallel->time_ns.front() <= last_.time_ns))) parallel.reset();
     const std::size_t before = lines_;
     TimedTable table;
@@ -157,11 +167,7 @@ class PieceReader {
     const std::size_t repeated = reader_.repeated();
     TimedTable table;
     table.values.resize(reader_.row().values.size());
-    while (reader_.next(text)) {
-      table.lines.add(table.time_ns.size(), reader_.line());
-      table.time_ns.push_back(reader_.row().time_ns);
-      for (std::size_t k = 0; k < table.values.size(); ++k) table.values[k].push_back(reader_.row().values[k]);
-    }
+    add_rows(reader_, text, table, meter_);
     table.repeated = reader_.repeated() - repeated;
     lines_ = reader_.lines_read();
     return table;
@@ -169,6 +175,7 @@ class PieceReader {
 
   const RowReader first_;
   RowReader reader_;
+  const ReadingMeter& meter_;
   Row last_;
   std::size_t lines_ = 0, rows_ = 0;
   bool in_order_ = true;  // whether reader_ stands behind the piece before
@@ -182,7 +189,8 @@ void for_each_piece(const MappedFile& file, const std::string& name, const Table
   std::string_view text = file.text().substr(layout.offset);
   const bool cut = ends_inside_a_row(text, layout);
   if (cut) text = text.substr(0, text.rfind('\n') + 1);
-  PieceReader pieces(reader);
+  const ReadingMeter meter(text.size());
+  PieceReader pieces(reader, meter);
   for (bool begin = true; begin || !text.empty(); begin = false) {
     const std::size_t end = text.size() > at_once ? std::min(text.find('\n', at_once), text.size() - 1) + 1 : text.size();
     TimedTable table = pieces.read(text.substr(0, end));
@@ -200,10 +208,11 @@ bool is_text(std::string_view head) { return head.find('\0') == std::string_view
 
 TimedTable read_csv(const std::filesystem::path& path, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns) {
   const MappedFile file(path);
-  const TableLayout layout = table_layout(path.string(), file.text(), names_a_column(time, columns));
+  const std::string name = input_name(path);
+  const TableLayout layout = table_layout(name, file.text(), names_a_column(time, columns));
   const RowReader reader(layout, time, rate_hz, columns);
   TimedTable all;
-  for_each_piece(file, path.string(), layout, reader, [&](TimedTable&& piece) {
+  for_each_piece(file, name, layout, reader, [&](TimedTable&& piece) {
     if (all.file.empty()) {
       all = std::move(piece);
       if (file.text().size() > at_once) reserve(all, file.text().substr(layout.offset));

@@ -5,6 +5,7 @@
 #include "imulab/io/recording/dataflash_definitions.hpp"
 #include "imulab/io/recording/formats.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/reading_meter.hpp"
 
 #include <fmt/core.h>
 
@@ -28,6 +29,7 @@ struct DataflashLosses {
 template <class Length, class OnMessage>
 DataflashLosses walk_dataflash(std::string_view text, const Length& length, const OnMessage& message) {
   DataflashLosses losses;
+  const ReadingMeter meter(text.size());
   std::size_t at = 0;
   while (text.size() - at >= 3) {
     const auto id = static_cast<unsigned char>(text[at + 2]);
@@ -40,6 +42,7 @@ DataflashLosses walk_dataflash(std::string_view text, const Length& length, cons
     }
     if (text.size() - at < size) break;
     message(id, text.substr(at, size));
+    meter.add(size);
     at += size;
   }
   losses.unfinished = text.size() - at;

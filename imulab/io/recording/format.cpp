@@ -4,9 +4,11 @@
 #include "imulab/core/memory.hpp"
 #include "imulab/io/recording/bag/folder.hpp"
 #include "imulab/io/recording/bag/kinds.hpp"
+#include "imulab/io/recording/csv.hpp"
 #include "imulab/io/recording/formats.hpp"
 #include "imulab/io/text/decimal.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/kept.hpp"
 #include "imulab/io/text/names.hpp"
 #include "imulab/recording/clock.hpp"
 
@@ -40,6 +42,8 @@ const RecordingFormat& format_of(const TableRequest& request, const std::vector<
   const auto format = std::find_if(formats.begin(), formats.end(), [&](const RecordingFormat& f) {
     return f.of_layout ? !request.layout.empty() : request.layout.empty() && f.recognizes(head);
   });
+  if (format != formats.end() && is_kept(request.file) && format->recognizes != recording_io::is_text)
+    throw Error(fmt::format("{}: is {}; expected rows of text, or a file on disk", request.file.string(), format->name));
   if (format != formats.end()) return *format;
   bag::expect_not_packed(request.file, head);
   std::vector<std::string_view> names;

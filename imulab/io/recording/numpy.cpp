@@ -6,6 +6,7 @@
 #include "imulab/io/recording/npy_header.hpp"
 #include "imulab/io/recording/zip.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/reading_meter.hpp"
 
 #include <fmt/core.h>
 
@@ -82,11 +83,13 @@ std::vector<RawColumn> inflate_rows(ZipReader& reader, const NpyArray& array, st
   ColumnBuilder builder(std::move(fields));
   const std::size_t at_once = std::max<std::size_t>(1, 65536 / array.stride);
   std::string buffer(at_once * array.stride, '\0');
+  const ReadingMeter meter(array.array.rows);
   for (std::size_t row = 0; row < array.array.rows;) {
     const std::size_t rows = std::min(at_once, array.array.rows - row);
     reader.read(buffer.data(), rows * array.stride);
     builder.add(buffer.data(), array.stride, rows);
     builder.flush();
+    meter.add(rows);
     row += rows;
   }
   reader.expect_intact();
@@ -96,6 +99,7 @@ std::vector<RawColumn> inflate_rows(ZipReader& reader, const NpyArray& array, st
 /// The same where column stands after column.
 std::vector<RawColumn> inflate_columns(ZipReader& reader, const NpyArray& array, const std::vector<std::size_t>& wanted) {
   std::vector<RawColumn> columns(wanted.size());
+  const ReadingMeter meter(array.fields.size() * array.array.rows);
   for (std::size_t c = 0; c < array.fields.size(); ++c) {
     NpyArray one = array;
     one.fields = {{array.fields[c].type, 0}};
@@ -108,6 +112,7 @@ std::vector<RawColumn> inflate_columns(ZipReader& reader, const NpyArray& array,
       reader.read(buffer.data(), rows * array.stride);
       if (is_wanted) builder.add(buffer.data(), array.stride, rows);
       builder.flush();
+      meter.add(rows);
       row += rows;
     }
     RawColumn column = std::move(builder.take().front());
@@ -132,7 +137,7 @@ std::vector<RawColumn> array_columns(std::string_view text, const NumpyFile& fil
   }
   const std::string_view whole = file.members.empty() ? text : file.members[index].stored;
   ColumnBuilder builder(std::move(fields), array.array.rows);
-  builder.add(whole.data() + array.offset, array.stride, array.array.rows);
+  add_counted(builder, whole.data() + array.offset, array.stride, array.array.rows, ReadingMeter(array.array.rows));
   return builder.take();
 }
 
@@ -218,6 +223,7 @@ void numpy_pieces(const TableRequest& request, const std::vector<Column>& column
     to_columns.push_back(to);
   });
   const std::size_t rows = heads.arrays[places.front().array].array.rows;
+  const ReadingMeter meter(rows);
   for (std::size_t row = 0; row < rows; row += at_once) {
     RawTable piece;
     piece.columns.resize(places.size());
@@ -227,6 +233,7 @@ void numpy_pieces(const TableRequest& request, const std::vector<Column>& column
       for (std::size_t k = 0; k < read.size(); ++k) piece.columns[to_columns[a][k]] = std::move(read[k]);
     }
     mapped.release(mapped.text().size());
+    meter.add(std::min(at_once, rows - row));
     if (!each(std::move(piece))) return;
   }
   for (const NextRows& array : arrays) array.expect_intact();

@@ -26,8 +26,8 @@ RecordingReading read_recording(const Session& session, const RecordingSource& s
   expect_plausible(gyro, options.gyro, Quantity::gyro, interval_s, reference);
   expect_plausible(accel, options.accel, Quantity::accel, interval_s, parts.tables[parts.accel.table]);
   reading.recording = make_recording(std::move(reference.time_ns), std::move(gyro), std::move(accel), std::move(options));
-  expect_above_absolute_zero(source.gyro_temperature, reading.recording.gyro_temperature, reference);
-  expect_above_absolute_zero(source.accel_temperature, reading.recording.accel_temperature, reference);
+  expect_possible_temperature(source.gyro_temperature, reading.recording.gyro_temperature, reference);
+  expect_possible_temperature(source.accel_temperature, reading.recording.accel_temperature, reference);
   warn_of_rate(source, reading.recording, reference, reading.warnings);
   warn_of_gaps(reading.recording, reference, session.steps_of(source), reading.warnings);
   warn_of_saturated(reading.recording, reference, reading.warnings);

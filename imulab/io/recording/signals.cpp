@@ -7,6 +7,7 @@
 #include "imulab/io/recording/csv_rows.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/names.hpp"
+#include "imulab/io/text/reading_meter.hpp"
 
 #include <fmt/core.h>
 
@@ -187,16 +188,18 @@ std::string_view first_lines(const std::string& name, std::string_view text, std
 
 /// Where every row is one of numbers. Calls `passed` now and then: what was read so far is not needed any more.
 bool read_numbers(const TableLayout& layout, std::string_view text, SignalTable& table, const std::function<void()>& passed) {
-  constexpr std::size_t at_once = std::size_t{1} << 24;  // bytes
+  constexpr std::size_t at_once = std::size_t{1} << 22;  // bytes
   std::vector<Column> columns;
   for (std::size_t i = 0; i < layout.columns; ++i) columns.emplace_back(static_cast<int>(i) + 1);
   try {
     RowReader reader(layout, {.column = std::nullopt}, 1, columns);
+    const ReadingMeter meter(text.size());
     for (std::string_view left = text.substr(layout.offset); !left.empty();) {
       const std::size_t end = left.size() > at_once ? std::min(left.find('\n', at_once), left.size() - 1) + 1 : left.size();
       for (std::string_view rows = left.substr(0, end); reader.next(rows);)
         for (std::size_t i = 0; i < layout.columns; ++i) table.signals[i].values.push_back(reader.row().values[i]);
       left.remove_prefix(end);
+      meter.add(end);
       passed();
     }
     return true;
@@ -209,9 +212,11 @@ bool read_numbers(const TableLayout& layout, std::string_view text, SignalTable&
 /// Fields that are no numbers become NaN; rows of another length are left out.
 void read_what_there_is(const TableLayout& layout, std::string_view text, SignalTable& table) {
   std::size_t ragged = 0;
+  const ReadingMeter meter(text.size());
   for (std::size_t offset = layout.offset; offset < text.size();) {
     const std::size_t end = std::min(text.find('\n', offset), text.size());
     const std::string_view line = text.substr(offset, end - offset);
+    meter.add(line.size() + 1);
     offset = end + 1;
     const std::size_t first = line.find_first_not_of(" \t\r");
     if (first == std::string_view::npos || line[first] == '#') continue;

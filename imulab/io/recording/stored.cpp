@@ -84,8 +84,8 @@ Recording converted(TimedTable piece, const PartRequests& parts, const Recording
   expect_plausible(gyro, options.gyro, Quantity::gyro, options.interval_s.value_or(0), piece);
   expect_plausible(accel, options.accel, Quantity::accel, options.interval_s.value_or(0), piece);
   Recording recording = convert_readings(std::move(gyro), std::move(accel), std::move(options));
-  expect_above_absolute_zero(source.gyro_temperature, recording.gyro_temperature, piece);
-  expect_above_absolute_zero(source.accel_temperature, recording.accel_temperature, piece);
+  expect_possible_temperature(source.gyro_temperature, recording.gyro_temperature, piece);
+  expect_possible_temperature(source.accel_temperature, recording.accel_temperature, piece);
   recording.time_ns = std::move(piece.time_ns);
   return recording;
 }

@@ -4,6 +4,7 @@
 #include "imulab/io/recording/formats.hpp"
 #include "imulab/io/recording/ulog_definitions.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/reading_meter.hpp"
 
 #include <fmt/core.h>
 
@@ -104,6 +105,7 @@ class UlogReader {
       }
       message(type, payload);
       at += message_head + size;
+      meter_.add(message_head + size);
     }
     losses_.unfinished += end - at;
   }
@@ -111,6 +113,7 @@ class UlogReader {
   std::string_view text_;
   std::string file_;
   UlogLosses losses_;
+  ReadingMeter meter_{text_.size()};
 };
 
 std::vector<std::string> loss_warnings(const UlogLosses& losses, const std::string& file) {

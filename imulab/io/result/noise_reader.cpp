@@ -45,7 +45,7 @@ NoiseCoefficients noise_coefficients_at(const Field& axis) {
 
 ImuNoise read_noise(const std::string& path) {
   const MappedFile file(path, Content::settings);
-  return parse_noise(file.text(), path);
+  return parse_noise(file.text(), input_name(path));
 }
 
 ImuNoise parse_noise(std::string_view text, const std::string& file) {

@@ -1,6 +1,7 @@
 // Files and streams for reading.
 #include "imulab/core/error.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/kept.hpp"
 #include "imulab/io/text/lost_pages.hpp"
 #include "imulab/io/text/printable.hpp"
 
@@ -11,11 +12,14 @@
 #include <chrono>
 #include <cstring>
 #include <fcntl.h>
+#include <list>
+#include <mutex>
 #include <optional>
 #include <poll.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <utility>
 
 namespace imulab {
 namespace {
@@ -103,6 +107,35 @@ std::string read_open_file(int descriptor, const fs::path& path, std::size_t siz
 
 }  // namespace
 
+namespace {
+
+struct KeptText {
+  fs::path name;
+  std::string text;
+};
+std::mutex kept_mutex;
+std::list<KeptText> kept_texts;
+
+const std::string* kept_text(const fs::path& path) {
+  const std::lock_guard lock(kept_mutex);
+  const auto kept = std::find_if(kept_texts.begin(), kept_texts.end(), [&](const KeptText& k) { return k.name == path; });
+  return kept != kept_texts.end() ? &kept->text : nullptr;
+}
+
+}  // namespace
+
+void keep_as_file(const fs::path& name, std::string text) {
+  const std::lock_guard lock(kept_mutex);
+  kept_texts.push_back({name, std::move(text)});
+}
+
+bool is_kept(const fs::path& path) { return kept_text(path) != nullptr; }
+
+void forget_kept() {
+  const std::lock_guard lock(kept_mutex);
+  kept_texts.clear();
+}
+
 bool is_stream(const fs::path& path) {
   std::error_code none;
   const fs::file_status status = fs::status(path, none);
@@ -122,6 +155,10 @@ MappedFile::MappedFile(const fs::path& path, Content content) {
   const bool settings = content == Content::settings;
   const std::size_t longest = settings ? longest_settings : longest_stream;
   errno = 0;
+  if (const std::string* const kept = kept_text(path)) {
+    data_ = kept->data(), size_ = kept->size();
+    return;
+  }
   if (path == "-") {
     text_ = read_open_stream(STDIN_FILENO, path, longest, std::nullopt).text;
     return;
@@ -151,14 +188,14 @@ MappedFile::MappedFile(const fs::path& path, Content content) {
 }
 
 MappedFile::~MappedFile() {
-  if (data_ == nullptr) return;
+  if (message_.empty()) return;  // it is not mapped
   end_mapped(data_);
   ::munmap(const_cast<char*>(data_), size_);
 }
 
 void MappedFile::release(std::size_t offset) const {
   const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-  if (data_ != nullptr) ::madvise(const_cast<char*>(data_), std::min(offset, size_) / page * page, MADV_DONTNEED);
+  if (!message_.empty()) ::madvise(const_cast<char*>(data_), std::min(offset, size_) / page * page, MADV_DONTNEED);
 }
 
 }  // namespace imulab

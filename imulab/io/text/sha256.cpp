@@ -1,6 +1,8 @@
 // SHA-256 (FIPS 180-4), for naming sessions and recordings by their content.
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/reading_meter.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -144,8 +146,10 @@ FileSum file_sum(const std::filesystem::path& path) {
   const MappedFile mapped(path);
   const std::string_view text = mapped.text();
   Sha256 sum;
+  const ReadingMeter meter(text.size());
   for (std::size_t at = 0; at < text.size(); at += piece) {
     sum.add(text.substr(at, piece));
+    meter.add(std::min(piece, text.size() - at));
     mapped.release(at + piece);
   }
   return {sum.digits(), text.size()};

@@ -22,6 +22,12 @@ std::string duration_text(double seconds) {
   return seconds < 100 ? fmt::format("{:.0f} s", std::ceil(seconds)) : fmt::format("{:.0f} min", std::ceil(seconds / 60));
 }
 
+std::string part_text(const std::string& label, double part, double elapsed_s) {
+  return fmt::format("{}: {:.0f} %, {} left", label, 100 * part, duration_text(elapsed_s * (1 - part) / part));
+}
+
+double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
 }  // namespace
 
 bool output_has_color() { return isatty(STDOUT_FILENO) != 0 && colors_wanted(); }
@@ -49,17 +55,19 @@ void Progress::report(double done) {
 
 std::string Progress::line(double elapsed_s) const {
   const double part = done_ / total_;
-  if (!(part > 0)) return fmt::format("{}: {:.0f} s", label_, elapsed_s);
-  return fmt::format("{}: {:.0f} %, {} left", label_, 100 * part, duration_text(elapsed_s * (1 - part) / part));
+  if (part > 0) return part_text(label_, part, elapsed_s);
+  const auto all = static_cast<double>(reading_.all), read = static_cast<double>(reading_.done);
+  if (read > 0 && read <= all) return part_text("reading", read / all, now_s() - reading_.begun_s);
+  return fmt::format("{}: {:.0f} s", label_, elapsed_s);
 }
 
 void Progress::watch() {
-  const auto begin = std::chrono::steady_clock::now();
+  const double begin_s = now_s();
   bool shown = false;
   std::unique_lock lock(mutex_);
   for (auto pause = std::chrono::milliseconds(1000); !wake_.wait_for(lock, pause, [this] { return finished_; });
        pause = std::chrono::milliseconds(250)) {
-    fmt::print(stderr, "\r\033[K{}", line(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()));
+    fmt::print(stderr, "\r\033[K{}", line(now_s() - begin_s));
     std::fflush(stderr);
     shown = true;
   }

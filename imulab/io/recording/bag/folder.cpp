@@ -1,6 +1,7 @@
 #include "imulab/io/recording/bag/folder.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/io/text/kept.hpp"
 
 #include <fmt/core.h>
 
@@ -36,7 +37,8 @@ void expect_not_packed(const std::filesystem::path& path, std::string_view head)
   static constexpr std::array<Packing, 3> packings{{{"\x28\xB5\x2F\xFD", "zstd -d"}, {"\x1F\x8B", "gunzip"}, {"BZh", "bunzip2"}}};
   for (const auto& [begin, program] : packings)
     if (head.starts_with(begin))
-      throw Error(fmt::format("{}: is compressed as a whole; expected it unpacked: {} {}", path.string(), program, path.string()));
+      throw Error(
+          fmt::format("{}: is compressed as a whole; expected it unpacked: {}{}", path.string(), program, is_kept(path) ? "" : " " + path.string()));
 }
 
 }  // namespace imulab::bag

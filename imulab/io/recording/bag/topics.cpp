@@ -2,6 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording/bag/bytes.hpp"
+#include "imulab/io/text/reading_meter.hpp"
 
 #include <fmt/core.h>
 
@@ -75,7 +76,9 @@ recording_io::RawTable topic_columns(Bag& bag, const TableRequest& request, cons
   for (const Column& column : columns) indices.push_back(recording_io::find_column(table, column, file));
 
   MessageColumns read(topic.message_encoding(), type, indices, static_cast<std::size_t>(std::min(topic.messages, most_reserved)));
+  const ReadingMeter meter(topic.messages);
   bag.each_message(topic, [&](std::int64_t log_time_ns, std::string_view message) {
+    meter.add(1);
     try {
       read.add(log_time_ns, message);
     } catch (const Damaged& e) {
