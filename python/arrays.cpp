@@ -1,6 +1,7 @@
 #include "python/arrays.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/recording/make_recording.hpp"
 
 #include <algorithm>
 
@@ -21,6 +22,14 @@ std::vector<double> column_of(const Array& array) {
   std::vector<double> column(static_cast<std::size_t>(values.shape(0)));
   for (std::size_t i = 0; i < column.size(); ++i) column[i] = values(static_cast<py::ssize_t>(i));
   return column;
+}
+
+std::vector<std::int64_t> exact_stamps(const py::array& t, const std::string& name) {
+  if (!py::isinstance<py::array_t<std::int64_t>>(t)) return nanoseconds_of(column_of(t), name);
+  const auto exact = py::array_t<std::int64_t>(t).unchecked<1>();
+  std::vector<std::int64_t> time_ns(static_cast<std::size_t>(exact.shape(0)));
+  for (std::size_t i = 0; i < time_ns.size(); ++i) time_ns[i] = exact(static_cast<py::ssize_t>(i));
+  return time_ns;
 }
 
 Columns3 columns_of(const std::string& name, const Array& array) {

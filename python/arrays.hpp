@@ -20,6 +20,8 @@ using Array = py::array_t<double>;
 
 /// N numbers, or one column of three.
 std::vector<double> column_of(const Array& array);
+/// Stamps: integers are nanoseconds, other numbers seconds. Throws Error as nanoseconds_of.
+std::vector<std::int64_t> exact_stamps(const py::array& t, const std::string& name);
 /// N x 3. Throws Error naming it for another shape.
 Columns3 columns_of(const std::string& name, const Array& array);
 /// None, N or N x 3: none, one column or three.

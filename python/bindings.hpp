@@ -2,6 +2,7 @@
 #pragma once
 
 #include "imulab/estimate/method.hpp"
+#include "imulab/recording/make_recording.hpp"
 #include "imulab/tasks/calibrate.hpp"
 
 #include "python/arrays.hpp"
@@ -30,11 +31,15 @@ struct Outcome {
   std::map<std::string, py::array> arrays = {};
 };
 
+/// A triad's options from the keys that the Python side passes.
+ReadingOptions reading_options(const py::dict& given, const std::string& triad);
+
 void bind_recording(py::module_& module);
 void bind_session(py::module_& module);
 void bind_calibration(py::module_& module);
 void bind_estimates(py::module_& module);
 void bind_navigation(py::module_& module);
 void bind_fleets(py::module_& module);
+void bind_live(py::module_& module);
 
 }  // namespace imulab::python

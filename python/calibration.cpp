@@ -10,6 +10,7 @@
 #include "imulab/recording/compensate_recording.hpp"
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/tasks/usable.hpp"
+#include "imulab/tasks/verify.hpp"
 
 #include "python/bindings.hpp"
 #include "python/work.hpp"
@@ -181,6 +182,12 @@ void bind_calibration(py::module_& module) {
         options.axes = axes == "mean" ? AxisChoice::mean : AxisChoice::worst;
         return exported(c, target, noise, options);
       });
+  module.def("verify", [](const std::string& path, const std::string& session) {
+    return run(py::none(), [=](const auto&) {
+      const VerifiedCalibration verified = verify(path, session);
+      return Outcome{.json = verification_json(verified), .text = verification_text(verified), .shortcomings = shortcomings(verified)};
+    });
+  });
   module.def("export_targets", [] {
     std::vector<std::pair<std::string_view, std::string_view>> targets;
     for (const ExportTarget& target : export_targets()) targets.emplace_back(target.name, target.summary);

@@ -19,7 +19,10 @@ void bind_outcome(py::module_& module) {
       .def_readonly("shortcomings", &Outcome::shortcomings)
       .def_readonly("warnings", &Outcome::warnings)
       .def_readonly("arrays", &Outcome::arrays)
-      .def("page", [](const Outcome& o) { return o.page(); });
+      .def("page", [](const Outcome& o) {
+        if (!o.page) throw Error("this answer has no page; expected one of a verb with --report");
+        return o.page();
+      });
 }
 
 }  // namespace
@@ -47,4 +50,5 @@ PYBIND11_MODULE(_imulab, module) {
   python::bind_estimates(module);
   python::bind_navigation(module);
   python::bind_fleets(module);
+  python::bind_live(module);
 }

@@ -11,9 +11,7 @@
 #include <utility>
 
 namespace imulab::python {
-namespace {
 
-/// The keys that the Python side passes.
 ReadingOptions reading_options(const py::dict& given, const std::string& triad) {
   ReadingOptions options;
   options.unit = given["unit"].cast<std::string>();
@@ -24,22 +22,18 @@ ReadingOptions reading_options(const py::dict& given, const std::string& triad) 
   return options;
 }
 
+namespace {
+
 Recording make(const py::array& t, const Array& gyro, const Array& accel, const std::string& name, std::optional<double> interval_s,
                const py::dict& gyro_options, const py::dict& accel_options) {
   const RecordingOptions options{
       .name = name, .interval_s = interval_s, .gyro = reading_options(gyro_options, "gyro"), .accel = reading_options(accel_options, "accel")};
   Columns3 rates = columns_of("gyro", gyro), forces = columns_of("accel", accel);
-  const auto made = [&](auto times) {
-    const py::gil_scoped_release unlocked;
-    Recording recording = make_recording(std::move(times), std::move(rates), std::move(forces), options);
-    validate(recording);
-    return recording;
-  };
-  if (!py::isinstance<py::array_t<std::int64_t>>(t)) return made(column_of(t));
-  const auto exact = py::array_t<std::int64_t>(t).unchecked<1>();
-  std::vector<std::int64_t> time_ns(static_cast<std::size_t>(exact.shape(0)));
-  for (std::size_t i = 0; i < time_ns.size(); ++i) time_ns[i] = exact(static_cast<py::ssize_t>(i));
-  return made(std::move(time_ns));
+  std::vector<std::int64_t> time_ns = exact_stamps(t, name);
+  const py::gil_scoped_release unlocked;
+  Recording recording = make_recording(std::move(time_ns), std::move(rates), std::move(forces), options);
+  validate(recording);
+  return recording;
 }
 
 Array seconds(const Recording& r) {

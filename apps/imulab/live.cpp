@@ -1,7 +1,8 @@
 // imulab live -: while the unit is being turned by hand, which poses and turns are still missing.
+#include "imulab/tasks/live.hpp"
+
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
-#include "apps/imulab/live_progress.hpp"
 #include "apps/imulab/session_recording.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/calibration/file.hpp"
@@ -35,12 +36,6 @@ struct Options {
   double rest = 4;
   bool force = false, json = false;
 };
-
-/// What a consumer's unit reaches in some twenty rests. The offset of readings in counts is that at zero counts, which may be anywhere.
-constexpr const char* usual_requirement =
-    "gyro.matrix.diagonal <= 500 ppm, gyro.matrix.off_diagonal <= 120 arcsec, accel.matrix.diagonal <= 500 ppm, accel.matrix.off_diagonal <= 120 "
-    "arcsec";
-constexpr const char* usual_offset = ", accel.offset <= 500 ug";
 
 /// Where Ctrl-C finds the stream: it ends there, as if the last row had come.
 std::atomic<int> stream_descriptor{-1}, empty_descriptor{-1};
@@ -122,7 +117,7 @@ class Display {
     constexpr double every_s = 0.1;
     if (!new_rest && (!terminal_ || view.time_s - drawn_s_ < every_s)) return;
     drawn_s_ = view.time_s;
-    json_ ? object(view) : terminal_ ? redraw(view) : lines(view);
+    json_ ? fmt::print(out_, "{}", live_json(view)) : terminal_ ? redraw(view) : lines(view);
     std::fflush(out_);
   }
 
@@ -135,16 +130,6 @@ class Display {
     std::string text = "\033[H";
     for (const char c : live_picture(view, color_)) text += c == '\n' ? "\033[K\n" : std::string(1, c);
     fmt::print(out_, "{}\033[J", text);
-  }
-  void object(const LiveView& view) const {
-    std::vector<JsonFields> requirements;
-    for (const RequirementResult& r : view.requirements)
-      requirements.push_back({{{"text", r.text}, {"coefficient", r.coefficient}, {"reached", r.reached}, {"met", r.met}}});
-    JsonFields event{{{"time_s", view.time_s}, {"rests", std::uint64_t{view.up.size()}}, {"requirements", requirements}, {"done", view.done}}};
-    if (!view.up.empty()) event.fields.emplace_back("up", direction_text(view.up.back()));
-    if (!view.problem.empty()) event.fields.emplace_back("problem", view.problem);
-    if (view.next && !view.done) event.fields.emplace_back("next", turn_text(*view.next));
-    fmt::print(out_, "{}", fields_json(event, true));
   }
   void lines(const LiveView& view) const {
     const std::string at = fmt::format("{:8.2f} s  ", view.time_s);
@@ -164,19 +149,6 @@ std::FILE* output_of(const Options& options) { return options.output == "-" ? st
 
 std::string name_of(const std::string& input) { return input == "-" ? "standard input" : input; }
 
-std::vector<Requirement> requirements_of(const Options& options, const RecordingSource& source, const Site& site) {
-  const std::string usual = std::string(usual_requirement) + (source.accel.unit == "count" ? "" : usual_offset);
-  const std::vector<Requirement> all = errors_at("--require", [&] { return parse_requirements(options.require.value_or(usual)); });
-  const double gravity = site.gravity_sigma() / site.gravity();
-  for (const Requirement& r : all)
-    for (const CoefficientIndex index : r.coefficients)
-      if (const Coefficient& c = coefficient(index); c.triad == Triad::accel && c.term == Term::matrix && c.row == c.column && r.limit <= gravity)
-        throw Unsupported(
-            fmt::format("{}: {} is as uncertain as gravity, {:.3g} ppm; expected a gravity_mps2 or height_m in [site], or less required",
-                        to_string(r), c.name, 1e6 * gravity));
-  return all;
-}
-
 /// The calibration of what came, with where it comes from.
 void write_result(const Options& options, LiveProgress& progress, Session session) {
   if (!progress.result()) return;
@@ -192,7 +164,7 @@ void write_result(const Options& options, LiveProgress& progress, Session sessio
 void conclude(const Options& options, const LiveProgress& progress) {
   const LiveView& view = progress.view();
   if (view.samples < 2) throw Unsupported(fmt::format("{}: too few rows came; expected a stream of them", name_of(options.input)));
-  if (!view.problem.empty()) throw Unsupported(view.problem + (view.next ? "\n  what helps most: " + turns_text({*view.next}) : ""));
+  if (!view.problem.empty()) throw Unsupported(shortcomings(progress));
   const Quality& quality = progress.result()->calibration.quality;
   for (const std::string& text : quality.warnings) warn(text);
   const std::string written =
@@ -200,13 +172,7 @@ void conclude(const Options& options, const LiveProgress& progress) {
   if (!options.json)
     print(fmt::format("{} rest{} in {:.0f} s: {}; {}\n", view.up.size(), view.up.size() == 1 ? "" : "s", view.time_s, verdict_text(quality), written),
           output_of(options));
-  if (progress.reached()) return;
-  std::string list;
-  for (const RequirementResult& r : quality.requirements)
-    if (!r.met) list += (list.empty() ? "" : ", ") + progress_text(r);
-  if (!quality.unobservable.empty()) list += fmt::format("{}{} coefficients not determined", list.empty() ? "" : ", ", quality.unobservable.size());
-  throw Unsupported(fmt::format("not reached: {}{}", list.empty() ? "the fit did not converge" : list,
-                                view.next ? "\n  what helps most: " + turns_text(progress.result()->missing_turns) : ""));
+  if (!progress.reached()) throw Unsupported(shortcomings(progress));
 }
 
 /// Until everything is reached or nothing more comes; the error that ended the stream, if one did.
@@ -231,7 +197,9 @@ void run(const Options& options) {
   const RecordingSource source = named_recording(session, options.recording);
   session.recordings = {source};
   errors_at(session.file + ": [site]", [&] { session.site.gravity(); });
-  LiveProgress progress(session, requirements_of(options, source, session.site), options.rest);
+  const std::vector<Requirement> required =
+      errors_at("--require", [&] { return live_requirements(options.require, source.accel.unit, session.site); });
+  LiveProgress progress(session, recording_options(source), required, options.rest);
   expect_free("-o", options.output, options.force);
   expect_free("--save", options.save, options.force);
   Input input(options.input);
@@ -263,7 +231,7 @@ void add_live(Verb app) {
   verb.option("STREAM", o->input, "the stream of rows: - for standard input, or a file").required().reads();
   verb.option("--session SESSION", o->session, "a session that describes the stream's columns and the site").required().reads();
   verb.option("--recording FILE", o->recording, "the recording of that session to take the columns from, if it has several");
-  verb.option("--require LIMITS", o->require, fmt::format("stop when this is reached; if absent, {}{}", usual_requirement, usual_offset));
+  verb.option("--require LIMITS", o->require, "stop when this is reached; if absent, " + usual_live_requirement("m/s^2"));
   verb.option("--rest", o->rest, "seconds of every rest").in_range(1, 600).show_default();
   verb.option("-o,--output FILE", o->output, "the calibration file to write at the end; - for standard output, and the events go to standard error")
       .writes();

@@ -2,7 +2,6 @@
 #include "apps/imulab/report.hpp"
 
 #include "apps/imulab/files.hpp"
-#include "apps/imulab/session_recording.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/recording/file.hpp"
@@ -17,6 +16,7 @@
 #include "imulab/report/navigation_page.hpp"
 #include "imulab/report/plan_page.hpp"
 #include "imulab/report/prediction_page.hpp"
+#include "imulab/tasks/verify.hpp"
 
 #include <fmt/core.h>
 

@@ -28,13 +28,4 @@ const RecordingSource& named_recording(const Session& session, const std::string
   return errors_at("--recording", [&]() -> const RecordingSource& { return choose_recording(session, name); });
 }
 
-std::filesystem::path find_session(const std::string& given, const std::string& calibration_file, const std::string& recorded) {
-  namespace fs = std::filesystem;
-  if (!given.empty()) return fs::is_directory(given) ? fs::path(given) / "session.toml" : fs::path(given);
-  const fs::path folder = fs::path(calibration_file).parent_path();
-  for (const fs::path& place : {fs::path(recorded), folder / recorded, folder / fs::path(recorded).filename()})
-    if (fs::is_regular_file(place)) return place;
-  return recorded;
-}
-
 }  // namespace imulab::command

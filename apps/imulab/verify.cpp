@@ -1,12 +1,9 @@
 // imulab verify CALIBRATION
-#include "apps/imulab/command.hpp"
-#include "apps/imulab/session_recording.hpp"
-#include "imulab/core/error.hpp"
-#include "imulab/io/calibration/file.hpp"
-#include "imulab/io/result/fields.hpp"
-#include "imulab/io/text/terminal.hpp"
+#include "imulab/tasks/verify.hpp"
 
-#include <fmt/core.h>
+#include "apps/imulab/command.hpp"
+#include "imulab/core/error.hpp"
+#include "imulab/io/text/terminal.hpp"
 
 #include <memory>
 #include <string>
@@ -20,27 +17,13 @@ struct Options {
   bool json = false;
 };
 
-const char* to_string(FileState state) { return state == FileState::unchanged ? "unchanged" : state == FileState::changed ? "changed" : "missing"; }
-
 void run(const Options& o) {
-  const Calibration calibration = read_calibration(o.calibration);
-  if (calibration.sources.empty())
-    throw Error(fmt::format("{}: has no hashes of recordings; expected a calibration that imulab made from files", o.calibration));
-  std::string changed, missing;
-  std::vector<JsonFields> files;
-  const auto verified = [&] {
+  const VerifiedCalibration verified = [&] {
     const Progress progress("verifying");
-    return verify_sources(calibration, find_session(o.session, o.calibration, calibration.session_file));
+    return verify(o.calibration, o.session);
   }();
-  for (const VerifiedFile& f : verified) {
-    if (!o.json) print(fmt::format("{}: {}\n", f.file.string(), to_string(f.state)));
-    files.push_back({{{"file", f.file.string()}, {"state", std::string(to_string(f.state))}}});
-    std::string& list = f.state == FileState::changed ? changed : missing;
-    if (f.state != FileState::unchanged) list += fmt::format("{}{}", list.empty() ? "" : ", ", f.file.string());
-  }
-  if (o.json) print_json(fields_json({{{"files", files}, {"unchanged", changed.empty() && missing.empty()}}}));
-  if (!changed.empty()) throw Unsupported(fmt::format("{}: not what it was made from: {}", o.calibration, changed));
-  if (!missing.empty()) throw Unsupported(fmt::format("{}: not found: {}; expected --session with their place", o.calibration, missing));
+  o.json ? print_json(verification_json(verified)) : print(verification_text(verified));
+  if (const std::string text = shortcomings(verified); !text.empty()) throw Unsupported(text);
 }
 
 }  // namespace

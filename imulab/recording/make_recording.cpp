@@ -165,14 +165,19 @@ Recording make_recording(std::vector<std::int64_t> time_ns, Columns3 gyro, Colum
   return recording;
 }
 
-Recording make_recording(const std::vector<double>& t, Columns3 gyro, Columns3 accel, RecordingOptions options) {
+std::vector<std::int64_t> nanoseconds_of(const std::vector<double>& t, const std::string& name) {
   constexpr double longest_s = 9e9;  // of 64 bits of nanoseconds
   std::vector<std::int64_t> time_ns;
   time_ns.reserve(t.size());
   for (std::size_t i = 0; i < t.size(); ++i) {
-    if (!(std::abs(t[i]) < longest_s)) throw Error(fmt::format("{}: time: sample {} is {}; expected seconds", options.name, i, t[i]));
+    if (!(std::abs(t[i]) < longest_s)) throw Error(fmt::format("{}: time: sample {} is {}; expected seconds", name, i, t[i]));
     time_ns.push_back(std::llround(1e9 * t[i]));
   }
+  return time_ns;
+}
+
+Recording make_recording(const std::vector<double>& t, Columns3 gyro, Columns3 accel, RecordingOptions options) {
+  std::vector<std::int64_t> time_ns = nanoseconds_of(t, options.name);
   return make_recording(std::move(time_ns), std::move(gyro), std::move(accel), std::move(options));
 }
 

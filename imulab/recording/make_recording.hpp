@@ -38,6 +38,9 @@ Recording make_recording(const std::vector<double>& t, Columns3 gyro, Columns3 a
 /// The same with exact times [ns].
 Recording make_recording(std::vector<std::int64_t> time_ns, Columns3 gyro, Columns3 accel, RecordingOptions options = {});
 
+/// Stamps [s] as whole nanoseconds. Throws Error, naming the sample, for one that is no time.
+std::vector<std::int64_t> nanoseconds_of(const std::vector<double>& t, const std::string& name);
+
 /// One column for three axes, three, or none.
 Columns3 three_columns(std::vector<std::vector<double>> columns);
 

@@ -15,8 +15,9 @@ from . import _imulab
 from ._calibration import Calibration, Coefficient, import_calibration, read_calibration
 from ._fleet import Fleet, FleetStatistics
 from ._imulab import Error, Unsupported
+from ._live import Live
 from ._recording import Recording
-from ._results import Budget, Comparison, Inspection, Navigation, Noise, Plan, Prediction, Result, Solution
+from ._results import Budget, Comparison, Inspection, Navigation, Noise, Plan, Prediction, Result, Solution, Verification, VerifiedFile
 from ._session import Session, Site, procedure, read_session
 from ._text import DataWarning
 from ._verbs import (
@@ -37,6 +38,7 @@ from ._verbs import (
     read_recording,
     simulate,
     trajectory,
+    verify,
 )
 
 __version__: str = _imulab.software.removeprefix("imulab ")
@@ -52,6 +54,7 @@ __all__ = [
     "FleetStatistics",
     "Flight",
     "Inspection",
+    "Live",
     "Navigation",
     "Noise",
     "Plan",
@@ -63,6 +66,8 @@ __all__ = [
     "Site",
     "Solution",
     "Unsupported",
+    "Verification",
+    "VerifiedFile",
     "allan_deviation",
     "budget",
     "calibrate",
@@ -82,6 +87,7 @@ __all__ = [
     "read_session",
     "simulate",
     "trajectory",
+    "verify",
 ]
 
 for _name in __all__:  # in messages and in help, the package's own names

@@ -60,6 +60,17 @@ def thermal(name: str, value: Any, count: int) -> FloatArray | None:
     return array
 
 
+def triad_options(
+    triad: str, unit: str, per_unit: float, increment: bool, limits: tuple[float, float] | None, temperature: FloatArray | None = None
+) -> dict[str, Any]:
+    """How the readings of a triad are given. Raises TypeError or Error for what is no unit or no limits."""
+    if not isinstance(unit, str):
+        raise TypeError(f"{triad}_unit: expected a name, got a {type(unit).__name__}")
+    if limits is not None and np.shape(numbers(f"{triad}_limits", limits)) != (2,):
+        raise Error(f"{triad}_limits: expected two numbers, the least and the largest reading")
+    return {"unit": unit, "counts_per_unit": per_unit, "increment": increment, "limits": limits, "temperature": temperature}
+
+
 def stamps(t: Any, unit: str) -> FloatArray | npt.NDArray[np.int64]:
     """Seconds as float64, or exact nanoseconds as int64 where `t` is of integers or of datetime64."""
     if unit not in _NANOSECONDS:

@@ -72,13 +72,8 @@ class Recording:
         rates = _arrays.rows("gyro", gyro, count)
         forces = _arrays.rows("accel", accel, count)
 
-        def options(triad: str, unit: str, per_unit: float, increment: bool, limits: tuple[float, float] | None, own: Any) -> dict[str, Any]:
-            if not isinstance(unit, str):
-                raise TypeError(f"{triad}_unit: expected a name, got a {type(unit).__name__}")
-            if limits is not None and np.shape(_arrays.numbers(f"{triad}_limits", limits)) != (2,):
-                raise Error(f"{triad}_limits: expected two numbers, the least and the largest reading")
-            readings = _arrays.thermal(f"{triad}_temperature", temperature if own is None else own, count)
-            return {"unit": unit, "counts_per_unit": per_unit, "increment": increment, "limits": limits, "temperature": readings}
+        def thermal(triad: str, own: Any) -> FloatArray | None:
+            return _arrays.thermal(f"{triad}_temperature", temperature if own is None else own, count)
 
         units = ("degC" if temperature is not None or gyro_temperature is not None else None,
                  "degC" if temperature is not None or accel_temperature is not None else None)
@@ -89,8 +84,8 @@ class Recording:
                 forces,
                 name,
                 interval_s,
-                options("gyro", gyro_unit, gyro_counts_per_unit, gyro_increment, gyro_limits, gyro_temperature),
-                options("accel", accel_unit, accel_counts_per_unit, accel_increment, accel_limits, accel_temperature),
+                _arrays.triad_options("gyro", gyro_unit, gyro_counts_per_unit, gyro_increment, gyro_limits, thermal("gyro", gyro_temperature)),
+                _arrays.triad_options("accel", accel_unit, accel_counts_per_unit, accel_increment, accel_limits, thermal("accel", accel_temperature)),
             ),
             units,
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _imulab
 from ._answer import Answer
@@ -114,6 +114,25 @@ class Noise(Result):
             place.set_ylabel(f"deviation, {axis['unit']}")
             place.legend()
         return figure
+
+
+class VerifiedFile(NamedTuple):
+    """A file that a calibration was made from. `state`: "unchanged", "changed" or "missing"."""
+
+    file: str
+    state: str
+
+
+class Verification(Result):
+    """Whether the files of a calibration are still those that it was made from; true where all are unchanged."""
+
+    @property
+    def files(self) -> list[VerifiedFile]:
+        """The session's, then the recordings."""
+        return [VerifiedFile(f["file"], f["state"]) for f in self["files"]]
+
+    def __bool__(self) -> bool:
+        return bool(self["unchanged"])
 
 
 class Solution:

@@ -16,7 +16,7 @@ from ._calibration import Calibration
 from ._fleet import Fleet
 from ._imulab import Error
 from ._recording import Recording
-from ._results import Budget, Comparison, Inspection, Navigation, Noise, Plan, Prediction, Solution
+from ._results import Budget, Comparison, Inspection, Navigation, Noise, Plan, Prediction, Solution, Verification
 from ._session import Session, Site, Table, read_session
 from ._text import PathLike, path, warn
 
@@ -175,6 +175,14 @@ def compare(*calibrations: Calibration, different_imus: bool = False) -> Compari
     outcome = _imulab.compare([(c.name, c._answer) for c in calibrations], different_imus)
     warn(outcome.warnings)
     return Comparison(outcome)
+
+
+def verify(calibration: PathLike, *, session: PathLike | None = None) -> Verification:
+    """Whether the session and the recordings are still the files that a calibration was made from, by their SHA-256.
+
+    session: its folder or file, if it is not where it was. Raises Error where the file is no calibration that was made from files.
+    """
+    return Verification(_imulab.verify(path("calibration", calibration), "" if session is None else path("session", session)))
 
 
 def simulate(

@@ -1,6 +1,7 @@
 #include "imulab/io/result/live.hpp"
 
 #include "imulab/core/units.hpp"
+#include "imulab/io/result/fields.hpp"
 #include "imulab/io/text/printable.hpp"
 #include "imulab/io/text/terminal.hpp"
 #include "imulab/model/coefficient.hpp"
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 namespace imulab {
@@ -153,6 +155,17 @@ std::string live_picture(const LiveView& view, bool color) {
   if (view.next)
     text += colored(fmt::format(" next: {},\n       then hold still for {:g} s", turn_text(*view.next), view.rest_s), Color::yellow, color) + "\n";
   return text;
+}
+
+std::string live_json(const LiveView& view) {
+  std::vector<JsonFields> requirements;
+  for (const RequirementResult& r : view.requirements)
+    requirements.push_back({{{"text", r.text}, {"coefficient", r.coefficient}, {"reached", r.reached}, {"met", r.met}}});
+  JsonFields event{{{"time_s", view.time_s}, {"rests", std::uint64_t{view.up.size()}}, {"requirements", requirements}, {"done", view.done}}};
+  if (!view.up.empty()) event.fields.emplace_back("up", direction_text(view.up.back()));
+  if (!view.problem.empty()) event.fields.emplace_back("problem", view.problem);
+  if (view.next && !view.done) event.fields.emplace_back("next", turn_text(*view.next));
+  return fields_json(event, true);
 }
 
 }  // namespace imulab

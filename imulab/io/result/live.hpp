@@ -40,5 +40,7 @@ struct LiveView {
 
 /// At most 23 lines of at most 79 columns, each ending in a newline.
 std::string live_picture(const LiveView& view, bool color);
+/// On one line.
+std::string live_json(const LiveView& view);
 
 }  // namespace imulab

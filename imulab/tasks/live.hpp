@@ -1,4 +1,4 @@
-// What is known of a calibration by hand while its recording grows.
+// What is known of a calibration by hand while its recording grows, and what is missing. What the command and the Python module share.
 #pragma once
 
 #include "imulab/estimate/method.hpp"
@@ -9,12 +9,18 @@
 #include <string>
 #include <vector>
 
-namespace imulab::command {
+namespace imulab {
+
+/// What is required where nothing is said: what a consumer's IMU reaches in some twenty rests.
+std::string usual_live_requirement(const std::string& accel_unit);
+
+/// The limits of `text`, or the usual ones. Throws Error where they are no limits, Unsupported where gravity itself is less certain.
+std::vector<Requirement> live_requirements(const std::optional<std::string>& text, const std::string& accel_unit, const Site& site);
 
 class LiveProgress {
  public:
-  /// `session` has the one recording; its steps do not count: rests are found in the data.
-  LiveProgress(Session session, std::vector<Requirement> requirements, double rest_s);
+  /// `session` has the one recording, declared by `options`; its steps do not count: rests are found in the data.
+  LiveProgress(Session session, RecordingOptions options, std::vector<Requirement> requirements, double rest_s);
 
   /// Takes samples of what came, up to the moment at which a new rest has become long enough; then the calibration is that of all up to now. Returns
   /// the samples that it did not take; nothing where there was no such moment.
@@ -43,4 +49,7 @@ class LiveProgress {
   std::size_t estimated_ = 0;  ///< samples of the last estimate at a rest
 };
 
-}  // namespace imulab::command
+/// Why it is not done: what was not reached, and the turn that helps most. Empty: it is.
+std::string shortcomings(const LiveProgress& progress);
+
+}  // namespace imulab

@@ -1,4 +1,4 @@
-#include "apps/imulab/live_progress.hpp"
+#include "imulab/tasks/live.hpp"
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
@@ -7,13 +7,54 @@
 #include "imulab/recording/rest_detection.hpp"
 #include "imulab/recording/rest_means.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
-namespace imulab::command {
+namespace imulab {
+namespace {
 
-LiveProgress::LiveProgress(Session session, std::vector<Requirement> requirements, double rest_s)
-    : session_(std::move(session)), requirements_(std::move(requirements)), options_(recording_options(session_.recordings.front())) {
+std::string unmet(const Quality& quality) {
+  std::string list;
+  for (const RequirementResult& r : quality.requirements)
+    if (!r.met) list += (list.empty() ? "" : ", ") + progress_text(r);
+  if (!quality.unobservable.empty()) list += fmt::format("{}{} coefficients not determined", list.empty() ? "" : ", ", quality.unobservable.size());
+  return list.empty() ? "the fit did not converge" : list;
+}
+
+}  // namespace
+
+std::string usual_live_requirement(const std::string& accel_unit) {
+  const std::string usual =
+      "gyro.matrix.diagonal <= 500 ppm, gyro.matrix.off_diagonal <= 120 arcsec, accel.matrix.diagonal <= 500 ppm, accel.matrix.off_diagonal <= 120 "
+      "arcsec";
+  return accel_unit == "count" ? usual : usual + ", accel.offset <= 500 ug";  // that of counts is at zero counts, which may be anywhere
+}
+
+std::vector<Requirement> live_requirements(const std::optional<std::string>& text, const std::string& accel_unit, const Site& site) {
+  const std::vector<Requirement> all = parse_requirements(text.value_or(usual_live_requirement(accel_unit)));
+  const double gravity = site.gravity_sigma() / site.gravity();
+  for (const Requirement& r : all)
+    for (const CoefficientIndex index : r.coefficients)
+      if (const Coefficient& c = coefficient(index); c.triad == Triad::accel && c.term == Term::matrix && c.row == c.column && r.limit <= gravity)
+        throw Unsupported(
+            fmt::format("{}: {} is as uncertain as gravity, {:.3g} ppm; expected a gravity_mps2 or height_m in [site], or less required",
+                        to_string(r), c.name, 1e6 * gravity));
+  return all;
+}
+
+std::string shortcomings(const LiveProgress& progress) {
+  const LiveView& view = progress.view();
+  if (!view.problem.empty()) return view.problem + (view.next ? "\n  what helps most: " + turns_text({*view.next}) : "");
+  if (progress.reached()) return "";
+  if (!progress.result()) return "no rest so far; expected the IMU to be held still, then turned";
+  return fmt::format("not reached: {}{}", unmet(progress.result()->calibration.quality),
+                     view.next ? "\n  what helps most: " + turns_text(progress.result()->missing_turns) : "");
+}
+
+LiveProgress::LiveProgress(Session session, RecordingOptions options, std::vector<Requirement> requirements, double rest_s)
+    : session_(std::move(session)), requirements_(std::move(requirements)), options_(std::move(options)) {
   session_.steps.clear();
   view_.imu = session_.imu.name;
   view_.rest_s = rest_s;
@@ -103,4 +144,4 @@ void LiveProgress::describe(const std::vector<Range>& rests) {
   }
 }
 
-}  // namespace imulab::command
+}  // namespace imulab
