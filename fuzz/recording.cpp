@@ -1,71 +1,64 @@
-// Any bytes as a recording of one format: an Error is good, anything else is a finding.
+// Any bytes as a recording of one format.
 #include "imulab/core/error.hpp"
-#include "imulab/inspection/inspection.hpp"
 #include "imulab/io/recording/format.hpp"
-#include "imulab/io/recording/signals.hpp"
+#include "imulab/io/recording/solution.hpp"
+#include "imulab/navigation/navigate.hpp"
 
-#include <cstdint>
-#include <cstdlib>
-#include <filesystem>
+#include "fuzz/fuzzed_file.hpp"
+#include "fuzz/targets.hpp"
 #include <string>
-#include <string_view>
-#include <sys/mman.h>
-#include <unistd.h>
+
+namespace imulab::fuzz {
 
 namespace {
 
-using namespace imulab;
-
-/// The bytes as a file that only memory has.
-class MemoryFile {
- public:
-  MemoryFile(const std::uint8_t* data, std::size_t size) : descriptor_(::memfd_create("recording", 0)) {
-    if (descriptor_ < 0 || ::write(descriptor_, data, size) != static_cast<ssize_t>(size)) std::abort();
-  }
-  ~MemoryFile() { ::close(descriptor_); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-  std::filesystem::path path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
-
- private:
-  int descriptor_;
-};
-
-const RecordingFormat& fuzzed_format() {
+const RecordingFormat& format_named(std::string_view part) {
   for (const RecordingFormat& format : recording_formats())
-    if (format.name.find(FUZZED_FORMAT) != std::string_view::npos) return format;
+    if (format.name.find(part) != std::string_view::npos) return format;
   std::abort();
 }
 
 /// Every table and column, as far as the file gives them.
-void read_all(const RecordingFormat& format, TableRequest request) {
-  const auto tables = format.describe(request);
-  for (const auto& table : tables) {
+void read_all(std::string_view format_name, std::string_view bytes) try {
+  const RecordingFormat& format = format_named(format_name);
+  const FuzzedFile file(bytes);
+  TableRequest request{file.path(), "", format.of_layout ? "+16 <f8 u2 x1 >i4x3" : ""};
+  for (const auto& table : format.describe(request)) {
     std::vector<Column> columns;
     for (std::size_t i = 0; i < table.columns.size() && i < 16; ++i) columns.emplace_back(static_cast<int>(i) + 1);
     request.topic = table.name;
     try {
-      format.columns(request, columns);
+      const recording_io::RawTable raw = format.columns(request, columns);
+      if (raw.columns.size() != columns.size()) finding("another number of columns than asked for");
     } catch (const Error&) {
     }
   }
+} catch (const Error&) {
 }
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const RecordingFormat& format = fuzzed_format();
-  const MemoryFile file(data, size);
-  TableRequest request{file.path(), "", format.of_layout ? "+16 <f8 u2 x1 >i4x3" : ""};
+void text_table(std::string_view bytes) { read_all("CSV", bytes); }
+void numpy(std::string_view bytes) { read_all("NumPy", bytes); }
+void matlab(std::string_view bytes) { read_all("MATLAB .mat", bytes); }
+void hdf5(std::string_view bytes) { read_all("HDF5", bytes); }
+void binary_rows(std::string_view bytes) { read_all("rows", bytes); }
+void ulog(std::string_view bytes) { read_all("ULog", bytes); }
+void dataflash(std::string_view bytes) { read_all("DataFlash", bytes); }
+void ros1(std::string_view bytes) { read_all("ROS 1", bytes); }
+void mcap(std::string_view bytes) { read_all("MCAP", bytes); }
+void ros2(std::string_view bytes) { read_all("SQLite", bytes); }
+
+void solution(std::string_view bytes) {
+  const FuzzedFile file(bytes);
   try {
-    read_all(format, request);
+    read_solution(file.path());
   } catch (const Error&) {
   }
-  if (std::string_view(FUZZED_FORMAT) == "CSV") {
-    try {
-      inspect(signals_of_text("fuzzed", {reinterpret_cast<const char*>(data), size}));
-    } catch (const Error&) {
-    }
+  try {
+    read_heights(file.path());
+  } catch (const Error&) {
   }
-  return 0;
 }
+
+}  // namespace imulab::fuzz

@@ -6,6 +6,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/memory.hpp"
 #include "imulab/core/parallel.hpp"
+#include "imulab/io/text/decimal.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/printable.hpp"
 #include "imulab/io/text/unfinished.hpp"
@@ -53,7 +54,7 @@ namespace {
 template <class Value>
 std::optional<Value> number_in(std::string_view text) {
   Value value{};
-  if (text.starts_with('+')) text.remove_prefix(1);
+  text = imulab::text::without_plus(text);
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   return error == std::errc() && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
 }
@@ -257,18 +258,13 @@ void expect_output_written() {
   if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw Error("standard output cannot be written: the result is lost");
 }
 
-}  // namespace
-
-int run(std::vector<std::string> arguments) {
-  remove_unfinished_on_signals();
-  forget_files();
-  CLI::App app{summary};
+/// All verbs and what they take.
+void declare(CLI::App& app, std::optional<ThreadLimit>& threads) {
   app.name("imulab");
   app.formatter(std::make_shared<Help>());
   app.fallthrough();
   app.require_subcommand(1);
   app.set_version_flag("--version", version_text, "print the version, and what imulab was built with");
-  std::optional<ThreadLimit> threads;
   app.add_option_function<std::size_t>(
          "--threads", [&](std::size_t n) { threads.emplace(n); }, "work on at most this many processors; the results do not depend on it")
       ->type_name("N")
@@ -290,29 +286,35 @@ int run(std::vector<std::string> arguments) {
       add(Verb(&app));
       app.get_subcommands([](const CLI::App*) { return true; }).back()->group(group.title);
     }
+}
+
+int parse_and_do(std::vector<std::string> arguments) {
+  remove_unfinished_on_signals();
+  forget_files();
+  std::optional<ThreadLimit> threads;
+  CLI::App app{summary};
+  declare(app, threads);
+  if (arguments.empty()) {
+    fmt::print(stderr, "{}", app.help());
+    return 2;
+  }
+  if (const std::string unknown = unknown_command(app, arguments); !unknown.empty()) throw Error(unknown);
+  std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
   try {
-    if (arguments.empty()) {
-      fmt::print(stderr, "{}", app.help());
-      return 2;
-    }
-    if (const std::string unknown = unknown_command(app, arguments); !unknown.empty()) throw Error(unknown);
-    std::reverse(arguments.begin(), arguments.end());  // CLI11 takes them from the back
     app.parse(std::move(arguments));
-    expect_output_written();
-    return 0;
   } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() != 0) {
-      complain(fmt::format("{} (--help explains the command)", e.what()));
-      return 2;
-    }
-    try {  // help and version
-      app.exit(e);
-      expect_output_written();
-      return 0;
-    } catch (const Error& lost) {
-      complain(lost.what());
-      return 2;
-    }
+    if (e.get_exit_code() != 0) throw Error(fmt::format("{} (--help explains the command)", e.what()));
+    app.exit(e);  // help and version
+  }
+  expect_output_written();
+  return 0;
+}
+
+}  // namespace
+
+int run(std::vector<std::string> arguments) {
+  try {
+    return parse_and_do(std::move(arguments));
   } catch (const Unsupported& e) {
     complain(e.what());
     return 1;

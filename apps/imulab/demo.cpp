@@ -156,10 +156,10 @@ void demo(const Arguments& a) {
   report.calibrations[0].claim = misalignment(classical), report.calibrations[1].claim = misalignment(hybrid);
   report.next = {"Calibrate your own sensor by hand: imulab calibrate FOLDER --method handheld -o calibration.json",
                  "See what is there: imulab --help"};
+  write_whole(folder / "report.html", drives_page(report));  // by it a next run tells that the others are the demo's, too, wherever this one ends
   write_whole(folder / "classical.json", calibration_text(classical));
   write_whole(folder / "hybrid.json", calibration_text(hybrid));
   write_whole(folder / "drives.svg", drives_picture(report));
-  write_whole(folder / "report.html", drives_page(report));
   say(fmt::format("\nReport: {}\nYour own sensor: imulab calibrate FOLDER --method handheld -o calibration.json\n",
                   fs::absolute(folder / "report.html").lexically_normal().string()));
   JsonFields figures{{{"drives", std::uint64_t{drives}}}};

@@ -48,12 +48,12 @@ UnitPages unit_pages(FleetStore& store, const FleetStatistics& f, const Options&
   UnitPages pages{{}, std::vector<std::string>(f.sample.units.size())};
   for (const Eigen::Index unit : units_on_page(f)) {
     const std::int64_t id = last.at(unit);
-    const fs::path file = folder / fmt::format("calibration-{}.html", id);
+    const std::string file = fmt::format("calibration-{}.html", id);
     CalibrationReport report;
     report.result.calibration = parse_calibration(store.calibration_file(id), fmt::format("{}: calibration {}", o.store, id));
     report.missing.emplace_back("The recording, gravity and rotations: a store keeps the calibration alone.");
-    pages.files.emplace_back(file.string(), calibration_page(report));
-    pages.links[static_cast<std::size_t>(unit)] = report::relative_url(fs::absolute(file).lexically_proximate(base).generic_string());
+    pages.files.emplace_back(file, calibration_page(report));
+    pages.links[static_cast<std::size_t>(unit)] = report::relative_url(fs::absolute(folder / file).lexically_proximate(base).generic_string());
   }
   return pages;
 }
@@ -64,14 +64,18 @@ void stats(const Options& o) {
   if (o.due) options.errors = errors_at("--due", [&] { return parse_requirements(*o.due); });
   if (!o.pages.empty() && o.report.empty()) throw Error("--unit-pages: belongs to --report, whose page links them");
   if (!o.pages.empty()) will_create("--unit-pages", o.pages);
+  will_read(o.store);
   FleetStore store(o.store);
   const FleetStatistics statistics = fleet_statistics(store, options, o.method);
   warn_of_clocks(store);
   if (o.due && statistics.due.empty()) warn("--due: no unit was calibrated twice: how units drift is not known");
   const UnitPages pages = o.pages.empty() ? UnitPages{} : unit_pages(store, statistics, o);
+  if (!pages.files.empty()) {
+    NewFolder folder(o.pages);
+    for (const auto& [file, text] : pages.files) write_whole(folder.path() / file, text);
+    folder.commit();
+  }
   if (!o.report.empty()) write_whole(o.report, fleet_page(statistics, o.store, pages.links));
-  if (!pages.files.empty()) fs::create_directories(o.pages);
-  for (const auto& [file, text] : pages.files) write_whole(file, text);
   if (o.json)
     print_json(fleet_statistics_json(statistics));
   else

@@ -164,6 +164,14 @@ TEST_F(FleetCommand, AddsShowsRemovesAndMerges) {
   EXPECT_THAT(run("fleet show 77", 2).errors, HasSubstr("fleet.db: has no unit 77"));
 }
 
+TEST_F(FleetCommand, TheStoreIsNotReplacedByAResult) {
+  draw(3, 1);
+  const std::string before = read_text(folder / "fleet.db");
+  EXPECT_THAT(run("fleet export --csv -o fleet.db --force", 2).errors, HasSubstr("-o fleet.db: would overwrite fleet.db"));
+  EXPECT_THAT(run("fleet stats --report fleet.db", 2).errors, HasSubstr("--report fleet.db: would overwrite fleet.db"));
+  EXPECT_EQ(read_text(folder / "fleet.db"), before);
+}
+
 TEST_F(FleetCommand, SaysWhenUnitsAreDue) {
   draw(12, 3);
   const std::string stats = "fleet stats --due 'gyro.offset <= 0.8 deg/s' --report fleet.html --unit-pages 'unit pages'";

@@ -66,6 +66,7 @@ std::int64_t calibration_number(const std::string& text) {
 
 void export_it(const Options& o) {
   if (o.csv == !o.calibration.empty()) throw Error("expected --csv, for all calibrations, or --calibration N, for the file of one");
+  will_read(o.store);
   FleetStore store(o.store);
   const std::string text = o.csv ? fleet::fleet_csv(store) : store.calibration_file(calibration_number(o.calibration));
   if (o.output.empty() || o.output == "-") return print_json(text);

@@ -121,5 +121,12 @@ TEST_F(Pipe, ASignalLeavesNothingHalfMade) {
   EXPECT_EQ(shell("imulab simulate long.toml -o out --seed -1").exit_code, 2);
 }
 
+TEST_F(Pipe, ALimitOnTheSizeOfFilesIsAnError) {
+  ASSERT_EQ(shell("imulab procedure hand-held -o p.toml").exit_code, 0);
+  const CommandResult result = shell("ulimit -f 10; imulab simulate p.toml -o out; echo code $?; ls -d out*");
+  EXPECT_EQ(result.output, "code 2\n") << "and nothing is left";
+  EXPECT_THAT(result.errors, testing::HasSubstr("recording.csv: cannot be written: File too large"));
+}
+
 }  // namespace
 }  // namespace imulab

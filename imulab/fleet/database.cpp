@@ -47,7 +47,7 @@ Database::Database(const std::filesystem::path& path, Access access) : file_(pat
   if (opened != SQLITE_OK) {
     const std::string why = sqlite3_errmsg(handle_);
     sqlite3_close(handle_);
-    throw Error(fmt::format("{}: {}; expected a fleet store", file_, why));
+    throw DatabaseError(fmt::format("{}: {}; expected a fleet store", file_, why));
   }
   // The file may be somebody else's: its schema may do nothing but hold tables, and its pages are checked.
   sqlite3_db_config(handle_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
@@ -67,7 +67,7 @@ void Database::fail() const {
                                : code == SQLITE_BUSY                       ? "expected it within a minute from the other program that writes"
                                : code == SQLITE_READONLY                   ? "expected a store that can be written"
                                                                            : "expected a whole fleet store";
-  throw Error(fmt::format("{}: SQLite: {}; {}", file_, sqlite3_errmsg(handle_), expected));
+  throw DatabaseError(fmt::format("{}: SQLite: {}; {}", file_, sqlite3_errmsg(handle_), expected));
 }
 
 void Database::run(const std::string& statements) {
@@ -141,11 +141,11 @@ void Transaction::commit() {
 namespace imulab::fleet {
 
 Database::Database(const std::filesystem::path& path, Access) : file_(path.string()) {
-  throw Error(file_ + ": this imulab was built without SQLite; expected a build with libsqlite3");
+  throw DatabaseError(file_ + ": this imulab was built without SQLite; expected a build with libsqlite3");
 }
 // Nothing else is called without a database.
 Database::~Database() = default;
-void Database::fail() const { throw Error(file_ + ": no SQLite"); }
+void Database::fail() const { throw DatabaseError(file_ + ": no SQLite"); }
 void Database::run(const std::string&) { fail(); }
 std::int64_t Database::number(const std::string&) { fail(); }
 std::int64_t Database::last_id() const { fail(); }

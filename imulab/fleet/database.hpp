@@ -1,5 +1,7 @@
-// A SQLite file of one's own: statements, values, transactions. Every failure is an Error with the file.
+// A SQLite file of one's own: statements, values, transactions. Every failure is a DatabaseError with the file.
 #pragma once
+
+#include "imulab/core/error.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -12,11 +14,17 @@ struct sqlite3_stmt;
 
 namespace imulab::fleet {
 
+/// The store itself is at fault: its disk, its file, another program that writes.
+class DatabaseError : public Error {
+ public:
+  using Error::Error;
+};
+
 enum class Access { read, write };  ///< write: the file is made where there is none
 
 class Database {
  public:
-  /// Throws Error where the file cannot be opened or is no database, and in a build without SQLite.
+  /// Throws DatabaseError where the file cannot be opened or is no database, and in a build without SQLite.
   Database(const std::filesystem::path& path, Access access);
   ~Database();
   Database(const Database&) = delete;

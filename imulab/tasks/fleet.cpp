@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cstring>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <sys/stat.h>
 
@@ -32,12 +33,16 @@ struct FleetItem {
   bool skipped = false, failed_before = false;
 };
 
-/// What any step throws is the session's failure.
+/// What any step throws is the session's failure, but for what the session cannot help: a store that cannot be written, memory that ends.
 template <class Work>
 void attempt(FleetItem& item, const Work& work) {
   if (item.skipped || !item.failure.empty()) return;
   try {
     work();
+  } catch (const fleet::DatabaseError&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& e) {
     item.failure = e.what();
     if (item.failure.empty()) item.failure = "failed without a message";
@@ -118,7 +123,10 @@ FleetItem unpacked(const std::string& bytes) {
   item.occasion.time = p.number(), item.skipped = p.number() != 0, item.failed_before = p.number() != 0;
   for (double left = p.number(); left > 0; --left) {
     SourceFile file;
-    file.file = p.text(), file.sha256 = p.text(), file.bytes = static_cast<std::uint64_t>(p.number());
+    file.file = p.text(), file.sha256 = p.text();
+    const double size = p.number();
+    if (!(size >= 0 && size < 1e18)) throw Error("a result in the checkpoint has a file of no size: another version of imulab wrote it");
+    file.bytes = static_cast<std::uint64_t>(size);
     item.hashed.files.push_back(std::move(file));
   }
   return item;
@@ -146,7 +154,7 @@ std::string identity_of(const std::vector<fs::path>& sessions, const FleetCalibr
 
 void store_item(FleetItem& item, const FleetRequest& request, FleetStore& store) {
   attempt(item, [&] { item.skipped = !store.add_calibration(*item.calibration, item.occasion, &item.hashed, &request); });
-  if (!item.failure.empty()) store.add_failure(item.hashed, request, item.failure);  // also throws where the store itself is at fault
+  if (!item.failure.empty()) store.add_failure(item.hashed, request, item.failure);
 }
 
 void count(const FleetItem& item, const FleetRequest& request, FleetCalibrationCounts& counts) {

@@ -57,6 +57,7 @@ std::uint64_t addresses_bytes() {
 
 /// Makes a process of the child: it dies of what goes wrong, says nothing, leaves no core file, and does not outlive its parent.
 void prepare_child(const ChildLimits& limits) {
+  std::set_new_handler(nullptr);  // the parent's may end it by a thread that is not here
   for (int number = 1; number < NSIG; ++number) {
     struct sigaction now {};
     const bool deadly = number == SIGALRM || number == SIGXCPU || number == SIGSEGV || number == SIGABRT || number == SIGPIPE;

@@ -1,6 +1,7 @@
 #include "imulab/io/recording/csv_layout.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/io/text/decimal.hpp"
 #include "imulab/io/text/names.hpp"
 #include "imulab/io/text/printable.hpp"
 
@@ -20,7 +21,7 @@ std::string_view trimmed(std::string_view text, std::string_view blanks = " \t\r
 }
 
 bool is_number(std::string_view field) {
-  if (!field.empty() && field.front() == '+') field.remove_prefix(1);
+  field = text::without_plus(field);
   double value = 0;
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
   return error != std::errc::invalid_argument && end == field.data() + field.size();
@@ -102,9 +103,14 @@ bool is_row(const std::vector<std::string_view>& fields) {
   return 2 * static_cast<std::size_t>(std::count_if(fields.begin(), fields.end(), is_number)) >= fields.size();
 }
 
-/// Where text of another kind stands before the table (a device's name, settings): the first line of at least four rows of as many fields, of which
-/// no line before the header has as many. Nothing where there is no such text.
-std::optional<std::size_t> begin_after_preamble(const std::vector<Line>& lines, TableLayout layout) {
+/// Text of another kind before a table (a device's name, settings).
+struct Preamble {
+  std::size_t lines = 0;  ///< that have something in them
+  bool known = true;      ///< more lines cannot change it
+};
+
+/// The table begins with at least four rows of as many fields, of which no line before the header has as many.
+Preamble find_preamble(const std::vector<Line>& lines, TableLayout layout) {
   constexpr std::size_t enough = 4;
   for (std::size_t i = 1; i + enough <= lines.size(); ++i) {
     layout.delimiter = delimiter_of(trimmed(lines[i].text));
@@ -119,10 +125,10 @@ std::optional<std::size_t> begin_after_preamble(const std::vector<Line>& lines, 
     const bool has_header = header.size() == columns && std::none_of(header.begin(), header.end(), is_number);
     const std::size_t first = has_header ? i - 1 : i;
     for (std::size_t k = 0; k < first; ++k)
-      if (fields_of(lines[k].text, layout).size() == columns) return std::nullopt;  // a damaged row rather than text
-    return first > 0 ? std::optional(first) : std::nullopt;
+      if (fields_of(lines[k].text, layout).size() == columns) return {};  // a damaged row rather than text
+    return {first, true};
   }
-  return std::nullopt;
+  return {0, false};
 }
 
 /// The names in a comment directly before the rows, if there are as many.
@@ -150,11 +156,10 @@ std::optional<TableLayout> find_layout(const std::string& file, std::string_view
   const std::size_t begin = text.starts_with("\xEF\xBB\xBF") ? 3 : 0;  // UTF-8 byte order mark
   const std::vector<Line> lines = content_lines(text, begin, longest_preamble);
   if (lines.empty()) return std::nullopt;
-  std::size_t first = 0;
-  if (const auto after = begin_after_preamble(lines, layout)) {
-    first = *after;
-    layout.skipped = lines[first].number - 1;
-  }
+  const Preamble preamble = find_preamble(lines, layout);
+  const std::size_t first = preamble.lines;
+  if (first > 0) layout.skipped = lines[first].number - 1;
+  layout.settled = complete || preamble.known || lines.size() == longest_preamble;
   layout.delimiter = delimiter_of(trimmed(lines[first].text));
   const auto fields = fields_of(lines[first].text, layout);
   layout.columns = fields.size();
@@ -169,6 +174,7 @@ std::optional<TableLayout> find_layout(const std::string& file, std::string_view
   layout.offset = row.offset;
   layout.line = row.number;
   if (!header) layout.names = commented_names(text, row.offset, layout);
+  if (named && layout.names.empty() && !layout.settled) return std::nullopt;
   if (named && layout.names.empty())
     throw Error(fmt::format("{}:{}: has no header; expected one because columns are named (or give columns by number)", file, layout.line));
   return layout;

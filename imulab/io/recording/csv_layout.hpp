@@ -19,6 +19,7 @@ struct TableLayout {
   std::size_t offset = 0;          ///< where the first row begins
   std::size_t line = 1;            ///< its line
   std::size_t skipped = 0;         ///< lines of other text before the header or the first row
+  bool settled = true;             ///< false: lines that follow may show that these are such other text, too
 
   bool is_blank(char c) const { return c == ' ' || c == '\r' || (c == '\t' && delimiter != '\t'); }
   /// "gx" or "column 3", for messages.

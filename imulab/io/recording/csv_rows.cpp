@@ -20,7 +20,7 @@ constexpr int unused = -1, time_field = -2, fraction_field = -3;  // what a fiel
 
 /// Reads the number at p; nullptr where there is none that is finite.
 const char* read_number(const char* p, const char* last, double& value) {
-  if (p < last && *p == '+') ++p;
+  p += text::without_plus({p, static_cast<std::size_t>(last - p)}).data() - p;
   const auto [end, error] = std::from_chars(p, last, value);
   return error == std::errc() && std::isfinite(value) ? end : nullptr;
 }
@@ -56,7 +56,7 @@ const char* read_stamp(const char* p, const char* last, int exponent, std::int64
       continue;
     }
     double value = 0;
-    const std::string_view digits = field.substr(field.front() == '+');
+    const std::string_view digits = text::without_plus(field);
     const auto [end, error] = std::from_chars(digits.data(), last, value);
     if (error == std::errc::result_out_of_range)
       throw Error(fmt::format("{}{} is too large or too small; expected a number that a double can hold", where, excerpt(field)));

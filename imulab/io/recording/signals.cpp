@@ -5,6 +5,7 @@
 #include "imulab/io/recording/csv.hpp"
 #include "imulab/io/recording/csv_layout.hpp"
 #include "imulab/io/recording/csv_rows.hpp"
+#include "imulab/io/text/decimal.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/names.hpp"
 #include "imulab/io/text/reading_meter.hpp"
@@ -25,7 +26,7 @@ namespace {
 using namespace recording_io;
 
 double number_in(std::string_view field) {
-  if (!field.empty() && field.front() == '+') field.remove_prefix(1);
+  field = text::without_plus(field);
   double value = 0;
   const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
   return error == std::errc() && end == field.data() + field.size() ? value : std::numeric_limits<double>::quiet_NaN();

@@ -67,8 +67,15 @@ bool RecordingStream::start() {
   const bool named = names_a_column(source_.time, columns_);
   auto layout = ended_ ? table_layout(name_, lines, named) : find_layout(name_, lines, named, false);
   if (!layout) return false;
-  text_.erase(0, layout->offset);
-  reader_.emplace(*std::move(layout), source_.time, source_.rate_hz, columns_);
+  const std::size_t offset = layout->offset;
+  const bool settled = layout->settled;
+  try {
+    reader_.emplace(*std::move(layout), source_.time, source_.rate_hz, columns_);
+  } catch (const Error&) {
+    if (settled) throw;
+    return false;  // what has come so far may be a device's greeting
+  }
+  text_.erase(0, offset);
   return true;
 }
 

@@ -34,7 +34,10 @@ std::vector<NavigationState> track_at(const Field& root) {
 /// Fixed errors or sigmas of the nine quantities at the end, SI.
 BudgetRows rows_at(const Field& f, const char* part) {
   BudgetRows out(budget_quantities, 1);
-  out.col(0) << vector_at(f["position_m"][part]), vector_at(f["velocity_mps"][part]), vector_at(f["attitude_arcsec"][part]) * unit::arcsec;
+  // Read first: Eigen's list of initial values must not be left by an exception.
+  const Eigen::Vector3d position = vector_at(f["position_m"][part]), velocity = vector_at(f["velocity_mps"][part]);
+  const Eigen::Vector3d attitude = vector_at(f["attitude_arcsec"][part]) * unit::arcsec;
+  out.col(0) << position, velocity, attitude;
   return out;
 }
 

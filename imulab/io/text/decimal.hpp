@@ -3,8 +3,15 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace imulab::text {
+
+/// For std::from_chars, which takes no + in front. One before another sign stays: "+-5" is no number.
+inline std::string_view without_plus(std::string_view number) {
+  if (number.starts_with('+') && !number.starts_with("+-")) number.remove_prefix(1);
+  return number;
+}
 
 struct ScaledInteger {
   enum class Status { good, not_a_number, too_large };

@@ -43,6 +43,30 @@ mode_t usual_mode(mode_t all) {
   return all & ~mask;
 }
 
+/// What was written is on the disk. The system may keep it in memory for half a minute: after a loss of power the new name would stand for an empty
+/// file.
+void put_on_disk(int descriptor, const fs::path& path) {
+  while (::fsync(descriptor) != 0) {
+    if (errno == EINVAL || errno == ENOTSUP || errno == EROFS) return;  // a file system that has no disk
+    if (errno != EINTR) fail(path, "cannot be written");
+  }
+}
+
+/// The same of the name that a file or a folder got.
+void put_name_on_disk(const fs::path& path) {
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0 && errno == EACCES) return;  // one may write into a folder that one may not list
+  if (descriptor < 0) fail(path, "cannot be written");
+  try {
+    put_on_disk(descriptor, path);
+  } catch (...) {
+    ::close(descriptor);
+    throw;
+  }
+  ::close(descriptor);
+}
+
 }  // namespace
 
 WholeFile::WholeFile(const std::filesystem::path& path) : path_(path == "-" ? "standard output" : path), temporary_(path.string() + ".XXXXXX") {
@@ -66,14 +90,23 @@ WholeFile::WholeFile(const std::filesystem::path& path) : path_(path == "-" ? "s
   errno = 0;
   descriptor_ = ::mkstemp(temporary_.data());  // in the same folder, so that the rename is atomic
   if (descriptor_ < 0) fail(path_, "cannot be written");
-  begin_unfinished(temporary_);
+  try {
+    begin_unfinished(temporary_);
+  } catch (...) {  // memory has ended, and nobody destroys what is not made
+    ::close(descriptor_);
+    ::unlink(temporary_.c_str());
+    throw;
+  }
 }
 
 WholeFile::~WholeFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
   if (temporary_.empty()) return;
   ::unlink(temporary_.c_str());
-  end_unfinished(temporary_);
+  try {
+    end_unfinished(temporary_);
+  } catch (...) {  // a name that is not there any more does no harm
+  }
 }
 
 void WholeFile::write(std::string_view text) {
@@ -100,9 +133,12 @@ void WholeFile::commit() {
   struct stat before {};  // mkstemp's file is private: a file that was there keeps its mode
   const bool replaces = ::stat(path_.c_str(), &before) == 0 && S_ISREG(before.st_mode);
   const mode_t mode = replaces ? before.st_mode & 07777 : usual_mode(0666);
-  if (::fchmod(descriptor_, mode) != 0 || ::rename(temporary_.c_str(), path_.c_str()) != 0) fail(path_, "cannot be written");
+  if (::fchmod(descriptor_, mode) != 0) fail(path_, "cannot be written");
+  put_on_disk(descriptor_, path_);
+  if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail(path_, "cannot be written");
   end_unfinished(temporary_);
   temporary_.clear();
+  put_name_on_disk(path_);
 }
 
 NewFolder::NewFolder(const fs::path& place) : place_(fs::absolute(place).lexically_normal()) {
@@ -112,19 +148,28 @@ NewFolder::NewFolder(const fs::path& place) : place_(fs::absolute(place).lexical
   std::error_code failure;
   fs::create_directories(place_.parent_path(), failure);
   std::string filling = place_.string() + ".part-XXXXXX";
-  if (failure || ::mkdtemp(filling.data()) == nullptr || ::chmod(filling.c_str(), usual_mode(0777)) != 0) {
+  if (failure || ::mkdtemp(filling.data()) == nullptr) {
     if (!failure) failure = std::error_code(errno, std::generic_category());
     throw Error(place_.string() + ": cannot be made: " + failure.message());
   }
-  filling_ = filling;
-  begin_unfinished(filling_);
+  try {
+    filling_ = filling;
+    if (::chmod(filling.c_str(), usual_mode(0777)) != 0) throw Error(place_.string() + ": cannot be made: " + std::strerror(errno));
+    begin_unfinished(filling_);
+  } catch (...) {
+    ::rmdir(filling.c_str());
+    throw;
+  }
 }
 
 NewFolder::~NewFolder() {
   std::error_code ignored;
   if (committed_) return;
-  fs::remove_all(filling_, ignored);
-  end_unfinished(filling_);
+  try {
+    fs::remove_all(filling_, ignored);
+    end_unfinished(filling_);
+  } catch (...) {  // memory has ended: the folder stays, under a name that blocks nothing
+  }
 }
 
 void NewFolder::commit() {
@@ -133,6 +178,7 @@ void NewFolder::commit() {
   if (failure) throw Error(place_.string() + ": cannot be made: " + failure.message());
   end_unfinished(filling_);
   committed_ = true;
+  put_name_on_disk(place_);
 }
 
 void write_whole(const std::filesystem::path& path, std::string_view text) {

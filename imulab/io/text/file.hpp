@@ -43,8 +43,8 @@ struct StreamText {
 /// A stream until its end, or for a time [s] where that is first. Throws Error as MappedFile does.
 StreamText read_stream(const std::filesystem::path& path, double longest_s);
 
-/// A file being written: a temporary file in the same folder that gets the name at commit(), or is removed. A device, a pipe or standard output ("-")
-/// is written directly.
+/// A file being written: a temporary file in the same folder that gets the name at commit(), when it is on the disk, or is removed. A device, a pipe
+/// or standard output ("-") is written directly.
 class WholeFile {
  public:
   explicit WholeFile(const std::filesystem::path& path);
@@ -56,6 +56,8 @@ class WholeFile {
   void write_at(std::uint64_t place, std::string_view text);
   /// The name until commit(), for a library that writes by name; empty where it is written directly.
   const std::string& temporary() const { return temporary_; }
+  /// The name that it gets.
+  const std::filesystem::path& path() const { return path_; }
   void commit();
 
  private:

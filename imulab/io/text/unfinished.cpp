@@ -2,9 +2,12 @@
 
 #include "imulab/io/text/lost_pages.hpp"
 
+#include <atomic>
 #include <csignal>
+#include <cstring>
 #include <fcntl.h>
 #include <mutex>
+#include <new>
 #include <set>
 #include <system_error>
 #include <thread>
@@ -35,10 +38,20 @@ void pass_on(int number) {
 
 constexpr int wrong_input = 2;  // exit code
 
-/// The file that is being read is lost: this thread cannot go on.
+/// The file that is being read is lost, or memory has ended: this thread cannot go on.
 void end_for_lost_pages() {
   pass_on(SIGBUS);
   for (;;) ::pause();
+}
+
+const char* memory_message = "";
+std::atomic_flag memory_has_ended = ATOMIC_FLAG_INIT;
+
+void end_for_memory() {
+  if (memory_has_ended.test_and_set()) ::_exit(wrong_input);  // again, while what is unfinished is removed
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, memory_message, std::strlen(memory_message));
+  if (signal_pipe[1] < 0) ::_exit(wrong_input);
+  end_for_lost_pages();
 }
 
 void wait_for_signal() {
@@ -58,13 +71,19 @@ void wait_for_signal() {
 }  // namespace
 
 void begin_unfinished(const std::filesystem::path& path) {
+  std::multiset<std::filesystem::path> one{path};  // no memory is asked for with the lock, which the thread below takes when memory has ended
   const std::scoped_lock lock(registry().mutex);
-  registry().paths.insert(path);
+  registry().paths.merge(one);
 }
 
 void end_unfinished(const std::filesystem::path& path) {
   const std::scoped_lock lock(registry().mutex);
   if (const auto at = registry().paths.find(path); at != registry().paths.end()) registry().paths.erase(at);
+}
+
+void end_when_memory_ends(const char* message) {
+  memory_message = message;
+  std::set_new_handler(end_for_memory);
 }
 
 void remove_unfinished_on_signals() {
@@ -76,6 +95,7 @@ void remove_unfinished_on_signals() {
   if (signal_pipe[0] < 0 || signal_pipe[1] < 0) return;
   std::thread(wait_for_signal).detach();
   explain_lost_pages(end_for_lost_pages);
+  std::signal(SIGXFSZ, SIG_IGN);
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction before {
     }, action{};

@@ -48,7 +48,7 @@ class Blob {
 
 void rewrite_ros2_database(const std::filesystem::path& in, const Topic& topic, const MessageChange& change, WholeFile& out) {
   Ros2Database bag(in);
-  Database copy(out.temporary(), true);
+  Database copy(out.temporary(), out.path());
   copy.run("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF");  // a copy that fails is thrown away
   copy_database(bag.database(), copy);
   copy.run("PRAGMA journal_mode = OFF; BEGIN");

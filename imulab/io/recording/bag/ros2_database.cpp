@@ -24,12 +24,12 @@ std::string unchanging(const std::string& file) {
 
 }  // namespace
 
-Database::Database(const std::filesystem::path& path, bool write) : file_(path.string()) {
+Database::Database(const std::filesystem::path& path, const std::filesystem::path& as, bool write) : file_(as.string()), write_(write) {
   const auto open = [&](const std::string& name, int flags) {
     const int opened = sqlite3_open_v2(name.c_str(), &handle_, flags, nullptr);
     return opened == SQLITE_OK ? sqlite3_exec(handle_, "PRAGMA schema_version", nullptr, nullptr, nullptr) : opened;
   };
-  int opened = open(file_, write ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY);
+  int opened = open(path.string(), write ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY);
   if (const int kind = opened & 255;
       !write && (kind == SQLITE_CANTOPEN || kind == SQLITE_READONLY)) {  // a bag with a write-ahead log, in a folder that cannot be written
     sqlite3_close(handle_);
@@ -38,7 +38,7 @@ Database::Database(const std::filesystem::path& path, bool write) : file_(path.s
   if (opened != SQLITE_OK) {
     const std::string why = sqlite3_errmsg(handle_);
     sqlite3_close(handle_);
-    throw Error(fmt::format("{}: {}; expected a bag of ROS 2 in SQLite", file_, why));
+    throw Error(fmt::format("{}: {}; expected {}", file_, why, write ? "room to write" : "a bag of ROS 2 in SQLite"));
   }
   // The file is somebody else's: its schema may do nothing but hold tables, and its pages are checked.
   if (!write) sqlite3_db_config(handle_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);  // which would insist on a journal
@@ -51,7 +51,8 @@ Database::Database(const std::filesystem::path& path, bool write) : file_(path.s
 Database::~Database() { sqlite3_close(handle_); }
 
 void Database::fail() const {
-  throw Error(fmt::format("{}: SQLite: {}; expected a bag of ROS 2 with the tables topics and messages", file_, sqlite3_errmsg(handle_)));
+  throw Error(fmt::format("{}: SQLite: {}; expected {}", file_, sqlite3_errmsg(handle_),
+                          write_ ? "room to write" : "a bag of ROS 2 with the tables topics and messages"));
 }
 
 void Database::run(const char* statement) {

@@ -21,7 +21,9 @@ namespace imulab::bag {
 /// A database that is open; every failure is an Error with the file.
 class Database {
  public:
-  explicit Database(const std::filesystem::path& path, bool write = false);
+  explicit Database(const std::filesystem::path& path) : Database(path, path, false) {}
+  /// To be written; `name` stands for the file in messages.
+  Database(const std::filesystem::path& path, const std::filesystem::path& name) : Database(path, name, true) {}
   ~Database();
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
@@ -31,7 +33,10 @@ class Database {
   [[noreturn]] void fail() const;
 
  private:
+  Database(const std::filesystem::path& path, const std::filesystem::path& name, bool write);
+
   std::string file_;
+  bool write_;
   sqlite3* handle_ = nullptr;
 };
 
