@@ -1,5 +1,8 @@
 #include "imulab/core/random.hpp"
 
+#ifndef __SIZEOF_INT128__
+#define R123_USE_MULHILO64_C99 1  // 32-bit processors: the same words from products of 32 bits
+#endif
 #include <Random123/philox.h>
 #include <Random123/uniform.hpp>
 

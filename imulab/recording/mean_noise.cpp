@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <numbers>
 
@@ -70,14 +71,14 @@ double rounding_step(const std::vector<double>& column, const RestMeans& longest
 }
 
 /// How often each level occurs in a rest, by its distance from the first, in steps.
-std::map<long, double> levels_of(const std::vector<double>& column, const RestMeans& rest, double step) {
-  std::map<long, double> counts;
-  for (std::size_t i = rest.range.begin; i < rest.range.end; ++i) counts[std::lround((column[i] - column[rest.range.begin]) / step)] += 1;
+std::map<std::int64_t, double> levels_of(const std::vector<double>& column, const RestMeans& rest, double step) {
+  std::map<std::int64_t, double> counts;
+  for (std::size_t i = rest.range.begin; i < rest.range.end; ++i) counts[std::llround((column[i] - column[rest.range.begin]) / step)] += 1;
   return counts;
 }
 
 /// Logarithm of the likelihood of these counts for normal noise `sigma` about `mean` before the rounding, both in steps.
-double log_likelihood(const std::map<long, double>& counts, double mean, double sigma) {
+double log_likelihood(const std::map<std::int64_t, double>& counts, double mean, double sigma) {
   constexpr double stray = 5e-3;  // of the readings may be anywhere: the last of a motion, at a rest's ends
   double sum = 0;
   for (const auto& [level, count] : counts) {
@@ -88,7 +89,7 @@ double log_likelihood(const std::map<long, double>& counts, double mean, double 
 }
 
 /// The same for the most likely mean.
-double best_log_likelihood(const std::map<long, double>& counts, double sigma) {
+double best_log_likelihood(const std::map<std::int64_t, double>& counts, double sigma) {
   constexpr int parts = 20, places = parts + 1;
   double mean = 0, samples = 0;
   for (const auto& [level, count] : counts) mean += static_cast<double>(level) * count, samples += count;
@@ -116,7 +117,7 @@ double least_sigma(const std::vector<double>& column, const std::vector<RestMean
   std::vector<double> likelihood;
   for (double sigma = finest; sigma < coarsest; sigma *= ratio) likelihood.push_back(0);
   for (std::size_t k = 0; k < std::min(rests.size(), enough); ++k) {
-    const std::map<long, double> counts = levels_of(column, rests[k], step);
+    const std::map<std::int64_t, double> counts = levels_of(column, rests[k], step);
     double sigma = finest;
     for (double& sum : likelihood) sum += best_log_likelihood(counts, sigma), sigma *= ratio;
   }

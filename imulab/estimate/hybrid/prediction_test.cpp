@@ -40,6 +40,17 @@ TEST(HybridPrediction, IsWhatCalibrateStatesOfAUnitTurnedByHand) {
         << coefficient(p.coefficients[i]).name;
 }
 
+TEST(HybridPrediction, RoundingDecidesNothing) {
+  Session session = hybrid_session(3).session;
+  session.imu.grade = "navigation";
+  const Prediction p = predict(plan_of(session));
+  session.site.latitude = *session.site.latitude + 1e-15;
+  const Prediction other = predict(plan_of(session));
+  ASSERT_EQ(p.coefficients, other.coefficients);
+  for (Eigen::Index i = 0; i < p.sigma.size(); ++i)
+    EXPECT_NEAR(other.sigma[i] / p.sigma[i], 1, 1e-10) << coefficient(p.coefficients[static_cast<std::size_t>(i)]).name;
+}
+
 /// Without named terms: quadratic terms, g-sensitivity, lever arms and delay are estimated under their priors, and the others considered.
 TEST(HybridPrediction, HasTheTermsOfCalibrate) {
   for (const bool by_hand : {false, true}) {

@@ -126,8 +126,9 @@ void Estimator::set_weights(const EstimatorOptions& options) {
 
 MatrixXd Estimator::whitened(const MatrixXd& readings) const { return factor_.solve_lower(MatrixXd(weight_.asDiagonal() * readings)); }
 
-/// x = (X^T S^-1 X + prior)^-1 X^T S^-1 (y - X_held v_held) for the columns that the readings determine; the others are held at their start, and
-/// considered.
+/// x = start + (X^T S^-1 X + prior)^-1 X^T S^-1 (y - X start) for the columns that the readings determine; the others are held at their start, and
+/// considered. The gain is known to some 1e-12, so it takes what the readings differ by from those expected, not the readings: g itself would bring
+/// that error to the coefficients. Columns with a prior start at its mean, zero.
 void Estimator::set_gains(bool all_optional) {
   const MatrixXd white = whitened(design_(Eigen::all, columns_));
   const kernel::Information information(white, VectorXd::Zero(white.rows()));
@@ -154,27 +155,24 @@ void Estimator::set_gains(bool all_optional) {
   white_ = white(Eigen::all, known);
   const MatrixXd half = factor_.solve_upper(white_);  // S^-1 X
   gain_ = free_covariance_ * half.transpose() * weight_.asDiagonal();
-  VectorXd held = start_;
-  held(known_).setZero();
-  base_ = gain_ * (design_ * held);
-  error_base_ = nominal_errors_ - error_gain_ * (design_ * held - design_(Eigen::all, known_) * base_);
+  expected_ = design_ * start_;
   error_gain_ -= (error_gain_ * design_(Eigen::all, known_)) * gain_;
 }
 
 MatrixXd Estimator::solve(const MatrixXd& readings) const {
   MatrixXd v = start_.replicate(1, readings.cols());
-  v(known_, Eigen::all) = (gain_ * readings).colwise() - base_;
+  v(known_, Eigen::all) += gain_ * (readings.colwise() - expected_);
   return v;
 }
 
 SensorModel Estimator::estimate(const VectorXd& readings) const { return backward(solve(readings)); }
 
-VectorXd Estimator::table_errors(const VectorXd& readings) const { return error_base_ + error_gain_ * readings; }
+VectorXd Estimator::table_errors(const VectorXd& readings) const { return nominal_errors_ + error_gain_ * (readings - expected_); }
 
 MatrixXd Estimator::linearized(const MatrixXd& measured) const {
   const VectorXd shift = table_jacobian_ * (around_ - nominal_errors_);
   const MatrixXd first_order = measured.colwise() + shift;
-  const MatrixXd errors = (error_gain_ * first_order).colwise() + error_base_, columns = solve(first_order);
+  const MatrixXd errors = (error_gain_ * (first_order.colwise() - expected_)).colwise() + nominal_errors_, columns = solve(first_order);
   MatrixXd out = measured;
   out.noalias() += table_jacobian_ * (errors.colwise() - nominal_errors_);
   for (Index run = 0; run < measured.cols(); ++run)

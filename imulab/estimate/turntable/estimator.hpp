@@ -126,9 +126,8 @@ class Estimator {
   Cholesky factor_{Eigen::MatrixXd()};               ///< of the weighted covariance with the table's errors
   Eigen::MatrixXd white_, free_covariance_;          ///< whitened design of known_, and the inverse of its normal equations
   Eigen::MatrixXd gain_;                             ///< known_ x rows
-  Eigen::VectorXd base_;                             ///< gain_ x what the columns held at their start explain
-  Eigen::MatrixXd error_gain_;                       ///< sources x rows: table errors found, from readings
-  Eigen::VectorXd error_base_;                       ///< table errors found at readings of zero
+  Eigen::MatrixXd error_gain_;                       ///< sources x rows: table errors found beyond the nominal ones
+  Eigen::VectorXd expected_;                         ///< readings of the start; both gains take what readings differ by from them
   Eigen::MatrixXd covariance_;                       ///< of all columns
   double condition_ = 0;
 };

@@ -197,7 +197,7 @@ MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t
 
   constexpr std::uint64_t least_block = 128, most_parts = 1 << 16;  // a checkpoint keeps a kilobyte of each part
   const std::uint64_t block = least_block * std::max<std::uint64_t>(1, (runs + least_block * most_parts - 1) / (least_block * most_parts));
-  SharedWork blocks{.count = (runs + block - 1) / block, .work = {}, .take = {}};
+  SharedWork blocks{.count = static_cast<std::size_t>((runs + block - 1) / block), .work = {}, .take = {}};
   blocks.work = [&](std::size_t b) {
     const std::uint64_t begin = b * block, count = std::min(block, runs - begin);
     const MatrixXd found = estimator.solve(estimator.linearized(sampler.draw(begin, static_cast<Index>(count))));

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/table_session.hpp"
+#include <cmath>
 #include <numbers>
 
 namespace imulab::turntable {
@@ -35,6 +36,18 @@ TEST(Turntable, KnownTableErrorsAreTakenOut) {
     EXPECT_NEAR(coefficient_value(c.model, index), coefficient_value(run.truth, index), 1e-10) << coefficient(index).name;
   }
   EXPECT_EQ(c.frame, "rig");
+}
+
+TEST(Turntable, RoundedReadingsAreNoDifferent) {
+  TableRun run = run_of(zhang_steps(), table_of(2 * unit::arcsec), 7, 1);
+  const Calibration c = calibrate(run.seen, table_of(2 * unit::arcsec), table_imu(), table_site());
+  for (Eigen::Index i = 0; i < run.seen.readings.size(); ++i) run.seen.readings[i] *= 1 + (i % 3 == 0 ? 0x1p-52 : -0x1p-53);
+  const Calibration rounded = calibrate(run.seen, table_of(2 * unit::arcsec), table_imu(), table_site());
+  for (const CoefficientIndex index : c.estimated) {
+    const double sigma = standard_uncertainty(c, index).value(), value = coefficient_value(c.model, index);
+    const double rounding = 8 * 0x1p-52 * std::abs(value);  // a scale factor near one is known to 1e-7
+    EXPECT_NEAR(coefficient_value(rounded.model, index), value, 1e-10 * sigma + rounding) << coefficient(index).name;
+  }
 }
 
 TEST(Turntable, CountsWithALargeOffsetAreNoDifferent) {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 
 namespace imulab::whole_unit {
@@ -108,12 +109,12 @@ struct Directions {
 };
 
 bool warn_hysteresis(kernel::Findings& findings, const Problem& problem) {
-  std::map<long, Directions> by_temperature;
+  std::map<std::int64_t, Directions> by_temperature;
   const std::size_t triad = problem.points.thermometer();
   const auto reading = [&](const MachinePoint& p) { return p.temperature[static_cast<Index>(3 * triad)]; };
   // Visits to one set point; without set points, readings within a fortieth of the range.
   const auto visit = [&](const MachinePoint& p) {
-    return p.step.temperature ? std::lround(100 * *p.step.temperature) : std::lround(40 * reading(p) / problem.points.thermal[triad].size());
+    return p.step.temperature ? std::llround(100 * *p.step.temperature) : std::llround(40 * reading(p) / problem.points.thermal[triad].size());
   };
   const MachinePoint* before = nullptr;
   for (const MachinePoint& p : problem.points.all) {

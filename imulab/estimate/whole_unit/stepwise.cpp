@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 
 namespace imulab::whole_unit {
@@ -75,12 +76,12 @@ class Steps {
   /// Step 2: means of opposed positions at equal rate; W0, W1, W2, W3 (eqs 5, 6).
   void rate_table() {
     // The body's rate along an axis; of the positions with that axis up and down.
-    std::map<std::pair<int, long>, std::array<std::vector<std::size_t>, 2>> opposed;
+    std::map<std::pair<int, std::int64_t>, std::array<std::vector<std::size_t>, 2>> opposed;
     for (const std::size_t p : points_of(RigKind::rate_table)) {
       const Step& step = points_[p].step;
       const BodyAxis up = mount_of(step).up;
       const double rate = step.kind == StepKind::spin ? step.rate * up.sign : 0;
-      opposed[{up.index, std::lround(rate * 1e6)}][up.sign > 0].push_back(p);
+      opposed[{up.index, std::llround(rate * 1e6)}][up.sign > 0].push_back(p);
     }
     // Two passes: how the noise of a reading moves the misfit is known once there are coefficients.
     for (int pass = 0; pass < 2; ++pass) {

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
+#include <limits>
 #include <string>
 #include <sys/mman.h>
 #include <sys/statvfs.h>
@@ -71,7 +72,7 @@ void ColumnFile::write(const void* numbers, std::size_t count) {
 
 void ColumnFile::read(std::size_t begin, std::span<double> to) const {
   char* into = reinterpret_cast<char*>(to.data());
-  auto place = static_cast<off_t>(8 * begin);
+  off_t place = 8 * static_cast<off_t>(begin);
   for (std::size_t left = to.size_bytes(); left > 0;) {
     const ssize_t there = pread(descriptor_, into, left, place);
     if (there < 0 && errno == EINTR) continue;
@@ -82,6 +83,7 @@ void ColumnFile::read(std::size_t begin, std::span<double> to) const {
 
 MappedStamps::MappedStamps(const ColumnFile& file) : size_(file.size()) {
   if (size_ == 0) return;
+  if (size_ > std::numeric_limits<std::size_t>::max() / 8) temporary_failed("mapped", ENOMEM);
   void* const memory = mmap(nullptr, 8 * size_, PROT_READ, MAP_SHARED, file.descriptor(), 0);
   if (memory == MAP_FAILED) temporary_failed("mapped", errno);
   data_ = static_cast<const std::int64_t*>(memory);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 #include <optional>
 
 namespace imulab::recording_io {
@@ -78,7 +79,8 @@ std::size_t npy_number(std::string_view text, const std::string& place) {
 
 std::size_t product(std::size_t a, std::size_t b, const std::string& place) {
   std::size_t result = 0;
-  if (__builtin_mul_overflow(a, b, &result) || result > (std::size_t{1} << 60)) fail_npy(place, "the array is larger than any file");
+  if (__builtin_mul_overflow(a, b, &result) || result > std::numeric_limits<std::size_t>::max() / 16)
+    fail_npy(place, "the array is larger than any file");
   return result;
 }
 

@@ -19,7 +19,7 @@ namespace {
 [[noreturn]] void fail_zip(const std::string& place, const std::string& what) { throw Error(place + ": " + what + "; expected a zip archive"); }
 
 struct ZipDirectory {
-  std::size_t offset = 0, entries = 0;
+  std::uint64_t offset = 0, entries = 0;
 };
 
 /// The archive ends with the place of its directory; a comment may follow.
@@ -73,7 +73,9 @@ std::optional<ZipMember> zip_entry(std::string_view archive, std::size_t& at, co
   member.deflated = method == 8;
   member.stored = archive.substr(begin, stored);
   member.check = load<std::uint32_t>(p + 16);
-  member.bytes = bytes;
+  if (!std::in_range<std::size_t>(bytes))
+    throw Error(fmt::format("{}: {} has {} bytes; expected less than 4 GiB on a 32-bit system", file, member.name, bytes));
+  member.bytes = static_cast<std::size_t>(bytes);
   constexpr std::uint64_t best_ratio = 1032;  // of deflate
   if (member.deflated ? bytes / best_ratio > stored : bytes != stored) fail_zip(file, fmt::format("{} has impossible sizes", member.name));
   return member;
@@ -84,8 +86,9 @@ std::optional<ZipMember> zip_entry(std::string_view archive, std::size_t& at, co
 std::vector<ZipMember> zip_members(std::string_view archive, const std::string& file) {
   const ZipDirectory directory = zip_directory(archive, file);
   std::vector<ZipMember> members;
-  std::size_t at = directory.offset;
-  for (std::size_t i = 0; i < directory.entries; ++i)
+  if (directory.offset > archive.size()) fail_zip(file, "its directory is damaged");
+  auto at = static_cast<std::size_t>(directory.offset);
+  for (std::uint64_t i = 0; i < directory.entries; ++i)
     if (auto member = zip_entry(archive, at, file)) members.push_back(std::move(*member));
   return members;
 }

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cstdint>
 #include <cstring>
 #include <fcntl.h>
 #include <list>
@@ -30,8 +31,8 @@ namespace fs = std::filesystem;
   throw Error(fmt::format("{}: {}{}{}", input_name(path), what, errno != 0 ? ": " : "", errno != 0 ? std::strerror(errno) : ""));
 }
 
-std::string size_text(std::size_t bytes) {
-  return bytes >= std::size_t{1} << 30 ? fmt::format("{} GiB", bytes >> 30) : fmt::format("{} MiB", bytes >> 20);
+std::string size_text(std::uint64_t bytes) {
+  return bytes >= std::uint64_t{1} << 30 ? fmt::format("{} GiB", bytes >> 30) : fmt::format("{} MiB", bytes >> 20);
 }
 
 struct Descriptor {
@@ -173,6 +174,9 @@ MappedFile::MappedFile(const fs::path& path, Content content) {
     text_ += read_open_stream(file.fd, path, longest, std::nullopt).text;
     return;
   }
+  if (!std::in_range<std::size_t>(status.st_size))
+    throw Error(fmt::format("{}: has {}; expected {} on a 32-bit system", path.string(), size_text(static_cast<std::uint64_t>(status.st_size)),
+                            "less than 4 GiB"));
   const auto size = static_cast<std::size_t>(status.st_size);
   if (settings && size > longest) throw Error(fmt::format("{}: is longer than {}; expected less", path.string(), size_text(longest)));
   if (size <= most_copied) {

@@ -20,16 +20,21 @@ double kink(const Recording& recording, std::size_t i) {
     const double bend = rate[i + 1] - rate[i] - rate[i - 1] + rate[i - 2];
     sum += bend * bend;
   }
-  return sum;
+  return std::sqrt(sum);
 }
 
+double rate_size(const Recording& recording, std::size_t i) { return std::hypot(recording.gyro[0][i], recording.gyro[1][i], recording.gyro[2][i]); }
+
 /// An accelerometer with a lever arm moves with the rate, so a velocity determines the lever arm as well as the rate at that instant is known. A
-/// motion's block therefore ends where the rate is smoothest between half and three halves of its length.
+/// motion's block therefore ends where the rate is smoothest between half and three halves of its length. A steady turn without noise, as predictions
+/// have it, is equally smooth everywhere but for rounding, which does not decide: there the length stays.
 std::size_t smooth_end(const Recording& recording, std::size_t begin, std::size_t length, std::size_t end) {
+  constexpr double rounding = 1e-12;  // of the rate: above that of any way to compute it, far below a gyro's noise
+  const std::size_t first = begin + std::max<std::size_t>(2, (length + 1) / 2);
   std::size_t best = std::min(begin + length, end);
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = begin + std::max<std::size_t>(2, (length + 1) / 2); i <= begin + 3 * length / 2 && i + 1 < end; ++i)
-    if (const double bend = kink(recording, i); bend < least) {
+  double least = best >= first && best + 1 < end ? kink(recording, best) : std::numeric_limits<double>::infinity();
+  for (std::size_t i = first; i <= begin + 3 * length / 2 && i + 1 < end; ++i)
+    if (const double bend = kink(recording, i); bend + rounding * rate_size(recording, i) < least) {
       least = bend;
       best = i;
     }
