@@ -203,6 +203,17 @@ TEST_F(Faults, TheNextRunGoesOn) {
   expect_the_next_run_to_finish(budget, budget);
 }
 
+TEST_F(Faults, AFullDiskIsNoFailureOfTheSession) {
+  const Trial trial{inputs.path(), "fleet calibrate S --method static --store new.db", {}};
+  const auto full = trial.with_fault("pwrite", 55);  // of some 70: the calibration on its way into the store
+  ASSERT_TRUE(full);
+  EXPECT_EQ(full->exit_code, 2) << full->errors;
+  EXPECT_THAT(full->errors, testing::HasSubstr("expected room to write"));
+  const CommandResult again = run_shell(trial.work, trial.line());  // without --retry
+  EXPECT_EQ(again.exit_code, 0) << again.errors;
+  EXPECT_THAT(again.output, testing::HasSubstr("1 calibrated"));
+}
+
 TEST_F(Faults, RowsOfAStreamStayWritten) {
   for (const auto& [command, call] : {std::pair{"live S/recording.csv --session S --save log -o out --force >/dev/null", "fwrite"},
                                       {"live S/recording.csv --session S --save log -o out --force >/dev/null", "fopen"},

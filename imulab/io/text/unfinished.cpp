@@ -38,7 +38,7 @@ void pass_on(int number) {
 
 constexpr int wrong_input = 2;  // exit code
 
-/// The file that is being read is lost, or memory has ended: this thread cannot go on.
+/// The file that is being read is lost: this thread cannot go on.
 void end_for_lost_pages() {
   pass_on(SIGBUS);
   for (;;) ::pause();
@@ -46,15 +46,21 @@ void end_for_lost_pages() {
 
 const char* memory_message = "";
 std::atomic_flag memory_has_ended = ATOMIC_FLAG_INIT;
+std::atomic<bool> is_waited_for_signals = false;
+thread_local bool removes_unfinished = false;
 
 void end_for_memory() {
-  if (memory_has_ended.test_and_set()) ::_exit(wrong_input);  // again, while what is unfinished is removed
-  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, memory_message, std::strlen(memory_message));
-  if (signal_pipe[1] < 0) ::_exit(wrong_input);
-  end_for_lost_pages();
+  if (removes_unfinished) ::_exit(wrong_input);
+  if (!memory_has_ended.test_and_set()) {
+    [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, memory_message, std::strlen(memory_message));
+    if (!is_waited_for_signals) ::_exit(wrong_input);
+    pass_on(SIGBUS);
+  }
+  for (;;) ::pause();
 }
 
 void wait_for_signal() {
+  removes_unfinished = true;
   unsigned char number = 0;
   while (::read(signal_pipe[0], &number, 1) != 1) {
   }
@@ -94,6 +100,7 @@ void remove_unfinished_on_signals() {
   for (const int end : ends) ::close(end);
   if (signal_pipe[0] < 0 || signal_pipe[1] < 0) return;
   std::thread(wait_for_signal).detach();
+  is_waited_for_signals = true;
   explain_lost_pages(end_for_lost_pages);
   std::signal(SIGXFSZ, SIG_IGN);
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
