@@ -181,7 +181,7 @@ class PieceReader {
   bool in_order_ = true;  // whether reader_ stands behind the piece before
 };
 
-constexpr std::size_t at_once = std::size_t{1} << 24;  // bytes of text: what is read in one piece
+constexpr std::size_t bytes_of_piece = std::size_t{1} << 24;  // bytes of text: what is read in one piece
 
 /// All rows in pieces of whole lines, which leave memory as they have been read. A column that is requested twice is read once.
 void for_each_piece(const MappedFile& file, const std::string& name, const TableLayout& layout, const RowReader& reader,
@@ -192,7 +192,7 @@ void for_each_piece(const MappedFile& file, const std::string& name, const Table
   const ReadingMeter meter(text.size());
   PieceReader pieces(reader, meter);
   for (bool begin = true; begin || !text.empty(); begin = false) {
-    const std::size_t end = text.size() > at_once ? std::min(text.find('\n', at_once), text.size() - 1) + 1 : text.size();
+    const std::size_t end = text.size() > bytes_of_piece ? std::min(text.find('\n', bytes_of_piece), text.size() - 1) + 1 : text.size();
     TimedTable table = pieces.read(text.substr(0, end));
     text.remove_prefix(end);
     file.release(file.text().size());
@@ -215,7 +215,7 @@ TimedTable read_csv(const std::filesystem::path& path, const TimeSource& time, s
   for_each_piece(file, name, layout, reader, [&](TimedTable&& piece) {
     if (all.file.empty()) {
       all = std::move(piece);
-      if (file.text().size() > at_once) reserve(all, file.text().substr(layout.offset));
+      if (file.text().size() > bytes_of_piece) reserve(all, file.text().substr(layout.offset));
       return;
     }
     all.lines.append(piece.lines, all.time_ns.size(), 0);
