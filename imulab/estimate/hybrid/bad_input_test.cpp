@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/hybrid_session.hpp"
+#include <algorithm>
 #include <functional>
 #include <numbers>
 
@@ -117,6 +118,21 @@ TEST(HybridBadInput, ShortRestsAreSaid) {
   const Calibration c = calibrated(s, base_terms()).calibration;
   EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("21 of 21 rests are no longer than 5 s")));
   EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5);
+}
+
+/// Gyros that are a second late: each pass ends as far away as the one before.
+TEST(HybridBadInput, WhatFitsNothingEndsSoon) {
+  const auto passes = [](const HybridSession& s, const char* verdict) {
+    int count = 0;
+    CalibrationOptions options;
+    options.progress = [&](double) { ++count; };
+    EXPECT_EQ(calibrated(s, options).calibration.quality.verdict, verdict);
+    return count;
+  };
+  HybridSession s = session_of(2);
+  const int usual = passes(s, "good");
+  for (std::vector<double>& axis : s.recording.gyro) std::rotate(axis.begin(), axis.end() - 50, axis.end());
+  EXPECT_LT(passes(s, "doubtful"), 2 * usual);
 }
 
 TEST(HybridBadInput, AWrongLatitudeIsCorrectedFromTheEarthsRate) {

@@ -95,6 +95,29 @@ void set_optional_totals(Iterate& c) {
   }
 }
 
+double chi2_of(const Iterate& i) { return std::accumulate(i.pass.chi2.begin(), i.pass.chi2.end(), 0.0); }
+
+/// The velocities' residuals over what the noise explains (RMS).
+double scatter_of(const Data& data, const Iterate& c) {
+  const auto used = std::count_if(data.blocks.begin(), data.blocks.end(), [](const Block& b) { return b.observed; });
+  return std::sqrt(chi2_of(c) / (3.0 * static_cast<double>(std::max<std::ptrdiff_t>(used, 1))));
+}
+
+/// Passes that come no nearer to data far away.
+class Stuck {
+ public:
+  bool after(double scatter) {
+    constexpr double far = 100, nearer = 0.7;
+    constexpr int patience = 6;
+    if (scatter < nearer * least_) least_ = scatter, passes_ = 0;
+    return ++passes_ > patience && scatter > far;
+  }
+
+ private:
+  double least_ = std::numeric_limits<double>::infinity();
+  int passes_ = 0;
+};
+
 /// Passes until the correction is below a hundredth of its sigma.
 Iterate converged(const Data& data, Iterate c) {
   constexpr int most_iterations = 30, before_heading = 3, usual = 5;  // with the pass of the review
@@ -102,6 +125,7 @@ Iterate converged(const Data& data, Iterate c) {
   const Index start_at = states.first(Group::start);
   VectorXd before;  // the last step, in sigmas
   c.converged = false;
+  Stuck stuck;
   for (int k = 0; k < most_iterations; ++k) {
     c = repeated(data, std::move(c));
     if (data.progress) data.progress(std::min(1.0, static_cast<double>(k + 1) / usual));
@@ -115,7 +139,7 @@ Iterate converged(const Data& data, Iterate c) {
     const Index delay = states.first(Group::delay);
     if (delay >= 0) step[delay] -= c.about.delay;
     c.converged = (step.cwiseAbs() - 0.01 * sigma).maxCoeff() <= 0;
-    if (c.converged) break;
+    if (c.converged || stuck.after(scatter_of(data, c))) break;
     const VectorXd in_sigmas = step.cwiseQuotient(sigma.cwiseMax(1e-300));
     // The optional terms act linearly: their steps may be long.
     const Index basic = states.first(Group::start);
@@ -163,8 +187,6 @@ Iterate in_other_hemisphere(const Data& open, Iterate trial) {
   trial.total[trial.states.first(Group::latitude)] = open.place.latitude - latitude;
   return trial;
 }
-
-double chi2_of(const Iterate& i) { return std::accumulate(i.pass.chi2.begin(), i.pass.chi2.end(), 0.0); }
 
 Iterate better(Iterate a, Iterate b) { return chi2_of(b) < chi2_of(a) ? std::move(b) : std::move(a); }
 
@@ -242,9 +264,8 @@ std::optional<SeenLatitude> mirrored_latitude(const Data& data, const Iterate& c
 }  // namespace
 
 bool is_hopeless(const Data& data, const Iterate& c) {
-  constexpr double hopeless = 1e4;  // chi-square per degree of freedom: residuals of a hundred times the noise
-  const auto used = std::count_if(data.blocks.begin(), data.blocks.end(), [](const Block& b) { return b.observed; });
-  return !c.converged && chi2_of(c) > hopeless * 3 * static_cast<double>(used);
+  constexpr double far = 5;  // as from there on a result is doubtful
+  return !c.converged && scatter_of(data, c) > far;
 }
 
 Converged converge(Data& data, const Groups& terms, double significance) {

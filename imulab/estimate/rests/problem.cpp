@@ -110,9 +110,9 @@ std::vector<Index> RestProblem::open_gyro_matrix(const kernel::Parameters& param
   for (const Index i : parameters.with(kernel::Role::estimated)) {
     if (i >= std::ssize(indices_)) continue;
     const Coefficient& c = coefficient(indices_[static_cast<std::size_t>(i)]);
-    if (c.triad != Triad::gyro || c.term != Term::matrix) continue;
+    if (c.triad != Triad::gyro || (c.term != Term::matrix && c.term != Term::quadratic && c.term != Term::cubic)) continue;
     matrix.push_back(i);
-    open = open || (c.row == c.column && !(std::sqrt(covariance(i, i)) < kernel::needed_sigma(c, parameters.sigma[i])));
+    open = open || (c.term == Term::matrix && c.row == c.column && !(std::sqrt(covariance(i, i)) < kernel::needed_sigma(c, parameters.sigma[i])));
   }
   return open ? matrix : std::vector<Index>{};
 }

@@ -38,8 +38,8 @@ class RestProblem {
   bool unstated(std::size_t coefficient) const { return unstated_[coefficient]; }
   /// Optional terms that are estimated although the data say nothing of them.
   std::vector<Eigen::Index> unseen_terms(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const;
-  /// All of the gyros' matrix, where it is estimated and one of its scales is not determined: with rests and few rotations a scale of zero, and
-  /// with it no noise, fits best.
+  /// All of the gyros' matrix, and their nonlinearity with it, where it is estimated and one of its scales is not determined: with rests and few
+  /// rotations a scale of zero, and with it no noise, fits best.
   std::vector<Eigen::Index> open_gyro_matrix(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const;
 
   const std::vector<RestMeans>& rests() const { return rests_; }
