@@ -54,7 +54,7 @@ struct SameBits : testing::Test {
   }
 
   struct Surroundings {
-    std::string folder = "work", environment, before, options;  ///< a shell's commands; what runs the command; its further options
+    std::string folder = "work", environment{}, before{}, options{};  ///< a shell's commands; what runs the command; its further options
   };
 
   /// What the command prints and writes, without the time of day.
