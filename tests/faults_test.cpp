@@ -163,17 +163,20 @@ TEST_F(Faults, OldOrNewOfEveryVerbThatWrites) {
   expect_old_or_new("predict p.toml --method handheld --report page", {"page"});
   expect_old_or_new("compensate c.json S --allow-undetermined -o out.csv --report page", {"out.csv", "page"});
   expect_old_or_new("compensate c.json S --allow-undetermined -o out.npz", {"out.npz"});
+  expect_old_or_new("export c.json --allow-undetermined --to csv -o out --force", {"out"});
+  expect_old_or_new("import matrix.json -o out --force", {"out"});
+  expect_old_or_new("navigate none T -o out --report page", {"out", "page"});
+  expect_old_or_new("budget m.toml --runs 0 --report page", {"page"});
+  expect_old_or_new("plan --require 'accel.offset <= 1000 ug' -o out --report page", {"out", "page"});
+}
+
+TEST_F(Faults, OldOrNewOfEveryBag) {
   for (const char* bag : {"imu_zstd.mcap", "imu_lz4.bag", "imu.db3"}) {
     const std::string kind = fs::path(bag).extension().string();
     fs::copy_file(fs::path(IMULAB_SOURCE) / "tests/recordings" / bag, inputs / ("run" + kind));
     write_session_of_bag(kind);
     expect_old_or_new("compensate c.json bag.toml --allow-undetermined -o out" + kind, {"out" + kind});
   }
-  expect_old_or_new("export c.json --allow-undetermined --to csv -o out --force", {"out"});
-  expect_old_or_new("import matrix.json -o out --force", {"out"});
-  expect_old_or_new("navigate none T -o out --report page", {"out", "page"});
-  expect_old_or_new("budget m.toml --runs 0 --report page", {"page"});
-  expect_old_or_new("plan --require 'accel.offset <= 1000 ug' -o out --report page", {"out", "page"});
 }
 
 TEST_F(Faults, AllOfAFolderOrNothing) {
@@ -196,10 +199,13 @@ TEST_F(Faults, ADemoThatFailedIsMadeAgain) {
   EXPECT_NE(again.exit_code, 2) << again.errors;
 }
 
-TEST_F(Faults, TheNextRunGoesOn) {
+TEST_F(Faults, AStoreGoesOn) {
   expect_the_next_run_to_finish("fleet add c.json --store new.db", "fleet export --csv --store new.db");
   expect_the_next_run_to_finish("fleet calibrate S --method static --store new.db --retry", "fleet check --store new.db", true);
   expect_the_next_run_to_finish("fleet merge have.db --store new.db", "fleet export --csv --store new.db");
+}
+
+TEST_F(Faults, SharedWorkGoesOn) {
   const std::string predict = "predict zhang.toml --runs 200 --checkpoint work --json", budget = "budget m.toml --runs 4 --checkpoint work --json";
   expect_the_next_run_to_finish(predict, predict);
   expect_the_next_run_to_finish(budget, budget);
