@@ -89,7 +89,7 @@ TEST_F(SameBits, OnAnyThreadsInAnyFolderLocaleTimeZoneAndUmask) {
   const TemporaryFolder locales;
   ASSERT_EQ(run_shell(locales, "localedef -i de_DE -f UTF-8 ./de_DE.UTF-8").exit_code, 0);
   const std::string elsewhere = "export LOCPATH='" + locales.path().string() + "' LC_ALL=de_DE.UTF-8 TZ=Asia/Kathmandu; umask 077; ";
-  ASSERT_EQ(run_shell(locales, elsewhere + "printf %.1f 0,5").output, "0,5");  // the locale is in force
+  ASSERT_EQ(run_shell(locales, elsewhere + "locale decimal_point").output, ",\n");  // the locale is in force
   for (const std::string& verb : verbs) {
     const std::string one = result_of(verb, {.options = "--threads 1"});
     expect_equal(one, result_of(verb, {.folder = "a deep/folder \xc3\xa4", .environment = elsewhere, .options = "--threads 2"}), verb);

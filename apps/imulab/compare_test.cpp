@@ -182,7 +182,7 @@ TEST_F(CompareCommand, WrongUseIsExplained) {
              "imulab: calibration.json: the same file as calibration.json; their errors count as independent; expected different"},
         Case{"calibration.json ./calibration.json", "imulab: ./calibration.json: the same file as calibration.json"},
         Case{"calibration.json link.json", "imulab: link.json: the same file as calibration.json"},
-        Case{"- truth.json -", "imulab: -: the same file as -"}}) {
+        Case{"- truth.json -", "imulab: -: standard input is named twice; expected it once"}}) {
     const CommandResult result = run_imulab(folder, std::string("compare ") + c.arguments);
     EXPECT_EQ(result.exit_code, 2) << c.arguments;
     EXPECT_THAT(result.errors, HasSubstr(c.message)) << c.arguments;

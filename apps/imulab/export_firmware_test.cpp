@@ -191,7 +191,7 @@ TEST(ExportFirmware, TheExampleForArduinoRuns) {
   // 1, 2, 3 counts of 16384 a g; 5, 6, 7 of 131 a deg/s
   EXPECT_EQ(built.output, "0.00060\t0.00120\t0.00180\t0.00067\t0.00080\t0.00093\n");
   if (const std::string tool = missing_tool(); !tool.empty()) GTEST_SKIP() << "not for a Cortex-M0+: " << tool << " is not installed";
-  const CommandResult board = run_shell(folder, std::string("arm-none-eabi-g++ -mthumb ") + m0.flags + flags + "-c -o program.o");
+  const CommandResult board = run_shell(folder, std::string("arm-none-eabi-g++ -ffreestanding -mthumb ") + m0.flags + flags + "-c -o program.o");
   EXPECT_EQ(board.exit_code, 0) << board.errors;
 }
 

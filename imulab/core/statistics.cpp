@@ -16,13 +16,10 @@ namespace bm = boost::math;
 
 namespace {
 
-/// In double precision: long double has 80, 64 or 128 bits from one processor to the next.
+/// Tails in double precision: long double has 80, 64 or 128 bits from one processor to the next. (Quantiles need its range.)
 using InDouble = bm::policies::policy<bm::policies::promote_double<false>>;
-using Normal = bm::normal_distribution<double, InDouble>;
-using StudentsT = bm::students_t_distribution<double, InDouble>;
 using ChiSquared = bm::chi_squared_distribution<double, InDouble>;
 using FisherF = bm::fisher_f_distribution<double, InDouble>;
-using Binomial = bm::binomial_distribution<double, InDouble>;
 
 }  // namespace
 
@@ -64,9 +61,9 @@ double additional_variance(const std::vector<double>& squares, const std::vector
   return 0.5 * (low + high);
 }
 
-double normal_quantile(double p) { return bm::quantile(Normal(), p); }
-double student_quantile(double p, double dof) { return std::isinf(dof) ? normal_quantile(p) : bm::quantile(StudentsT(dof), p); }
-double chi_square_quantile(double p, double dof) { return bm::quantile(ChiSquared(dof), p); }
+double normal_quantile(double p) { return bm::quantile(bm::normal(), p); }
+double student_quantile(double p, double dof) { return std::isinf(dof) ? normal_quantile(p) : bm::quantile(bm::students_t(dof), p); }
+double chi_square_quantile(double p, double dof) { return bm::quantile(bm::chi_squared(dof), p); }
 double chi_square_tail(double x, double dof) {
   if (std::isnan(x)) return 0;  // no residual that is a number is as large
   return bm::cdf(bm::complement(ChiSquared(dof), std::max(x, 0.0)));
@@ -77,6 +74,6 @@ double log_chi_square_tail(double x, double dof) {
   return -0.5 * x + (0.5 * dof - 1) * std::log(0.5 * x) - std::lgamma(0.5 * dof);  // the first term of the expansion far out
 }
 double f_tail(double f, double dof_1, double dof_2) { return bm::cdf(bm::complement(FisherF(dof_1, dof_2), std::max(f, 0.0))); }
-double binomial_quantile(double p, double trials, double probability) { return bm::quantile(Binomial(trials, probability), p); }
+double binomial_quantile(double p, double trials, double probability) { return bm::quantile(bm::binomial(trials, probability), p); }
 
 }  // namespace imulab
