@@ -184,7 +184,7 @@ TEST(ExportFirmware, TheExampleForArduinoRuns) {
   options.accel = RecordedAs{"g", 16384}, options.gyro = RecordedAs{"deg/s", 131};
   folder.write("imu_calibration.h", c_header(c, options));
   folder.write("main.cpp", "#include <Arduino.h>\n#include \"" + firmware_folder +
-                               "arduino/arduino.ino\"\nint main() { setup(); loop(); }\n");  // as its builder does
+                               "arduino/arduino.ino\"\nint main() { setup(); loop(); return 0; }\n");  // as its builder does
   const std::string flags = " -std=c++17 -O2 -Wall -Wextra -Werror -I. -I" + firmware_folder + "stand_in main.cpp ";
   const CommandResult built = run_shell(folder, "c++" + flags + "-o program && ./program");
   EXPECT_EQ(built.exit_code, 0) << built.errors;
