@@ -15,7 +15,7 @@ namespace imulab {
 struct InspectionTask {
   std::vector<std::string> files, topics = {};  ///< files of one recording; topics: several of one file, or none
   Declarations declared = {};
-  double longest_s = stream_s;                              ///< for how long a stream is read
+  double longest_s = stream_s;             ///< for how long a stream is read
   std::size_t most_numbers = all_numbers;  ///< of a file that can be read in pieces no more are looked at
 };
 
