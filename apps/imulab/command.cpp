@@ -259,7 +259,7 @@ void expect_output_written() {
 }
 
 /// All verbs and what they take.
-void declare(CLI::App& app, std::optional<ThreadLimit>& threads) {
+void declare(CLI::App& app, std::optional<ThreadLimit>& threads, std::optional<MemoryLimit>& memory) {
   app.name("imulab");
   app.formatter(std::make_shared<Help>());
   app.fallthrough();
@@ -269,7 +269,6 @@ void declare(CLI::App& app, std::optional<ThreadLimit>& threads) {
          "--threads", [&](std::size_t n) { threads.emplace(n); }, "work on at most this many processors; the results do not depend on it")
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
-  std::optional<MemoryLimit> memory;
   app.add_option_function<double>(
          "--memory", [&](double mb) { memory.emplace(static_cast<std::uint64_t>(1e6 * mb)); },
          "refuse work that would take more memory (all there is)")
@@ -292,8 +291,9 @@ int parse_and_do(std::vector<std::string> arguments) {
   remove_unfinished_on_signals();
   forget_files();
   std::optional<ThreadLimit> threads;
+  std::optional<MemoryLimit> memory;
   CLI::App app{summary};
-  declare(app, threads);
+  declare(app, threads, memory);
   if (arguments.empty()) {
     fmt::print(stderr, "{}", app.help());
     return 2;
