@@ -23,7 +23,7 @@ const std::vector<std::string> verbs{
     "calibrate unit --method whole-unit -o c.json",
     "compare hand/truth.json table/truth.json --json",
     "compensate hand/truth.json hand -o out.csv --report page",
-    "predict hand.toml --method handheld --runs 100 --json",
+    "predict hand.toml --method handheld --json",
     "predict table.toml --method turntable --runs 100 --json",
     "predict table.toml --method hybrid --runs 0 --json --report page",
     "plan --require 'gyro.matrix.diagonal <= 3 ppm' --axes 2 -o plan.toml",
@@ -97,9 +97,12 @@ TEST_F(SameBits, OnAnyThreadsInAnyFolderLocaleTimeZoneAndUmask) {
 }
 
 TEST_F(SameBits, UnderValgrindWhichFindsNothing) {  // the verbs that take it some seconds
-  for (const char* verb : {"calibrate hand --method static -o c.json --report page", "calibrate hand --method handheld -o c.json",
+  // There long double has 64 bits, as on some processors, and a p-value, which is computed in it, may end one digit sooner.
+  const auto without_p_values = [](const std::string& text) { return std::regex_replace(text, std::regex("\"p_value\": [^,\n]*"), "(p)"); };
+  for (const char* verb : {"calibrate hand --method static -o c.json", "calibrate hand --method handheld -o c.json",
                            "compensate hand/truth.json hand -o out.csv", "export hand/truth.json --to all -o exported"})
-    expect_equal(result_of(verb, {}), result_of(verb, {.before = "valgrind -q --error-exitcode=99", .options = "--threads 1"}), verb);
+    expect_equal(without_p_values(result_of(verb, {})),
+                 without_p_values(result_of(verb, {.before = "valgrind -q --error-exitcode=99", .options = "--threads 1"})), verb);
 }
 
 }  // namespace

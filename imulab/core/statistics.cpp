@@ -14,15 +14,6 @@ namespace imulab {
 
 namespace bm = boost::math;
 
-namespace {
-
-/// Tails in double precision: long double has 80, 64 or 128 bits from one processor to the next. (Quantiles need its range.)
-using InDouble = bm::policies::policy<bm::policies::promote_double<false>>;
-using ChiSquared = bm::chi_squared_distribution<double, InDouble>;
-using FisherF = bm::fisher_f_distribution<double, InDouble>;
-
-}  // namespace
-
 double quantile(std::vector<double> values, double p) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   const double position = p * static_cast<double>(values.size() - 1);
@@ -66,14 +57,14 @@ double student_quantile(double p, double dof) { return std::isinf(dof) ? normal_
 double chi_square_quantile(double p, double dof) { return bm::quantile(bm::chi_squared(dof), p); }
 double chi_square_tail(double x, double dof) {
   if (std::isnan(x)) return 0;  // no residual that is a number is as large
-  return bm::cdf(bm::complement(ChiSquared(dof), std::max(x, 0.0)));
+  return bm::cdf(bm::complement(bm::chi_squared(dof), std::max(x, 0.0)));
 }
 double log_chi_square_tail(double x, double dof) {
   const double tail = chi_square_tail(x, dof);
   if (tail > 0) return std::log(tail);
   return -0.5 * x + (0.5 * dof - 1) * std::log(0.5 * x) - std::lgamma(0.5 * dof);  // the first term of the expansion far out
 }
-double f_tail(double f, double dof_1, double dof_2) { return bm::cdf(bm::complement(FisherF(dof_1, dof_2), std::max(f, 0.0))); }
+double f_tail(double f, double dof_1, double dof_2) { return bm::cdf(bm::complement(bm::fisher_f(dof_1, dof_2), std::max(f, 0.0))); }
 double binomial_quantile(double p, double trials, double probability) { return bm::quantile(bm::binomial(trials, probability), p); }
 
 }  // namespace imulab
