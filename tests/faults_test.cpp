@@ -5,6 +5,7 @@
 #include "tests/old_or_new.hpp"
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <set>
 #include <string>
 #include <vector>
@@ -43,6 +44,22 @@ struct Faults : testing::Test {
                                                  "' IMULAB_FAULT_SEEN='" + (marks / "seen").string() + "'; " + line());
       return fs::exists(marks / "seen") ? std::optional(std::move(result)) : std::nullopt;
     }
+    /// The first of all calls fails, the second, and so on: tells what came out, and of which. How many there were.
+    int with_each_fault(const std::function<void(const CommandResult&, const std::string& what)>& expect) const {
+      constexpr int most = 200;
+      int faults = 0;
+      for (const std::string& call : calls)
+        for (int n = 1;; ++n, ++faults) {
+          const std::string what = command + ": " + call + " " + std::to_string(n);
+          const auto result = with_fault(call, n);
+          if (!result) break;
+          expect(*result, what);
+          if (n < most) continue;
+          ADD_FAILURE() << what;
+          break;
+        }
+      return faults;
+    }
     /// How many such calls there are.
     long count(const std::string& call) const { return with_fault(call, 0) ? std::stol(read_text(marks / "seen")) : 0; }
   };
@@ -56,31 +73,24 @@ struct Faults : testing::Test {
     const CommandResult good = trial.good();
     ASSERT_LE(good.exit_code, 1) << command << good.errors;
     const FolderContents after = folder_contents(trial.place);
-    int faults = 0;
-    for (const std::string& call : calls)
-      for (int n = 1;; ++n) {
-        const std::string what = command + ": " + call + " " + std::to_string(n);
-        const auto result = trial.with_fault(call, n);
-        if (!result) break;
-        ++faults;
-        ASSERT_LT(n, 200) << what;
-        if (findings && result->exit_code != 2) {
-          EXPECT_THAT(result->errors + folder_contents(trial.place)["page"], testing::ContainsRegex("cannot be (opened|read|written)")) << what;
-          continue;
-        }
-        const FolderContents now = folder_contents(trial.place);
-        expect_each_old_or_new(before, after, now, what);
-        if (command.ends_with(".db3") && result->exit_code == 0) {
-          EXPECT_EQ(now, after) << what;
-          continue;
-        }
-        EXPECT_EQ(result->exit_code, 2) << what << "\n" << result->errors;
-        EXPECT_THAT(result->errors,
-                    testing::ContainsRegex("imulab: [^ ]*[a-zA-Z_./-]+.*(Input/output error|No space left on device|disk I/O error|disk is "
-                                           "full|image is malformed|unable to open|readonly database)"))
-            << what;
-        EXPECT_THAT(result->errors, testing::Not(testing::ContainsRegex("out\\.db3\\.[A-Za-z0-9]{6}:"))) << what;
+    const int faults = trial.with_each_fault([&](const CommandResult& result, const std::string& what) {
+      if (findings && result.exit_code != 2) {
+        EXPECT_THAT(result.errors + folder_contents(trial.place)["page"], testing::ContainsRegex("cannot be (opened|read|written)")) << what;
+        return;
       }
+      const FolderContents now = folder_contents(trial.place);
+      expect_each_old_or_new(before, after, now, what);
+      if (command.ends_with(".db3") && result.exit_code == 0) {
+        EXPECT_EQ(now, after) << what;
+        return;
+      }
+      EXPECT_EQ(result.exit_code, 2) << what << "\n" << result.errors;
+      EXPECT_THAT(result.errors,
+                  testing::ContainsRegex("imulab: [^ ]*[a-zA-Z_./-]+.*(Input/output error|No space left on device|disk I/O error|disk is "
+                                         "full|image is malformed|unable to open|readonly database)"))
+          << what;
+      EXPECT_THAT(result.errors, testing::Not(testing::ContainsRegex("out\\.db3\\.[A-Za-z0-9]{6}:"))) << what;
+    });
     EXPECT_GE(faults, 4) << command;
     RecordProperty("faults", all_ += faults);
   }
@@ -93,22 +103,15 @@ struct Faults : testing::Test {
     ASSERT_EQ(good.exit_code, 0) << command << good.errors;
     const std::string shown = run_shell(trial.work, "cd w && '" + command_path() + "' " + view).output;
     ASSERT_NE(shown, "");
-    int faults = 0;
-    for (const std::string& call : calls)
-      for (int n = 1;; ++n) {
-        const std::string what = command + ": " + call + " " + std::to_string(n);
-        const auto result = trial.with_fault(call, n);
-        if (!result) break;
-        ++faults;
-        ASSERT_LT(n, 200) << what;
-        EXPECT_TRUE(result->exit_code == 0 || result->exit_code == 2 || (result->exit_code == 1 && keeps_failures)) << what << result->errors;
-        if (result->exit_code != 0) {
-          EXPECT_THAT(result->errors, testing::StartsWith("imulab: ")) << what;
-          const CommandResult again = run_shell(trial.work, trial.line());
-          EXPECT_EQ(again.exit_code, 0) << what << "\n" << again.errors;
-        }
-        EXPECT_EQ(run_shell(trial.work, "cd w && '" + command_path() + "' " + view).output, shown) << what;
+    const int faults = trial.with_each_fault([&](const CommandResult& result, const std::string& what) {
+      EXPECT_TRUE(result.exit_code == 0 || result.exit_code == 2 || (result.exit_code == 1 && keeps_failures)) << what << result.errors;
+      if (result.exit_code != 0) {
+        EXPECT_THAT(result.errors, testing::StartsWith("imulab: ")) << what;
+        const CommandResult again = run_shell(trial.work, trial.line());
+        EXPECT_EQ(again.exit_code, 0) << what << "\n" << again.errors;
       }
+      EXPECT_EQ(run_shell(trial.work, "cd w && '" + command_path() + "' " + view).output, shown) << what;
+    });
     EXPECT_GE(faults, 4) << command;
     RecordProperty("faults", all_ += faults);
   }

@@ -32,5 +32,14 @@ TEST(Memory, WhatWouldTakeMoreIsRefused) {
   EXPECT_EQ(run_imulab(folder, "noise s --memory 0").exit_code, 2);
 }
 
+TEST(Memory, OfALogWithSeveralTopicsTheImuCounts) {
+  const TemporaryFolder folder;
+  for (const char* log : {"imu_none.mcap", "imu_none.bag", "imu.db3", "px4.ulg"}) {
+    const std::string inspect = "inspect '" IMULAB_SOURCE "/tests/recordings/" + std::string(log) + "' --memory ";
+    EXPECT_THAT(on_one_line(run_imulab(folder, inspect + "0.001").errors), HasSubstr("million rows of")) << log;
+    EXPECT_EQ(run_imulab(folder, inspect + "1").errors, run_imulab(folder, inspect + "1000").errors) << log;
+  }
+}
+
 }  // namespace
 }  // namespace imulab

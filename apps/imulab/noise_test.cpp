@@ -3,77 +3,18 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/run_command.hpp"
+#include "tests/still_log.hpp"
 #include <array>
 #include <cmath>
-#include <cstdint>
-#include <cstdio>
-#include <functional>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 namespace imulab {
 namespace {
 
 using ::testing::HasSubstr;
 
-using Row = std::function<std::array<double, 6>(int i)>;
-
-/// A number between -1 and 1 that looks random: Weyl's sequence, mixed.
-double noise(int i, int axis) {
-  const double x = std::sin(12.9898 * i + 78.233 * axis) * 43758.5453;
-  return 2 * (x - std::floor(x)) - 1;
-}
-
-std::array<double, 6> still(int i) {
-  std::array<double, 6> row{};
-  for (int k = 0; k < 6; ++k) row[static_cast<std::size_t>(k)] = (k < 3 ? 1e-3 : 0.01) * noise(i, k) + (k == 5 ? 9.8 : 0);
-  return row;
-}
-
-void write_log(const TemporaryFolder& folder, int samples, const Row& row, int skip_from = -1, int skip = 0) {
-  std::ostringstream text;
-  text.precision(12);
-  text << "t,gx,gy,gz,ax,ay,az\n";
-  for (int i = 1; i <= samples; ++i) {
-    text << 0.01 * (i + (skip_from >= 0 && i > skip_from ? skip : 0));
-    for (const double value : row(i)) text << ',' << value;
-    text << '\n';
-  }
-  folder.write("log.csv", text.str());
-  folder.write("session.toml",
-               "format = \"imulab.session/1\"\n[imu]\nname = \"test\"\n[site]\nlatitude_deg = 47.0\n[rig]\nkind = \"none\"\n"
-               "[[recording]]\nfile = \"log.csv\"\nrate_hz = 100\ntime = { column = \"t\", unit = \"s\" }\n"
-               "gyro = { columns = [\"gx\", \"gy\", \"gz\"], output = \"rate\", unit = \"rad/s\" }\n"
-               "accel = { columns = [\"ax\", \"ay\", \"az\"], output = \"rate\", unit = \"m/s^2\" }\n");
-}
-
-struct Peak {
-  int exit_code = -1;
-  double bytes = 0;  ///< of resident memory, mapped files included
-};
-
-Peak peak_of_imulab(const TemporaryFolder& folder, const std::vector<std::string>& arguments) {
-  const std::string command = command_path();
-  const pid_t child = fork();
-  if (child == 0) {
-    std::vector<char*> argv{const_cast<char*>(command.c_str())};
-    for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
-    argv.push_back(nullptr);
-    if (chdir(folder.path().c_str()) != 0 || std::freopen("/dev/null", "w", stdout) == nullptr) _exit(127);
-    execv(command.c_str(), argv.data());
-    _exit(127);
-  }
-  int status = 0;
-  rusage usage{};
-  wait4(child, &status, 0, &usage);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, 1024.0 * static_cast<double>(usage.ru_maxrss)};
-}
-
 TEST(NoiseCommand, StatesTheWhiteNoiseAndNoMore) {
   const TemporaryFolder folder;
-  write_log(folder, 20000, still);
+  write_still_log(folder, 20000, still_readings);
   const CommandResult result = run_imulab(folder, "noise session.toml -o noise.json");
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_THAT(result.output, HasSubstr("at rest: 0 to 200 s, 20000 samples; 0 of 200 s were cut"));
@@ -98,7 +39,7 @@ TEST(NoiseCommand, StatesTheWhiteNoiseAndNoMore) {
 
 TEST(NoiseCommand, TakesALogWithoutASession) {
   const TemporaryFolder folder;
-  write_log(folder, 6000, still);
+  write_still_log(folder, 6000, still_readings);
   const CommandResult asked = run_imulab(folder, "noise log.csv");
   EXPECT_EQ(asked.exit_code, 1);
   EXPECT_THAT(asked.errors, HasSubstr("gyro.unit"));
@@ -109,10 +50,10 @@ TEST(NoiseCommand, TakesALogWithoutASession) {
 
 TEST(NoiseCommand, CutsKnocksAndGaps) {
   const TemporaryFolder folder;
-  write_log(
+  write_still_log(
       folder, 20000,
       [](int i) {
-        std::array<double, 6> row = still(i);
+        std::array<double, 6> row = still_readings(i);
         if (i > 4000 && i < 4200)
           for (double& value : row) value += 0.5 * std::sin(0.3 * i);  // somebody walks into the table
         return row;
@@ -129,23 +70,23 @@ TEST(NoiseCommand, CutsKnocksAndGaps) {
 struct Refusal {
   const char* name;
   int samples;
-  Row row;
+  ReadingsAt row;
   const char* message;
 };
 
 TEST(NoiseCommand, RefusesWhatShowsNoNoise) {
   const std::vector<Refusal> refusals{
-      {"three seconds", 300, still, "has 3 s, 300 samples: too short to see noise; expected at least 30 s and 1024 samples at rest"},
+      {"three seconds", 300, still_readings, "has 3 s, 300 samples: too short to see noise; expected at least 30 s and 1024 samples at rest"},
       {"motion throughout", 6000,
        [](int i) {
-         std::array<double, 6> row = still(i);
+         std::array<double, 6> row = still_readings(i);
          for (std::size_t k = 0; k < 6; ++k) row[k] += (1 + 0.5 * std::sin(0.0137 * i)) * std::sin(0.05 * i + static_cast<double>(k));
          return row;
        },
        "expected at least 30 s and 1024 samples at rest"},
       {"a constant axis", 6000,
        [](int i) {
-         std::array<double, 6> row = still(i);
+         std::array<double, 6> row = still_readings(i);
          row[1] = 0.001;
          return row;
        },
@@ -153,14 +94,14 @@ TEST(NoiseCommand, RefusesWhatShowsNoNoise) {
       {"all constant", 6000, [](int) { return std::array<double, 6>{0, 0, 0, 0, 0, 9.8}; }, "no noise to be seen on gyro.x, gyro.y, gyro.z, accel.x"},
       {"a saturated axis", 6000,
        [](int i) {
-         std::array<double, 6> row = still(i);
+         std::array<double, 6> row = still_readings(i);
          row[3] = std::min(row[3], 0.004);
          return row;
        },
        "samples are saturated (accel.x): the noise is cut off there"}};
   for (const Refusal& r : refusals) {
     const TemporaryFolder folder;
-    write_log(folder, r.samples, r.row);
+    write_still_log(folder, r.samples, r.row);
     const CommandResult result = run_imulab(folder, "noise session.toml");
     EXPECT_EQ(result.exit_code, 1) << r.name << result.errors;
     EXPECT_THAT(result.errors, HasSubstr(r.message)) << r.name;
@@ -169,8 +110,8 @@ TEST(NoiseCommand, RefusesWhatShowsNoNoise) {
 
 TEST(NoiseCommand, RefusesNumbersThatAreNone) {
   const TemporaryFolder folder;
-  write_log(folder, 6000, [](int i) {
-    std::array<double, 6> row = still(i);
+  write_still_log(folder, 6000, [](int i) {
+    std::array<double, 6> row = still_readings(i);
     if (i == 3000) row[2] = NAN;
     return row;
   });
@@ -188,7 +129,7 @@ TEST(NoiseCommand, RefusesARateThatChanges) {
     std::string text = "t,gx,gy,gz,ax,ay,az\n";
     for (int i = 1; i <= rows; ++i) {
       text += fmt::format("{:.3f}", i <= first ? first_s * i : first_s * first + second_s * (i - first));
-      for (const double value : still(i)) text += "," + std::to_string(value);
+      for (const double value : still_readings(i)) text += "," + std::to_string(value);
       text += "\n";
     }
     folder.write("log.csv", text);
@@ -210,7 +151,7 @@ TEST(NoiseCommand, StampsThatAreRoundedAreThoseOfAnEvenClock) {
     std::string text = "t,gx,gy,gz,ax,ay,az\n";
     for (int i = 1; i <= 60000; ++i) {
       text += fmt::format("{:.{}f}", i / rate_hz, digits);
-      for (const double value : still(i)) text += "," + std::to_string(value);
+      for (const double value : still_readings(i)) text += "," + std::to_string(value);
       text += "\n";
     }
     folder.write("log.csv", text);
@@ -233,7 +174,7 @@ TEST(NoiseCommand, StampsThatScatterAreThoseOfAnEvenClock) {
   std::string text = "t,gx,gy,gz,ax,ay,az\n";
   for (int i = 1; i <= 20000; ++i) {
     text += fmt::format("{:.6f}", 0.01 * i + (i % 4 == 0 ? 0.004 : i % 4 * 0.00025));
-    for (const double value : still(i)) text += "," + std::to_string(value);
+    for (const double value : still_readings(i)) text += "," + std::to_string(value);
     text += "\n";
   }
   folder.write("log.csv", text);
@@ -250,9 +191,9 @@ TEST(NoiseCommand, TakesTheTemperatureAway) {
   for (int i = 1; i <= 20000; ++i) {
     const double warm = 20 + 5 * (1 - std::exp(-i / 8000.0));
     text << 0.01 * i;
-    const std::array<double, 6> row = still(i);
+    const std::array<double, 6> row = still_readings(i);
     for (std::size_t k = 0; k < 6; ++k) text << ',' << row[k] + (k < 3 ? 1e-3 : 1e-2) * (warm - 20);
-    text << ',' << warm + 0.01 * noise(i, 7) << '\n';
+    text << ',' << warm + 0.01 * repeated_noise(i, 7) << '\n';
   }
   folder.write("log.csv", text.str());
   const std::string session =
@@ -280,7 +221,7 @@ TEST(NoiseCommand, TakesTheTemperatureAway) {
 
 TEST(NoiseCommand, PutsSeveralLogsTogether) {
   const TemporaryFolder folder;
-  write_log(folder, 6000, still);
+  write_still_log(folder, 6000, still_readings);
   ASSERT_EQ(run_imulab(folder, "noise session.toml -o one.json").exit_code, 0);
   const CommandResult result = run_imulab(folder, "noise session.toml session.toml -o two.json");
   ASSERT_EQ(result.exit_code, 0) << result.errors;
@@ -291,94 +232,9 @@ TEST(NoiseCommand, PutsSeveralLogsTogether) {
 }
 
 /// What simulate gives back: a unit of the noise that an analysis found has that noise in its own analysis.
-/// Rows of six readings at 1 kHz behind their stamps, as NumPy saves them.
-void write_npy(const std::filesystem::path& file, std::size_t rows) {
-  std::string head = "{'descr': '<f8', 'fortran_order': False, 'shape': (" + std::to_string(rows) + ", 7), }";
-  head.resize(117, ' ');
-  std::ofstream out(file, std::ios::binary);
-  out << "\x93NUMPY\x01" << '\0' << 'v' << '\0' << head << '\n';
-  std::uint64_t state = 1;
-  std::vector<std::array<double, 7>> block;
-  for (std::size_t i = 0; i < rows; ++i) {
-    std::array<double, 7> row{1e-3 * static_cast<double>(i + 1)};
-    for (std::size_t k = 1; k < 7; ++k) {
-      state = state * 6364136223846793005u + 1442695040888963407u;
-      row[k] = 1e-3 * (std::ldexp(static_cast<double>(state >> 11), -53) - 0.5) + (k == 6 ? 9.8 : 0);
-    }
-    block.push_back(row);
-    if (block.size() < 8192 && i + 1 < rows) continue;
-    out.write(reinterpret_cast<const char*>(block.data()), static_cast<std::streamsize>(block.size() * sizeof(row)));
-    block.clear();
-  }
-}
-
-TEST(NoiseCommand, ALongLogInFilesGivesTheSameAsInMemory) {
-  const TemporaryFolder folder;
-  // More than one piece of text, with knocks, a gap, lost samples that are filled in, and a temperature.
-  std::ostringstream text;
-  text.precision(10);
-  text << "t,gx,gy,gz,ax,ay,az,T\n";
-  for (int i = 1; i <= 250000; ++i) {
-    if (i % 20011 == 0 || (i > 60000 && i < 60050)) continue;
-    text << 0.01 * i;
-    const bool knock = i > 30000 && i < 30100;
-    for (const double value : still(i)) text << ',' << value + (knock ? std::sin(0.3 * i) : 0);
-    text << ',' << 25 + 1e-5 * i << '\n';
-  }
-  write_log(folder, 2, still);
-  folder.write("log.csv", text.str());
-  std::ofstream(folder / "session.toml", std::ios::app) << "gyro_temperature = { columns = [\"T\"], unit = \"degC\" }\n"
-                                                           "accel_temperature = { columns = [\"T\"], unit = \"degC\" }\n";
-  for (const char* options : {"", " --remove-temperature", " --deviation total", " --report page.html --force"}) {
-    const CommandResult memory = run_imulab(folder, std::string("noise session.toml --json") + options);
-    const std::string page = *options != '\0' && std::string(options).find("page") != std::string::npos ? read_text(folder / "page.html") : "";
-    const CommandResult files = run_imulab(folder, std::string("noise session.toml --json --in-memory 1") + options);
-    ASSERT_EQ(memory.exit_code, 0) << memory.errors;
-    EXPECT_EQ(files.exit_code, 0) << files.errors;
-    EXPECT_EQ(files.output, memory.output) << options;
-    EXPECT_EQ(files.errors, memory.errors) << options;
-    if (!page.empty()) {
-      EXPECT_EQ(read_text(folder / "page.html"), page);
-    }
-  }
-  EXPECT_THAT(run_imulab(folder, "noise session.toml --in-memory 1").output, HasSubstr("lost samples were filled in"));
-}
-
-TEST(NoiseCommand, ALongLogThatMovesIsRefusedAsInMemory) {
-  const TemporaryFolder folder;
-  write_log(folder, 40000, [](int i) {
-    std::array<double, 6> row = still(i);
-    for (double& value : row) value += std::sin(0.05 * i);
-    return row;
-  });
-  const CommandResult memory = run_imulab(folder, "noise session.toml"), files = run_imulab(folder, "noise session.toml --in-memory 1");
-  EXPECT_EQ(memory.exit_code, 1);
-  EXPECT_EQ(files.exit_code, 1);
-  EXPECT_EQ(files.errors, memory.errors);
-}
-
-TEST(NoiseCommand, ALongLogTakesTheMemoryOfOneAxis) {
-  if (under_sanitizers()) GTEST_SKIP() << "they need memory of their own";
-  const TemporaryFolder folder;
-  constexpr std::size_t rows = 5'000'000;
-  write_npy(folder / "log.npy", rows);
-  write_log(folder, 2, still);
-  folder.write("session.toml",
-               "format = \"imulab.session/1\"\n[imu]\nname = \"test\"\n[site]\nlatitude_deg = 47.0\n[rig]\nkind = \"none\"\n"
-               "[[recording]]\nfile = \"log.npy\"\ntime = { column = 1, unit = \"s\" }\n"
-               "gyro = { columns = [2, 3, 4], output = \"rate\", unit = \"rad/s\" }\n"
-               "accel = { columns = [5, 6, 7], output = \"rate\", unit = \"m/s^2\" }\n");
-  const Peak peak = peak_of_imulab(folder, {"noise", "session.toml", "--in-memory", "100", "-o", "noise.json"});
-  ASSERT_EQ(peak.exit_code, 0);
-  EXPECT_THAT(read_text(folder / "noise.json"), HasSubstr("\"samples\": 5000000"));
-  // One axis, and what does not grow with the log: the program, its libraries, a piece of the file, sums of a twentieth of a second (measured 77 MB).
-  EXPECT_LT(peak.bytes, 8.0 * rows + 120e6);
-  // The columns alone are 280 MB.
-}
-
 TEST(NoiseCommand, ItsNumbersComeBackFromASimulation) {
   const TemporaryFolder folder;
-  write_log(folder, 20000, still);
+  write_still_log(folder, 20000, still_readings);
   ASSERT_EQ(run_imulab(folder, "noise session.toml -o noise.json").exit_code, 0);
   const std::string procedure =
       "format = \"imulab.session/1\"\n[imu]\nname = \"test\"\nNOISE[site]\nlatitude_deg = 47.0\nheight_m = 0.0\n[rig]\nkind = \"none\"\n"

@@ -97,12 +97,6 @@ void set_optional_totals(Iterate& c) {
 
 double chi2_of(const Iterate& i) { return std::accumulate(i.pass.chi2.begin(), i.pass.chi2.end(), 0.0); }
 
-/// The velocities' residuals over what the noise explains (RMS).
-double scatter_of(const Data& data, const Iterate& c) {
-  const auto used = std::count_if(data.blocks.begin(), data.blocks.end(), [](const Block& b) { return b.observed; });
-  return std::sqrt(chi2_of(c) / (3.0 * static_cast<double>(std::max<std::ptrdiff_t>(used, 1))));
-}
-
 /// Passes that come no nearer to data far away.
 class Stuck {
  public:
@@ -262,6 +256,11 @@ std::optional<SeenLatitude> mirrored_latitude(const Data& data, const Iterate& c
 }
 
 }  // namespace
+
+double scatter_of(const Data& data, const Iterate& c) {
+  const auto used = std::count_if(data.blocks.begin(), data.blocks.end(), [](const Block& b) { return b.observed; });
+  return std::sqrt(chi2_of(c) / (3.0 * static_cast<double>(std::max<std::ptrdiff_t>(used, 1))));
+}
 
 bool is_hopeless(const Data& data, const Iterate& c) {
   constexpr double far = 5;  // as from there on a result is doubtful

@@ -38,6 +38,9 @@ struct Errors {
 };
 Errors determined_errors(const Iterate& iterate);
 
+/// The velocities' residuals over what the noise explains (RMS).
+double scatter_of(const Data& data, const Iterate& iterate);
+
 /// Neither converged nor anywhere near the data: no other latitude, prior, axis or choice of velocities makes it so.
 bool is_hopeless(const Data& data, const Iterate& iterate);
 

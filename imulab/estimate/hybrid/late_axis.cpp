@@ -4,30 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 namespace imulab::hybrid {
 
-namespace {
-
-double velocity_scatter(const Data& data, const Iterate& iterate) {
-  const auto observed = std::count_if(data.blocks.begin(), data.blocks.end(), [](const Block& b) { return b.observed; });
-  const std::vector<double>& chi2 = iterate.pass.chi2;
-  return std::sqrt(std::accumulate(chi2.begin(), chi2.end(), 0.0) / (3.0 * static_cast<double>(std::max<std::ptrdiff_t>(observed, 1))));
-}
-
-}  // namespace
-
 std::optional<LateAxis> late_axis(const Data& data, const Iterate& converged) {
   constexpr double fits = 1.5, hopeless = 100;  // as in turns whose ramps are between two samples; as of other data
-  LateAxis best{0, 0, HUGE_VAL, velocity_scatter(data, converged)};
+  LateAxis best{0, 0, HUGE_VAL, scatter_of(data, converged)};
   if (!(best.before > fits && best.before < hopeless)) return std::nullopt;
   for (std::size_t axis = 0; axis < 6; ++axis)
     for (const int samples : {1, -1}) {
       const Recording moved = put_right(data.recording, {axis, samples});
       const Data trial{moved, data.blocks, data.place, data.noise, data.coarse, data.wanted, data.priors};
-      if (const double scatter = velocity_scatter(trial, repeated(trial, converged)); scatter < best.scatter)
+      if (const double scatter = scatter_of(trial, repeated(trial, converged)); scatter < best.scatter)
         best.axis = axis, best.samples = samples, best.scatter = scatter;
     }
   return best.scatter < 0.5 * best.before ? std::optional(best) : std::nullopt;

@@ -52,11 +52,7 @@ TimedTable read_rows(RowReader reader, std::string_view text, const ReadingMeter
 /// The text in parts of whole lines.
 std::vector<std::string_view> parts_of_lines(std::string_view text, std::size_t count) {
   std::vector<std::string_view> parts;
-  for (std::size_t left = count; left > 1 && !text.empty(); --left) {
-    const std::size_t end = std::min(text.find('\n', text.size() / left), text.size() - 1) + 1;
-    parts.push_back(text.substr(0, end));
-    text.remove_prefix(end);
-  }
+  for (std::size_t left = count; left > 1 && !text.empty(); --left) parts.push_back(take_lines(text, text.size() / left));
   if (!text.empty()) parts.push_back(text);
   return parts;
 }
@@ -192,9 +188,7 @@ void for_each_piece(const MappedFile& file, const std::string& name, const Table
   const ReadingMeter meter(text.size());
   PieceReader pieces(reader, meter);
   for (bool begin = true; begin || !text.empty(); begin = false) {
-    const std::size_t end = text.size() > bytes_of_piece ? std::min(text.find('\n', bytes_of_piece), text.size() - 1) + 1 : text.size();
-    TimedTable table = pieces.read(text.substr(0, end));
-    text.remove_prefix(end);
+    TimedTable table = pieces.read(take_lines(text, bytes_of_piece));
     file.release(file.text().size());
     table.file = name;
     if (begin) table.warnings = warnings_of(name, layout, cut);

@@ -112,6 +112,13 @@ void expect_repetition(const Row& before, const Row& row, std::size_t line, cons
 
 }  // namespace
 
+std::string_view take_lines(std::string_view& text, std::size_t bytes) {
+  const std::size_t end = text.size() > bytes ? std::min(text.find('\n', bytes), text.size() - 1) + 1 : text.size();
+  const std::string_view lines = text.substr(0, end);
+  text.remove_prefix(end);
+  return lines;
+}
+
 RowReader::RowReader(TableLayout layout, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns)
     : clock_(time, rate_hz) {
   plan_.layout = std::move(layout);

@@ -26,6 +26,9 @@ struct RowPlan {
   int exponent = 9, fraction_exponent = 0;
 };
 
+/// Takes whole lines of at least so many bytes off the front of a text; all of it where it has no more.
+std::string_view take_lines(std::string_view& text, std::size_t bytes);
+
 class RowReader {
  public:
   /// `columns` are what is read beside the time; one may be asked for twice, and is then read once. Throws Error for a column that is not there.

@@ -196,21 +196,34 @@ TimedTable timed_table(const TableRequest& request, const TimeSource& time, std:
 
 }  // namespace
 
-void expect_memory_for(const TableRequest& request, const std::vector<Column>& columns, const RecordingFormat& format, double factor) {
-  constexpr double most_expanded = 8;  // a row of short integers, or of digits, as numbers: a file that is smaller fits anyway
-  std::error_code none;
-  if (most_expanded * static_cast<double>(std::filesystem::file_size(request.file, none)) < static_cast<double>(memory_limit()) || none) return;
-  std::size_t rows = format.rows != nullptr ? format.rows(request, columns) : 0;
-  if (rows == 0) rows = find_table(format.describe(request), request.topic, request.file.string()).rows;
-  const double bytes = 8 * factor * static_cast<double>(rows) * static_cast<double>(columns.size() + 1);
-  expect_memory(bytes, fmt::format("{}: reading {:.3g} million rows of {} columns", request.file.string(), 1e-6 * static_cast<double>(rows),
-                                   columns.size() + 1));
+void expect_memory_for(const std::string& file, std::size_t rows, std::size_t columns, double factor) {
+  const auto count = static_cast<double>(rows);
+  expect_memory(8 * factor * count * static_cast<double>(columns),
+                fmt::format("{}: reading {:.3g} million rows of {} columns", file, 1e-6 * count, columns));
 }
+
+namespace {
+
+/// A file that is far smaller than the memory fits into it: a row of short integers, or of digits, is at most so many times as large as numbers.
+bool may_be_too_large(const TableRequest& request) {
+  constexpr double most_expanded = 8;
+  std::error_code none;
+  const auto bytes = static_cast<double>(std::filesystem::file_size(request.file, none));
+  return !none && most_expanded * bytes >= static_cast<double>(memory_limit());
+}
+
+std::size_t rows_of(const TableRequest& request, const std::vector<Column>& columns, const RecordingFormat& format) {
+  const std::size_t rows = format.rows != nullptr ? format.rows(request, columns) : 0;
+  return rows > 0 ? rows : find_table(format.describe(request), request.topic, request.file.string()).rows;
+}
+
+}  // namespace
 
 TimedTable read_table(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns,
                       const std::vector<RecordingFormat>& formats) {
   const RecordingFormat& format = format_of(request, formats);
-  expect_memory_for(request, columns, format, 1.2);  // with what finds the rests
+  constexpr double with_rests = 1.2;  // what finds them
+  if (may_be_too_large(request)) expect_memory_for(request.file.string(), rows_of(request, columns, format), columns.size() + 1, with_rests);
   return format.read != nullptr ? format.read(request, time, rate_hz, columns) : timed_table(request, time, rate_hz, columns, format);
 }
 

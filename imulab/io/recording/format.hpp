@@ -55,8 +55,8 @@ const RecordingFormat& format_of(const TableRequest& request, const std::vector<
 
 namespace recording_io {
 
-/// Throws MemoryError where the columns of a table, and work with them that takes `factor` as much, need more memory than they may take.
-void expect_memory_for(const TableRequest& request, const std::vector<Column>& columns, const RecordingFormat& format, double factor);
+/// Throws MemoryError where so many rows, and work with them that takes `factor` as much, need more memory than they may take.
+void expect_memory_for(const std::string& file, std::size_t rows, std::size_t columns, double factor);
 
 /// Reads a table with stamps as `time` says and readings in the file's units. Throws Error with file and place for a value that is not finite and
 /// stamps that do not ascend.

@@ -108,6 +108,7 @@ std::string name_in_table(const TableDescription& table, const std::string& name
 }
 
 constexpr std::size_t part_of_long = 3;  // of what may be read at once: inspection holds it three times
+constexpr double with_inspection = 2.5;  // what the columns and their inspection take over the columns
 
 std::string head_note(std::size_t rows) { return fmt::format("the first {} rows were looked at", rows); }
 
@@ -129,7 +130,10 @@ void append(RawColumn& to, RawColumn&& from) {
 /// All rows, or the first ones.
 RawTable columns_of_head(const RecordingFormat& format, const TableRequest& request, const std::vector<Column>& columns, std::size_t rows,
                          std::size_t most_rows) {
-  if (rows <= most_rows || format.pieces == nullptr || format.rows(request, columns) == 0) return format.columns(request, columns);
+  if (rows <= most_rows || format.pieces == nullptr || format.rows(request, columns) == 0) {
+    expect_memory_for(request.file.string(), rows, columns.size(), with_inspection);
+    return format.columns(request, columns);
+  }
   RawTable head;
   head.columns.resize(columns.size());
   format.pieces(request, columns, [&](RawTable&& piece) {
@@ -196,11 +200,10 @@ bool read_numbers(const TableLayout& layout, std::string_view text, SignalTable&
     RowReader reader(layout, {.column = std::nullopt}, 1, columns);
     const ReadingMeter meter(text.size());
     for (std::string_view left = text.substr(layout.offset); !left.empty();) {
-      const std::size_t end = left.size() > at_once ? std::min(left.find('\n', at_once), left.size() - 1) + 1 : left.size();
-      for (std::string_view rows = left.substr(0, end); reader.next(rows);)
+      std::string_view rows = take_lines(left, at_once);
+      meter.add(rows.size());
+      while (reader.next(rows))
         for (std::size_t i = 0; i < layout.columns; ++i) table.signals[i].values.push_back(reader.row().values[i]);
-      left.remove_prefix(end);
-      meter.add(end);
       passed();
     }
     return true;
@@ -280,13 +283,11 @@ SignalTable read_signals(const std::filesystem::path& file, const std::string& t
   if (is_stream(file)) return signals_of_stream(file, longest_s);
   const TableRequest request{file, topic, ""};
   const RecordingFormat& format = format_of(request, formats);
-  if (most_numbers == all_numbers) {
-    constexpr std::size_t of_an_imu = 6;  // columns beside the time, where nothing is known of them yet
-    expect_memory_for(request, std::vector<Column>(of_an_imu, Column(1)), format, 2.5);
-  }
   if (format.recognizes != is_text) return signals_of(format, request, most_numbers);
   const MappedFile mapped(file);
   const std::string_view head = first_lines(input_name(file), mapped.text(), most_numbers);
+  if (head.size() == mapped.text().size())
+    expect_memory_for(input_name(file), format.rows(request, {}), table_layout(input_name(file), head, false).columns, with_inspection);
   SignalTable table = signals_of_text(input_name(file), head, [&] { mapped.release(mapped.text().size()); });
   if (head.size() < mapped.text().size() && !table.signals.empty()) table.notes.push_back(head_note(table.signals.front().values.size()));
   return table;
