@@ -162,6 +162,19 @@ TEST(BadData, TooFewRests) {
   }
 }
 
+TEST(BadData, RestsWhoseRotationsShowNoScaleStillGiveTheGyrosOffset) {
+  const TemporaryFolder folder;
+  SessionText text = hand_held_session();
+  text.lines.resize(1 + 5300);  // 5 rests
+  const CommandResult result = calibrate(folder, text);
+  EXPECT_THAT(result.errors, HasSubstr("gyro.matrix.zz"));  // among those that are not determined
+  for (const char* offset : {"gyro.offset.x", "gyro.offset.y", "gyro.offset.z"}) {
+    EXPECT_THAT(result.errors, testing::Not(HasSubstr(offset)));
+    EXPECT_THAT(result.output, HasSubstr(offset));
+  }
+  EXPECT_THAT(result.output, testing::Not(HasSubstr("what the noise explains")));
+}
+
 TEST(BadData, AllRestsOnOneAxis) {
   const TemporaryFolder folder;
   std::string procedure =

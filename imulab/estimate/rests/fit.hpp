@@ -83,13 +83,15 @@ Fit converge_under_true_priors(Problem& problem) {
 }
 
 /// Optional terms of which the data say nothing go back to zero, and the others are fitted again. The spreads are those of the fit with all of them.
-/// Other coefficients stay in the fit under their prior, determined or not: a weak one does not spoil those that it has little to do with. But the
-/// gyros' matrix goes back to its prior as a whole.
+/// Other coefficients stay in the fit under their prior, determined or not: a weak one does not spoil those that it has little to do with. But a
+/// gyro's scale that ran away goes back to its prior, with all of the matrix; then rotations say nothing, since what the gyros read in one is beside
+/// the truth by their scales.
 template <class Problem>
 Fit fit_determined(Problem& problem) {
   Fit fit = converge(problem);
-  if (const std::vector<Eigen::Index> open = problem.open_gyro_matrix(fit.parameters, fit.covariance()); !open.empty()) {
-    problem.hold(open);
+  if (const std::vector<Eigen::Index> matrix = problem.runaway_gyro_matrix(fit.parameters, fit.covariance()); !matrix.empty()) {
+    problem.hold(matrix);
+    problem.leave_out_rotations();
     fit = converge(problem);
   }
   const auto unseen = [&] { return problem.unseen_terms(fit.parameters, fit.covariance()); };

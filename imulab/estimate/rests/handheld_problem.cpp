@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace imulab::rests {
 
@@ -65,7 +66,8 @@ void HandheldProblem::relink() {
   for (std::size_t k = 0; k < links_.size(); ++k) {
     const std::size_t begin = rests_[k].range.end, end = rests_[k + 1].range.begin;
     // A gap before sample `end` itself is missing motion too. Rests that adjoin have no rotation between them.
-    links_[k].usable = !links_[k].refused && recording_->gaps_in({begin, end + 1}) == 0 && recording_->saturated_in({begin, end}) == 0;
+    links_[k].usable =
+        !rests_alone_ && !links_[k].refused && recording_->gaps_in({begin, end + 1}) == 0 && recording_->saturated_in({begin, end}) == 0;
   }
   stretch_.assign(rests_.size(), 0);
   for (std::size_t k = 1; k < rests_.size(); ++k) stretch_[k] = stretch_[k - 1] + (linked(k - 1) ? 0 : 1);
@@ -277,6 +279,16 @@ void HandheldProblem::drop(std::size_t k) {
     if (k > 0 && k - 1 < links_.size()) links_[k - 1] = {};  // a new, longer rotation
   }
   relink();
+}
+
+void HandheldProblem::leave_out_rotations() {
+  rests_alone_ = true;
+  relink();
+}
+
+void HandheldProblem::release() {
+  RestProblem::release();
+  if (std::exchange(rests_alone_, false)) relink();
 }
 
 }  // namespace imulab::rests

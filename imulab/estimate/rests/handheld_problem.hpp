@@ -27,6 +27,9 @@ class HandheldProblem : public RestProblem {
   std::vector<SuspectRows> suspects(const Conditions& conditions) const;
   /// Leaves out a rest (the rotations before and after it become one) or a rotation.
   void drop(std::size_t suspect);
+  /// What the rests alone say is estimated, until release().
+  void leave_out_rotations();
+  void release();
 
   /// As if the unit were turned further, about `axis` (body axes) by `angle` [rad], and then rested for `rest_s`, with the noise of the others. For
   /// the information of a rest to come: not to be corrected or dropped from after this.
@@ -79,6 +82,7 @@ class HandheldProblem : public RestProblem {
   Vector3d rounding_in_common() const;
 
   const Recording* recording_;
+  bool rests_alone_ = false;
   std::vector<Link> links_;               ///< links_[k] leads from rest k to rest k + 1
   std::vector<std::size_t> stretch_;      ///< of each rest
   std::vector<Matrix3d> C_nb_;            ///< attitude of each rest; heading relative to the stretch's first

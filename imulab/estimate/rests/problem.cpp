@@ -21,6 +21,15 @@ Matrix3d mean_covariance(const TriadModel& model, const Vector3d& sample_sigma, 
   return model.matrix * variance.asDiagonal() * model.matrix.transpose() + spread * spread * Matrix3d::Identity();
 }
 
+/// Iterations that pass a scale near zero would find no noise there, and stay.
+TriadModel with_half_the_scale_at_least(TriadModel model, const TriadModel& prior) {
+  for (int k = 0; k < 3; ++k) {
+    const double norm = model.matrix.row(k).norm(), least = 0.5 * prior.matrix.row(k).norm();
+    if (norm > 0 && norm < least) model.matrix.row(k) *= least / norm;
+  }
+  return model;
+}
+
 SampleNoise scaled(const SampleNoise& raw, const Scaling& scaling) {
   return {raw.accel.cwiseQuotient(scaling.accel_scale), raw.gyro.cwiseQuotient(scaling.gyro_scale)};
 }
@@ -104,17 +113,21 @@ std::vector<Index> RestProblem::unseen_terms(const kernel::Parameters& parameter
   return unseen;
 }
 
-std::vector<Index> RestProblem::open_gyro_matrix(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const {
+std::vector<Index> RestProblem::runaway_gyro_matrix(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const {
+  constexpr double away = 2;  // prior sigmas
   std::vector<Index> matrix;
-  bool open = false;
+  bool runaway = false;
   for (const Index i : parameters.with(kernel::Role::estimated)) {
     if (i >= std::ssize(indices_)) continue;
     const Coefficient& c = coefficient(indices_[static_cast<std::size_t>(i)]);
     if (c.triad != Triad::gyro || (c.term != Term::matrix && c.term != Term::quadratic && c.term != Term::cubic)) continue;
     matrix.push_back(i);
-    open = open || (c.term == Term::matrix && c.row == c.column && !(std::sqrt(covariance(i, i)) < kernel::needed_sigma(c, parameters.sigma[i])));
+    if (c.term != Term::matrix || c.row != c.column) continue;
+    const CoefficientIndex index = indices_[static_cast<std::size_t>(i)];
+    const bool known = std::sqrt(covariance(i, i)) < kernel::needed_sigma(c, parameters.sigma[i]);
+    runaway = runaway || (!known && std::abs(coefficient_value(model_, index) - coefficient_value(prior_, index)) > away * parameters.sigma[i]);
   }
-  return open ? matrix : std::vector<Index>{};
+  return runaway ? matrix : std::vector<Index>{};
 }
 
 bool RestProblem::widen_priors(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) {
@@ -161,7 +174,7 @@ Matrix3d RestProblem::force_covariance(const RestMeans& rest, double spread) con
 }
 
 Matrix3d RestProblem::rate_covariance(const RestMeans& rest, double spread) const {
-  return mean_covariance(model_.gyro, noise_.sample.gyro, noise_.rounding.gyro, rest.range.size(), spread);
+  return mean_covariance(with_half_the_scale_at_least(model_.gyro, prior_.gyro), noise_.sample.gyro, noise_.rounding.gyro, rest.range.size(), spread);
 }
 
 void RestProblem::add_derivatives(Conditions& c, Index row, Triad triad, const RestMeans& rest, const Eigen::MatrixXd& by_output) const {

@@ -26,6 +26,8 @@ class RestProblem {
  public:
   /// These terms go back to their prior value and stay there: considered.
   void hold(const std::vector<Eigen::Index>& unseen);
+  /// Where there are some.
+  void leave_out_rotations() {}
   /// They are estimated again: rests to come may show them.
   void release();
   /// Of a coefficient of scaled readings: offsets 20 % of g and 1 rad/s, scales 20 %, misalignments 1e-2 (20 % where the row does not point along its
@@ -38,9 +40,9 @@ class RestProblem {
   bool unstated(std::size_t coefficient) const { return unstated_[coefficient]; }
   /// Optional terms that are estimated although the data say nothing of them.
   std::vector<Eigen::Index> unseen_terms(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const;
-  /// All of the gyros' matrix, and their nonlinearity with it, where it is estimated and one of its scales is not determined: with rests and few
-  /// rotations a scale of zero, and with it no noise, fits best.
-  std::vector<Eigen::Index> open_gyro_matrix(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const;
+  /// All of the gyros' matrix, and their nonlinearity with it, where one of its scales is not determined and went far from its prior: with rests and
+  /// few rotations a scale of zero, and with it no noise, fits best.
+  std::vector<Eigen::Index> runaway_gyro_matrix(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const;
 
   const std::vector<RestMeans>& rests() const { return rests_; }
   const std::vector<CoefficientIndex>& indices() const { return indices_; }
