@@ -59,40 +59,73 @@ MatrixXd inverse_of(const MatrixXd& matrix) {
   return factor.info() == Eigen::Success ? MatrixXd(factor.solve(identity)) : MatrixXd();
 }
 
-}  // namespace
+/// Normal equations of the parameters that are not fixed, scaled to unit diagonal.
+struct NormalEquations {
+  std::vector<Index> loose;
+  VectorXd fixed;   ///< the values of the others
+  VectorXd weight;  ///< of the priors; zero without one
+  VectorXd right, scale;
+  MatrixXd normal;
+};
 
-Solution solve(const Information& data, const Parameters& parameters, std::string_view what) {
-  std::vector<Index> loose;  // estimated and considered ones: the latter are taken back at the end
-  Solution s;
-  s.x = VectorXd::Zero(parameters.size());
+NormalEquations normal_equations(const Information& data, const Parameters& parameters) {
+  NormalEquations e;
+  e.fixed = VectorXd::Zero(parameters.size());
   for (Index i = 0; i < parameters.size(); ++i) {
     if (parameters.role[static_cast<std::size_t>(i)] == Role::fixed)
-      s.x[i] = parameters.offset[i];
+      e.fixed[i] = parameters.offset[i];
     else
-      loose.push_back(i);
+      e.loose.push_back(i);
   }
-  const auto n = static_cast<Index>(loose.size());
-  VectorXd weight(n), pull(n);
+  const auto n = static_cast<Index>(e.loose.size());
+  e.weight.resize(n);
+  VectorXd pull(n);
   for (Index k = 0; k < n; ++k) {
-    const Index i = loose[static_cast<std::size_t>(k)];
-    weight[k] = 1 / (parameters.sigma[i] * parameters.sigma[i]);  // zero without a prior
-    pull[k] = weight[k] > 0 ? weight[k] * parameters.offset[i] : 0;
+    const Index i = e.loose[static_cast<std::size_t>(k)];
+    e.weight[k] = 1 / (parameters.sigma[i] * parameters.sigma[i]);
+    pull[k] = e.weight[k] > 0 ? e.weight[k] * parameters.offset[i] : 0;
   }
-  const VectorXd gradient = data.g + data.N * s.x;  // with the fixed ones at their values
-  MatrixXd normal = data.N(loose, loose);
-  normal.diagonal() += weight;
-  const VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const MatrixXd inverse = inverse_of(scale.asDiagonal() * normal * scale.asDiagonal());
-  // Scaled to unit diagonal, rounding alone makes pivots of 1e-14.
-  if (inverse.rows() != n || !inverse.allFinite() || (n > 0 && inverse.diagonal().maxCoeff() > 1e13))
-    throw Unsupported(std::string(what) + " do not determine the parameters asked for: the normal equations cannot be solved");
-  const MatrixXd p = scale.asDiagonal() * inverse * scale.asDiagonal();
-  s.x(loose) = p * (pull - VectorXd(gradient(loose)));
+  e.right = pull - VectorXd((data.g + data.N * e.fixed)(e.loose));
+  e.normal = data.N(e.loose, e.loose);
+  e.normal.diagonal() += e.weight;
+  e.scale = e.normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  e.normal = e.scale.asDiagonal() * e.normal * e.scale.asDiagonal();
+  return e;
+}
+
+constexpr double singular = 1e-13;  // scaled to unit diagonal, rounding alone makes pivots of 1e-14
+
+[[noreturn]] void refuse(std::string_view what) {
+  throw Unsupported(std::string(what) + " do not determine the parameters asked for: the normal equations cannot be solved");
+}
+
+}  // namespace
+
+VectorXd correction(const Information& data, Parameters parameters, std::string_view what) {
+  for (Role& role : parameters.role)
+    if (role == Role::considered) role = Role::fixed;
+  const NormalEquations e = normal_equations(data, parameters);
+  const Eigen::LLT<MatrixXd> factor(e.normal);
+  if (factor.info() != Eigen::Success || !(e.loose.empty() || factor.matrixLLT().diagonal().cwiseAbs2().minCoeff() > singular)) refuse(what);
+  VectorXd x = e.fixed;
+  x(e.loose) = e.scale.cwiseProduct(factor.solve(e.scale.cwiseProduct(e.right)));
+  return x;
+}
+
+Solution solve(const Information& data, const Parameters& parameters, std::string_view what) {
+  const NormalEquations e = normal_equations(data, parameters);
+  const auto n = static_cast<Index>(e.loose.size());
+  const MatrixXd inverse = inverse_of(e.normal);
+  if (inverse.rows() != n || !inverse.allFinite() || (n > 0 && inverse.diagonal().maxCoeff() > 1 / singular)) refuse(what);
+  Solution s;
+  s.x = e.fixed;
+  const MatrixXd p = e.scale.asDiagonal() * inverse * e.scale.asDiagonal();
+  s.x(e.loose) = p * e.right;
   s.covariance = MatrixXd::Zero(parameters.size(), parameters.size());
-  s.covariance(loose, loose) = p;
+  s.covariance(e.loose, e.loose) = p;
   consider(s.x, s.covariance, parameters);
   s.chi2 = data.at(s.x);
-  s.degrees_of_freedom = data.rows - static_cast<double>(n) + p.diagonal().dot(weight);
+  s.degrees_of_freedom = data.rows - static_cast<double>(n) + p.diagonal().dot(e.weight);
   return s;
 }
 

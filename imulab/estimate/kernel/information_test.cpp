@@ -68,9 +68,19 @@ TEST(Solve, WhatIsConsideredCountsAsNoiseOfTheData) {
   EXPECT_LT((s.covariance.col(3).head(3) + 0.16 * leak).norm(), 1e-12);
 }
 
+TEST(Correction, IsThatOfTheSolution) {
+  const Information data(random_matrix(30, 5, 8), random_matrix(30, 1, 9));
+  Parameters parameters(5);
+  parameters.sigma << no_prior, 0.1, 0.3, no_prior, 0.5;
+  parameters.offset << 0, 0.3, -0.4, 0.7, -0.2;
+  parameters.role[2] = Role::considered, parameters.role[3] = Role::fixed;
+  EXPECT_LT((correction(data, parameters) - solve(data, parameters).x).norm(), 1e-12);
+}
+
 TEST(Solve, SaysWhatIsNotDetermined) {
   MatrixXd j = random_matrix(30, 3, 7);
   j.col(2) = j.col(1);
+  EXPECT_THROW(correction(Information(j, VectorXd::Zero(30)), Parameters(3), "the points"), Unsupported);
   EXPECT_THROW(solve(Information(j, VectorXd::Zero(30)), Parameters(3), "the points"), Unsupported);
   Parameters parameters(3);
   parameters.sigma.setConstant(10);

@@ -47,7 +47,7 @@ TermTest wald(const TermGroup& group, const VectorXd& values, const MatrixXd& co
 
 double cross_validation(const std::vector<Information>& parts, const Information& all, const Parameters& parameters) {
   double sum = 0;
-  for (const Information& part : parts) sum += part.at(solve(all - part, parameters).x);
+  for (const Information& part : parts) sum += part.at(correction(all - part, parameters));
   return std::sqrt(sum / std::max(all.rows, 1));
 }
 

@@ -61,9 +61,9 @@ void set_priors(Problem& problem) {
 }
 
 /// Declared noise that is not white: in each recording its shapes along the points that stand out of independent noise; the others, which differ from
-/// it by less than half, count as that.
+/// it by less than a tenth, count as that: thermal terms are seen in just such slow shapes.
 void add_drifts(Problem& problem) {
-  constexpr double stands_out = 0.5;
+  constexpr double stands_out = 0.1;
   const NoiseModels declared = declared_terms(problem.session->imu);
   problem.point_variance.assign(problem.session->recordings.size(), Vector6d::Zero());
   for (std::size_t recording = 0; recording < problem.point_variance.size(); ++recording) {
@@ -220,16 +220,40 @@ PointEquations Problem::equations(const MachinePoint& point) const {
   return out;
 }
 
-kernel::Information Problem::information(std::size_t part, std::size_t parts) const {
-  kernel::Information sum(size());
-  for (std::size_t p = part; p < points.all.size(); p += parts) {
-    const PointEquations e = equations(points.all[p]);
-    sum.N.selfadjointView<Eigen::Lower>().rankUpdate(e.jacobian.transpose());
-    sum.g += e.jacobian.transpose() * e.white;
-    sum.chi2 += e.white.squaredNorm();
-    sum.rows += 6;
+std::vector<Index> Problem::acting_columns(std::size_t recording) const {
+  std::vector<Index> columns;
+  for (std::size_t i = 0; i < coefficients.size() + common.size(); ++i) {
+    const bool acts =
+        i < coefficients.size() || !common[i - coefficients.size()].drift || common[i - coefficients.size()].drift->recording == recording;
+    if (acts) columns.push_back(static_cast<Index>(i));
   }
-  sum.N = sum.N.selfadjointView<Eigen::Lower>();
+  return columns;
+}
+
+kernel::Information Problem::information(std::size_t part, std::size_t parts) const {
+  constexpr Index at_once = 32;  // points
+  kernel::Information sum(size());
+  for (std::size_t recording = 0; recording < point_variance.size(); ++recording) {
+    const std::vector<Index> columns = acting_columns(recording);
+    const auto n = std::ssize(columns);
+    MatrixXd rows(6 * at_once, n), N = MatrixXd::Zero(n, n);
+    Index filled = 0;
+    const auto add = [&] {
+      if (filled > 0) N.selfadjointView<Eigen::Lower>().rankUpdate(rows.topRows(filled).transpose());
+      filled = 0;
+    };
+    for (std::size_t p = part; p < points.all.size(); p += parts) {
+      if (points.all[p].recording != recording) continue;
+      const PointEquations e = equations(points.all[p]);
+      rows.middleRows<6>(filled) = e.jacobian(Eigen::all, columns);
+      if ((filled += 6) == rows.rows()) add();
+      sum.g += e.jacobian.transpose() * e.white;
+      sum.chi2 += e.white.squaredNorm();
+      sum.rows += 6;
+    }
+    add();
+    sum.N(columns, columns) += MatrixXd(N.selfadjointView<Eigen::Lower>());
+  }
   return sum;
 }
 
@@ -262,15 +286,19 @@ void Problem::correct(const VectorXd& x) {
 
 Fit fit(Problem& problem, Priors priors) {
   constexpr int most_iterations = 20;
+  constexpr double still = 0.01 * 0.01;  // of chi-square: no parameter moves by more than a hundredth of its standard deviation
   Fit out;
+  kernel::Parameters parameters;
   for (int iteration = 0; iteration < most_iterations && !out.converged; ++iteration) {
     out.data = problem.information();
-    out.solution = kernel::solve(out.data, problem.parameters(priors), "the points");
-    problem.correct(out.solution.x);
-    const VectorXd sigma = out.solution.covariance.diagonal().cwiseSqrt();
-    // Held parameters, whose sigma is zero, arrive at once.
-    out.converged = ((sigma.array() > 0).select(out.solution.x.cwiseAbs() - 0.01 * sigma, 0)).maxCoeff() <= 0;
+    parameters = problem.parameters(priors);
+    const VectorXd x = kernel::correction(out.data, parameters, "the points");
+    problem.correct(x);
+    const std::vector<Index> loose = parameters.with(Role::estimated);
+    const VectorXd moved = x(loose);
+    out.converged = moved.dot(out.data.N(loose, loose) * moved) + moved.cwiseQuotient(parameters.sigma(loose)).squaredNorm() <= still;
   }
+  out.solution = kernel::solve(out.data, parameters, "the points");
   return out;
 }
 

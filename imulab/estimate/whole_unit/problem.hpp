@@ -87,6 +87,9 @@ struct Problem {
   void correct(const Eigen::VectorXd& x);
 
  private:
+  /// Parameters that points of this recording may depend on.
+  std::vector<Eigen::Index> acting_columns(std::size_t recording) const;
+
   std::vector<std::vector<std::size_t>> acting_;  ///< by recording: indices of eta that may act
   Place<double> place_;
 };
