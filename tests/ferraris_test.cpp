@@ -13,12 +13,12 @@ namespace {
 
 using testing::HasSubstr;
 
-const std::filesystem::path data = std::filesystem::path(IMULAB_SOURCE) / ".." / "shared" / "data" / "imucal_ferraris";
+const std::filesystem::path ferraris_folder = std::filesystem::path(IMULAB_SOURCE) / ".." / "shared" / "data" / "imucal_ferraris";
 constexpr double rate_hz = 102.4;
 
 /// The record with stamps in place of sample numbers.
 void write_record(const TemporaryFolder& folder) {
-  std::ifstream in(data / "example_ferraris_session.csv");
+  std::ifstream in(ferraris_folder / "example_ferraris_session.csv");
   std::string line, text = "t,gx,gy,gz,ax,ay,az\n";
   std::getline(in, line);
   for (int n = 1; std::getline(in, line); ++n) text += fmt::format("{:.9f}{}\n", n / rate_hz, line.substr(line.find(',')));
@@ -54,7 +54,7 @@ accel = { columns = ["ax", "ay", "az"], output = "rate", unit = "m/s^2" }
 }
 
 TEST(Ferraris, AgreesWithThePublishedResult) {
-  if (!std::filesystem::exists(data / "sections.json")) GTEST_SKIP() << "the record is not here: " << data;
+  if (!std::filesystem::exists(ferraris_folder / "sections.json")) GTEST_SKIP() << "the record is not here: " << ferraris_folder;
   const TemporaryFolder folder;
   write_record(folder);
   folder.write("session.toml", session(turn_x() + turn_y() + turn_z()));
@@ -88,7 +88,7 @@ TEST(Ferraris, AgreesWithThePublishedResult) {
 }
 
 TEST(Ferraris, WrongDeclarationsAreRefused) {
-  if (!std::filesystem::exists(data / "sections.json")) GTEST_SKIP() << "the record is not here: " << data;
+  if (!std::filesystem::exists(ferraris_folder / "sections.json")) GTEST_SKIP() << "the record is not here: " << ferraris_folder;
   const TemporaryFolder folder;
   write_record(folder);
   for (const auto& [steps, message] : {std::pair{turn_x(360), "is declared as 360 deg about +x (inner), but the gyros turned by 370 deg about -x"},

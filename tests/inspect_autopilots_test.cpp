@@ -93,7 +93,7 @@ std::string ardupilot_log(std::size_t samples, const std::string& name) {
   return log;
 }
 
-Inspection inspected(const std::filesystem::path& file, const std::vector<std::string>& topics = {""}) {
+Inspection inspected_file(const std::filesystem::path& file, const std::vector<std::string>& topics = {""}) {
   std::vector<SignalTable> tables;
   for (const std::string& topic : topics) tables.push_back(read_signals(file, topic, recording_formats()));
   return inspect(inspection::joined(std::move(tables)));
@@ -101,7 +101,7 @@ Inspection inspected(const std::filesystem::path& file, const std::vector<std::s
 
 TEST(InspectAutopilots, TakesTheReadingsAndNotTheirAveragesOfAPx4Log) {
   const TemporaryFolder folder;
-  const Inspection found = inspected(folder.write("log.ulg", px4_log(2000, 250)));
+  const Inspection found = inspected_file(folder.write("log.ulg", px4_log(2000, 250)));
   EXPECT_EQ(found.topic, "sensor_combined");
   EXPECT_EQ(found.format, "PX4 ULog: sensor_combined");
   EXPECT_THAT(found.ambiguous, IsEmpty());
@@ -116,7 +116,7 @@ TEST(InspectAutopilots, AsksWhereTwoTablesHaveSimilarRates) {
   const TemporaryFolder folder;
   const auto file = folder.write("log.ulg", px4_log(2000, 5));
   try {
-    inspected(file);
+    inspected_file(file);
     FAIL() << "one of them was taken";
   } catch (const Error& e) {
     EXPECT_THAT(e.what(),
@@ -126,7 +126,7 @@ TEST(InspectAutopilots, AsksWhereTwoTablesHaveSimilarRates) {
 
 TEST(InspectAutopilots, ATablesNameSaysWhichSensorItsAxesAreOf) {
   const TemporaryFolder folder;
-  const Inspection found = inspected(folder.write("log.ulg", px4_log(2000, 250)), {"sensor_gyro", "sensor_accel"});
+  const Inspection found = inspected_file(folder.write("log.ulg", px4_log(2000, 250)), {"sensor_gyro", "sensor_accel"});
   EXPECT_THAT(found.ambiguous, IsEmpty());
   EXPECT_THAT(found.evidence, Contains(HasSubstr("gyros: sensor_gyro.x, sensor_gyro.y, sensor_gyro.z: rad/s")));
   EXPECT_EQ(found.source.gyro.columns, (std::vector<Column>{"x", "y", "z"})) << "as the file names them";
@@ -136,12 +136,12 @@ TEST(InspectAutopilots, ATablesNameSaysWhichSensorItsAxesAreOf) {
 TEST(InspectAutopilots, KnowsTheUnitsOfOldArduPilotLogs) {
   const TemporaryFolder folder;
   for (const char* name : {"IMU", "IMU2"}) {
-    const Inspection found = inspected(folder.write("log.bin", ardupilot_log(2000, name)));
+    const Inspection found = inspected_file(folder.write("log.bin", ardupilot_log(2000, name)));
     EXPECT_THAT(found.ambiguous, IsEmpty()) << name;
     EXPECT_EQ(found.source.gyro.unit, "rad/s");
     EXPECT_EQ(found.source.accel.unit, "m/s^2");
   }
-  EXPECT_THAT(inspected(folder.write("log.bin", ardupilot_log(2000, "XYZ"))).ambiguous, Contains(HasSubstr("gyro.unit"))) << "nothing says it";
+  EXPECT_THAT(inspected_file(folder.write("log.bin", ardupilot_log(2000, "XYZ"))).ambiguous, Contains(HasSubstr("gyro.unit"))) << "nothing says it";
 }
 
 TEST(InspectAutopilots, NamesOfWhatIsKnownAboutASensorAreNotItsReadings) {

@@ -67,6 +67,8 @@ inline std::string error_of(const TableRequest& request, const std::vector<Colum
   return "no error";
 }
 
+inline bool built_without(const TableRequest& request) { return error_of(request, {1}).find("built without") != std::string::npos; }
+
 /// Reads `bytes` as a file in every way: an Error or numbers, nothing else.
 inline void expect_no_crash(const std::filesystem::path& file, const std::string& bytes, const TableRequest& like,
                             const std::vector<Column>& columns) {

@@ -16,6 +16,13 @@ struct SimulatedSession {
   Site site() const { return session.site; }
 };
 
+inline HandHeldOptions short_hand_held() {
+  HandHeldOptions options;
+  options.poses = 24;
+  options.first_rest = 5;
+  return options;
+}
+
 /// `change` may edit the truth before it is simulated.
 template <class Change>
 SimulatedSession simulate_session(const HandHeldOptions& options, std::uint64_t seed, Change change) {

@@ -12,7 +12,7 @@
 namespace imulab {
 namespace {
 
-const std::filesystem::path data = std::filesystem::path(IMULAB_SOURCE) / ".." / "shared" / "data" / "imu_tk_xsens";
+const std::filesystem::path xsens_folder = std::filesystem::path(IMULAB_SOURCE) / ".." / "shared" / "data" / "imu_tk_xsens";
 
 std::string session_of(const std::filesystem::path& folder) {
   return "format = \"imulab.session/1\"\n"
@@ -31,9 +31,9 @@ std::string session_of(const std::filesystem::path& folder) {
 }
 
 TEST(Xsens, AgreesWithTheFactory) {
-  if (!std::filesystem::exists(data / "xsens_acc.mat")) GTEST_SKIP() << "the record is not here: " << data;
+  if (!std::filesystem::exists(xsens_folder / "xsens_acc.mat")) GTEST_SKIP() << "the record is not here: " << xsens_folder;
   const TemporaryFolder folder;
-  folder.write("session.toml", session_of(std::filesystem::canonical(data)));
+  folder.write("session.toml", session_of(std::filesystem::canonical(xsens_folder)));
   const CommandResult result = run_imulab(folder, "calibrate session.toml --method handheld -o calibration.json");
   ASSERT_EQ(result.exit_code, 0) << result.errors;
   const Calibration c = read_calibration(folder / "calibration.json");
@@ -58,10 +58,10 @@ TEST(Xsens, AgreesWithTheFactory) {
 }
 
 TEST(Xsens, HalvesOfTheRecordAgreeWithinTheirUncertainties) {
-  if (!std::filesystem::exists(data / "xsens_acc.mat")) GTEST_SKIP() << "the record is not here: " << data;
+  if (!std::filesystem::exists(xsens_folder / "xsens_acc.mat")) GTEST_SKIP() << "the record is not here: " << xsens_folder;
   // Without a truth, two calibrations of one IMU from different data are the test of the stated uncertainties.
   const TemporaryFolder folder;
-  const auto d = std::filesystem::canonical(data).string();
+  const auto d = std::filesystem::canonical(xsens_folder).string();
   for (const std::string half : {"first", "second"}) {
     for (const std::string triad : {"acc", "gyro"}) {
       const std::string take = half == "first" ? "head -n 25500 " : "tail -n +25501 ";
@@ -90,9 +90,9 @@ TEST(Xsens, HalvesOfTheRecordAgreeWithinTheirUncertainties) {
 }
 
 TEST(Xsens, NavigatesAsAMemsUnitDoes) {
-  if (!std::filesystem::exists(data / "xsens_acc.mat")) GTEST_SKIP() << "the record is not here: " << data;
+  if (!std::filesystem::exists(xsens_folder / "xsens_acc.mat")) GTEST_SKIP() << "the record is not here: " << xsens_folder;
   const TemporaryFolder folder;
-  std::string session = session_of(std::filesystem::canonical(data));
+  std::string session = session_of(std::filesystem::canonical(xsens_folder));
   session.replace(session.find("[site]\n"), 7, "[site]\nlatitude_deg = 45\nlongitude_deg = 0\nheight_m = 0\n");
   folder.write("session.toml", session);
   ASSERT_EQ(run_imulab(folder, "calibrate session.toml --method handheld -o calibration.json").exit_code, 0);

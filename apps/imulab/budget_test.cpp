@@ -25,12 +25,12 @@ kind = "straight"
 duration_s = 120
 )";
 
-std::string mission(const std::string& errors) { return motion + "[errors]\n" + errors; }
+std::string budget_mission(const std::string& errors) { return motion + "[errors]\n" + errors; }
 
 TEST(BudgetCommand, SaysTheErrorsOfEachSourceAtTheEnd) {
   const TemporaryFolder folder;
-  folder.write("m.toml", mission("vertical = \"fixed\"\naccel = { bias_ug = { fixed = 100 } }\ngyro = { bias_deg_per_h = 1 }\n"
-                                 "start = { position_m = 3 }\n"));
+  folder.write("m.toml", budget_mission("vertical = \"fixed\"\naccel = { bias_ug = { fixed = 100 } }\ngyro = { bias_deg_per_h = 1 }\n"
+                                        "start = { position_m = 3 }\n"));
   const CommandResult r = run_imulab(folder, "budget m.toml --runs 400 --json");
   ASSERT_EQ(r.exit_code, 0) << r.errors;
   const Json out = Json::parse(r.output);
@@ -57,7 +57,7 @@ TEST(BudgetCommand, SaysTheErrorsOfEachSourceAtTheEnd) {
 
 TEST(BudgetCommand, WritesGrowthOverTimeAndPrintsATable) {
   const TemporaryFolder folder;
-  folder.write("m.toml", mission("grade = \"navigation\"\nvertical = \"held\"\nbarometer = { bias_m = 5, noise_m = 1 }\n"));
+  folder.write("m.toml", budget_mission("grade = \"navigation\"\nvertical = \"held\"\nbarometer = { bias_m = 5, noise_m = 1 }\n"));
   const CommandResult r = run_imulab(folder, "budget m.toml --runs 20 --every 30 -o out");
   ASSERT_EQ(r.exit_code, 0) << r.errors;
   EXPECT_THAT(on_one_line(r.output), testing::ContainsRegex("after 120 s: horizontal position error [0-9.]+ m RMS, height held by a barometer"));
@@ -80,7 +80,7 @@ TEST(BudgetCommand, TakesWhatACalibrationLeaves) {
   ASSERT_EQ(run_imulab(folder, "procedure six-position --rest 20 -o p.toml").exit_code, 0);
   ASSERT_EQ(run_imulab(folder, "simulate p.toml -o s").exit_code, 0);
   ASSERT_EQ(run_imulab(folder, "calibrate s --method turntable --terms accel.offset,accel.matrix,gyro.offset -o c.json").exit_code, 0);
-  folder.write("m.toml", mission("calibration = \"c.json\"\nvertical = \"fixed\"\n"));
+  folder.write("m.toml", budget_mission("calibration = \"c.json\"\nvertical = \"fixed\"\n"));
   const CommandResult r = run_imulab(folder, "budget m.toml --runs 0 --json");
   ASSERT_EQ(r.exit_code, 0) << r.errors;
   const Json out = Json::parse(r.output), c = Json::parse(read_text(folder / "c.json"));
@@ -92,7 +92,7 @@ TEST(BudgetCommand, TakesWhatACalibrationLeaves) {
 
 TEST(BudgetCommand, AnErringUnitsRecordingNavigatesAsTheBudgetSays) {
   const TemporaryFolder folder;
-  folder.write("m.toml", mission("vertical = \"fixed\"\naccel = { bias_ug = { fixed = 100 } }\n"));
+  folder.write("m.toml", budget_mission("vertical = \"fixed\"\naccel = { bias_ug = { fixed = 100 } }\n"));
   ASSERT_EQ(run_imulab(folder, "trajectory m.toml --errors -o flight").exit_code, 0);
   const CommandResult r = run_imulab(folder, "navigate none flight --vertical fixed --json");
   ASSERT_EQ(r.exit_code, 0) << r.errors;
@@ -135,7 +135,7 @@ TEST(BudgetCommand, RefusesWhatIsWrong) {
            {"calibration = \"none.json\"\n", "none.json"},
            {"barometer = { noise_m = 1, time_constant_s = 0 }\n", "time_constant_s"},
        }) {
-    folder.write("m.toml", mission(c.errors));
+    folder.write("m.toml", budget_mission(c.errors));
     const CommandResult r = run_imulab(folder, "budget m.toml -o out");
     EXPECT_EQ(r.exit_code, 2) << c.errors << r.output;
     EXPECT_THAT(r.errors, HasSubstr(c.message)) << c.errors;

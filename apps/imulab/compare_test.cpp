@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 /// The accelerometers' offsets to 10 ug and one gyro element to 2 arcsec.
-Calibration any_calibration() {
+Calibration two_coefficients() {
   Calibration c;
   c.imu = "unit";
   c.method = "static";
@@ -37,7 +37,7 @@ Calibration truth() {
 struct CompareCommand : ::testing::Test {
   TemporaryFolder folder;
   CompareCommand() {
-    folder.write("calibration.json", calibration_text(any_calibration()));
+    folder.write("calibration.json", calibration_text(two_coefficients()));
     folder.write("truth.json", calibration_text(truth()));
   }
 };
@@ -70,7 +70,7 @@ TEST_F(CompareCommand, JsonHasTheDocumentedShape) {
 
 /// `offset_ug` from it, and as well known.
 std::string shifted(double offset_ug) {
-  Calibration c = any_calibration();
+  Calibration c = two_coefficients();
   c.model.accel.offset.x() = offset_ug * unit::ug;
   return calibration_text(c);
 }
@@ -142,7 +142,7 @@ TEST_F(CompareCommand, TwoTruthsHaveNothingToTest) {
 
 /// The calibration with one text in its file replaced.
 std::string damaged(const std::string& from, const std::string& to) {
-  std::string text = calibration_text(any_calibration());
+  std::string text = calibration_text(two_coefficients());
   return text.replace(text.find(from), from.size(), to);
 }
 
@@ -153,7 +153,7 @@ TEST_F(CompareCommand, WrongUseIsExplained) {
   folder.write("empty.json", "");
   folder.write("nan.json", damaged("1.0", "NaN"));
   folder.write("null.json", damaged("1.0", "null"));
-  Calibration singular = any_calibration(), counts = any_calibration(), other = any_calibration();
+  Calibration singular = two_coefficients(), counts = two_coefficients(), other = two_coefficients();
   singular.model.gyro.matrix.setZero();
   counts.model.gyro.raw_unit = "count";
   other.model.gyro.raw_unit = "rad/s";

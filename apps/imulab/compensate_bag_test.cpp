@@ -10,7 +10,7 @@ namespace {
 using testing::HasSubstr;
 
 /// A session of a bag, whose accelerometers are at their limit in `limits`.
-void write_session(const TemporaryFolder& folder, const std::string& file, const std::string& limits) {
+void write_bag_session(const TemporaryFolder& folder, const std::string& file, const std::string& limits) {
   std::filesystem::copy_file(bag::fixture("imu_zstd.mcap"), folder / "run.mcap", std::filesystem::copy_options::overwrite_existing);
   folder.write(
       "session.toml",
@@ -33,7 +33,7 @@ class CompensateBag : public testing::Test {
 };
 
 TEST_F(CompensateBag, WritesTheReadingsOfTheTableIntoTheBag) {
-  write_session(folder_, "run.mcap", "");
+  write_bag_session(folder_, "run.mcap", "");
   const CommandResult result = run_imulab(folder_, "compensate cal.json session.toml -o out.mcap");
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_EQ(result.errors, "");
@@ -45,14 +45,14 @@ TEST_F(CompensateBag, WritesTheReadingsOfTheTableIntoTheBag) {
 }
 
 TEST_F(CompensateBag, SaysThatMessagesHaveNoFlags) {
-  write_session(folder_, "run.mcap", ", limits = [-100, 9.5]");
+  write_bag_session(folder_, "run.mcap", ", limits = [-100, 9.5]");
   const CommandResult result = run_imulab(folder_, "compensate cal.json session.toml -o out.mcap");
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(on_one_line(result.errors), HasSubstr("out.mcap: messages have no flags: 60 saturated"));
 }
 
 TEST_F(CompensateBag, NeverOverwritesItsInputAndRefusesOtherKinds) {
-  write_session(folder_, "run.mcap", "");
+  write_bag_session(folder_, "run.mcap", "");
   const std::string before = read_text(folder_ / "run.mcap");
   EXPECT_EQ(run_imulab(folder_, "compensate cal.json session.toml -o run.mcap").exit_code, 2);
   EXPECT_EQ(read_text(folder_ / "run.mcap"), before);

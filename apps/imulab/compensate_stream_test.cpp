@@ -25,8 +25,8 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-std::string recording_entry(const std::string& file, const std::string& gyro = R"(output = "rate", unit = "deg/s")",
-                            const std::string& more = "rate_hz = 100.0\n") {
+std::string stream_entry(const std::string& file, const std::string& gyro = R"(output = "rate", unit = "deg/s")",
+                         const std::string& more = "rate_hz = 100.0\n") {
   return "[[recording]]\nfile = \"" + file + "\"\n" + more + R"(time = { column = "t", unit = "s" }
 gyro = { columns = ["gx", "gy", "gz"], )" +
          gyro + R"( }
@@ -35,9 +35,9 @@ gyro_temperature = { columns = ["T"], unit = "degC" }
 )";
 }
 
-const char* const session_head = "format = \"imulab.session/1\"\n[imu]\nname = \"unit\"\n[site]\nlatitude_deg = 40.0\n";
+const char* const stream_session_head = "format = \"imulab.session/1\"\n[imu]\nname = \"unit\"\n[site]\nlatitude_deg = 40.0\n";
 
-Calibration any_calibration() {
+Calibration bent_calibration() {
   Calibration c;
   c.model.gyro.matrix << 1.01, 0.02, -0.01, 0.03, 0.99, 0.01, -0.02, 0.01, 1.02;
   c.model.accel.offset << 0.05, -0.03, 0.01;
@@ -77,9 +77,9 @@ std::string without_flags(const std::string& text) {
 
 TEST(CompensateStream, GivesTheRowsOfTheFileBitForBit) {
   const TemporaryFolder folder;
-  folder.write("session.toml", session_head + recording_entry("recording.csv"));
+  folder.write("session.toml", stream_session_head + stream_entry("recording.csv"));
   folder.write("recording.csv", rows(3000));  // some blocks of 64 KiB
-  folder.write("calibration.json", calibration_text(any_calibration()));
+  folder.write("calibration.json", calibration_text(bent_calibration()));
   for (const std::string option : {"", " --reject-outliers"}) {
     ASSERT_EQ(run_imulab(folder, "compensate calibration.json . -o file.csv" + option).exit_code, 0);
     const CommandResult stream = run_imulab(folder, "compensate calibration.json - --session . -o - < recording.csv" + option);
@@ -101,11 +101,11 @@ TEST(CompensateStream, GivesTheRowsOfTheFileBitForBit) {
 TEST(CompensateStream, IncrementsNeedADeclaredRate) {
   const TemporaryFolder folder;
   const std::string increments = R"(output = "increment", unit = "deg")";
-  folder.write("session.toml", session_head + recording_entry("recording.csv", increments));
-  folder.write("no_rate.toml", session_head + recording_entry("recording.csv", increments, ""));
-  folder.write("wrong_rate.toml", session_head + recording_entry("recording.csv", increments, "rate_hz = 200.0\n"));
+  folder.write("session.toml", stream_session_head + stream_entry("recording.csv", increments));
+  folder.write("no_rate.toml", stream_session_head + stream_entry("recording.csv", increments, ""));
+  folder.write("wrong_rate.toml", stream_session_head + stream_entry("recording.csv", increments, "rate_hz = 200.0\n"));
   folder.write("recording.csv", rows(400));
-  folder.write("calibration.json", calibration_text(any_calibration()));
+  folder.write("calibration.json", calibration_text(bent_calibration()));
   ASSERT_EQ(run_imulab(folder, "compensate calibration.json . -o file.csv").exit_code, 0);
   EXPECT_EQ(run_imulab(folder, "compensate calibration.json - --session . -o - < recording.csv").output, read_text(folder / "file.csv"));
   const CommandResult refused = run_imulab(folder, "compensate calibration.json - --session no_rate.toml -o - < recording.csv");
@@ -119,8 +119,8 @@ TEST(CompensateStream, IncrementsNeedADeclaredRate) {
 
 TEST(CompensateStream, ARowGoesOutAsSoonAsItCan) {
   const TemporaryFolder folder;
-  folder.write("session.toml", session_head + recording_entry("recording.csv"));
-  folder.write("calibration.json", calibration_text(any_calibration()));
+  folder.write("session.toml", stream_session_head + stream_entry("recording.csv"));
+  folder.write("calibration.json", calibration_text(bent_calibration()));
   const std::string command = "'" + command_path() + "' compensate calibration.json - --session . -o - ";
   // The writer goes on only when it has read the answer: a row that waited for more rows would wait for ever.
   const std::string talk = R"(mkfifo in out && (timeout 20 )" + command + R"(OPTION < in > out &) && exec 3> in 4< out &&
@@ -138,11 +138,11 @@ echo t,gx,gy,gz,ax,ay,az,T >&3 && for i in 1 2 3 4 5; do echo 0.0$i,1,2,3,0,0,1,
 
 TEST(CompensateStream, SaysWhereTheInputIsWrongAndLeavesTheRowsBefore) {
   const TemporaryFolder folder;
-  folder.write("session.toml", session_head + recording_entry("recording.csv"));
-  folder.write("several.toml", session_head + recording_entry("a.csv") + recording_entry("b.csv"));
-  std::string apart = session_head + recording_entry("a.csv");
+  folder.write("session.toml", stream_session_head + stream_entry("recording.csv"));
+  folder.write("several.toml", stream_session_head + stream_entry("a.csv") + stream_entry("b.csv"));
+  std::string apart = stream_session_head + stream_entry("a.csv");
   folder.write("apart.toml", apart.replace(apart.find("accel = { "), 10, "accel = { file = \"accel.csv\", "));
-  folder.write("calibration.json", calibration_text(any_calibration()));
+  folder.write("calibration.json", calibration_text(bent_calibration()));
   const std::string good = "t,gx,gy,gz,ax,ay,az,T\n0.01,1,2,3,0,0,1,20\n0.02,1,2,3,0,0,1,20\n";
   folder.write("text", good + "0.03,1,x,3,0,0,1,20\n");
   folder.write("backwards", good + "0.01,1,2,3,0,0,1,20\n");
@@ -216,8 +216,8 @@ for (i = 1; i <= )" +
 
 TEST(CompensateStream, MemoryDoesNotGrowWithTheLength) {
   const TemporaryFolder folder;
-  folder.write("session.toml", session_head + recording_entry("recording.csv"));
-  folder.write("calibration.json", calibration_text(any_calibration()));
+  folder.write("session.toml", stream_session_head + stream_entry("recording.csv"));
+  folder.write("calibration.json", calibration_text(bent_calibration()));
   const long few = peak_memory(folder, 20'000), many = peak_memory(folder, 600'000);
   EXPECT_LT(many - few, 4000);  // 580,000 rows more are 30 MB of text and more of columns: a tenth of it is what an allocator may differ by
 }
@@ -284,8 +284,8 @@ Delays delays_at_2_kHz(const TemporaryFolder& folder, const std::string& program
 
 TEST(CompensateStream, ASteadyTwoKilohertzIsLateByLessThanTenMilliseconds) {
   const TemporaryFolder folder;
-  folder.write("session.toml", session_head + recording_entry("recording.csv", R"(output = "rate", unit = "deg/s")", "rate_hz = 2000.0\n"));
-  folder.write("calibration.json", calibration_text(any_calibration()));
+  folder.write("session.toml", stream_session_head + stream_entry("recording.csv", R"(output = "rate", unit = "deg/s")", "rate_hz = 2000.0\n"));
+  folder.write("calibration.json", calibration_text(bent_calibration()));
   for (const std::string option : {"", "--reject-outliers"}) {
     // 99 of 100 rows within 10 ms, where the filter's two samples are one. What `cat` in its place is late by is the machine's: twice that is
     // granted, and one quiet run in three is enough. Rows that wait for a block of many, a quarter of a second on average, fail all three.

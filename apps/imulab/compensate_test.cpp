@@ -41,7 +41,7 @@ void write_session(const TemporaryFolder& folder, const std::vector<std::string>
   folder.write("session/session.toml", session);
 }
 
-Calibration any_calibration() {
+Calibration scaled_calibration() {
   Calibration c;
   c.model.gyro.matrix.diagonal() << 2, 3, 4;
   c.model.accel.offset << 0.5, 0, 0;
@@ -49,7 +49,7 @@ Calibration any_calibration() {
 }
 
 Calibration thermal_calibration() {
-  Calibration c = any_calibration();
+  Calibration c = scaled_calibration();
   c.model.gyro.temperature = ThermalReading{"degC", 20, {0, 70}};
   c.model.gyro.thermal(0, 1) = 0.1;
   return c;
@@ -60,7 +60,7 @@ const std::string expected_samples = "t,gx,gy,gz,ax,ay,az,flags\n0.01,2,6,12,4.5
 TEST(CompensateCommand, WritesOneRecordingToAFileAFolderOrStandardOutput) {
   const TemporaryFolder folder;
   write_session(folder, {"recording.csv"});
-  folder.write("calibration.json", calibration_text(any_calibration()));
+  folder.write("calibration.json", calibration_text(scaled_calibration()));
   const CommandResult stream = run_imulab(folder, "compensate calibration.json session -o -");
   EXPECT_EQ(stream.exit_code, 0) << stream.errors;
   EXPECT_EQ(stream.output, expected_samples);
@@ -74,7 +74,7 @@ TEST(CompensateCommand, WritesOneRecordingToAFileAFolderOrStandardOutput) {
 TEST(CompensateCommand, WritesSeveralRecordingsToAFolder) {
   const TemporaryFolder folder;
   write_session(folder, {"a.csv", "b.txt"});
-  folder.write("calibration.json", calibration_text(any_calibration()));
+  folder.write("calibration.json", calibration_text(scaled_calibration()));
   EXPECT_EQ(run_imulab(folder, "compensate calibration.json session -o out").exit_code, 0);
   EXPECT_EQ(read_text(folder / "out/a.csv"), expected_samples);
   EXPECT_EQ(read_text(folder / "out/b.csv"), expected_samples);
@@ -101,7 +101,7 @@ TEST(CompensateCommand, UsesTheTemperatureAndFlagsWhatTheCalibrationNeverSaw) {
 TEST(CompensateCommand, WhatCannotBeDoneLeavesNothingBehind) {
   const TemporaryFolder folder;
   write_session(folder, {"recording.csv"});
-  folder.write("calibration.json", calibration_text(any_calibration()));
+  folder.write("calibration.json", calibration_text(scaled_calibration()));
   folder.write("thermal.json", calibration_text(thermal_calibration()));
   folder.write("broken.json", "{");
   struct Case {
@@ -144,7 +144,7 @@ TEST(CompensateCommand, RejectsOutliersOnRequest) {
     text += fmt::format("{:.2f},{},2,3,4,5,{}\n", 0.01 * i, x, 6 + spike);
   }
   folder.write("session/recording.csv", text);
-  folder.write("calibration.json", calibration_text(any_calibration()));
+  folder.write("calibration.json", calibration_text(scaled_calibration()));
   const CommandResult kept = run_imulab(folder, "compensate calibration.json session -o -");
   EXPECT_THAT(kept.output, HasSubstr("\n1.5,0,6,12,4.5,5,96\n"));
   // az has shown no resolution but the spike's own: a limit of the filter that its page names.

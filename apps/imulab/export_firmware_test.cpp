@@ -36,7 +36,7 @@ constexpr Board m4f{"mps2-an386", "-mcpu=cortex-m4 -mfpu=fpv4-sp-d16 -mfloat-abi
 constexpr int samples = 100;
 
 /// Readings and temperatures as the header takes them, exact in float: noise, motion, spikes, and some that are no numbers.
-std::array<double, 12> sample(int i, bool integers) {
+std::array<double, 12> firmware_sample(int i, bool integers) {
   std::array<double, 12> x;
   for (int k = 0; k < 12; ++k) {
     double value = k < 6   ? 9000 * std::sin(0.3 * i + k) + (i % 37 == 30 + k ? 20000 : 0)
@@ -52,8 +52,8 @@ std::string samples_text() {
   std::string reals, integers;
   for (int i = 0; i < samples; ++i) {
     reals += "{", integers += "{";
-    for (const double x : sample(i, false)) reals += i == 50 && x > 0 ? "__builtin_nan(\"\"), " : fmt::format("{:.17g}, ", x);
-    for (const double x : sample(i, true)) integers += fmt::format("{:.0f}, ", x);
+    for (const double x : firmware_sample(i, false)) reals += i == 50 && x > 0 ? "__builtin_nan(\"\"), " : fmt::format("{:.17g}, ", x);
+    for (const double x : firmware_sample(i, true)) integers += fmt::format("{:.0f}, ", x);
     reals += "},\n", integers += "},\n";
   }
   return fmt::format(

@@ -18,7 +18,7 @@
 namespace imulab {
 namespace {
 
-constexpr const char* program = R"(
+constexpr const char* fixed_point_program = R"(
 #include "calibration.h"
 #include <stdio.h>
 int main(void) {
@@ -79,7 +79,7 @@ std::array<double, 12> sample(const Ranges& r, std::uint64_t i) {
 Errors measured(const TemporaryFolder& folder, const Calibration& c, const CHeaderOptions& options, const Ranges& ranges) {
   const std::string header = c_header(c, options);
   folder.write("calibration.h", header);
-  folder.write("program.c", program);
+  folder.write("program.c", fixed_point_program);
   const CommandResult compiled = run_shell(
       folder, std::string("cc -std=c99 -fsanitize=undefined -fno-sanitize-recover program.c") + header_warnings + (options.q15 ? with_q15 : with_32));
   if (compiled.exit_code != 0) throw std::runtime_error(compiled.errors);
@@ -249,7 +249,7 @@ TEST(ExportFixedPoint, TheUsualRangeSuitsTheCounts) {
               testing::HasSubstr("accelerometers: counts, up to 1.56906e+07 either way\n *      gyros: counts, up to 3.49066e+07 either way"));
 }
 
-constexpr const char* filter_program = R"(
+constexpr const char* fixed_point_filter_program = R"(
 #include "calibration.h"
 #include <stdio.h>
 static void show(int replaced, const int32_t* x) {
@@ -278,7 +278,7 @@ TEST(ExportFixedPoint, TheFilterReplacesWhatTheLibraryReplaces) {
   CHeaderOptions options;
   options.fixed_point = true;
   folder.write("calibration.h", c_header(every_term(), options));
-  folder.write("program.c", filter_program);
+  folder.write("program.c", fixed_point_filter_program);
   ASSERT_EQ(run_shell(folder, std::string("cc -std=c99 -fsanitize=undefined -fno-sanitize-recover program.c") + header_warnings).exit_code, 0);
   // Counts: noise of some, of one half (rounded), slopes, sines, and the largest that 32 bits hold.
   std::string input;
@@ -323,7 +323,7 @@ TEST(ExportFixedPoint, TakesTheEndOfARangeBeyondIt) {
   CHeaderOptions options;
   options.fixed_point = true;
   folder.write("calibration.h", c_header(every_term(), options));
-  folder.write("program.c", program);
+  folder.write("program.c", fixed_point_program);
   ASSERT_EQ(run_shell(folder, std::string("cc -std=c99 -fsanitize=undefined -fno-sanitize-recover program.c") + header_warnings + with_32).exit_code,
             0);
   const auto out = [&](const std::string& triad, const std::string& temperature) {

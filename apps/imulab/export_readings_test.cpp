@@ -17,7 +17,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr const char* program = R"(
+constexpr const char* readings_program = R"(
 #include "calibration.h"
 #include <stdio.h>
 int main(void) {
@@ -31,7 +31,7 @@ int main(void) {
 }
 )";
 
-std::vector<std::vector<double>> table(const std::string& csv) {
+std::vector<std::vector<double>> csv_table(const std::string& csv) {
   std::vector<std::vector<double>> rows;
   std::istringstream lines(csv);
   std::string line;
@@ -48,11 +48,11 @@ std::vector<std::vector<double>> table(const std::string& csv) {
 double difference_from_compensate(const TemporaryFolder& folder, const std::string& options = "", double interval_s = 1) {
   for (const std::string& command : {"export c.json --to c-header -o calibration.h " + options, std::string("compensate c.json session -o out.csv")})
     if (const CommandResult result = run_imulab(folder, command); result.exit_code != 0) throw std::runtime_error(result.errors);
-  folder.write("program.c", program);
+  folder.write("program.c", readings_program);
   const CommandResult ran =
       run_shell(folder, std::string("cc -std=c99 program.c") + header_warnings + " && sed 1d session/recording.csv | ./program > header.csv");
   if (ran.exit_code != 0) throw std::runtime_error(ran.errors);
-  const auto expected = table(read_text(folder / "out.csv")), given = table(read_text(folder / "header.csv"));
+  const auto expected = csv_table(read_text(folder / "out.csv")), given = csv_table(read_text(folder / "header.csv"));
   EXPECT_EQ(given.size(), expected.size());
   EXPECT_GT(given.size(), 1000u);
   double worst = 0;

@@ -64,7 +64,7 @@ TEST(ExportSelftest, FindsACompilersOtherArithmetic) {
   EXPECT_NE(run_with(folder, wrong, selftest, "cc -std=c99 program.c"), 0);
 }
 
-constexpr const char* filter_program = R"(
+constexpr const char* selftest_of_filter = R"(
 #include "calibration.h"
 #include <stdio.h>
 static void show(int replaced, const imulab_real* x) {
@@ -114,7 +114,7 @@ TEST(ExportedFilter, GivesEverySampleOnceAlsoThoseThatAreNoNumbers) {
     }
     while (const auto out = filter.rest()) expected += line_of(0, out->readings);
     folder.write("input", input);
-    ASSERT_EQ(run_with(folder, c_header(c), filter_program, "cc -std=c99 program.c"), 0) << "and no sample after the last";
+    ASSERT_EQ(run_with(folder, c_header(c), selftest_of_filter, "cc -std=c99 program.c"), 0) << "and no sample after the last";
     const std::string output = std::regex_replace(run_shell(folder, "./program < input").output, std::regex("-nan"), "nan");
     EXPECT_EQ(output, expected) << samples;
     EXPECT_EQ(std::count(output.begin(), output.end(), '\n'), samples);

@@ -17,14 +17,14 @@
 namespace imulab {
 namespace {
 
-struct Row {
+struct ReadRow {
   std::array<double, 12> in;
 };
 
-std::vector<Row> rows() {
-  std::vector<Row> out;
+std::vector<ReadRow> read_rows() {
+  std::vector<ReadRow> out;
   for (int i = 0; i < 20; ++i) {
-    Row r;
+    ReadRow r;
     for (int k = 0; k < 6; ++k) r.in[static_cast<std::size_t>(k)] = 5000 * std::sin(1.0 + 3 * i + k);
     for (int k = 6; k < 9; ++k) r.in[static_cast<std::size_t>(k)] = 35 + 30 * std::sin(2. * i + k);
     for (int k = 9; k < 12; ++k) r.in[static_cast<std::size_t>(k)] = 4987.5 + 50 * std::cos(2. * i + k);
@@ -58,7 +58,7 @@ TEST(Export, TheHeaderCompilesAnywhereAndDoesWhatTheLibraryDoes) {
   folder.write("program.c", program);
   folder.write("program.cpp", program);
   std::string input;
-  for (const Row& r : rows()) {
+  for (const ReadRow& r : read_rows()) {
     for (const double x : r.in) input += std::to_string(x) + " ";
     input += "\n";
   }
@@ -75,7 +75,7 @@ TEST(Export, TheHeaderCompilesAnywhereAndDoesWhatTheLibraryDoes) {
     ASSERT_EQ(compiled.exit_code, 0) << build.command << compiled.errors;
     std::istringstream output(run_shell(folder, "./program < input").output);
     std::istringstream given(input);
-    for (std::size_t i = 0; i < rows().size(); ++i) {
+    for (std::size_t i = 0; i < read_rows().size(); ++i) {
       std::array<double, 12> x;
       for (double& v : x) given >> v;
       RawSample raw{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};

@@ -21,12 +21,12 @@ struct Row {
 
 const std::vector<std::string> session_files{"S/session.toml", "S/recording.csv"};
 
-std::vector<std::string> with(std::vector<std::string> files, const std::vector<std::string>& more) {
+std::vector<std::string> joined(std::vector<std::string> files, const std::vector<std::string>& more) {
   files.insert(files.end(), more.begin(), more.end());
   return files;
 }
 
-const std::vector<Row> rows{
+const std::vector<Row> written_by{
     {"procedure", "-o", "procedure zhang-24 -o @", {}},
     {"inspect", "-o", "inspect S/recording.csv -o @ --force", {"S/recording.csv"}},
     {"inspect", "--report", "inspect S/recording.csv --report @", {"S/recording.csv"}},
@@ -39,17 +39,17 @@ const std::vector<Row> rows{
     {"noise", "-o", "noise S S2 -o @ --force", {"S2/recording.csv"}},
     {"noise", "--report", "noise S --report @", session_files},
     {"compare", "--report", "compare c.json t.json --report @", {"c.json", "t.json"}},
-    {"report", "-o", "report c.json --session S -o @", with(session_files, {"c.json"})},
+    {"report", "-o", "report c.json --session S -o @", joined(session_files, {"c.json"})},
     {"predict", "--report", "predict p.toml --method handheld --report @", {"p.toml"}},
     {"plan", "-o", "plan --require 'accel.offset <= 1000 ug' -o @", {}},
     {"plan", "--report", "plan --require 'accel.offset <= 1000 ug' --report @", {}},
-    {"compensate", "-o", "compensate c.json S -o @", with(session_files, {"c.json"})},
-    {"compensate", "-o", "compensate c.json - --session S -o @ < rows.csv", with(session_files, {"c.json", "rows.csv"})},
-    {"compensate", "--report", "compensate c.json S -o fresh.csv --report @", with(session_files, {"c.json"})},
+    {"compensate", "-o", "compensate c.json S -o @", joined(session_files, {"c.json"})},
+    {"compensate", "-o", "compensate c.json - --session S -o @ < rows.csv", joined(session_files, {"c.json", "rows.csv"})},
+    {"compensate", "--report", "compensate c.json S -o fresh.csv --report @", joined(session_files, {"c.json"})},
     {"export", "-o", "export c.json --noise noise.json --to kalibr -o @ --force", {"c.json", "noise.json"}},
     {"import", "-o", "import c.json --gyro t.json -o @ --force", {"c.json", "t.json"}},
-    {"navigate", "-o", "navigate c.json S --truth rows.csv -o @", with(session_files, {"c.json", "rows.csv"})},
-    {"navigate", "--report", "navigate c.json S --report @", with(session_files, {"c.json"})},
+    {"navigate", "-o", "navigate c.json S --truth rows.csv -o @", joined(session_files, {"c.json", "rows.csv"})},
+    {"navigate", "--report", "navigate c.json S --report @", joined(session_files, {"c.json"})},
     {"budget", "--report", "budget m.toml --runs 0 --report @", {"m.toml", "track.csv", "noise.json"}},
 };
 
@@ -87,7 +87,7 @@ struct Files : testing::Test {
 };
 
 TEST_F(Files, NoOutputReplacesAnInput) {
-  for (const Row& row : rows)
+  for (const Row& row : written_by)
     for (const std::string& input : row.inputs) {
       const std::string before = read_text(folder / input);
       ASSERT_NE(before, "") << input;
@@ -101,7 +101,7 @@ TEST_F(Files, NoOutputReplacesAnInput) {
 }
 
 TEST_F(Files, NoOutputReplacesAFolderOrATruth) {
-  for (const Row& row : rows) {
+  for (const Row& row : written_by) {
     const std::string truth = read_text(folder / "S/truth.json");
     if (row.command.find("compensate") != 0) {  // whose -o is a folder, too
       expect_refused(row, "S", HasSubstr("is a folder; expected a file"));
@@ -143,7 +143,7 @@ TEST_F(Files, AnExportOfAllAndADemoLeaveOnesOwn) {
 /// A verb or an option that writes and is not in the tables above makes this fail.
 TEST_F(Files, EveryOptionThatWritesIsTested) {
   std::set<std::string> tested{"demo -o", "help --man"};
-  for (const auto* table : {&rows, &makers})
+  for (const auto* table : {&written_by, &makers})
     for (const Row& row : *table) tested.insert(row.verb + " " + row.option);
   const std::string all = run_imulab(folder, "--help").output;
   const std::regex verb("^  ([a-z]+) +[A-Z]", std::regex::multiline);

@@ -20,6 +20,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace imulab::command {
@@ -80,9 +81,9 @@ Log read_log(const Options& o, const Session& session) {
     return analyzed(o, recording, still_range(recording, session, filled));
   }
   if (!why_not.empty()) warn(why_not);
-  const RecordingReading reading = reading_shown([&] { return read_recording(session, source); });
+  RecordingReading reading = reading_shown([&] { return read_recording(session, source); });
   for (const std::string& text : reading.warnings) warn(text);
-  const StillPart still = still_part(reading.recording, session);
+  const StillPart still = still_part(std::move(reading.recording), session);
   return analyzed(o, still.recording, {still.range, still.notes, still.recording.interval_s});
 }
 

@@ -189,11 +189,11 @@ TEST(TrajectoryCommand, IsListed) {
   EXPECT_THAT(run_imulab(folder, "--help").output, HasSubstr("trajectory"));
 }
 
-struct Case {
+struct MissionCase {
   std::string text, message;
 };
 
-void expect_refused(const TemporaryFolder& folder, const Case& c) {
+void expect_mission_refused(const TemporaryFolder& folder, const MissionCase& c) {
   SCOPED_TRACE(c.text);
   folder.write("m.toml", c.text);
   const CommandResult result = run_imulab(folder, "trajectory m.toml -o out");
@@ -208,7 +208,7 @@ TEST(TrajectoryBadInput, SegmentsAreRefusedWithTheirLine) {
   const std::string fast = start + "speed_mps = 80\n";
   const auto at_80 = [&](const std::string& keys, const std::string& head = "") { return mission(segment(keys), head, fast); };
   const TemporaryFolder folder;
-  for (const Case& c : std::vector<Case>{
+  for (const MissionCase& c : std::vector<MissionCase>{
            {mission(segment("kind = \"loop\"\nduration_s = 5")), "m.toml:7: segment.kind: \"loop\" is not allowed; expected one of rest, straight"},
            {mission(segment("kind = \"rest\"")), "m.toml:6: segment.duration_s: is missing"},
            {mission(segment("kind = \"rest\"\nduration = 5")), "m.toml:8: segment.duration: is not a known key; expected duration_s"},
@@ -259,7 +259,7 @@ TEST(TrajectoryBadInput, SegmentsAreRefusedWithTheirLine) {
                     segment("kind = \"repeat\"\nlast = 100000\ntimes = 2")),
             "m.toml:16: segment.times: makes more than 100000 segments"},
        })
-    expect_refused(folder, c);
+    expect_mission_refused(folder, c);
 }
 
 TEST(TrajectoryBadInput, AMissionIsRefusedWithItsLine) {
@@ -268,7 +268,7 @@ TEST(TrajectoryBadInput, AMissionIsRefusedWithItsLine) {
     return mission(segment("kind = \"rest\"\nduration_s = " + s), head);
   };
   const TemporaryFolder folder;
-  for (const Case& c : std::vector<Case>{
+  for (const MissionCase& c : std::vector<MissionCase>{
            {"format = \"imulab.mission/2\"\n" + start + rest, "m.toml:1: format: \"imulab.mission/2\" is a format this version does not know"},
            {"format = \"imulab.session/1\"\n" + start + rest, "m.toml:1: format: \"imulab.session/1\" is not a mission"},
            {start + rest, "m.toml:1: format: is missing"},
@@ -308,7 +308,7 @@ TEST(TrajectoryBadInput, AMissionIsRefusedWithItsLine) {
             "m.toml:12: accel_temperature.per_K: is missing"},
            {"format = ", "m.toml:1: "},
        })
-    expect_refused(folder, c);
+    expect_mission_refused(folder, c);
 }
 
 TEST(TrajectoryBadInput, ATrackIsRefusedWithItsLine) {
@@ -321,7 +321,7 @@ TEST(TrajectoryBadInput, ATrackIsRefusedWithItsLine) {
   const TemporaryFolder folder;
   const auto expect = [&](const std::string& track, const std::string& text, const std::string& message) {
     folder.write("track.csv", track);
-    expect_refused(folder, {text, message});
+    expect_mission_refused(folder, {text, message});
   };
   expect(good, file("position_sigma_m = -1\n"), "m.toml:4: track.position_sigma_m: -1 is out of range");
   expect(good, file() + start, "m.toml:4: start: cannot be combined with [track]");

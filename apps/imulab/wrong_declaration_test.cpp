@@ -12,7 +12,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-struct Case {
+struct WrongDeclaration {
   const char* name;
   std::function<void(SessionText&)> damage;
   std::string cause;
@@ -48,47 +48,51 @@ std::function<void(SessionText&)> shifted(std::size_t begin, std::size_t end, st
 const char* const gyro_rate = "output = \"rate\", unit = \"rad/s\"";
 
 TEST(WrongDeclaration, IsNeverGood) {
-  for (const Case& c : {
-           Case{"deg/h for rad/s", [](SessionText& s) { s.declare("unit = \"rad/s\"", "unit = \"deg/h\""); }, "the readings are in rad/s"},
-           Case{"deg/s for rad/s", [](SessionText& s) { s.declare("unit = \"rad/s\"", "unit = \"deg/s\""); }, "the readings are in rad/s"},
-           Case{"rad/s for deg/s", times(1, 4, 180 / 3.14159265), "the readings are in deg/s"},
-           Case{"rad/s for deg/h", times(1, 4, 3600 * 180 / 3.14159265), "expected a reading that a sensor can give"},
-           Case{"g for m/s^2", [](SessionText& s) { s.declare("unit = \"m/s^2\"", "unit = \"g\""); }, "the readings are in m/s^2,"},
-           Case{"m/s^2 for g", times(4, 7, 1 / 9.8), "the readings are in g,"},
-           Case{"stamps in ms as s",
-                [](SessionText& s) {
-                  s.for_rows([](Row& row) { row[0] *= 1000; });
-                  s.declare("rate_hz = 100\n", "");
-                },
-                "the unit of the stamps is smaller than declared"},
-           Case{"increments for rates", [](SessionText& s) { s.declare(gyro_rate, "output = \"increment\", unit = \"rad\""); },
-                "the readings are rates"},
-           Case{"rates for increments", times(1, 4, 0.01), "the readings are increments"},
-           Case{"half of the gyros' reading", times(1, 4, 0.5), "the gyros' scale is 2.0"},
-           Case{"a thousandth", times(1, 4, 1000), "thousandths of the declared unit"},
-           Case{"one axis twice", times(1, 2, 2), "the gyros' x scale is 0.5"},
-           Case{"gyros' axes exchanged", rows([](Row& row) { std::swap(row[1], row[2]); }), "the gyros' axes are not as declared"},
-           Case{"a gyro reversed", times(1, 2, -1), "(left-handed)"},
-           Case{"an accelerometer reversed", times(4, 5, -1), "the gyros' axes are not as declared"},
-           Case{"all gyros reversed", times(1, 4, -1), "x is along the -x reading, y is along the -y reading"},
-           Case{"a column twice", rows([](Row& row) { row[2] = row[1]; }), "gyro x and y are equal in every sample"},
-           Case{"a reading of 1e300", [](SessionText& s) { s.set(778, 4, "1e300"); }, "line 778: accel x is 1e+300 m/s^2"},
-           Case{"gyros of another time", shifted(1, 4, 5000), "the gyros do not turn with the accelerometers"},
-           Case{"gyros of another time", shifted(1, 4, 5000), "the gyros do not turn with the accelerometers", "hybrid"},
-           Case{"one accelerometer late", shifted(6, 7, -1), "the z accelerometer's readings are a sample later than the others'", "hybrid"},
-           Case{"one gyro early", shifted(2, 3, 1), "the y gyro's readings are a sample earlier than the others'", "hybrid"},
-           Case{"absolute zero",
-                [](SessionText& s) {
-                  for (std::size_t line = 1; line <= s.lines.size(); ++line) s.lines[line - 1] += line == 1 ? ",T" : ",-300";
-                  s.session += "\ngyro_temperature = { columns = [\"T\"], unit = \"degC\" }\n";
-                },
-                "line 2: the temperature is -300 degC; expected -273.15 to 1000"},
-           Case{"a temperature of no IMU",
-                [](SessionText& s) {
-                  for (std::size_t line = 1; line <= s.lines.size(); ++line) s.lines[line - 1] += line == 1 ? ",T" : line == 778 ? ",1e5" : ",293";
-                  s.session += "\ngyro_temperature = { columns = [\"T\"], unit = \"K\" }\n";
-                },
-                "line 778: the temperature is 100000 K; expected 0 to 1273.15"},
+  for (const WrongDeclaration& c : {
+           WrongDeclaration{"deg/h for rad/s", [](SessionText& s) { s.declare("unit = \"rad/s\"", "unit = \"deg/h\""); },
+                            "the readings are in rad/s"},
+           WrongDeclaration{"deg/s for rad/s", [](SessionText& s) { s.declare("unit = \"rad/s\"", "unit = \"deg/s\""); },
+                            "the readings are in rad/s"},
+           WrongDeclaration{"rad/s for deg/s", times(1, 4, 180 / 3.14159265), "the readings are in deg/s"},
+           WrongDeclaration{"rad/s for deg/h", times(1, 4, 3600 * 180 / 3.14159265), "expected a reading that a sensor can give"},
+           WrongDeclaration{"g for m/s^2", [](SessionText& s) { s.declare("unit = \"m/s^2\"", "unit = \"g\""); }, "the readings are in m/s^2,"},
+           WrongDeclaration{"m/s^2 for g", times(4, 7, 1 / 9.8), "the readings are in g,"},
+           WrongDeclaration{"stamps in ms as s",
+                            [](SessionText& s) {
+                              s.for_rows([](Row& row) { row[0] *= 1000; });
+                              s.declare("rate_hz = 100\n", "");
+                            },
+                            "the unit of the stamps is smaller than declared"},
+           WrongDeclaration{"increments for rates", [](SessionText& s) { s.declare(gyro_rate, "output = \"increment\", unit = \"rad\""); },
+                            "the readings are rates"},
+           WrongDeclaration{"rates for increments", times(1, 4, 0.01), "the readings are increments"},
+           WrongDeclaration{"half of the gyros' reading", times(1, 4, 0.5), "the gyros' scale is 2.0"},
+           WrongDeclaration{"a thousandth", times(1, 4, 1000), "thousandths of the declared unit"},
+           WrongDeclaration{"one axis twice", times(1, 2, 2), "the gyros' x scale is 0.5"},
+           WrongDeclaration{"gyros' axes exchanged", rows([](Row& row) { std::swap(row[1], row[2]); }), "the gyros' axes are not as declared"},
+           WrongDeclaration{"a gyro reversed", times(1, 2, -1), "(left-handed)"},
+           WrongDeclaration{"an accelerometer reversed", times(4, 5, -1), "the gyros' axes are not as declared"},
+           WrongDeclaration{"all gyros reversed", times(1, 4, -1), "x is along the -x reading, y is along the -y reading"},
+           WrongDeclaration{"a column twice", rows([](Row& row) { row[2] = row[1]; }), "gyro x and y are equal in every sample"},
+           WrongDeclaration{"a reading of 1e300", [](SessionText& s) { s.set(778, 4, "1e300"); }, "line 778: accel x is 1e+300 m/s^2"},
+           WrongDeclaration{"gyros of another time", shifted(1, 4, 5000), "the gyros do not turn with the accelerometers"},
+           WrongDeclaration{"gyros of another time", shifted(1, 4, 5000), "the gyros do not turn with the accelerometers", "hybrid"},
+           WrongDeclaration{"one accelerometer late", shifted(6, 7, -1), "the z accelerometer's readings are a sample later than the others'",
+                            "hybrid"},
+           WrongDeclaration{"one gyro early", shifted(2, 3, 1), "the y gyro's readings are a sample earlier than the others'", "hybrid"},
+           WrongDeclaration{"absolute zero",
+                            [](SessionText& s) {
+                              for (std::size_t line = 1; line <= s.lines.size(); ++line) s.lines[line - 1] += line == 1 ? ",T" : ",-300";
+                              s.session += "\ngyro_temperature = { columns = [\"T\"], unit = \"degC\" }\n";
+                            },
+                            "line 2: the temperature is -300 degC; expected -273.15 to 1000"},
+           WrongDeclaration{"a temperature of no IMU",
+                            [](SessionText& s) {
+                              for (std::size_t line = 1; line <= s.lines.size(); ++line)
+                                s.lines[line - 1] += line == 1 ? ",T" : line == 778 ? ",1e5" : ",293";
+                              s.session += "\ngyro_temperature = { columns = [\"T\"], unit = \"K\" }\n";
+                            },
+                            "line 778: the temperature is 100000 K; expected 0 to 1273.15"},
        }) {
     SCOPED_TRACE(c.name);
     const TemporaryFolder folder;

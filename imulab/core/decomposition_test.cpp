@@ -10,20 +10,20 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-MatrixXd drawn(Eigen::Index rows, Eigen::Index columns) {
+MatrixXd drawn_matrix(Eigen::Index rows, Eigen::Index columns) {
   MatrixXd m(rows, columns);
   std::srand(1);
   return m.setRandom();
 }
 
 MatrixXd covariance(Eigen::Index n) {
-  const MatrixXd a = drawn(n, n + 3);
+  const MatrixXd a = drawn_matrix(n, n + 3);
   return a * a.transpose();
 }
 
 // Matrices of 40 rows with condition below 1e4: what is multiplied back agrees to 1e-10.
 TEST(Decomposition, CholeskyFactorsSolvesAndWhitens) {
-  const MatrixXd a = covariance(40), b = drawn(40, 3);
+  const MatrixXd a = covariance(40), b = drawn_matrix(40, 3);
   const Cholesky c(a);
   EXPECT_TRUE(c.positive_definite());
   EXPECT_TRUE((c.lower() * c.lower().transpose()).isApprox(a, 1e-13));
@@ -40,7 +40,7 @@ TEST(Decomposition, CholeskyFactorsSolvesAndWhitens) {
 
 TEST(Decomposition, ASemidefiniteMatrixIsSolvedWhereItCanBe) {
   const MatrixXd a = covariance(20);
-  const VectorXd b = drawn(20, 1);
+  const VectorXd b = drawn_matrix(20, 1);
   EXPECT_TRUE((a * solve_semidefinite(a, b)).isApprox(b, 1e-10));
   EXPECT_NEAR(squared_norm_in(a, b), b.dot(inverse_of(a) * b), 1e-9 * squared_norm_in(a, b));
   MatrixXd singular = MatrixXd::Zero(3, 3);
@@ -54,15 +54,15 @@ TEST(Decomposition, EigenvaluesAreAscendingAndSingularValuesDescending) {
   EXPECT_TRUE((e.vectors * e.values.asDiagonal() * e.vectors.transpose()).isApprox(a, 1e-12));
   EXPECT_LT(e.values[0], e.values[19]);
   EXPECT_TRUE(symmetric_eigenvalues(a).isApprox(e.values, 1e-12));
-  const MatrixXd tall = drawn(30, 4);
+  const MatrixXd tall = drawn_matrix(30, 4);
   const SingularValues s = singular_values(tall);
   EXPECT_TRUE((s.U * s.values.asDiagonal() * s.V.transpose()).isApprox(tall, 1e-12));
   EXPECT_GT(s.values[0], s.values[3]);
 }
 
 TEST(Decomposition, LeastSquaresSayWhatTheDataDetermine) {
-  MatrixXd a = drawn(30, 4);
-  const MatrixXd x = drawn(4, 2);
+  MatrixXd a = drawn_matrix(30, 4);
+  const MatrixXd x = drawn_matrix(4, 2);
   const LeastSquares full = least_squares(a, a * x);
   EXPECT_EQ(full.rank, 4);
   EXPECT_TRUE(full.x.isApprox(x, 1e-12));
@@ -72,8 +72,8 @@ TEST(Decomposition, LeastSquaresSayWhatTheDataDetermine) {
 }
 
 TEST(Decomposition, ARankTestRefusesDependentColumns) {
-  const MatrixXd a = drawn(8, 3);
-  const VectorXd x = drawn(3, 1);
+  const MatrixXd a = drawn_matrix(8, 3);
+  const VectorXd x = drawn_matrix(3, 1);
   const auto found = solve_full_rank(a, a * x, 1e-2);
   ASSERT_TRUE(found);
   EXPECT_LT((*found - x).norm(), 1e-12);  // rounding
@@ -84,7 +84,7 @@ TEST(Decomposition, ARankTestRefusesDependentColumns) {
 }
 
 TEST(Decomposition, ReverseCholeskyIsOfTheOtherOrder) {
-  const MatrixXd mixed = drawn(4, 4), a = mixed * mixed.transpose() + MatrixXd::Identity(4, 4);
+  const MatrixXd mixed = drawn_matrix(4, 4), a = mixed * mixed.transpose() + MatrixXd::Identity(4, 4);
   const auto lower = reverse_cholesky(a);
   ASSERT_TRUE(lower);
   EXPECT_LT((lower->transpose() * *lower - a).norm(), 1e-12);  // rounding

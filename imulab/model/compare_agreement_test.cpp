@@ -16,7 +16,7 @@
 namespace imulab {
 namespace {
 
-Eigen::MatrixXd draws(Eigen::Index rows, Eigen::Index columns, std::uint64_t stream) {
+Eigen::MatrixXd drawn_coefficients(Eigen::Index rows, Eigen::Index columns, std::uint64_t stream) {
   const RandomStream random(20261122, stream);
   Eigen::MatrixXd m(rows, columns);
   for (Eigen::Index i = 0; i < m.size(); ++i) m(i) = random.normal(static_cast<std::uint64_t>(i));
@@ -33,9 +33,9 @@ Calibration drawn(const std::vector<const char*>& terms, double sigma, std::uint
       if (x.triad != Triad::accel || x.term != Term::matrix || x.column <= x.row) c.estimated.push_back(i);
     }
   const auto n = static_cast<Eigen::Index>(c.estimated.size());
-  const Eigen::MatrixXd l = sigma * (Eigen::MatrixXd::Identity(n, n) + 0.3 / std::sqrt(static_cast<double>(n)) * draws(n, n, stream));
+  const Eigen::MatrixXd l = sigma * (Eigen::MatrixXd::Identity(n, n) + 0.3 / std::sqrt(static_cast<double>(n)) * drawn_coefficients(n, n, stream));
   c.covariance = l * l.transpose();
-  const Eigen::VectorXd e = l * draws(n, 1, draw);
+  const Eigen::VectorXd e = l * drawn_coefficients(n, 1, draw);
   for (Eigen::Index k = 0; k < n; ++k) {
     const CoefficientIndex i = c.estimated[static_cast<std::size_t>(k)];
     set_coefficient(c.model, i, coefficient_value(c.model, i) + e(k));
@@ -45,7 +45,7 @@ Calibration drawn(const std::vector<const char*>& terms, double sigma, std::uint
 
 const std::vector<const char*> linear{"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"};  // 21: 3 + 6 + 3 + 9
 
-const Agreement::Coefficient& find(const Agreement& agreement, const char* name) {
+const Agreement::Coefficient& found_in(const Agreement& agreement, const char* name) {
   for (const auto& c : agreement.coefficients)
     if (c.index == coefficient_index(name)) return c;
   throw std::runtime_error(name);
@@ -154,8 +154,8 @@ TEST(Agreement, OfCalibrationsDrawnFromTheirCovariancesIsUniform) {
     const Agreement joint = agreement(calibrations);
     ASSERT_EQ(joint.consistency.degrees_of_freedom, 2 * 21);
     together.push_back(joint.consistency.p_value);
-    scale.push_back(find(joint, "gyro.matrix.zz").consistency.p_value);
-    offset.push_back(find(joint, "accel.offset.x").consistency.p_value);
+    scale.push_back(found_in(joint, "gyro.matrix.zz").consistency.p_value);
+    offset.push_back(found_in(joint, "accel.offset.x").consistency.p_value);
     differing += std::any_of(joint.coefficients.begin(), joint.coefficients.end(), [](const auto& c) { return c.differs; });
   }
   expect_uniform(together, "together");

@@ -24,7 +24,7 @@ Eigen::MatrixXd draws(int rows, int columns, std::uint64_t stream) {
 }
 
 /// An IMU in the accelerometers' frame: raw in counts, misaligned by about 1e-2.
-SensorModel any_model() {
+SensorModel model_of_counts() {
   SensorModel m;
   m.accel.offset = {0.1, -0.2, 0.05};
   m.accel.matrix << 0.01, 0, 0, 1e-4, 0.011, 0, -2e-4, 1e-4, 0.009;
@@ -48,7 +48,7 @@ std::vector<CoefficientIndex> coefficients(std::initializer_list<const char*> se
 /// Everything linear estimated, with relative standard uncertainties of about 1e-5 and correlations.
 Calibration any_calibration(std::uint64_t stream) {
   Calibration c;
-  c.model = any_model();
+  c.model = model_of_counts();
   c.estimated = coefficients({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix", "gyro.g_sensitivity"});
   const auto n = static_cast<int>(c.estimated.size());
   Eigen::VectorXd size(n);
@@ -123,7 +123,7 @@ TEST(Compare, OtherTermsDifferInTheirOwnUnits) {
 
 TEST(Compare, SigmasUseBothCovariancesAndOnlyTheCalibrationsAgainstATruth) {
   Calibration a = any_calibration(3), b = any_calibration(4), truth;
-  truth.model = any_model();
+  truth.model = model_of_counts();
   truth.model.gyro.offset.x() += 1e-6;
   b.model = truth.model;
   const CoefficientIndex x = coefficient_index("gyro.offset.x");
@@ -214,7 +214,7 @@ TEST(Compare, DoesNotDependOnTheFramesTheCalibrationsAreStatedIn) {
 TEST(Compare, ErrorsDrawnFromTheStatedCovarianceAreConsistent) {
   const Calibration truth = [] {
     Calibration t;
-    t.model = any_model();
+    t.model = model_of_counts();
     return t;
   }();
   const Calibration stated = any_calibration(3);

@@ -145,7 +145,7 @@ struct Samples {
   }
 };
 
-SensorModel any_model() {
+SensorModel linear_model() {
   SensorModel m;
   m.accel.offset = {0.1, -0.2, 0.3};
   m.accel.matrix << 1.1, 0.01, -0.02, 0.03, 0.9, 0.01, 0.02, -0.01, 1.2;
@@ -155,7 +155,7 @@ SensorModel any_model() {
 }
 
 SensorModel full_model() {
-  SensorModel m = any_model();
+  SensorModel m = linear_model();
   m.accel.quadratic = {1e-3, 2e-3, -1e-3};
   m.accel.cubic = {1e-5, -2e-5, 3e-5};
   m.gyro.quadratic = {-1e-3, 2e-3, 1e-3};
@@ -199,8 +199,8 @@ void expect_columns_equal_samples(const SensorModel& m, bool temperatures) {
 }
 
 TEST(CompensateColumns, EqualsSampleBySampleWithAllTerms) { expect_columns_equal_samples(full_model(), true); }
-TEST(CompensateColumns, EqualsSampleBySampleWithLinearTerms) { expect_columns_equal_samples(any_model(), false); }
-TEST(CompensateColumns, IgnoresTemperaturesTheModelDoesNotUse) { expect_columns_equal_samples(any_model(), true); }
+TEST(CompensateColumns, EqualsSampleBySampleWithLinearTerms) { expect_columns_equal_samples(linear_model(), false); }
+TEST(CompensateColumns, IgnoresTemperaturesTheModelDoesNotUse) { expect_columns_equal_samples(linear_model(), true); }
 
 TEST(CompensateColumns, MissingTemperatureIsAnError) {
   Samples samples(10);
@@ -216,7 +216,7 @@ TEST(CompensateColumns, ColumnsOfDifferentLengthsAreAnError) {
   Samples samples(10), longer(11);
   RawColumns raw = samples.columns(false);
   raw.gyro[1] = longer.gyro[1];
-  EXPECT_THROW(compensate(any_model(), raw, samples.in_place()), Error);
+  EXPECT_THROW(compensate(linear_model(), raw, samples.in_place()), Error);
 }
 
 TEST(Decompensate, ColumnsAreTheSamplesOneByOne) {

@@ -16,7 +16,7 @@ Vector6 out(const SensorModel& model, const RawSample& raw) {
   return v;
 }
 
-SensorModel any_model(const RandomStream& draws) {
+SensorModel drawn_model(const RandomStream& draws) {
   SensorModel model;
   for (const CoefficientIndex k : coefficient_indices())
     set_coefficient(model, k, coefficient_value(model, k) + 0.1 * draws.normal(static_cast<std::uint64_t>(k)));
@@ -25,7 +25,7 @@ SensorModel any_model(const RandomStream& draws) {
 
 TEST(CompensationDerivatives, AreThoseOfTheModel) {
   const RandomStream draws(1, "compensation derivatives");
-  const SensorModel model = any_model(draws);
+  const SensorModel model = drawn_model(draws);
   RawSample raw;
   std::uint64_t n = 100;
   for (Vector3d* v : {&raw.accel, &raw.gyro, &raw.accel_tau, &raw.gyro_tau})

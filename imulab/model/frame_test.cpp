@@ -14,7 +14,7 @@
 namespace imulab {
 namespace {
 
-Eigen::MatrixXd draws(int rows, int columns, std::uint64_t stream) {
+Eigen::MatrixXd drawn_in_frame(int rows, int columns, std::uint64_t stream) {
   const RandomStream random(20261120, stream);
   Eigen::MatrixXd m(rows, columns);
   for (Eigen::Index i = 0; i < m.size(); ++i) m(i) = random.normal(static_cast<std::uint64_t>(i));
@@ -22,15 +22,15 @@ Eigen::MatrixXd draws(int rows, int columns, std::uint64_t stream) {
 }
 
 /// A model with all terms but the quadratic and cubic ones, misaligned by about `misalignment`, in a frame turned by `turn` rad.
-SensorModel linear_model(double misalignment, double turn) {
+SensorModel framed_model(double misalignment, double turn) {
   SensorModel m;
-  m.accel.offset = draws(3, 1, 1);
-  m.gyro.offset = draws(3, 1, 2);
-  const Matrix3d frame = rotation_exp(turn * Vector3d(draws(3, 1, 3)).normalized());
-  m.accel.matrix = 0.01 * frame * (Matrix3d::Identity() + misalignment * Matrix3d(draws(3, 3, 4)));
-  m.gyro.matrix = 0.002 * frame * (Matrix3d::Identity() + misalignment * Matrix3d(draws(3, 3, 5)));
-  m.g_sensitivity = 1e-3 * draws(3, 3, 6);
-  m.lever_arm = 0.1 * draws(3, 3, 7);
+  m.accel.offset = drawn_in_frame(3, 1, 1);
+  m.gyro.offset = drawn_in_frame(3, 1, 2);
+  const Matrix3d frame = rotation_exp(turn * Vector3d(drawn_in_frame(3, 1, 3)).normalized());
+  m.accel.matrix = 0.01 * frame * (Matrix3d::Identity() + misalignment * Matrix3d(drawn_in_frame(3, 3, 4)));
+  m.gyro.matrix = 0.002 * frame * (Matrix3d::Identity() + misalignment * Matrix3d(drawn_in_frame(3, 3, 5)));
+  m.g_sensitivity = 1e-3 * drawn_in_frame(3, 3, 6);
+  m.lever_arm = 0.1 * drawn_in_frame(3, 3, 7);
   return m;
 }
 
@@ -38,13 +38,13 @@ std::vector<CoefficientIndex> all_coefficients() { return {coefficient_indices()
 
 /// P = L L^T with standard deviations of `size` relative to 1.
 Eigen::MatrixXd covariance_of(int n, double size) {
-  const Eigen::MatrixXd l = size * draws(n, n, 8);
+  const Eigen::MatrixXd l = size * drawn_in_frame(n, n, 8);
   return l * l.transpose();
 }
 
 TEST(AccelerometerFrame, FollowsTheSensitiveAxes) {
   for (const double turn : {0.0, 1e-3, 0.5, 3.0}) {
-    const Matrix3d a1 = linear_model(0.02, turn).accel.matrix;
+    const Matrix3d a1 = framed_model(0.02, turn).accel.matrix;
     const Matrix3d r = accelerometer_frame(a1);
     const Matrix3d lower = r * a1;
     const Matrix3d axes = a1.inverse() * r.transpose();  // row i: the i-th accelerometer's sensitive axis in the new frame
@@ -69,7 +69,7 @@ TEST(AccelerometerFrame, IsTheIdentityForALowerTriangularMatrix) {
 }
 
 TEST(AccelerometerFrame, OfALeftHandedTriadIsStillARotation) {
-  Matrix3d a1 = linear_model(0.02, 0.5).accel.matrix;
+  Matrix3d a1 = framed_model(0.02, 0.5).accel.matrix;
   a1.col(2) *= -1;
   const Matrix3d r = accelerometer_frame(a1);
   EXPECT_NEAR(r.determinant(), 1, 1e-14);
@@ -88,7 +88,7 @@ TEST(AccelerometerFrame, ASingularMatrixIsAnError) {
 TEST(InAccelerometerFrame, CompensatesToTheSameMotionInTheNewFrame) {
   Calibration c;
   c.frame = "rig";
-  c.model = linear_model(0.02, 0.5);
+  c.model = framed_model(0.02, 0.5);
   const Calibration turned = in_accelerometer_frame(c);
   EXPECT_EQ(turned.frame, "accelerometers");
   const Matrix3d r = accelerometer_frame(c.model.accel.matrix);
@@ -103,7 +103,7 @@ TEST(InAccelerometerFrame, CompensatesToTheSameMotionInTheNewFrame) {
 
 TEST(InAccelerometerFrame, LeavesACalibrationThatIsInItAlone) {
   Calibration c;
-  c.model = linear_model(0.02, 0);
+  c.model = framed_model(0.02, 0);
   c.model.accel.matrix << 0.013, 0, 0, 1e-4, 0.017, 0, -2e-4, 3e-4, 0.011;
   c.estimated = all_coefficients();
   std::erase_if(c.estimated, [](CoefficientIndex i) { return coefficient(i).name.starts_with("accel.matrix.x") && i > 3; });
@@ -120,7 +120,7 @@ TEST(InAccelerometerFrame, LeavesACalibrationThatIsInItAlone) {
 TEST(InAccelerometerFrame, CovarianceFollowsTheRotationsDependenceToo) {
   Calibration c;
   c.frame = "rig";
-  c.model = linear_model(0.05, 0.5);
+  c.model = framed_model(0.05, 0.5);
   c.estimated = all_coefficients();
   c.covariance = covariance_of(coefficient_count, 1e-4);
   const Calibration turned = in_accelerometer_frame(c);

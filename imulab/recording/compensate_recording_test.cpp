@@ -12,7 +12,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-Recording any_recording() {
+Recording three_samples() {
   Recording r;
   r.name = "recording.csv";
   r.interval_s = 0.01;
@@ -34,7 +34,7 @@ SensorModel any_model() {
 
 TEST(CompensateRecording, GivesEverySampleAndKeepsTheRest) {
   const SensorModel m = any_model();
-  const Recording raw = any_recording();
+  const Recording raw = three_samples();
   const CompensatedRecording out = compensate(m, raw);
   for (std::size_t k = 0; k < 3; ++k) {
     const Motion motion =
@@ -56,7 +56,7 @@ TEST(CompensateRecording, NamesTheSamplesOutsideTheCalibratedTemperatures) {
   SensorModel m = any_model();
   m.accel.temperature = ThermalReading{"degC", 25, {0, 70}};
   m.gyro.temperature = ThermalReading{"degC", 25, {10, 40}};
-  Recording r = any_recording();
+  Recording r = three_samples();
   r.accel_temperature = {{{70, 70, 70}, {0, 0, 71}, {30, 30, 30}}};
   EXPECT_THAT(compensate(m, r).out_of_range, ElementsAre(2));
   r.gyro_temperature = {{{9.9, 10, 10}, {40, 40, 40}, {30, 30, 30}}};
@@ -66,10 +66,10 @@ TEST(CompensateRecording, NamesTheSamplesOutsideTheCalibratedTemperatures) {
 TEST(CompensateRecording, ATemperatureTheModelNeedsIsAskedForByName) {
   SensorModel m = any_model();
   m.gyro.temperature = ThermalReading{"degC", 25, {0, 70}};
-  EXPECT_NO_THROW(compensate(m, any_recording())) << "no thermal terms: no reading needed";
+  EXPECT_NO_THROW(compensate(m, three_samples())) << "no thermal terms: no reading needed";
   m.gyro.thermal(1, 1) = 0.1;
   try {
-    compensate(m, any_recording());
+    compensate(m, three_samples());
     ADD_FAILURE() << "accepted";
   } catch (const Error& e) {
     EXPECT_THAT(e.what(), StartsWith("recording.csv: "));

@@ -63,7 +63,7 @@ TEST(MakeRecording, MarksReadingsAtTheLimits) {
   EXPECT_THAT(r.saturated, ElementsAre(7, 80));
 }
 
-std::string refusal(std::vector<double> t, const Columns3& gyro, const RecordingOptions& options) {
+std::string refusal_of_arrays(std::vector<double> t, const Columns3& gyro, const RecordingOptions& options) {
   try {
     make_recording(t, gyro, columns(0, 0, 9.8), options);
   } catch (const Error& e) {
@@ -74,30 +74,33 @@ std::string refusal(std::vector<double> t, const Columns3& gyro, const Recording
 
 TEST(MakeRecording, RefusesWhatIsNoRecording) {
   const Columns3 gyro = columns(0, 0, 0);
-  EXPECT_EQ(refusal({}, gyro, {}), "recording: 0 samples; expected at least two, or the interval");
-  EXPECT_EQ(refusal({0, 0.01}, gyro, {.name = "imu0"}), "imu0: gyro x: 100 samples; expected 2, one for each stamp");
-  EXPECT_EQ(refusal(times, gyro, {.gyro = {.unit = "rpm"}}),
+  EXPECT_EQ(refusal_of_arrays({}, gyro, {}), "recording: 0 samples; expected at least two, or the interval");
+  EXPECT_EQ(refusal_of_arrays({0, 0.01}, gyro, {.name = "imu0"}), "imu0: gyro x: 100 samples; expected 2, one for each stamp");
+  EXPECT_EQ(refusal_of_arrays(times, gyro, {.gyro = {.unit = "rpm"}}),
             "recording: gyro: the unit is \"rpm\"; expected one of count, rad/s, deg/s, mdeg/s, deg/min, deg/h");
-  EXPECT_EQ(refusal(times, gyro, {.gyro = {.unit = "deg/s", .increment = true}}),
+  EXPECT_EQ(refusal_of_arrays(times, gyro, {.gyro = {.unit = "deg/s", .increment = true}}),
             "recording: gyro: the unit is \"deg/s\"; expected one of count, rad, deg, arcsec");
-  EXPECT_EQ(refusal(times, gyro, {.accel = {.limits = {{4, -4}}}}), "recording: accel: the limits are 4 and -4; expected the lower one first");
-  EXPECT_EQ(refusal(times, gyro, {.accel = {.temperature = {{}, {}}}}), "recording: accel: 2 temperature columns; expected none, one or three");
-  EXPECT_THAT(refusal(times, gyro, {.interval_s = 0.02}), HasSubstr("the interval is 0.02 s, but the stamps' differences are 0.01 s"));
-  EXPECT_THAT(refusal(times, gyro, {.interval_s = 0, .gyro = {.increment = true}}), HasSubstr("the interval is 0 s; expected a positive number"));
+  EXPECT_EQ(refusal_of_arrays(times, gyro, {.accel = {.limits = {{4, -4}}}}),
+            "recording: accel: the limits are 4 and -4; expected the lower one first");
+  EXPECT_EQ(refusal_of_arrays(times, gyro, {.accel = {.temperature = {{}, {}}}}),
+            "recording: accel: 2 temperature columns; expected none, one or three");
+  EXPECT_THAT(refusal_of_arrays(times, gyro, {.interval_s = 0.02}), HasSubstr("the interval is 0.02 s, but the stamps' differences are 0.01 s"));
+  EXPECT_THAT(refusal_of_arrays(times, gyro, {.interval_s = 0, .gyro = {.increment = true}}),
+              HasSubstr("the interval is 0 s; expected a positive number"));
   std::vector<double> t = times;
   t[9] = t[8];
-  EXPECT_THAT(refusal(t, gyro, {}), HasSubstr("time: sample 9 is at 5.08 s"));
+  EXPECT_THAT(refusal_of_arrays(t, gyro, {}), HasSubstr("time: sample 9 is at 5.08 s"));
   t[9] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(refusal(t, gyro, {}), "recording: time: sample 9 is nan; expected seconds");
+  EXPECT_EQ(refusal_of_arrays(t, gyro, {}), "recording: time: sample 9 is nan; expected seconds");
 }
 
 TEST(MakeRecording, IncrementsNeedAnIntervalThatIsKnown) {
   std::vector<double> t;
   for (int i = 0; i < 100; ++i) t.push_back(0.01 * i + 0.004 * (i / 3));  // 10, 10 and 14 ms
   const Columns3 gyro = columns(0, 0, 0);
-  EXPECT_THAT(refusal(t, gyro, {.gyro = {.increment = true}}), HasSubstr("expected the interval, which scales increments"));
-  EXPECT_EQ(refusal(t, gyro, {.interval_s = 0.01, .gyro = {.increment = true}}), "");
-  EXPECT_EQ(refusal(t, gyro, {}), "") << "rates are not scaled by it";
+  EXPECT_THAT(refusal_of_arrays(t, gyro, {.gyro = {.increment = true}}), HasSubstr("expected the interval, which scales increments"));
+  EXPECT_EQ(refusal_of_arrays(t, gyro, {.interval_s = 0.01, .gyro = {.increment = true}}), "");
+  EXPECT_EQ(refusal_of_arrays(t, gyro, {}), "") << "rates are not scaled by it";
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace {
 using testing::DoubleEq;
 using testing::ElementsAre;
 
-std::vector<std::int64_t> stamps(std::size_t n, std::int64_t first_ns, std::int64_t step_ns) {
+std::vector<std::int64_t> even_stamps(std::size_t n, std::int64_t first_ns, std::int64_t step_ns) {
   std::vector<std::int64_t> t(n);
   for (std::size_t i = 0; i < n; ++i) t[i] = first_ns + static_cast<std::int64_t>(i) * step_ns;
   return t;
@@ -20,13 +20,13 @@ std::vector<std::int64_t> stamps(std::size_t n, std::int64_t first_ns, std::int6
 constexpr std::int64_t ms = 1'000'000;
 
 TEST(Resample, AFasterSourceIsAveraged) {
-  const auto r = resample_means(stamps(6, 1 * ms, 1 * ms), 1e-3, {{1, 2, 3, 4, 5, 6}}, false, stamps(2, 3 * ms, 3 * ms), 3e-3);
+  const auto r = resample_means(even_stamps(6, 1 * ms, 1 * ms), 1e-3, {{1, 2, 3, 4, 5, 6}}, false, even_stamps(2, 3 * ms, 3 * ms), 3e-3);
   EXPECT_THAT(r.columns[0], ElementsAre(DoubleEq(2), DoubleEq(5)));
   EXPECT_THAT(r.covered, ElementsAre(1, 1));
 }
 
 TEST(Resample, ASlowerSourceHoldsItsMean) {
-  const auto r = resample_means(stamps(2, 3 * ms, 3 * ms), 3e-3, {{2, 5}}, false, stamps(6, 1 * ms, 1 * ms), 1e-3);
+  const auto r = resample_means(even_stamps(2, 3 * ms, 3 * ms), 3e-3, {{2, 5}}, false, even_stamps(6, 1 * ms, 1 * ms), 1e-3);
   EXPECT_THAT(r.columns[0], ElementsAre(DoubleEq(2), DoubleEq(2), DoubleEq(2), DoubleEq(5), DoubleEq(5), DoubleEq(5)));
 }
 
@@ -34,7 +34,7 @@ TEST(Resample, WhatAccumulatesIsKept) {
   // A rate that changes, at 1000 Hz and at 300 Hz with another phase: the angle between two common instants is the same.
   std::vector<double> rate(1000);
   for (std::size_t i = 0; i < rate.size(); ++i) rate[i] = std::sin(0.01 * static_cast<double>(i));
-  const auto source = stamps(1000, 1 * ms, 1 * ms), target = stamps(300, 400'000 + 3 * ms, 3'300'000);
+  const auto source = even_stamps(1000, 1 * ms, 1 * ms), target = even_stamps(300, 400'000 + 3 * ms, 3'300'000);
   for (const bool increment : {false, true}) {
     const auto r = resample_means(source, 1e-3, {rate}, increment, target, 3.3e-3);
     double sum = 0, expected = 0;
@@ -48,9 +48,9 @@ TEST(Resample, WhatAccumulatesIsKept) {
 }
 
 TEST(Resample, GapsAreNotCovered) {
-  auto source = stamps(10, 1 * ms, 1 * ms);
+  auto source = even_stamps(10, 1 * ms, 1 * ms);
   for (std::size_t i = 5; i < 10; ++i) source[i] += 10 * ms;
-  const auto r = resample_means(source, 1e-3, {std::vector<double>(10, 7.0)}, false, stamps(24, 1 * ms, 1 * ms), 1e-3);
+  const auto r = resample_means(source, 1e-3, {std::vector<double>(10, 7.0)}, false, even_stamps(24, 1 * ms, 1 * ms), 1e-3);
   EXPECT_EQ(std::accumulate(r.covered.begin(), r.covered.end(), 0), 10);
   EXPECT_EQ(r.covered[4], 1);
   EXPECT_EQ(r.covered[5], 0);

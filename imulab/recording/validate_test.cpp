@@ -11,7 +11,7 @@
 namespace imulab {
 namespace {
 
-Recording any_recording() {
+Recording good_recording() {
   Recording r;
   r.name = "r";
   r.interval_s = 0.01;
@@ -24,7 +24,7 @@ Recording any_recording() {
 }
 
 std::string refusal(const std::function<void(Recording&)>& change) {
-  Recording r = any_recording();
+  Recording r = good_recording();
   change(r);
   try {
     validate(r);
@@ -74,7 +74,7 @@ TEST(Validate, NamesColumnSampleAndExpectation) {
 }
 
 TEST(Validate, TheSearchForRestsAsksIt) {
-  Recording r = any_recording();
+  Recording r = good_recording();
   r.interval_s = 0;
   EXPECT_THROW(detect_rests(r), Error);
 }

@@ -134,7 +134,8 @@ FleetItem unpacked(const std::string& bytes) {
 
 /// What all results of a checkpoint depend on: which sessions, their files as they are, and what is asked for.
 std::string identity_of(const std::vector<fs::path>& sessions, const FleetCalibrationTask& task) {
-  std::string all = fmt::format("{} {} {} {} {}", task.method, task.terms, task.declared.station, task.declared.operated_by, task.declared.time);
+  std::string all = fmt::format("{} {} {} {} {}{}", task.method, task.terms, task.declared.station, task.declared.operated_by, task.declared.time,
+                                task.retry ? " once more" : "");
   const auto add = [&all](const fs::path& file) {
     struct stat status {};
     if (::stat(file.c_str(), &status) != 0) return;  // its session fails, which is a result, too

@@ -79,7 +79,7 @@ void saturate(HybridSession& s) {
       }
 }
 
-HybridSession session_of(std::uint64_t seed, double rest = 12) {
+HybridSession session_with(std::uint64_t seed, double rest = 12) {
   return hybrid_session(seed, [&](Session& session) { session = hybrid_procedure(rest, 50); });
 }
 
@@ -100,7 +100,7 @@ TEST(HybridBadInput, IsSaidAndTheUncertaintiesStayTrue) {
       {"saturated gyro", saturate, "has saturated samples; it is not used, and the attitude is aligned anew"},
   };
   for (const Case& c : cases) {
-    HybridSession s = session_of(1);
+    HybridSession s = session_with(1);
     c.damage(s);
     const Calibration calibration = calibrated(s, base_terms()).calibration;
     EXPECT_THAT(calibration.quality.unobservable, IsEmpty()) << c.what;
@@ -114,7 +114,7 @@ TEST(HybridBadInput, IsSaidAndTheUncertaintiesStayTrue) {
 }
 
 TEST(HybridBadInput, ShortRestsAreSaid) {
-  const HybridSession s = session_of(3, 2);
+  const HybridSession s = session_with(3, 2);
   const Calibration c = calibrated(s, base_terms()).calibration;
   EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("21 of 21 rests are no longer than 5 s")));
   EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5);
@@ -129,14 +129,14 @@ TEST(HybridBadInput, WhatFitsNothingEndsSoon) {
     EXPECT_EQ(calibrated(s, options).calibration.quality.verdict, verdict);
     return count;
   };
-  HybridSession s = session_of(2);
+  HybridSession s = session_with(2);
   const int usual = passes(s, "good");
   for (std::vector<double>& axis : s.recording.gyro) std::rotate(axis.begin(), axis.end() - 50, axis.end());
   EXPECT_LT(passes(s, "doubtful"), 2 * usual);
 }
 
 TEST(HybridBadInput, AWrongLatitudeIsCorrectedFromTheEarthsRate) {
-  HybridSession s = session_of(4);
+  HybridSession s = session_with(4);
   s.session.site.latitude = *s.session.site.latitude + 10 * unit::deg;
   const Calibration c = calibrated(s, base_terms()).calibration;
   EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("the gyros measure the Earth's rate of latitude 45.0")));
@@ -146,7 +146,7 @@ TEST(HybridBadInput, AWrongLatitudeIsCorrectedFromTheEarthsRate) {
 }
 
 TEST(HybridBadInput, ALatitudeOfTheWrongSignIsNamed) {
-  HybridSession s = session_of(6);
+  HybridSession s = session_with(6);
   s.session.site.latitude = -*s.session.site.latitude;  // the horizontal Earth rate is the same
   const Calibration c = calibrated(s).calibration;
   EXPECT_THAT(c.quality.warnings, Contains(testing::ContainsRegex("the gyros measure the Earth's rate of latitude 4[45]\\.")));
@@ -155,7 +155,7 @@ TEST(HybridBadInput, ALatitudeOfTheWrongSignIsNamed) {
 }
 
 TEST(HybridBadInput, WrongAxesAreNamed) {
-  const HybridSession good = session_of(5);
+  const HybridSession good = session_with(5);
   const auto message = [&](const std::function<void(Recording&)>& damage) {
     Recording recording = good.recording;
     damage(recording);

@@ -6,7 +6,9 @@
 #include <Eigen/Cholesky>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 namespace imulab::noise {
 
@@ -25,12 +27,12 @@ Problem::Problem(const Spectrum& spectrum, double highest_hz, double resolution,
   for (const SpectrumBin& bin : spectrum.bins)
     if (bin.high_hz() <= highest_hz) bins_.push_back(bin), shortest = std::min(shortest, bin.interval);
   const auto size = static_cast<Index>(bins_.size());
-  unit_.resize(size, 4), counts_.resize(size), power_.resize(size);
+  unit_.resize(size, 4), counts_.resize(size), power_.resize(size), cosine_.resize(size);
   for (Index i = 0; i < size; ++i) {
     const SpectrumBin& bin = bins_[static_cast<std::size_t>(i)];
     const Densities d = unit_densities(bin);
     unit_.row(i) << d.Q, 1, d.B, d.K;
-    counts_[i] = bin.count, power_[i] = bin.power;
+    counts_[i] = bin.count, power_[i] = bin.power, cosine_[i] = cosine_over_interval(bin);
     rounding_ = resolution * resolution / 12 * bin.interval / static_cast<double>(bin.averaged);
   }
   if (size > 0) Q_scale_ = (power_ / unit_.col(Terms::Q)).minCoeff();
@@ -50,8 +52,10 @@ ArrayXd Problem::density(const Parameters& at) const {
   ArrayXd S = unit_.rightCols<3>().matrix() * at.segment(Terms::N, 3).exp().matrix();
   const double white = std::exp(at[Terms::N]);
   for (int m = 0; m < terms_.markov; ++m)
-    if (const double power = std::exp(at[Terms::sigma(m)]); power > 0)
-      for (Index i = 0; i < S.size(); ++i) S[i] += power * markov_density(bins_[static_cast<std::size_t>(i)], std::exp(at[Terms::time(m)])).value;
+    if (const double power = std::exp(at[Terms::sigma(m)]); power > 0) {
+      MarkovDensity process(std::exp(at[Terms::time(m)]));
+      for (Index i = 0; i < S.size(); ++i) S[i] += power * process.at(bins_[static_cast<std::size_t>(i)].interval, cosine_[i]);
+    }
   if (terms_.low_pass.order > 0) {
     const FilterShares::Shares shares = filter_.at(std::exp(at[terms_.cutoff()]));
     for (std::size_t i = 0; i < bins_.size(); ++i) {
@@ -67,6 +71,12 @@ MatrixXd Problem::sensitivity(const Parameters& at, const ArrayXd& density) cons
   const double white = std::exp(at[Terms::N]), flicker = std::exp(at[Terms::B]), walk = std::exp(at[Terms::K]);
   const bool filtered = terms_.low_pass.order > 0;
   const FilterShares::Shares shares = filtered ? filter_.at(std::exp(at[terms_.cutoff()])) : FilterShares::Shares{};
+  constexpr double step = 1e-3;  // of the logarithm of a correlation time
+  std::vector<std::array<MarkovDensity, 3>> processes;
+  for (int m = 0; m < terms_.markov; ++m) {
+    const double time = std::exp(at[Terms::time(m)]);
+    processes.push_back({MarkovDensity(time), MarkovDensity(time * (1 + step)), MarkovDensity(time * (1 - step))});
+  }
   for (Index i = 0; i < density.size(); ++i) {
     const auto k = static_cast<std::size_t>(i);
     const Passed of_red = filtered ? shares.red[k] : Passed{}, of_white = filtered ? shares.white[k] : Passed{};
@@ -77,10 +87,11 @@ MatrixXd Problem::sensitivity(const Parameters& at, const ArrayXd& density) cons
     D(i, Terms::K) = walk * unit_(i, Terms::K) * of_red.share;
     for (int m = 0; m < terms_.markov; ++m) {
       const double power = std::exp(at[Terms::sigma(m)]);
-      const MarkovDensity process = markov_density(bins_[k], std::exp(at[Terms::time(m)]));
-      D(i, Terms::sigma(m)) = power * process.value * of_red.share;
-      D(i, Terms::time(m)) = power * process.by_log_time * of_red.share;
-      red += power * process.value;
+      auto& [process, longer, shorter] = processes[static_cast<std::size_t>(m)];
+      const double T = bins_[k].interval, value = process.at(T, cosine_[i]);
+      D(i, Terms::sigma(m)) = power * value * of_red.share;
+      D(i, Terms::time(m)) = power * (longer.at(T, cosine_[i]) - shorter.at(T, cosine_[i])) / (2 * step) * of_red.share;
+      red += power * value;
     }
     if (filtered) D(i, terms_.cutoff()) = white * of_white.by_log_cutoff + red * of_red.by_log_cutoff;
   }

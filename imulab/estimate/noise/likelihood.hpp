@@ -79,7 +79,7 @@ class Problem {
   Terms terms_;
   std::vector<SpectrumBin> bins_;
   Eigen::ArrayXXd unit_;  // columns Q, N, B, K
-  Eigen::ArrayXd counts_, power_;
+  Eigen::ArrayXd counts_, power_, cosine_;
   FilterShares filter_;
   double Q_scale_ = 1, rounding_ = 0, shortest_interval_, longest_time_;
 };

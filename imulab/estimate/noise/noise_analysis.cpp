@@ -7,6 +7,7 @@
 #include "imulab/recording/pieces.hpp"
 #include "imulab/recording/rests.hpp"
 #include "imulab/recording/short_gaps.hpp"
+#include "imulab/recording/slow_motion.hpp"
 #include "imulab/recording/validate.hpp"
 
 #include <Eigen/Cholesky>
@@ -235,18 +236,24 @@ bool rate_is_declared(const RecordingView& recording, const Session& session) {
 StillRange still_range(const RecordingView& recording, const Session& session, std::size_t filled) {
   StillRange still;
   const std::vector<Range> rests = rests_of(recording, session).ranges;
-  for (const Range& rest : rests)
-    if (const Range piece = longest_piece(recording, rest); piece.size() > still.range.size()) still.range = piece;
+  bool slow_motion = false;
+  for (const Range& rest : rests) {
+    const std::vector<Range> parts = between_slow_motion(recording, rest);
+    slow_motion = slow_motion || parts != std::vector{rest};
+    for (const Range& part : parts)
+      if (const Range piece = longest_piece(recording, part); piece.size() > still.range.size()) still.range = piece;
+  }
   if (seconds(recording, still.range) < shortest_still_s || still.range.size() < fewest_samples) too_short(recording, rests, still.range);
   still.notes = cut_notes(recording, rests, still.range);
+  if (slow_motion) still.notes.push_back("slow motion was cut: means over a second change by more than 20 times as usual");
   still.interval_s = one_interval(recording, still.range, rate_is_declared(recording, session), still.notes);
   if (filled > 0) still.notes.push_back(fmt::format("{} lost samples were filled in", filled));
   return still;
 }
 
-StillPart still_part(const Recording& recording, const Session& session) {
+StillPart still_part(Recording recording, const Session& session) {
   validate(recording);
-  FilledRecording filled = with_short_gaps_filled(recording);
+  FilledRecording filled = with_short_gaps_filled(std::move(recording));
   StillRange found = still_range(filled.recording, session, filled.filled);
   filled.recording.interval_s = found.interval_s;
   return {std::move(filled.recording), found.range, std::move(found.notes)};

@@ -22,7 +22,7 @@ struct StillPart {
 
 /// Where the session has holds, they are the rests, else they are found. Throws Unsupported where no stretch is long enough: in motion, interrupted,
 /// saturated or short; Error as detect_rests.
-StillPart still_part(const Recording& recording, const Session& session);
+StillPart still_part(Recording recording, const Session& session);
 
 /// The same of a recording in memory or on disk, which is valid and whose lost samples were filled.
 struct StillRange {

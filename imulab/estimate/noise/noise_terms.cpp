@@ -67,7 +67,8 @@ bool stands_for_a_filter(const Model& model) {
   const Eigen::ArrayXd density = model.problem.density(model.best.at);
   const SpectrumBin& highest = model.problem.bins().back();
   for (int m = 0; m < terms.markov; ++m)
-    if (std::exp(model.best.at[Terms::sigma(m)]) * markov_density(highest, std::exp(model.best.at[Terms::time(m)])).value >
+    if (std::exp(model.best.at[Terms::sigma(m)]) *
+            MarkovDensity(std::exp(model.best.at[Terms::time(m)])).at(highest.interval, cosine_over_interval(highest)) >
         0.5 * density[density.size() - 1])
       return true;
   return false;

@@ -46,16 +46,16 @@ Densities unit_densities(const SpectrumBin& bin) {
   return mean;
 }
 
-MarkovDensity markov_density(const SpectrumBin& bin, double time_s) {
-  const double T = bin.interval, cosine = std::cos(2 * pi * bin.middle_hz() * T);
-  // The covariances of means over T: g0, then g1 a^(k-1) at k intervals; their sum with cosines.
-  const auto at = [&](double time) {
-    const double x = T / time, a = std::exp(-x), lost = -std::expm1(-x);
-    const double g0 = x > 1e-3 ? 2 * (x - lost) / (x * x) : 1 - x / 3 + x * x / 12, g1 = lost * lost / (x * x);
-    return T * (g0 + 2 * g1 * (cosine - a) / (1 - 2 * a * cosine + a * a));
-  };
-  constexpr double step = 1e-3;
-  return {at(time_s), (at(time_s * (1 + step)) - at(time_s * (1 - step))) / (2 * step)};
+double cosine_over_interval(const SpectrumBin& bin) { return std::cos(2 * pi * bin.middle_hz() * bin.interval); }
+
+double MarkovDensity::at(double interval_s, double cosine) {
+  if (interval_s != interval_s_) {
+    interval_s_ = interval_s;
+    const double x = interval_s / time_s_, lost = -std::expm1(-x);
+    a_ = std::exp(-x);
+    g0_ = x > 1e-3 ? 2 * (x - lost) / (x * x) : 1 - x / 3 + x * x / 12, g1_ = lost * lost / (x * x);
+  }
+  return interval_s * (g0_ + 2 * g1_ * (cosine - a_) / (1 - 2 * a_ * cosine + a_ * a_));
 }
 
 // A digital filter's slope goes with the tangent of half the angle (bilinear transform).

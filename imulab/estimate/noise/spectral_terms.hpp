@@ -14,11 +14,19 @@ struct Densities {
 };
 Densities unit_densities(const SpectrumBin& bin);
 
-/// Of a first-order Gauss-Markov process of unit variance, and its derivative by the logarithm of the correlation time.
-struct MarkovDensity {
-  double value = 0, by_log_time = 0;
+/// cos(2 pi f T) in the middle of a bin.
+double cosine_over_interval(const SpectrumBin& bin);
+
+/// Of a first-order Gauss-Markov process of unit variance. Fastest where bins of one interval follow each other.
+class MarkovDensity {
+ public:
+  explicit MarkovDensity(double time_s) : time_s_(time_s) {}
+  double at(double interval_s, double cosine);
+
+ private:
+  double time_s_, interval_s_ = 0;
+  double g0_ = 0, g1_ = 0, a_ = 0;  // the covariances of means over the interval: g0, then g1 a^(k-1) at k intervals; `at` is their sum with cosines
 };
-MarkovDensity markov_density(const SpectrumBin& bin, double time_s);
 
 /// A Butterworth filter before the readings are taken; or one that runs at their rate, by the bilinear transform.
 struct LowPassShape {

@@ -16,15 +16,8 @@ namespace {
 
 using testing::HasSubstr;
 
-HandHeldOptions short_options() {
-  HandHeldOptions options;
-  options.poses = 24;
-  options.first_rest = 5;
-  return options;
-}
-
 TEST(Handheld, WithoutNoiseTheTruthComesBack) {
-  const SimulatedSession s = simulate_session(short_options(), 1, [](Truth& t) { t.accel_noise.N = t.gyro_noise.N = 1e-10; });
+  const SimulatedSession s = simulate_session(short_hand_held(), 1, [](Truth& t) { t.accel_noise.N = t.gyro_noise.N = 1e-10; });
   Site site = s.site();
   site.given_gravity = s.truth.gravity;
   ImuDeclaration imu;
@@ -42,7 +35,7 @@ TEST(Handheld, WithoutNoiseTheTruthComesBack) {
 }
 
 TEST(Handheld, CountsGiveTheSameUnitAsSi) {
-  SimulatedSession s = simulate_session(short_options(), 2);
+  SimulatedSession s = simulate_session(short_hand_held(), 2);
   // Counts far from their zero have no nonlinearity of their own, and no offset that says how large the g-sensitivity may be.
   ImuDeclaration imu;
   imu.grade = "mems";
@@ -81,7 +74,7 @@ const TermTest& test_of(const Calibration& c, const std::string& term) {
 }
 
 TEST(Handheld, GSensitivityIsSeenWhereThereIsAndCountsEverywhere) {
-  const SimulatedSession with = simulate_session(short_options(), 3);
+  const SimulatedSession with = simulate_session(short_hand_held(), 3);
   const Calibration seen = calibrated("handheld", with.recording, with.rests, {}, with.site());
   ASSERT_EQ(seen.quality.term_tests.size(), 5u);
   EXPECT_TRUE(test_of(seen, "gyro.g_sensitivity").kept);
@@ -90,7 +83,7 @@ TEST(Handheld, GSensitivityIsSeenWhereThereIsAndCountsEverywhere) {
   // Without the term the test sees it in 1 % of the sessions: at most 3 of 30 (99.97 %). It is stated all the same.
   int wrongly_seen = 0;
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
-    const SimulatedSession without = simulate_session(short_options(), seed, [](Truth& t) { t.model.g_sensitivity.setZero(); });
+    const SimulatedSession without = simulate_session(short_hand_held(), seed, [](Truth& t) { t.model.g_sensitivity.setZero(); });
     const Calibration c = calibrated("handheld", without.recording, without.rests, {}, without.site());
     wrongly_seen += test_of(c, "gyro.g_sensitivity").kept;
     EXPECT_GT(standard_uncertainty(c, coefficient_index("gyro.g_sensitivity.xx")).value_or(0), 0);
@@ -99,7 +92,7 @@ TEST(Handheld, GSensitivityIsSeenWhereThereIsAndCountsEverywhere) {
 }
 
 TEST(Handheld, WhatTheDataSayNothingOfIsConsidered) {
-  const SimulatedSession s = simulate_session(short_options(), 3);
+  const SimulatedSession s = simulate_session(short_hand_held(), 3);
   ImuDeclaration imu;
   imu.term_sigmas.gyro_cubic = 1e-15;  // far less than rotations by hand can show
   const Calibration c = calibrated("handheld", s.recording, s.rests, imu, s.site());
@@ -113,7 +106,7 @@ TEST(Handheld, WhatTheDataSayNothingOfIsConsidered) {
 }
 
 TEST(Handheld, ABadRestIsDroppedAndNamed) {
-  SimulatedSession s = simulate_session(short_options(), 4);
+  SimulatedSession s = simulate_session(short_hand_held(), 4);
   const Range bad = s.rests[10];
   for (std::size_t i = bad.begin; i < bad.end; ++i) s.recording.accel[0][i] += 0.2;  // as if the hand had pushed
   const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());
@@ -124,7 +117,7 @@ TEST(Handheld, ABadRestIsDroppedAndNamed) {
 }
 
 TEST(Handheld, ABadRotationIsDroppedAndTheRestsStay) {
-  SimulatedSession s = simulate_session(short_options(), 12);
+  SimulatedSession s = simulate_session(short_hand_held(), 12);
   for (std::size_t i = s.rests[5].end + 50; i < s.rests[5].end + 60; ++i) s.recording.gyro[1][i] += 3;  // ten samples clipped, say
   const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());
   ASSERT_EQ(c.quality.warnings.size(), 1u);
@@ -134,7 +127,7 @@ TEST(Handheld, ABadRotationIsDroppedAndTheRestsStay) {
 }
 
 TEST(Handheld, ALostRotationLeavesTheRestOfTheSession) {
-  SimulatedSession s = simulate_session(short_options(), 6);
+  SimulatedSession s = simulate_session(short_hand_held(), 6);
   s.recording.gaps = {s.rests[7].end + 20};
   const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());
   EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5);
@@ -143,7 +136,7 @@ TEST(Handheld, ALostRotationLeavesTheRestOfTheSession) {
 
 TEST(Handheld, SpreadBeyondTheSampleNoiseIsCounted) {
   // Each rest's accelerometers are off by their own 2 mg: the offsets' uncertainty is that of 24 such rests, not of the samples.
-  SimulatedSession s = simulate_session(short_options(), 7);
+  SimulatedSession s = simulate_session(short_hand_held(), 7);
   const RandomStream draws(7, "spread");
   const double spread = 2e-3 * unit::g;
   for (std::size_t k = 0; k < s.rests.size(); ++k)
@@ -157,7 +150,7 @@ TEST(Handheld, SpreadBeyondTheSampleNoiseIsCounted) {
 }
 
 TEST(Handheld, TermsByHand) {
-  const SimulatedSession s = simulate_session(short_options(), 8);
+  const SimulatedSession s = simulate_session(short_hand_held(), 8);
   CalibrationOptions options;
   options.terms = select_coefficients("accel.offset");
   const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site(), options);
@@ -168,7 +161,7 @@ TEST(Handheld, TermsByHand) {
 }
 
 TEST(Handheld, UncertaintyOfGravityIsCommonToAllScales) {
-  const SimulatedSession s = simulate_session(short_options(), 9);
+  const SimulatedSession s = simulate_session(short_hand_held(), 9);
   Site rough = s.site(), exact = s.site();
   rough.given_gravity_sigma = 0.05;
   exact.given_gravity_sigma = 1e-9;
@@ -191,7 +184,7 @@ TEST(Handheld, WrongUnitsAreNamed) {
     }
     return std::string("no error");
   };
-  const SimulatedSession s = simulate_session(short_options(), 10);
+  const SimulatedSession s = simulate_session(short_hand_held(), 10);
   Recording in_g = s.recording, times_g = s.recording, in_deg = s.recording, in_rad = s.recording;
   for (std::size_t j = 0; j < 3; ++j) {
     for (double& v : in_g.accel[j]) v /= unit::g;
@@ -208,7 +201,7 @@ TEST(Handheld, WrongUnitsAreNamed) {
 }
 
 TEST(Handheld, TooLittleDataSayWhatIsMissing) {
-  const SimulatedSession s = simulate_session(short_options(), 11);
+  const SimulatedSession s = simulate_session(short_hand_held(), 11);
   EXPECT_THROW(calibrated("handheld", s.recording, {}, {}, s.site()), Unsupported);
   // Three rests: the declared units start the fit, and most coefficients are named as undetermined.
   const Calibration c = calibrated("handheld", s.recording, {s.rests[0], s.rests[1], s.rests[2]}, {}, s.site());
@@ -226,7 +219,7 @@ TEST(Handheld, TooLittleDataSayWhatIsMissing) {
 TEST(Handheld, WhatIsStatedHoldsWithFewOrCardinalRests) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     for (const bool cardinal : {false, true}) {
-      HandHeldOptions options = short_options();
+      HandHeldOptions options = short_hand_held();
       options.poses = cardinal ? 18 : 5 + static_cast<int>(seed);
       SimulatedSession s;
       s.session = hand_held_procedure(options, seed);

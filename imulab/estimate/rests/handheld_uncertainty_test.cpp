@@ -11,20 +11,13 @@
 namespace imulab {
 namespace {
 
-HandHeldOptions short_options() {
-  HandHeldOptions options;
-  options.poses = 24;
-  options.first_rest = 5;
-  return options;
-}
-
 TEST(HandheldUncertainty, AQuadraticTermDoesNotBendTheOffsetsBeyondTheirUncertainty) {
   // A term that its test does not see, and one that it does: ten sessions of each, 21 coefficients that every IMU has.
   for (const double size : {20.0, 200.0}) {
     double squares = 0, count = 0;
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
       const auto bend = [&](Truth& t) { t.model.accel.quadratic = Vector3d(1, -1, 1) * size * unit::ug / (unit::g * unit::g); };
-      const SimulatedSession s = simulate_session(short_options(), seed, bend);
+      const SimulatedSession s = simulate_session(short_hand_held(), seed, bend);
       ImuDeclaration imu;
       imu.term_sigmas.accel_quadratic = size * unit::ug / (unit::g * unit::g);
       const Calibration c = calibrated("handheld", s.recording, s.rests, imu, s.site());
@@ -41,7 +34,7 @@ TEST(HandheldUncertainty, RoundedReadingsAreNoBetterThanTheirSteps) {
   for (const double step : {0.1, 0.0}) {  // m/s^2, and the gyros by 0.005 rad/s
     double squares = 0, count = 0;
     for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-      SimulatedSession s = simulate_session(short_options(), seed);
+      SimulatedSession s = simulate_session(short_hand_held(), seed);
       Columns3& triad = step > 0 ? s.recording.accel : s.recording.gyro;
       for (auto& column : triad)
         for (double& v : column) v = step > 0 ? std::nearbyint(v / step) * step : std::nearbyint(v / 0.005) * 0.005;
@@ -58,7 +51,7 @@ TEST(HandheldUncertainty, RoundedReadingsAreNoBetterThanTheirSteps) {
 }
 
 TEST(HandheldUncertainty, PartsOfTheRecordingAreListedWithTheirResiduals) {
-  SimulatedSession s = simulate_session(short_options(), 4);
+  SimulatedSession s = simulate_session(short_hand_held(), 4);
   const Range bad = s.rests[10];
   for (std::size_t i = bad.begin; i < bad.end; ++i) s.recording.accel[0][i] += 0.2;
   const Calibration c = calibrated("handheld", s.recording, s.rests, {}, s.site());

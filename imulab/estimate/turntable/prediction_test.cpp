@@ -20,7 +20,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 /// A navigation-grade unit on this table.
-Plan plan_of(const std::vector<Step>& steps, double table_sigma) {
+Plan plan_by_steps(const std::vector<Step>& steps, double table_sigma) {
   Plan plan;
   plan.rig = table_of(table_sigma);
   plan.parts = table_plan(steps, plan.rig);
@@ -68,7 +68,7 @@ void expect_agreement(const Plan& plan, std::size_t coefficients) {
 
 TEST(TurntablePrediction, AgreesWithMonteCarloOnZhangsProcedure) { expect_agreement(zhang(2 * unit::arcsec), 24); }
 TEST(TurntablePrediction, AgreesWithMonteCarloOnAPathOfQuarterTurns) { expect_agreement(standard(cheng_path_procedure({}), unit::deg / 60), 24); }
-TEST(TurntablePrediction, AgreesWithMonteCarloOnAnOddProcedure) { expect_agreement(plan_of(odd_steps(), 20 * unit::arcsec), 24); }
+TEST(TurntablePrediction, AgreesWithMonteCarloOnAnOddProcedure) { expect_agreement(plan_by_steps(odd_steps(), 20 * unit::arcsec), 24); }
 TEST(TurntablePrediction, AgreesWithMonteCarloWithGSensitivity) {
   std::vector<CoefficientIndex> terms = linear();
   for (const CoefficientIndex index : select_coefficients("gyro.g_sensitivity")) terms.push_back(index);
@@ -105,7 +105,7 @@ TEST(TurntablePrediction, AgreesWithMonteCarloWithAnUncertainLatitudeAndTurnOnBi
     hold.angles = {20 * unit::deg, middle * unit::deg, inner * unit::deg};
     steps.push_back(hold);
   }
-  Plan plan = plan_of(steps, 20 * unit::arcsec);
+  Plan plan = plan_by_steps(steps, 20 * unit::arcsec);
   plan.site.latitude_sigma = 0.1 * unit::deg;
   plan.gyro_noise.turn_on.value = 0.003 * unit::deg_per_h;
   plan.accel_noise.turn_on.value = 60 * unit::ug;
@@ -117,7 +117,7 @@ TEST(TurntablePrediction, AgreesWithMonteCarloWithAnUncertainLatitudeAndTurnOnBi
 
 /// The budget comes from the estimator's sensitivity to each source; the covariance that it states, from its normal equations.
 TEST(TurntablePrediction, SharesMakeUpTheStatedCovariance) {
-  for (const Plan& plan : {zhang(2 * unit::arcsec), zhang(2 * unit::arcsec, "tactical", {}), plan_of(odd_steps(), unit::deg / 60)}) {
+  for (const Plan& plan : {zhang(2 * unit::arcsec), zhang(2 * unit::arcsec, "tactical", {}), plan_by_steps(odd_steps(), unit::deg / 60)}) {
     const TableMotion motion(plan.parts, plan.rig, plan.site);
     const Matrix3d one = Matrix3d::Identity();
     EstimatorOptions settings;

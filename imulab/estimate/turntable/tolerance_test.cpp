@@ -23,7 +23,7 @@ std::vector<Step> short_steps() {
   return steps.steps();
 }
 
-Plan plan_of(const std::vector<Step>& steps) {
+Plan short_plan(const std::vector<Step>& steps) {
   Plan plan;
   plan.rig = table_of(20 * unit::arcsec);
   plan.parts = table_plan(steps, plan.rig);
@@ -37,7 +37,7 @@ Plan plan_of(const std::vector<Step>& steps) {
 }
 
 TEST(Tolerance, OfWhatIsNotEstimatedIsRefused) {
-  Plan plan = plan_of(short_steps());
+  Plan plan = short_plan(short_steps());
   const auto required = parse_requirements("gyro.g_sensitivity <= 1 deg/h/g");
   EXPECT_THROW(expect_estimated(required, plan), Error);
   for (const CoefficientIndex index : select_coefficients("gyro.g_sensitivity")) plan.terms.push_back(index);
@@ -46,7 +46,7 @@ TEST(Tolerance, OfWhatIsNotEstimatedIsRefused) {
 
 /// The tolerance is the limit: what it says meets the requirements, 1 % more does not (it is found within 0.5 %).
 TEST(Tolerance, AToleranceMeetsThemAndAPercentMoreDoesNot) {
-  const Plan plan = plan_of(short_steps());
+  const Plan plan = short_plan(short_steps());
   const auto required =
       parse_requirements("gyro.matrix.off_diagonal <= 50 arcsec, accel.offset <= 200 ug, gyro.offset <= 0.1 deg/h, gyro.matrix.diagonal <= 500 ppm");
   for (const Knob knob : {Knob::table, Knob::timing, Knob::imu, Knob::all}) {
@@ -63,7 +63,7 @@ TEST(Tolerance, AToleranceMeetsThemAndAPercentMoreDoesNot) {
 }
 
 TEST(Tolerance, TolerancesFallWithWhatIsRequiredAndWithTheOtherErrors) {
-  const Plan plan = plan_of(short_steps());
+  const Plan plan = short_plan(short_steps());
   const auto loose = parse_requirements("gyro.matrix.off_diagonal <= 80 arcsec"),
              strict = parse_requirements("gyro.matrix.off_diagonal <= 40 arcsec");
   const double coarse = tolerance(plan, Knob::table, loose).factor.value(), fine = tolerance(plan, Knob::table, strict).factor.value();
@@ -75,7 +75,7 @@ TEST(Tolerance, TolerancesFallWithWhatIsRequiredAndWithTheOtherErrors) {
 
 /// A requirement is met just where its limit is that of the prediction.
 TEST(Tolerance, IsOfOneSigmaOfTheWorstCoefficient) {
-  const Plan plan = plan_of(short_steps());
+  const Plan plan = short_plan(short_steps());
   const Prediction p = predict(plan);
   double worst = 0;
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
@@ -92,7 +92,7 @@ TEST(Tolerance, IsOfOneSigmaOfTheWorstCoefficient) {
 }
 
 TEST(Tolerance, ThatGravityForbidsIsNotMetByAnyTable) {
-  const Plan plan = plan_of(short_steps());
+  const Plan plan = short_plan(short_steps());
   const auto required = parse_requirements("accel.matrix.diagonal <= 1 ppm");
   for (const Knob knob : {Knob::table, Knob::timing, Knob::imu, Knob::all}) {
     const Tolerance t = tolerance(plan, knob, required);
@@ -105,7 +105,7 @@ TEST(Tolerance, ThatGravityForbidsIsNotMetByAnyTable) {
 }
 
 TEST(Tolerance, OfACoefficientThatTheProcedureLeavesOpenIsNotMet) {
-  const Plan plan = plan_of(TableSteps().hold(60, {0, 0, 0}).hold(60, {0, 0, 90}).hold(60, {0, 0, 180}).hold(60, {0, 0, 270}).steps());
+  const Plan plan = short_plan(TableSteps().hold(60, {0, 0, 0}).hold(60, {0, 0, 90}).hold(60, {0, 0, 180}).hold(60, {0, 0, 270}).steps());
   const auto required = parse_requirements("accel.matrix.xx <= 1 %, accel.offset.y <= 1 g");  // x is never up
   const auto missed = shortfalls(plan, required);
   ASSERT_THAT(missed, SizeIs(1));
@@ -117,7 +117,7 @@ TEST(Tolerance, OfACoefficientThatTheProcedureLeavesOpenIsNotMet) {
 
 /// Errors that are known exactly are no uncertainty: nothing to scale, and where no error is left, 1 arcsec and 1 ms are.
 TEST(Tolerance, WhatIsKnownOrNotDeclaredIsNotScaled) {
-  Plan plan = plan_of(short_steps());
+  Plan plan = short_plan(short_steps());
   plan.rig.orthogonality.fixed = true;
   plan.rig.given_zero = {0.0, 0.0, 0.0};
   const ErrorSizes half = error_sizes(scaled(plan, Knob::table, 0.5));
@@ -127,19 +127,19 @@ TEST(Tolerance, WhatIsKnownOrNotDeclaredIsNotScaled) {
   EXPECT_EQ(scaled(plan, Knob::table, 0.5).rig.orthogonality, plan.rig.orthogonality);
 
   const auto required = parse_requirements("gyro.matrix.off_diagonal <= 15 arcsec");
-  Plan exact = plan_of(short_steps());
+  Plan exact = short_plan(short_steps());
   exact.rig = table_of(0, 0);
   const Tolerance t = tolerance(exact, Knob::table, required);
   ASSERT_TRUE(t.factor);
   EXPECT_DOUBLE_EQ(t.sizes.angle, *t.factor * unit::arcsec);
-  Plan declared = plan_of(short_steps());
+  Plan declared = short_plan(short_steps());
   declared.rig = table_of(unit::arcsec, 0);
   EXPECT_EQ(t.factor, tolerance(declared, Knob::table, required).factor);
 }
 
 /// Turns may be late by no more than what the holds' guard can take: 5 sigmas in a quarter of the shortest, which is of 20 s.
 TEST(Tolerance, TurnsAreNotTriedLaterThanTheHoldsAllow) {
-  const Plan plan = plan_of(short_steps());
+  const Plan plan = short_plan(short_steps());
   EXPECT_DOUBLE_EQ(largest_factor(plan, Knob::timing) * plan.rig.timing.value, 1.0);
   EXPECT_DOUBLE_EQ(largest_factor(plan, Knob::table) * 20 * unit::arcsec, 600 * unit::arcsec);
   EXPECT_EQ(largest_factor(scaled(plan, Knob::timing, 1e4), Knob::timing), 1);
@@ -147,7 +147,7 @@ TEST(Tolerance, TurnsAreNotTriedLaterThanTheHoldsAllow) {
 
 /// "All else perfect" has Earth's rate known too where the site has no latitude.
 TEST(Tolerance, APerfectSiteHasALatitude) {
-  Plan plan = plan_of(short_steps());
+  Plan plan = short_plan(short_steps());
   plan.rig.timing.value = 0;
   const auto required = parse_requirements("gyro.offset <= 0.02 deg/h");
   const double known = tolerance_alone(plan, Knob::imu, required).factor.value();

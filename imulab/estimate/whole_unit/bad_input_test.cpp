@@ -31,13 +31,13 @@ Session changed(Change change) {
   return session;
 }
 
-Calibration calibration_of(const std::vector<Recording>& recordings, const Session& session, const CalibrationOptions& options = {}) {
+Calibration calibration_from(const std::vector<Recording>& recordings, const Session& session, const CalibrationOptions& options = {}) {
   return calibrate({session, recordings}, options).calibration;
 }
 
 std::string error_of(const std::vector<Recording>& recordings, const Session& session) {
   try {
-    calibration_of(recordings, session);
+    calibration_from(recordings, session);
   } catch (const Error& e) {
     return e.what();
   }
@@ -52,7 +52,7 @@ void at_mount(Session& session, const std::string& file, const std::string& moun
 }
 
 TEST(WholeUnitBadInput, AGoodSessionHasNoWarnings) {
-  const Calibration c = calibration_of(good().recordings, good().session);
+  const Calibration c = calibration_from(good().recordings, good().session);
   EXPECT_THAT(c.quality.warnings, IsEmpty());
   EXPECT_EQ(c.quality.verdict, "good");
 }
@@ -82,7 +82,7 @@ TEST(WholeUnitBadInput, ARadiusThatContradictsTheRateIsFound) {
       if (step.recording == "centrifuge.csv")
         for (double& r : step.radius) r += 0.02;
   });
-  const Calibration c = calibration_of(good().recordings, session);
+  const Calibration c = calibration_from(good().recordings, session);
   EXPECT_THAT(c.quality.warnings, Contains(AllOf(HasSubstr("centrifuge: every radius"), HasSubstr("-20"), HasSubstr("mm"))));
   EXPECT_THAT(verdict_text(c.quality), HasSubstr("doubtful, because"));
 }
@@ -105,7 +105,7 @@ TEST(WholeUnitBadInput, AnUnsettledChamberIsReportedWithItsDrift) {
     for (Step& step : session.steps)
       if (step.recording == "chamber.csv") step.start = time + 60, step.end = time += 70;
   });
-  const Calibration c = calibration_of(s.recordings, s.session);
+  const Calibration c = calibration_from(s.recordings, s.session);
   EXPECT_THAT(c.quality.warnings, Contains(AllOf(HasSubstr("of the chamber's points had not settled"), HasSubstr("K/min"))));
 }
 
@@ -115,7 +115,7 @@ TEST(WholeUnitBadInput, HysteresisShowsWhereTheChamberGoesBothWays) {
   options.both_ways = true;
   const auto calibrated = [&](double hysteresis) {
     const WholeUnitSession s = whole_unit_session(13, options, [&](Session& session) { session.rigs[0].hysteresis = hysteresis; });
-    return calibration_of(s.recordings, s.session).quality.warnings;
+    return calibration_from(s.recordings, s.session).quality.warnings;
   };
   EXPECT_THAT(calibrated(0), Not(Contains(HasSubstr("hysteresis"))));
   EXPECT_THAT(calibrated(3), Contains(HasSubstr("between warming and cooling: hysteresis")));
@@ -128,7 +128,7 @@ TEST(WholeUnitBadInput, TooFewRatesForTheOrderAreCounted) {
   });
   std::erase_if(s.session.steps, [](const Step& step) { return step.recording == "centrifuge.csv"; });
   s.session.recordings.pop_back(), s.recordings.pop_back();
-  const Calibration c = calibration_of(s.recordings, s.session, full_whole_unit());
+  const Calibration c = calibration_from(s.recordings, s.session, full_whole_unit());
   EXPECT_THAT(c.quality.unobservable, Contains("gyro.cubic.x"));
   EXPECT_THAT(c.quality.warnings, Contains(AllOf(HasSubstr("gyro.cubic.x is not determined"), HasSubstr("different rates along x, at least 5"))));
 }
@@ -136,7 +136,7 @@ TEST(WholeUnitBadInput, TooFewRatesForTheOrderAreCounted) {
 TEST(WholeUnitBadInput, ASaturatedPointIsLeftOutWithAWarning) {
   WholeUnitSession s = good();
   s.recordings[1].saturated = {25};
-  const Calibration c = calibration_of(s.recordings, s.session);
+  const Calibration c = calibration_from(s.recordings, s.session);
   EXPECT_THAT(c.quality.warnings, Contains(AllOf(HasSubstr("rate_table.csv, step 1 "), HasSubstr("saturated, left out"))));
   EXPECT_THAT(c.quality.notes, Contains(HasSubstr("302 points")));
 }
@@ -144,7 +144,7 @@ TEST(WholeUnitBadInput, ASaturatedPointIsLeftOutWithAWarning) {
 TEST(WholeUnitBadInput, AnOutlierIsDroppedByName) {
   WholeUnitSession s = good();
   for (std::size_t k = 0; k < 50; ++k) s.recordings[2].accel[0][100 + k] += 0.05;  // the third point, by 5 mg
-  const Calibration c = calibration_of(s.recordings, s.session);
+  const Calibration c = calibration_from(s.recordings, s.session);
   EXPECT_THAT(c.quality.warnings, Contains(AllOf(HasSubstr("dropped as an outlier: centrifuge.csv, step 3"))));
 }
 
@@ -152,7 +152,7 @@ TEST(WholeUnitBadInput, RepeatedPointsAreMorePoints) {
   WholeUnitSession s = good();
   const Step first = s.session.steps.front();  // again, on the same samples: nothing new, but nothing breaks
   s.session.steps.insert(s.session.steps.begin(), first);
-  const Calibration c = calibration_of(s.recordings, s.session);
+  const Calibration c = calibration_from(s.recordings, s.session);
   EXPECT_THAT(c.quality.warnings, Contains(HasSubstr("twice")));
 }
 
@@ -160,7 +160,7 @@ TEST(WholeUnitBadInput, OtherRigsAndMissingSamplesAreNamed) {
   EXPECT_THAT(error_of({}, good().session), HasSubstr("got 0 recordings; expected one for each of the 3 declared"));
   EXPECT_THAT(error_of(good().recordings, changed([](Session& s) { s.rigs[1].kind = RigKind::turntable; })), HasSubstr("rig of kind \"turntable\""));
   const Session late = changed([](Session& s) { s.steps.back().start += 1e5, s.steps.back().end += 1e5; });
-  EXPECT_THAT(calibration_of(good().recordings, late).quality.warnings, Contains(HasSubstr("0 samples in it, left out")));
+  EXPECT_THAT(calibration_from(good().recordings, late).quality.warnings, Contains(HasSubstr("0 samples in it, left out")));
 }
 
 }  // namespace

@@ -16,7 +16,7 @@
 namespace imulab::export_test {
 namespace {
 
-constexpr int samples = 10000;
+constexpr int parameter_samples = 10000;
 
 TEST(ExportTargets, LoadersFindEveryParameterOnceAndNoOther) {
   Calibration c = thermal_unit(11);
@@ -109,7 +109,7 @@ TEST(ExportTargets, AutopilotsGiveWhatCompensateGivesForWhatTheyHold) {
     EXPECT_THAT(export_target("ardupilot").left_out({c}), testing::IsEmpty());
     const RandomStream random(6, "autopilots");
     double worst = 0;
-    for (int i = 0; i < samples; ++i) {
+    for (int i = 0; i < parameter_samples; ++i) {
       const double T = -5 + 65 * random.uniform(static_cast<std::uint64_t>(i)), tau = T - 22.5;
       const Reading r = random_reading(c.model, random, 1000000 + static_cast<std::uint64_t>(i), tau, tau);
       for (const Motion& m : {px4_correct(px4, r.raw, T), ardupilot_correct(ardupilot, r.raw, T)})
@@ -214,7 +214,7 @@ TEST(ExportTargets, VectorNavsRegistersGiveWhatCompensateGives) {
   const Registers v = registers_of(exported("vectornav", {c}));
   const RandomStream random(7, "vectornav");
   Worst worst;
-  for (int i = 0; i < samples; ++i) {
+  for (int i = 0; i < parameter_samples; ++i) {
     const Reading r = random_reading(c.model, random, static_cast<std::uint64_t>(i));
     worst.add({v.C[0] * (r.raw.accel - v.B[0]), v.C[1] * (r.raw.gyro - v.B[1])}, r.compensated);  // VN-100 user manual, registers 25 and 84
   }
@@ -242,7 +242,7 @@ TEST(ExportTargets, JsonMatricesGiveWhatCompensateGives) {
   const auto vector = [](const nlohmann::json& j) { return Vector3d(j[0].get<double>(), j[1].get<double>(), j[2].get<double>()); };
   const RandomStream random(9, "json");
   Worst worst;
-  for (int i = 0; i < samples; ++i) {
+  for (int i = 0; i < parameter_samples; ++i) {
     const double T = 4995 + 65 * random.uniform(static_cast<std::uint64_t>(i)), tau = T - 5022.5;
     const Reading r = random_reading(c.model, random, 1000000 + static_cast<std::uint64_t>(i), tau, tau);
     const auto triad = [&](const nlohmann::json& j, const Vector3d& u, const Vector3d& taken) {

@@ -15,8 +15,6 @@ namespace {
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-Imported import(const std::string& text, const ImportOptions& options = {}) { return import_calibration_text(text, "file", options); }
-
 TEST(Import, TheLinesTellHowAMatrixIsLaidOut) {
   Matrix3d C;
   C << 1.01, 0.02, -0.03, 0.004, 0.99, 0.006, -0.007, 0.008, 1.02;

@@ -15,8 +15,6 @@ namespace {
 
 using ::testing::StartsWith;
 
-Imported import(const std::string& text, const ImportOptions& options = {}) { return import_calibration_text(text, "file", options); }
-
 std::string replaced(std::string text, const std::string& what, const std::string& with) {
   const std::size_t at = text.find(what);
   EXPECT_NE(at, std::string::npos) << what;

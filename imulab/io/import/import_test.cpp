@@ -20,8 +20,6 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-Imported import(const std::string& text, const ImportOptions& options = {}) { return import_calibration_text(text, "file", options); }
-
 /// Largest difference of two models over random readings, relative to the motion's size.
 double difference(const SensorModel& a, const SensorModel& b, double low = 0, double high = 0) {
   const RandomStream random(31, "import");

@@ -13,8 +13,6 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-bool built_without(const TableRequest& request) { return error_of(request, {1}).find("built without") != std::string::npos; }
-
 TEST(Hdf5, DatasetsInGroups) {
   TableRequest request{.file = recording_file("groups.h5"), .topic = "/imu/t"};
   if (built_without(request)) GTEST_SKIP();

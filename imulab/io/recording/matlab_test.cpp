@@ -12,8 +12,6 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-bool built_without(const TableRequest& request) { return error_of(request, {1}).find("built without") != std::string::npos; }
-
 TEST(Matlab, VariablesAndFieldsOfStructures) {
   for (const char* name : {"v5.mat", "v5_compressed.mat", "v73.mat", "octave_v6.mat", "octave_v7.mat"}) {
     const TableRequest request{.file = recording_file(name)};

@@ -1,0 +1,14 @@
+// Motion too slow to show within the windows in which rests are found.
+#pragma once
+
+#include "imulab/recording/recording_view.hpp"
+
+#include <vector>
+
+namespace imulab {
+
+/// The parts of a range between slow motion: where the mean of a reading over a second changes by more than twenty times as usual, and by more than
+/// two steps of the readings. Noise of any kind does not, drift neither. Only the range itself where it is shorter than ten seconds.
+std::vector<Range> between_slow_motion(const RecordingView& recording, const Range& range);
+
+}  // namespace imulab
