@@ -106,7 +106,7 @@ std::string share_bars(const std::vector<std::string>& sources, const std::vecto
     for (const double part : row.parts) (part < 0 ? negative : positive) += part;
     least = std::min(least, negative), most = std::max(most, positive);
   }
-  constexpr double width = 760, left = 190, right = 630, step = 21, top = 4;
+  constexpr double width = 760, left = 190, right = 594, step = 21, top = 4;
   const double bottom = top + step * static_cast<double>(rows.size());
   const auto at = [&](double v) { return left + (v - least) / (most - least) * (right - left); };
   std::string out;

@@ -12,7 +12,8 @@
 namespace imulab::report {
 
 std::string_view color::series(std::size_t k) {
-  constexpr std::array<std::string_view, 10> all{blue, vermilion, green, orange, purple, sky, gray, "#5d3a9b", "#b8a800", "#40514e"};
+  constexpr std::array<std::string_view, 14> all{blue,      vermilion, green,     orange,    purple,    sky,       gray,
+                                                 "#5d3a9b", "#b8a800", "#40514e", "#8c4a2f", "#f0b7a4", "#00d5c8", "#c3d4a5"};
   return all[k % all.size()];
 }
 
