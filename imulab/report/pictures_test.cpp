@@ -38,7 +38,7 @@ TEST(Pictures, SharesFillTheirBarAndNegativeOnesLieBeforeIt) {
   const std::string svg = share_bars({"a", "b", "c"}, {{"row", "1 ppm", {0.75, 0.5, -0.25}}}, "test");
   EXPECT_THAT(svg, HasSubstr("<title>a: 75.0 %</title>"));
   EXPECT_THAT(svg, HasSubstr("<title>c: -25.0 %</title>"));
-  EXPECT_THAT(svg, HasSubstr("x=\"190.0\" y=\"7.0\" width=\"73.3\"")) << "a sixth of the width, left of zero";
+  EXPECT_THAT(svg, HasSubstr("x=\"190.0\" y=\"7.0\" width=\"67.3\"")) << "a sixth of the width, left of zero";
 }
 
 TEST(Pictures, StrongCorrelationsHaveStrongColors) {
