@@ -67,6 +67,29 @@ TEST(NoiseCommand, CutsKnocksAndGaps) {
   EXPECT_THAT(text, testing::ContainsRegex("at rest: 4[12][0-9.]* to 150 s"));
 }
 
+/// Turned by 10 degrees about the vertical in 10 s: too slow for the detection of rests.
+ReadingsAt turned_slowly_at(double begin_s) {
+  return [begin_s](int i) {
+    std::array<double, 6> row = still_readings(i);
+    if (const double t = 0.01 * i - begin_s; t > 0 && t < 10) row[2] += 0.0175 * (1 - std::cos(0.2 * M_PI * t));
+    return row;
+  };
+}
+
+TEST(NoiseCommand, CutsSlowMotion) {
+  const TemporaryFolder folder;
+  write_still_log(folder, 10000, turned_slowly_at(20));
+  const CommandResult result = run_imulab(folder, "noise session.toml");
+  EXPECT_EQ(result.exit_code, 0) << result.errors;
+  const std::string text = on_one_line(result.output);
+  EXPECT_THAT(text, HasSubstr("slow motion was cut"));
+  EXPECT_THAT(text, testing::ContainsRegex("at rest: (29|3[01])[0-9.]* to 100 s"));
+  write_still_log(folder, 4000, turned_slowly_at(15));
+  const CommandResult short_one = run_imulab(folder, "noise session.toml");
+  EXPECT_EQ(short_one.exit_code, 1);
+  EXPECT_THAT(on_one_line(short_one.errors), HasSubstr("s of it without gaps and slow motion; expected at least 30 s"));
+}
+
 struct Refusal {
   const char* name;
   int samples;

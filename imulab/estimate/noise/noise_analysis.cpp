@@ -61,7 +61,7 @@ std::string clipped_axes(const RecordingView& recording, const Range& range) {
   Range longest;
   for (const Range& rest : rests)
     if (rest.size() > longest.size()) longest = rest;
-  throw Unsupported(fmt::format("{}the longest of {} rests has {:.3g} s, {:.3g} s of it without gaps; {}", where, rests.size(),
+  throw Unsupported(fmt::format("{}the longest of {} rests has {:.3g} s, {:.3g} s of it without gaps and slow motion; {}", where, rests.size(),
                                 seconds(recording, longest), seconds(recording, best), expected));
 }
 
@@ -245,7 +245,7 @@ StillRange still_range(const RecordingView& recording, const Session& session, s
   }
   if (seconds(recording, still.range) < shortest_still_s || still.range.size() < fewest_samples) too_short(recording, rests, still.range);
   still.notes = cut_notes(recording, rests, still.range);
-  if (slow_motion) still.notes.push_back("slow motion was cut: means over a second change by more than 20 times as usual");
+  if (slow_motion) still.notes.push_back("slow motion was cut: the mean over a second changes far more than usual");
   still.interval_s = one_interval(recording, still.range, rate_is_declared(recording, session), still.notes);
   if (filled > 0) still.notes.push_back(fmt::format("{} lost samples were filled in", filled));
   return still;

@@ -26,10 +26,10 @@ class RestProblem {
  public:
   /// These terms go back to their prior value and stay there: considered.
   void hold(const std::vector<Eigen::Index>& unseen);
-  /// Where there are some.
-  void leave_out_rotations() {}
   /// They are estimated again: rests to come may show them.
   void release();
+  /// Nothing: of rests alone there are none.
+  void leave_out_rotations() {}
   /// Of a coefficient of scaled readings: offsets 20 % of g and 1 rad/s, scales 20 %, misalignments 1e-2 (20 % where the row does not point along its
   /// axis: axes swapped), which contain uncalibrated units; optional terms by kernel::optional_priors.
   double prior_sigma(const Coefficient& c) const;
@@ -40,8 +40,8 @@ class RestProblem {
   bool unstated(std::size_t coefficient) const { return unstated_[coefficient]; }
   /// Optional terms that are estimated although the data say nothing of them.
   std::vector<Eigen::Index> unseen_terms(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const;
-  /// All of the gyros' matrix, and their nonlinearity with it, where one of its scales is not determined and went far from its prior: with rests and
-  /// few rotations a scale of zero, and with it no noise, fits best.
+  /// All of the gyros' matrix, and their nonlinearity with it, where one of its scales is not determined and went far from its prior: few
+  /// rotations, perhaps wrong ones, do not hold it.
   std::vector<Eigen::Index> runaway_gyro_matrix(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const;
 
   const std::vector<RestMeans>& rests() const { return rests_; }

@@ -222,10 +222,10 @@ PointEquations Problem::equations(const MachinePoint& point) const {
 
 std::vector<Index> Problem::acting_columns(std::size_t recording) const {
   std::vector<Index> columns;
-  for (std::size_t i = 0; i < coefficients.size() + common.size(); ++i) {
-    const bool acts =
-        i < coefficients.size() || !common[i - coefficients.size()].drift || common[i - coefficients.size()].drift->recording == recording;
-    if (acts) columns.push_back(static_cast<Index>(i));
+  for (Index i = 0; i < std::ssize(coefficients); ++i) columns.push_back(i);
+  for (Index i = std::ssize(coefficients); const CommonError& error : common) {
+    if (!error.drift || error.drift->recording == recording) columns.push_back(i);
+    ++i;
   }
   return columns;
 }
@@ -233,7 +233,7 @@ std::vector<Index> Problem::acting_columns(std::size_t recording) const {
 kernel::Information Problem::information(std::size_t part, std::size_t parts) const {
   constexpr Index at_once = 32;  // points
   kernel::Information sum(size());
-  for (std::size_t recording = 0; recording < point_variance.size(); ++recording) {
+  for (std::size_t recording = 0; recording < session->recordings.size(); ++recording) {
     const std::vector<Index> columns = acting_columns(recording);
     const auto n = std::ssize(columns);
     MatrixXd rows(6 * at_once, n), N = MatrixXd::Zero(n, n);

@@ -87,7 +87,7 @@ struct Problem {
   void correct(const Eigen::VectorXd& x);
 
  private:
-  /// Parameters that points of this recording may depend on.
+  /// The parameters but for the drift of other recordings.
   std::vector<Eigen::Index> acting_columns(std::size_t recording) const;
 
   std::vector<std::vector<std::size_t>> acting_;  ///< by recording: indices of eta that may act
