@@ -3,7 +3,7 @@ function(imulab_sanitize)
   foreach(target ${ARGN})
     # -O1: with -Og it compiles in three quarters of the time, and runs about twice as long. Assertions are on: Eigen's too. The four checks of every
     # access are a third of the compiler's time; the fuzz targets have them, and memory beyond an object or at null is the address sanitizer's too.
-    target_compile_options(${target} PRIVATE -O1 -g1 -UNDEBUG -fsanitize=address,undefined -fno-sanitize=null,alignment,vptr,object-size
+    target_compile_options(${target} PRIVATE -O1 -g1 -UNDEBUG "SHELL:-U _FORTIFY_SOURCE" -fsanitize=address,undefined -fno-sanitize=null,alignment,vptr,object-size
                            -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
     target_compile_definitions(${target} PRIVATE EIGEN_MALLOC_ALREADY_ALIGNED=1) # as in the tests' own code: Eigen would put a header before its blocks
     target_link_options(${target} PRIVATE -fsanitize=address,undefined)

@@ -84,6 +84,8 @@ void integrate(const navigation::Start& start, const InertialSamples& samples, c
   check_barometer(options, samples.begin, samples.time.back());
   warn_of_force(samples, recording.name, out.warnings);
   Strapdown strapdown(start.state, {.vertical = options.vertical, .gravity = session.site.given_gravity});
+  out.solution.time.reserve(samples.steps.size() + 1);
+  out.solution.states.reserve(samples.steps.size() + 1);
   out.solution.time.push_back(start.time);
   out.solution.states.push_back(strapdown.state());
   for (std::size_t i = 0; i < samples.steps.size(); ++i) {
@@ -145,6 +147,7 @@ Navigated navigate(const Calibration& calibration, const Session& session, const
   out.aligned = start.aligned;
   out.warnings.insert(out.warnings.end(), start.warnings.begin(), start.warnings.end());
   const InertialSamples samples = samples_from(recording, start.time, options);
+  recording.gyro = {}, recording.accel = {};  // the memory of a long recording is for its solution
   out.gaps = samples.gaps;
   integrate(start, samples, session, recording, options, out);
   warn_of_samples(recording, out);

@@ -109,12 +109,12 @@ struct Quietness {
 Quietness quietness_of(const std::array<Windows, 3>& axes, double threshold_sigmas, std::size_t length) {
   Quietness result;
   const std::size_t count = axes[0].variance.size();
-  for (int j = 0; j < 3; ++j) result.noise[j] = typical_noise(axes[j].variance);
+  for (std::size_t j = 0; j < 3; ++j) result.noise[j] = typical_noise(axes[j].variance);
   // ln of the RMS over the axes of (standard deviation / noise): 0 in the middle of the rest cluster.
   std::vector<double> level(count);
   for (std::size_t k = 0; k < count; ++k) {
     double sum = 0;
-    for (int j = 0; j < 3; ++j) sum += axes[j].variance[k] / (result.noise[j] * result.noise[j]);
+    for (std::size_t j = 0; j < 3; ++j) sum += axes[j].variance[k] / (result.noise[j] * result.noise[j]);
     level[k] = 0.5 * std::log(sum / 3);
   }
   std::vector<double> apart;  // windows that do not overlap

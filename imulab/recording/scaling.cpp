@@ -19,11 +19,12 @@ Scaling choose_scaling(const Recording& recording, const std::vector<RestMeans>&
   }
   if (recording.gyro_unit == "count") {
     for (int j = 0; j < 3; ++j) {
+      const std::vector<double>& readings = recording.gyro[static_cast<std::size_t>(j)];
       std::vector<double> means, samples;
       for (const RestMeans& rest : rests) means.push_back(rest.gyro[j]);
       scaling.gyro_center[j] = median(means);
       const std::size_t stride = std::max<std::size_t>(1, recording.size() / 4096);
-      for (std::size_t i = 0; i < recording.size(); i += stride) samples.push_back(std::abs(recording.gyro[j][i] - scaling.gyro_center[j]));
+      for (std::size_t i = 0; i < recording.size(); i += stride) samples.push_back(std::abs(readings[i] - scaling.gyro_center[j]));
       scaling.gyro_scale[j] = std::max(1e-300, quantile(samples, 0.95));
     }
     scaling.gyro_scale.setConstant(scaling.gyro_scale.maxCoeff());

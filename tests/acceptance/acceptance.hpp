@@ -24,6 +24,7 @@ struct Run {
   Eigen::VectorXd error;
   Eigen::MatrixXd covariance;
   Eigen::MatrixXd information;
+  void fields(auto&& visit) { visit(indices, error, covariance, information); }
 };
 
 struct Check {
@@ -84,8 +85,8 @@ std::vector<Check> noise_lengths(int logs);
 Eigen::MatrixXd turntable_information(const TableMotion& motion, const SensorModel& truth, const turntable::RawNoise& noise,
                                       const std::vector<CoefficientIndex>& indices);
 
-/// Runs of seeds 1 .. count on all cores.
-std::vector<Run> run_all(Run (*run)(std::uint64_t), int count);
+/// Runs of seeds 1 .. count, kept under the name where runs are kept.
+std::vector<Run> run_all(Run (*run)(std::uint64_t), int count, const std::string& name = "runs");
 
 /// Navigation errors: sigma of the position over the linear one, of this many Monte Carlo runs through a traffic pattern and an hour's drive.
 std::vector<Check> error_growth(int runs);

@@ -1,6 +1,5 @@
 // The proof by a drive (Cheng 2014, sec 3.3): one IMU, calibrated by the classical method on a good table and on a poor one and by the hybrid method
 // on the poor one; then an hour at 60 km/h after an alignment of 300 s, navigated with each, the same recording for all.
-#include "imulab/core/parallel.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/turntable/turntable.hpp"
 #include "imulab/navigation/city_drive.hpp"
@@ -11,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "tests/acceptance/acceptance.hpp"
+#include "tests/acceptance/shared_runs.hpp"
 #include "tests/calibration_input.hpp"
 #include "tests/hybrid_session.hpp"
 #include <cmath>
@@ -65,9 +65,8 @@ double rate(const CityDrive& d, const Recording& recording, const Calibration& c
 
 std::vector<DriveRun> drives(int runs) {
   const CityDrive d = drive();
-  std::vector<DriveRun> out(static_cast<std::size_t>(runs));
-  parallel_for(runs, [&](int k) {
-    const auto seed = static_cast<std::uint64_t>(k + 1);
+  return runs_of<DriveRun>("drives", runs, [&](std::size_t k) {
+    const std::uint64_t seed = k + 1;
     const SensorModel unit = hybrid_unit(seed);
     const TableTime good = on_table(classical_procedure(), good_table, unit, seed),
                     poor = on_table(classical_procedure(), poor_table, unit, seed + 1000000),
@@ -82,12 +81,10 @@ std::vector<DriveRun> drives(int runs) {
     exact.covariance.resize(0, 0);
     CalibrationOptions as_zhang;
     as_zhang.turntable.bias_while_turning = true;  // the gyros' offset is that of the positions
-    out[static_cast<std::size_t>(k)] = {rate(d, recording, turntable::calibrate(input_of(good.session, good.recording), as_zhang).calibration),
-                                        rate(d, recording, turntable::calibrate(input_of(poor.session, poor.recording), as_zhang).calibration),
-                                        rate(d, recording, hybrid::calibrate(input_of(path.session, path.recording)).calibration),
-                                        rate(d, recording, exact)};
+    return DriveRun{rate(d, recording, turntable::calibrate(input_of(good.session, good.recording), as_zhang).calibration),
+                    rate(d, recording, turntable::calibrate(input_of(poor.session, poor.recording), as_zhang).calibration),
+                    rate(d, recording, hybrid::calibrate(input_of(path.session, path.recording)).calibration), rate(d, recording, exact)};
   });
-  return out;
 }
 
 std::string describe(const std::vector<DriveRun>& runs) {

@@ -1,7 +1,6 @@
 // Fleets drawn with known spread, drift, station bias and outliers, through a store: do the intervals of all statistics cover, and are outliers found
 // at the stated rate?
 #include "imulab/core/error.hpp"
-#include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
@@ -10,6 +9,7 @@
 #include <fmt/core.h>
 
 #include "tests/acceptance/acceptance.hpp"
+#include "tests/acceptance/shared_runs.hpp"
 #include "tests/fleet_draw.hpp"
 #include "tests/temporary_folder.hpp"
 #include <cmath>
@@ -150,10 +150,8 @@ Check rate(const char* name, const Share& share) {
 }  // namespace
 
 std::vector<Check> fleets(int count) {
-  std::vector<FleetShares> each(static_cast<std::size_t>(count));
-  parallel_for(each.size(), [&](std::size_t k) { each[k] = shares_of(k + 1); });
   FleetShares s;
-  for (const FleetShares& one : each) {
+  for (const FleetShares& one : runs_of<FleetShares>("fleet", count, [](std::size_t k) { return shares_of(k + 1); })) {
     s.mean.add(one.mean), s.spread.add(one.spread), s.slope.add(one.slope), s.bias.add(one.bias);
     s.with_prior.add(one.with_prior), s.alone += one.alone, s.together += one.together;
     s.station_found.add(one.station_found), s.false_alarms.add(one.false_alarms), s.found.add(one.found), s.others.add(one.others);

@@ -1,6 +1,5 @@
 // The proof by a flight (Dai 2011, sec 4.2): one MEMS IMU, its recording compensated in several ways, and a FOG IMU of table 4 on the same flight;
 // all navigated without aiding from the exact start.
-#include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
@@ -13,6 +12,7 @@
 
 #include "tests/acceptance/acceptance.hpp"
 #include "tests/acceptance/mems_unit.hpp"
+#include "tests/acceptance/shared_runs.hpp"
 #include <array>
 #include <cmath>
 #include <limits>
@@ -134,13 +134,12 @@ double rms(const std::vector<double>& values) {
 
 DaiFlights dai_flights(int runs) {
   const Flight with_roll = flight(true), without_roll = flight(false);
-  const auto count = static_cast<std::size_t>(runs);
-  DaiFlights out{std::vector<FlightRun>(count), std::vector<FlightRun>(count)};
-  parallel_for(count, [&](std::size_t k) {
+  const auto both = runs_of<std::vector<FlightRun>>("dai-flight", runs, [&](std::size_t k) {
     const CalibratedUnit unit = calibrated_unit(k + 1);
-    out.with_roll[k] = flight_run(with_roll, unit, k + 1);
-    out.without_roll[k] = flight_run(without_roll, unit, k + 1);
+    return std::vector{flight_run(with_roll, unit, k + 1), flight_run(without_roll, unit, k + 1)};
   });
+  DaiFlights out;
+  for (const auto& run : both) out.with_roll.push_back(run[0]), out.without_roll.push_back(run[1]);
   return out;
 }
 

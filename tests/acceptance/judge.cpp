@@ -1,4 +1,3 @@
-#include "imulab/core/parallel.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/model/coefficient.hpp"
 
@@ -7,6 +6,7 @@
 #include <fmt/core.h>
 
 #include "tests/acceptance/acceptance.hpp"
+#include "tests/acceptance/shared_runs.hpp"
 #include <cmath>
 #include <map>
 
@@ -53,10 +53,8 @@ std::vector<Check> judge(const std::vector<Run>& runs) {
   return checks;
 }
 
-std::vector<Run> run_all(Run (*run)(std::uint64_t), int count) {
-  std::vector<Run> runs(static_cast<std::size_t>(count));
-  parallel_for(count, [&](int i) { runs[static_cast<std::size_t>(i)] = run(static_cast<std::uint64_t>(i + 1)); });
-  return runs;
+std::vector<Run> run_all(Run (*run)(std::uint64_t), int count, const std::string& name) {
+  return runs_of<Run>(name, count, [&](std::size_t i) { return run(i + 1); });
 }
 
 std::string describe(const std::vector<Check>& checks) {

@@ -1,9 +1,11 @@
-// imulab_accept [COUNT] [NAME] [METHOD]: the acceptance test at full size; docs/validation.md has its figures.
+// imulab_accept [--checkpoint DIR] [COUNT] [NAME] [METHOD]: the acceptance test at full size; docs/validation.md has its figures. With a folder it
+// goes on from where it ended, and several processes share the work; the first one tells what came out.
 #include "imulab/estimate/method.hpp"
 
 #include <fmt/core.h>
 
 #include "tests/acceptance/acceptance.hpp"
+#include "tests/acceptance/shared_runs.hpp"
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -17,7 +19,7 @@ namespace {
 using namespace imulab::acceptance;
 
 bool report(const std::string& title, const std::vector<Check>& checks) {
-  fmt::print("{}\n{}", title, describe(checks));
+  if (imulab::leads_processes()) fmt::print("{}\n{}", title, describe(checks));
   std::fflush(stdout);
   return std::all_of(checks.begin(), checks.end(), [](const Check& c) { return c.passed(); });
 }
@@ -26,6 +28,10 @@ bool report(const std::string& title, const std::vector<Check>& checks) {
 
 int main(int argc, char** argv) {
   std::vector<std::string> names(argv + 1, argv + argc);
+  if (names.size() >= 2 && names[0] == "--checkpoint") {
+    kept_runs() = names[1];
+    names.erase(names.begin(), names.begin() + 2);
+  }
   const int wanted = names.empty() ? 0 : std::atoi(names[0].c_str());
   if (wanted > 0) names.erase(names.begin());
   const std::string only = names.empty() ? "" : names[0], of_method = names.size() > 1 ? names[1] : "";
@@ -35,7 +41,8 @@ int main(int argc, char** argv) {
   for (const imulab::Method& method : imulab::methods())
     for (const Case& c : cases())
       if (c.method == method.name && (chosen(c.name) || only == method.name))
-        passed &= report(fmt::format("{}: {} sessions, seeds 1..{}", c.name, count(c.count), count(c.count)), judge(run_all(c.run, count(c.count))));
+        passed &= report(fmt::format("{}: {} sessions, seeds 1..{}", c.name, count(c.count), count(c.count)),
+                         judge(run_all(c.run, count(c.count), std::string(c.name))));
   if (chosen("misspecified"))
     for (const imulab::Method& method : imulab::methods())
       if (of_method.empty() || of_method == method.name)
@@ -52,7 +59,10 @@ int main(int argc, char** argv) {
   if (chosen("whole-unit"))
     passed &= report(fmt::format("whole-unit outputs: {} sessions, seeds 1..{}", count(200), count(200)), whole_unit_outputs(count(200)));
   if (chosen("fleet")) passed &= report(fmt::format("fleet: {} fleets, seeds 1..{}", count(600), count(600)), fleets(count(600)));
-  if (chosen("drives")) fmt::print("drives: {} drives, seeds 1..{}\n{}", count(200), count(200), describe(drives(count(200))));
+  if (chosen("drives")) {
+    const std::string rates = describe(drives(count(200)));
+    if (imulab::leads_processes()) fmt::print("drives: {} drives, seeds 1..{}\n{}", count(200), count(200), rates);
+  }
   if (chosen("dai-flight")) {
     const DaiFlights flown = dai_flights(count(200));
     for (const auto& [name, flights] : {std::pair{"dai-flight", &flown.with_roll}, std::pair{"dai-flight without its roll", &flown.without_roll}})

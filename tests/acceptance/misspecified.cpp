@@ -1,6 +1,5 @@
 // Every method with its defaults on units and data that are not ideal (docs/validation.md): all terms of the model, correlated noise, a delay between
 // the triads, late stamps, a bumped rest. What is stated has to hold all the same.
-#include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
@@ -15,9 +14,9 @@
 #include <fmt/core.h>
 
 #include "tests/acceptance/acceptance.hpp"
+#include "tests/acceptance/shared_runs.hpp"
 #include <cmath>
 #include <map>
-#include <mutex>
 #include <numbers>
 #include <numeric>
 
@@ -103,6 +102,8 @@ struct MisspecifiedRun {
   std::vector<CoefficientIndex> indices;
   Eigen::VectorXd error;
   Eigen::MatrixXd covariance;
+  std::string refused = {};  ///< why
+  void fields(auto&& visit) { visit(determined, good, indices, error, covariance, refused); }
 };
 
 MisspecifiedRun run(const Method& method, std::uint64_t seed) {
@@ -164,16 +165,17 @@ std::vector<Check> judge_runs(const std::vector<MisspecifiedRun>& runs, bool goo
 }  // namespace
 
 std::vector<Check> misspecified(const Method& method, int count) {
-  std::vector<MisspecifiedRun> runs(static_cast<std::size_t>(count));
-  std::mutex printing;
-  parallel_for(count, [&](int i) {
+  const auto runs = runs_of<MisspecifiedRun>(fmt::format("misspecified {}", method.name), count, [&](std::size_t i) {
     try {
-      runs[static_cast<std::size_t>(i)] = run(method, static_cast<std::uint64_t>(i + 1));
+      return run(method, i + 1);
     } catch (const std::exception& e) {
-      const std::lock_guard lock(printing);
-      fmt::print("  {} seed {}: {}\n", method.name, i + 1, e.what());
+      MisspecifiedRun none;
+      none.refused = e.what();
+      return none;
     }
   });
+  for (std::size_t i = 0; i < runs.size(); ++i)
+    if (!runs[i].refused.empty() && leads_processes()) fmt::print("  {} seed {}: {}\n", method.name, i + 1, runs[i].refused);
   std::vector<Check> checks = judge_runs(runs, true);
   for (const Check& c : judge_runs(runs, false)) checks.push_back(c);
   return checks;

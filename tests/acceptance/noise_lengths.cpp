@@ -1,5 +1,4 @@
 // How long a log must be for its random walk to be seen beside its flicker: the table of docs/noise.md.
-#include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/estimate/noise/deviation.hpp"
@@ -9,6 +8,7 @@
 #include <fmt/core.h>
 
 #include "tests/acceptance/acceptance.hpp"
+#include "tests/acceptance/shared_runs.hpp"
 #include "tests/flicker_log.hpp"
 #include <cmath>
 #include <numbers>
@@ -52,9 +52,8 @@ std::vector<Check> noise_lengths(int logs) {
   std::uint64_t row = 0;
   for (const double ratio : {1.0, 10.0, 30.0, 100.0, 300.0, 1000.0}) {
     const NoiseModel truth = noise_of(ratio);
-    std::vector<Walk> walks(static_cast<std::size_t>(logs));
     const std::uint64_t first_seed = 1'000'000 * ++row;  // no row shares its logs with another
-    parallel_for(static_cast<std::size_t>(logs), [&](std::size_t i) { walks[i] = walk_of(truth, first_seed + i); });
+    const auto walks = runs_of<Walk>(fmt::format("noise-lengths {}", row), logs, [&](std::size_t i) { return walk_of(truth, first_seed + i); });
     double held = 0;
     std::vector<double> stated, over, read_off;
     for (const auto& [K, read] : walks) {

@@ -1,5 +1,4 @@
 // Noise coefficients of simulated logs of 3 h at 200 Hz: do the intervals hold, and are the errors as small as the spectrum allows?
-#include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/estimate/noise/likelihood.hpp"
@@ -11,6 +10,7 @@
 #include <fmt/core.h>
 
 #include "tests/acceptance/acceptance.hpp"
+#include "tests/acceptance/shared_runs.hpp"
 #include "tests/flicker_log.hpp"
 #include <algorithm>
 #include <array>
@@ -135,37 +135,37 @@ std::array<double, 4> bounds(const NoiseTruth& truth, const noise::Spectrum& spe
 
 struct LogResult {
   NoiseTruth truth;
-  NoiseFit fit;
-  std::array<double, 4> bound;  ///< of the coefficients
+  bool accepted = false, cut = false;
+  std::array<NoiseCoefficient, 4> coefficients;  ///< Q, N, B, K
+  std::array<double, 4> bound;                   ///< of the coefficients
 };
 
 }  // namespace
 
 std::vector<Check> noise_logs(int logs) {
-  std::vector<LogResult> results(static_cast<std::size_t>(logs));
-  parallel_for(logs, [&](int i) {
-    LogResult& r = results[static_cast<std::size_t>(i)];
-    const auto seed = static_cast<std::uint64_t>(i + 1);
+  const auto results = runs_of<LogResult>("noise", logs, [&](std::size_t i) {
+    LogResult r;
+    const std::uint64_t seed = i + 1;
     r.truth = drawn_noise(seed);
     const std::vector<double> rate = noise_log(r.truth, seed);
-    r.fit = fit_noise(rate, interval);
+    const NoiseFit fit = fit_noise(rate, interval);
+    r.accepted = fit.accepted, r.cut = fit.cut;
+    r.coefficients = {fit.Q, fit.N, fit.B, fit.K};
     r.bound = bounds(r.truth, noise::spectrum_of(rate, interval));
     for (std::size_t j = 0; j < 4; ++j) r.bound[j] *= 0.5 * r.truth.value(j);
+    return r;
   });
   std::vector<Check> checks;
   double accepted = 0, cut = 0;
-  for (const LogResult& r : results) accepted += r.fit.accepted, cut += r.fit.cut;
+  for (const LogResult& r : results) accepted += r.accepted, cut += r.cut;
   checks.push_back({"model accepted", accepted / logs, 0.98, 1});
   checks.push_back({"high frequencies left out", cut / logs, 0, 0.05});
-  const auto coefficient = [](const NoiseFit& fit, std::size_t j) -> const NoiseCoefficient& {
-    return j == 0 ? fit.Q : j == 1 ? fit.N : j == 2 ? fit.B : fit.K;
-  };
   for (std::size_t j = 0; j < 4; ++j) {
     const std::string name(1, "QNBK"[j]);
     int visible = 0, stated = 0, invisible = 0, held = 0, silent = 0;
     double squares = 0;
     for (const LogResult& r : results) {
-      const NoiseCoefficient& c = coefficient(r.fit, j);
+      const NoiseCoefficient& c = r.coefficients[j];
       const double truth = r.truth.value(j);
       held += c.lower <= truth && truth <= c.upper;
       if (r.bound[j] > truth) ++invisible, silent += !c.determined;

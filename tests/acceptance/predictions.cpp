@@ -1,5 +1,4 @@
 // Do predictions agree with what calibrate states of simulated sessions, and with the scatter of its estimates?
-#include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/model/grade.hpp"
@@ -8,6 +7,7 @@
 #include <fmt/core.h>
 
 #include "tests/acceptance/acceptance.hpp"
+#include "tests/acceptance/shared_runs.hpp"
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -59,6 +59,7 @@ Truth drawn_truth(const Session& of, std::uint64_t seed) {
 struct Outcome {
   std::vector<double> stated, squares;
   bool widened = false;  ///< chance made a term larger than its prior by so much that calibrate widened it: what it states is then larger, too
+  void fields(auto&& visit) { visit(stated, squares, widened); }
 };
 
 Outcome session_of(const Method& method, const Session& of, const Prediction& p, std::uint64_t seed) {
@@ -86,8 +87,7 @@ Outcome session_of(const Method& method, const Session& of, const Prediction& p,
 std::vector<Check> predictions(const Method& method, int sessions) {
   const Session of = predicted_case(method.name);
   const Prediction p = method.predict(of, {});
-  std::vector<Outcome> all(static_cast<std::size_t>(sessions));
-  parallel_for(sessions, [&](int i) { all[static_cast<std::size_t>(i)] = session_of(method, of, p, static_cast<std::uint64_t>(i + 1)); });
+  auto all = runs_of<Outcome>(fmt::format("predictions {}", method.name), sessions, [&](std::size_t i) { return session_of(method, of, p, i + 1); });
   const auto widened = static_cast<double>(std::ranges::count_if(all, &Outcome::widened));
   std::erase_if(all, [](const Outcome& s) { return s.widened; });
   const double n = static_cast<double>(all.size()), m = static_cast<double>(p.coefficients.size());

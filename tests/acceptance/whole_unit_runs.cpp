@@ -1,6 +1,5 @@
 // Simulated whole-unit sessions, and their Fisher information, derived independently of the estimator: raw means as a function of the coefficients
 // and of every error of the machines, which are unknowns with a prior; derivatives by differences through the inverse of the sensor model.
-#include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
@@ -14,6 +13,7 @@
 #include <fmt/core.h>
 
 #include "tests/acceptance/acceptance.hpp"
+#include "tests/acceptance/shared_runs.hpp"
 #include "tests/whole_unit_session.hpp"
 #include <algorithm>
 #include <cmath>
@@ -178,20 +178,21 @@ Run run_of(std::uint64_t seed, double record) {
   return {c.estimated, errors_of(c, s.truth.model), c.covariance, information_of(s, c.estimated)};
 }
 
+struct OutputRun {
+  double squared = 0;  ///< of one compensated sample, under the covariance stated for it
+  VectorXd joint, stepwise;
+  std::vector<CoefficientIndex> indices;
+  void fields(auto&& visit) { visit(squared, joint, stepwise, indices); }
+};
+
 }  // namespace
 
 Run whole_unit_run(std::uint64_t seed) { return run_of(seed, 10); }
 Run short_whole_unit_run(std::uint64_t seed) { return run_of(seed, 1); }
 
 std::vector<Check> whole_unit_outputs(int runs) {
-  struct Result {
-    double squared = 0;  // of one compensated sample, under the covariance stated for it
-    VectorXd joint, stepwise;
-  };
-  std::vector<Result> results(static_cast<std::size_t>(runs));
-  std::vector<CoefficientIndex> indices;
-  parallel_for(runs, [&](int i) {
-    const auto seed = static_cast<std::uint64_t>(i + 1);
+  const auto results = runs_of<OutputRun>("whole-unit outputs", runs, [](std::size_t i) {
+    const std::uint64_t seed = i + 1;
     const WholeUnitSession s = whole_unit_session(seed, {}, [](Session&) {});
     const Calibration c = whole_unit::calibrate(s.input(), full_whole_unit()).calibration;
     const Calibration steps = whole_unit::calibrate(s.input(), full_whole_unit(true)).calibration;
@@ -209,18 +210,17 @@ std::vector<Check> whole_unit_outputs(int runs) {
     Vector6 error;
     error << out.force, out.rate;
     error -= motion;
-    results[static_cast<std::size_t>(i)] = {error.dot(output_covariance(c, raw).ldlt().solve(error)), errors_of(c, s.truth.model),
-                                            errors_of(steps, s.truth.model)};
-    if (i == 0) indices = c.estimated;
+    return OutputRun{error.dot(output_covariance(c, raw).ldlt().solve(error)), errors_of(c, s.truth.model), errors_of(steps, s.truth.model),
+                     c.estimated};
   });
   const double n = runs, dof = 6 * n;
   double squared = 0;
   VectorXd joint = VectorXd::Zero(results[0].joint.size()), stepwise = joint;
-  for (const Result& r : results) squared += r.squared / dof, joint += r.joint.cwiseAbs2() / n, stepwise += r.stepwise.cwiseAbs2() / n;
+  for (const OutputRun& r : results) squared += r.squared / dof, joint += r.joint.cwiseAbs2() / n, stepwise += r.stepwise.cwiseAbs2() / n;
   VectorXd gain = (stepwise.array() / joint.array()).sqrt();
   Index least, most;
   gain.minCoeff(&least), gain.maxCoeff(&most);
-  const auto name = [&](Index k) { return std::string(coefficient(indices[static_cast<std::size_t>(k)]).name); };
+  const auto name = [&](Index k) { return std::string(coefficient(results[0].indices[static_cast<std::size_t>(k)]).name); };
   std::vector<double> sorted(gain.begin(), gain.end());
   const double any = std::numeric_limits<double>::infinity();
   // Where the steps use the same points with the same weights both agree up to chance: three sigma of a ratio of correlated RMS values.

@@ -1,10 +1,10 @@
-// The noise of an IMU from a recording at rest: which part is still, and the deviation and the coefficients of each axis.
+// The noise of an IMU from a recording at rest: the deviation and the coefficients of each axis.
 #pragma once
 
 #include "imulab/estimate/noise/deviation.hpp"
 #include "imulab/estimate/noise/noise_fit.hpp"
+#include "imulab/estimate/noise/still_part.hpp"
 #include "imulab/recording/recording_view.hpp"
-#include "imulab/recording/session.hpp"
 
 #include <array>
 #include <optional>
@@ -12,25 +12,6 @@
 #include <vector>
 
 namespace imulab {
-
-/// The longest stretch at rest without a gap or a saturated sample. A shorter one than 30 s or 1024 samples says too little.
-struct StillPart {
-  Recording recording;             ///< the whole one; lost samples filled, one or two at a time
-  Range range;                     ///< of its samples
-  std::vector<std::string> notes;  ///< what was cut, and why
-};
-
-/// Where the session has holds, they are the rests, else they are found. Throws Unsupported where no stretch is long enough: in motion, interrupted,
-/// saturated or short; Error as detect_rests.
-StillPart still_part(Recording recording, const Session& session);
-
-/// The same of a recording in memory or on disk, which is valid and whose lost samples were filled.
-struct StillRange {
-  Range range;
-  std::vector<std::string> notes;
-  double interval_s = 0;  ///< of its samples: nominal, or of the even clock of stamps that scatter
-};
-StillRange still_range(const RecordingView& recording, const Session& session, std::size_t filled = 0);
 
 struct NoiseAxis {
   std::string name;  ///< "gyro.x"

@@ -3,7 +3,6 @@
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
-#include "imulab/estimate/kernel/slow_noise.hpp"
 #include "imulab/model/compensation_derivatives.hpp"
 #include "imulab/recording/declared_noise.hpp"
 
@@ -60,49 +59,7 @@ void set_priors(Problem& problem) {
   }
 }
 
-/// Declared noise that is not white: in each recording its shapes along the points that stand out of independent noise; the others, which differ from
-/// it by less than a tenth, count as that: thermal terms are seen in just such slow shapes.
-void add_drifts(Problem& problem) {
-  constexpr double stands_out = 0.1;
-  const NoiseModels declared = declared_terms(problem.session->imu);
-  problem.point_variance.assign(problem.session->recordings.size(), Vector6d::Zero());
-  for (std::size_t recording = 0; recording < problem.point_variance.size(); ++recording) {
-    std::vector<const MachinePoint*> points;
-    for (const MachinePoint& p : problem.points.all)
-      if (p.recording == recording) points.push_back(&p);
-    if (points.empty()) continue;
-    const auto n = std::ssize(points);
-    // Noise begins with the recording, whose clock begins with it unless it starts with more than the recording's own length.
-    const double first = points.front()->step.start, start = first < points.back()->step.end - first ? 0 : first;
-    std::vector<kernel::TimeSpan> times;
-    for (const MachinePoint* p : points) times.push_back({p->step.start - start, p->step.end - start});
-    MatrixXd covariance;
-    SymmetricEigen shapes;
-    for (int channel = 0; channel < 6; ++channel) {
-      const NoiseModel& model = channel < 3 ? declared.accel : declared.gyro;
-      if (channel % 3 == 0) covariance = kernel::slow_noise(times, model, problem.points.interval_s);
-      if (covariance.size() == 0) continue;
-      if (channel % 3 == 0) shapes = symmetric_eigen(covariance);
-      const double independent = std::max(0.0, shapes.values[0]), white = problem.noise[channel] / static_cast<double>(points.front()->samples);
-      double others = 0;
-      for (Index k = 0; k < n; ++k) {
-        const double variance = shapes.values[k] - independent;
-        if (!(variance > stands_out * (white + independent))) {
-          others += variance / static_cast<double>(n);
-          continue;
-        }
-        ChannelDrift drift{recording, channel, VectorXd::Zero(static_cast<Index>(points.back()->number) + 1)};
-        for (Index p = 0; p < n; ++p) drift.shape[static_cast<Index>(points[static_cast<std::size_t>(p)]->number)] = shapes.vectors(p, k);
-        problem.common.push_back({"", {}, std::sqrt(variance), 0, std::move(drift)});
-      }
-      problem.point_variance[recording][channel] = independent + others;
-    }
-  }
-}
-
 }  // namespace
-
-double ChannelDrift::at(const MachinePoint& point) const { return point.recording == recording ? shape[static_cast<Index>(point.number)] : 0; }
 
 std::string CommonError::name() const {
   if (drift)
@@ -132,7 +89,7 @@ Problem::Problem(MachinePoints used, const Session& declared, const SensorModel&
     }
   }
   update_noise();
-  add_drifts(*this);
+  add_drifts();
   set_priors(*this);
 }
 

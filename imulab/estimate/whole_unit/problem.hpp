@@ -87,6 +87,9 @@ struct Problem {
   void correct(const Eigen::VectorXd& x);
 
  private:
+  /// Declared noise that is not white: in each recording its shapes along the points that stand out of independent noise; the others, which differ
+  /// from it by less than a tenth, count as that: thermal terms are seen in just such slow shapes.
+  void add_drifts();
   /// The parameters but for the drift of other recordings.
   std::vector<Eigen::Index> acting_columns(std::size_t recording) const;
 

@@ -14,6 +14,7 @@
 #include <mutex>
 #include <new>
 #include <string_view>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -39,6 +40,9 @@ constexpr std::uint64_t part_mark = 0x1b6d756c61627265, error_mark = 0x1b6d756c6
 
 /// The child ended before its answer did, or its answer makes no sense.
 struct NoAnswer {};
+
+/// From this size on, bytes go through the shared memory.
+constexpr std::size_t through_slots = 4096;
 
 /// Lowers a limit of this process.
 void limit(int resource, rlim_t most) {
@@ -78,9 +82,9 @@ void prepare_child(const ChildLimits& limits) {
   ::alarm(limits.wall_s);
 }
 
-[[noreturn]] void be_child(int descriptor, const ChildTask& task, const std::function<void(ToParent&)>& work) {
+[[noreturn]] void be_child(int descriptor, SharedSlots& slots, const ChildTask& task, const std::function<void(ToParent&)>& work) {
   prepare_child(task.limits);
-  ToParent to(descriptor);
+  ToParent to(descriptor, slots);
   const auto fail = [&](std::string_view text) {
     to.number(error_mark);
     to.text(text);
@@ -102,7 +106,7 @@ void prepare_child(const ChildLimits& limits) {
 /// A running child and the pipe from it; stopped and waited for at the end, so that no zombie stays.
 class Child {
  public:
-  Child(pid_t id, int descriptor) : id_(id), descriptor_(descriptor) {}
+  Child(pid_t id, int descriptor, SharedSlots& slots) : id_(id), descriptor_(descriptor), slots_(slots) {}
   ~Child() {
     close_pipe();
     int status = 0;
@@ -114,7 +118,8 @@ class Child {
 
   /// How it ended after a wrong answer; 0 in a program that ignores its children and is not told.
   int end() {
-    close_pipe();  // so that it does not wait for a reader
+    close_pipe();        // so that it does not wait for a reader,
+    slots_.add_empty();  // nor for a slot
     return wait();
   }
 
@@ -132,9 +137,10 @@ class Child {
 
   pid_t id_;
   int descriptor_;
+  SharedSlots& slots_;
 };
 
-Child start_child(const ChildTask& task, const std::function<void(ToParent&)>& work) {
+Child start_child(const ChildTask& task, SharedSlots& slots, const std::function<void(ToParent&)>& work) {
   // One at a time, so that no child holds another's end of a pipe open.
   static std::mutex starting;
   const std::lock_guard lock(starting);
@@ -143,18 +149,17 @@ Child start_child(const ChildTask& task, const std::function<void(ToParent&)>& w
     throw Error(fmt::format("{}: cannot be read: {}: {}", task.file.string(), what, std::generic_category().message(errno)));
   };
   if (::pipe2(ends, O_CLOEXEC) != 0) fail("no pipe");
-  ::fcntl(ends[1], F_SETPIPE_SZ, 1 << 20);
   const pid_t id = ::fork();
   if (id == 0) {
     ::close(ends[0]);  // so that a parent that reads no more is noticed
-    be_child(ends[1], task, work);
+    be_child(ends[1], slots, task, work);
   }
   ::close(ends[1]);
   if (id < 0) {
     ::close(ends[0]);
     fail("no process");
   }
-  return {id, ends[0]};
+  return {id, ends[0], slots};
 }
 
 std::string failure(const ChildTask& task, int status) {
@@ -187,11 +192,38 @@ ChildTask child_task(const std::filesystem::path& file, const std::string& libra
   return {file, library, child_limits(missing ? 0 : bytes)};
 }
 
+SharedSlots::SharedSlots() {
+  void* const memory = ::mmap(nullptr, sizeof(Memory), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) throw std::bad_alloc();
+  memory_ = static_cast<Memory*>(memory);
+  ::sem_init(&memory_->empty, 1, count);
+}
+
+SharedSlots::~SharedSlots() { ::munmap(memory_, sizeof(Memory)); }
+
+char* SharedSlots::next() { return memory_->slots[turn_++ % count].data(); }
+
+void SharedSlots::wait_for_empty() {
+  while (::sem_wait(&memory_->empty) != 0 && errno == EINTR) {
+  }
+}
+
+void SharedSlots::add_empty() { ::sem_post(&memory_->empty); }
+
 void ToParent::bytes(const void* data, std::size_t size) {
-  constexpr std::size_t small = 4096;
-  if (size < small) buffer_.append(static_cast<const char*>(data), size);
-  if (size >= small || buffer_.size() > 16 * small) flush();
-  if (size >= small) write_all(static_cast<const char*>(data), size);
+  const char* from = static_cast<const char*>(data);
+  if (size < through_slots) {
+    buffer_.append(from, size);
+    if (buffer_.size() > 16 * through_slots) flush();
+    return;
+  }
+  for (std::size_t part = 0; size > 0; from += part, size -= part) {
+    part = std::min(size, SharedSlots::slot_bytes);
+    slots_.wait_for_empty();
+    std::memcpy(slots_.next(), from, part);
+    buffer_ += '\0';
+    flush();
+  }
 }
 
 void ToParent::text(std::string_view t) {
@@ -216,14 +248,34 @@ void ToParent::write_all(const char* data, std::size_t size) const {
   }
 }
 
-void FromChild::bytes(void* data, std::size_t size) const {
-  char* to = static_cast<char*>(data);
+void FromChild::from_pipe(char* data, std::size_t size) const {
   while (size > 0) {
-    const ssize_t got = ::read(descriptor_, to, size);
+    const ssize_t got = ::read(descriptor_, data, size);
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) throw NoAnswer();
-    to += got;
+    data += got;
     size -= static_cast<std::size_t>(got);
+  }
+}
+
+void FromChild::bytes(void* data, std::size_t size) const {
+  char* to = static_cast<char*>(data);
+  if (size < through_slots) return from_pipe(to, size);
+  parts(size, [&](const char* part, std::size_t bytes) { to = std::copy_n(part, bytes, to); });
+}
+
+void FromChild::parts(std::size_t size, const std::function<void(const char* part, std::size_t bytes)>& each) const {
+  if (size < through_slots) {
+    alignas(std::max_align_t) std::array<char, through_slots> few;
+    from_pipe(few.data(), size);
+    return each(few.data(), size);
+  }
+  for (std::size_t part = 0; size > 0; size -= part) {
+    char full = 0;
+    from_pipe(&full, 1);
+    part = std::min(size, SharedSlots::slot_bytes);
+    each(slots_.next(), part);
+    slots_.add_empty();
   }
 }
 
@@ -254,8 +306,9 @@ std::string FromChild::text() {
 }
 
 void run_in_child(const ChildTask& task, const std::function<void(ToParent&)>& work, const std::function<void(FromChild&)>& take) {
-  Child child = start_child(task, work);
-  FromChild from(child.descriptor(), task.limits.memory_bytes);
+  SharedSlots slots;
+  Child child = start_child(task, slots, work);
+  FromChild from(child.descriptor(), slots, task.limits.memory_bytes);
   std::string error;
   try {
     std::uint64_t mark = 0;

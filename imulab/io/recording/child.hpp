@@ -1,10 +1,12 @@
 // A function in a child process, and its answer through a pipe: for libraries that a damaged file can crash.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <semaphore.h>
 #include <string>
 #include <string_view>
 
@@ -28,10 +30,34 @@ struct ChildTask {
 };
 ChildTask child_task(const std::filesystem::path& file, const std::string& library);
 
+/// Memory of both processes, filled by the child and emptied by the parent slot after slot: a pipe copies twice, and is slower than reading a file. A
+/// byte in the pipe says that a slot is full.
+class SharedSlots {
+ public:
+  static constexpr std::size_t slot_bytes = 1 << 17;
+  SharedSlots();
+  ~SharedSlots();
+  SharedSlots(const SharedSlots&) = delete;
+  SharedSlots& operator=(const SharedSlots&) = delete;
+
+  char* next();
+  void wait_for_empty();
+  void add_empty();
+
+ private:
+  static constexpr std::size_t count = 8;
+  struct Memory {
+    sem_t empty;
+    alignas(64) std::array<std::array<char, slot_bytes>, count> slots;
+  };
+  Memory* memory_;
+  std::size_t turn_ = 0;
+};
+
 /// The child's end of the pipe. Whatever goes wrong ends the child.
 class ToParent {
  public:
-  explicit ToParent(int descriptor) : descriptor_(descriptor) {}
+  ToParent(int descriptor, SharedSlots& slots) : descriptor_(descriptor), slots_(slots) {}
   void bytes(const void* data, std::size_t size);
   void number(std::uint64_t n) { bytes(&n, sizeof n); }
   void text(std::string_view t);
@@ -43,14 +69,17 @@ class ToParent {
   void write_all(const char* data, std::size_t size) const;
 
   int descriptor_;
+  SharedSlots& slots_;
   std::string buffer_;
 };
 
 /// The parent's end. Nothing is believed: a child that went wrong may send anything. Throws what run_in_child catches.
 class FromChild {
  public:
-  FromChild(int descriptor, std::uint64_t most_bytes) : descriptor_(descriptor), most_bytes_(most_bytes) {}
+  FromChild(int descriptor, SharedSlots& slots, std::uint64_t most_bytes) : descriptor_(descriptor), slots_(slots), most_bytes_(most_bytes) {}
   void bytes(void* data, std::size_t size) const;
+  /// The same, without memory that is there already: `each` gets part after part, aligned for any number.
+  void parts(std::size_t size, const std::function<void(const char* part, std::size_t bytes)>& each) const;
   std::uint64_t number() const;
   /// How many elements of `size` bytes follow: no more in all than the child's memory can hold.
   std::size_t count(std::size_t size);
@@ -61,7 +90,10 @@ class FromChild {
   [[noreturn]] void reject() const;
 
  private:
+  void from_pipe(char* data, std::size_t size) const;
+
   int descriptor_;
+  SharedSlots& slots_;
   std::uint64_t most_bytes_;
 };
 

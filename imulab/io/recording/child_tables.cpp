@@ -40,9 +40,11 @@ void send_numbers(ToParent& to, const std::vector<Number>& numbers) {
 template <class Number>
 std::size_t receive_numbers(FromChild& from, std::vector<Number>& numbers, std::size_t all) {
   if (numbers.empty()) numbers.reserve(all);
-  const std::size_t before = numbers.size(), more = from.count(sizeof(Number));
-  numbers.resize(before + more);
-  from.bytes(numbers.data() + before, more * sizeof(Number));
+  const std::size_t more = from.count(sizeof(Number));
+  from.parts(more * sizeof(Number), [&](const char* part, std::size_t bytes) {
+    const auto* const first = reinterpret_cast<const Number*>(part);
+    numbers.insert(numbers.end(), first, first + bytes / sizeof(Number));
+  });
   return more;
 }
 

@@ -186,7 +186,7 @@ std::string_view first_lines(const std::string& name, std::string_view text, std
   const std::string_view head = text.substr(layout.offset, 1 << 16);
   const auto lines = static_cast<std::size_t>(std::count(head.begin(), head.end(), '\n')) + 1;
   const double bytes = static_cast<double>(head.size()) / static_cast<double>(lines * layout.columns) * static_cast<double>(most_numbers);
-  if (layout.offset + bytes >= static_cast<double>(text.size())) return text;
+  if (static_cast<double>(layout.offset) + bytes >= static_cast<double>(text.size())) return text;
   const std::size_t end = text.find('\n', layout.offset + static_cast<std::size_t>(bytes / part_of_long));
   return text.substr(0, end == std::string_view::npos ? text.size() : end + 1);
 }

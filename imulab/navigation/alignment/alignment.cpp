@@ -36,7 +36,7 @@ Matrix3d from_two_halves(const RestMotion& rest, const CarriedRest& body) {
     length[half] += interval;
     t += interval;
   }
-  for (std::size_t k : {0, 1}) {
+  for (std::size_t k = 0; k < 2; ++k) {
     measured[k] /= length[k];
     known[k] /= length[k];
   }

@@ -37,9 +37,9 @@ IntegratedRotation integrate_rotation(const Recording& recording, Range range, c
     previous = angle;
     const Matrix3d middle = (0.5 * dt) * (before + sum.C);  // C at the middle of the interval, times dt
     sum.phi[0] += middle;
-    for (int j = 0; j < 3; ++j) {
-      sum.phi[1 + j] += middle * vg[j];
-      sum.phi[4 + j] += middle * force[j];
+    for (std::size_t j = 0; j < 3; ++j) {
+      sum.phi[1 + j] += middle * vg[static_cast<Eigen::Index>(j)];
+      sum.phi[4 + j] += middle * force[static_cast<Eigen::Index>(j)];
     }
     const Vector3d square = vg.cwiseAbs2();
     sum.phi[7] += middle * square.asDiagonal();

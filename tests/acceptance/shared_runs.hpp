@@ -1,0 +1,110 @@
+// The runs of an acceptance test on all cores; with a folder for them also on every process that shares it, and again from where it ended
+// (docs/cluster.md).
+#pragma once
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/shared_work.hpp"
+
+#include <Eigen/Core>
+
+#include <cstring>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace imulab::acceptance {
+
+/// Where this program keeps its runs; empty: nowhere.
+inline std::filesystem::path& kept_runs() {
+  static std::filesystem::path folder;
+  return folder;
+}
+
+/// None where no runs are kept.
+inline std::optional<Checkpoint> checkpoint_of(const std::string& test) {
+  if (kept_runs().empty()) return std::nullopt;
+  std::filesystem::create_directories(kept_runs());
+  return Checkpoint{kept_runs() / test};
+}
+
+/// A structure with members that are no plain numbers lists them: `void fields(auto&& visit) { visit(error, covariance); }`.
+template <class T>
+concept HasFields = requires(T value) {
+  value.fields([](auto&...) {});
+};
+
+template <class T>
+concept IsMatrix = requires(T value) {
+  value.rows();
+  value.resize(1, 1);
+  value.data();
+};
+
+/// What a run gives, as bytes.
+template <class T>
+void write_run(std::string& out, T& value) {
+  if constexpr (HasFields<T>) {
+    value.fields([&](auto&... members) { (write_run(out, members), ...); });
+  } else if constexpr (IsMatrix<T>) {
+    Eigen::Index rows = value.rows(), columns = value.cols();
+    write_run(out, rows), write_run(out, columns);
+    out.append(reinterpret_cast<const char*>(value.data()), static_cast<std::size_t>(value.size()) * sizeof(double));
+  } else if constexpr (std::is_trivially_copyable_v<T>) {
+    out.append(reinterpret_cast<const char*>(&value), sizeof value);
+  } else {
+    std::size_t count = value.size();
+    write_run(out, count);
+    for (auto& element : value) write_run(out, element);
+  }
+}
+
+/// And back, from the front of the bytes.
+template <class T>
+void read_run(std::string_view& bytes, T& value) {
+  const auto take = [&](void* to, std::size_t size) {
+    if (bytes.size() < size) throw Error("a run that was kept is cut short; expected one of the same program");
+    if (size > 0) std::memcpy(to, bytes.data(), size);
+    bytes.remove_prefix(size);
+  };
+  if constexpr (HasFields<T>) {
+    value.fields([&](auto&... members) { (read_run(bytes, members), ...); });
+  } else if constexpr (IsMatrix<T>) {
+    Eigen::Index rows = 0, columns = 0;
+    read_run(bytes, rows), read_run(bytes, columns);
+    value.resize(rows, columns);
+    take(value.data(), static_cast<std::size_t>(value.size()) * sizeof(double));
+  } else if constexpr (std::is_trivially_copyable_v<T>) {
+    take(&value, sizeof value);
+  } else {
+    std::size_t count = 0;
+    read_run(bytes, count);
+    value.resize(count);
+    for (auto& element : value) read_run(bytes, element);
+  }
+}
+
+/// What `run` gives for 0 ... count - 1, in this order. `test`: the name of its folder.
+template <class T>
+std::vector<T> runs_of(const std::string& test, int count, const std::function<T(std::size_t)>& run) {
+  std::vector<T> runs(static_cast<std::size_t>(count));
+  SharedWork work{.count = runs.size(), .work = {}, .take = {}};
+  work.work = [&](std::size_t i) {
+    T one = run(i);
+    std::string bytes;
+    write_run(bytes, one);
+    return bytes;
+  };
+  work.take = [&](std::size_t i, const std::string& bytes) {
+    std::string_view rest = bytes;
+    read_run(rest, runs[i]);
+  };
+  const std::optional<Checkpoint> kept = checkpoint_of(test);
+  for_each(work, kept ? &*kept : nullptr);
+  return runs;
+}
+
+}  // namespace imulab::acceptance
