@@ -149,7 +149,7 @@ TEST(BadInput, NumbersOutOfRange) {
            {"predict session --runs 2000000000", "--runs: 2000000000; expected 0, or 100 to 1000000000"},
            {"export c.json --to c-header --accel-counts-per-unit 1e-300", "--accel-counts-per-unit: 1e-300; expected a number from 1e-09 to 1e+12"},
            {"export c.json --to c-header --gyro-range -1", "--gyro-range: -1; expected a number from 1e-09 to 1e+12"},
-           {"--threads 0 compare a b", "--threads: Value 0 not in range 1 to 1024"},
+           {"--threads 0 compare a b", "--threads: 0; expected a whole number from 1 to 1024"},
        })
     expect_refused(folder, arguments, message);
 }

@@ -21,6 +21,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -71,15 +72,18 @@ std::string bad_number(const std::string& text) {
                                std::numeric_limits<Value>::max());
 }
 
-}  // namespace
-
-Option Option::in_range(double least, double most, bool whole) {
-  return check([=](const std::string& text) {
+/// What is wrong with a text that has to be a number in a range; nothing where it is one.
+std::function<std::string(const std::string&)> range_check(double least, double most, bool whole) {
+  return [=](const std::string& text) {
     const double value = number_in<double>(text).value_or(std::numeric_limits<double>::quiet_NaN());
     const bool good = value >= least && value <= most && (!whole || value == std::floor(value));
     return good ? "" : fmt::format("{}; expected {} from {:.10g} to {:.10g}", excerpt(text), whole ? "a whole number" : "a number", least, most);
-  });
+  };
 }
+
+}  // namespace
+
+Option Option::in_range(double least, double most, bool whole) { return check(range_check(least, most, whole)); }
 
 namespace {
 
@@ -268,12 +272,12 @@ void declare(CLI::App& app, std::optional<ThreadLimit>& threads, std::optional<M
   app.add_option_function<std::size_t>(
          "--threads", [&](std::size_t n) { threads.emplace(n); }, "work on at most this many processors; the results do not depend on it")
       ->type_name("N")
-      ->check(CLI::Range(1, 1024));
+      ->check(range_check(1, 1024, true));
   app.add_option_function<double>(
          "--memory", [&](double mb) { memory.emplace(static_cast<std::uint64_t>(1e6 * mb)); },
          "refuse work that would take more memory (all there is)")
       ->type_name("MB")
-      ->check(CLI::Range(1e-3, 1e9));
+      ->check(range_check(1e-3, 1e9, false));
   add_demo(Verb(&app));
   add_help(app);
   for (CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) verb->group("start here");

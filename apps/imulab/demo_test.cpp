@@ -21,8 +21,8 @@ TEST(DemoCommand, RunsFromNothingAndAgain) {
   EXPECT_EQ(again.output, first.output);
 }
 
-/// The claim of the demo is true of any unit, not of the default one alone.
-TEST(DemoCommand, TheHybridCalibrationDrivesBetterWithEverySeed) {
+/// The claim of the demo is true of other units than the default one.
+TEST(DemoCommand, TheHybridCalibrationDrivesBetterWithOtherSeeds) {
   const TemporaryFolder folder;
   for (const char* seed : {"2", "3"}) {
     const CommandResult result = run_imulab(folder, std::string("demo --json --seed ") + seed);

@@ -65,7 +65,7 @@ def triad_options(
 ) -> dict[str, Any]:
     """How the readings of a triad are given. Raises TypeError or Error for what is no unit or no limits."""
     if not isinstance(unit, str):
-        raise TypeError(f"{triad}_unit: expected a name, got a {type(unit).__name__}")
+        raise TypeError(f"{triad}_unit: expected a name, got {type(unit).__name__}")
     if limits is not None and np.shape(numbers(f"{triad}_limits", limits)) != (2,):
         raise Error(f"{triad}_limits: expected two numbers, the least and the largest reading")
     return {"unit": unit, "counts_per_unit": per_unit, "increment": increment, "limits": limits, "temperature": temperature}

@@ -206,7 +206,7 @@ class Calibration(Answer):
         """
         self._expect_usable(allow_undetermined)
         if noise is not None and not hasattr(noise, "json"):
-            raise TypeError(f"noise: expected the answer of imulab.noise, got a {type(noise).__name__}")
+            raise TypeError(f"noise: expected the answer of imulab.noise, got {type(noise).__name__}")
         text, notes = self._answer.exported(target, "" if noise is None else noise.json, axes, rate_hz, model, variance_matched, instance)
         warn(notes)
         return text

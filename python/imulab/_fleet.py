@@ -52,7 +52,7 @@ class Fleet:
         if not places:
             raise TypeError("expected folders with sessions")
         if progress is not None and not callable(progress):
-            raise TypeError(f"progress: expected a callable, got a {type(progress).__name__}")
+            raise TypeError(f"progress: expected a callable, got {type(progress).__name__}")
         below = [path("place", p) for p in places]
         return _imulab.fleet_calibrate(self.store, below, method, terms, station, operator, time, retry, progress)
 

@@ -64,11 +64,11 @@ class Session:
         }
         for key in ("imu", "site", "initial", "truth"):
             if tables[key] is not None and not isinstance(tables[key], Mapping):
-                raise TypeError(f"{key}: expected a dict, got a {type(tables[key]).__name__}")
+                raise TypeError(f"{key}: expected a dict, got {type(tables[key]).__name__}")
         for key in ("rig", "recording", "step", "reference"):
             value = tables[key]
             if value is not None and (isinstance(value, str) or not isinstance(value, Sequence) or not all(isinstance(v, Mapping) for v in value)):
-                raise TypeError(f"{key}: expected dicts, got a {type(value).__name__}")
+                raise TypeError(f"{key}: expected dicts, got {type(value).__name__}")
         self._session = _imulab.Session.parse(toml(tables), path("file", file))
 
     @classmethod

@@ -30,7 +30,7 @@ def warn(texts: Iterable[str]) -> None:
 def path(name: str, value: Any) -> str:
     """A file's name. Raises TypeError for what is none."""
     if not isinstance(value, (str, os.PathLike)):
-        raise TypeError(f"{name}: expected a path, got a {type(value).__name__}")
+        raise TypeError(f"{name}: expected a path, got {type(value).__name__}")
     text = os.fspath(value)
     if not isinstance(text, str):
         raise TypeError(f"{name}: expected a path of text, got bytes")
@@ -61,12 +61,12 @@ def _toml_value(value: Any) -> str:
         return _toml_value(value.tolist())
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(_toml_value(v) for v in value) + "]"
-    raise TypeError(f"expected text, a number, a list or a dict, got a {type(value).__name__}")
+    raise TypeError(f"expected text, a number, a list or a dict, got {type(value).__name__}")
 
 
 def _toml_key(key: Any) -> str:
     if not isinstance(key, str):
-        raise TypeError(f"expected a key of text, got a {type(key).__name__}")
+        raise TypeError(f"expected a key of text, got {type(key).__name__}")
     return _toml_value(key)
 
 

@@ -46,7 +46,7 @@ Data = Session | Recording | Simulation | Sequence[Recording] | PathLike
 
 def _callback(progress: Progress | None) -> Progress | None:
     if progress is not None and not callable(progress):
-        raise TypeError(f"progress: expected a function of one number, got a {type(progress).__name__}")
+        raise TypeError(f"progress: expected a function of one number, got {type(progress).__name__}")
     return progress
 
 
@@ -57,7 +57,7 @@ def _is_session(place: str) -> bool:
 def _expect(name: str, value: Any, *kinds: type) -> None:
     if not isinstance(value, kinds):
         expected = " or ".join(kind.__name__ for kind in kinds if kind is not type(None))
-        raise TypeError(f"{name}: expected a {expected}, got a {type(value).__name__}")
+        raise TypeError(f"{name}: expected a {expected}, got {type(value).__name__}")
 
 
 def _declared(data: Data, site: Site | Table | None, imu: Table | None) -> tuple[Session, list[Recording] | None]:
@@ -111,7 +111,7 @@ def inspect(*files: PathLike, topics: Sequence[str] = (), declare: Mapping[str, 
     if not files:
         raise TypeError("expected the files of a recording")
     if isinstance(topics, str):
-        raise TypeError("topics: expected a list of names, got a str")
+        raise TypeError("topics: expected a list of names, got str")
     return Inspection(*_imulab.inspect([path("file", f) for f in files], list(topics), dict(declare or {})))
 
 
@@ -246,7 +246,7 @@ def plan(
     prior: a fleet, whose units say what is known of this one.
     """
     if isinstance(axes, str):
-        raise TypeError("axes: expected a list of names, got a str")
+        raise TypeError("axes: expected a list of names, got str")
     for name, value, low, high in (("latitude_deg", latitude_deg, -90, 90), ("gravity", gravity, 9.7, 9.9), ("time", time, 60, 14400), ("rest", rest, 6, 600)):
         if value is not None and not low <= value <= high:
             raise Error(f"{name}: {value}; expected {low} to {high}")

@@ -94,6 +94,7 @@ std::vector<Check> error_growth(int runs);
 /// Pure-inertial rates of one drive [nmi/h] with calibrations of the same IMU; exact: its own coefficients.
 struct DriveRun {
   double classical_good, classical_poor, hybrid, exact;
+  void fields(auto&& visit) { visit(classical_good, classical_poor, hybrid, exact); }
 };
 /// IMUs, tables, noise and drives of seeds 1 .. runs.
 std::vector<DriveRun> drives(int runs);

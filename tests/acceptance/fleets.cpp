@@ -57,11 +57,13 @@ struct Share {
   double hits = 0, all = 0;
   void take(bool hit) { hits += hit, all += 1; }
   void add(const Share& other) { hits += other.hits, all += other.all; }
+  void fields(auto&& visit) { visit(hits, all); }
 };
 
 struct FleetShares {
   Share mean, spread, slope, bias, station_found, false_alarms, found, others, with_prior;
   double alone = 0, together = 0;  ///< sums of the squares of a new unit's errors, in spreads: without the prior, and with it
+  void fields(auto&& visit) { visit(mean, spread, slope, bias, station_found, false_alarms, found, others, with_prior, alone, together); }
 };
 
 void take_spread(const FleetStatistics& f, double factor, FleetShares& s) {

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -24,9 +25,8 @@ bool report(const std::string& title, const std::vector<Check>& checks) {
   return std::all_of(checks.begin(), checks.end(), [](const Check& c) { return c.passed(); });
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+/// The exit code: 0 where all that was asked for passed.
+int run(int argc, char** argv) {
   std::vector<std::string> names(argv + 1, argv + argc);
   if (names.size() >= 2 && names[0] == "--checkpoint") {
     kept_runs() = names[1];
@@ -35,12 +35,17 @@ int main(int argc, char** argv) {
   const int wanted = names.empty() ? 0 : std::atoi(names[0].c_str());
   if (wanted > 0) names.erase(names.begin());
   const std::string only = names.empty() ? "" : names[0], of_method = names.size() > 1 ? names[1] : "";
-  const auto chosen = [&](std::string_view name) { return only.empty() || only == name; };
+  bool any = false;
+  const auto chosen = [&](std::string_view name) {
+    const bool is = only.empty() || only == name;
+    any = any || is;
+    return is;
+  };
   const auto count = [&](int usual) { return wanted > 0 ? wanted : usual; };
   bool passed = true;
   for (const imulab::Method& method : imulab::methods())
     for (const Case& c : cases())
-      if (c.method == method.name && (chosen(c.name) || only == method.name))
+      if (c.method == method.name && (chosen(c.name) || chosen(method.name)))
         passed &= report(fmt::format("{}: {} sessions, seeds 1..{}", c.name, count(c.count), count(c.count)),
                          judge(run_all(c.run, count(c.count), std::string(c.name))));
   if (chosen("misspecified"))
@@ -69,5 +74,20 @@ int main(int argc, char** argv) {
       passed &=
           report(fmt::format("{}: {} flights, seeds 1..{}\n{}", name, count(200), count(200), describe_flights(*flights)), judge_flights(*flights));
   }
+  if (!any) {
+    fmt::print(stderr, "imulab_accept: {}: is no test; expected one of docs/validation.md\n", only);
+    return 2;
+  }
   return passed ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "imulab_accept: {}\n", e.what());
+    return 2;
+  }
 }

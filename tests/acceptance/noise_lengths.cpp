@@ -29,8 +29,9 @@ NoiseModel noise_of(double ratio) {
 }
 
 struct Walk {
-  NoiseCoefficient fitted;
+  NoiseCoefficient fitted = {};
   double read_off = 0;  ///< as if the curve's last point were walk alone
+  void fields(auto&& visit) { visit(fitted.value, fitted.standard_uncertainty, fitted.lower, fitted.upper, fitted.determined, read_off); }
 };
 
 Walk walk_of(const NoiseModel& truth, std::uint64_t seed) {

@@ -133,11 +133,17 @@ std::array<double, 4> bounds(const NoiseTruth& truth, const noise::Spectrum& spe
   return out;
 }
 
+/// What came out of a coefficient.
+struct Fitted {
+  bool determined = false;
+  double value = 0, lower = 0, upper = 0, truth = 0, bound = 0;
+  void fields(auto&& visit) { visit(determined, value, lower, upper, truth, bound); }
+};
+
 struct LogResult {
-  NoiseTruth truth;
   bool accepted = false, cut = false;
-  std::array<NoiseCoefficient, 4> coefficients;  ///< Q, N, B, K
-  std::array<double, 4> bound;                   ///< of the coefficients
+  std::array<Fitted, 4> coefficients;  ///< Q, N, B, K
+  void fields(auto&& visit) { visit(accepted, cut, coefficients); }
 };
 
 }  // namespace
@@ -146,13 +152,15 @@ std::vector<Check> noise_logs(int logs) {
   const auto results = runs_of<LogResult>("noise", logs, [&](std::size_t i) {
     LogResult r;
     const std::uint64_t seed = i + 1;
-    r.truth = drawn_noise(seed);
-    const std::vector<double> rate = noise_log(r.truth, seed);
+    const NoiseTruth truth = drawn_noise(seed);
+    const std::vector<double> rate = noise_log(truth, seed);
     const NoiseFit fit = fit_noise(rate, interval);
     r.accepted = fit.accepted, r.cut = fit.cut;
-    r.coefficients = {fit.Q, fit.N, fit.B, fit.K};
-    r.bound = bounds(r.truth, noise::spectrum_of(rate, interval));
-    for (std::size_t j = 0; j < 4; ++j) r.bound[j] *= 0.5 * r.truth.value(j);
+    const std::array<double, 4> bound = bounds(truth, noise::spectrum_of(rate, interval));
+    for (std::size_t j = 0; const NoiseCoefficient* c : {&fit.Q, &fit.N, &fit.B, &fit.K}) {
+      r.coefficients[j] = {c->determined, c->value, c->lower, c->upper, truth.value(j), 0.5 * truth.value(j) * bound[j]};
+      ++j;
+    }
     return r;
   });
   std::vector<Check> checks;
@@ -165,14 +173,13 @@ std::vector<Check> noise_logs(int logs) {
     int visible = 0, stated = 0, invisible = 0, held = 0, silent = 0;
     double squares = 0;
     for (const LogResult& r : results) {
-      const NoiseCoefficient& c = r.coefficients[j];
-      const double truth = r.truth.value(j);
-      held += c.lower <= truth && truth <= c.upper;
-      if (r.bound[j] > truth) ++invisible, silent += !c.determined;
+      const Fitted& c = r.coefficients[j];
+      held += c.lower <= c.truth && c.truth <= c.upper;
+      if (c.bound > c.truth) ++invisible, silent += !c.determined;
       // A tenth of its value: ten sigma, where the bound is that of an estimate which is normal.
-      if (r.bound[j] > 0.1 * truth) continue;
+      if (c.bound > 0.1 * c.truth) continue;
       ++visible;
-      if (c.determined) ++stated, squares += std::pow((c.value - truth) / r.bound[j], 2);
+      if (c.determined) ++stated, squares += std::pow((c.value - c.truth) / c.bound, 2);
     }
     checks.push_back({name + ": 95 % intervals hold", static_cast<double>(held) / logs, 0.93, 0.97});
     if (invisible > 0)

@@ -31,7 +31,8 @@ inline std::optional<Checkpoint> checkpoint_of(const std::string& test) {
   return Checkpoint{kept_runs() / test};
 }
 
-/// A structure with members that are no plain numbers lists them: `void fields(auto&& visit) { visit(error, covariance); }`.
+/// A structure lists its members: `void fields(auto&& visit) { visit(error, covariance); }`. Its bytes would have holes, which differ from run to
+/// run.
 template <class T>
 concept HasFields = requires(T value) {
   value.fields([](auto&...) {});
@@ -53,7 +54,7 @@ void write_run(std::string& out, T& value) {
     Eigen::Index rows = value.rows(), columns = value.cols();
     write_run(out, rows), write_run(out, columns);
     out.append(reinterpret_cast<const char*>(value.data()), static_cast<std::size_t>(value.size()) * sizeof(double));
-  } else if constexpr (std::is_trivially_copyable_v<T>) {
+  } else if constexpr (std::is_arithmetic_v<T> || std::is_enum_v<T>) {
     out.append(reinterpret_cast<const char*>(&value), sizeof value);
   } else {
     std::size_t count = value.size();
@@ -77,12 +78,15 @@ void read_run(std::string_view& bytes, T& value) {
     read_run(bytes, rows), read_run(bytes, columns);
     value.resize(rows, columns);
     take(value.data(), static_cast<std::size_t>(value.size()) * sizeof(double));
-  } else if constexpr (std::is_trivially_copyable_v<T>) {
+  } else if constexpr (std::is_arithmetic_v<T> || std::is_enum_v<T>) {
     take(&value, sizeof value);
   } else {
     std::size_t count = 0;
     read_run(bytes, count);
-    value.resize(count);
+    if constexpr (requires { value.resize(count); })
+      value.resize(count);
+    else if (count != value.size())
+      throw Error("a run that was kept has another shape; expected one of the same program");
     for (auto& element : value) read_run(bytes, element);
   }
 }

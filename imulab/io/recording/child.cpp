@@ -149,7 +149,9 @@ Child start_child(const ChildTask& task, SharedSlots& slots, const std::function
     throw Error(fmt::format("{}: cannot be read: {}: {}", task.file.string(), what, std::generic_category().message(errno)));
   };
   if (::pipe2(ends, O_CLOEXEC) != 0) fail("no pipe");
+  slots.keep_from_children(false);
   const pid_t id = ::fork();
+  if (id != 0) slots.keep_from_children(true);
   if (id == 0) {
     ::close(ends[0]);  // so that a parent that reads no more is noticed
     be_child(ends[1], slots, task, work);
@@ -196,10 +198,13 @@ SharedSlots::SharedSlots() {
   void* const memory = ::mmap(nullptr, sizeof(Memory), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) throw std::bad_alloc();
   memory_ = static_cast<Memory*>(memory);
+  keep_from_children(true);
   ::sem_init(&memory_->empty, 1, count);
 }
 
 SharedSlots::~SharedSlots() { ::munmap(memory_, sizeof(Memory)); }
+
+void SharedSlots::keep_from_children(bool keep) { ::madvise(memory_, sizeof(Memory), keep ? MADV_DONTFORK : MADV_DOFORK); }
 
 char* SharedSlots::next() { return memory_->slots[turn_++ % count].data(); }
 

@@ -1,4 +1,4 @@
-// A function in a child process, and its answer through a pipe: for libraries that a damaged file can crash.
+// A function in a child process, and its answer through a pipe and shared memory: for libraries that a damaged file can crash.
 #pragma once
 
 #include <array>
@@ -40,12 +40,15 @@ class SharedSlots {
   SharedSlots(const SharedSlots&) = delete;
   SharedSlots& operator=(const SharedSlots&) = delete;
 
+  /// What a child does to its memory is not done to another's.
+  void keep_from_children(bool keep);
   char* next();
   void wait_for_empty();
   void add_empty();
 
  private:
   static constexpr std::size_t count = 8;
+  static_assert(count >= sizeof(std::uint64_t));  // so that a parent that takes the bytes of full slots for a number ends the child at once
   struct Memory {
     sem_t empty;
     alignas(64) std::array<std::array<char, slot_bytes>, count> slots;

@@ -82,6 +82,24 @@ TEST(Child, SendsColumnsExactly) {
   }
 }
 
+/// What is small goes through the pipe, what is large through slots of memory, and what is larger through several.
+TEST(Child, AnySizeComesAsItWasSent) {
+  for (const std::size_t count : {0, 1, 511, 512, 513, 16383, 16384, 16385, 8 * 16384, 200'001}) {
+    std::vector<double> numbers(count);
+    for (std::size_t i = 0; i < count; ++i) numbers[i] = static_cast<double>(i) / 3;
+    const RawTable table = columns_in_child(task, 1, [&](const SendColumn& send) {
+      send(0, {.numbers = numbers, .integers = {}}, count), send(0, {{1}, {}}, count);
+    });
+    numbers.push_back(1);
+    EXPECT_EQ(table.columns[0].numbers, numbers) << count;
+  }
+  for (const std::size_t size : {4095, 4096, 4097, 131'072, 131'073}) {
+    std::string name(size, 'x');
+    for (std::size_t i = 0; i < size; ++i) name[i] = static_cast<char>('a' + i % 26);
+    EXPECT_EQ(describe_in_child(task, [&] { return std::vector<TableDescription>{{name, "", {}, 7}}; }).at(0).name, name) << size;
+  }
+}
+
 TEST(Child, ColumnBecomesNumbersWhereIntegersAreTooSmall) {
   const auto table = columns_in_child(task, 1, [](const SendColumn& send) {
     send(0, {.numbers = {}, .integers = {1, 2}}, 6);

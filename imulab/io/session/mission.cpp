@@ -119,7 +119,8 @@ namespace {
 
 /// The analysis's terms where none is given; a grade gives what then is left.
 ErrorSpecification with_noise(ErrorSpecification s, const std::string& file) {
-  const NoiseModels sizes = errors_at(file, [&] { return noise_sizes(read_noise(file)); });
+  const ImuNoise noise = read_noise(file);
+  const NoiseModels sizes = errors_at(file, [&] { return noise_sizes(noise); });
   for (const auto& [triad, size] : {std::pair{&s.gyro, &sizes.gyro}, std::pair{&s.accel, &sizes.accel}}) {
     triad->N = triad->N.value_or(size->N), triad->B = triad->B.value_or(size->B);
     triad->K = triad->K.value_or(size->K), triad->Q = triad->Q.value_or(size->Q);

@@ -67,7 +67,8 @@ void read_step(TomlFields& f, Session& session, StepLayout& layout) {
 }  // namespace
 
 void take_noise(ImuDeclaration& imu, const std::string& file) {
-  NoiseModels sizes = errors_at(file, [&] { return noise_sizes(read_noise(file)); });
+  const ImuNoise noise = read_noise(file);
+  NoiseModels sizes = errors_at(file, [&] { return noise_sizes(noise); });
   if (!imu.gyro_noise_density) imu.gyro_noise_density = sizes.gyro.N;
   if (!imu.accel_noise_density) imu.accel_noise_density = sizes.accel.N;
   sizes.gyro.N = sizes.accel.N = 0;  // which have keys of their own
