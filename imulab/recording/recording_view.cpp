@@ -15,6 +15,8 @@ std::size_t count_in(std::span<const std::size_t> ascending, const Range& range)
 
 }  // namespace
 
+std::string axis_name(std::size_t column) { return std::string(column < accel_columns ? "gyro" : "accel") + '.' + "xyz"[column % 3]; }
+
 RecordingView::RecordingView(const Recording& r)
     : name(r.name),
       interval_s(r.interval_s),

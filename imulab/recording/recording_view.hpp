@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -15,6 +16,8 @@ namespace imulab {
 
 /// The numbers of a recording's columns: x, y, z of each triad.
 inline constexpr std::size_t gyro_columns = 0, accel_columns = 3, gyro_temperature_columns = 6, accel_temperature_columns = 9, all_columns = 12;
+/// "gyro.x": of a column of readings.
+std::string axis_name(std::size_t column);
 
 /// Columns that are not in memory.
 class ColumnSource {

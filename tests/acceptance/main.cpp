@@ -1,5 +1,6 @@
 // imulab_accept [--checkpoint DIR] [COUNT] [NAME] [METHOD]: the acceptance test at full size; docs/validation.md has its figures. With a folder it
 // goes on from where it ended, and several processes share the work; the first one tells what came out.
+#include "imulab/core/error.hpp"
 #include "imulab/estimate/method.hpp"
 
 #include <fmt/core.h>
@@ -20,7 +21,7 @@ namespace {
 using namespace imulab::acceptance;
 
 bool report(const std::string& title, const std::vector<Check>& checks) {
-  if (imulab::leads_processes()) fmt::print("{}\n{}", title, describe(checks));
+  if (tells()) fmt::print("{}\n{}", title, describe(checks));
   std::fflush(stdout);
   return std::all_of(checks.begin(), checks.end(), [](const Check& c) { return c.passed(); });
 }
@@ -41,6 +42,7 @@ int run(int argc, char** argv) {
     any = any || is;
     return is;
   };
+  if (!of_method.empty()) imulab::method(of_method);  // throws where there is none
   const auto count = [&](int usual) { return wanted > 0 ? wanted : usual; };
   bool passed = true;
   for (const imulab::Method& method : imulab::methods())
@@ -66,7 +68,7 @@ int run(int argc, char** argv) {
   if (chosen("fleet")) passed &= report(fmt::format("fleet: {} fleets, seeds 1..{}", count(600), count(600)), fleets(count(600)));
   if (chosen("drives")) {
     const std::string rates = describe(drives(count(200)));
-    if (imulab::leads_processes()) fmt::print("drives: {} drives, seeds 1..{}\n{}", count(200), count(200), rates);
+    if (tells()) fmt::print("drives: {} drives, seeds 1..{}\n{}", count(200), count(200), rates);
   }
   if (chosen("dai-flight")) {
     const DaiFlights flown = dai_flights(count(200));
@@ -74,10 +76,7 @@ int run(int argc, char** argv) {
       passed &=
           report(fmt::format("{}: {} flights, seeds 1..{}\n{}", name, count(200), count(200), describe_flights(*flights)), judge_flights(*flights));
   }
-  if (!any) {
-    fmt::print(stderr, "imulab_accept: {}: is no test; expected one of docs/validation.md\n", only);
-    return 2;
-  }
+  if (!any) throw imulab::Error(only + ": is no test; expected one of docs/validation.md");
   return passed ? 0 : 1;
 }
 

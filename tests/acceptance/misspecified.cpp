@@ -175,7 +175,7 @@ std::vector<Check> misspecified(const Method& method, int count) {
     }
   });
   for (std::size_t i = 0; i < runs.size(); ++i)
-    if (!runs[i].refused.empty() && leads_processes()) fmt::print("  {} seed {}: {}\n", method.name, i + 1, runs[i].refused);
+    if (!runs[i].refused.empty() && tells()) fmt::print("  {} seed {}: {}\n", method.name, i + 1, runs[i].refused);
   std::vector<Check> checks = judge_runs(runs, true);
   for (const Check& c : judge_runs(runs, false)) checks.push_back(c);
   return checks;

@@ -24,6 +24,9 @@ inline std::filesystem::path& kept_runs() {
   return folder;
 }
 
+/// Whether this process says what came out: alone, or the first of those that share the runs.
+inline bool tells() { return kept_runs().empty() || leads_processes(); }
+
 /// None where no runs are kept.
 inline std::optional<Checkpoint> checkpoint_of(const std::string& test) {
   if (kept_runs().empty()) return std::nullopt;

@@ -17,9 +17,6 @@
 #include <utility>
 
 namespace imulab {
-
-std::string axis_name(std::size_t column) { return fmt::format("{}.{}", column < accel_columns ? "gyro" : "accel", "xyz"[column % 3]); }
-
 namespace {
 
 constexpr double shortest_still_s = 30;

@@ -9,9 +9,6 @@
 
 namespace imulab {
 
-/// "gyro.x"; of a column of readings.
-std::string axis_name(std::size_t column);
-
 /// The longest stretch at rest without a gap or a saturated sample. A shorter one than 30 s or 1024 samples says too little.
 struct StillPart {
   Recording recording;             ///< the whole one; lost samples filled, one or two at a time
