@@ -13,18 +13,21 @@ namespace {
 
 constexpr double block_s = 1, times_usual = 20;  // of the change from block to block
 constexpr std::size_t fewest_blocks = 10;
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Means over blocks of so many samples, without a last shorter one; and the smallest change of the readings there is.
 struct Means {
   std::vector<double> of_block;
-  double step = std::numeric_limits<double>::infinity();
+  double step = infinity;
 };
 
 Means means_of(const RecordingView& recording, std::size_t column, const Range& range, std::size_t block) {
   Means means;
   for_each_block(recording, column, range, usual_block / block * block + block, [&](std::span<const double> samples) {
-    for (std::size_t i = 1; i < samples.size(); ++i)
-      if (const double change = std::abs(samples[i] - samples[i - 1]); change > 0) means.step = std::min(means.step, change);
+    for (std::size_t i = 1; i < samples.size(); ++i) {
+      const double change = std::abs(samples[i] - samples[i - 1]);
+      means.step = std::min(means.step, change > 0 ? change : infinity);  // no branch: which readings are equal is chance
+    }
     for (std::size_t begin = 0; begin + block <= samples.size(); begin += block)
       means.of_block.push_back(
           std::accumulate(samples.begin() + static_cast<std::ptrdiff_t>(begin), samples.begin() + static_cast<std::ptrdiff_t>(begin + block), 0.0) /

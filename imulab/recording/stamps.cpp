@@ -47,6 +47,7 @@ double median_length(std::span<const std::int64_t> time_ns) {
     return count % 2 == 1 ? low : low + 0.5 * (static_cast<double>(difference_of_rank(time_ns, rows, count / 2)) - low);
   }
   std::vector<double> lengths;
+  lengths.reserve(count);
   for (std::size_t i = rows; i < time_ns.size(); ++i) lengths.push_back(static_cast<double>(time_ns[i] - time_ns[i - rows]));
   return median(std::move(lengths));
 }

@@ -124,8 +124,7 @@ std::array<double, 4> bounds(const NoiseTruth& truth, const noise::Spectrum& spe
   at.head(4) << truth.model.Q * truth.model.Q / problem.Q_scale(), 0, 2 * std::log(truth.model.B), 2 * std::log(truth.model.K);
   if (terms.markov > 0) at[terms.sigma(0)] = 2 * std::log(truth.sigma), at[terms.time(0)] = std::log(truth.time);
   if (truth.cutoff > 0) at[terms.cutoff()] = std::log(truth.cutoff);
-  const Eigen::ArrayXd S = problem.density(at);
-  Eigen::MatrixXd D = problem.sensitivity(at, S);
+  Eigen::MatrixXd D = problem.sensitivity(at, problem.modeled(at));
   D.col(0) *= at[0];
   const Eigen::MatrixXd covariance = (0.5 * (D.transpose() * problem.counts().matrix().asDiagonal() * D)).inverse();
   std::array<double, 4> out;

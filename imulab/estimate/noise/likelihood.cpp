@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace imulab::noise {
@@ -48,8 +49,9 @@ Problem Problem::with(Terms terms) const {
   return other;
 }
 
-ArrayXd Problem::density(const Parameters& at) const {
-  ArrayXd S = unit_.rightCols<3>().matrix() * at.segment(Terms::N, 3).exp().matrix();
+Modeled Problem::modeled(const Parameters& at) const {
+  Modeled out;
+  ArrayXd& S = out.density = unit_.rightCols<3>().matrix() * at.segment(Terms::N, 3).exp().matrix();
   const double white = std::exp(at[Terms::N]);
   for (int m = 0; m < terms_.markov; ++m)
     if (const double power = std::exp(at[Terms::sigma(m)]); power > 0) {
@@ -57,20 +59,21 @@ ArrayXd Problem::density(const Parameters& at) const {
       for (Index i = 0; i < S.size(); ++i) S[i] += power * process.at(bins_[static_cast<std::size_t>(i)].interval, cosine_[i]);
     }
   if (terms_.low_pass.order > 0) {
-    const FilterShares::Shares shares = filter_.at(std::exp(at[terms_.cutoff()]));
+    out.filter = filter_.at(std::exp(at[terms_.cutoff()]));
     for (std::size_t i = 0; i < bins_.size(); ++i) {
       double& density = S[static_cast<Index>(i)];
-      density = (density - white) * shares.red[i].share + white * shares.white[i].share;
+      density = (density - white) * out.filter.red[i].share + white * out.filter.white[i].share;
     }
   }
-  return S + at[Terms::Q] * Q_scale_ * unit_.col(Terms::Q) + rounding_;
+  S = S + at[Terms::Q] * Q_scale_ * unit_.col(Terms::Q) + rounding_;
+  return out;
 }
 
-MatrixXd Problem::sensitivity(const Parameters& at, const ArrayXd& density) const {
+MatrixXd Problem::sensitivity(const Parameters& at, const Modeled& modeled) const {
+  const auto& [density, shares] = modeled;
   MatrixXd D(density.size(), terms_.count());
   const double white = std::exp(at[Terms::N]), flicker = std::exp(at[Terms::B]), walk = std::exp(at[Terms::K]);
   const bool filtered = terms_.low_pass.order > 0;
-  const FilterShares::Shares shares = filtered ? filter_.at(std::exp(at[terms_.cutoff()])) : FilterShares::Shares{};
   constexpr double step = 1e-3;  // of the logarithm of a correlation time
   std::vector<std::array<MarkovDensity, 3>> processes;
   for (int m = 0; m < terms_.markov; ++m) {
@@ -112,18 +115,21 @@ ArrayXd Problem::power(double ramp) const {
   return power;
 }
 
-/// Sets ramp and misfit of a point from its terms. A fitted ramp takes power from the lowest ordinates, which the restricted likelihood allows for.
-void Problem::judge(Point& point, const Fixed& fixed) const {
+/// Sets ramp and misfit of a point, and returns the model there; nothing where it is not possible. A fitted ramp takes power from the lowest
+/// ordinates, which the restricted likelihood allows for.
+Modeled Problem::judge(Point& point, const Fixed& fixed) const {
   point.misfit = std::numeric_limits<double>::infinity();
-  if (!possible(point.at)) return;
-  const ArrayXd S = density(point.at);
-  if (!(S.minCoeff() > 0)) return;
+  if (!possible(point.at)) return {};
+  Modeled at_point = modeled(point.at);
+  const ArrayXd& S = at_point.density;
+  if (!(S.minCoeff() > 0)) return at_point;
   double sum = 0;
   for (std::size_t i = 0; i < bins_.size(); ++i) sum += bins_[i].ramp * bins_[i].amplitude / S[static_cast<Index>(i)];
   const double information = ramp_information(S).sum();
   point.ramp = fixed.ramp ? *fixed.ramp : sum / information;
   point.misfit = (counts_ * (S.log() + power(point.ramp) / S)).sum();
   if (!fixed.ramp) point.misfit += std::log(information);
+  return at_point;
 }
 
 /// Whether correlation times and cutoff are where they can be told from the other terms.
@@ -158,11 +164,12 @@ Point Problem::revived(Point point) const {
 }
 
 Point Problem::fitted(Point point, const Fixed& fixed, double precision, int iterations) const {
-  judge(point, fixed);
+  Modeled now = judge(point, fixed);
+  if (now.density.size() == 0) now = modeled(point.at);
   double damping = 1e-3;
   for (int iteration = 0; iteration < iterations; ++iteration) {
-    const ArrayXd S = density(point.at);
-    MatrixXd D = sensitivity(point.at, S);
+    const ArrayXd& S = now.density;
+    MatrixXd D = sensitivity(point.at, now);
     if (fixed.parameter >= 0) D.col(fixed.parameter).setZero();
     VectorXd gradient = D.transpose() * (counts_ * (1 - power(point.ramp) / S)).matrix();
     if (!fixed.ramp) {
@@ -171,6 +178,7 @@ Point Problem::fitted(Point point, const Fixed& fixed, double precision, int ite
     }
     const MatrixXd information = D.transpose() * counts_.matrix().asDiagonal() * D;
     Point next;
+    Modeled then;
     bool better = false;
     for (; !better && damping < 1e12; damping *= 10) {
       MatrixXd damped = information;
@@ -180,12 +188,12 @@ Point Problem::fitted(Point point, const Fixed& fixed, double precision, int ite
       next.at[Terms::Q] -= step[Terms::Q];
       next.at.tail(next.at.size() - 1) -= step.tail(step.size() - 1).max(-largest_step).min(largest_step);
       next.at = next.at.max(absent).min(700.0);
-      judge(next, fixed);
+      then = judge(next, fixed);
       better = std::isfinite(next.misfit) && next.misfit <= point.misfit;
     }
     if (!better) return point;
     const double gain = point.misfit - next.misfit;
-    point = next;
+    point = next, now = std::move(then);
     const bool full_step = damping < 1e-1;  // a damped one gains little wherever it is
     damping = std::max(1e-9, damping * 1e-2);
     if (gain < precision && full_step) return point;

@@ -46,6 +46,12 @@ struct Fixed {
   std::optional<double> ramp;
 };
 
+/// The model at one point: of each bin the density, and what the filter passes of it.
+struct Modeled {
+  Eigen::ArrayXd density;
+  FilterShares::Shares filter;  ///< empty without one
+};
+
 class Problem {
  public:
   /// The bins of a spectrum up to a frequency; `resolution` r of the readings, 0 where they are not rounded.
@@ -56,13 +62,14 @@ class Problem {
   double Q_scale() const { return Q_scale_; }
   Problem with(Terms terms) const;
 
-  Eigen::ArrayXd density(const Parameters& at) const;
+  Modeled modeled(const Parameters& at) const;
+  Eigen::ArrayXd density(const Parameters& at) const { return modeled(at).density; }
   /// Power without the ramp, where an ordinate has its amplitude.
   Eigen::ArrayXd power(double ramp) const;
   /// Of each ordinate, the ramp's squared amplitude over the noise's power: their sum is the information on the ramp.
   Eigen::ArrayXd ramp_information(const Eigen::ArrayXd& density) const;
   /// Derivatives of the logarithm of the density, bins by parameters.
-  Eigen::MatrixXd sensitivity(const Parameters& at, const Eigen::ArrayXd& density) const;
+  Eigen::MatrixXd sensitivity(const Parameters& at, const Modeled& modeled) const;
   const Eigen::ArrayXd& counts() const { return counts_; }
 
   /// Each of Q, N, B, K as large as the spectrum below a frequency admits anywhere, over several of them; of the terms besides, nothing.
@@ -73,7 +80,7 @@ class Problem {
   Point fitted(Point from, const Fixed& fixed = {}, double precision = 1e-5, int iterations = 200) const;
 
  private:
-  void judge(Point& point, const Fixed& fixed) const;
+  Modeled judge(Point& point, const Fixed& fixed) const;
   bool possible(const Parameters& at) const;
 
   Terms terms_;

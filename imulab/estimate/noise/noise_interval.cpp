@@ -38,8 +38,7 @@ struct Following {
 };
 
 Following following(const Problem& problem, const Point& best, int parameter) {
-  const Eigen::ArrayXd S = problem.density(best.at);
-  const Eigen::MatrixXd D = problem.sensitivity(best.at, S);
+  const Eigen::MatrixXd D = problem.sensitivity(best.at, problem.modeled(best.at));
   Eigen::MatrixXd information = 0.5 * (D.transpose() * problem.counts().matrix().asDiagonal() * D);
   information.diagonal().array() += 1e-9;  // of a term that is absent: nothing
   const Eigen::VectorXd column = information.ldlt().solve(Eigen::VectorXd::Unit(information.rows(), parameter));
@@ -85,8 +84,9 @@ double crossing(const Problem& problem, const Point& best, int parameter, double
 
 /// On how many degrees of freedom the power rests that a ramp has to stand out of: by the fit's variance of its logarithm, 2 / degrees.
 double degrees_below_ramp(const Problem& problem, const Point& best) {
-  const Eigen::ArrayXd S = problem.density(best.at), ramp = problem.ramp_information(S);
-  const Eigen::MatrixXd D = problem.sensitivity(best.at, S);
+  const Modeled modeled = problem.modeled(best.at);
+  const Eigen::ArrayXd ramp = problem.ramp_information(modeled.density);
+  const Eigen::MatrixXd D = problem.sensitivity(best.at, modeled);
   Eigen::MatrixXd information = 0.5 * (D.transpose() * problem.counts().matrix().asDiagonal() * D);
   information.diagonal().array() += 1e-6;  // of a term that is absent: nothing
   const Eigen::VectorXd direction = D.transpose() * (ramp / ramp.sum()).matrix();

@@ -34,7 +34,9 @@ TEST(NoiseInterval, EndsWhereTheMisfitHasRisenByChiSquare) {
     (c.determined ? determined : bounded)++;
     // A bound is found to a hundredth of its distance from the value; the rise goes with the square of it, or faster.
     EXPECT_NEAR(rise_at(problem, best, parameter, c.upper), rise, 0.1 * rise) << parameter;
-    if (c.determined) EXPECT_NEAR(rise_at(problem, best, parameter, c.lower), rise, 0.1 * rise) << parameter;
+    if (c.determined) {
+      EXPECT_NEAR(rise_at(problem, best, parameter, c.lower), rise, 0.1 * rise) << parameter;
+    }
   }
   EXPECT_GE(determined, 1);
   EXPECT_GE(bounded, 1) << "a term that is not determined has its bound there, too";

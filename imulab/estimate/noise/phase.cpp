@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -21,8 +22,6 @@ constexpr std::size_t lanes = 8;     // sums in flight: an addition waits for th
 constexpr std::size_t piece = 2048;  // points at once: three of them fit into the first cache
 using Lanes = Eigen::Array<double, lanes, 1>;
 using Points = Eigen::Map<const Lanes>;
-
-using Sum = double (*)(const double* x, std::size_t m, std::size_t n);
 
 double second(const double* x, std::size_t m) { return (x[2 * m] - x[m]) - (x[m] - x[0]); }
 double third(const double* x, std::size_t m) { return (x[3 * m] - x[0]) - 3 * (x[2 * m] - x[m]); }
@@ -48,46 +47,71 @@ double sum_of_third(const double* x, std::size_t m, std::size_t n) {
   return total;
 }
 
+constexpr std::size_t most_octaves = 4;  // together: twelve registers of four numbers
+
+/// Of the factors m, 2m, 4m, ..., `octaves` of them, to the place of each: a point that two of them need is read once.
+using OctaveSums = void (*)(const double* x, std::size_t m, std::size_t n, double* sums);
+
+template <std::size_t octaves>
+void octave_sums(const double* x, std::size_t m, std::size_t n, double* sums) {
+  for (std::size_t k = 0; k < octaves; ++k) sums[k] = sum_of_second(x, m << k, n);
+}
+
 #if defined(__x86_64__)
-/// As sum_of_second, with registers of four numbers; not fused, so that the result is the same.
-__attribute__((target("avx2"))) double wide_sum_of_second(const double* x, std::size_t m, std::size_t n) {
-  __m256d low = _mm256_setzero_pd(), high = _mm256_setzero_pd();
-  const auto square = [](const double* a, const double* b, const double* c) __attribute__((target("avx2"))) {
-    const __m256d middle = _mm256_loadu_pd(b);
-    const __m256d d = _mm256_sub_pd(_mm256_sub_pd(_mm256_loadu_pd(c), middle), _mm256_sub_pd(middle, _mm256_loadu_pd(a)));
-    return _mm256_mul_pd(d, d);
+/// As octave_sums, with registers of four numbers; not fused, so that the result is the same.
+template <std::size_t octaves>
+__attribute__((target("avx2"))) void wide_octave_sums(const double* x, std::size_t m, std::size_t n, double* sums) {
+  __m256d low[octaves], high[octaves];
+  for (std::size_t k = 0; k < octaves; ++k) low[k] = high[k] = _mm256_setzero_pd();
+  const auto add = [m](__m256d * sum, const double* at) __attribute__((target("avx2"))) {
+    const __m256d begin = _mm256_loadu_pd(at);
+    __m256d middle = _mm256_loadu_pd(at + m);
+    for (std::size_t k = 0; k < octaves; ++k) {
+      const __m256d end = _mm256_loadu_pd(at + (m << (k + 1)));
+      const __m256d d = _mm256_sub_pd(_mm256_sub_pd(end, middle), _mm256_sub_pd(middle, begin));
+      sum[k] = _mm256_add_pd(sum[k], _mm256_mul_pd(d, d));
+      middle = end;
+    }
   };
   std::size_t i = 0;
-  for (const double *a = x, *b = x + m, *c = x + 2 * m; i + lanes <= n; i += lanes) {
-    low = _mm256_add_pd(low, square(a + i, b + i, c + i));
-    high = _mm256_add_pd(high, square(a + i + 4, b + i + 4, c + i + 4));
+  for (; i + lanes <= n; i += lanes) add(low, x + i), add(high, x + i + 4);
+  for (std::size_t k = 0; k < octaves; ++k) {
+    Lanes sum;
+    _mm256_storeu_pd(sum.data(), low[k]);
+    _mm256_storeu_pd(sum.data() + 4, high[k]);
+    sums[k] = sum.sum();
+    for (std::size_t j = i; j < n; ++j) sums[k] += second(x + j, m << k) * second(x + j, m << k);
   }
-  Lanes sum;
-  _mm256_storeu_pd(sum.data(), low);
-  _mm256_storeu_pd(sum.data() + 4, high);
-  double total = sum.sum();
-  for (; i < n; ++i) total += second(x + i, m) * second(x + i, m);
-  return total;
 }
 #endif
 
-Sum fastest_sum_of_second() {
+/// By the number of octaves less one.
+std::array<OctaveSums, most_octaves> fastest_octave_sums() {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) return wide_sum_of_second;
+  if (__builtin_cpu_supports("avx2")) return {wide_octave_sums<1>, wide_octave_sums<2>, wide_octave_sums<3>, wide_octave_sums<4>};
 #endif
-  return sum_of_second;
+  return {octave_sums<1>, octave_sums<2>, octave_sums<3>, octave_sums<4>};
 }
 
-std::vector<SquareSum> differences(const std::vector<double>& phase, const std::vector<std::size_t>& factors, std::size_t order, Sum sum_of) {
-  std::vector<SquareSum> sums(factors.size());
-  std::size_t most = 0;
+/// Places of factors each of which is twice the one before.
+using Octaves = std::vector<std::size_t>;
+
+std::vector<Octaves> octaves_of(const std::vector<std::size_t>& factors) {
+  std::vector<Octaves> out;
   for (std::size_t k = 0; k < factors.size(); ++k) {
-    sums[k].terms = phase.size() > order * factors[k] ? phase.size() - order * factors[k] : 0;
-    most = std::max(most, sums[k].terms);
+    const auto before = std::find_if(
+        out.begin(), out.end(), [&](const Octaves& octaves) { return octaves.size() < most_octaves && 2 * factors[octaves.back()] == factors[k]; });
+    if (before == out.end())
+      out.push_back({k});
+    else
+      before->push_back(k);
   }
-  for (std::size_t begin = 0; begin < most; begin += piece)
-    for (std::size_t k = 0; k < factors.size(); ++k)
-      if (sums[k].terms > begin) sums[k].sum += sum_of(phase.data() + begin, factors[k], std::min(piece, sums[k].terms - begin));
+  return out;
+}
+
+std::vector<SquareSum> terms_of(const std::vector<double>& phase, const std::vector<std::size_t>& factors, std::size_t order) {
+  std::vector<SquareSum> sums(factors.size());
+  for (std::size_t k = 0; k < factors.size(); ++k) sums[k].terms = phase.size() > order * factors[k] ? phase.size() - order * factors[k] : 0;
   return sums;
 }
 
@@ -127,11 +151,30 @@ std::vector<double> phase_in_place(std::vector<double>&& rate) {
 }
 
 std::vector<SquareSum> second_differences(const std::vector<double>& phase, const std::vector<std::size_t>& factors) {
-  return differences(phase, factors, 2, fastest_sum_of_second());
+  const std::array<OctaveSums, most_octaves> sums_of = fastest_octave_sums();
+  const std::vector<Octaves> together = octaves_of(factors);
+  std::vector<SquareSum> sums = terms_of(phase, factors, 2);
+  std::array<double, most_octaves> of_piece;
+  for (std::size_t begin = 0; begin < phase.size(); begin += piece)
+    for (const Octaves& octaves : together) {
+      const double* const x = phase.data() + begin;
+      if (sums[octaves.back()].terms >= begin + piece) {
+        sums_of[octaves.size() - 1](x, factors[octaves.front()], piece, of_piece.data());
+        for (std::size_t j = 0; j < octaves.size(); ++j) sums[octaves[j]].sum += of_piece[j];
+      } else {
+        for (const std::size_t k : octaves)
+          if (sums[k].terms > begin) sums_of[0](x, factors[k], std::min(piece, sums[k].terms - begin), of_piece.data()), sums[k].sum += of_piece[0];
+      }
+    }
+  return sums;
 }
 
 std::vector<SquareSum> third_differences(const std::vector<double>& phase, const std::vector<std::size_t>& factors) {
-  return differences(phase, factors, 3, sum_of_third);
+  std::vector<SquareSum> sums = terms_of(phase, factors, 3);
+  for (std::size_t begin = 0; begin < phase.size(); begin += piece)
+    for (std::size_t k = 0; k < factors.size(); ++k)
+      if (sums[k].terms > begin) sums[k].sum += sum_of_third(phase.data() + begin, factors[k], std::min(piece, sums[k].terms - begin));
+  return sums;
 }
 
 SquareSum strided_differences(const std::vector<double>& phase, std::size_t m, int order) {

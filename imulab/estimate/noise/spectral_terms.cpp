@@ -1,5 +1,7 @@
 #include "imulab/estimate/noise/spectral_terms.hpp"
 
+#include <Eigen/Core>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -73,20 +75,21 @@ FilterShares::FilterShares(const std::vector<SpectrumBin>& bins, const LowPassSh
   if (bins.empty() || shape.order == 0) return;
   reading_s_ = bins.front().interval / static_cast<double>(bins.front().averaged);
   for (const SpectrumBin& bin : bins) add_bin(bin);
-  zero_ = sampled(0, 1);
+  for (const Node& node : sampled(0, 1)) zero_.add(node);
+  zero_.begin.push_back(zero_.weight.size());
 }
 
 void FilterShares::add_bin(const SpectrumBin& bin) {
   double rest = 1;
   // Simpson's rule over the bin: a filter of fourth order falls by a factor of 1.5 across one.
   for (const auto& [hz, weight] : {std::pair{bin.low_hz(), 1.0 / 6}, std::pair{bin.middle_hz(), 4.0 / 6}, std::pair{bin.high_hz(), 1.0 / 6}}) {
-    red_.nodes.push_back({place(hz), weight});
+    red_.add({place(hz), weight});
     if (bin.averaged == 1) {
-      for (const Node& node : sampled(hz, weight)) white_.nodes.push_back(node);
+      for (const Node& node : sampled(hz, weight)) white_.add(node);
       continue;
     }
     const double of_mean = weight * mean_of(bin.averaged, pi * hz * reading_s_);
-    white_.nodes.push_back({place(hz), of_mean});
+    white_.add({place(hz), of_mean});
     rest -= of_mean;
   }
   if (bin.averaged > 1) {
@@ -95,43 +98,41 @@ void FilterShares::add_bin(const SpectrumBin& bin) {
     for (std::size_t j = 1; j <= folds; ++j)
       for (const double side : {-1.0, 1.0}) {
         const double f = static_cast<double>(j) * folding + side * bin.middle_hz(), of_mean = mean_of(bin.averaged, pi * f * reading_s_);
-        white_.nodes.push_back({place(f), of_mean});
+        white_.add({place(f), of_mean});
         rest -= of_mean;
       }
-    white_.nodes.push_back({place((static_cast<double>(folds) + 1) * folding), rest});
+    white_.add({place((static_cast<double>(folds) + 1) * folding), rest});
   }
-  red_.begin.push_back(red_.nodes.size());
-  white_.begin.push_back(white_.nodes.size());
+  red_.begin.push_back(red_.weight.size());
+  white_.begin.push_back(white_.weight.size());
 }
 
-/// Of nodes with 1 / (1 + (x / cutoff)^2n); `steepness`: how the cutoff's place goes with the logarithm of the cutoff.
-Passed FilterShares::passed(const Node* first, const Node* last, double cutoff, double steepness) const {
-  Passed out{0, 0};
-  for (; first != last; ++first) {
-    const double ratio = first->x / cutoff, square = ratio * ratio;
-    double power = square;
-    for (int i = 1; i < shape_.order; ++i) power *= square;
-    const double share = 1 / (1 + power);
-    out.share += first->weight * share;
-    out.by_log_cutoff += first->weight * 2 * shape_.order * power * share * share * steepness;
-  }
-  return out;
+/// Of each bin, its nodes' sum of weight / (1 + (x / cutoff)^2n); `steepness`: how the cutoff's place goes with the logarithm of the cutoff.
+std::vector<Passed> FilterShares::passed(const Nodes& nodes, double cutoff, double steepness) const {
+  const auto count = static_cast<Eigen::Index>(nodes.weight.size());
+  const Eigen::Map<const Eigen::ArrayXd> square(nodes.square.data(), count), weight(nodes.weight.data(), count);
+  const Eigen::ArrayXd ratio = square * (1 / (cutoff * cutoff));
+  Eigen::ArrayXd power = ratio;
+  for (int i = 1; i < shape_.order; ++i) power *= ratio;
+  const Eigen::ArrayXd share = 1 / (1 + power), part = weight * share, change = part * power * share * (2 * shape_.order * steepness);
+  std::vector<Passed> bins(nodes.begin.size() - 1, Passed{0, 0});
+  for (std::size_t b = 0; b < bins.size(); ++b)
+    for (std::size_t i = nodes.begin[b]; i < nodes.begin[b + 1]; ++i) {
+      bins[b].share += part[static_cast<Eigen::Index>(i)];
+      bins[b].by_log_cutoff += change[static_cast<Eigen::Index>(i)];
+    }
+  return bins;
 }
 
 FilterShares::Shares FilterShares::at(double cutoff_hz) const {
   const double angle = 2 * pi * cutoff_hz * reading_s_, cutoff = place(cutoff_hz), steepness = shape_.digital ? angle / std::sin(angle) : 1;
-  Shares out;
-  const std::size_t bins = red_.begin.size() - 1;
-  out.red.reserve(bins), out.white.reserve(bins);
-  const Passed zero = passed(zero_.data(), zero_.data() + zero_.size(), cutoff, steepness);
-  for (std::size_t i = 0; i < bins; ++i) {
-    out.red.push_back(passed(&red_.nodes[red_.begin[i]], red_.nodes.data() + red_.begin[i + 1], cutoff, steepness));
-    Passed white = passed(&white_.nodes[white_.begin[i]], white_.nodes.data() + white_.begin[i + 1], cutoff, steepness);
-    if (white_.begin[i + 1] - white_.begin[i] == 3 * zero_.size() && !shape_.digital) {
-      white.share /= zero.share;
-      white.by_log_cutoff = (white.by_log_cutoff - white.share * zero.by_log_cutoff) / zero.share;
-    }
-    out.white.push_back(white);
+  Shares out{passed(red_, cutoff, steepness), passed(white_, cutoff, steepness)};
+  const Passed zero = passed(zero_, cutoff, steepness).front();
+  for (std::size_t i = 0; i < out.white.size(); ++i) {
+    if (white_.begin[i + 1] - white_.begin[i] != 3 * zero_.weight.size() || shape_.digital) continue;
+    Passed& white = out.white[i];
+    white.share /= zero.share;
+    white.by_log_cutoff = (white.by_log_cutoff - white.share * zero.by_log_cutoff) / zero.share;
   }
   return out;
 }

@@ -58,18 +58,19 @@ class FilterShares {
   };
   /// Of all bins, those of bin i from begin[i] to begin[i + 1].
   struct Nodes {
-    std::vector<Node> nodes;
+    void add(const Node& node) { square.push_back(node.x * node.x), weight.push_back(node.weight); }
+    std::vector<double> square, weight;  // of x; side by side for registers of several numbers
     std::vector<std::size_t> begin{0};
   };
   double place(double hz) const;
-  Passed passed(const Node* first, const Node* last, double cutoff, double steepness) const;
+  std::vector<Passed> passed(const Nodes& nodes, double cutoff, double steepness) const;
   void add_bin(const SpectrumBin& bin);
   std::vector<Node> sampled(double hz, double weight) const;
 
   LowPassShape shape_;
   double reading_s_ = 1;
   Nodes red_, white_;
-  std::vector<Node> zero_;  // white noise at frequency 0
+  Nodes zero_;  // white noise at frequency 0, as one bin
 };
 
 }  // namespace imulab::noise

@@ -81,24 +81,32 @@ struct Sinusoid {
   double square() const { return cosine * cosine + sine * sine; }
 };
 
-/// Calls `each`(j, cos(w j), sin(w j)) by turning a unit vector on, exact again every 256 steps.
+using Readings = Eigen::Map<const Eigen::ArrayXd>;
+
+/// Calls `each`(first, cosines, sines) for blocks of j from 0 to n, of cos(w j) and sin(w j): each block's first turned by the same angles.
 template <class Each>
 void along(double w, std::size_t n, Each each) {
-  const std::complex<double> turn = std::polar(1.0, w);
-  std::complex<double> at;
-  for (std::size_t j = 0; j < n; ++j) {
-    at = j % 256 == 0 ? std::polar(1.0, w * static_cast<double>(j))
-                      : std::complex<double>(at.real() * turn.real() - at.imag() * turn.imag(), at.real() * turn.imag() + at.imag() * turn.real());
-    each(j, at.real(), at.imag());
+  constexpr Eigen::Index block = 256;
+  using Block = Eigen::Array<double, block, 1>;
+  const Block angle = Block::LinSpaced(0, static_cast<double>(block - 1)) * w, cosine = angle.cos(), sine = angle.sin();
+  const auto end = static_cast<Eigen::Index>(n);
+  for (Eigen::Index first = 0; first < end; first += block) {
+    const Eigen::Index count = std::min(block, end - first);
+    const double at = w * static_cast<double>(first), c = std::cos(at), s = std::sin(at);
+    const Block cosines = c * cosine - s * sine, sines = s * cosine + c * sine;
+    each(first, cosines.head(count), sines.head(count));
   }
 }
 
 Sinusoid fit_sinusoid(const std::vector<double>& y, double w) {
+  const Readings readings(y.data(), static_cast<Eigen::Index>(y.size()));
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  along(w, y.size(), [&](std::size_t j, double c, double s) {
-    normal(0, 1) += c, normal(0, 2) += s, normal(1, 1) += c * c, normal(1, 2) += c * s, normal(2, 2) += s * s;
-    right += y[j] * Eigen::Vector3d(1, c, s);
+  along(w, y.size(), [&](Eigen::Index first, const auto& c, const auto& s) {
+    const auto part = readings.segment(first, c.size());
+    normal(0, 1) += c.sum(), normal(0, 2) += s.sum(), normal(1, 1) += c.square().sum(), normal(1, 2) += (c * s).sum(),
+        normal(2, 2) += s.square().sum();
+    right += Eigen::Vector3d(part.sum(), (part * c).sum(), (part * s).sum());
   });
   normal(0, 0) = static_cast<double>(y.size());
   normal(1, 0) = normal(0, 1), normal(2, 0) = normal(0, 2), normal(2, 1) = normal(1, 2);
@@ -107,7 +115,9 @@ Sinusoid fit_sinusoid(const std::vector<double>& y, double w) {
 }
 
 void subtract(std::vector<double>& y, const Sinusoid& fitted, double w) {
-  along(w, y.size(), [&](std::size_t j, double c, double s) { y[j] -= fitted.cosine * c + fitted.sine * s; });
+  Eigen::Map<Eigen::ArrayXd> readings(y.data(), static_cast<Eigen::Index>(y.size()));
+  along(w, y.size(),
+        [&](Eigen::Index first, const auto& c, const auto& s) { readings.segment(first, c.size()) -= fitted.cosine * c + fitted.sine * s; });
 }
 
 /// Where sampling at this interval folds a frequency to, in radians a sample, 0 to pi.

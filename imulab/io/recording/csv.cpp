@@ -39,13 +39,13 @@ void add_rows(RowReader& reader, std::string_view text, TimedTable& table, const
 }
 
 /// Rows of whole lines, and how many lines they are.
-TimedTable read_rows(RowReader reader, std::string_view text, const ReadingMeter& meter, std::size_t* lines = nullptr) {
+TimedTable read_rows(RowReader reader, std::string_view text, const ReadingMeter& meter, std::size_t& lines) {
   TimedTable table;
   table.values.resize(reader.row().values.size());
   reserve(table, text);
   add_rows(reader, text, table, meter);
   table.repeated = reader.repeated();
-  if (lines != nullptr) *lines = reader.lines_read();
+  lines = reader.lines_read();
   return table;
 }
 
@@ -57,44 +57,57 @@ std::vector<std::string_view> parts_of_lines(std::string_view text, std::size_t 
   return parts;
 }
 
-/// One table of several, whose lines follow each other; nothing where time does not go on from one to the next.
-std::optional<TimedTable> in_sequence(std::vector<TimedTable> parts, const std::vector<std::size_t>& lines) {
-  TimedTable all = std::move(parts.front());
-  std::size_t rows = 0, line = lines.front();
-  for (const TimedTable& part : parts) rows += part.time_ns.size();
-  all.time_ns.reserve(rows + all.time_ns.size());
-  for (std::size_t p = 1; p < parts.size(); ++p) {
-    TimedTable& part = parts[p];
-    if (!part.time_ns.empty() && !all.time_ns.empty() && part.time_ns.front() <= all.time_ns.back()) return std::nullopt;
-    all.lines.append(part.lines, all.time_ns.size(), line);
-    all.time_ns.insert(all.time_ns.end(), part.time_ns.begin(), part.time_ns.end());
-    all.repeated += part.repeated;
-    line += lines[p];
+/// Rows that follow those of a table, whose lines count from `lines` on.
+struct Part {
+  TimedTable table;
+  std::size_t lines = 0;
+};
+
+bool in_sequence(const std::vector<Part>& parts, std::optional<std::int64_t> last_ns) {
+  for (const Part& part : parts) {
+    if (part.table.time_ns.empty()) continue;
+    if (last_ns && part.table.time_ns.front() <= *last_ns) return false;
+    last_ns = part.table.time_ns.back();
   }
-  parallel_for(all.values.size(), [&](std::size_t c) {
-    all.values[c].reserve(all.time_ns.size());
-    for (std::size_t p = 1; p < parts.size(); ++p) {
-      all.values[c].insert(all.values[c].end(), parts[p].values[c].begin(), parts[p].values[c].end());
-      std::vector<double>().swap(parts[p].values[c]);
-    }
-  });
-  return all;
+  return true;
 }
 
-/// The same by several threads, where rows do not depend on those before; nothing where something is wrong, which is found again in order.
-std::optional<TimedTable> read_rows_in_parallel(const RowReader& reader, std::string_view text, const ReadingMeter& meter) {
+/// Adds parts that are in sequence, the first line of which is the one after `lines` others.
+void append(TimedTable& table, const std::vector<Part>& parts, std::size_t lines) {
+  std::size_t rows = table.time_ns.size();
+  for (const Part& part : parts) {
+    table.lines.append(part.table.lines, rows, lines);
+    table.repeated += part.table.repeated;
+    lines += part.lines;
+    rows += part.table.time_ns.size();
+  }
+  const auto join = [&](auto& column, const auto& of) {
+    column.reserve(rows);
+    for (const Part& part : parts) column.insert(column.end(), of(part.table).begin(), of(part.table).end());
+  };
+  parallel_for(table.values.size() + 1, [&](std::size_t c) {
+    if (c == table.values.size())
+      join(
+          table.time_ns, [](const TimedTable& part) -> const auto& { return part.time_ns; });
+    else
+      join(
+          table.values[c], [&](const TimedTable& part) -> const auto& { return part.values[c]; });
+  });
+}
+
+/// Rows by several threads, where they do not depend on those before; nothing where something is wrong, which is found again in order.
+std::optional<std::vector<Part>> read_in_parallel(const RowReader& reader, std::string_view text, const ReadingMeter& meter) {
   constexpr std::size_t worth_it = std::size_t{4} << 20;  // bytes: a hundredth of a second
   const std::size_t count = std::min<std::size_t>(parallel_threads(), text.size() / worth_it);
   if (count < 2 || !reader.is_independent()) return std::nullopt;
   const std::vector<std::string_view> texts = parts_of_lines(text, count);
-  std::vector<TimedTable> parts(texts.size());
-  std::vector<std::size_t> lines(texts.size());
+  std::vector<Part> parts(texts.size());
   try {
-    parallel_for(texts.size(), [&](std::size_t p) { parts[p] = read_rows(reader, texts[p], meter, &lines[p]); });
+    parallel_for(texts.size(), [&](std::size_t p) { parts[p].table = read_rows(reader, texts[p], meter, parts[p].lines); });
   } catch (const Error&) {
     return std::nullopt;
   }
-  return in_sequence(std::move(parts), lines);
+  return parts;
 }
 
 /// A column that is requested twice was read once.
@@ -129,70 +142,66 @@ class PieceReader {
  public:
   PieceReader(const RowReader& first, const ReadingMeter& meter) : first_(first), reader_(first), meter_(meter) {}
 
-  /// Whole lines, which follow those of the piece before.
-  TimedTable read(std::string_view text) {
-    std::optional<TimedTable> parallel = read_rows_in_parallel(first_, text, meter_);
-    if (parallel && (parallel->time_ns.empty() || (rows_ > 0 && parallel->time_ns.front() <= last_.time_ns))) parallel.reset();
-    const std::size_t before = lines_;
-    TimedTable table;
-    if (parallel) {
-      lines_ += static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) + !text.ends_with('\n');
-      table.lines.append(parallel->lines, 0, before);
-      parallel->lines = std::move(table.lines);
-      table = *std::move(parallel);
+  /// Adds whole lines, which follow those of the piece before, to a table.
+  void read(std::string_view text, TimedTable& table) {
+    const std::size_t rows = table.time_ns.size();
+    const std::optional<std::vector<Part>> parts = read_in_parallel(first_, text, meter_);
+    if (parts && in_sequence(*parts, any_ ? std::optional(last_.time_ns) : std::nullopt)) {
+      append(table, *parts, lines_);
+      for (const Part& part : *parts) lines_ += part.lines;
       in_order_ = false;
     } else {
-      table = in_order(text);
+      read_in_order(text, table);
     }
-    if (!table.time_ns.empty()) {
-      last_.time_ns = table.time_ns.back();
-      last_.values.clear();
-      for (const auto& column : table.values) last_.values.push_back(column.back());
-    }
-    rows_ += table.time_ns.size();
-    return table;
+    if (table.time_ns.size() == rows) return;
+    any_ = true;
+    last_.time_ns = table.time_ns.back();
+    last_.values.clear();
+    for (const auto& column : table.values) last_.values.push_back(column.back());
   }
 
  private:
-  TimedTable in_order(std::string_view text) {
+  void read_in_order(std::string_view text, TimedTable& table) {
     if (!in_order_) {
       reader_ = first_;
       reader_.continue_after(last_, lines_);
       in_order_ = true;
     }
     const std::size_t repeated = reader_.repeated();
-    TimedTable table;
-    table.values.resize(reader_.row().values.size());
     add_rows(reader_, text, table, meter_);
-    table.repeated = reader_.repeated() - repeated;
+    table.repeated += reader_.repeated() - repeated;
     lines_ = reader_.lines_read();
-    return table;
   }
 
   const RowReader first_;
   RowReader reader_;
   const ReadingMeter& meter_;
   Row last_;
-  std::size_t lines_ = 0, rows_ = 0;
-  bool in_order_ = true;  // whether reader_ stands behind the piece before
+  std::size_t lines_ = 0;
+  bool any_ = false, in_order_ = true;  // rows so far; whether reader_ stands behind the piece before
 };
 
 constexpr std::size_t bytes_of_piece = std::size_t{1} << 24;  // bytes of text: what is read in one piece
 
-/// All rows in pieces of whole lines, which leave memory as they have been read. A column that is requested twice is read once.
-void for_each_piece(const MappedFile& file, const std::string& name, const TableLayout& layout, const RowReader& reader,
-                    const std::function<void(TimedTable&&)>& each) {
+/// All rows in pieces of whole lines, which leave memory as they have been read, added to a table for about `bytes` of text; `after` each it may be
+/// emptied. A column that is requested twice is read once.
+void for_each_piece(const MappedFile& file, const std::string& name, const TableLayout& layout, const RowReader& reader, TimedTable& table,
+                    std::size_t bytes, const std::function<void()>& after) {
   std::string_view text = file.text().substr(layout.offset);
   const bool cut = ends_inside_a_row(text, layout);
   if (cut) text = text.substr(0, text.rfind('\n') + 1);
   const ReadingMeter meter(text.size());
   PieceReader pieces(reader, meter);
   for (bool begin = true; begin || !text.empty(); begin = false) {
-    TimedTable table = pieces.read(take_lines(text, bytes_of_piece));
-    file.release(file.text().size());
     table.file = name;
     if (begin) table.warnings = warnings_of(name, layout, cut);
-    each(std::move(table));
+    if (table.time_ns.empty()) {
+      table.values.resize(reader.row().values.size());
+      reserve(table, text.substr(0, bytes));
+    }
+    pieces.read(take_lines(text, bytes_of_piece), table);
+    file.release(file.text().size());
+    after();
   }
 }
 
@@ -206,17 +215,7 @@ TimedTable read_csv(const std::filesystem::path& path, const TimeSource& time, s
   const TableLayout layout = table_layout(name, file.text(), names_a_column(time, columns));
   const RowReader reader(layout, time, rate_hz, columns);
   TimedTable all;
-  for_each_piece(file, name, layout, reader, [&](TimedTable&& piece) {
-    if (all.file.empty()) {
-      all = std::move(piece);
-      if (file.text().size() > bytes_of_piece) reserve(all, file.text().substr(layout.offset));
-      return;
-    }
-    all.lines.append(piece.lines, all.time_ns.size(), 0);
-    all.time_ns.insert(all.time_ns.end(), piece.time_ns.begin(), piece.time_ns.end());
-    for (std::size_t c = 0; c < all.values.size(); ++c) all.values[c].insert(all.values[c].end(), piece.values[c].begin(), piece.values[c].end());
-    all.repeated += piece.repeated;
-  });
+  for_each_piece(file, name, layout, reader, all, file.text().size(), [] {});
   put_as_requested(all, reader.places());
   return all;
 }
@@ -255,9 +254,10 @@ void read_text_pieces(const TableRequest& request, const TimeSource& time, std::
   const MappedFile file(request.file);
   const TableLayout layout = table_layout(request.file.string(), file.text(), names_a_column(time, columns));
   const RowReader reader(layout, time, rate_hz, columns);
-  for_each_piece(file, request.file.string(), layout, reader, [&](TimedTable&& piece) {
+  TimedTable piece;
+  for_each_piece(file, request.file.string(), layout, reader, piece, bytes_of_piece, [&] {
     put_as_requested(piece, reader.places());
-    each(std::move(piece));
+    each(std::exchange(piece, {}));
   });
 }
 
