@@ -50,6 +50,15 @@ TEST_F(SharedRuns, OfABudget) {
   expect_the_same_bits("budget mission.toml --runs 300 --every 60 --json");
 }
 
+TEST_F(SharedRuns, OfAPlan) {
+  const std::string plan = "plan --require \"gyro.matrix.off_diagonal <= 1 arcsec, accel.matrix.diagonal <= 10 ppm\" --gravity 9.8 --json";
+  expect_the_same_bits(plan);
+  EXPECT_EQ(run(plan + " --checkpoint shared"), run(plan));
+  EXPECT_THAT(run_imulab(folder, plan + " --time 3600 --checkpoint shared").errors,
+              HasSubstr("shared/path1/turns: is the checkpoint of another run"));
+  EXPECT_THAT(run_imulab(folder, plan + " --checkpoint new --merge .").errors, HasSubstr(".: is no checkpoint of a plan"));
+}
+
 TEST_F(SharedRuns, OfAFleet) {
   run("procedure hand-held -o hand.toml");
   std::filesystem::create_directories(folder / "week");

@@ -1,4 +1,5 @@
 // imulab plan --require ...
+#include "apps/imulab/checkpoint.hpp"
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/prior.hpp"
 #include "apps/imulab/report.hpp"
@@ -25,6 +26,7 @@ struct Options {
   double latitude_deg = 45;
   std::optional<double> gravity, time, rest;
   std::optional<std::string> output;
+  CheckpointOptions shared;
   bool json = false;
 };
 
@@ -58,12 +60,14 @@ void run(const Options& options) {
                 .time = options.time,
                 .rest = options.rest};
   if (options.json && options.output == "-") throw Error("--json: standard output has the procedure; expected -o FILE");
+  task.checkpoint = options.shared.checkpoint();
   if (!options.prior.empty()) task.prior = prior_at(options.prior);
   const PlannedProcedure planned = [&] {
     Progress progress("planning");
     task.progress = [&progress](double part) { progress.report(part); };
     return plan(task);
   }();
+  if (options.shared.silent()) return;
   if (options.output) write_whole(*options.output, procedure_text(planned.procedure));
   if (options.json)
     print_json(plan_json(planned));
@@ -89,6 +93,7 @@ void add_plan(Verb app) {
   add_prior_option(verb, o->prior);
   verb.option("-o,--output FILE", o->output, "the procedure to write; - for standard output in place of the table").writes();
   add_report_option(verb, o->report);
+  add_checkpoint_options(verb, o->shared);
   verb.flag("--json", o->json, "print the result as JSON");
   verb.example("imulab plan --require \"gyro.matrix.diagonal <= 10 ppm\" -o plan.toml");
   verb.does([o] { run(*o); });

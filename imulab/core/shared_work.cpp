@@ -124,7 +124,7 @@ void read_numbers(const std::string& bytes, double* numbers, std::size_t count) 
   if (bytes.size() != count * sizeof(double))
     throw Error(fmt::format("a result in the checkpoint has {} bytes; expected {}: another version of imulab wrote it", bytes.size(),
                             count * sizeof(double)));
-  std::memcpy(numbers, bytes.data(), bytes.size());
+  if (count > 0) std::memcpy(numbers, bytes.data(), bytes.size());
 }
 
 }  // namespace imulab

@@ -1,5 +1,7 @@
+#include "imulab/core/build.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/io/session/file.hpp"
 #include "imulab/io/text/figures.hpp"
 #include "imulab/model/frame.hpp"
 #include "imulab/report/plan_page.hpp"
@@ -47,17 +49,33 @@ struct PlannedPath {
   Prediction prediction;
 };
 
-/// `begin`, `part`: of the progress.
-PlannedPath planned_path(const PlanTask& task, hybrid::PathQuestion question, double begin, double part) {
+/// All that a search depends on.
+std::string identity_of(const PlanTask& task, const hybrid::PathQuestion& q) {
+  std::string text = fmt::format("a plan of imulab {}, {}, rests {}, time {}, turns at {} rad/s about", build().version,
+                                 task.by_hand ? "by hand" : "on a table", q.rest.value_or(0), q.time.value_or(0), q.turn_rate);
+  for (const RigAxis axis : q.axes) text += fmt::format(" {}", to_string(axis));
+  for (const Requirement& r : q.requirements) text += fmt::format(", {} <= {}", r.selector, r.limit);
+  return fmt::format("{}\n{}", text, procedure_text(procedure_of(task, 60, {})));
+}
+
+/// `name`: of this search among those of a plan. `begin`, `part`: of the progress.
+PlannedPath planned_path(const PlanTask& task, hybrid::PathQuestion question, const std::string& name, double begin, double part) {
   // The search and the prediction along the finished procedure agree to some parts in a thousand: what misses by no more is looked for again.
   constexpr double agreement = 1.02;
   constexpr int most_rounds = 3;
   const std::vector<Requirement> requirements = question.requirements;
   PlannedPath out;
   for (int round = 0; round < most_rounds; ++round) {
-    out.path = design_path(question, [&](int done) {
+    std::optional<hybrid::SharedSearch> shared;
+    if (task.checkpoint) {
+      const std::string folder = fmt::format("{}{}", name, round + 1);
+      shared = hybrid::SharedSearch{{task.checkpoint->folder / folder, {}}, identity_of(task, question)};
+      for (const auto& merged : task.checkpoint->merged) shared->checkpoint.merged.push_back(merged / folder);
+    }
+    const auto progress = [&](int done) {
       if (task.progress) task.progress(begin + part * 0.01 * done);
-    });
+    };
+    out.path = design_path(question, progress, shared ? &*shared : nullptr);
     if (out.path.turns.empty()) throw Error("no turn and rest fit into the time; expected a longer time");
     out.procedure = procedure_of(task, out.path.first_rest, out.path.turns);
     out.prediction = predict(hybrid::plan_of(out.procedure));
@@ -109,15 +127,18 @@ PlannedProcedure plan(const PlanTask& task) {
   question.time = task.time;
   expect_estimated(question.requirements, question.unit);
   expect_reachable(question);
+  if (task.checkpoint)
+    for (const auto& merged : task.checkpoint->merged)
+      if (!exists(merged / "path1")) throw Error(merged.string() + ": is no checkpoint of a plan");
   PlannedProcedure out;
   out.timed = task.time.has_value();
   out.requirements = task.requirements;
   const bool compared = task.prior && !task.time;
-  PlannedPath found = planned_path(task, question, 0, compared ? 0.5 : 1);
+  PlannedPath found = planned_path(task, question, "path", 0, compared ? 0.5 : 1);
   if (task.prior) out.prior = PriorEffect{task.prior->fleet, task.prior->units, std::numeric_limits<double>::quiet_NaN()};
   if (compared) {
     question.requirements = task.requirements;
-    PlannedPath without = planned_path(task, question, 0.5, 0.5);
+    PlannedPath without = planned_path(task, question, "without-prior", 0.5, 0.5);
     if (without.path.worst <= 1) out.prior->duration_without = without.path.duration;
     if (without.path.worst <= 1 && without.path.duration < found.path.duration) found = std::move(without);  // the search does not look at all paths
   }

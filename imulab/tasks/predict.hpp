@@ -63,6 +63,7 @@ struct PlanTask {
   std::optional<double> time = {};            ///< s in all; absent: as short as the requirements allow
   std::optional<double> rest = {};            ///< s, of every rest; absent: chosen
   std::optional<FleetPrior> prior = {};       ///< what a fleet says of the unit
+  std::optional<Checkpoint> checkpoint = {};  ///< of processes that share the search
   std::function<void(double)> progress = {};  ///< 0 to 1
 };
 

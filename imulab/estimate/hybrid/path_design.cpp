@@ -1,5 +1,6 @@
 #include "imulab/estimate/hybrid/path_design.hpp"
 
+#include "imulab/core/error.hpp"
 #include "imulab/core/parallel.hpp"
 #include "imulab/estimate/hybrid/path_judge.hpp"
 
@@ -71,9 +72,9 @@ std::vector<Beginning> continued(const PathJudge& judge, const std::vector<Begin
   return next;
 }
 
-/// Beam search over turns, with every rest `rest` quanta long.
-void search(const PathJudge& judge, const std::vector<QuarterTurn>& moves, int rest, double longest, std::vector<Candidate>& found,
-            const std::function<void(double)>& progress) {
+/// Beam search over turns, with every rest `rest` quanta long: each path that was better than those before.
+std::vector<Candidate> search(const PathJudge& judge, const std::vector<QuarterTurn>& moves, int rest, double longest) {
+  std::vector<Candidate> found;
   std::vector<Beginning> beam{{after(judge.start(), judge.rest({}, rest, true)), {}, {}, static_cast<double>(rest * judge.quantum), {}}};
   double best = infinite, least = infinite, enough = infinite;
   for (std::size_t depth = 0, of_least = 0; !beam.empty() && depth < of_least + patience; ++depth) {
@@ -93,8 +94,8 @@ void search(const PathJudge& judge, const std::vector<QuarterTurn>& moves, int r
       found.push_back({{b.turns, std::vector<int>(b.turns.size() + 1, rest)}, within ? b.duration : merit, within});
     }
     if (beam.empty() || nearest > 1.1 * enough) break;
-    progress(std::min(1.0, nearest / std::min(longest, 1.5 * best)));
   }
+  return found;
 }
 
 /// The places of finite values, the least first.
@@ -206,6 +207,55 @@ std::vector<QuarterPath> best_candidates(std::vector<Candidate> found, std::size
   return chosen;
 }
 
+/// Numbers for a checkpoint, and back.
+void add(std::vector<double>& numbers, const QuarterPath& path) {
+  numbers.push_back(static_cast<double>(path.turns.size()));
+  for (const QuarterTurn& turn : path.turns) numbers.insert(numbers.end(), {static_cast<double>(turn.axis), static_cast<double>(turn.quarters)});
+  numbers.insert(numbers.end(), path.rests.begin(), path.rests.end());
+}
+
+std::string bytes_of(const std::vector<double>& numbers) { return imulab::bytes_of(numbers.data(), numbers.size()); }
+
+class Numbers {
+ public:
+  explicit Numbers(const std::string& bytes) : numbers_(bytes.size() / sizeof(double)) { read_numbers(bytes, numbers_.data(), numbers_.size()); }
+  bool end() const { return at_ == numbers_.size(); }
+  double next() {
+    if (end()) throw Error("a path in the checkpoint ends too early: another version of imulab wrote it");
+    return numbers_[at_++];
+  }
+  QuarterPath path() {
+    QuarterPath path;
+    const double turns = next();
+    for (double k = 0; k < turns; ++k) {
+      const auto axis = static_cast<RigAxis>(whole(0, 2));
+      path.turns.push_back({axis, whole(-2, 2)});
+    }
+    for (double k = 0; k <= turns; ++k) path.rests.push_back(whole(0, 100000));
+    return path;
+  }
+
+ private:
+  int whole(int least, int most) {
+    const double number = next();
+    if (!(number >= least && number <= most)) throw Error("a path in the checkpoint has a number out of range: another version of imulab wrote it");
+    return static_cast<int>(number);
+  }
+
+  std::vector<double> numbers_;
+  std::size_t at_ = 0;
+};
+
+/// One of the steps of a search.
+void for_each_part(SharedWork work, const SharedSearch* shared, const char* step) {
+  if (shared == nullptr) return for_each(work);
+  Checkpoint own{shared->checkpoint.folder / step, {}};
+  for (const auto& folder : shared->checkpoint.merged)
+    if (exists(folder / step)) own.merged.push_back(folder / step);  // that run came so far
+  work.identity = shared->identity;
+  for_each(work, &own);
+}
+
 }  // namespace
 
 double nonlinear_sigma(const Plan& unit, CoefficientIndex index, double turn_rate) {
@@ -222,7 +272,7 @@ double least_sigma(const Plan& unit, CoefficientIndex index, double turn_rate) {
   return std::hypot(nonlinear_sigma(unit, index, turn_rate), as_gravity ? unit.place.gravity_sigma / unit.place.gravity : 0);
 }
 
-Path design_path(const PathQuestion& q, const std::function<void(int)>& progress) {
+Path design_path(const PathQuestion& q, const std::function<void(int)>& progress, const SharedSearch* shared) {
   const auto report = [&](double part) {
     if (progress) progress(static_cast<int>(100 * part));
   };
@@ -231,14 +281,35 @@ Path design_path(const PathQuestion& q, const std::function<void(int)>& progress
   const double longest = q.time.value_or(longest_path);
   const std::vector<int> rests = q.rest ? std::vector<int>{1} : std::vector<int>{2, 4, 8, 16};
   std::vector<Candidate> found;
-  for (std::size_t k = 0; k < rests.size(); ++k)
-    search(judge, moves, rests[k], longest, found,
-           [&](double part) { report(0.7 * (static_cast<double>(k) + part) / static_cast<double>(rests.size())); });
-  const std::vector<QuarterPath> chosen = best_candidates(std::move(found), q.rest ? 8 : 2);
+  const auto search_part = [&](std::size_t k) {
+    std::vector<double> numbers;
+    for (const Candidate& c : search(judge, moves, rests[k], longest)) {
+      numbers.insert(numbers.end(), {c.merit, c.within ? 1. : 0.});
+      add(numbers, c.path);
+    }
+    return bytes_of(numbers);
+  };
+  const auto take_candidates = [&](std::size_t, const std::string& bytes) {
+    for (Numbers numbers(bytes); !numbers.end();) {
+      const double merit = numbers.next();
+      const bool within = numbers.next() > 0;
+      found.push_back({numbers.path(), merit, within});
+    }
+  };
+  const auto part_of = [](std::size_t done, std::size_t all) { return static_cast<double>(done) / static_cast<double>(all); };
+  for_each_part({rests.size(), search_part, take_candidates, [&](std::size_t done) { report(0.7 * part_of(done, rests.size())); }}, shared, "turns");
 
+  const std::vector<QuarterPath> chosen = best_candidates(std::move(found), q.rest ? 8 : 2);
   const auto rested = [&](QuarterPath path) {
     if (q.rest) return path;
     return q.time ? best_in(judge, std::move(path), longest) : shortest(judge, std::move(path), longest);
+  };
+  const auto refine = [&](std::size_t k) {
+    QuarterPath path = rested(chosen[k]);
+    path = rested(polished(judge, path, moves, q.time ? longest : judge.duration(path)));
+    std::vector<double> numbers{judge.worst(path)};
+    add(numbers, path);
+    return bytes_of(numbers);
   };
   QuarterPath best{{}, {1}};
   double worst = infinite;
@@ -247,15 +318,15 @@ Path design_path(const PathQuestion& q, const std::function<void(int)>& progress
     if (!q.time && now <= 1 && judge.duration(path) != judge.duration(best)) return judge.duration(path) < judge.duration(best);
     return now < worst;
   };
-  for (std::size_t k = 0; k < chosen.size(); ++k) {
-    QuarterPath path = rested(chosen[k]);
-    path = rested(polished(judge, path, moves, q.time ? longest : judge.duration(path)));
-    if (const double now = judge.worst(path); better(path, now)) {
-      best = std::move(path);
-      worst = now;
-    }
-    report(0.7 + 0.3 * static_cast<double>(k + 1) / static_cast<double>(chosen.size()));
-  }
+  const auto take_best = [&](std::size_t, const std::string& bytes) {
+    Numbers numbers(bytes);
+    const double now = numbers.next();
+    QuarterPath path = numbers.path();
+    if (!better(path, now)) return;
+    best = std::move(path);
+    worst = now;
+  };
+  for_each_part({chosen.size(), refine, take_best, [&](std::size_t done) { report(0.7 + 0.3 * part_of(done, chosen.size())); }}, shared, "rests");
   return judge.described(best);
 }
 

@@ -2,12 +2,14 @@
 // the smallest uncertainties in a given time (docs/plan.md).
 #pragma once
 
+#include "imulab/core/shared_work.hpp"
 #include "imulab/estimate/hybrid/prediction.hpp"
 #include "imulab/model/requirement.hpp"
 #include "imulab/rig/procedure.hpp"
 
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace imulab::hybrid {
@@ -21,6 +23,12 @@ struct PathQuestion {
   std::optional<double> rest;  ///< s, of every rest; absent: chosen, rest by rest
 };
 
+/// Processes that share a search: where, and what the question is, in words that no other question has.
+struct SharedSearch {
+  Checkpoint checkpoint;
+  std::string identity;
+};
+
 struct Path {
   double first_rest = 0;  ///< s
   std::vector<TableTurn> turns;
@@ -30,8 +38,9 @@ struct Path {
 };
 
 /// Of all paths from zero angles that it looks at, the shortest with a `worst` of at most 1, or that with the least `worst` in the given time. Where
-/// no path of `longest_path` reaches 1, that with the least. `progress`: parts of a hundred that are done. Bit-equal on any number of threads.
-Path design_path(const PathQuestion& question, const std::function<void(int)>& progress = {});
+/// no path of `longest_path` reaches 1, that with the least. `progress`: parts of a hundred that are done. Bit-equal on any number of threads and
+/// processes.
+Path design_path(const PathQuestion& question, const std::function<void(int)>& progress = {}, const SharedSearch* shared = nullptr);
 
 inline constexpr double longest_path = 4 * 3600.0;  // s
 
