@@ -63,12 +63,17 @@ Session session_of_one(const std::string& name) {
   return session;
 }
 
-NavigatedSession navigated(const Options& options, const Calibration& calibration, const std::string& name, const Session& session) {
-  const Recording recording = read_for(calibration, session, session.recordings[0]);
+/// `file`: takes the states, where there is one.
+NavigatedSession navigated(const Options& options, const Calibration& calibration, const std::string& name, const Session& session,
+                           SolutionFile* file) {
+  Recording recording = read_for(calibration, session, session.recordings[0]);
   const std::optional<TrueMotion> truth = options.truth.empty() ? session_truth(session) : read_truth(options.truth);
   const NavigatedSession out = [&] {
     const Progress progress("navigating");
-    return navigate_session(name, calibration, session, recording, options.navigate, truth, !options.report.empty() || options.json);
+    NavigateOptions navigate = options.navigate;
+    navigate.keep = false;
+    if (file != nullptr) navigate.each = [file](double time, const NavigationState& state) { file->add(time, state); };
+    return navigate_session(name, calibration, session, std::move(recording), navigate, truth, !options.report.empty() || options.json);
   }();
   const std::string who = options.sessions.size() > 1 ? name + ": " : "";
   for (const auto& text : out.navigated.warnings) warn(who + text);
@@ -87,13 +92,16 @@ void run(Options options) {
   if (options.heading_deg) options.navigate.heading = {*options.heading_deg * unit::deg, options.heading_sigma_deg.value_or(0) * unit::deg};
   std::vector<Session> opened;  // all of them before the first is navigated
   for (const auto& name : options.sessions) opened.push_back(session_of_one(name));
+  std::optional<SolutionFile> file;
+  if (!options.output.empty()) file.emplace(options.output);
   std::vector<NavigatedSession> sessions;
-  for (std::size_t i = 0; i < opened.size(); ++i) sessions.push_back(navigated(options, calibration, options.sessions[i], opened[i]));
-  if (!options.output.empty()) write_solution(options.output, sessions[0].navigated.solution);
+  for (std::size_t i = 0; i < opened.size(); ++i)
+    sessions.push_back(navigated(options, calibration, options.sessions[i], opened[i], file ? &*file : nullptr));
+  if (file) file->commit();
   if (!options.report.empty()) write_whole(options.report, navigation_page({.sessions = sessions}));
   if (options.output == "-") return;
   options.json ? print_json(navigation_json(sessions)) : print(navigation_table(sessions));
-  if (!options.output.empty() && !options.json) print(fmt::format("{}: {} states\n", options.output, sessions[0].navigated.solution.size()));
+  if (!options.output.empty() && !options.json) print(fmt::format("{}: {} states\n", options.output, file->states()));
 }
 
 }  // namespace

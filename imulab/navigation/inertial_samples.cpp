@@ -25,7 +25,7 @@ std::size_t rows_before(const Recording& r, std::size_t i, double clock_interval
 }
 
 /// Samples in place of those that are missing before sample i. A rate lasts for the time that is missing, increments are those of whole samples.
-void bridge(InertialSamples& out, const Recording& r, std::size_t i, std::size_t rows) {
+void bridge(const Recording& r, std::size_t i, std::size_t rows, const std::function<void(const TimedIncrement&, double)>& each) {
   const std::size_t count = std::max<std::size_t>(1, rows);
   const double n = static_cast<double>(count), begin = r.time_s(i - 1), interval = missing_before(r, i) / n;
   const double whole = r.interval_s * static_cast<double>(rows) / n;
@@ -33,8 +33,8 @@ void bridge(InertialSamples& out, const Recording& r, std::size_t i, std::size_t
     const double part = (static_cast<double>(k) + 1) / (n + 1);
     const Vector3d rate = (1 - part) * row(r.gyro, i - 1) + part * row(r.gyro, i);
     const Vector3d force = (1 - part) * row(r.accel, i - 1) + part * row(r.accel, i);
-    out.steps.push_back({{(r.gyro_increment ? whole : interval) * rate, (r.accel_increment ? whole : interval) * force}, interval});
-    out.time.push_back(begin + interval * (static_cast<double>(k) + 1));
+    each({{(r.gyro_increment ? whole : interval) * rate, (r.accel_increment ? whole : interval) * force}, interval},
+         begin + interval * (static_cast<double>(k) + 1));
   }
 }
 
@@ -47,19 +47,25 @@ std::vector<MissingTime> missing_time(const Recording& r, const Range& range) {
   return out;
 }
 
+void for_each_increment(const Recording& r, const Range& range, const std::function<void(const TimedIncrement&, double)>& each) {
+  const double clock = r.gaps.empty() ? r.interval_s : clock_interval(r.time_ns, r.interval_s);
+  for (std::size_t i = range.begin; i < range.end; ++i) {
+    if (i > range.begin && r.follows_gap(i)) bridge(r, i, rows_before(r, i, clock), each);
+    const Increment increment{r.interval(i, r.gyro_increment) * row(r.gyro, i), r.interval(i, r.accel_increment) * row(r.accel, i)};
+    each({increment, r.interval(i, false)}, r.time_s(i));
+  }
+}
+
 InertialSamples inertial_samples(const Recording& r, const Range& range) {
   InertialSamples out;
   out.gaps = missing_time(r, range);
   out.steps.reserve(range.size());
   out.time.reserve(range.size());
   out.begin = r.time_s(range.begin) - r.interval(range.begin, false);
-  const double clock = r.gaps.empty() ? r.interval_s : clock_interval(r.time_ns, r.interval_s);
-  for (std::size_t i = range.begin; i < range.end; ++i) {
-    if (i > range.begin && r.follows_gap(i)) bridge(out, r, i, rows_before(r, i, clock));
-    const Increment increment{r.interval(i, r.gyro_increment) * row(r.gyro, i), r.interval(i, r.accel_increment) * row(r.accel, i)};
-    out.steps.push_back({increment, r.interval(i, false)});
-    out.time.push_back(r.time_s(i));
-  }
+  for_each_increment(r, range, [&](const TimedIncrement& step, double end) {
+    out.steps.push_back(step);
+    out.time.push_back(end);
+  });
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include "imulab/navigation/integration/increment.hpp"
 #include "imulab/recording/recording.hpp"
 
+#include <functional>
 #include <vector>
 
 namespace imulab {
@@ -20,8 +21,11 @@ struct InertialSamples {
   std::vector<MissingTime> gaps;  // bridged: rate and force are linear in time from the sample before to the one after
 };
 
-/// The samples of `range`. A rate [rad/s], force [m/s^2] is integrated over the difference of the stamps, an increment output is taken as it is; both
-/// advance time by the stamps' difference. In a gap increments are bridged by whole samples, as many as the clock says, rates by the missing time.
+/// Calls `each`(increment, its end [s]) for the samples of `range`, with those that bridge gaps among them. A rate [rad/s], force [m/s^2] is
+/// integrated over the difference of the stamps, an increment output is taken as it is; both advance time by the stamps' difference. In a gap
+/// increments are bridged by whole samples, as many as the clock says, rates by the missing time.
+void for_each_increment(const Recording& recording, const Range& range, const std::function<void(const TimedIncrement&, double)>& each);
+/// All of them.
 InertialSamples inertial_samples(const Recording& recording, const Range& range);
 
 /// The gaps inside the range that inertial_samples would bridge.

@@ -12,12 +12,19 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace imulab {
 namespace {
 
-/// The samples after `time`, the first one from there on.
-InertialSamples samples_from(const Recording& r, double time, const NavigateOptions& options) {
+/// What is integrated: the increments that end after `time`, the first one from there on.
+struct Steps {
+  Range range;  // of samples that have them
+  double time, tolerance;
+  bool at_begin;  // of the recording
+};
+
+Steps steps_from(const Recording& r, double time, const NavigateOptions& options, std::vector<MissingTime>& gaps) {
   const double begin = r.time_s(0) - r.interval(0, false), end = r.time_s(r.size() - 1), tolerance = 1e-3 * r.interval_s;
   const bool at_begin = std::abs(time - begin) < r.interval_s / 2;  // the first stamp may be late or early: its sample is whole
   if ((time < begin && !at_begin) || time >= end - tolerance)
@@ -27,20 +34,22 @@ InertialSamples samples_from(const Recording& r, double time, const NavigateOpti
   while (r.time_s(range.begin) <= time + tolerance) ++range.begin;
   const bool inside_gap = r.time_s(range.begin) - r.interval(range.begin, false) > time + tolerance;
   if (inside_gap && range.begin > 0) --range.begin;  // whose end is before the start: bridged from there
-  if (const auto gaps = missing_time(r, range); options.gaps == GapTreatment::refuse && !gaps.empty())
+  gaps = missing_time(r, range);
+  if (options.gaps == GapTreatment::refuse && !gaps.empty())
     throw Error(fmt::format("{}: {:.6f} s are missing after {:.6f} s, and gaps are to be refused", r.name, gaps.front().length, gaps.front().begin));
-  InertialSamples samples = inertial_samples(r, range);
-  const auto first = static_cast<std::ptrdiff_t>(std::upper_bound(samples.time.begin(), samples.time.end(), time + tolerance) - samples.time.begin());
-  samples.steps.erase(samples.steps.begin(), samples.steps.begin() + first);
-  samples.time.erase(samples.time.begin(), samples.time.begin() + first);
-  TimedIncrement& step = samples.steps.front();
-  const double left = samples.time.front() - time, part = left / step.interval;
-  if (at_begin)
-    step.interval = left;
-  else if (std::abs(left - step.interval) > tolerance)
-    step = {{part * step.increment.angle, part * step.increment.velocity}, left};
-  samples.begin = time;
-  return samples;
+  return {range, time, tolerance, at_begin};
+}
+
+void for_each_step(const Recording& r, const Steps& steps, const std::function<void(const TimedIncrement&, double)>& each) {
+  bool first = true;
+  for_each_increment(r, steps.range, [&](const TimedIncrement& step, double end) {
+    if (end <= steps.time + steps.tolerance) return;
+    if (!std::exchange(first, false)) return each(step, end);
+    const double left = end - steps.time, part = left / step.interval;
+    if (steps.at_begin) return each({step.increment, left}, end);
+    if (std::abs(left - step.interval) > steps.tolerance) return each({{part * step.increment.angle, part * step.increment.velocity}, left}, end);
+    each(step, end);
+  });
 }
 
 /// Linear between the heights.
@@ -67,10 +76,7 @@ void check_barometer(const NavigateOptions& options, double begin, double end) {
 
 /// On the ground and in the air the specific force is about g most of the time; half or twice of it means another unit of readings, or a calibration
 /// of another IMU.
-void warn_of_force(const InertialSamples& samples, const std::string& name, std::vector<std::string>& warnings) {
-  std::vector<double> forces;
-  forces.reserve(samples.steps.size());
-  for (const TimedIncrement& step : samples.steps) forces.push_back(step.increment.velocity.norm() / step.interval);
+void warn_of_force(std::vector<double> forces, const std::string& name, std::vector<std::string>& warnings) {
   const double middle = median(std::move(forces));
   if (middle > 0.5 * unit::g && middle < 2 * unit::g) return;
   warnings.push_back(
@@ -79,27 +85,33 @@ void warn_of_force(const InertialSamples& samples, const std::string& name, std:
                   name, middle));
 }
 
-void integrate(const navigation::Start& start, const InertialSamples& samples, const Session& session, const Recording& recording,
-               const NavigateOptions& options, Navigated& out) {
-  check_barometer(options, samples.begin, samples.time.back());
-  warn_of_force(samples, recording.name, out.warnings);
+void integrate(const navigation::Start& start, const Steps& steps, const Session& session, const Recording& recording, const NavigateOptions& options,
+               Navigated& out) {
+  check_barometer(options, steps.time, recording.time_s(recording.size() - 1));
   Strapdown strapdown(start.state, {.vertical = options.vertical, .gravity = session.site.given_gravity});
-  out.solution.time.reserve(samples.steps.size() + 1);
-  out.solution.states.reserve(samples.steps.size() + 1);
-  out.solution.time.push_back(start.time);
-  out.solution.states.push_back(strapdown.state());
-  for (std::size_t i = 0; i < samples.steps.size(); ++i) {
-    const TimedIncrement& step = samples.steps[i];
+  Solution& solution = out.solution;
+  const auto add = [&](double time) {
+    if (!options.keep && solution.size() == 2) solution.time.pop_back(), solution.states.pop_back();
+    solution.time.push_back(time);
+    solution.states.push_back(strapdown.state());
+    if (options.each) options.each(time, strapdown.state());
+  };
+  std::vector<double> forces;
+  forces.reserve(steps.range.size());
+  if (options.keep) solution.time.reserve(steps.range.size() + 1), solution.states.reserve(steps.range.size() + 1);
+  add(start.time);
+  for_each_step(recording, steps, [&](const TimedIncrement& step, double end) {
+    forces.push_back(step.increment.velocity.norm() / step.interval);
     std::optional<double> height;
-    if (options.barometer) height = height_at(*options.barometer, samples.time[i]);
+    if (options.barometer) height = height_at(*options.barometer, end);
     if (!(step.increment.angle.norm() < 1e3 && step.increment.velocity.norm() < 1e6))  // far beyond any motion, and still to be integrated
       throw Error(
           fmt::format("{}: the sample at {:.6f} s has increments of {:.3g} rad and {:.3g} m/s, beyond any motion; expected readings of a unit",
-                      recording.name, samples.time[i], step.increment.angle.norm(), step.increment.velocity.norm()));
+                      recording.name, end, step.increment.angle.norm(), step.increment.velocity.norm()));
     strapdown.step(step.increment, step.interval, height);
-    out.solution.time.push_back(samples.time[i]);
-    out.solution.states.push_back(strapdown.state());
-  }
+    add(end);
+  });
+  warn_of_force(std::move(forces), recording.name, out.warnings);
 }
 
 void warn_of_samples(const Recording& r, Navigated& out) {
@@ -134,22 +146,23 @@ void warn_of_samples(const Recording& r, Navigated& out) {
 
 }  // namespace
 
-Navigated navigate(const Calibration& calibration, const Session& session, const Recording& raw, const NavigateOptions& options) {
+Navigated navigate(const Calibration& calibration, const Session& session, Recording raw, const NavigateOptions& options) {
   Navigated out;
   out.vertical = options.vertical;
-  expect_memory(6.2 * static_cast<double>(raw.bytes()), raw.name + ": a navigation with a state for each sample");
-  CompensatedRecording compensated = compensate(calibration.model, raw);
+  constexpr double in_place = 1.4, with_states = 3.2;  // over the recording; a state takes 88 bytes
+  expect_memory((options.keep ? with_states : in_place) * static_cast<double>(raw.bytes()),
+                raw.name + (options.keep ? ": a navigation with a state for each sample" : ": a navigation"));
+  CompensatedRecording compensated = compensate(calibration.model, std::move(raw));
   Recording& recording = compensated.recording;
   if (const std::size_t count = compensated.out_of_range.size(); count > 0)
-    out.warnings.push_back(fmt::format("{}: {} of {} samples are outside the temperatures the calibration saw", raw.name, count, raw.size()));
+    out.warnings.push_back(
+        fmt::format("{}: {} of {} samples are outside the temperatures the calibration saw", recording.name, count, recording.size()));
   if (!calibration.model.lever_arm.isZero(0)) remove_lever_arms(recording, calibration.model.lever_arm);
-  const navigation::Start start = navigation::start_of(calibration, session, raw, recording, options);
+  const navigation::Start start = navigation::start_of(calibration, session, recording, options);
   out.aligned = start.aligned;
   out.warnings.insert(out.warnings.end(), start.warnings.begin(), start.warnings.end());
-  const InertialSamples samples = samples_from(recording, start.time, options);
-  recording.gyro = {}, recording.accel = {};  // the memory of a long recording is for its solution
-  out.gaps = samples.gaps;
-  integrate(start, samples, session, recording, options, out);
+  const Steps steps = steps_from(recording, start.time, options, out.gaps);
+  integrate(start, steps, session, recording, options, out);
   warn_of_samples(recording, out);
   return out;
 }

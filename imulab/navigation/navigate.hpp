@@ -8,6 +8,7 @@
 #include "imulab/navigation/integration/solution.hpp"
 #include "imulab/recording/session.hpp"
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,7 +27,9 @@ struct NavigateOptions {
   bool align = false;                        // on the first rest, although the session gives an attitude
   std::optional<GivenHeading> heading = {};  // roll and pitch are aligned, the heading is this one
   GapTreatment gaps = GapTreatment::integrate;
-  std::optional<HeightRecord> barometer = {};  // for the vertical channels aided and held
+  std::optional<HeightRecord> barometer = {};                          // for the vertical channels aided and held
+  std::function<void(double time, const NavigationState&)> each = {};  // told every state as it is reached
+  bool keep = true;                                                    // every state in the solution; otherwise the first and the last
 };
 
 /// A less certain heading is refused (Unsupported): the Earth's rate was not resolved.
@@ -38,7 +41,7 @@ struct AlignedOn {
 };
 
 struct Navigated {
-  Solution solution;  // from the start, then at every sample's end
+  Solution solution;  // from the start, then at every sample's end; or its first and last state
   VerticalChannel vertical = VerticalChannel::free;
   std::optional<AlignedOn> aligned;  // absent: started from the session's initial state
   std::vector<MissingTime> gaps;     // bridged
@@ -49,8 +52,8 @@ struct Navigated {
 /// `recording` is raw. Starts at the session's initial state, or at the end of the first rest, aligned on it, at the position of the initial state or
 /// else of the site. Throws Error where the session has no position or the start lies outside the recording, for missing barometer heights, for gaps
 /// that are to be refused and for readings far beyond any motion; Unsupported where there is no rest to align on, or where it does not show the
-/// heading.
-Navigated navigate(const Calibration& calibration, const Session& session, const Recording& recording, const NavigateOptions& options = {});
+/// heading. A recording that is moved here takes no more memory.
+Navigated navigate(const Calibration& calibration, const Session& session, Recording recording, const NavigateOptions& options = {});
 
 /// One sigma [rad] of roll, pitch and heading, from an attitude's covariance in east-north-up.
 Eigen::Vector3d angle_sigmas(const Alignment& alignment);

@@ -1,6 +1,7 @@
 #include "imulab/navigation/start.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/model/compensate.hpp"
 #include "imulab/model/compensation_derivatives.hpp"
 #include "imulab/recording/rests.hpp"
 
@@ -12,7 +13,7 @@
 namespace imulab::navigation {
 namespace {
 
-/// Mean raw readings of a range, thermal ones less their reference.
+/// The reading whose compensation is the mean of a range: raw readings differ from it by the noise.
 RawSample mean_reading(const SensorModel& model, const Recording& r, const Range& range) {
   const auto mean = [&](const Columns3& columns, double origin) {
     Vector3d out = Vector3d::Zero();
@@ -22,10 +23,10 @@ RawSample mean_reading(const SensorModel& model, const Recording& r, const Range
         out[static_cast<Eigen::Index>(k)] += (columns[k][i] - origin) / static_cast<double>(range.size());
     return out;
   };
-  RawSample out{mean(r.accel, 0), mean(r.gyro, 0)};
-  if (model.accel.temperature) out.accel_tau = mean(r.accel_temperature, model.accel.temperature->reference);
-  if (model.gyro.temperature) out.gyro_tau = mean(r.gyro_temperature, model.gyro.temperature->reference);
-  return out;
+  Vector3d accel_tau = Vector3d::Zero(), gyro_tau = Vector3d::Zero();
+  if (model.accel.temperature) accel_tau = mean(r.accel_temperature, model.accel.temperature->reference);
+  if (model.gyro.temperature) gyro_tau = mean(r.gyro_temperature, model.gyro.temperature->reference);
+  return decompensate(model, {mean(r.accel, 0), mean(r.gyro, 0)}, accel_tau, gyro_tau);
 }
 
 /// The position of the session's initial state, or else of its site.
@@ -104,13 +105,12 @@ AlignmentSensors sensors_of(const Calibration& calibration, const ImuDeclaration
   return {P.bottomRightCorner<3, 3>(), P.topLeftCorner<3, 3>(), imu.gyro_noise_density, imu.accel_noise_density};
 }
 
-Start aligned_start(const Calibration& calibration, const Session& session, const Recording& raw, const Recording& compensated,
-                    const NavigateOptions& options) {
+Start aligned_start(const Calibration& calibration, const Session& session, const Recording& compensated, const NavigateOptions& options) {
   Start start;
   start.state = position_of(session, start.warnings);
   const Range range = first_rest(compensated, session);
   const InertialSamples rest = inertial_samples(compensated, range);
-  const AlignmentSensors sensors = sensors_of(calibration, session.imu, mean_reading(calibration.model, raw, range));
+  const AlignmentSensors sensors = sensors_of(calibration, session.imu, mean_reading(calibration.model, compensated, range));
   const double gravity = session.site.given_gravity.value_or(local_earth(start.state.latitude, start.state.height).gravity.norm());
   const FineAlignment a = fine_alignment(rest.steps, {start.state.latitude, gravity}, sensors, options.heading);
   check_heading(a);
@@ -134,10 +134,9 @@ Start given_start(const InitialState& initial) {
 
 }  // namespace
 
-Start start_of(const Calibration& calibration, const Session& session, const Recording& raw, const Recording& compensated,
-               const NavigateOptions& options) {
+Start start_of(const Calibration& calibration, const Session& session, const Recording& compensated, const NavigateOptions& options) {
   const bool align = options.align || options.heading || !session.initial;
-  return align ? aligned_start(calibration, session, raw, compensated, options) : given_start(*session.initial);
+  return align ? aligned_start(calibration, session, compensated, options) : given_start(*session.initial);
 }
 
 }  // namespace imulab::navigation

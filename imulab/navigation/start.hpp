@@ -12,8 +12,7 @@ struct Start {
   std::vector<std::string> warnings = {};
 };
 
-/// `raw` and the same recording `compensated`. Throws as navigate does.
-Start start_of(const Calibration& calibration, const Session& session, const Recording& raw, const Recording& compensated,
-               const NavigateOptions& options);
+/// Of a `compensated` recording. Throws as navigate does.
+Start start_of(const Calibration& calibration, const Session& session, const Recording& compensated, const NavigateOptions& options);
 
 }  // namespace imulab::navigation

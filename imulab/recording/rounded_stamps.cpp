@@ -60,7 +60,7 @@ std::optional<RoundedStamps> rounded_stamps(std::span<const std::int64_t> time_n
   if (!is_even(time_ns, 1, interval, rounding) || !is_even(time_ns, near, interval, 2 * rounding)) return std::nullopt;
   // The rounding of two stamps is a sixteenth of it in the interval over sixteen samples, and less over more, as long as few windows lost one.
   std::size_t apart = near;
-  for (; 4 * 4 * apart <= time_ns.size() && apart < far; apart *= 4) {
+  for (; 16 * apart <= time_ns.size() && apart < far; apart *= 4) {
     const double longer = middle_difference(time_ns, 4 * apart) / static_cast<double>(4 * apart);
     if (!is_even(time_ns, 4 * apart, longer, 2 * rounding)) break;
     interval = longer;

@@ -24,7 +24,7 @@ struct Group {
 };
 
 std::string kind_of(const Coefficient& c) {
-  const std::string triad = c.triad == Triad::accel ? "accelerometer" : "gyro";
+  std::string triad = c.triad == Triad::accel ? "accelerometer" : "gyro";
   switch (c.term) {
     case Term::offset:
       return triad + " offset";

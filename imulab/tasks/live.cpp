@@ -33,7 +33,7 @@ std::string usual_live_requirement(const std::string& accel_unit) {
 }
 
 std::vector<Requirement> live_requirements(const std::optional<std::string>& text, const std::string& accel_unit, const Site& site) {
-  const std::vector<Requirement> all = parse_requirements(text.value_or(usual_live_requirement(accel_unit)));
+  std::vector<Requirement> all = parse_requirements(text.value_or(usual_live_requirement(accel_unit)));
   const double gravity = site.gravity_sigma() / site.gravity();
   for (const Requirement& r : all)
     for (const CoefficientIndex index : r.coefficients)

@@ -1,6 +1,7 @@
 #include "imulab/tasks/navigate.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/memory.hpp"
 #include "imulab/io/recording/solution.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/navigation/budget/navigated.hpp"
@@ -27,12 +28,18 @@ std::optional<TrueMotion> session_truth(const Session& session) {
   return read_truth(session_path(session, *session.truth_file));
 }
 
-NavigatedSession navigate_session(const std::string& name, const Calibration& calibration, const Session& session, const Recording& recording,
-                                  const NavigateOptions& options, const std::optional<TrueMotion>& truth, bool explain) {
-  NavigatedSession out{.session = name, .navigated = navigate(calibration, session, recording, options), .errors = {}};
+NavigatedSession navigate_session(const std::string& name, const Calibration& calibration, const Session& session, Recording recording,
+                                  NavigateOptions options, const std::optional<TrueMotion>& truth, bool explain) {
+  constexpr double with_explanation = 6.2;  // over the recording
+  if (explain)
+    expect_memory(with_explanation * static_cast<double>(recording.bytes()), recording.name + ": a navigation with what explains its errors");
+  options.keep = options.keep || truth || explain;
+  Recording again;
+  if (explain) again = recording;
+  NavigatedSession out{.session = name, .navigated = navigate(calibration, session, std::move(recording), options), .errors = {}};
   if (truth) out.errors = errors_at(truth->name, [&] { return navigation_errors(out.navigated.solution, truth->solution); });
   if (explain) try {
-      out.explained = navigated_budget(calibration, session, recording, out.navigated);
+      out.explained = navigated_budget(calibration, session, again, out.navigated);
       if (!out.explained) out.unexplained = "the calibration has no uncertainties.";
     } catch (const Error& e) {
       out.unexplained = e.what();

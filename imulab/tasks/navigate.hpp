@@ -22,8 +22,9 @@ TrueMotion read_truth(const std::filesystem::path& file);
 /// The one that a session names; none where it names none.
 std::optional<TrueMotion> session_truth(const Session& session);
 
-/// `explain`: also what the calibration's uncertainties explain of the errors. Throws as `navigate` and `navigation_errors` do.
-NavigatedSession navigate_session(const std::string& name, const Calibration& calibration, const Session& session, const Recording& recording,
-                                  const NavigateOptions& options, const std::optional<TrueMotion>& truth, bool explain);
+/// `explain`: also what the calibration's uncertainties explain of the errors. A truth and `explain` keep every state, whatever the options say.
+/// Throws as `navigate` and `navigation_errors` do. A recording that is moved here takes no more memory, unless `explain` needs it again.
+NavigatedSession navigate_session(const std::string& name, const Calibration& calibration, const Session& session, Recording recording,
+                                  NavigateOptions options, const std::optional<TrueMotion>& truth, bool explain);
 
 }  // namespace imulab

@@ -160,9 +160,9 @@ Eigen::MatrixXd matrix_of(const Source& source, const YamlNode& node, const std:
   }
   if (static_cast<int>(numbers.size()) != rows * columns) fail_at(source, list->line, expected);
   Eigen::MatrixXd m(rows, columns);
+  auto number = numbers.begin();
   for (int i = 0; i < rows; ++i)
-    for (int j = 0; j < columns; ++j)
-      m(i, j) = number_of(source, *numbers[static_cast<std::size_t>(i * columns + j)], fmt::format("{}[{}][{}]", path, i, j));
+    for (int j = 0; j < columns; ++j) m(i, j) = number_of(source, **number++, fmt::format("{}[{}][{}]", path, i, j));
   return m;
 }
 

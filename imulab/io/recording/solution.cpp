@@ -49,22 +49,30 @@ HeightRecord read_heights(const std::filesystem::path& path) {
   return out;
 }
 
+SolutionFile::SolutionFile(const std::filesystem::path& path)
+    : file_(path), text_("t,latitude_deg,longitude_deg,height_m,ve,vn,vu,roll_deg,pitch_deg,heading_deg\n") {}
+
+void SolutionFile::add(double time, const NavigationState& s) {
+  const EulerAngles angles = euler_angles(s.q_nb.toRotationMatrix());
+  const double heading = angles.heading < 0 ? angles.heading + 2 * std::numbers::pi : angles.heading;  // a compass counts from 0 to 360
+  fmt::format_to(std::back_inserter(text_), "{:.9f},{:.12f},{:.12f},{:.6f},{:.8f},{:.8f},{:.8f},{:.9f},{:.9f},{:.9f}\n", time, s.latitude / unit::deg,
+                 s.longitude / unit::deg, s.height, s.velocity.x(), s.velocity.y(), s.velocity.z(), angles.roll / unit::deg, angles.pitch / unit::deg,
+                 heading / unit::deg);
+  ++states_;
+  if (text_.size() < 1 << 20) return;
+  file_.write(text_);
+  text_.clear();
+}
+
+void SolutionFile::commit() {
+  file_.write(text_);
+  text_.clear();
+  file_.commit();
+}
+
 void write_solution(const std::filesystem::path& path, const Solution& solution) {
-  WholeFile file(path);
-  file.write("t,latitude_deg,longitude_deg,height_m,ve,vn,vu,roll_deg,pitch_deg,heading_deg\n");
-  fmt::memory_buffer text;
-  for (std::size_t i = 0; i < solution.size(); ++i) {
-    const NavigationState& s = solution.states[i];
-    const EulerAngles angles = euler_angles(s.q_nb.toRotationMatrix());
-    const double heading = angles.heading < 0 ? angles.heading + 2 * std::numbers::pi : angles.heading;  // a compass counts from 0 to 360
-    fmt::format_to(std::back_inserter(text), "{:.9f},{:.12f},{:.12f},{:.6f},{:.8f},{:.8f},{:.8f},{:.9f},{:.9f},{:.9f}\n", solution.time[i],
-                   s.latitude / unit::deg, s.longitude / unit::deg, s.height, s.velocity.x(), s.velocity.y(), s.velocity.z(), angles.roll / unit::deg,
-                   angles.pitch / unit::deg, heading / unit::deg);
-    if (text.size() < 1 << 20) continue;
-    file.write({text.data(), text.size()});
-    text.clear();
-  }
-  file.write({text.data(), text.size()});
+  SolutionFile file(path);
+  for (std::size_t i = 0; i < solution.size(); ++i) file.add(solution.time[i], solution.states[i]);
   file.commit();
 }
 

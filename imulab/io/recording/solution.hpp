@@ -1,9 +1,12 @@
 // Navigation solutions and heights over time as CSV (docs/formats.md).
 #pragma once
 
+#include "imulab/io/text/file.hpp"
 #include "imulab/navigation/integration/solution.hpp"
 
+#include <cstddef>
 #include <filesystem>
+#include <string>
 
 namespace imulab {
 
@@ -14,7 +17,20 @@ struct HeightRecord;
 /// latitude beyond 90 deg.
 Solution read_solution(const std::filesystem::path& path);
 
-/// The file appears whole or not at all; the heading is written from 0 to 360 deg. Throws Error where it cannot be written.
+/// A solution's file as its states are reached. It appears whole at commit(), or not at all; the heading is written from 0 to 360 deg. Throws Error
+/// where it cannot be written.
+class SolutionFile {
+ public:
+  explicit SolutionFile(const std::filesystem::path& path);
+  void add(double time, const NavigationState& state);
+  void commit();
+  std::size_t states() const { return states_; }
+
+ private:
+  WholeFile file_;
+  std::string text_;
+  std::size_t states_ = 0;
+};
 void write_solution(const std::filesystem::path& path, const Solution& solution);
 
 /// Reads the columns t,height_m (s, m), as a barometer gives them. Throws Error with file, line and column.

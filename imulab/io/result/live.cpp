@@ -25,7 +25,8 @@ namespace {
 std::string signs_of(const Vector3d& direction) {
   Vector3d nearest = Vector3d::UnitX();
   for (int code = 0; code < 27; ++code) {
-    const Vector3d corner(code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1);
+    const int x = code % 3 - 1, y = code / 3 % 3 - 1, z = code / 9 - 1;
+    const Vector3d corner(x, y, z);
     if (!corner.isZero() && corner.normalized().dot(direction) > nearest.normalized().dot(direction)) nearest = corner;
   }
   std::string text;
@@ -58,7 +59,7 @@ class Discs {
  private:
   void put(int disc, double x, double y, const std::string& text) {
     const auto row = static_cast<std::size_t>(std::lround((1 - y) * (rows - 1) / 2));
-    const long middle = disc * (columns + apart) + std::lround((1 + x) * (columns - 1) / 2);
+    const long middle = long{disc} * (columns + apart) + std::lround((1 + x) * (columns - 1) / 2);
     const auto at = static_cast<std::size_t>(std::clamp<long>(middle, 0, 2 * columns + apart - static_cast<long>(text.size())));
     lines_[row].replace(at, text.size(), text);
   }

@@ -48,7 +48,7 @@ std::string noise_text(const turntable::ErrorSizes& s) {
 }
 
 std::string setting_text(turntable::Knob knob, const turntable::ErrorSizes& s) {
-  const std::string timing = fmt::format("timing {} ms", number(1e3 * s.timing));
+  std::string timing = fmt::format("timing {} ms", number(1e3 * s.timing));
   if (knob == turntable::Knob::table) return table_text(s);
   if (knob == turntable::Knob::timing) return timing;
   if (knob == turntable::Knob::imu) return noise_text(s);

@@ -44,7 +44,7 @@ class Field {
   bool has(std::string_view key) const { return value_.is_object() && value_.contains(key); }
   Field operator[](std::string_view key) const {
     if (!value_.is_object()) expected("an object");
-    const Field field(value_.contains(key) ? value_.at(std::string(key)) : value_, file_, path_ + (path_.empty() ? "" : ".") + std::string(key));
+    Field field(value_.contains(key) ? value_.at(std::string(key)) : value_, file_, path_ + (path_.empty() ? "" : ".") + std::string(key));
     if (!value_.contains(key)) field.fail("is missing");
     return field;
   }
