@@ -17,6 +17,13 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+// On 32 bits these calls, with offsets of 64, have the names of those with 64 in them, and are defined once.
+#if __SIZEOF_POINTER__ == 4
+#define WITH_OFFSET(name) name "64"
+#else
+#define WITH_OFFSET(name) name
+#endif
+
 extern "C" void* __libc_malloc(size_t size);
 
 namespace {
@@ -96,22 +103,21 @@ ssize_t write(int descriptor, const void* data, size_t size) {
   return is_ours(descriptor) && fails("write") ? -1 : next<ssize_t(int, const void*, size_t)>("write")(descriptor, data, size);
 }
 ssize_t pwrite(int descriptor, const void* data, size_t size, off_t place) {
-  return is_ours(descriptor) && fails("pwrite") ? -1 : next<ssize_t(int, const void*, size_t, off_t)>("pwrite")(descriptor, data, size, place);
+  return is_ours(descriptor) && fails("pwrite")
+             ? -1
+             : next<ssize_t(int, const void*, size_t, off_t)>(WITH_OFFSET("pwrite"))(descriptor, data, size, place);
 }
-ssize_t pwrite64(int descriptor, const void* data, size_t size, off64_t place) { return pwrite(descriptor, data, size, place); }
 ssize_t read(int descriptor, void* data, size_t size) {
   return is_ours(descriptor) && fails("read") ? -1 : next<ssize_t(int, void*, size_t)>("read")(descriptor, data, size);
 }
 ssize_t pread(int descriptor, void* data, size_t size, off_t place) {
-  return is_ours(descriptor) && fails("pread") ? -1 : next<ssize_t(int, void*, size_t, off_t)>("pread")(descriptor, data, size, place);
+  return is_ours(descriptor) && fails("pread") ? -1 : next<ssize_t(int, void*, size_t, off_t)>(WITH_OFFSET("pread"))(descriptor, data, size, place);
 }
-ssize_t pread64(int descriptor, void* data, size_t size, off64_t place) { return pread(descriptor, data, size, place); }
 int fsync(int descriptor) { return is_ours(descriptor, true) && fails("fsync") ? -1 : next<int(int)>("fsync")(descriptor); }
 int fdatasync(int descriptor) { return is_ours(descriptor, true) && fails("fsync") ? -1 : next<int(int)>("fdatasync")(descriptor); }
 int ftruncate(int descriptor, off_t size) noexcept {
-  return is_ours(descriptor) && fails("ftruncate") ? -1 : next<int(int, off_t)>("ftruncate")(descriptor, size);
+  return is_ours(descriptor) && fails("ftruncate") ? -1 : next<int(int, off_t)>(WITH_OFFSET("ftruncate"))(descriptor, size);
 }
-int ftruncate64(int descriptor, off64_t size) noexcept { return ftruncate(descriptor, size); }
 int rename(const char* from, const char* to) noexcept {
   return is_ours(from) && fails("rename") ? -1 : next<int(const char*, const char*)>("rename")(from, to);
 }
@@ -121,13 +127,13 @@ int link(const char* from, const char* to) noexcept {
 int fchmod(int descriptor, mode_t mode) noexcept {
   return is_ours(descriptor) && fails("fchmod") ? -1 : next<int(int, mode_t)>("fchmod")(descriptor, mode);
 }
-int mkstemp(char* name) { return is_ours(name) && fails("mkstemp") ? -1 : next<int(char*)>("mkstemp")(name); }
+int mkstemp(char* name) { return is_ours(name) && fails("mkstemp") ? -1 : next<int(char*)>(WITH_OFFSET("mkstemp"))(name); }
 char* mkdtemp(char* name) noexcept { return is_ours(name) && fails("mkdtemp") ? nullptr : next<char*(char*)>("mkdtemp")(name); }
 int mkdir(const char* name, mode_t mode) noexcept {
   return is_ours(name) && fails("mkdir") ? -1 : next<int(const char*, mode_t)>("mkdir")(name, mode);
 }
 FILE* fopen(const char* name, const char* how) {
-  return is_ours(name) && fails("fopen") ? nullptr : next<FILE*(const char*, const char*)>("fopen")(name, how);
+  return is_ours(name) && fails("fopen") ? nullptr : next<FILE*(const char*, const char*)>(WITH_OFFSET("fopen"))(name, how);
 }
 size_t fwrite(const void* data, size_t size, size_t count, FILE* file) {
   return is_ours(fileno(file)) && fails("fwrite") ? 0 : next<size_t(const void*, size_t, size_t, FILE*)>("fwrite")(data, size, count, file);
@@ -137,8 +143,16 @@ int open(const char* name, int flags, ...) {
   va_start(more, flags);
   const mode_t mode = (flags & O_CREAT) != 0 ? va_arg(more, mode_t) : 0;
   va_end(more);
-  return is_ours(name) && fails("open") ? -1 : next<int(const char*, int, ...)>("open")(name, flags, mode);
+  return is_ours(name) && fails("open") ? -1 : next<int(const char*, int, ...)>(WITH_OFFSET("open"))(name, flags, mode);
 }
+void* mmap(void* where, size_t size, int protection, int flags, int descriptor, off_t offset) noexcept {
+  if (descriptor >= 0 && is_ours(descriptor) && fails("mmap")) return MAP_FAILED;
+  return next<void*(void*, size_t, int, int, int, off_t)>(WITH_OFFSET("mmap"))(where, size, protection, flags, descriptor, offset);
+}
+#if __SIZEOF_POINTER__ == 8
+ssize_t pwrite64(int descriptor, const void* data, size_t size, off64_t place) { return pwrite(descriptor, data, size, place); }
+ssize_t pread64(int descriptor, void* data, size_t size, off64_t place) { return pread(descriptor, data, size, place); }
+int ftruncate64(int descriptor, off64_t size) noexcept { return ftruncate(descriptor, size); }
 int open64(const char* name, int flags, ...) {
   va_list more;
   va_start(more, flags);
@@ -146,12 +160,9 @@ int open64(const char* name, int flags, ...) {
   va_end(more);
   return open(name, flags, mode);
 }
-void* mmap(void* where, size_t size, int protection, int flags, int descriptor, off_t offset) noexcept {
-  if (descriptor >= 0 && is_ours(descriptor) && fails("mmap")) return MAP_FAILED;
-  return next<void*(void*, size_t, int, int, int, off_t)>("mmap")(where, size, protection, flags, descriptor, offset);
-}
 void* mmap64(void* where, size_t size, int protection, int flags, int descriptor, off64_t offset) noexcept {
   return mmap(where, size, protection, flags, descriptor, offset);
 }
+#endif
 
 }  // extern "C"

@@ -54,9 +54,11 @@ TEST_F(SharedRuns, OfAPlan) {
   const std::string plan = "plan --require \"gyro.matrix.off_diagonal <= 1 arcsec, accel.matrix.diagonal <= 10 ppm\" --gravity 9.8 --json";
   expect_the_same_bits(plan);
   EXPECT_EQ(run(plan + " --checkpoint shared"), run(plan));
-  EXPECT_THAT(run_imulab(folder, plan + " --time 3600 --checkpoint shared").errors,
-              HasSubstr("shared/path1/turns: is the checkpoint of another run"));
-  EXPECT_THAT(run_imulab(folder, plan + " --checkpoint new --merge .").errors, HasSubstr(".: is no checkpoint of a plan"));
+  const auto error = [&](const std::string& more) { return run_imulab(folder, plan + more).errors; };
+  EXPECT_THAT(error(" --time 3600 --checkpoint shared"), HasSubstr("shared: is the checkpoint of another run"));
+  EXPECT_THAT(error(" --checkpoint ."), HasSubstr("is no checkpoint"));
+  EXPECT_THAT(error(" --checkpoint new --merge ."), HasSubstr(".: is no checkpoint"));
+  EXPECT_THAT(error(" --checkpoint new --merge nowhere"), HasSubstr("nowhere: is no checkpoint"));
 }
 
 TEST_F(SharedRuns, OfAFleet) {

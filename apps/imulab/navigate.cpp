@@ -63,7 +63,14 @@ Session session_of_one(const std::string& name) {
   return session;
 }
 
-/// `file`: takes the states, where there is one.
+/// Standard output, a pipe or a device: what was written there cannot be taken back.
+bool is_stream(const std::string& output) {
+  std::error_code none;
+  const fs::file_status status = fs::status(output, none);
+  return output == "-" || (fs::exists(status) && !fs::is_regular_file(status));
+}
+
+/// `file`: takes the states as they are reached, where there is one.
 NavigatedSession navigated(const Options& options, const Calibration& calibration, const std::string& name, const Session& session,
                            SolutionFile* file) {
   Recording recording = read_for(calibration, session, session.recordings[0]);
@@ -71,7 +78,7 @@ NavigatedSession navigated(const Options& options, const Calibration& calibratio
   const NavigatedSession out = [&] {
     const Progress progress("navigating");
     NavigateOptions navigate = options.navigate;
-    navigate.keep = false;
+    navigate.keep = is_stream(options.output);
     if (file != nullptr) navigate.each = [file](double time, const NavigationState& state) { file->add(time, state); };
     return navigate_session(name, calibration, session, std::move(recording), navigate, truth, !options.report.empty() || options.json);
   }();
@@ -93,15 +100,17 @@ void run(Options options) {
   std::vector<Session> opened;  // all of them before the first is navigated
   for (const auto& name : options.sessions) opened.push_back(session_of_one(name));
   std::optional<SolutionFile> file;
-  if (!options.output.empty()) file.emplace(options.output);
+  if (!options.output.empty() && !is_stream(options.output)) file.emplace(options.output);
   std::vector<NavigatedSession> sessions;
   for (std::size_t i = 0; i < opened.size(); ++i)
     sessions.push_back(navigated(options, calibration, options.sessions[i], opened[i], file ? &*file : nullptr));
+  if (is_stream(options.output)) write_solution(options.output, sessions[0].navigated.solution);
   if (file) file->commit();
   if (!options.report.empty()) write_whole(options.report, navigation_page({.sessions = sessions}));
   if (options.output == "-") return;
   options.json ? print_json(navigation_json(sessions)) : print(navigation_table(sessions));
-  if (!options.output.empty() && !options.json) print(fmt::format("{}: {} states\n", options.output, file->states()));
+  if (options.output.empty() || options.json) return;
+  print(fmt::format("{}: {} states\n", options.output, file ? file->states() : sessions[0].navigated.solution.size()));
 }
 
 }  // namespace

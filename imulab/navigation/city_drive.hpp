@@ -15,8 +15,8 @@ struct CityDrive {
   Solution truth;                     ///< each second
 };
 
-/// 301 s of rest, then straight roads of 375 s with bends of 45 deg between them: 3879 s, at 40 deg of latitude. `interval` of the samples [s], a part
-/// of a second.
+/// 301 s of rest, then straight roads of 375 s with bends of 45 deg between them: 3879 s, at 40 deg of latitude. `interval` of the samples [s], a
+/// part of a second.
 CityDrive city_drive(double interval);
 
 }  // namespace imulab

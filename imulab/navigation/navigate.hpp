@@ -52,7 +52,7 @@ struct Navigated {
 /// `recording` is raw. Starts at the session's initial state, or at the end of the first rest, aligned on it, at the position of the initial state or
 /// else of the site. Throws Error where the session has no position or the start lies outside the recording, for missing barometer heights, for gaps
 /// that are to be refused and for readings far beyond any motion; Unsupported where there is no rest to align on, or where it does not show the
-/// heading. A recording that is moved here takes no more memory.
+/// heading. A recording that is moved here is compensated in its place.
 Navigated navigate(const Calibration& calibration, const Session& session, Recording recording, const NavigateOptions& options = {});
 
 /// One sigma [rad] of roll, pitch and heading, from an attitude's covariance in east-north-up.

@@ -13,7 +13,7 @@
 namespace imulab::navigation {
 namespace {
 
-/// The reading whose compensation is the mean of a range: raw readings differ from it by the noise.
+/// The reading whose compensation is the mean of a range. From the mean of raw readings it differs by what noise makes of nonlinearity.
 RawSample mean_reading(const SensorModel& model, const Recording& r, const Range& range) {
   const auto mean = [&](const Columns3& columns, double origin) {
     Vector3d out = Vector3d::Zero();

@@ -23,7 +23,8 @@ TrueMotion read_truth(const std::filesystem::path& file);
 std::optional<TrueMotion> session_truth(const Session& session);
 
 /// `explain`: also what the calibration's uncertainties explain of the errors. A truth and `explain` keep every state, whatever the options say.
-/// Throws as `navigate` and `navigation_errors` do. A recording that is moved here takes no more memory, unless `explain` needs it again.
+/// Throws as `navigate` and `navigation_errors` do. A recording that is moved here is compensated in its place, unless
+/// `explain` needs it again.
 NavigatedSession navigate_session(const std::string& name, const Calibration& calibration, const Session& session, Recording recording,
                                   NavigateOptions options, const std::optional<TrueMotion>& truth, bool explain);
 

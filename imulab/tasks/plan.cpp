@@ -1,4 +1,5 @@
 #include "imulab/core/build.hpp"
+#include "imulab/core/checkpoint_folder.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/io/session/file.hpp"
@@ -54,7 +55,8 @@ std::string identity_of(const PlanTask& task, const hybrid::PathQuestion& q) {
   std::string text = fmt::format("a plan of imulab {}, {}, rests {}, time {}, turns at {} rad/s about", build().version,
                                  task.by_hand ? "by hand" : "on a table", q.rest.value_or(0), q.time.value_or(0), q.turn_rate);
   for (const RigAxis axis : q.axes) text += fmt::format(" {}", to_string(axis));
-  for (const Requirement& r : q.requirements) text += fmt::format(", {} <= {}", r.selector, r.limit);
+  for (const Requirement& r : q.requirements)
+    for (const CoefficientIndex index : r.coefficients) text += fmt::format(", {} <= {}", coefficient(index).name, r.limit);
   return fmt::format("{}\n{}", text, procedure_text(procedure_of(task, 60, {})));
 }
 
@@ -127,9 +129,10 @@ PlannedProcedure plan(const PlanTask& task) {
   question.time = task.time;
   expect_estimated(question.requirements, question.unit);
   expect_reachable(question);
-  if (task.checkpoint)
-    for (const auto& merged : task.checkpoint->merged)
-      if (!exists(merged / "path1")) throw Error(merged.string() + ": is no checkpoint of a plan");
+  if (task.checkpoint) {  // the folders are this plan's
+    const CheckpointFolder folder(task.checkpoint->folder, identity_of(task, question));
+    for (const auto& merged : task.checkpoint->merged) CheckpointFolder::read(merged, folder.identity(), [](std::size_t, const std::string&) {});
+  }
   PlannedProcedure out;
   out.timed = task.time.has_value();
   out.requirements = task.requirements;

@@ -226,12 +226,12 @@ class Numbers {
   }
   QuarterPath path() {
     QuarterPath path;
-    const double turns = next();
-    for (double k = 0; k < turns; ++k) {
+    const int turns = whole(0, 100000);
+    for (int k = 0; k < turns; ++k) {
       const auto axis = static_cast<RigAxis>(whole(0, 2));
       path.turns.push_back({axis, whole(-2, 2)});
     }
-    for (double k = 0; k <= turns; ++k) path.rests.push_back(whole(0, 100000));
+    for (int k = 0; k <= turns; ++k) path.rests.push_back(whole(0, 100000));
     return path;
   }
 
@@ -246,12 +246,12 @@ class Numbers {
   std::size_t at_ = 0;
 };
 
-/// One of the steps of a search.
+/// Does a work of the search, by all processes that share it.
 void for_each_part(SharedWork work, const SharedSearch* shared, const char* step) {
   if (shared == nullptr) return for_each(work);
   Checkpoint own{shared->checkpoint.folder / step, {}};
   for (const auto& folder : shared->checkpoint.merged)
-    if (exists(folder / step)) own.merged.push_back(folder / step);  // that run came so far
+    if (exists(folder / step)) own.merged.push_back(folder / step);  // else that run did not reach this step
   work.identity = shared->identity;
   for_each(work, &own);
 }

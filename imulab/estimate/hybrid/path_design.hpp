@@ -23,7 +23,7 @@ struct PathQuestion {
   std::optional<double> rest;  ///< s, of every rest; absent: chosen, rest by rest
 };
 
-/// Processes that share a search: where, and what the question is, in words that no other question has.
+/// Processes that share a search: where, and a text that is another one for every other question.
 struct SharedSearch {
   Checkpoint checkpoint;
   std::string identity;

@@ -115,7 +115,7 @@ ArrayXd Problem::power(double ramp) const {
   return power;
 }
 
-/// Sets ramp and misfit of a point, and returns the model there; nothing where it is not possible. A fitted ramp takes power from the lowest
+/// Sets ramp and misfit of a point, and returns the model there, nothing where it is not possible. A fitted ramp takes power from the lowest
 /// ordinates, which the restricted likelihood allows for.
 Modeled Problem::judge(Point& point, const Fixed& fixed) const {
   point.misfit = std::numeric_limits<double>::infinity();

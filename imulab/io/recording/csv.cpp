@@ -81,17 +81,13 @@ void append(TimedTable& table, const std::vector<Part>& parts, std::size_t lines
     lines += part.lines;
     rows += part.table.time_ns.size();
   }
-  const auto join = [&](auto& column, const auto& of) {
-    column.reserve(rows);
-    for (const Part& part : parts) column.insert(column.end(), of(part.table).begin(), of(part.table).end());
-  };
   parallel_for(table.values.size() + 1, [&](std::size_t c) {
-    if (c == table.values.size())
-      join(
-          table.time_ns, [](const TimedTable& part) -> const auto& { return part.time_ns; });
-    else
-      join(
-          table.values[c], [&](const TimedTable& part) -> const auto& { return part.values[c]; });
+    const auto join = [&](auto& column, auto part_of) {
+      if (column.capacity() < rows) column.reserve(std::max(rows, 2 * column.capacity()));
+      for (const Part& part : parts) column.insert(column.end(), part_of(part.table)->begin(), part_of(part.table)->end());
+    };
+    if (c == table.values.size()) return join(table.time_ns, [](const TimedTable& part) { return &part.time_ns; });
+    join(table.values[c], [c](const TimedTable& part) { return &part.values[c]; });
   });
 }
 
@@ -137,7 +133,7 @@ std::vector<std::string> warnings_of(const std::string& file, const TableLayout&
   return warnings;
 }
 
-/// Pieces of a text: by several threads as long as all is well, else in order from the last piece on that was read.
+/// Pieces of a text: by several threads as long as all is well, else in order from the first piece on in which something is not.
 class PieceReader {
  public:
   PieceReader(const RowReader& first, const ReadingMeter& meter) : first_(first), reader_(first), meter_(meter) {}
@@ -178,13 +174,13 @@ class PieceReader {
   const ReadingMeter& meter_;
   Row last_;
   std::size_t lines_ = 0;
-  bool any_ = false, in_order_ = true;  // rows so far; whether reader_ stands behind the piece before
+  bool any_ = false, in_order_ = true;  // whether any row was read; whether reader_ stands behind the piece before
 };
 
 constexpr std::size_t bytes_of_piece = std::size_t{1} << 24;  // bytes of text: what is read in one piece
 
-/// All rows in pieces of whole lines, which leave memory as they have been read, added to a table for about `bytes` of text; `after` each it may be
-/// emptied. A column that is requested twice is read once.
+/// Adds all rows to a table, in pieces of whole lines, which leave memory as they have been read. `bytes`: how much text the table is to hold.
+/// `after` each piece the table may be emptied. A column that is requested twice is read once.
 void for_each_piece(const MappedFile& file, const std::string& name, const TableLayout& layout, const RowReader& reader, TimedTable& table,
                     std::size_t bytes, const std::function<void()>& after) {
   std::string_view text = file.text().substr(layout.offset);
