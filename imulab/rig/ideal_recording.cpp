@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace imulab::rig {
 
@@ -56,16 +57,19 @@ std::vector<Range> recorded_samples(const RecordingSource& source, std::span<con
   constexpr double rounding = 1e-12;  // of a time as a number of samples, relative
   const double rate = source.rate_hz.value_or(default_sample_rate);
   if (!(rate > 0)) throw Error(fmt::format("a sampling rate of {:g} Hz; expected one above 0", rate));
-  constexpr double most_counted = 1e15;  // of samples: a double and an index hold it
+  constexpr double most_counted = 1e15;  // of samples: a double holds it
   for (const Step& step : steps)
     if (!(std::max(std::abs(step.start), std::abs(step.end)) * rate < most_counted))
       throw Error(fmt::format("a step from {:g} to {:g} s at {:g} Hz; expected less than {:g} samples", step.start, step.end, rate, most_counted));
-  const auto last = [&](const Step& step) { return static_cast<std::size_t>(std::floor(std::max(0.0, step.end) * rate * (1 + rounding))); };
-  std::vector<Range> samples;
+  struct Samples {
+    double begin, end;  // whole, and maybe more than an index counts
+  };
+  const auto last = [&](const Step& step) { return std::floor(std::max(0.0, step.end) * rate * (1 + rounding)); };
+  std::vector<Samples> samples;
   if (source.extent == Extent::all && !steps.empty()) samples.push_back({0, last(steps.back())});
   for (const Step& step : steps) {
     if (source.extent == Extent::all) break;
-    const Range inside{static_cast<std::size_t>(std::ceil(std::max(0.0, step.start) * rate * (1 - rounding))), last(step)};
+    const Samples inside{std::ceil(std::max(0.0, step.start) * rate * (1 - rounding)), last(step)};
     if (inside.begin >= inside.end) continue;
     if (!samples.empty() && samples.back().end == inside.begin) {
       samples.back().end = inside.end;
@@ -75,10 +79,15 @@ std::vector<Range> recorded_samples(const RecordingSource& source, std::span<con
   }
   if (samples.empty() || samples.back().end == 0) throw Error("the steps last less than one sample; expected at least one");
   double count = 0;
-  for (const Range& range : samples) count += static_cast<double>(range.size());
+  for (const Samples& range : samples) count += range.end - range.begin;
   if (count > most_samples)
     throw Error(fmt::format("{:.3g} samples; expected at most {:.0e}: shorter steps or a lower sampling rate", count, most_samples));
-  return samples;
+  constexpr auto most_index = static_cast<double>(std::numeric_limits<std::size_t>::max());
+  if (samples.back().end >= most_index)
+    throw Error(fmt::format("the last sample is number {:.3g} from time 0; expected at most {:.3g}", samples.back().end, most_index));
+  std::vector<Range> ranges;
+  for (const Samples& range : samples) ranges.push_back({static_cast<std::size_t>(range.begin), static_cast<std::size_t>(range.end)});
+  return ranges;
 }
 
 Recording ideal_recording(const Session& procedure, const RecordingSource& source, const Surroundings& surroundings, const RigErrors& errors) {

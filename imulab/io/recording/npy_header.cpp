@@ -77,11 +77,17 @@ std::size_t npy_number(std::string_view text, const std::string& place) {
   return number;
 }
 
+constexpr std::size_t most_bytes = std::numeric_limits<std::ptrdiff_t>::max();  // that an index counts
+
 std::size_t product(std::size_t a, std::size_t b, const std::string& place) {
   std::size_t result = 0;
-  if (__builtin_mul_overflow(a, b, &result) || result > std::numeric_limits<std::size_t>::max() / 16)
-    fail_npy(place, "the array is larger than any file");
+  if (__builtin_mul_overflow(a, b, &result) || result > most_bytes) fail_npy(place, "the array is larger than any file");
   return result;
+}
+
+std::size_t sum(std::size_t a, std::size_t b, const std::string& place) {
+  if (a > most_bytes - b) fail_npy(place, "the array is larger than any file");
+  return a + b;
 }
 
 std::vector<std::size_t> npy_shape(const PythonValue& value, const std::string& place) {
@@ -127,7 +133,7 @@ class ElementReader {
       fields.push_back({{number->kind, number->bytes, type[0] == '>'}, bytes});
       columns.push_back({name, time_unit_of(type)});
     }
-    bytes += product(size, plain[0] == 'U' ? 4 : 1, place_);
+    bytes = sum(bytes, product(size, plain[0] == 'U' ? 4 : 1, place_), place_);
     check_size();
   }
 
