@@ -70,17 +70,12 @@ bool is_stream(const std::string& output) {
   return output == "-" || (fs::exists(status) && !fs::is_regular_file(status));
 }
 
-/// `file`: takes the states as they are reached, where there is one.
-NavigatedSession navigated(const Options& options, const Calibration& calibration, const std::string& name, const Session& session,
-                           SolutionFile* file) {
+NavigatedSession navigated(const Options& options, const Calibration& calibration, const std::string& name, const Session& session) {
   Recording recording = read_for(calibration, session, session.recordings[0]);
   const std::optional<TrueMotion> truth = options.truth.empty() ? session_truth(session) : read_truth(options.truth);
   const NavigatedSession out = [&] {
     const Progress progress("navigating");
-    NavigateOptions navigate = options.navigate;
-    navigate.keep = is_stream(options.output);
-    if (file != nullptr) navigate.each = [file](double time, const NavigationState& state) { file->add(time, state); };
-    return navigate_session(name, calibration, session, std::move(recording), navigate, truth, !options.report.empty() || options.json);
+    return navigate_session(name, calibration, session, std::move(recording), options.navigate, truth, !options.report.empty() || options.json);
   }();
   const std::string who = options.sessions.size() > 1 ? name + ": " : "";
   for (const auto& text : out.navigated.warnings) warn(who + text);
@@ -99,13 +94,16 @@ void run(Options options) {
   if (options.heading_deg) options.navigate.heading = {*options.heading_deg * unit::deg, options.heading_sigma_deg.value_or(0) * unit::deg};
   std::vector<Session> opened;  // all of them before the first is navigated
   for (const auto& name : options.sessions) opened.push_back(session_of_one(name));
-  std::optional<SolutionFile> file;
-  if (!options.output.empty() && !is_stream(options.output)) file.emplace(options.output);
+  std::optional<SolutionFile> file;  // takes the states as they are reached
+  options.navigate.keep = is_stream(options.output);
+  if (!options.output.empty() && !options.navigate.keep) {
+    file.emplace(options.output);
+    options.navigate.each = [&file](double time, const NavigationState& state) { file->add(time, state); };
+  }
   std::vector<NavigatedSession> sessions;
-  for (std::size_t i = 0; i < opened.size(); ++i)
-    sessions.push_back(navigated(options, calibration, options.sessions[i], opened[i], file ? &*file : nullptr));
-  if (is_stream(options.output)) write_solution(options.output, sessions[0].navigated.solution);
+  for (std::size_t i = 0; i < opened.size(); ++i) sessions.push_back(navigated(options, calibration, options.sessions[i], opened[i]));
   if (file) file->commit();
+  if (options.navigate.keep) write_solution(options.output, sessions[0].navigated.solution);
   if (!options.report.empty()) write_whole(options.report, navigation_page({.sessions = sessions}));
   if (options.output == "-") return;
   options.json ? print_json(navigation_json(sessions)) : print(navigation_table(sessions));

@@ -6,6 +6,7 @@
 
 #include "tests/flight_session.hpp"
 #include "tests/run_command.hpp"
+#include "tests/still_log.hpp"
 
 namespace imulab {
 namespace {
@@ -52,6 +53,28 @@ TEST(NavigateCommand, NavigatesWritesAndHoldsAgainstTheTruth) {
   EXPECT_NEAR(p["rate_nmi_per_h"].get<double>(), p["horizontal_m"].get<double>() / 1852 / (60. / 3600), 1e-12);
   EXPECT_EQ(j["velocity_error_mps"].size(), 3u);
   EXPECT_EQ(j["attitude_error_arcsec"].size(), 3u);
+}
+
+TEST(NavigateCommand, WritesTheSameToAFileAndToAStreamAndNothingWhereItFails) {
+  const TemporaryFolder folder;
+  write_still_log(folder, 12000, still_readings);  // a solution of 1.3 MB: more than is written at once
+  const std::string session = read_text(folder / "session.toml");
+  const auto start_at = [&](const char* place) {
+    folder.write("session.toml", session + "[initial]\nlongitude_deg = 8\nheight_m = 400\nroll_deg = 0\npitch_deg = 0\nheading_deg = 0\n" + place);
+  };
+  start_at("latitude_deg = 47\nvelocity_enu_mps = [0, 0, 0]\n");
+  const CommandResult file = run_imulab(folder, "navigate none session.toml --vertical fixed -o solution.csv");
+  ASSERT_EQ(file.exit_code, 0) << file.errors;
+  EXPECT_THAT(file.output, HasSubstr("solution.csv: 12001 states"));
+  EXPECT_EQ(run_imulab(folder, "navigate none session.toml --vertical fixed -o -").output, read_text(folder / "solution.csv"));
+  start_at("latitude_deg = 87\nvelocity_enu_mps = [0, 3000, 0]\n");  // near the pole after 107 s
+  for (const char* output : {"-", "none.csv"}) {
+    const CommandResult failed = run_imulab(folder, std::string("navigate none session.toml --vertical fixed -o ") + output);
+    EXPECT_EQ(failed.exit_code, 2);
+    EXPECT_EQ(failed.output, "");
+    EXPECT_THAT(failed.errors, HasSubstr("from the equator"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "none.csv"));
 }
 
 TEST(NavigateCommand, AlignsOnTheRest) {

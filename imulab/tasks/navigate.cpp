@@ -34,8 +34,7 @@ NavigatedSession navigate_session(const std::string& name, const Calibration& ca
   if (explain)
     expect_memory(with_explanation * static_cast<double>(recording.bytes()), recording.name + ": a navigation with what explains its errors");
   options.keep = options.keep || truth || explain;
-  Recording again;
-  if (explain) again = recording;
+  const Recording again = explain ? recording : Recording();
   NavigatedSession out{.session = name, .navigated = navigate(calibration, session, std::move(recording), options), .errors = {}};
   if (truth) out.errors = errors_at(truth->name, [&] { return navigation_errors(out.navigated.solution, truth->solution); });
   if (explain) try {

@@ -81,6 +81,27 @@ TEST(Deviation, HasTheTermsAndTimesOfTheDefinition) {
   EXPECT_NEAR(points[3].deviation, 1.028221763903267e-02, 1e-14);
 }
 
+TEST(Deviation, OfManyOctavesIsThatOfTheDefinition) {
+  std::vector<double> rate;
+  for (int i = 0; i < 9000; ++i) rate.push_back(std::fmod(0.61803398875 * i * i, 1.0));  // several pieces, the last one in part
+  const std::vector<std::size_t> factors = averaging_factors(rate.size());
+  const std::vector<DeviationPoint> points = deviation(rate, 1, factors, DeviationKind::overlapping_allan);
+  ASSERT_EQ(points.size(), factors.size());
+  for (std::size_t k = 0; k < factors.size(); ++k) {
+    const std::size_t m = factors[k];
+    double square = 0;
+    std::size_t terms = 0;
+    for (std::size_t i = 0; i + 2 * m <= rate.size(); ++i, ++terms) {
+      double first = 0, second = 0;
+      for (std::size_t j = i; j < i + m; ++j) first += rate[j], second += rate[j + m];
+      square += std::pow((second - first) / static_cast<double>(m), 2);
+    }
+    EXPECT_EQ(points[k].terms, terms);
+    // Rounding: of sums of 9000 readings, 1e-12, against means that differ by 1e-3 at least.
+    EXPECT_NEAR(points[k].deviation, std::sqrt(square / (2 * static_cast<double>(terms))), 1e-9 * points[k].deviation) << m;
+  }
+}
+
 TEST(Deviation, IsTheSameInTheMemoryOfTheReadings) {
   std::vector<double> rate;
   for (int i = 0; i < 5000; ++i) rate.push_back(9.8 + std::fmod(0.61803398875 * i * i, 1.0));

@@ -127,10 +127,11 @@ std::vector<Passed> FilterShares::passed(const Nodes& nodes, double cutoff, doub
 FilterShares::Shares FilterShares::at(double cutoff_hz) const {
   const double angle = 2 * pi * cutoff_hz * reading_s_, cutoff = place(cutoff_hz), steepness = shape_.digital ? angle / std::sin(angle) : 1;
   Shares out{passed(red_, cutoff, steepness), passed(white_, cutoff, steepness)};
-  const Passed zero = passed(zero_, cutoff, steepness).front();
+  const std::vector<Passed> at_zero = passed(zero_, cutoff, steepness);
   for (std::size_t i = 0; i < out.white.size(); ++i) {
     if (white_.begin[i + 1] - white_.begin[i] != 3 * zero_.weight.size() || shape_.digital) continue;
     Passed& white = out.white[i];
+    const Passed& zero = at_zero.front();
     white.share /= zero.share;
     white.by_log_cutoff = (white.by_log_cutoff - white.share * zero.by_log_cutoff) / zero.share;
   }

@@ -59,7 +59,7 @@ class FilterShares {
   /// Of all bins, those of bin i from begin[i] to begin[i + 1].
   struct Nodes {
     void add(const Node& node) { square.push_back(node.x * node.x), weight.push_back(node.weight); }
-    std::vector<double> square, weight;  // of x; side by side for registers of several numbers
+    std::vector<double> square, weight;  // x^2 and weight of each node: columns, of which the processor takes several numbers at once
     std::vector<std::size_t> begin{0};
   };
   double place(double hz) const;
