@@ -4,6 +4,8 @@
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
 #endif
 
 namespace imulab {
@@ -16,7 +18,10 @@ ThreadLimit::ThreadLimit(std::size_t threads) : control_(new Control{{tbb::globa
 
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& work) { tbb::parallel_for(std::size_t{0}, count, work); }
 void isolate_parallel(const std::function<void()>& work) { tbb::this_task_arena::isolate(work); }
-std::size_t parallel_threads() { return static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()); }
+std::size_t parallel_threads() {
+  const auto limit = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  return std::min(limit, static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()));
+}
 #else
 struct ThreadLimit::Control {};
 ThreadLimit::ThreadLimit(std::size_t) {}

@@ -47,6 +47,7 @@ TEST(Parallel, ThreadsCanBeLimited) {
       --at_once;
     });
     EXPECT_EQ(most, 1);
+    EXPECT_EQ(parallel_threads(), 1u);
   }
   EXPECT_EQ(parallel_threads(), usual);
 }
