@@ -31,7 +31,6 @@ TEST(Reading, ALongFileIsMappedAndAShortOneCopied) {
 
 /// A copy does not change with the file; lost pages of a mapped one end the program in good order: with a message, exit code 2 and nothing half made.
 TEST(Reading, AFileThatBecomesShorter) {
-  testing::FLAGS_gtest_death_test_style = "threadsafe";  // the child has threads
   const TemporaryFolder folder;
   const fs::path small = folder.write("small", "abc"), large = folder.write("large", std::string(most_copied + 1, 'a'));
   const MappedFile copied(small);
@@ -50,7 +49,6 @@ TEST(Reading, AFileThatBecomesShorter) {
 }
 
 TEST(Reading, AnotherBusErrorEndsTheProgramAsAlways) {
-  testing::FLAGS_gtest_death_test_style = "threadsafe";
   EXPECT_EXIT((remove_unfinished_on_signals(), ::raise(SIGBUS), ::raise(SIGBUS)), testing::KilledBySignal(SIGBUS), "");
 }
 
