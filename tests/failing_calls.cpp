@@ -70,7 +70,7 @@ bool is_ours(const char* path) {
 bool is_ours(int descriptor, bool folder = false) {
   char target[PATH_MAX + 1] = {}, link[40];
   std::snprintf(link, sizeof link, "/proc/self/fd/%d", descriptor);
-  const long size = syscall(SYS_readlink, link, target, PATH_MAX);
+  const long size = syscall(SYS_readlinkat, AT_FDCWD, link, target, PATH_MAX);
   struct stat status {};
   return size > 0 && target[0] == '/' && is_ours(target) && descriptor > STDERR_FILENO && fstat(descriptor, &status) == 0 &&
          (S_ISREG(status.st_mode) || (folder && S_ISDIR(status.st_mode)));

@@ -58,7 +58,8 @@ TEST_F(SharedRuns, OfAPlan) {
   EXPECT_THAT(error(" --time 3600 --checkpoint shared"), HasSubstr("shared: is the checkpoint of another run"));
   EXPECT_THAT(error(" --checkpoint ."), HasSubstr("is no checkpoint"));
   EXPECT_THAT(error(" --checkpoint new --merge ."), HasSubstr(".: is no checkpoint"));
-  EXPECT_THAT(error(" --checkpoint new --merge nowhere"), HasSubstr("nowhere: is no checkpoint"));
+  EXPECT_THAT(error(" --checkpoint new --merge nowhere"), HasSubstr("nowhere: is no checkpoint; expected the folder of an earlier run"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "new"));
 }
 
 TEST_F(SharedRuns, OfAFleet) {
@@ -128,6 +129,7 @@ TEST_F(SharedRuns, BadInput) {
   EXPECT_THAT(error("predict procedure.toml --runs 1000 --checkpoint ."), HasSubstr("is no checkpoint"));
   EXPECT_THAT(error("predict procedure.toml --runs 1000 --checkpoint procedure.toml"), HasSubstr("procedure.toml"));
   EXPECT_THAT(error("predict procedure.toml --runs 1000 --checkpoint new --merge nowhere"), HasSubstr("nowhere: is no checkpoint"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "new"));
   EXPECT_THAT(error("predict procedure.toml --method hybrid --checkpoint new"), HasSubstr("--checkpoint: belongs to --method turntable"));
   EXPECT_THAT(error("predict procedure.toml --runs 1000 --checkpoint /proc/none"), HasSubstr("/proc/none"));
 }

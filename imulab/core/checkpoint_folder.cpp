@@ -65,11 +65,11 @@ bool create_whole(const fs::path& file, const std::string& text) {
   return made;
 }
 
-void expect_identity(const fs::path& folder, const std::string& identity) {
+void expect_identity(const fs::path& folder, const std::string& identity, const char* expected) {
   const fs::path file = folder / "identity";
-  if (!fs::exists(file)) throw Error(folder.string() + ": is no checkpoint; expected a new or an empty folder, or one of an earlier run");
-  if (const std::string found = text_of(file); found != identity + "\n")
-    throw Error(folder.string() + ": is the checkpoint of another run (other input, options or version); expected a new folder");
+  if (!fs::exists(file)) throw Error(fmt::format("{}: is no checkpoint; expected {}", folder.string(), expected));
+  if (text_of(file) != identity + "\n")
+    throw Error(fmt::format("{}: is the checkpoint of another run (other input, options or version); expected {}", folder.string(), expected));
 }
 
 /// The whole records of a file from `begin` on; where they end.
@@ -105,7 +105,7 @@ std::uint64_t checksum(std::string_view bytes) {
   return sum;
 }
 
-CheckpointFolder::CheckpointFolder(fs::path folder, std::string identity) : folder_(std::move(folder)), identity_(std::move(identity)) {
+CheckpointFolder::CheckpointFolder(fs::path folder, const std::string& identity) : folder_(std::move(folder)) {
   std::error_code wrong;
   fs::create_directories(folder_, wrong);
   if (wrong) throw Error(fmt::format("{}: cannot be made: {}", folder_.string(), wrong.message()));
@@ -113,8 +113,8 @@ CheckpointFolder::CheckpointFolder(fs::path folder, std::string identity) : fold
   // Until one of them has made it, processes that begin at once find nothing but what the others are about to name so.
   const fs::directory_iterator entries(folder_);
   if (std::all_of(begin(entries), end(entries), [](const auto& entry) { return entry.path().filename().string().starts_with("identity."); }))
-    create_whole(folder_ / "identity", identity_ + "\n");
-  expect_identity(folder_, identity_);
+    create_whole(folder_ / "identity", identity + "\n");
+  expect_identity(folder_, identity, "a new or an empty folder, or that of an earlier run of this command");
   fs::create_directories(folder_ / "claims", wrong);
   if (wrong) throw Error(fmt::format("{}: cannot be made: {}", (folder_ / "claims").string(), wrong.message()));
 }
@@ -156,7 +156,7 @@ void CheckpointFolder::read_new(const Sink& sink) {
 }
 
 void CheckpointFolder::read(const fs::path& folder, const std::string& identity, const Sink& sink) {
-  expect_identity(folder, identity);
+  expect_identity(folder, identity, "the folder of an earlier run of this command");
   for (const fs::path& file : result_files(folder)) read_records(file, 0, sink);
 }
 

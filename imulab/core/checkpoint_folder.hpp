@@ -24,24 +24,22 @@ class CheckpointFolder {
   using Sink = std::function<void(std::size_t part, std::string result)>;
 
   /// Makes the folder, or joins it. Throws Error where it is another work's, or something else.
-  CheckpointFolder(std::filesystem::path folder, std::string identity);
+  CheckpointFolder(std::filesystem::path folder, const std::string& identity);
   ~CheckpointFolder();
   CheckpointFolder(const CheckpointFolder&) = delete;
   CheckpointFolder& operator=(const CheckpointFolder&) = delete;
 
-  const std::string& identity() const { return identity_; }
   /// Whether nobody has begun this chunk in this round before.
   bool claim(std::size_t chunk, int round);
   /// Throws Error where it cannot be written.
   void append(std::size_t part, const std::string& result);
   /// Records since the last call, those of other processes too. A record that is not whole yet is left for the next call.
   void read_new(const Sink& sink);
-  /// All of another folder. Throws Error where that is of another work.
+  /// All of another folder. Throws Error where there is none, and where it is another work's.
   static void read(const std::filesystem::path& folder, const std::string& identity, const Sink& sink);
 
  private:
   std::filesystem::path folder_;
-  std::string identity_;
   std::mutex one_;
   int file_ = -1;  // of this process, and its name
   std::string own_;

@@ -77,8 +77,9 @@ std::string identity_of(const SharedWork& work) {
 void share(const SharedWork& work, const Checkpoint& checkpoint) {
   InOrder results(work);
   const auto add = [&](std::size_t part, std::string result) { results.add(part, std::move(result)); };
-  CheckpointFolder folder(checkpoint.folder, identity_of(work));
-  for (const auto& other : checkpoint.merged) CheckpointFolder::read(other, folder.identity(), add);
+  const std::string identity = identity_of(work);
+  for (const auto& other : checkpoint.merged) CheckpointFolder::read(other, identity, add);
+  CheckpointFolder folder(checkpoint.folder, identity);
   folder.read_new(add);
   constexpr std::size_t most_claims = 10000;  // files of a folder
   const std::size_t size = std::max<std::size_t>(1, (work.count + most_claims - 1) / most_claims), chunks = (work.count + size - 1) / size;

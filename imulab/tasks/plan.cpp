@@ -130,8 +130,9 @@ PlannedProcedure plan(const PlanTask& task) {
   expect_estimated(question.requirements, question.unit);
   expect_reachable(question);
   if (task.checkpoint) {  // the folders are this plan's
-    const CheckpointFolder folder(task.checkpoint->folder, identity_of(task, question));
-    for (const auto& merged : task.checkpoint->merged) CheckpointFolder::read(merged, folder.identity(), [](std::size_t, const std::string&) {});
+    const std::string identity = identity_of(task, question);
+    for (const auto& merged : task.checkpoint->merged) CheckpointFolder::read(merged, identity, [](std::size_t, const std::string&) {});
+    const CheckpointFolder folder(task.checkpoint->folder, identity);
   }
   PlannedProcedure out;
   out.timed = task.time.has_value();
