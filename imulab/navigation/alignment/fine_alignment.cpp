@@ -160,13 +160,13 @@ double correlation(const std::vector<Vector2d>& e) {
 
 FineAlignment fine_alignment(std::span<const TimedIncrement> samples, const AlignmentSite& site, const AlignmentSensors& sensors,
                              const std::optional<GivenHeading>& heading) {
+  Matrix3d C_nb = coarse_alignment(samples, site, sensors, heading).C_nb;
   const RestMotion rest = rest_motion(samples, site);
   const Matrix3d C_0b = carried(rest).C_0b;
   const Densities noise = densities(rest, sensors);
   FineAlignment out;
   out.gyro_noise = noise.gyro;
   out.accel_noise = noise.accel;
-  Matrix3d C_nb = coarse_alignment(samples, site, sensors, heading).C_nb;
   Filtered f;
   for (int pass = 0; pass < 2; ++pass) {  // the second about the first's result, from the same wide start
     const std::vector<Block> blocks = integrate(rest, rest.turned_back(rest.duration) * C_nb * C_0b.transpose());

@@ -15,15 +15,16 @@ namespace {
 
 /// The density of white noise that explains how the means over twenty parts of the rest differ, by second differences, which a steady drift leaves
 /// alone. On a base that sways this is the sway, far above the sensors' noise: there it has to be declared.
-double noise_density(const std::vector<Vector3d>& integrals, double duration) {
+double noise_density(const RestMotion& rest, Vector3d integration::BodyStep::*integral) {
   constexpr std::size_t parts = 20;
   std::array<Vector3d, parts> mean;
-  const double part = duration / parts;
+  const std::size_t steps = rest.steps.size();
+  const double part = rest.duration / parts;
   for (std::size_t k = 0; k < parts; ++k) {
-    const std::size_t begin = integrals.size() * k / parts, end = integrals.size() * (k + 1) / parts;
+    const std::size_t begin = steps * k / parts, end = steps * (k + 1) / parts;
     mean[k].setZero();
-    for (std::size_t i = begin; i < end; ++i) mean[k] += integrals[i];
-    mean[k] /= part * static_cast<double>((end - begin) * parts) / static_cast<double>(integrals.size());
+    for (std::size_t i = begin; i < end; ++i) mean[k] += rest.steps[i].*integral;
+    mean[k] /= part * static_cast<double>((end - begin) * parts) / static_cast<double>(steps);
   }
   double square = 0;
   for (std::size_t k = 2; k < parts; ++k) square += (mean[k] - 2 * mean[k - 1] + mean[k - 2]).squaredNorm();
@@ -40,6 +41,8 @@ RestMotion rest_motion(std::span<const TimedIncrement> samples, const AlignmentS
   RestMotion rest;
   rest.earth = earth_rate_enu(site.latitude);
   rest.gravity = site.gravity;
+  rest.steps.reserve(samples.size());
+  rest.intervals.reserve(samples.size());
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Increment& sample = samples[i].increment;
     rest.steps.push_back(i > 0 ? integration::body_step(sample, samples[i - 1].increment) : integration::body_step({&sample, 1}));
@@ -54,6 +57,7 @@ RestMotion rest_motion(std::span<const TimedIncrement> samples, const AlignmentS
 
 CarriedRest carried(const RestMotion& rest) {
   CarriedRest out;
+  out.velocity.reserve(rest.steps.size());
   Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
   for (const integration::BodyStep& step : rest.steps) {
     out.velocity.push_back(q * step.velocity);
@@ -64,13 +68,8 @@ CarriedRest carried(const RestMotion& rest) {
 }
 
 Densities densities(const RestMotion& rest, const AlignmentSensors& sensors) {
-  std::vector<Vector3d> angles, velocities;
-  for (const integration::BodyStep& step : rest.steps) {
-    angles.push_back(step.rotation);
-    velocities.push_back(step.velocity);
-  }
-  return {sensors.gyro_noise ? *sensors.gyro_noise : noise_density(angles, rest.duration),
-          sensors.accel_noise ? *sensors.accel_noise : noise_density(velocities, rest.duration)};
+  return {sensors.gyro_noise ? *sensors.gyro_noise : noise_density(rest, &integration::BodyStep::rotation),
+          sensors.accel_noise ? *sensors.accel_noise : noise_density(rest, &integration::BodyStep::velocity)};
 }
 
 void check_has_heading(const Matrix3d& C_nb) {
