@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 
 #include "tests/recording_files.hpp"
+#include <array>
+#include <cmath>
 
 namespace imulab {
 namespace {
@@ -113,6 +115,32 @@ TEST(NumPy, WrongHeadsAreErrors) {
   };
   for (const auto& c : cases) EXPECT_THAT(error_of({.file = folder.write("x.npy", c.bytes)}, {1}), HasSubstr("x.npy: ")) << c.message;
   for (const auto& c : cases) EXPECT_THAT(error_of({.file = folder.write("x.npy", c.bytes)}, {1}), HasSubstr(c.message));
+}
+
+TEST(NumPy, RowsAreCheckedAsThoseOfText) {
+  using Row = std::array<double, 2>;  // a stamp and a reading
+  const TemporaryFolder folder;
+  const auto read = [&](const std::vector<Row>& rows) {
+    std::string bytes = npy_with("{'descr': '<f8', 'fortran_order': False, 'shape': (" + std::to_string(rows.size()) + ", 2), }", 0);
+    bytes.append(reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(Row));
+    return recording_io::read_table({.file = folder.write("rows.npy", bytes)}, {.column = 1}, std::nullopt, {2});
+  };
+  const recording_io::TimedTable table = read({{0.01, 1}, {0.02, 2}, {0.02, 2}, {0.03, 3}});
+  EXPECT_THAT(table.time_ns, ElementsAre(10'000'000, 20'000'000, 30'000'000));
+  EXPECT_THAT(table.values, ElementsAre(ElementsAre(1, 2, 3)));
+  EXPECT_EQ(table.repeated, 1u);
+  const auto error = [&](const std::vector<Row>& rows) {
+    try {
+      read(rows);
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string("no error");
+  };
+  EXPECT_THAT(error({{0.01, 1}, {0.02, 2}, {0.02, 3}}), HasSubstr("rows.npy: row 3: 0.02 s is on two rows with different readings"));
+  EXPECT_THAT(error({{0.01, 1}, {0.02, 2}, {0.01, 3}}), HasSubstr("rows.npy: row 3: time runs backwards: 0.01 s after 0.02 s"));
+  EXPECT_THAT(error({{0.01, 1}, {0.02, std::nan("")}}), HasSubstr("rows.npy: row 2: column 2: nan is not a reading"));
+  EXPECT_THAT(error({{0.01, 1}, {1e300, 2}}), HasSubstr("rows.npy: row 2: the stamp is not a time within 146 years"));
 }
 
 TEST(NumPy, DamageIsSurvived) {
