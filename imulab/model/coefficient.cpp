@@ -26,7 +26,7 @@ std::string element_name(Term term, int row, int column) {
 }
 
 std::string unit_of(Triad triad, Term term, int column) {
-  const std::string out = triad == Triad::accel ? "m/s^2" : "rad/s";
+  std::string out = triad == Triad::accel ? "m/s^2" : "rad/s";
   switch (term) {
     case Term::offset:
       return out;

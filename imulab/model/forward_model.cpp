@@ -62,13 +62,13 @@ Index Forward::of(const Coefficient& c) {
     case Term::offset:
       return (accel ? accel_offset : gyro_offset) + c.row;
     case Term::matrix:
-      return (accel ? accel_matrix : gyro_matrix) + 3 * c.row + c.column;
+      return (accel ? accel_matrix : gyro_matrix) + Index{3} * c.row + c.column;
     case Term::quadratic:
       return (accel ? accel_quadratic : gyro_quadratic) + c.row;
     case Term::cubic:
       return (accel ? accel_cubic : gyro_cubic) + c.row;
     default:
-      return gyro_force + 3 * c.row + c.column;
+      return gyro_force + Index{3} * c.row + c.column;
   }
 }
 

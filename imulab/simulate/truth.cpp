@@ -26,8 +26,9 @@ Vector3d drawn_vector(std::uint64_t seed, std::string_view purpose, double sigma
 Matrix3d drawn_matrix(std::uint64_t seed, std::string_view purpose, double sigma_diagonal, double sigma_off_diagonal) {
   const RandomStream draws(seed, purpose);
   Matrix3d m;
+  std::uint64_t draw = 0;
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) m(i, j) = (i == j ? sigma_diagonal : sigma_off_diagonal) * draws.normal(static_cast<std::uint64_t>(3 * i + j));
+    for (int j = 0; j < 3; ++j) m(i, j) = (i == j ? sigma_diagonal : sigma_off_diagonal) * draws.normal(draw++);
   return m;
 }
 
@@ -35,9 +36,10 @@ Matrix3d drawn_matrix(std::uint64_t seed, std::string_view purpose, double sigma
 Matrix3d drawn_from(std::uint64_t seed, std::string_view purpose, const SizeRange& range) {
   const RandomStream draws(seed, purpose);
   Matrix3d m;
+  std::uint64_t draw = 0;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
-      const double u = 2 * draws.uniform(static_cast<std::uint64_t>(3 * i + j)) - 1;
+      const double u = 2 * draws.uniform(draw++) - 1;
       m(i, j) = std::copysign(range[0] + (range[1] - range[0]) * std::abs(u), u);
     }
   return m;

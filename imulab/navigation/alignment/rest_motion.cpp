@@ -28,7 +28,7 @@ double noise_density(const RestMotion& rest, Vector3d integration::BodyStep::*in
   }
   double square = 0;
   for (std::size_t k = 2; k < parts; ++k) square += (mean[k] - 2 * mean[k - 1] + mean[k - 2]).squaredNorm();
-  return std::sqrt(square / (6 * 3 * (parts - 2)) * part);
+  return std::sqrt(square / (6. * 3 * (parts - 2)) * part);
 }
 
 }  // namespace
