@@ -57,6 +57,9 @@ double student_quantile(double p, double dof) { return std::isinf(dof) ? normal_
 double chi_square_quantile(double p, double dof) { return bm::quantile(bm::chi_squared(dof), p); }
 double chi_square_tail(double x, double dof) {
   if (std::isnan(x)) return 0;  // no residual that is a number is as large
+  // P(chi2 < x) < (e x / dof)^(dof / 2) < 1e-78: nothing beside 1. There Boost's gamma function overflows (1.74, with more than 3,500 degrees of
+  // freedom; where a long double is a double, with more than 340).
+  if (dof > 100 && x < 0.01 * dof) return 1;
   return bm::cdf(bm::complement(bm::chi_squared(dof), std::max(x, 0.0)));
 }
 double log_chi_square_tail(double x, double dof) {
