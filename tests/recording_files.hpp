@@ -25,6 +25,14 @@ inline std::string file_bytes(const std::filesystem::path& path) {
   return text.str();
 }
 
+/// An array's file of NumPy: its head, a Python dictionary, and its data.
+inline std::string npy_file(const std::string& head, const std::string& data) {
+  std::string bytes("\x93NUMPY\1\0", 8);
+  bytes += static_cast<char>(head.size() & 255);
+  bytes += static_cast<char>(head.size() >> 8);
+  return bytes + head + data;
+}
+
 /// Numbers of a column of either kind.
 inline std::vector<double> numbers_of(const recording_io::RawColumn& column) {
   if (column.integers.empty()) return column.numbers;

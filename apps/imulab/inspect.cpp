@@ -49,14 +49,7 @@ Session placed(Session session, const Options& o) {
   return session;
 }
 
-void expect_recordings(const std::vector<std::string>& files) {
-  for (const std::string& file : files)
-    if (std::filesystem::path(file).extension() == ".toml")
-      throw Error(fmt::format("{}: is a session or other settings; expected a recording, as a session names one", file));
-}
-
 void run(const Options& o) {
-  expect_recordings(o.files);
   expect_free("-o", o.output, o.force);
   if (!o.output.empty() && std::any_of(o.files.begin(), o.files.end(), is_stream))
     throw Error("-o: a session names files; expected a recording that is one, not a stream");

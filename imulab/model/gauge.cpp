@@ -12,7 +12,8 @@ using Eigen::VectorXd;
 
 TriadModel of_shifted_readings(TriadModel m, const Vector3d& shift) {
   // Powers of V' - k in powers of V'.
-  const Vector3d &k = shift, k2 = k.cwiseAbs2();
+  const Vector3d& k = shift;
+  const Vector3d k2 = k.cwiseAbs2();
   m.offset += -m.matrix * k + m.quadratic.cwiseProduct(k2) - m.cubic.cwiseProduct(k2.cwiseProduct(k));
   m.matrix.diagonal() += -2 * m.quadratic.cwiseProduct(k) + 3 * m.cubic.cwiseProduct(k2);
   m.quadratic -= 3 * m.cubic.cwiseProduct(k);

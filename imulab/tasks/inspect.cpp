@@ -8,12 +8,16 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <utility>
 
 namespace imulab {
 
 Inspection inspect_files(const InspectionTask& task) {
   inspection::check_declarations(task.declared);
+  for (const std::string& file : task.files)
+    if (std::filesystem::path(file).extension() == ".toml")
+      throw Error(file + ": is a session or other settings; expected a recording, as a session names one");
   std::vector<SignalTable> tables;
   for (const std::string& file : task.files)
     for (const std::string& topic : task.topics.empty() ? std::vector<std::string>{""} : task.topics)

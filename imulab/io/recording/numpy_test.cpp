@@ -10,6 +10,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::ThrowsMessage;
 
 double row_value(std::size_t i, std::size_t c) { return c == 0 ? fixture_t(i) : c < 4 ? fixture_gyro(i, c - 1) : fixture_accel(i, c - 4); }
 
@@ -77,14 +78,6 @@ TEST(NumPy, ReadsAsARecording) {
   EXPECT_EQ(table.values[0][1], fixture_gyro(1, 0));
 }
 
-/// An array's file with this head.
-std::string npy_with(std::string head, std::size_t data) {
-  std::string bytes("\x93NUMPY\1\0", 8);
-  bytes += static_cast<char>(head.size() & 255);
-  bytes += static_cast<char>(head.size() >> 8);
-  return bytes + head + std::string(data, '\1');
-}
-
 TEST(NumPy, ACutFileIsReadWithAWarning) {
   const TemporaryFolder folder;
   const std::string bytes = file_bytes(recording_file("rows.npy"));
@@ -96,21 +89,23 @@ TEST(NumPy, ACutFileIsReadWithAWarning) {
 
 TEST(NumPy, WrongHeadsAreErrors) {
   const TemporaryFolder folder;
+  const std::string ones(64, '\1');
   const auto beyond = [](const char* message) { return sizeof(std::size_t) == 4 ? "larger than any file" : message; };  // 2 GiB
   const struct {
     std::string bytes, message;
   } cases[] = {
-      {npy_with("{'descr': '<f8', 'fortran_order': False, 'shape': (100000000, 100000000), }", 64), beyond("has less than a row of numbers")},
-      {npy_with("{'descr': '<f8', 'fortran_order': True, 'shape': (1000000000, 7), }", 64), beyond("ends after 64 of 56000000000 bytes")},
-      {npy_with("{'descr': '<f8', 'fortran_order': False, 'shape': (4000000000, 4000000000, 4000000000), }", 64), "larger than any file"},
-      {npy_with("{'descr': [('a', '<f8', (65000,65000))], 'fortran_order': False, 'shape': (1,), }", 64), beyond("field a has 4225000000 elements")},
-      {npy_with("{'descr': '|O', 'fortran_order': False, 'shape': (4,), }", 64), "an array of |O, empty or of more than two dimensions"},
-      {npy_with("{'descr': '<f8', 'fortran_order': False, 'shape': (2, 2, 2), }", 64), "of more than two dimensions"},
-      {npy_with("{'descr': '<f8', 'fortran_order': False, 'shape': (4", 64), "the head ends too early"},
-      {npy_with("{'descr': '<f8', 'shape': (4,)}", 64), "the head has no fortran_order"},
-      {npy_with(std::string(300, '('), 64), "nested too deep"},
-      {npy_with("{'descr': 'f', 'fortran_order': False, 'shape': (4,), }", 64), "f is not a type"},
-      {npy_with("", 0).substr(0, 11), "its head is damaged"},
+      {npy_file("{'descr': '<f8', 'fortran_order': False, 'shape': (100000000, 100000000), }", ones), beyond("has less than a row of numbers")},
+      {npy_file("{'descr': '<f8', 'fortran_order': True, 'shape': (1000000000, 7), }", ones), beyond("ends after 64 of 56000000000 bytes")},
+      {npy_file("{'descr': '<f8', 'fortran_order': False, 'shape': (4000000000, 4000000000, 4000000000), }", ones), "larger than any file"},
+      {npy_file("{'descr': [('a', '<f8', (65000,65000))], 'fortran_order': False, 'shape': (1,), }", ones),
+       beyond("field a has 4225000000 elements")},
+      {npy_file("{'descr': '|O', 'fortran_order': False, 'shape': (4,), }", ones), "an array of |O, empty or of more than two dimensions"},
+      {npy_file("{'descr': '<f8', 'fortran_order': False, 'shape': (2, 2, 2), }", ones), "of more than two dimensions"},
+      {npy_file("{'descr': '<f8', 'fortran_order': False, 'shape': (4", ones), "the head ends too early"},
+      {npy_file("{'descr': '<f8', 'shape': (4,)}", ones), "the head has no fortran_order"},
+      {npy_file(std::string(300, '('), ones), "nested too deep"},
+      {npy_file("{'descr': 'f', 'fortran_order': False, 'shape': (4,), }", ones), "f is not a type"},
+      {npy_file("", "").substr(0, 11), "its head is damaged"},
       {std::string("PK\3\4", 4) + std::string(60, '\0'), "has no directory at its end"},
   };
   for (const auto& c : cases) EXPECT_THAT(error_of({.file = folder.write("x.npy", c.bytes)}, {1}), HasSubstr("x.npy: ")) << c.message;
@@ -121,26 +116,21 @@ TEST(NumPy, RowsAreCheckedAsThoseOfText) {
   using Row = std::array<double, 2>;  // a stamp and a reading
   const TemporaryFolder folder;
   const auto read = [&](const std::vector<Row>& rows) {
-    std::string bytes = npy_with("{'descr': '<f8', 'fortran_order': False, 'shape': (" + std::to_string(rows.size()) + ", 2), }", 0);
-    bytes.append(reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(Row));
-    return recording_io::read_table({.file = folder.write("rows.npy", bytes)}, {.column = 1}, std::nullopt, {2});
+    const std::string head = "{'descr': '<f8', 'fortran_order': False, 'shape': (" + std::to_string(rows.size()) + ", 2), }";
+    const std::string data(reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(Row));
+    return recording_io::read_table({.file = folder.write("rows.npy", npy_file(head, data))}, {.column = 1}, std::nullopt, {2});
   };
   const recording_io::TimedTable table = read({{0.01, 1}, {0.02, 2}, {0.02, 2}, {0.03, 3}});
   EXPECT_THAT(table.time_ns, ElementsAre(10'000'000, 20'000'000, 30'000'000));
   EXPECT_THAT(table.values, ElementsAre(ElementsAre(1, 2, 3)));
   EXPECT_EQ(table.repeated, 1u);
-  const auto error = [&](const std::vector<Row>& rows) {
-    try {
-      read(rows);
-    } catch (const Error& e) {
-      return std::string(e.what());
-    }
-    return std::string("no error");
+  const auto expect_error = [&](const std::vector<Row>& rows, const char* message) {
+    EXPECT_THAT([&] { read(rows); }, ThrowsMessage<Error>(HasSubstr(message)));
   };
-  EXPECT_THAT(error({{0.01, 1}, {0.02, 2}, {0.02, 3}}), HasSubstr("rows.npy: row 3: 0.02 s is on two rows with different readings"));
-  EXPECT_THAT(error({{0.01, 1}, {0.02, 2}, {0.01, 3}}), HasSubstr("rows.npy: row 3: time runs backwards: 0.01 s after 0.02 s"));
-  EXPECT_THAT(error({{0.01, 1}, {0.02, std::nan("")}}), HasSubstr("rows.npy: row 2: column 2: nan is not a reading"));
-  EXPECT_THAT(error({{0.01, 1}, {1e300, 2}}), HasSubstr("rows.npy: row 2: the stamp is not a time within 146 years"));
+  expect_error({{0.01, 1}, {0.02, 2}, {0.02, 3}}, "rows.npy: row 3: 0.02 s is on two rows with different readings");
+  expect_error({{0.01, 1}, {0.02, 2}, {0.01, 3}}, "rows.npy: row 3: time runs backwards: 0.01 s after 0.02 s");
+  expect_error({{0.01, 1}, {0.02, std::nan("")}}, "rows.npy: row 2: column 2: nan is not a reading");
+  expect_error({{0.01, 1}, {1e300, 2}}, "rows.npy: row 2: the stamp is not a time within 146 years");
 }
 
 TEST(NumPy, DamageIsSurvived) {

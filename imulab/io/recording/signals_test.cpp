@@ -15,20 +15,15 @@ using testing::HasSubstr;
 TEST(Signals, OfALongRecordingTheFirstRowsAreRead) {
   constexpr std::size_t rows = 300'000, most = 60'000;  // numbers
   const TemporaryFolder folder;
-  std::string text = "t,ax\n", stamps(8 * rows, '\0'), values(8 * rows, '\0');
+  std::string text = "t,ax\n", records;
   for (std::size_t i = 0; i < rows; ++i) {
     const auto stamp = static_cast<std::int64_t>(i);
     const double value = 0.5 * static_cast<double>(i);
-    stamps.replace(8 * i, 8, reinterpret_cast<const char*>(&stamp), 8);
-    values.replace(8 * i, 8, reinterpret_cast<const char*>(&value), 8);
+    records.append(reinterpret_cast<const char*>(&stamp), 8).append(reinterpret_cast<const char*>(&value), 8);
     text += std::to_string(i) + "," + std::to_string(value) + "\n";
   }
-  std::string fields("\x93NUMPY\1\0", 8);
   const std::string head = "{'descr': [('t', '<i8'), ('ax', '<f8')], 'fortran_order': False, 'shape': (" + std::to_string(rows) + ",), }";
-  fields += static_cast<char>(head.size()), fields += '\0', fields += head;
-  for (std::size_t i = 0; i < rows; ++i) fields += stamps.substr(8 * i, 8) + values.substr(8 * i, 8);
-
-  for (const auto& file : {folder.write("log.csv", text), folder.write("log.npy", fields)}) {
+  for (const auto& file : {folder.write("log.csv", text), folder.write("log.npy", npy_file(head, records))}) {
     const SignalTable all = read_signals(file), table = read_signals(file, "", recording_formats(), stream_s, most);
     EXPECT_EQ(all.rows(), rows) << file;
     EXPECT_LT(table.rows(), rows) << file;

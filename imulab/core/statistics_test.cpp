@@ -1,0 +1,17 @@
+#include "imulab/core/statistics.hpp"
+
+#include <gtest/gtest.h>
+
+namespace imulab {
+namespace {
+
+/// Residuals of nothing, as in data without noise, with as many degrees of freedom as a long recording has.
+TEST(ChiSquareTail, OfNothingIsOne) {
+  for (const double dof : {1., 99., 101., 4'000., 1e6})
+    for (const double part : {0., 1e-300, 1e-16}) EXPECT_NEAR(chi_square_tail(part * dof, dof), 1, 1e-7) << dof << " " << part;
+}
+
+TEST(ChiSquareTail, AgreesWithTheTables) { EXPECT_NEAR(chi_square_tail(124.342, 100), 0.05, 1e-6); }  // Abramowitz and Stegun, table 26.8
+
+}  // namespace
+}  // namespace imulab
