@@ -9,14 +9,17 @@
 #include "imulab/rig/procedure.hpp"
 #include "imulab/tasks/inspect.hpp"
 
+#include <fmt/core.h>
 #include <fmt/format.h>
 
 #include "python/bindings.hpp"
 #include "python/work.hpp"
+#include <cmath>
 #include <map>
 #include <optional>
 #include <pybind11/stl.h>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 namespace imulab::python {
@@ -27,7 +30,12 @@ std::shared_ptr<Session> shared(Session session) { return std::make_shared<Sessi
 /// What `imulab procedure NAME` writes; options as its help names them.
 Session procedure(const std::string& name, const std::map<std::string, double>& given, std::uint64_t seed) {
   const auto take = [&](const char* key, auto& value) {
-    if (const auto it = given.find(key); it != given.end()) value = static_cast<std::decay_t<decltype(value)>>(it->second);
+    const auto it = given.find(key);
+    if (it == given.end()) return;
+    using Value = std::decay_t<decltype(value)>;
+    if (std::is_integral_v<Value> && !(std::abs(it->second) < 1e9 && it->second == std::floor(it->second)))
+      throw Error(fmt::format("procedure: {} is {}; expected a whole number", key, it->second));
+    value = static_cast<Value>(it->second);
   };
   for (const auto& [key, value] : given)
     if (key != "poses" && key != "rest" && key != "table_arcsec" && key != "record" && key != "rate_hz" && key != "turns")

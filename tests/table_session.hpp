@@ -1,14 +1,13 @@
 // For tests of the turntable: readings of an IMU at the level of rest means and turn sums.
 #pragma once
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/turntable/estimator.hpp"
 #include "imulab/estimate/turntable/turntable.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/rig/table_readings.hpp"
-
-#include <Eigen/Cholesky>
 
 #include "tests/table_steps.hpp"
 
@@ -49,7 +48,7 @@ inline Eigen::VectorXd drawn_normals(Eigen::Index size, std::uint64_t seed, cons
 inline Eigen::VectorXd drawn_noise(const TableMotion& motion, const SensorModel& model, std::uint64_t seed) {
   const Eigen::MatrixXd covariance = noise_covariance(motion, turntable::raw_density(table_accel_noise, model.accel.matrix),
                                                       turntable::raw_density(table_gyro_noise, model.gyro.matrix));
-  return covariance.llt().matrixL() * drawn_normals(motion.rows(), seed, "noise");
+  return Cholesky(covariance).lower() * drawn_normals(motion.rows(), seed, "noise");
 }
 
 /// Offsets and matrices.

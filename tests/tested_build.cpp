@@ -1,11 +1,13 @@
 #include "tests/tested_build.hpp"
 
+#include "imulab/core/address_sanitizer.hpp"
+
 namespace imulab {
 
 std::string command_path() { return IMULAB_COMMAND; }
 
 bool under_sanitizers() {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef IMULAB_ADDRESS_SANITIZER
   return true;
 #else
   return false;

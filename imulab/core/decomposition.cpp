@@ -30,9 +30,16 @@ void Cholesky::backward(MatrixXd& x) const { lower_.triangularView<Lower>().tran
 
 MatrixXd inverse_of(const MatrixXd& a) { return a.inverse(); }
 
+std::optional<Eigen::Matrix3d> regular_inverse(const Eigen::Matrix3d& a) {
+  const Eigen::FullPivLU<Eigen::Matrix3d> lu(a);
+  return lu.isInvertible() ? std::optional(Eigen::Matrix3d(lu.inverse())) : std::nullopt;
+}
+
 MatrixXd solve_semidefinite(const MatrixXd& a, const MatrixXd& b) { return a.ldlt().solve(b); }
 
-double squared_norm_in(const MatrixXd& a, const VectorXd& b) { return b.dot(a.ldlt().solve(b)); }
+VectorXd solve_semidefinite(const MatrixXd& a, const VectorXd& b) { return a.ldlt().solve(b); }
+
+double squared_norm_in(const MatrixXd& a, const VectorXd& b) { return b.dot(solve_semidefinite(a, b)); }
 
 SymmetricEigen symmetric_eigen(const MatrixXd& a) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(a);

@@ -49,9 +49,12 @@ class Cholesky {
 
 /// A^-1 of any regular square matrix (LU with partial pivoting).
 Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& a);
+/// Empty where A is singular up to rounding (LU with full pivoting).
+std::optional<Eigen::Matrix3d> regular_inverse(const Eigen::Matrix3d& a);
 
 /// A^-1 b of a symmetric positive semidefinite matrix (L D L^T with pivoting); zero in its null space. Only the lower half of A is read.
 Eigen::MatrixXd solve_semidefinite(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
+Eigen::VectorXd solve_semidefinite(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 /// b^T A^-1 b by the same: chi-square of errors b with covariance A.
 double squared_norm_in(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 

@@ -45,7 +45,7 @@ TEST(Decomposition, ASemidefiniteMatrixIsSolvedWhereItCanBe) {
   EXPECT_NEAR(squared_norm_in(a, b), b.dot(inverse_of(a) * b), 1e-9 * squared_norm_in(a, b));
   MatrixXd singular = MatrixXd::Zero(3, 3);
   singular.diagonal() << 2, 0, 4;
-  EXPECT_TRUE(solve_semidefinite(singular, Eigen::Vector3d(2, 0, 4)).isApprox(Eigen::Vector3d(1, 0, 1)));
+  EXPECT_TRUE(solve_semidefinite(singular, VectorXd(Eigen::Vector3d(2, 0, 4))).isApprox(Eigen::Vector3d(1, 0, 1)));
 }
 
 TEST(Decomposition, EigenvaluesAreAscendingAndSingularValuesDescending) {

@@ -22,13 +22,13 @@ r123::Philox4x64::ctr_type block(std::uint64_t seed, std::uint64_t stream, std::
   return r123::Philox4x64{}({{number, stream, attempt, 0}}, {{seed, 0}});
 }
 
-// Marsaglia & Tsang 2000: the area under exp(-x^2 / 2), x > 0, as 256 layers of one area; the first contains the tail beyond r.
-constexpr double r = 3.6541528853610088, area = 0.00492867323399142;
+// Marsaglia & Tsang 2000: the area under exp(-x^2 / 2), x > 0, as 256 layers of one area; the first contains the tail.
+constexpr double tail_begin = 3.6541528853610088, area = 0.00492867323399142;
 struct Ziggurat {
   std::array<double, 257> x, f;  // right edges, and the density there
   Ziggurat() {
     const auto density = [](double at) { return std::exp(-0.5 * at * at); };
-    x[0] = area / density(r), x[1] = r, x[256] = 0;
+    x[0] = area / density(tail_begin), x[1] = tail_begin, x[256] = 0;
     for (std::size_t i = 2; i < 256; ++i) x[i] = std::sqrt(-2 * std::log(area / x[i - 1] + density(x[i - 1])));
     for (std::size_t i = 0; i < 257; ++i) f[i] = density(x[i]);
   }
@@ -55,8 +55,8 @@ double outside(const Ziggurat& z, Candidate c, std::uint64_t seed, std::uint64_t
     const auto words = block(seed, stream, index, attempt);
     const double u = r123::u01<double>(words[0]), v = r123::u01<double>(words[1]);
     if (c.layer == 0) {  // Marsaglia 1964: exponential, accepted by a second one; the tail is kept until it is accepted
-      const double beyond = -std::log(u) / r;
-      if (-2 * std::log(v) > beyond * beyond) return c.x < 0 ? -r - beyond : r + beyond;
+      const double beyond = -std::log(u) / tail_begin;
+      if (-2 * std::log(v) > beyond * beyond) return c.x < 0 ? -tail_begin - beyond : tail_begin + beyond;
     } else {
       if (z.f[c.layer] + u * (z.f[c.layer + 1] - z.f[c.layer]) < std::exp(-0.5 * c.x * c.x)) return c.x;
       c = Candidate(z, words[2]);

@@ -3,6 +3,9 @@
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 
+#include <cmath>
+#include <numbers>
+
 namespace imulab {
 
 Vector3d rotation_log(const Matrix3d& c) {
@@ -32,7 +35,17 @@ Matrix3d orthonormalized(const Matrix3d& c) {
   return svd.matrixU() * svd.matrixV().transpose();
 }
 
-Matrix3d shortest_rotation(const Vector3d& a, const Vector3d& b) { return Eigen::Quaterniond::FromTwoVectors(a, b).toRotationMatrix(); }
+Matrix3d shortest_rotation(const Vector3d& a, const Vector3d& b) {
+  const Vector3d from = a.normalized(), to = b.normalized();
+  const double cosine = from.dot(to);
+  if (cosine < -1 + 1e-12) return Eigen::AngleAxisd(std::numbers::pi, from.unitOrthogonal()).toRotationMatrix();
+  const Vector3d axis = from.cross(to);
+  const double s = std::sqrt((1 + cosine) * 2);  // twice the cosine of half the angle
+  Eigen::Quaterniond q;
+  q.vec() = axis * (1 / s);
+  q.w() = s * 0.5;
+  return q.toRotationMatrix();
+}
 
 Eigen::Matrix<double, 2, 3> tangent_basis(const Vector3d& direction) {
   Eigen::Index smallest;

@@ -1,5 +1,6 @@
 #include "imulab/model/compare.hpp"
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
@@ -8,7 +9,6 @@
 #include "imulab/model/gauge.hpp"
 #include "imulab/model/user_unit.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -49,12 +49,12 @@ Eigen::MatrixXd to_relative(const SensorModel& a) {
 Consistency consistency_of(const Eigen::VectorXd& e, const Eigen::MatrixXd& p) {
   if (e.size() == 0) return {};
   const Eigen::VectorXd sigma = p.diagonal().cwiseSqrt();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> correlation(sigma.cwiseInverse().asDiagonal() * p * sigma.cwiseInverse().asDiagonal());
-  const Eigen::VectorXd whitened = correlation.eigenvectors().transpose() * e.cwiseQuotient(sigma);
+  const SymmetricEigen correlation = symmetric_eigen(sigma.cwiseInverse().asDiagonal() * p * sigma.cwiseInverse().asDiagonal());
+  const Eigen::VectorXd whitened = correlation.vectors.transpose() * e.cwiseQuotient(sigma);
   Consistency out;
   for (Eigen::Index i = 0; i < e.size(); ++i) {
-    if (correlation.eigenvalues()(i) < 1e-12 * static_cast<double>(e.size())) continue;  // rounding of the correlations
-    out.chi2 += whitened(i) * whitened(i) / correlation.eigenvalues()(i);
+    if (correlation.values(i) < 1e-12 * static_cast<double>(e.size())) continue;  // rounding of the correlations
+    out.chi2 += whitened(i) * whitened(i) / correlation.values(i);
     ++out.degrees_of_freedom;
   }
   if (out.degrees_of_freedom > 0) out.p_value = chi_square_tail(out.chi2, out.degrees_of_freedom);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::array accel_offset{UserUnit{"ug", unit::ug}, UserUnit{"mg", 1e3 * unit::ug}, UserUnit{"g", unit::g}, UserUnit{"m/s^2", 1}};
 constexpr std::array gyro_offset{UserUnit{"deg/h", unit::deg_per_h}, UserUnit{"deg/s", unit::deg}, UserUnit{"rad/s", 1}};
-constexpr std::array scale{UserUnit{"ppm", unit::ppm}, UserUnit{"%", 1e-2}, UserUnit{"arcsec", unit::arcsec}, UserUnit{"rad", 1}};
+constexpr std::array scale_error{UserUnit{"ppm", unit::ppm}, UserUnit{"%", 1e-2}, UserUnit{"arcsec", unit::arcsec}, UserUnit{"rad", 1}};
 constexpr std::array misalignment{UserUnit{"arcsec", unit::arcsec}, UserUnit{"arcmin", 60 * unit::arcsec},
                                   UserUnit{"deg", unit::deg},       UserUnit{"ppm", unit::ppm},
                                   UserUnit{"mrad", 1e-3},           UserUnit{"rad", 1}};
@@ -37,7 +37,7 @@ std::span<const UserUnit> user_units(const Coefficient& c) {
     case Term::offset:
       return c.triad == Triad::accel ? std::span<const UserUnit>(accel_offset) : std::span<const UserUnit>(gyro_offset);
     case Term::matrix:
-      return c.row == c.column ? std::span<const UserUnit>(scale) : std::span<const UserUnit>(misalignment);
+      return c.row == c.column ? std::span<const UserUnit>(scale_error) : std::span<const UserUnit>(misalignment);
     case Term::g_sensitivity:
       return g_sensitivity;
     case Term::lever_arm:

@@ -1,11 +1,11 @@
 #include "imulab/recording/agreement_at_rest.hpp"
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
 #include "imulab/recording/overview.hpp"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -21,8 +21,8 @@ TriadModel uncalibrated(const TriadModel& m) {
   if (m.raw_unit != "count") return plain;
   const double scale = m.matrix.diagonal().mean();
   plain.matrix *= scale;
-  const Eigen::FullPivLU<Matrix3d> lu(m.matrix);
-  plain.offset = lu.isInvertible() ? Vector3d(scale * lu.solve(m.offset)) : m.offset;  // zero at the same readings
+  const auto inverse = regular_inverse(m.matrix);
+  plain.offset = inverse ? Vector3d(scale * *inverse * m.offset) : m.offset;  // zero at the same readings
   return plain;
 }
 

@@ -1,6 +1,6 @@
 #include "imulab/recording/coverage.hpp"
 
-#include <Eigen/SVD>
+#include "imulab/core/decomposition.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -36,11 +36,11 @@ std::vector<double> leverages(const std::vector<Vector3d>& directions) {
   if (directions.empty()) return {};
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(directions.size()), parameters);
   for (std::size_t i = 0; i < directions.size(); ++i) rows.row(static_cast<Eigen::Index>(i)) = dependence(directions[i].normalized());
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(rows, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const SingularValues svd = singular_values(rows);
   constexpr double least = 1e-3;  // of the largest singular value: directions closer to degenerate say nothing
   Eigen::Index rank = 0;
-  while (rank < svd.singularValues().size() && svd.singularValues()[rank] > least * svd.singularValues()[0]) ++rank;
-  const Eigen::VectorXd sums = svd.matrixU().leftCols(rank).rowwise().squaredNorm();
+  while (rank < svd.values.size() && svd.values[rank] > least * svd.values[0]) ++rank;
+  const Eigen::VectorXd sums = svd.U.leftCols(rank).rowwise().squaredNorm();
   return {sums.begin(), sums.end()};
 }
 

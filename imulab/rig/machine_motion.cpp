@@ -13,7 +13,7 @@ namespace imulab::rig {
 namespace {
 
 constexpr double same_angle = 1e-9;  // rad: below what a decimal number of degrees in a file can mean
-constexpr auto outer = static_cast<std::size_t>(RigAxis::outer);
+constexpr auto spun = static_cast<std::size_t>(RigAxis::outer);
 
 /// The polynomial in u in (0, 1) with a value and rate at either end, and no acceleration there.
 AnglePolynomial between(double angle_0, double rate_0, double angle_1, double rate_1) {
@@ -47,8 +47,8 @@ double spin_rate(const Step& step, const RigErrors& errors) {
 State reached(const State& from, const Step& step, double rate) {
   const double natural = from.angle + 0.5 * (from.rate + rate) * (step.start - from.time);
   const bool spins = step.kind == StepKind::spin;
-  return {step.start,
-          spins ? natural : step.angles[outer] + 2 * std::numbers::pi * std::round((natural - step.angles[outer]) / (2 * std::numbers::pi)), rate};
+  return {step.start, spins ? natural : step.angles[spun] + 2 * std::numbers::pi * std::round((natural - step.angles[spun]) / (2 * std::numbers::pi)),
+          rate};
 }
 
 void expect_gap(const State& from, const State& to, bool mounted_anew, std::size_t index, const Step& step) {
@@ -71,14 +71,14 @@ RigMotion machine_motion(const RigDeclaration& rig, std::span<const Step> steps,
   motion.C_nt = rotation_exp(tilt);
   State now;
   const Step& first = steps.front();
-  if (first.start < same_time) now = {0, first.kind == StepKind::hold ? first.angles[outer] : 0, spin_rate(first, errors)};
+  if (first.start < same_time) now = {0, first.kind == StepKind::hold ? first.angles[spun] : 0, spin_rate(first, errors)};
   motion.rate_before = now.rate;
   MotionPiece piece = mounted(first, errors);
   const auto append = [&](const State& to) {
     const double lasting = to.time - now.time;
     piece.begin = now.time, piece.end = to.time;
-    piece.angle[outer] = between(now.angle, now.rate * lasting, to.angle, to.rate * lasting);
-    if (now.rate == to.rate && to.angle == now.angle + to.rate * lasting) piece.angle[outer] = {now.angle, to.rate * lasting};
+    piece.angle[spun] = between(now.angle, now.rate * lasting, to.angle, to.rate * lasting);
+    if (now.rate == to.rate && to.angle == now.angle + to.rate * lasting) piece.angle[spun] = {now.angle, to.rate * lasting};
     if (lasting > 0) motion.pieces.push_back(piece);
     now = {to.time, std::remainder(to.angle, 2 * std::numbers::pi), to.rate};
   };

@@ -15,8 +15,8 @@ namespace {
 
 // Gauss-Legendre on (-1, 1), three nodes. Its error on a harmonic that turns by theta in the panel is 5e-7 theta^6 of the amplitude; at 0.1 rad
 // 5e-13, and 3e-11 on the second harmonic, the centripetal acceleration.
-constexpr std::array<double, 3> node{-0.77459666924148337704, 0, 0.77459666924148337704};
-constexpr std::array<double, 3> weight{5.0 / 18, 8.0 / 18, 5.0 / 18};
+constexpr std::array<double, 3> gauss_node{-0.77459666924148337704, 0, 0.77459666924148337704};
+constexpr std::array<double, 3> gauss_weight{5.0 / 18, 8.0 / 18, 5.0 / 18};
 constexpr double panel_angle = 0.1;      // rad, sum over the axes
 constexpr double least_angle = 1e-3;     // rad: over less, differences of sines lose digits
 constexpr double shortest_stencil = 32;  // samples in a piece, so that the stencil reaches little beyond its ends
@@ -149,10 +149,10 @@ Motion MeanMotion::integral(std::size_t piece, double begin, double end) const {
   Motion sum{Vector3d::Zero(), Vector3d::Zero()};
   for (int k = 0; k < panels; ++k) {
     const double middle = begin + (k + 0.5) * width;
-    for (std::size_t n = 0; n < node.size(); ++n) {
-      const Motion m = at(piece, middle + 0.5 * width * node[n]);
-      sum.force += weight[n] * width * m.force;
-      sum.rate += weight[n] * width * m.rate;
+    for (std::size_t n = 0; n < gauss_node.size(); ++n) {
+      const Motion m = at(piece, middle + 0.5 * width * gauss_node[n]);
+      sum.force += gauss_weight[n] * width * m.force;
+      sum.rate += gauss_weight[n] * width * m.rate;
     }
   }
   return sum;

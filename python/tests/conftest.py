@@ -40,11 +40,17 @@ def rest_log():
 
 
 @pytest.fixture
-def command():
+def environment():
+    """Of programs that a test starts: what the interpreter itself has to load first is not for them."""
+    return {k: v for k, v in os.environ.items() if k != "LD_PRELOAD"}
+
+
+@pytest.fixture
+def command(environment):
     """Runs the command; its JSON."""
 
     def run(*arguments, code=0):
-        done = subprocess.run([os.environ["IMULAB_COMMAND"], *map(str, arguments)], capture_output=True, text=True, check=False)
+        done = subprocess.run([os.environ["IMULAB_COMMAND"], *map(str, arguments)], capture_output=True, text=True, check=False, env=environment)
         assert done.returncode == code, done.stderr
         return json.loads(done.stdout)
 

@@ -110,10 +110,11 @@ def test_trajectory_navigate_and_budget(command, tmp_path):
     assert budget.data == command("budget", tmp_path / "mission.toml", "--grade", "navigation", "--runs", "10", "--json")
 
 
-def test_export(calibration, command, tmp_path):
+def test_export(calibration, environment, tmp_path):
     calibration.save(tmp_path / "c.json")
     for target in ("csv", "json-matrix", "vectornav"):
-        done = subprocess.run([os.environ["IMULAB_COMMAND"], "export", tmp_path / "c.json", "--to", target], capture_output=True, check=True)
+        done = subprocess.run([os.environ["IMULAB_COMMAND"], "export", tmp_path / "c.json", "--to", target], capture_output=True, check=True,
+                              env=environment)
         with warnings.catch_warnings(record=True) as warned:
             warnings.simplefilter("always")
             assert calibration.to(target) == done.stdout.decode()

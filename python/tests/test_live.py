@@ -33,9 +33,9 @@ def feed(target, rows, size, until=None):
 
 
 @pytest.mark.parametrize("size", [25, 333])
-def test_events_are_the_commands(size, rows, hand_session):
+def test_events_are_the_commands(size, rows, hand_session, environment):
     done = subprocess.run([os.environ["IMULAB_COMMAND"], "live", hand_session / "recording.csv", "--session", hand_session, "--json"],
-                          capture_output=True, text=True, check=True)
+                          capture_output=True, text=True, check=True, env=environment)
     printed = [json.loads(line) for line in done.stdout.splitlines()]
     target = live()
     assert "no rest" in target.missing

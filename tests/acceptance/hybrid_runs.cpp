@@ -2,11 +2,11 @@
 // of a second is an unknown of its own, tied to its neighbors by the gyros' increments; the accelerometers' increments are gravity's in that
 // attitude, since the velocity is zero at every end. Derivatives by the coefficients are those of the raw readings; attitudes are eliminated one
 // after the other.
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/earth/earth.hpp"
 #include "imulab/model/compensate.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <fmt/core.h>
 
@@ -91,12 +91,12 @@ MatrixXd hybrid_information(const Recording& exact, const Truth& truth, const Si
     for (Index i = 0; i < known + 6; ++i)
       if (i < known || i >= known + 3) rest.push_back(i);
     const MatrixXd cross = information(rest, Eigen::seqN(known, 3));
-    const MatrixXd left = information(rest, rest) - cross * information.block<3, 3>(known, known).ldlt().solve(cross.transpose());
+    const MatrixXd left = information(rest, rest) - cross * solve_semidefinite(information.block<3, 3>(known, known), MatrixXd(cross.transpose()));
     information.setZero();
     information.topLeftCorner(known + 3, known + 3) = left;
   }
   const MatrixXd cross = information.block(0, m, m, 4);  // with g and the last attitude
-  return information.topLeftCorner(m, m) - cross * information.block<4, 4>(m, m).ldlt().solve(cross.transpose());
+  return information.topLeftCorner(m, m) - cross * solve_semidefinite(information.block<4, 4>(m, m), MatrixXd(cross.transpose()));
 }
 
 Run run(std::uint64_t seed, double table_sigma, double rest, double rate_hz) {

@@ -1,8 +1,7 @@
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/model/coefficient.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <fmt/core.h>
 
 #include "tests/acceptance/acceptance.hpp"
@@ -28,12 +27,12 @@ std::vector<Check> judge(const std::vector<Run>& runs) {
   for (const Run& run : runs) {
     const double dm = static_cast<double>(m);
     efficiency += run.error.dot(run.information * run.error) / dm / n;
-    consistency += run.error.dot(run.covariance.ldlt().solve(run.error)) / dm / n;
-    squares += run.error.cwiseAbs2().cwiseQuotient(run.information.inverse().diagonal()) / n;
+    consistency += squared_norm_in(run.covariance, run.error) / dm / n;
+    squares += run.error.cwiseAbs2().cwiseQuotient(inverse_of(run.information).diagonal()) / n;
     for (const auto& [name, at] : groups) {
       const Eigen::VectorXd e = run.error(at);
       const Eigen::MatrixXd p = run.covariance(at, at);
-      const Eigen::VectorXd white = p.llt().matrixL().solve(e);
+      const Eigen::VectorXd white = Cholesky(p).solve_lower(e);
       for (const double w : white) inside[name] += std::abs(w) <= 1.959963985 ? 1 : 0;
     }
   }

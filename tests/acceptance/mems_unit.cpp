@@ -16,7 +16,7 @@ Recording simulated(const Session& session, const RecordingSource& source, const
   return simulate_recording(session, source, truth, seed, draw_rig_errors(session, source, seed));
 }
 
-SensorModel traditional(const SensorModel& unit, std::uint64_t seed) {
+SensorModel traditionally_calibrated(const SensorModel& unit, std::uint64_t seed) {
   Session session = zhang_24_procedure({});
   session.imu.grade = "mems-30g";
   CalibrationOptions options;
@@ -35,7 +35,7 @@ CalibratedUnit calibrated_unit(std::uint64_t seed) {
   for (const RecordingSource& source : session.recordings) recordings.push_back(simulated(session, source, truth, seed));
   CalibrationOptions full;
   full.whole_unit.full = true;
-  return {truth.model, traditional(truth.model, seed), whole_unit::calibrate({session, recordings}, full).calibration.model};
+  return {truth.model, traditionally_calibrated(truth.model, seed), whole_unit::calibrate({session, recordings}, full).calibration.model};
 }
 
 }  // namespace imulab::acceptance

@@ -18,9 +18,9 @@ namespace imulab::acceptance {
 
 namespace {
 
-constexpr double interval = 1;  // of the readings: all that counts are ratios
-constexpr std::size_t samples = 65536;
-constexpr double log_s = interval * samples;
+constexpr double unit_interval = 1;  // of the readings: all that counts are ratios
+constexpr std::size_t readings = 65536;
+constexpr double log_s = unit_interval * readings;
 
 /// B = 1; white noise as large as it at a thousandth of the log; K^2 as `ratio` says, which is T K^2 / B^2.
 NoiseModel noise_of(double ratio) {
@@ -35,13 +35,13 @@ struct Walk {
 };
 
 Walk walk_of(const NoiseModel& truth, std::uint64_t seed) {
-  std::vector<double> rate(samples);
-  add_flicker(rate, truth.B, interval, seed);
-  const AxisNoise rest({.N = truth.N, .K = truth.K}, interval, seed, "noise of a length");
+  std::vector<double> rate(readings);
+  add_flicker(rate, truth.B, unit_interval, seed);
+  const AxisNoise rest({.N = truth.N, .K = truth.K}, unit_interval, seed, "noise of a length");
   rest.add_slow(rate);
   rest.add_fast(0, rate);
-  const DeviationPoint last = deviation(rate, interval, {averaging_factors(rate.size()).back()}, DeviationKind::overlapping_allan).back();
-  return {fit_noise(rate, interval).K, last.deviation * std::sqrt(3 / last.tau)};
+  const DeviationPoint last = deviation(rate, unit_interval, {averaging_factors(rate.size()).back()}, DeviationKind::overlapping_allan).back();
+  return {fit_noise(rate, unit_interval).K, last.deviation * std::sqrt(3 / last.tau)};
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // Noise coefficients of simulated logs of 3 h at 200 Hz: do the intervals hold, and are the errors as small as the spectrum allows?
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/estimate/noise/likelihood.hpp"
@@ -6,7 +7,6 @@
 #include "imulab/model/sensor_noise.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <fmt/core.h>
 
 #include "tests/acceptance/acceptance.hpp"
@@ -126,7 +126,7 @@ std::array<double, 4> bounds(const NoiseTruth& truth, const noise::Spectrum& spe
   if (truth.cutoff > 0) at[terms.cutoff()] = std::log(truth.cutoff);
   Eigen::MatrixXd D = problem.sensitivity(at, problem.modeled(at));
   D.col(0) *= at[0];
-  const Eigen::MatrixXd covariance = (0.5 * (D.transpose() * problem.counts().matrix().asDiagonal() * D)).inverse();
+  const Eigen::MatrixXd covariance = inverse_of(0.5 * (D.transpose() * problem.counts().matrix().asDiagonal() * D));
   std::array<double, 4> out;
   for (Eigen::Index j = 0; j < 4; ++j) out[static_cast<std::size_t>(j)] = std::sqrt(covariance(j, j));
   return out;

@@ -1,5 +1,6 @@
 // Simulated sessions and their Fisher information. The information is derived independently of the estimators: every attitude is an unknown of its
 // own, and the readings' derivatives are differences of the predicted readings.
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/core/units.hpp"
@@ -9,8 +10,6 @@
 #include "imulab/recording/rests.hpp"
 #include "imulab/rig/procedure.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <fmt/core.h>
 
 #include "tests/acceptance/acceptance.hpp"
@@ -65,7 +64,7 @@ MatrixXd information_of(const std::vector<Readings>& all, const VectorXd& at, co
 MatrixXd schur(const MatrixXd& information, Index m) {
   const Index k = information.rows() - m;
   const MatrixXd cross = information.topRightCorner(m, k);
-  return information.topLeftCorner(m, m) - cross * information.bottomRightCorner(k, k).ldlt().solve(cross.transpose());
+  return information.topLeftCorner(m, m) - cross * solve_semidefinite(information.bottomRightCorner(k, k), Eigen::MatrixXd(cross.transpose()));
 }
 
 /// The session as the Fisher information sees it: unknowns are the coefficients, g, and three attitude errors for each rest.

@@ -1,14 +1,13 @@
 // Simulated recordings on a turntable whose errors are drawn, and their Fisher information, derived independently of the estimator: readings with
 // white noise alone as a function of the coefficients and of every error of the table, which are unknowns with a prior; derivatives by differences;
 // the table's errors eliminated; and the second order of what remains of them.
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/turntable/turntable.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/rig/table_readings.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <fmt/core.h>
 
 #include "tests/acceptance/acceptance.hpp"
@@ -46,16 +45,17 @@ MatrixXd turntable_information(const TableMotion& motion, const SensorModel& tru
     jacobian.col(c) = (predicted(plus) - predicted(minus)) / (2 * step);
   }
   jacobian.rightCols(k) *= motion.sigma().asDiagonal();  // in units of each one's sigma; those that are known exactly vanish
-  const MatrixXd white = noise_covariance(motion, noise.accel, noise.gyro).llt().matrixL().solve(jacobian);
+  const MatrixXd white = Cholesky(noise_covariance(motion, noise.accel, noise.gyro)).solve_lower(jacobian);
   const MatrixXd information = white.transpose() * white;
   const MatrixXd cross = information.topRightCorner(m, k);
   const MatrixXd first_order =
-      information.topLeftCorner(m, m) - cross * (information.bottomRightCorner(k, k) + MatrixXd::Identity(k, k)).ldlt().solve(cross.transpose());
+      information.topLeftCorner(m, m) -
+      cross * solve_semidefinite(information.bottomRightCorner(k, k) + MatrixXd::Identity(k, k), MatrixXd(cross.transpose()));
   // The table errors that no reading shows are drawn, and no estimator can avoid their second order.
   turntable::EstimatorOptions settings;
   settings.terms = indices;
   const MatrixXd second_order = turntable::Estimator(motion, truth, noise, settings).second_order(truth, indices).covariance;
-  return (first_order.inverse() + second_order).inverse();
+  return inverse_of(inverse_of(first_order) + second_order);
 }
 
 Run turntable_run(std::uint64_t seed, double table_sigma) {

@@ -1,5 +1,6 @@
 // Simulated whole-unit sessions, and their Fisher information, derived independently of the estimator: raw means as a function of the coefficients
 // and of every error of the machines, which are unknowns with a prior; derivatives by differences through the inverse of the sensor model.
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
@@ -8,8 +9,6 @@
 #include "imulab/model/compensation_derivatives.hpp"
 #include "imulab/rig/machine.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <fmt/core.h>
 
 #include "tests/acceptance/acceptance.hpp"
@@ -163,11 +162,12 @@ MatrixXd information_of(const WholeUnitSession& s, const std::vector<Coefficient
       jacobian.col(m + c) = 0.5 * (raw_of(s.truth.model, motion_at(p, up, s.session.site), p.accel_tau, p.gyro_tau) -
                                    raw_of(s.truth.model, motion_at(p, down, s.session.site), p.accel_tau, p.gyro_tau));
     }
-    noise_of(p, s, motion).llt().matrixL().solveInPlace(jacobian);
+    jacobian = Cholesky(noise_of(p, s, motion)).solve_lower(jacobian);
     information += jacobian.transpose() * jacobian;
   }
   const MatrixXd cross = information.topRightCorner(m, k);
-  return information.topLeftCorner(m, m) - cross * (information.bottomRightCorner(k, k) + MatrixXd::Identity(k, k)).ldlt().solve(cross.transpose());
+  return information.topLeftCorner(m, m) -
+         cross * solve_semidefinite(information.bottomRightCorner(k, k) + MatrixXd::Identity(k, k), MatrixXd(cross.transpose()));
 }
 
 Run run_of(std::uint64_t seed, double record) {
@@ -210,8 +210,7 @@ std::vector<Check> whole_unit_outputs(int runs) {
     Vector6 error;
     error << out.force, out.rate;
     error -= motion;
-    return OutputRun{error.dot(output_covariance(c, raw).ldlt().solve(error)), errors_of(c, s.truth.model), errors_of(steps, s.truth.model),
-                     c.estimated};
+    return OutputRun{squared_norm_in(output_covariance(c, raw), error), errors_of(c, s.truth.model), errors_of(steps, s.truth.model), c.estimated};
   });
   const double n = runs, dof = 6 * n;
   double squared = 0;

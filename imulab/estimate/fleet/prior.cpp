@@ -60,7 +60,8 @@ void observe(Eigen::VectorXd& x, Eigen::MatrixXd& P, const Places& at, const Eig
 void fill(Eigen::VectorXd& x, Eigen::MatrixXd& P, const Matched& m, const FleetPrior& prior) {
   const Eigen::VectorXd size = prior.covariance.diagonal().cwiseSqrt();
   const Eigen::MatrixXd C = size.cwiseInverse().asDiagonal() * prior.covariance * size.cwiseInverse().asDiagonal();
-  const Eigen::MatrixXd B = size(m.open).asDiagonal() * solve_semidefinite(C(m.in_prior, m.in_prior), C(m.in_prior, m.open)).transpose() *
+  const Eigen::MatrixXd B = size(m.open).asDiagonal() *
+                            solve_semidefinite(C(m.in_prior, m.in_prior), Eigen::MatrixXd(C(m.in_prior, m.open))).transpose() *
                             size(m.in_prior).cwiseInverse().asDiagonal();
   const Index known = x.size(), more = std::ssize(m.open);
   const Eigen::VectorXd values = prior.mean(m.open) + B * (x(m.in_calibration) - prior.mean(m.in_prior));

@@ -5,7 +5,6 @@
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
 #include "imulab/navigation/in_place/navigator.hpp"
-#include "imulab/recording/rest_means.hpp"
 
 #include <cmath>
 
@@ -69,19 +68,21 @@ Range rest_from(const std::vector<Block>& blocks, std::size_t k) {
 /// The attitude at a rest after a motion from sample `from` on that was not measured as a whole. Level by gravity; the heading by the Earth's rate,
 /// where one rest shows it; else as carried by what was measured of the motion, with the mean rate across a gap: tens of degrees off at worst, which
 /// the equations bear, where noise would give any heading, and another one in each pass.
-void align_anew(in_place::Navigator& navigator, const Recording& readings, std::size_t from, const Range& rest, const Data& data) {
+void align_anew(in_place::Navigator& navigator, std::size_t from, const Range& rest, const Data& data) {
   constexpr double good = 10 * unit::deg;
-  const double seconds = readings.interval_s * static_cast<double>(rest.size());
+  const Recording& recording = data.recording;
+  CompensatedReadings& readings = navigator.readings;
+  const double seconds = recording.interval_s * static_cast<double>(rest.size());
   if (data.noise.gyro.maxCoeff() < good * earth_rate * std::cos(data.place.latitude) * std::sqrt(seconds)) return navigator.align(rest);
   Matrix3d C_nb = navigator.C_nb;
   for (std::size_t i = from; i < rest.begin; ++i) {
-    const bool gap = i > 0 && readings.follows_gap(i);
-    const Vector3d before = reading_at(readings.gyro, gap ? i - 1 : i);
-    const double seconds_more = gap ? readings.time_s(i) - readings.time_s(i - 1) : readings.interval_s;
-    C_nb = C_nb * rotation_exp(0.5 * seconds_more * (before + reading_at(readings.gyro, i)));
+    const bool gap = i > 0 && recording.follows_gap(i);
+    const Vector3d before = readings.rate(gap ? i - 1 : i);
+    const double seconds_more = gap ? recording.time_s(i) - recording.time_s(i - 1) : recording.interval_s;
+    C_nb = C_nb * rotation_exp(0.5 * seconds_more * (before + readings.rate(i)));
   }
   Vector3d force = Vector3d::Zero();
-  for (std::size_t i = rest.begin; i < rest.end; ++i) force += reading_at(readings.accel, i);
+  for (std::size_t i = rest.begin; i < rest.end; ++i) force += readings.force(i);
   navigator.C_nb = shortest_rotation((C_nb * force).normalized(), Vector3d::UnitZ()) * C_nb;
 }
 
@@ -90,8 +91,7 @@ void align_anew(in_place::Navigator& navigator, const Recording& readings, std::
 Pass filter_pass(const Data& data, const Linearization& about, const States& states, const kernel::Parameters& known, const PassOptions& options) {
   const std::vector<Block>& blocks = data.blocks;
   const Noise& noise = data.noise;
-  const Recording readings = in_place::compensated(data.recording, blocks, about.model, about.delay);
-  in_place::Navigator navigator(readings, about.place.latitude, about.place.gravity, states.sums());
+  in_place::Navigator navigator(data.recording, about.model, about.delay, about.place.latitude, about.place.gravity, states.sums());
   SquareRootEstimate e(states.size());
   e.x.head(states.constants()) = known.offset;
   e.factor.diagonal().head(states.constants()) = known.sigma;
@@ -99,13 +99,13 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
   Vector3d velocity = Vector3d::Zero();  // computed
   double next_point = -std::numeric_limits<double>::infinity();
   double whole = 0;  // s, of all blocks
-  for (const Block& block : blocks) whole += readings.interval_s * static_cast<double>(block.samples.size());
+  for (const Block& block : blocks) whole += data.recording.interval_s * static_cast<double>(block.samples.size());
   std::size_t first = 0;  // sample since which the motion was measured without interruption
 
   for (std::size_t k = 0; k < blocks.size(); ++k) {
     const Block& block = blocks[k];
     if (k == 0 || block.lost) {
-      k == 0 ? navigator.align(rest_from(blocks, k)) : align_anew(navigator, readings, blocks[k - 1].samples.end, rest_from(blocks, k), data);
+      k == 0 ? navigator.align(rest_from(blocks, k)) : align_anew(navigator, blocks[k - 1].samples.end, rest_from(blocks, k), data);
       if (k == 0) out.start = navigator.C_nb = about.start.value_or(navigator.C_nb);
       first = block.samples.begin;
       velocity.setZero();
@@ -121,7 +121,7 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
       velocity -= e.x.tail<3>();
       e.x.tail<3>().setZero();
     }
-    const double time = readings.time_s(block.samples.end - 1);
+    const double time = data.recording.time_s(block.samples.end - 1);
     if (options.curve_interval > 0 && (time >= next_point || k + 1 == blocks.size())) {
       out.curve.push_back({time, e.x, e.factor.rowwise().norm()});
       next_point = time + options.curve_interval;

@@ -11,7 +11,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
-using in_place::compensated;
 using in_place::cut_into_blocks;
 using in_place::Navigator;
 
@@ -21,8 +20,7 @@ struct Navigated {
 };
 
 Navigated navigate(const Data& data, const SensorModel& model, const Place& place, const States& states, const Matrix3d& start) {
-  const Recording readings = compensated(data.recording, data.blocks, model);
-  Navigator navigator(readings, place.latitude, place.gravity, states.sums());
+  Navigator navigator(data.recording, model, 0, place.latitude, place.gravity, states.sums());
   navigator.C_nb = start;
   Navigated out;
   for (const Block& block : data.blocks) out.velocity += navigator.over(block, data.blocks.front().samples.begin).velocity;
@@ -50,8 +48,7 @@ TEST(HybridFilter, ItsDerivativesAreThoseOfTheNavigation) {
             place,       {Vector3d::Constant(1e-9), Vector3d::Constant(1e-9)},
             model,       {}};
   for (Block& block : data.blocks) block.observed = false;  // nothing but the transition
-  const Recording readings = compensated(s.recording, data.blocks, model);
-  Navigator navigator(readings, place.latitude, place.gravity, states.sums());
+  Navigator navigator(s.recording, model, 0, place.latitude, place.gravity, states.sums());
   navigator.align(data.blocks.front().samples);
   const Linearization about{model, place, navigator.C_nb};
 

@@ -31,7 +31,8 @@ PathJudge::PathJudge(const PathQuestion& q)
       for (std::size_t t = 0; t < turns.size(); ++t)
         turn_[k][static_cast<std::size_t>(a)][t] =
             turn_information(model_, attitudes[k], {Vector3d::Unit(a), turns[t] * quarter, turn_rate_, acceleration});
-    const int of_turns = model_.observe_motion ? 0 : unseen_before + unseen_after, at_end = std::max<int>(of_turns, in_place::settling_time);
+    const int of_turns = model_.observe_motion ? 0 : unseen_before + unseen_after,
+              at_end = std::max(of_turns, static_cast<int>(in_place::settling_time));
     const MotionInformation one = rest_information(model_, attitudes[k], quantum);
     for (const std::size_t outermost : {0u, 1u}) {
       std::vector<MotionInformation>& rests = rest_[k][outermost];

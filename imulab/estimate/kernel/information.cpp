@@ -1,8 +1,8 @@
 #include "imulab/estimate/kernel/information.hpp"
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/error.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
@@ -55,8 +55,8 @@ MatrixXd inverse_of(const MatrixXd& matrix) {
     const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor(matrix.sparseView());
     return factor.info() == Eigen::Success ? MatrixXd(factor.solve(identity)) : MatrixXd();
   }
-  const Eigen::LLT<MatrixXd> factor(matrix);
-  return factor.info() == Eigen::Success ? MatrixXd(factor.solve(identity)) : MatrixXd();
+  const Cholesky factor(matrix);
+  return factor.positive_definite() ? factor.inverse() : MatrixXd();
 }
 
 /// Normal equations of the parameters that are not fixed, scaled to unit diagonal.
@@ -105,8 +105,8 @@ VectorXd correction(const Information& data, Parameters parameters, std::string_
   for (Role& role : parameters.role)
     if (role == Role::considered) role = Role::fixed;
   const NormalEquations e = normal_equations(data, parameters);
-  const Eigen::LLT<MatrixXd> factor(e.normal);
-  if (factor.info() != Eigen::Success || !(e.loose.empty() || factor.matrixLLT().diagonal().cwiseAbs2().minCoeff() > singular)) refuse(what);
+  const Cholesky factor(e.normal);
+  if (!factor.positive_definite() || !(e.loose.empty() || factor.lower().diagonal().cwiseAbs2().minCoeff() > singular)) refuse(what);
   VectorXd x = e.fixed;
   x(e.loose) = e.scale.cwiseProduct(factor.solve(e.scale.cwiseProduct(e.right)));
   return x;
@@ -133,7 +133,7 @@ void consider(VectorXd& x, MatrixXd& covariance, const Parameters& parameters) {
   const std::vector<Index> c = parameters.with(Role::considered);
   if (c.empty()) return;
   const MatrixXd columns = covariance(Eigen::all, c), own = columns(c, Eigen::all);
-  const MatrixXd gain = own.ldlt().solve(columns.transpose()).transpose();
+  const MatrixXd gain = solve_semidefinite(own, MatrixXd(columns.transpose())).transpose();
   const MatrixXd prior = parameters.sigma(c).cwiseAbs2().asDiagonal();
   x += gain * VectorXd(parameters.offset(c) - x(c));
   covariance += gain * (prior - own) * gain.transpose();

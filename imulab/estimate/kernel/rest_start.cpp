@@ -1,5 +1,6 @@
 #include "imulab/estimate/kernel/rest_start.hpp"
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
@@ -8,7 +9,6 @@
 #include "imulab/estimate/kernel/optional_terms.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -46,7 +46,7 @@ void warn_of_poor_rests(RestStart& start) {
   Matrix3d scatter = Matrix3d::Zero();
   for (const RestMeans& rest : start.rests) scatter += start.up(rest) * start.up(rest).transpose() / static_cast<double>(n);
   // A third in every direction is even; at a thirtieth every rest is within about 10 deg of one plane.
-  if (n > 1 && Eigen::SelfAdjointEigenSolver<Matrix3d>(scatter).eigenvalues()[0] < 1.0 / 30)
+  if (n > 1 && symmetric_eigenvalues(scatter)[0] < 1.0 / 30)
     start.findings.warn("all rests have gravity near one axis or plane of the IMU: turn it so that each of its axes points up and down");
 }
 

@@ -1,9 +1,7 @@
 #include "imulab/estimate/kernel/terms.hpp"
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
-
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +17,7 @@ TermTest wald(std::string name, const VectorXd& value, const MatrixXd& covarianc
   TermTest test{std::move(name), 0, static_cast<int>(value.size()), 1, false};
   if (value.size() == 0) return test;
   const VectorXd unit = covariance.diagonal().cwiseSqrt().cwiseInverse(), scaled = unit.cwiseProduct(value);
-  test.statistic = scaled.dot(MatrixXd(unit.asDiagonal() * covariance * unit.asDiagonal()).ldlt().solve(scaled));
+  test.statistic = squared_norm_in(unit.asDiagonal() * covariance * unit.asDiagonal(), scaled);
   test.p_value = chi_square_tail(test.statistic, static_cast<double>(value.size()));
   test.kept = test.p_value <= significance;
   return test;
@@ -30,10 +28,10 @@ TermTest wald_without_prior(std::string name, const VectorXd& value, const Matri
   if (value.size() == 0) return test;
   // In units of the prior: the data's information is P^-1 - I, and P^-1 x is what they say of x.
   const MatrixXd unit = prior_sigma.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> posterior(unit * covariance * unit);
-  const VectorXd along = posterior.eigenvectors().transpose() * (unit * value);
+  const SymmetricEigen posterior = symmetric_eigen(unit * covariance * unit);
+  const VectorXd along = posterior.vectors.transpose() * (unit * value);
   for (Eigen::Index i = 0; i < value.size(); ++i) {
-    const double variance = posterior.eigenvalues()[i];
+    const double variance = posterior.values[i];
     if (variance < 1 - 1e-6) test.statistic += along[i] * along[i] / (variance * (1 - variance));  // else the data say nothing
   }
   test.p_value = chi_square_tail(test.statistic, static_cast<double>(value.size()));

@@ -1,9 +1,8 @@
 #include "imulab/estimate/noise/likelihood.hpp"
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/estimate/noise/spectral_terms.hpp"
-
-#include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <array>
@@ -183,7 +182,7 @@ Point Problem::fitted(Point point, const Fixed& fixed, double precision, int ite
     for (; !better && damping < 1e12; damping *= 10) {
       MatrixXd damped = information;
       damped.diagonal() += damping * (information.diagonal().array() + 1e-9).matrix();
-      const ArrayXd step = damped.ldlt().solve(gradient).array();
+      const ArrayXd step = solve_semidefinite(damped, gradient).array();
       next = point;
       next.at[Terms::Q] -= step[Terms::Q];
       next.at.tail(next.at.size() - 1) -= step.tail(step.size() - 1).max(-largest_step).min(largest_step);

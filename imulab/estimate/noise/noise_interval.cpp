@@ -1,8 +1,7 @@
 #include "imulab/estimate/noise/noise_interval.hpp"
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
-
-#include <Eigen/Cholesky>
 
 #include <algorithm>
 #include <cmath>
@@ -41,7 +40,7 @@ Following following(const Problem& problem, const Point& best, int parameter) {
   const Eigen::MatrixXd D = problem.sensitivity(best.at, problem.modeled(best.at));
   Eigen::MatrixXd information = 0.5 * (D.transpose() * problem.counts().matrix().asDiagonal() * D);
   information.diagonal().array() += 1e-9;  // of a term that is absent: nothing
-  const Eigen::VectorXd column = information.ldlt().solve(Eigen::VectorXd::Unit(information.rows(), parameter));
+  const Eigen::VectorXd column = solve_semidefinite(information, Eigen::VectorXd(Eigen::VectorXd::Unit(information.rows(), parameter)));
   return {(column / column[parameter]).array(), std::sqrt(column[parameter])};
 }
 
@@ -90,7 +89,7 @@ double degrees_below_ramp(const Problem& problem, const Point& best) {
   Eigen::MatrixXd information = 0.5 * (D.transpose() * problem.counts().matrix().asDiagonal() * D);
   information.diagonal().array() += 1e-6;  // of a term that is absent: nothing
   const Eigen::VectorXd direction = D.transpose() * (ramp / ramp.sum()).matrix();
-  return std::max(1.0, 2 / direction.dot(information.ldlt().solve(direction)));
+  return std::max(1.0, 2 / squared_norm_in(information, direction));
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/coarse.hpp"
@@ -10,7 +11,6 @@
 #include "imulab/estimate/rests/rests.hpp"
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ bool near_diagonal(const Matrix3d& matrix) {
 
 /// Axes may be swapped or turned, but gyros in SI are as long as declared and at right angles. Motion about too few axes gives any matrix.
 bool possible(const Matrix3d& matrix) {
-  const Vector3d lengths = matrix.jacobiSvd().singularValues();
+  const Vector3d lengths = singular_values(matrix).values;
   return lengths.minCoeff() > 0.8 && lengths.maxCoeff() < 1.2;  // 20 % as elsewhere: scales are off by a few percent
 }
 

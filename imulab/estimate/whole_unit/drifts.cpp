@@ -23,14 +23,14 @@ void Problem::add_drifts() {
     if (of_recording.empty()) continue;
     const auto n = std::ssize(of_recording);
     // Noise begins with the recording, whose clock begins with it unless it starts with more than the recording's own length.
-    const double first = of_recording.front()->step.start, start = first < of_recording.back()->step.end - first ? 0 : first;
+    const double first = of_recording.front()->step.start, origin = first < of_recording.back()->step.end - first ? 0 : first;
     std::vector<kernel::TimeSpan> times;
-    for (const MachinePoint* p : of_recording) times.push_back({p->step.start - start, p->step.end - start});
+    for (const MachinePoint* p : of_recording) times.push_back({p->step.start - origin, p->step.end - origin});
     Eigen::MatrixXd covariance;
     SymmetricEigen shapes;
     for (int channel = 0; channel < 6; ++channel) {
-      const NoiseModel& model = channel < 3 ? declared.accel : declared.gyro;
-      if (channel % 3 == 0) covariance = kernel::slow_noise(times, model, points.interval_s);
+      const NoiseModel& of_triad = channel < 3 ? declared.accel : declared.gyro;
+      if (channel % 3 == 0) covariance = kernel::slow_noise(times, of_triad, points.interval_s);
       if (covariance.size() == 0) continue;
       if (channel % 3 == 0) shapes = symmetric_eigen(covariance);
       const double independent = std::max(0.0, shapes.values[0]), white = noise[channel] / static_cast<double>(of_recording.front()->samples);

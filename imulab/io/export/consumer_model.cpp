@@ -1,9 +1,9 @@
 #include "imulab/io/export/consumer_model.hpp"
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/error.hpp"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include <utility>
 
@@ -14,9 +14,9 @@ namespace {
 ConsumerTriad consumer_triad(const TriadModel& m, const char* name) {
   for (const bool finite : {m.offset.allFinite(), m.matrix.allFinite(), m.quadratic.allFinite(), m.cubic.allFinite(), m.thermal.allFinite()})
     if (!finite) throw Error(std::string(name) + ": numbers that are not finite; expected a complete calibration");
-  const Eigen::FullPivLU<Matrix3d> lu(m.matrix);
-  if (!lu.isInvertible()) throw Error(std::string(name) + ".matrix: is singular; expected a matrix with an inverse");
-  ConsumerTriad triad{m.matrix, lu.inverse(), {}};
+  const auto inverse = regular_inverse(m.matrix);
+  if (!inverse) throw Error(std::string(name) + ".matrix: is singular; expected a matrix with an inverse");
+  ConsumerTriad triad{m.matrix, *inverse, {}};
   triad.b = -triad.T * m.offset;
   return triad;
 }

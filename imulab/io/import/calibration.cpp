@@ -1,12 +1,12 @@
 #include "imulab/io/import/calibration.hpp"
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/import/format.hpp"
 #include "imulab/io/import/numbers.hpp"
 #include "imulab/io/text/file.hpp"
 
-#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include <cmath>
@@ -38,9 +38,9 @@ void fail_at(const Source& source, int line, const std::string& text) {
 }
 
 Matrix3d inverse_at(const Source& source, int line, const std::string& what, const Matrix3d& matrix) {
-  const Eigen::FullPivLU<Matrix3d> lu(matrix);
-  if (!lu.isInvertible()) fail_at(source, line, what + ": is singular; expected a matrix with an inverse");
-  return lu.inverse();
+  const auto inverse = regular_inverse(matrix);
+  if (!inverse) fail_at(source, line, what + ": is singular; expected a matrix with an inverse");
+  return *inverse;
 }
 
 namespace {

@@ -1,5 +1,6 @@
 #include "imulab/io/recording/child.hpp"
 
+#include "imulab/core/address_sanitizer.hpp"
 #include "imulab/core/error.hpp"
 
 #include <fmt/core.h>
@@ -22,13 +23,6 @@
 #include <unistd.h>
 #include <utility>
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define IMULAB_ADDRESS_SANITIZER
-#endif
-#elif defined(__SANITIZE_ADDRESS__)
-#define IMULAB_ADDRESS_SANITIZER
-#endif
 #ifdef IMULAB_ADDRESS_SANITIZER
 #include <sanitizer/common_interface_defs.h>
 #endif
@@ -53,7 +47,7 @@ void limit(int resource, rlim_t most) {
 }
 
 /// What the program has of addresses now.
-std::uint64_t addresses_bytes() {
+[[maybe_unused]] std::uint64_t addresses_bytes() {
   std::uint64_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
   return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));

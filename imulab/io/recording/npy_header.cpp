@@ -77,16 +77,16 @@ std::size_t npy_number(std::string_view text, const std::string& place) {
   return number;
 }
 
-constexpr std::size_t most_bytes = std::numeric_limits<std::ptrdiff_t>::max();  // that an index counts
+constexpr std::size_t most_counted = std::numeric_limits<std::ptrdiff_t>::max();  // that an index counts
 
 std::size_t product(std::size_t a, std::size_t b, const std::string& place) {
   std::size_t result = 0;
-  if (__builtin_mul_overflow(a, b, &result) || result > most_bytes) fail_npy(place, "the array is larger than any file");
+  if (__builtin_mul_overflow(a, b, &result) || result > most_counted) fail_npy(place, "the array is larger than any file");
   return result;
 }
 
 std::size_t sum(std::size_t a, std::size_t b, const std::string& place) {
-  if (a > most_bytes - b) fail_npy(place, "the array is larger than any file");
+  if (a > most_counted - b) fail_npy(place, "the array is larger than any file");
   return a + b;
 }
 

@@ -18,12 +18,12 @@ namespace imulab {
 
 namespace {
 
-const std::vector<Column> columns{"latitude_deg", "longitude_deg", "height_m", "ve", "vn", "vu", "roll_deg", "pitch_deg", "heading_deg"};
+const std::vector<Column> state_columns{"latitude_deg", "longitude_deg", "height_m", "ve", "vn", "vu", "roll_deg", "pitch_deg", "heading_deg"};
 
 }  // namespace
 
 Solution read_solution(const std::filesystem::path& path) {
-  const recording_io::TimedTable table = recording_io::read_csv(path, {.column = "t"}, std::nullopt, columns);
+  const recording_io::TimedTable table = recording_io::read_csv(path, {.column = "t"}, std::nullopt, state_columns);
   const auto& v = table.values;
   Solution out;
   for (std::size_t i = 0; i < table.time_ns.size(); ++i) {

@@ -57,7 +57,7 @@ Matrix3d from_heading(const RestMotion& rest, const CarriedRest& body, double he
         t += rest.intervals[i];
       }
     }
-    C_n0 = Eigen::Quaterniond::FromTwoVectors(up, Vector3d::UnitZ()).toRotationMatrix() * C_n0;
+    C_n0 = shortest_rotation(up, Vector3d::UnitZ()) * C_n0;
     const Matrix3d C_nb = with_heading(rest.turned_back(-rest.duration) * C_n0 * body.C_0b, heading);
     C_n0 = rest.turned_back(rest.duration) * C_nb * body.C_0b.transpose();
   }

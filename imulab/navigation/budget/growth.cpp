@@ -1,9 +1,8 @@
 #include "imulab/navigation/budget/growth.hpp"
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/model/coefficient.hpp"
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -23,8 +22,7 @@ bool positive(const Eigen::MatrixXd& covariance) {
   if (covariance.rows() == 0) return true;
   const Eigen::VectorXd scale = covariance.diagonal().unaryExpr([](double v) { return v > 0 ? 1 / std::sqrt(v) : 1; });
   const Eigen::MatrixXd scaled = scale.asDiagonal() * covariance * scale.asDiagonal();
-  return (scaled - scaled.transpose()).cwiseAbs().maxCoeff() < 1e-9 &&
-         Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues().minCoeff() > -1e-9;
+  return (scaled - scaled.transpose()).cwiseAbs().maxCoeff() < 1e-9 && symmetric_eigenvalues(scaled).minCoeff() > -1e-9;
 }
 
 void check(const NominalMotion& motion, const ErrorSources& sources, const StrapdownOptions& options) {

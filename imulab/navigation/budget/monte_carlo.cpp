@@ -1,5 +1,6 @@
 #include "imulab/navigation/budget/monte_carlo.hpp"
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/rotation.hpp"
@@ -10,7 +11,6 @@
 #include "imulab/navigation/budget/growth.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -32,8 +32,8 @@ using Errors = Eigen::Matrix<float, budget_quantities, Eigen::Dynamic>;
 /// A factor A of a covariance A A^T that may be singular.
 MatrixXd factor(const MatrixXd& covariance) {
   if (covariance.size() == 0) return covariance;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(covariance);
-  return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const SymmetricEigen eigen = symmetric_eigen(covariance);
+  return eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
 MotionColumns spans(Columns& columns) {

@@ -2,7 +2,6 @@
 
 #include "imulab/earth/earth.hpp"
 #include "imulab/model/lever_arm.hpp"
-#include "imulab/recording/compensate_recording.hpp"
 
 #include <Eigen/Geometry>
 
@@ -15,14 +14,6 @@ using Eigen::Index;
 
 namespace {
 
-Vector3d row(const Columns3& columns, std::size_t i) { return {columns[0][i], columns[1][i], columns[2][i]}; }
-
-/// By differences of the neighbors: over a block these add up to the rate's change from its beginning to its end.
-Vector3d angular_acceleration(const Recording& r, std::size_t i) {
-  const std::size_t before = i > 0 ? i - 1 : 0, after = std::min(i + 1, r.size() - 1);
-  return (row(r.gyro, after) - row(r.gyro, before)) / (static_cast<double>(after - before) * r.interval_s);
-}
-
 /// An IMU that rests on both sides of a gap rested inside it, too.
 double interval(const Recording& r, std::size_t i, const Block& block) {
   if (block.at_rest && i > 0 && r.follows_gap(i)) return r.time_s(i) - r.time_s(i - 1);
@@ -31,28 +22,33 @@ double interval(const Recording& r, std::size_t i, const Block& block) {
 
 }  // namespace
 
-Recording compensated(const Recording& recording, const std::vector<Block>& blocks, const SensorModel& model, double delay) {
-  Recording r = compensate(model, recording).recording;
-  if (model.lever_arm.isZero()) return r;
-  const double late = std::clamp(delay / r.interval_s, -1.0, 1.0);
-  const auto effect_at = [&](std::size_t i) { return Vector3d(size_effect(row(r.gyro, i), angular_acceleration(r, i), model.lever_arm)); };
-  for (const Block& block : blocks)
-    for (std::size_t i = block.samples.begin; i < block.samples.end && !block.at_rest; ++i) {
-      const std::size_t neighbor = late > 0 ? std::max<std::size_t>(i, 1) - 1 : std::min(i + 1, r.size() - 1);
-      const Vector3d effect = (1 - std::abs(late)) * effect_at(i) + std::abs(late) * effect_at(neighbor);
-      for (std::size_t j = 0; j < 3; ++j) r.accel[j][i] -= effect[static_cast<Index>(j)];
-    }
-  return r;
-}
-
-Navigator::Navigator(const Recording& compensated, double latitude, double gravity, const OptionalSums& optional)
-    : recording_(compensated), optional_(optional), earth_rate_(earth_rate_enu(latitude)), gravity_(0, 0, -gravity) {}
+Navigator::Navigator(const Recording& recording, const SensorModel& model, double delay, double latitude, double gravity,
+                     const OptionalSums& optional)
+    : readings(recording, model),
+      recording_(recording),
+      lever_arm_(model.lever_arm),
+      late_(std::clamp(delay / recording.interval_s, -1.0, 1.0)),
+      optional_(optional),
+      earth_rate_(earth_rate_enu(latitude)),
+      gravity_(0, 0, -gravity) {}
 
 void Navigator::align(const Range& range) {
   Vector3d force = Vector3d::Zero(), rate = Vector3d::Zero();
-  for (std::size_t i = range.begin; i < range.end; ++i) force += row(recording_.accel, i), rate += row(recording_.gyro, i);
+  for (std::size_t i = range.begin; i < range.end; ++i) force += readings.force(i), rate += readings.rate(i);
   if (!(rate.cross(force).norm() > 0)) rate = force.unitOrthogonal();
   C_nb = rotation_from_directions(Vector3d::UnitZ(), Vector3d::UnitY(), force, rate);
+}
+
+/// By differences of the neighbors: over a block these add up to the rate's change from its beginning to its end.
+Vector3d Navigator::angular_acceleration(std::size_t i) {
+  const std::size_t before = i > 0 ? i - 1 : 0, after = std::min(i + 1, recording_.size() - 1);
+  return (readings.rate(after) - readings.rate(before)) / (static_cast<double>(after - before) * recording_.interval_s);
+}
+
+Vector3d Navigator::force_at_origin(std::size_t i) {
+  const auto effect_at = [&](std::size_t k) { return Vector3d(size_effect(readings.rate(k), angular_acceleration(k), lever_arm_)); };
+  const std::size_t neighbor = late_ > 0 ? std::max<std::size_t>(i, 1) - 1 : std::min(i + 1, recording_.size() - 1);
+  return readings.force(i) - ((1 - std::abs(late_)) * effect_at(i) + std::abs(late_) * effect_at(neighbor));
 }
 
 BlockSums Navigator::over(const Block& block, std::size_t first) {
@@ -63,7 +59,7 @@ BlockSums Navigator::over(const Block& block, std::size_t first) {
 
 void Navigator::add(BlockSums& sum, std::size_t i, std::size_t first, const Block& block) {
   const double dt = interval(recording_, i, block);
-  const Vector3d rate = row(recording_.gyro, i), force = row(recording_.accel, i);
+  const Vector3d rate = readings.rate(i), force = block.at_rest || lever_arm_.isZero() ? readings.force(i) : force_at_origin(i);
   const Increment sample{rate * dt, force * dt};
   const integration::BodyStep step = i > first ? integration::body_step(sample, previous_) : integration::body_step({&sample, 1});
   previous_ = sample;
@@ -103,10 +99,10 @@ void Navigator::add(BlockSums& sum, std::size_t i, std::size_t first, const Bloc
   if (block.at_rest) return;
   if (optional_.delay) {  // of f' = -w x f and f'' = w x (w x f) - w' x f
     sum.delay += middle * rate.cross(force);
-    sum.smear += 0.5 * middle * (rate.cross(rate.cross(force)) - angular_acceleration(recording_, i).cross(force));
+    sum.smear += 0.5 * middle * (rate.cross(rate.cross(force)) - angular_acceleration(i).cross(force));
   }
   if (!optional_.lever_arm) return;
-  const Matrix3d effect = size_effect(rate, angular_acceleration(recording_, i));
+  const Matrix3d effect = size_effect(rate, angular_acceleration(i));
   for (Index a = 0; a < 3; ++a) sum.lever_arm.middleCols<3>(3 * a) += middle.col(a) * effect.row(a);
 }
 

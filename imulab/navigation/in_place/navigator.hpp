@@ -4,25 +4,25 @@
 #include "imulab/navigation/in_place/blocks.hpp"
 #include "imulab/navigation/in_place/error_sums.hpp"
 #include "imulab/navigation/integration/increment.hpp"
+#include "imulab/recording/compensated_readings.hpp"
 
 namespace imulab::in_place {
-
-/// The recording without its model's errors. Lever arms are removed from the motions, as accelerometers measure them that are behind the gyros by
-/// `delay` [s], at most a sample; at rest there is no size effect, and what the gyros' noise would make of one is correlated with what it does to the
-/// attitude.
-Recording compensated(const Recording& recording, const std::vector<Block>& blocks, const SensorModel& model, double delay = 0);
 
 /// The sums that only some error models need.
 struct OptionalSums {
   bool g_sensitivity = false, quadratic = false, lever_arm = false, delay = false;
 };
 
+/// Lever arms are removed from the motions; at rest there is no size effect, and what the gyros' noise would make of one is correlated with what it
+/// does to the attitude.
 class Navigator {
  public:
-  /// `latitude` [rad], `gravity` [m/s^2].
-  Navigator(const Recording& compensated, double latitude, double gravity, const OptionalSums& optional);
+  /// Of readings with the errors of `model`, whose accelerometers measure the size effect by `delay` [s], at most a sample, later than the gyros the
+  /// turn. Both must outlive it. `latitude` [rad], `gravity` [m/s^2].
+  Navigator(const Recording& recording, const SensorModel& model, double delay, double latitude, double gravity, const OptionalSums& optional);
 
   Matrix3d C_nb = Matrix3d::Identity();
+  CompensatedReadings readings;  ///< with the size effect
 
   /// Levels from the mean force, heading from the mean rate where its horizontal part shows the Earth's.
   void align(const Range& range);
@@ -32,8 +32,12 @@ class Navigator {
 
  private:
   void add(BlockSums& sum, std::size_t i, std::size_t first, const Block& block);
+  Vector3d angular_acceleration(std::size_t i);
+  Vector3d force_at_origin(std::size_t i);
 
   const Recording& recording_;
+  const Matrix3d& lever_arm_;
+  double late_;  // of a sample
   OptionalSums optional_;
   Vector3d earth_rate_, gravity_;
   Increment previous_;
