@@ -14,13 +14,18 @@ class CompensatedReadings {
   CompensatedReadings(const Recording& recording, const SensorModel& model) : recording_(recording), model_(model) {}
 
   /// Of sample i [rad/s], [m/s^2]. They are read in order, with a few steps back. Throw Error as `compensate` does.
-  Vector3d rate(std::size_t i) { return reading_at(part_with(i).gyro, i - begin_); }
-  Vector3d force(std::size_t i) { return reading_at(part_with(i).accel, i - begin_); }
+  Vector3d rate(std::size_t i) {
+    take(i);
+    return reading_at(part_.gyro, i - begin_);
+  }
+  Vector3d force(std::size_t i) {
+    take(i);
+    return reading_at(part_.accel, i - begin_);
+  }
 
  private:
-  const Recording& part_with(std::size_t i) {
+  void take(std::size_t i) {
     if (i < begin_ || i - begin_ >= part_.size()) take_part_with(i);
-    return part_;
   }
   void take_part_with(std::size_t i);
 

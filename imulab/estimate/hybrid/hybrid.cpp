@@ -1,7 +1,6 @@
 #include "imulab/estimate/hybrid/hybrid.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/core/memory.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
 #include "imulab/estimate/hybrid/late_axis.hpp"
@@ -132,7 +131,6 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
   in_place::Blocks cut = in_place::cut_into_blocks(recording, still, turntable);
   const SensorModel coarse = to_raw(start.model, start.scaling);
   const Terms terms = terms_of(session, options.terms, coarse.accel.offset, coarse.gyro.offset, recording.interval_s);
-  expect_memory(2.1 * static_cast<double>(recording.bytes()), recording.name + ": a filter over readings that are compensated anew");
   Data data{recording, std::move(cut.blocks), place,        noise_of(start.noise, coarse, recording, session.imu),
             coarse,    terms.wanted,          terms.priors, options.progress};
   const Converged result = converge(data, terms.optional, options.significance);
