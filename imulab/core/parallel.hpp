@@ -15,6 +15,9 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& wor
 /// stack.
 void isolate_parallel(const std::function<void()>& work);
 
+/// Samples that one call of a parallel loop over samples computes.
+inline constexpr std::size_t samples_per_task = 1024;
+
 /// The threads of a parallel loop, at least 1.
 std::size_t parallel_threads();
 

@@ -25,7 +25,7 @@ struct SampleRow {
 };
 
 /// Texts as numbers from 0.
-struct Names {
+struct NumberedNames {
   std::vector<std::string> names;
   std::map<std::string, Eigen::Index, std::less<>> places;
   Eigen::Index place(std::string_view name) {
@@ -36,7 +36,7 @@ struct Names {
   }
 };
 
-std::vector<SampleRow> rows_of(FleetStore& store, const std::string& method, Names& stations, Names& operators) {
+std::vector<SampleRow> rows_of(FleetStore& store, const std::string& method, NumberedNames& stations, NumberedNames& operators) {
   std::vector<SampleRow> out;
   fleet::Statement rows(store.database(), fmt::format("SELECT id, unit, station, operator, time FROM calibrations WHERE removed IS NULL {}",
                                                       method.empty() ? "" : "AND method = ?"));
@@ -141,7 +141,7 @@ std::vector<CoefficientIndex> common_coefficients(const FleetSample& s) {
 
 FleetSample load_sample(FleetStore& store, const std::string& method) {
   FleetSample s;
-  Names stations, operators;
+  NumberedNames stations, operators;
   const std::vector<SampleRow> rows = rows_of(store, method, stations, operators);
   if (rows.empty())
     throw Error(

@@ -76,12 +76,12 @@ double positive_number(const std::string& text, const std::string& key) {
   return value;
 }
 
-std::optional<Triad> columns(const SignalTable& table, const Declarations& declared, const std::string& key) {
+std::optional<SignalTriad> columns(const SignalTable& table, const Declarations& declared, const std::string& key) {
   const std::string* text = find(declared, key);
   if (text == nullptr) return std::nullopt;
   const std::vector<std::string> parts = parts_of(*text);
   if (parts.size() != 3) throw Error(fmt::format("{} = {}: {} columns; expected three", key, *text, parts.size()));
-  return Triad{column_index(table, parts[0], key), column_index(table, parts[1], key), column_index(table, parts[2], key)};
+  return SignalTriad{column_index(table, parts[0], key), column_index(table, parts[1], key), column_index(table, parts[2], key)};
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 namespace imulab::inspection {
 
 struct DeclaredColumns {
-  std::optional<Triad> gyro, accel;
+  std::optional<SignalTriad> gyro, accel;
 };
 
 /// Throws Error for a key that there is not.

@@ -24,7 +24,7 @@ namespace {
 
 using namespace inspection;
 
-bool whole_numbers(const SignalTable& table, const Triad& triad) {
+bool whole_numbers(const SignalTable& table, const SignalTriad& triad) {
   return std::all_of(triad.begin(), triad.end(), [&](std::size_t i) {
     const std::vector<double>& values = table.signals[i].values;
     return std::all_of(values.begin(), values.end(), [](double v) { return v == std::floor(v); });
@@ -35,12 +35,12 @@ std::string name_of(const SignalTable& table, std::size_t i) {
   return table.signals[i].name.empty() ? fmt::format("column {}", i + 1) : table.signals[i].name;
 }
 
-std::string names_of(const SignalTable& table, const Triad& triad) {
+std::string names_of(const SignalTable& table, const SignalTriad& triad) {
   return fmt::format("{}, {}, {}", name_of(table, triad[0]), name_of(table, triad[1]), name_of(table, triad[2]));
 }
 
 /// The unit that the file or the column's name states for a triad.
-std::string stated_unit(const SignalTable& table, const Triad& triad) {
+std::string stated_unit(const SignalTable& table, const SignalTriad& triad) {
   const Signal& signal = table.signals[triad[0]];
   const NameHint hint = hint_of(signal.name);
   return !signal.unit.empty() ? signal.unit : !hint.unknown.empty() ? hint.unknown : hint.unit;
@@ -54,7 +54,7 @@ std::string settle_axes(const SignalTable& table, const Declarations& declared, 
   if (!triads.explained()) return {};
   const std::string wrong = wrong_axes(*triads.gyro_matrix);
   if (wrong.empty()) return "axes: the gyros turn as gravity does, right-handed";
-  Triad ordered = triads.gyro;
+  SignalTriad ordered = triads.gyro;
   bool reversed = false;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     Eigen::Index from = 0;
@@ -75,7 +75,7 @@ std::string settle_axes(const SignalTable& table, const Declarations& declared, 
   return fmt::format("axes: {}; taken as x, y, z: {}", wrong, names_of(table, ordered));
 }
 
-void settle_triad(const SignalTable& table, const Triad& triad, const UnitGuess& guess, const std::string& role, TriadSource& source,
+void settle_triad(const SignalTable& table, const SignalTriad& triad, const UnitGuess& guess, const std::string& role, TriadSource& source,
                   Inspection& result) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     ColumnFinding& column = result.columns[triad[axis]];

@@ -15,7 +15,7 @@ class TriadSearch {
   TriadSearch(const SignalTable& table, const std::vector<std::int64_t>& time_ns, const std::vector<double>& scales)
       : table_(table), time_ns_(time_ns), scales_(scales) {}
 
-  void consider(const Triad& gyro, const Triad& accel) {
+  void consider(const SignalTriad& gyro, const SignalTriad& accel) {
     for (const std::size_t i : gyro)
       if (std::find(accel.begin(), accel.end(), i) != accel.end()) return;
     constexpr std::size_t samples = 200'000;  // enough to tell triads apart
@@ -42,7 +42,7 @@ class TriadSearch {
   }
 
  private:
-  static bool disjoint(const Triad& a, const Triad& b) {
+  static bool disjoint(const SignalTriad& a, const SignalTriad& b) {
     return std::none_of(a.begin(), a.end(), [&](std::size_t i) { return std::find(b.begin(), b.end(), i) != b.end(); });
   }
   static double merit(const TriadEvidence& e) { return e.error / e.turned + (e.norm_most - e.norm_least) / e.norm; }
@@ -55,16 +55,16 @@ class TriadSearch {
 
 }  // namespace
 
-bool has_role(const SignalTable& table, const Triad& triad, Role role) {
+bool has_role(const SignalTable& table, const SignalTriad& triad, Role role) {
   return std::all_of(triad.begin(), triad.end(), [&](std::size_t i) { return hint_of(table.signals[i].name).role == role; });
 }
 
 namespace {
 
 /// Those of a sensor whose axes are all named, where there is one: of its columns no other three are meant.
-std::vector<Triad> named_triads(const SignalTable& table, const std::vector<Triad>& triads, Role role) {
-  std::vector<Triad> named, complete;
-  for (const Triad& triad : triads) {
+std::vector<SignalTriad> named_triads(const SignalTable& table, const std::vector<SignalTriad>& triads, Role role) {
+  std::vector<SignalTriad> named, complete;
+  for (const SignalTriad& triad : triads) {
     if (!has_role(table, triad, role)) continue;
     named.push_back(triad);
     const std::string sensor = hint_of(table.signals[triad[0]].name).sensor;
@@ -85,23 +85,23 @@ std::optional<TriadEvidence> find_triads(const SignalTable& table, const std::ve
   std::vector<std::size_t> taken;
   for (const auto& index : {time.column, time.fraction})
     if (index) taken.push_back(*index);
-  std::vector<Triad> triads = possible_triads(table, taken);
+  std::vector<SignalTriad> triads = possible_triads(table, taken);
   for (const auto& triad : {declared.gyro, declared.accel})
     if (triad && std::find(triads.begin(), triads.end(), *triad) == triads.end()) triads.push_back(*triad);
-  std::vector<Triad> gyros = named_triads(table, triads, Role::gyro), accels = named_triads(table, triads, Role::accel);
+  std::vector<SignalTriad> gyros = named_triads(table, triads, Role::gyro), accels = named_triads(table, triads, Role::accel);
   if (declared.gyro) gyros = {*declared.gyro};
   if (declared.accel) accels = {*declared.accel};
   const std::size_t all = time_ns.size();
   TriadSearch named(table, time_ns, scales);
-  for (const Triad& g : gyros)
-    for (const Triad& a : accels) named.consider(g, a);
+  for (const SignalTriad& g : gyros)
+    for (const SignalTriad& a : accels) named.consider(g, a);
   if (named.explained() > 1)
     result.ambiguous.push_back(fmt::format("gyro.columns, accel.columns: {} pairs of triads fit each other; which are meant", named.explained()));
   if (const auto best = named.best()) return evidence_for(table, time_ns, best->gyro, best->accel, scales, all);
   if (!(declared.gyro && declared.accel)) {
     TriadSearch search(table, time_ns, scales);
-    for (const Triad& g : triads)
-      for (const Triad& a : triads)
+    for (const SignalTriad& g : triads)
+      for (const SignalTriad& a : triads)
         if ((!declared.gyro || g == *declared.gyro) && (!declared.accel || a == *declared.accel)) search.consider(g, a);
     if (const auto best = search.best()) return evidence_for(table, time_ns, best->gyro, best->accel, scales, all);
   }

@@ -27,7 +27,7 @@ double repeated_part(const SignalTable& table, const TriadEvidence& triads) {
   std::size_t same = 0;
   for (std::size_t i = 1; i < table.rows(); ++i) {
     bool equal = true;
-    for (const Triad* triad : {&triads.gyro, &triads.accel})
+    for (const SignalTriad* triad : {&triads.gyro, &triads.accel})
       for (const std::size_t c : *triad) equal = equal && table.signals[c].values[i] == table.signals[c].values[i - 1];
     same += equal;
   }
@@ -57,7 +57,7 @@ void add_readings(const SignalTable& table, const TriadEvidence& triads, Inspect
 
 std::string counted(std::size_t n, const std::string& what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
 
-std::string direction_text(const Vector3d& up) {
+std::string axis_text(const Vector3d& up) {
   Eigen::Index axis = 0;
   up.cwiseAbs().maxCoeff(&axis);
   return fmt::format("{}{}", up[axis] > 0 ? '+' : '-', "xyz"[axis]);
@@ -70,7 +70,7 @@ void add_support(const SignalTable& table, const TriadEvidence& triads, Inspecti
   const std::size_t rests = triads.rests.size();
   if (!triads.up.empty())
     result.evidence.push_back(fmt::format("up at the first rest: about {} (if it was the other side, the accelerometers' signs are reversed)",
-                                          direction_text(triads.up.front())));
+                                          axis_text(triads.up.front())));
   const std::vector<double> parts = leverages(triads.up);
   const double determined = std::accumulate(parts.begin(), parts.end(), 0.0);
   result.evidence.push_back(fmt::format("rests: {} found{}, {} between them{}", rests,

@@ -43,7 +43,7 @@ std::vector<double> in_steps(const std::vector<double>& values, std::size_t n, d
 }
 
 /// One step for the three axes: scales between them stay.
-Columns3 columns_of(const SignalTable& table, const Triad& triad, std::size_t n, double& step) {
+Columns3 columns_of(const SignalTable& table, const SignalTriad& triad, std::size_t n, double& step) {
   step = 0;
   for (const std::size_t i : triad) {
     double own = 0;
@@ -108,9 +108,9 @@ double norm_spread_in_motion(const Recording& recording, const std::vector<Range
 
 double TriadEvidence::gyro_scale() const { return gyro_matrix ? std::cbrt(std::abs(gyro_matrix->determinant())) : 0; }
 
-std::vector<Triad> possible_triads(const SignalTable& table, const std::vector<std::size_t>& without) {
-  std::vector<Triad> triads;
-  const auto add = [&](const Triad& triad) {
+std::vector<SignalTriad> possible_triads(const SignalTable& table, const std::vector<std::size_t>& without) {
+  std::vector<SignalTriad> triads;
+  const auto add = [&](const SignalTriad& triad) {
     if (std::find(triads.begin(), triads.end(), triad) == triads.end()) triads.push_back(triad);
   };
   std::vector<std::size_t> usable;
@@ -131,14 +131,14 @@ std::vector<Triad> possible_triads(const SignalTable& table, const std::vector<s
     if (places[0] && places[1] && places[2]) add({*places[0], *places[1], *places[2]});
   for (const std::size_t stride : {std::size_t{1}, std::size_t{2}})
     for (std::size_t k = 0; k + 2 * stride < usable.size(); ++k) {
-      const Triad triad{usable[k], usable[k + stride], usable[k + 2 * stride]};
+      const SignalTriad triad{usable[k], usable[k + stride], usable[k + 2 * stride]};
       const bool even = triad[1] - triad[0] == triad[2] - triad[1];
       if (even || usable.size() == 6) add(triad);
     }
   return triads;
 }
 
-TriadEvidence evidence_for(const SignalTable& table, const std::vector<std::int64_t>& time_ns, const Triad& gyro, const Triad& accel,
+TriadEvidence evidence_for(const SignalTable& table, const std::vector<std::int64_t>& time_ns, const SignalTriad& gyro, const SignalTriad& accel,
                            const std::vector<double>& possible_scales, std::size_t most) {
   TriadEvidence evidence;
   evidence.gyro = gyro;

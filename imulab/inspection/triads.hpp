@@ -15,14 +15,14 @@
 namespace imulab::inspection {
 
 /// Indices of three signals: x, y, z.
-using Triad = std::array<std::size_t, 3>;
+using SignalTriad = std::array<std::size_t, 3>;
 
 /// Three columns that may belong together, by their names or their places.
-std::vector<Triad> possible_triads(const SignalTable& table, const std::vector<std::size_t>& without);
+std::vector<SignalTriad> possible_triads(const SignalTable& table, const std::vector<std::size_t>& without);
 
 /// What the data say of two triads, if one is taken for the gyros and the other for the accelerometers.
 struct TriadEvidence {
-  Triad gyro{}, accel{};
+  SignalTriad gyro{}, accel{};
   std::vector<Range> rests;
   double norm = 0, norm_least = 0, norm_most = 0;  ///< of the accelerometers' means at rest, their offsets taken out where they are large
   bool offset_taken_out = false;                   ///< the rests' means lie about a center far from zero, as unsigned counts do
@@ -41,7 +41,7 @@ struct TriadEvidence {
 
 /// `time_ns`: of the rows. `possible_scales`: of the gyros [rad/s per reading], tried where the turns are about too few axes to determine a matrix. At
 /// most the first `most` samples are used.
-TriadEvidence evidence_for(const SignalTable& table, const std::vector<std::int64_t>& time_ns, const Triad& gyro, const Triad& accel,
+TriadEvidence evidence_for(const SignalTable& table, const std::vector<std::int64_t>& time_ns, const SignalTriad& gyro, const SignalTriad& accel,
                            const std::vector<double>& possible_scales, std::size_t most = 1'000'000);
 
 }  // namespace imulab::inspection

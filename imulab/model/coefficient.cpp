@@ -47,11 +47,11 @@ std::string unit_of(Triad triad, Term term, int column) {
 }
 
 /// The rows and the texts they point to.
-struct Table {
+struct CoefficientTable {
   std::array<std::array<std::string, 2>, coefficient_count> texts;
   std::array<Coefficient, coefficient_count> rows;
 
-  Table() {
+  CoefficientTable() {
     std::size_t at = 0;
     for (const Triad triad : {Triad::accel, Triad::gyro})
       for (const Term term : triad == Triad::accel ? accel_terms : gyro_terms)
@@ -62,8 +62,8 @@ struct Table {
             rows.at(at) = {texts[at][0], triad, term, row, column, texts[at][1]};
           }
   }
-  Table(const Table&) = delete;
-  Table& operator=(const Table&) = delete;
+  CoefficientTable(const CoefficientTable&) = delete;
+  CoefficientTable& operator=(const CoefficientTable&) = delete;
 };
 
 /// The element of a model (const or not) that a row of the table names.
@@ -98,7 +98,7 @@ auto& element(Model& model, const Coefficient& c) {
 }  // namespace
 
 std::span<const Coefficient> coefficient_table() {
-  static const Table table;
+  static const CoefficientTable table;
   return table.rows;
 }
 

@@ -65,7 +65,7 @@ RawSample decompensate(const SensorModel& model, const Motion& motion, const Vec
 namespace {
 
 constexpr std::size_t block_size = 256;  // 12 columns of a block are 24 KiB: they stay in the first-level cache
-using Block = std::array<std::array<double, block_size>, 3>;
+using ColumnBlock = std::array<std::array<double, block_size>, 3>;
 using Inputs = std::array<std::span<const double>, 3>;
 
 void check_columns(const SensorModel& model, const RawColumns& raw, const MotionColumns& out) {
@@ -92,7 +92,7 @@ void check_columns(const SensorModel& model, const RawColumns& raw, const Motion
 }
 
 /// V = U - (c0 + c1 tau + c2 tau^2) of samples begin .. begin + n.
-void load(const TriadModel& m, const Inputs& raw, const Inputs& temperature, std::size_t begin, std::size_t n, Block& v) {
+void load(const TriadModel& m, const Inputs& raw, const Inputs& temperature, std::size_t begin, std::size_t n, ColumnBlock& v) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double* const u = raw[axis].data() + begin;
     const auto c = m.thermal.row(static_cast<Eigen::Index>(axis));
@@ -111,7 +111,7 @@ void load(const TriadModel& m, const Inputs& raw, const Inputs& temperature, std
 }
 
 /// A0 + A1 V + A2 V^2 + A3 V^3.
-void polynomial(const TriadModel& m, const Block& v, std::size_t n, Block& out) {
+void polynomial(const TriadModel& m, const ColumnBlock& v, std::size_t n, ColumnBlock& out) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<Eigen::Index>(axis);
     const double a0 = m.offset(i), ax = m.matrix(i, 0), ay = m.matrix(i, 1), az = m.matrix(i, 2), a2 = m.quadratic(i), a3 = m.cubic(i);
@@ -124,7 +124,7 @@ void polynomial(const TriadModel& m, const Block& v, std::size_t n, Block& out) 
   }
 }
 
-void add_product(const Matrix3d& c, const Block& a, std::size_t n, Block& out) {
+void add_product(const Matrix3d& c, const ColumnBlock& a, std::size_t n, ColumnBlock& out) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<Eigen::Index>(axis);
     const double cx = c(i, 0), cy = c(i, 1), cz = c(i, 2);
@@ -132,7 +132,7 @@ void add_product(const Matrix3d& c, const Block& a, std::size_t n, Block& out) {
   }
 }
 
-void store(const Block& block, std::size_t begin, std::size_t n, const std::array<std::span<double>, 3>& out) {
+void store(const ColumnBlock& block, std::size_t begin, std::size_t n, const std::array<std::span<double>, 3>& out) {
   for (std::size_t axis = 0; axis < 3; ++axis) std::copy_n(block[axis].begin(), n, out[axis].begin() + static_cast<std::ptrdiff_t>(begin));
 }
 
@@ -141,7 +141,7 @@ void store(const Block& block, std::size_t begin, std::size_t n, const std::arra
 void compensate(const SensorModel& model, const RawColumns& raw, const MotionColumns& out) {
   check_columns(model, raw, out);
   const bool sensitive = (model.g_sensitivity.array() != 0).any();
-  Block v, force, rate;  // a whole block is computed before it is stored: `out` may be the input's memory
+  ColumnBlock v, force, rate;  // a whole block is computed before it is stored: `out` may be the input's memory
   for (std::size_t begin = 0; begin < raw.accel[0].size(); begin += block_size) {
     const std::size_t n = std::min(block_size, raw.accel[0].size() - begin);
     load(model.accel, raw.accel, raw.accel_temperature, begin, n, v);

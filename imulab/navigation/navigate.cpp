@@ -18,13 +18,13 @@ namespace imulab {
 namespace {
 
 /// What is integrated: the increments that end after `time`, the first one from there on.
-struct Steps {
+struct IntegratedSteps {
   Range range;  // of samples that have them
   double time, tolerance;
   bool at_begin;  // of the recording
 };
 
-Steps steps_from(const Recording& r, double time, const NavigateOptions& options, std::vector<MissingTime>& gaps) {
+IntegratedSteps steps_from(const Recording& r, double time, const NavigateOptions& options, std::vector<MissingTime>& gaps) {
   const double begin = r.time_s(0) - r.interval(0, false), end = r.time_s(r.size() - 1), tolerance = 1e-3 * r.interval_s;
   const bool at_begin = std::abs(time - begin) < r.interval_s / 2;  // the first stamp may be late or early: its sample is whole
   if ((time < begin && !at_begin) || time >= end - tolerance)
@@ -40,7 +40,7 @@ Steps steps_from(const Recording& r, double time, const NavigateOptions& options
   return {range, time, tolerance, at_begin};
 }
 
-void for_each_step(const Recording& r, const Steps& steps, const std::function<void(const TimedIncrement&, double)>& each) {
+void for_each_step(const Recording& r, const IntegratedSteps& steps, const std::function<void(const TimedIncrement&, double)>& each) {
   bool first = true;
   for_each_increment(r, steps.range, [&](const TimedIncrement& step, double end) {
     if (end <= steps.time + steps.tolerance) return;
@@ -85,7 +85,7 @@ void warn_of_force(std::vector<double> forces, const std::string& name, std::vec
                   name, middle));
 }
 
-void integrate(const navigation::Start& start, const Steps& steps, const Session& session, const Recording& recording, const NavigateOptions& options,
+void integrate(const navigation::Start& start, const IntegratedSteps& steps, const Session& session, const Recording& recording, const NavigateOptions& options,
                Navigated& out) {
   check_barometer(options, steps.time, recording.time_s(recording.size() - 1));
   Strapdown strapdown(start.state, {.vertical = options.vertical, .gravity = session.site.given_gravity});
@@ -161,7 +161,7 @@ Navigated navigate(const Calibration& calibration, const Session& session, Recor
   const navigation::Start start = navigation::start_of(calibration, session, recording, options);
   out.aligned = start.aligned;
   out.warnings.insert(out.warnings.end(), start.warnings.begin(), start.warnings.end());
-  const Steps steps = steps_from(recording, start.time, options, out.gaps);
+  const IntegratedSteps steps = steps_from(recording, start.time, options, out.gaps);
   integrate(start, steps, session, recording, options, out);
   warn_of_samples(recording, out);
   return out;

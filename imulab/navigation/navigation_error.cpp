@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double same_time = 1e-7;  // s: files write nanoseconds
+constexpr double same_stamp = 1e-7;  // s: files write nanoseconds
 
 /// Latitude, longitude (near `longitude`) and height, and their rates.
 struct Place {
@@ -46,10 +46,10 @@ NavigationState between(const NavigationState& a, const NavigationState& b, doub
 
 /// At a time inside the solution's.
 NavigationState at(const Solution& s, double t) {
-  const auto after = std::lower_bound(s.time.begin(), s.time.end(), t - same_time);
+  const auto after = std::lower_bound(s.time.begin(), s.time.end(), t - same_stamp);
   const auto i = static_cast<std::size_t>(after - s.time.begin());
   if (i == s.size()) return s.states.back();
-  if (i == 0 || s.time[i] - t < same_time) return s.states[i];
+  if (i == 0 || s.time[i] - t < same_stamp) return s.states[i];
   const double h = s.time[i] - s.time[i - 1];
   return between(s.states[i - 1], s.states[i], h, (t - s.time[i - 1]) / h);
 }
@@ -61,8 +61,8 @@ NavigationError error_at(double time, const NavigationState& s, const Navigation
 }
 
 std::size_t rows_between(const Solution& s, double begin, double end) {
-  return static_cast<std::size_t>(std::upper_bound(s.time.begin(), s.time.end(), end + same_time) -
-                                  std::lower_bound(s.time.begin(), s.time.end(), begin - same_time));
+  return static_cast<std::size_t>(std::upper_bound(s.time.begin(), s.time.end(), end + same_stamp) -
+                                  std::lower_bound(s.time.begin(), s.time.end(), begin - same_stamp));
 }
 
 }  // namespace
@@ -71,7 +71,7 @@ NavigationErrors navigation_errors(const Solution& solution, const Solution& tru
   if (solution.size() == 0 || truth.size() == 0) throw Error("comparison with a reference solution: expected at least one row of each");
   const double begin = std::max(solution.time.front(), truth.time.front()), end = std::min(solution.time.back(), truth.time.back());
   const auto range = [](const Solution& s) { return fmt::format("{:.3f} s to {:.3f} s", s.time.front(), s.time.back()); };
-  if (end < begin - same_time)
+  if (end < begin - same_stamp)
     throw Error(fmt::format("the truth runs from {}, the solution from {}: expected times that overlap", range(truth), range(solution)));
   NavigationErrors out;
   const double step = solution.size() > 1 ? (solution.time.back() - solution.time.front()) / static_cast<double>(solution.size() - 1) : 0;
@@ -85,8 +85,8 @@ NavigationErrors navigation_errors(const Solution& solution, const Solution& tru
   const Solution& coarser = rows_between(truth, begin, end) < rows_between(solution, begin, end) ? truth : solution;
   std::vector<double> times;
   for (const double t : coarser.time)
-    if (t >= begin - same_time && t <= end + same_time) times.push_back(t);
-  if (times.empty() || end - times.back() > same_time) times.push_back(end);
+    if (t >= begin - same_stamp && t <= end + same_stamp) times.push_back(t);
+  if (times.empty() || end - times.back() > same_stamp) times.push_back(end);
   for (const double t : times) out.history.push_back(error_at(t, at(solution, t), at(truth, t)));
   const double navigated = out.history.back().time - solution.time.front();
   out.rate = navigated > 0 ? out.history.back().horizontal() / navigated : 0;

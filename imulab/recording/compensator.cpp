@@ -51,7 +51,7 @@ OutlierFilter::Readings readings(const Recording& r, std::size_t i) {
 }
 
 /// The output of the filter, in place of the samples from the first on.
-struct Filtered {
+struct FilteredReadings {
   Recording& recording;
   std::vector<std::size_t> replaced{};
   std::size_t size = 0;
@@ -76,7 +76,7 @@ CompensatedRecording Compensator::next(Recording piece) {
   if (!filter_) return compensate(model_, std::move(piece));
   const std::size_t taken = held_.size();
   Recording samples = joined(std::move(held_), std::move(piece));
-  Filtered filtered{samples};
+  FilteredReadings filtered{samples};
   for (std::size_t i = taken; i < samples.size(); ++i)
     if (const auto out = filter_->push(readings(samples, i))) filtered.put(*out);
   held_ = split(samples, filtered.size);

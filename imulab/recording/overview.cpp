@@ -12,15 +12,15 @@ namespace imulab {
 namespace {
 
 /// A triad's columns, or temperatures.
-struct Part {
+struct ColumnGroup {
   Columns3 buffers;
   std::array<std::span<const double>, 3> samples;
 
-  Part(const RecordingView& recording, std::size_t first, const Range& range) {
+  ColumnGroup(const RecordingView& recording, std::size_t first, const Range& range) {
     for (std::size_t axis = 0; axis < 3; ++axis)
       if (recording.has(first + axis)) samples[axis] = recording.samples(first + axis, range, buffers[axis]);
   }
-  Part(Part&&) = delete;
+  ColumnGroup(ColumnGroup&&) = delete;
 };
 
 /// The extremes of some samples, in the order in which they came.
@@ -52,7 +52,7 @@ MotionSamples compensated_samples(const SensorModel& model, const RecordingView&
     out.rate[axis].resize(range.size());
     out.force[axis].resize(range.size());
   }
-  const Part gyro(recording, gyro_columns, range), accel(recording, accel_columns, range),
+  const ColumnGroup gyro(recording, gyro_columns, range), accel(recording, accel_columns, range),
       gyro_temperature(recording, gyro_temperature_columns, range), accel_temperature(recording, accel_temperature_columns, range);
   compensate(model, {gyro.samples, accel.samples, gyro_temperature.samples, accel_temperature.samples},
              {{out.rate[0], out.rate[1], out.rate[2]}, {out.force[0], out.force[1], out.force[2]}});
@@ -71,7 +71,7 @@ Overview overview(const SensorModel& model, const RecordingView& recording, std:
     const MotionSamples motion = compensated_samples(model, recording, range);
     add(out.rate, spans_of(motion.rate), all);
     add(out.force, spans_of(motion.force), all);
-    add(out.temperature, Part(recording, temperature, range).samples, all);
+    add(out.temperature, ColumnGroup(recording, temperature, range).samples, all);
     if (all) {
       for (std::size_t i = begin; i < range.end; ++i) out.time.push_back(recording.time_s(i));
       continue;

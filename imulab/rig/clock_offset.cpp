@@ -12,16 +12,16 @@ namespace imulab {
 namespace {
 
 /// A signal on an even grid of its own.
-struct Signal {
+struct EvenSignal {
   double begin_s = 0, step_s = 0;
   std::vector<double> value;
 };
 
 /// The size of the rate, less what a triad reads most of the time.
-Signal turning(const Recording& r, double step_s) {
+EvenSignal turning_of(const Recording& r, double step_s) {
   Vector3d usual;
   for (std::size_t k = 0; k < 3; ++k) usual[static_cast<Eigen::Index>(k)] = median(r.gyro[k]);
-  Signal out{r.time_s(0) - r.interval_s, step_s, {}};
+  EvenSignal out{r.time_s(0) - r.interval_s, step_s, {}};
   const auto cells = static_cast<std::size_t>((r.time_s(r.size() - 1) - out.begin_s) / step_s);
   out.value.assign(cells, 0);
   std::vector<double> count(cells, 0);
@@ -61,8 +61,8 @@ std::vector<Turn> turns_of(std::span<const Step> steps) {
 }
 
 /// The same as commanded: a turn's mean rate from its start to its end.
-Signal commanded(std::span<const Step> steps, double step_s) {
-  Signal out{steps.front().start, step_s, {}};
+EvenSignal commanded(std::span<const Step> steps, double step_s) {
+  EvenSignal out{steps.front().start, step_s, {}};
   out.value.assign(static_cast<std::size_t>(std::max(1.0, (steps.back().end - out.begin_s) / step_s)), 0);
   for (const Turn& turn : turns_of(steps)) {
     if (!(turn.end_s > turn.begin_s)) continue;
@@ -76,7 +76,7 @@ Signal commanded(std::span<const Step> steps, double step_s) {
 }
 
 /// Correlation of two signals over their common time where the second is moved by `offset_s`.
-double correlation(const Signal& a, const Signal& b, double offset_s) {
+double correlation(const EvenSignal& a, const EvenSignal& b, double offset_s) {
   double n = 0, ma = 0, mb = 0, saa = 0, sbb = 0, sab = 0;
   for (std::size_t c = 0; c < b.value.size(); ++c) {
     const double at = (b.begin_s + offset_s - a.begin_s) / a.step_s + static_cast<double>(c);
@@ -91,7 +91,7 @@ double correlation(const Signal& a, const Signal& b, double offset_s) {
 }
 
 /// The best of the offsets from `low` to `high`.
-double best_offset(const Signal& a, const Signal& b, double low, double high) {
+double best_offset(const EvenSignal& a, const EvenSignal& b, double low, double high) {
   double best = low, most = -2;
   for (double offset = low; offset <= high; offset += a.step_s)
     if (const double c = correlation(a, b, offset); c > most) most = c, best = offset;
@@ -106,12 +106,12 @@ std::optional<ClockOffset> clock_offset(const Recording& r, std::span<const Step
   if (turns < 3 || r.size() < 100 || !r.gaps.empty()) return std::nullopt;
   const double length = r.time_s(r.size() - 1) - r.time_s(0), duration = steps.back().end - steps.front().start;
   const double coarse_s = std::max({0.25, length / 1500, duration / 1500}), fine_s = std::max(r.interval_s, coarse_s / 16);
-  const Signal rough = turning(r, coarse_s), plan = commanded(steps, coarse_s);
+  const EvenSignal rough = turning_of(r, coarse_s), plan = commanded(steps, coarse_s);
   // The log and the recording share at least half of the shorter one.
   const double first = rough.begin_s - plan.begin_s - 0.5 * std::min(length, duration),
                last = rough.begin_s + length - plan.begin_s - 0.5 * std::min(length, duration);
   const double near = best_offset(rough, plan, first, last);
-  const Signal sharp = turning(r, fine_s), sharp_plan = commanded(steps, fine_s);
+  const EvenSignal sharp = turning_of(r, fine_s), sharp_plan = commanded(steps, fine_s);
   const double at = best_offset(sharp, sharp_plan, near - 2 * coarse_s, near + 2 * coarse_s);
   const double before = correlation(sharp, sharp_plan, at - fine_s), peak = correlation(sharp, sharp_plan, at),
                after = correlation(sharp, sharp_plan, at + fine_s);

@@ -16,8 +16,7 @@ namespace imulab::rig {
 
 namespace {
 
-constexpr std::size_t block_size = 1024;  // samples one task computes
-constexpr double most_samples = 1e8;      // ten columns of them are 8 GB
+constexpr double most_samples = 1e8;  // ten columns of them are 8 GB
 
 /// A part of the samples that one task computes.
 struct Block {
@@ -29,7 +28,7 @@ std::vector<Block> blocks_of(std::span<const Range> samples) {
   std::size_t place = 0;
   for (const Range& range : samples)
     for (std::size_t sample = range.begin; sample < range.end; place += blocks.back().size, sample += blocks.back().size)
-      blocks.push_back({sample, place, std::min(block_size, range.end - sample)});
+      blocks.push_back({sample, place, std::min(samples_per_task, range.end - sample)});
   return blocks;
 }
 

@@ -23,7 +23,6 @@ namespace {
 
 using namespace simulate;
 
-constexpr std::size_t block_size = 1024;  // samples one task computes
 const std::set<std::string, std::less<>> si_units{"rad/s", "rad", "m/s^2", "m/s"};
 
 /// The limits of the readings, ascending; none if both are infinite.
@@ -116,8 +115,8 @@ Recording simulate_recording(const Session& procedure, const RecordingSource& so
   // Isolated: a thread that waits here must not start an outer loop's next session on the same stack.
   isolate_parallel([&] {
     parallel_for(noise.size(), [&](std::size_t axis) { add_noise(noise[axis], samples, column(recording, axis)); });
-    parallel_for((recording.size() + block_size - 1) / block_size, [&](std::size_t block) {
-      const std::size_t begin = block * block_size, size = std::min(block_size, recording.size() - begin);
+    parallel_for((recording.size() + samples_per_task - 1) / samples_per_task, [&](std::size_t block) {
+      const std::size_t begin = block * samples_per_task, size = std::min(samples_per_task, recording.size() - begin);
       const auto part = [&](const std::vector<double>& readings) {
         std::array<std::span<const double>, 3> columns;
         if (!readings.empty()) columns.fill(std::span(readings).subspan(begin, size));

@@ -1,5 +1,6 @@
 // Parameters of PX4 and ArduPilot (equations and names as in imulab/io/export/px4.cpp and ardupilot.cpp).
 #include "imulab/io/import/numbers.hpp"
+#include "imulab/io/text/printable.hpp"
 
 #include <fmt/format.h>
 
@@ -27,11 +28,11 @@ Parameters parameters_of(const Source& s, std::string_view prefix, std::string_v
     const auto name = static_cast<std::size_t>(found - words.begin());
     if (!(words.size() == 2 && name == 0) && !(words.size() == 5 && name == 2))
       fail_at(s, line.number,
-              fmt::format("{}: expected NAME,VALUE, or five columns with name and value in the third and fourth", printable(line.text)));
+              fmt::format("{}: expected NAME,VALUE, or five columns with name and value in the third and fourth", excerpt(line.text)));
     const auto value = finite_number(words[name + 1]);
-    if (!value) fail_at(s, line.number, fmt::format("{}: expected a number, found \"{}\"", printable(words[name]), printable(words[name + 1])));
+    if (!value) fail_at(s, line.number, fmt::format("{}: expected a number, found \"{}\"", excerpt(words[name]), excerpt(words[name + 1])));
     if (!out.try_emplace(std::string(words[name]), Parameter{line.number, *value}).second)
-      fail_at(s, line.number, fmt::format("{}: is given twice; expected each parameter once", printable(words[name])));
+      fail_at(s, line.number, fmt::format("{}: is given twice; expected each parameter once", excerpt(words[name])));
   }
   return out;
 }

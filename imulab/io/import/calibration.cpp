@@ -6,6 +6,7 @@
 #include "imulab/io/import/format.hpp"
 #include "imulab/io/import/numbers.hpp"
 #include "imulab/io/text/file.hpp"
+#include "imulab/io/text/printable.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,7 @@
 // The table of `imulab export --to csv`: names of coefficients and their values. Uncertainties of single coefficients say nothing without their
 // correlations, and are left.
 #include "imulab/io/import/numbers.hpp"
+#include "imulab/io/text/printable.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <fmt/format.h>
@@ -30,13 +31,13 @@ std::map<std::string, Row, std::less<>> rows_of(const Source& s) {
   for (const Line& line : lines_of(s.text)) {
     if (line.text == csv_head) continue;
     const auto words = words_of(line.text, ",");
-    if (words.size() < 2) fail_at(s, line.number, fmt::format("\"{}\": expected a name and a value", printable(line.text)));
+    if (words.size() < 2) fail_at(s, line.number, fmt::format("\"{}\": expected a name and a value", excerpt(line.text)));
     const auto value = is_unit_row(words[0]) ? 0 : finite_number(words[1]);
-    if (!value) fail_at(s, line.number, fmt::format("{}: expected a number, found \"{}\"", printable(words[0]), printable(words[1])));
+    if (!value) fail_at(s, line.number, fmt::format("{}: expected a number, found \"{}\"", excerpt(words[0]), excerpt(words[1])));
     if (!rows.try_emplace(std::string(words[0]),
                           Row{line.number, *value, is_unit_row(words[0]) ? words[1] : words.back(), words.size() < 3 || words[2] != "inf"})
              .second)
-      fail_at(s, line.number, printable(words[0]) + ": is given twice; expected each name once");
+      fail_at(s, line.number, excerpt(words[0]) + ": is given twice; expected each name once");
   }
   return rows;
 }
@@ -66,7 +67,7 @@ ImportedModel read_csv_table(const Source& s) {
     for (auto& [m, name, si] : {std::tuple{&out.model.accel, "accel.readings", "m/s^2"}, std::tuple{&out.model.gyro, "gyro.readings", "rad/s"}}) {
       const Row& unit = row(name);
       if (unit.unit != si && unit.unit != "count")
-        fail_at(s, unit.line, fmt::format("{}: expected {} or count, found \"{}\"", name, si, printable(unit.unit)));
+        fail_at(s, unit.line, fmt::format("{}: expected {} or count, found \"{}\"", name, si, excerpt(unit.unit)));
       m->raw_unit = std::string(unit.unit);
     }
   for (auto& [m, name] : {std::pair{&out.model.accel, "accel"}, std::pair{&out.model.gyro, "gyro"}}) {

@@ -2,6 +2,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/io/import/numbers.hpp"
 #include "imulab/io/text/json_field.hpp"
+#include "imulab/io/text/printable.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/recording/unit_names.hpp"
 
@@ -54,7 +55,7 @@ void expect_single_keys(const Source& s) {
     if (event == Json::parse_event_t::key) {
       const auto key = parsed.get<std::string>();
       if (std::find(open.back().begin(), open.back().end(), key) != open.back().end())
-        fail_at(s, 0, printable(key) + ": is given twice; expected each key once");
+        fail_at(s, 0, excerpt(key) + ": is given twice; expected each key once");
       open.back().push_back(key);
     }
     return true;

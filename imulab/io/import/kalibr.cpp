@@ -2,6 +2,7 @@
 // kalibr_imu_chain.yaml (rpng/open_vins, commit 6948812: VioManagerOptions.h, state/State.h). Both are YAML with "imu0".
 #include "imulab/io/import/numbers.hpp"
 #include "imulab/io/import/yaml.hpp"
+#include "imulab/io/text/printable.hpp"
 
 #include <Eigen/LU>
 #include <fmt/format.h>
@@ -108,7 +109,7 @@ ImportedModel read_openvins(const Source& s) {
   name_si(out.model);
   const YamlNode* model = imu.find("model");
   if (model != nullptr && model->text != "rpng" && model->text != "kalibr")
-    fail_at(s, model->line, fmt::format("{}.model: \"{}\"; expected kalibr or rpng", path, printable(model->text)));
+    fail_at(s, model->line, fmt::format("{}.model: \"{}\"; expected kalibr or rpng", path, excerpt(model->text)));
   const bool upper = model != nullptr && model->text == "rpng";
   // OpenVINS itself keeps one triangle of D: what the other holds has no effect.
   for (auto& [D, name] : {std::pair{&Dw, "Tw"}, std::pair{&Da, "Ta"}}) {

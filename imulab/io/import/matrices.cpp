@@ -1,6 +1,7 @@
 // Files of numbers: imu_tk's .calib (Kyle-ak/imu_tk: include/imu_tk/calibration.h, out = T K (u - b)), a matrix and a bias, and VectorNav's registers
 // 25 and 84 (both: out = C (u - b)).
 #include "imulab/io/import/numbers.hpp"
+#include "imulab/io/text/printable.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -85,7 +86,7 @@ void check_sum(const Source& s, const Line& line, std::string_view number) {
   const auto [end, error] = std::from_chars(stated.data(), stated.data() + stated.size(), found, 16);
   if (error != std::errc() || end != stated.data() + stated.size() || found != sum)
     fail_at(s, line.number,
-            fmt::format("register {}: its checksum is {}, that of its text {:0{}X}; expected a line without damage", number, printable(stated), sum,
+            fmt::format("register {}: its checksum is {}, that of its text {:0{}X}; expected a line without damage", number, excerpt(stated), sum,
                         stated.size()));
 }
 
@@ -146,7 +147,7 @@ ImportedModel read_vectornav(const Source& s) {
     std::vector<double> v;
     for (std::size_t i = 2; i < 2 + matrix_and_bias; ++i) {
       const auto value = finite_number(words[i]);
-      if (!value) fail_at(s, line.number, fmt::format("\"{}\": expected a number", printable(words[i])));
+      if (!value) fail_at(s, line.number, fmt::format("\"{}\": expected a number", excerpt(words[i])));
       v.push_back(*value);
     }
     check_sum(s, line, words[1]);

@@ -1,6 +1,7 @@
 #include "imulab/io/import/numbers.hpp"
 
 #include "imulab/io/text/decimal.hpp"
+#include "imulab/io/text/printable.hpp"
 
 #include <fmt/format.h>
 
@@ -16,13 +17,6 @@ std::optional<double> finite_number(std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (text.empty() || error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
   return value;
-}
-
-std::string printable(std::string_view text) {
-  constexpr std::size_t longest = 60;
-  std::string out;
-  for (const char c : text.substr(0, longest)) out += c >= ' ' && c <= '~' ? c : '?';
-  return text.size() > longest ? out + "..." : out;
 }
 
 std::vector<Line> lines_of(std::string_view text) {
@@ -67,7 +61,7 @@ Numbers numbers_of(const Source& source, std::size_t most) {
   for (const Line& line : lines_of(source.text))
     for (const std::string_view word : words_of(line.text)) {
       const auto value = finite_number(word);
-      if (!value) fail_at(source, line.number, fmt::format("\"{}\": expected a number", printable(word)));
+      if (!value) fail_at(source, line.number, fmt::format("\"{}\": expected a number", excerpt(word)));
       if (out.values.size() == most) fail_at(source, line.number, fmt::format("more than {} numbers; expected no more", most));
       out.values.push_back(*value);
       out.lines.push_back(line.number);

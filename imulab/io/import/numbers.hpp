@@ -13,9 +13,6 @@ namespace imulab::import_io {
 /// The whole text as a finite number; a leading + is allowed.
 std::optional<double> finite_number(std::string_view text);
 
-/// Foreign text for a message: at most 60 characters of printable ASCII.
-std::string printable(std::string_view text);
-
 struct Line {
   int number = 0;  ///< from 1
   std::string_view text;

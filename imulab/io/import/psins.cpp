@@ -8,6 +8,7 @@
 // with PSINS' own g and ug.
 #include "imulab/core/units.hpp"
 #include "imulab/io/import/numbers.hpp"
+#include "imulab/io/text/printable.hpp"
 
 #include <fmt/format.h>
 
@@ -37,9 +38,9 @@ std::map<std::string, Block> blocks_of(const Source& s) {
         const std::size_t equals = rest.find('='), bracket = rest.find('[');
         const auto names = words_of(rest.substr(0, equals));
         if (equals == std::string_view::npos || bracket == std::string_view::npos || bracket < equals || names.size() != 1)
-          fail_at(s, line.number, fmt::format("\"{}\": expected NAME = [ numbers ];", printable(rest)));
+          fail_at(s, line.number, fmt::format("\"{}\": expected NAME = [ numbers ];", excerpt(rest)));
         const auto [place, is_new] = blocks.try_emplace(std::string(names[0]));
-        if (!is_new) fail_at(s, line.number, printable(names[0]) + ": is given twice; expected each name once");
+        if (!is_new) fail_at(s, line.number, excerpt(names[0]) + ": is given twice; expected each name once");
         open = &place->second;
         open->line = line.number;
         rest.remove_prefix(bracket + 1);
@@ -47,7 +48,7 @@ std::map<std::string, Block> blocks_of(const Source& s) {
       const std::size_t close = rest.find(']');
       for (const std::string_view word : words_of(rest.substr(0, close))) {
         const auto value = finite_number(word);
-        if (!value) fail_at(s, line.number, fmt::format("\"{}\": expected a number", printable(word)));
+        if (!value) fail_at(s, line.number, fmt::format("\"{}\": expected a number", excerpt(word)));
         if (open->values.size() == most) fail_at(s, line.number, "more than 9 numbers in one block; expected no more");
         open->values.push_back(*value);
       }

@@ -2,6 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/io/import/numbers.hpp"
+#include "imulab/io/text/printable.hpp"
 
 #include <fmt/format.h>
 
@@ -53,7 +54,7 @@ class TreeBuilder : public YAML::EventHandler {
   void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t, const std::string& value) override {
     Level* level = levels_.empty() ? nullptr : &levels_.back();
     if (level != nullptr && level->node.kind == YamlNode::Kind::map && !level->key) {
-      if (level->node.find(value) != nullptr) fail_at(source_, mark.line + 1, printable(value) + ": is given twice; expected each key once");
+      if (level->node.find(value) != nullptr) fail_at(source_, mark.line + 1, excerpt(value) + ": is given twice; expected each key once");
       if (level->node.keys.size() >= most_keys) fail_at(source_, mark.line + 1, fmt::format("more than {} keys; expected a calibration", most_keys));
       level->key = value;
       return;
@@ -122,7 +123,7 @@ YamlNode parse_yaml(const Source& source) {
     YAML::Parser parser(stream);
     if (!parser.HandleNextDocument(builder)) fail_at(source, 0, "has no content; expected a calibration");
   } catch (const YAML::Exception& e) {
-    fail_at(source, e.mark.is_null() ? 0 : e.mark.line + 1, "not YAML: " + printable(e.msg) + "; expected a calibration");
+    fail_at(source, e.mark.is_null() ? 0 : e.mark.line + 1, "not YAML: " + excerpt(e.msg) + "; expected a calibration");
   }
   return std::move(builder.root);
 }
@@ -137,7 +138,7 @@ double number_of(const Source& source, const YamlNode& node, const std::string& 
   const auto number = node.kind == YamlNode::Kind::scalar ? finite_number(node.text) : std::nullopt;
   if (!number)
     fail_at(source, node.line,
-            path + ": expected a number" + (node.kind == YamlNode::Kind::scalar ? ", found \"" + printable(node.text) + "\"" : ""));
+            path + ": expected a number" + (node.kind == YamlNode::Kind::scalar ? ", found \"" + excerpt(node.text) + "\"" : ""));
   return *number;
 }
 

@@ -44,14 +44,14 @@ std::string vertical_text(VerticalChannel vertical) {
 }
 
 /// East, north and up of one quantity.
-struct Block {
+struct ErrorRows {
   const char* title;
   Eigen::Index first;  ///< of its rows
 };
-constexpr std::array<Block, 3> blocks{{{"position, m", 0}, {"velocity, m/s", 3}, {"attitude, arcsec", 6}}};
+constexpr std::array<ErrorRows, 3> blocks{{{"position, m", 0}, {"velocity, m/s", 3}, {"attitude, arcsec", 6}}};
 
 template <class Value>
-std::string row_text(const Block& block, const Value& value) {
+std::string row_text(const ErrorRows& block, const Value& value) {
   std::string text;
   for (Eigen::Index q = block.first; q < block.first + 3; ++q) text += fmt::format(" {:>10}", text::number(value(q) / unit_of(q)));
   return text;
@@ -63,7 +63,7 @@ std::string line_text(std::string_view name, const char* what, const std::string
   return fmt::format("{:<{}} {:<5}{}\n", name, name_width, what, row);
 }
 
-std::string total_rows(const Block& block, const ErrorBudget& b) {
+std::string total_rows(const ErrorRows& block, const ErrorBudget& b) {
   const auto end = static_cast<Eigen::Index>(b.time.size()) - 1;
   return line_text("all together", "fixed", row_text(block, b.mean.col(end))) + line_text("", "sigma", row_text(block, total_sigma(b).col(end)));
 }
@@ -78,7 +78,7 @@ std::vector<std::size_t> by_share(const std::vector<double>& shares, std::size_t
 std::string percent(double share) { return fmt::format("{:.1f} %", std::round(1000 * share) / 10 + 0.0); }
 
 /// Sources by their share, the largest first.
-std::string source_rows(const Block& block, const ErrorBudget& b) {
+std::string source_rows(const ErrorRows& block, const ErrorBudget& b) {
   const auto end = static_cast<Eigen::Index>(b.time.size()) - 1;
   const std::vector<double> shares = b.horizontal_shares(b.time.size() - 1);
   const bool shown = block.first == 0;  // shares are of the position
@@ -94,7 +94,7 @@ std::string source_rows(const Block& block, const ErrorBudget& b) {
   return text;
 }
 
-std::string block_text(const Block& block, const ErrorBudget& b) {
+std::string block_text(const ErrorRows& block, const ErrorBudget& b) {
   std::string text = fmt::format("\n{:<32} {:>10} {:>10} {:>10}{}\n", block.title, "east", "north", "up", block.first == 0 ? "     share" : "");
   return text + source_rows(block, b) + total_rows(block, b);
 }
@@ -124,7 +124,7 @@ std::string monte_carlo_line(const ErrorDistribution& d) {
                                    d.drift_rms / unit::nmi_per_h, d.drift_cep / unit::nmi_per_h, d.drift_95 / unit::nmi_per_h));
 }
 
-std::string monte_carlo_rows(const Block& block, const ErrorDistribution& d) {
+std::string monte_carlo_rows(const ErrorRows& block, const ErrorDistribution& d) {
   const auto end = static_cast<Eigen::Index>(d.time.size()) - 1;
   return line_text("Monte Carlo", "mean", row_text(block, d.mean.col(end))) + line_text("", "sigma", row_text(block, d.sigma.col(end))) +
          line_text("", "5 %", row_text(block, d.low.col(end))) + line_text("", "50 %", row_text(block, d.median.col(end))) +
@@ -186,7 +186,7 @@ std::string distribution_csv(const ErrorDistribution& d) {
 std::string budget_table(const ErrorBudget& b, const std::optional<ErrorDistribution>& monte_carlo, bool details) {
   std::string text = headline(b);
   if (monte_carlo) text += monte_carlo_line(*monte_carlo);
-  for (const Block& block : blocks) {
+  for (const ErrorRows& block : blocks) {
     if (block.first > 0 && !details) break;
     text += block_text(block, b);
     if (monte_carlo && details) text += monte_carlo_rows(block, *monte_carlo);

@@ -21,23 +21,22 @@ struct NoiseTerm {
   double gyro_size, accel_size;
 };
 
-constexpr double hour = unit::hour;
 const std::array<NoiseTerm, 5> noise_terms{
     {{"N", "white noise (random walk of angle, velocity)", &NoiseFit::N, "deg/sqrt(h)", "ug/sqrt(Hz)", "count/sqrt(Hz)", unit::deg_per_sqrt_h,
       unit::ug_per_sqrt_hz},
      {"B", "bias instability (flicker)", &NoiseFit::B, "deg/h", "ug", "count", unit::deg_per_h, unit::ug},
      {"K", "random walk of the bias", &NoiseFit::K, "deg/h/sqrt(h)", "ug/sqrt(h)", "count/sqrt(s)", unit::deg_per_h / 60, unit::ug / 60},
      {"Q", "quantization", &NoiseFit::Q, "arcsec", "um/s", "count s", unit::arcsec, 1e-6},
-     {"R", "ramp", &NoiseFit::R, "deg/h/h", "ug/h", "count/s", unit::deg_per_h / hour, unit::ug / hour}}};
+     {"R", "ramp", &NoiseFit::R, "deg/h/h", "ug/h", "count/s", unit::deg_per_h / unit::hour, unit::ug / unit::hour}}};
 
-struct Unit {
+struct SizedUnit {
   double size;
   std::string name;
 };
 
-Unit unit_of(const NoiseTerm& term, const std::string& of_axis) {
+SizedUnit unit_of(const NoiseTerm& term, const std::string& of_axis) {
   if (of_axis == "count") return {1, term.count_unit};
-  return of_axis == "rad/s" ? Unit{term.gyro_size, term.gyro_unit} : Unit{term.accel_size, term.accel_unit};
+  return of_axis == "rad/s" ? SizedUnit{term.gyro_size, term.gyro_unit} : SizedUnit{term.accel_size, term.accel_unit};
 }
 
 /// "12.3  95 % interval 11.9 to 12.7", or a bound, in columns.
@@ -49,7 +48,7 @@ std::string value_columns(const NoiseCoefficient& c, double size) {
 }
 
 std::string term_row(const NoiseTerm& term, const NoiseAxis& axis) {
-  const Unit unit = unit_of(term, axis.unit);
+  const SizedUnit unit = unit_of(term, axis.unit);
   return fmt::format("  {:<8} {}  {} {}\n", axis.name, term.name, value_columns((*axis.fit).*term.member, unit.size), unit.name);
 }
 
@@ -61,7 +60,7 @@ constexpr std::size_t rate_term = 1;
 
 /// What an axis has besides: processes, filter, lines, steps.
 std::string other_rows(const NoiseAxis& axis) {
-  const Unit rate = unit_of(noise_terms[rate_term], axis.unit);
+  const SizedUnit rate = unit_of(noise_terms[rate_term], axis.unit);
   std::string out;
   const auto row = [&](const char* name, const NoiseCoefficient& c, double size, const std::string& unit) {
     out += fmt::format("  {:<8} {:<14} {} {}\n", axis.name, name, value_columns(c, size), unit);
@@ -193,7 +192,7 @@ std::string noise_text(const NoiseBatch& batch) {
   for (std::size_t j = 0; j < noise_terms.size(); ++j)
     for (const BatchAxis& axis : batch.axes) {
       const BatchCoefficient& c = axis.coefficients[batch_place[j]];
-      const Unit unit = unit_of(noise_terms[j], axis.unit);
+      const SizedUnit unit = unit_of(noise_terms[j], axis.unit);
       out += fmt::format("  {:<8} {}  {} {:<8} {:<8} {}\n", axis.name, noise_terms[j].name, value_columns(c.mean, unit.size),
                          std::isnan(c.spread) ? "-" : text::number(c.spread / unit.size, 2), text::number(c.worst / unit.size, 2), unit.name);
     }

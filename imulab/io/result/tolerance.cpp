@@ -13,7 +13,7 @@ namespace imulab {
 namespace {
 
 /// Three digits, the last rounded down: still within a limit.
-std::string number(double x) {
+std::string rounded_down(double x) {
   if (x <= 0) return "0";
   const double step = std::pow(10, std::floor(std::log10(x)) - 2), rounded = step * std::floor(x / step + 1e-9);
   return x >= 100 && x < 1e7 ? fmt::format("{:.0f}", rounded) : fmt::format("{:.3g}", rounded);
@@ -34,21 +34,21 @@ std::string table_text(const turntable::ErrorSizes& s) {
   for (std::size_t k = 0; k < parts.size(); ++k) {
     if (parts[k].second == 0) continue;
     const bool shared = k + 1 < parts.size() && parts[k + 1].second == parts[k].second;
-    text += parts[k].first + (shared ? std::string(", ") : fmt::format(" {} arcsec, ", number(parts[k].second / unit::arcsec)));
+    text += parts[k].first + (shared ? std::string(", ") : fmt::format(" {} arcsec, ", rounded_down(parts[k].second / unit::arcsec)));
   }
   return text.substr(0, text.size() - 2);
 }
 
 std::string noise_text(const turntable::ErrorSizes& s) {
-  std::string text = fmt::format("noise {} deg/sqrt(h) and {} ug/sqrt(Hz)", number(s.gyro_noise / unit::deg_per_sqrt_h),
-                                 number(s.accel_noise / unit::ug_per_sqrt_hz));
+  std::string text = fmt::format("noise {} deg/sqrt(h) and {} ug/sqrt(Hz)", rounded_down(s.gyro_noise / unit::deg_per_sqrt_h),
+                                 rounded_down(s.accel_noise / unit::ug_per_sqrt_hz));
   if (s.gyro_turn_on > 0 || s.accel_turn_on > 0)
-    text += fmt::format(", turn-on {} deg/h and {} ug", number(s.gyro_turn_on / unit::deg_per_h), number(s.accel_turn_on / unit::ug));
+    text += fmt::format(", turn-on {} deg/h and {} ug", rounded_down(s.gyro_turn_on / unit::deg_per_h), rounded_down(s.accel_turn_on / unit::ug));
   return text;
 }
 
 std::string setting_text(turntable::Knob knob, const turntable::ErrorSizes& s) {
-  std::string timing = fmt::format("timing {} ms", number(1e3 * s.timing));
+  std::string timing = fmt::format("timing {} ms", rounded_down(1e3 * s.timing));
   if (knob == turntable::Knob::table) return table_text(s);
   if (knob == turntable::Knob::timing) return timing;
   if (knob == turntable::Knob::imu) return noise_text(s);
@@ -65,7 +65,7 @@ std::string title(turntable::Knob knob) {
 std::string answer(const char* first, turntable::Knob knob, const turntable::Tolerance& t) {
   if (t.factor)
     return text::wrapped(first,
-                         fmt::format("{}{} x declared: {}", t.unlimited ? "any, tried up to " : "", number(*t.factor), setting_text(knob, t.sizes)));
+                         fmt::format("{}{} x declared: {}", t.unlimited ? "any, tried up to " : "", rounded_down(*t.factor), setting_text(knob, t.sizes)));
   std::string text = std::string(first) + "none: not even ";
   if (knob == turntable::Knob::table) text += "a perfect table";
   if (knob == turntable::Knob::timing) text += "perfect timing";

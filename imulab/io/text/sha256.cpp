@@ -15,7 +15,7 @@
 namespace imulab {
 namespace {
 
-using State = std::array<std::uint32_t, 8>;
+using HashState = std::array<std::uint32_t, 8>;
 
 // First 32 bits of the fractional parts of the cube roots of the first 64 primes (FIPS 180-4, 4.2.2).
 constexpr std::array<std::uint32_t, 64> k{
@@ -26,9 +26,9 @@ constexpr std::array<std::uint32_t, 64> k{
     0xd192e819, 0xd6990624, 0xf40e3585, 0x106aa070, 0x19a4c116, 0x1e376c08, 0x2748774c, 0x34b0bcb5, 0x391c0cb3, 0x4ed8aa4a, 0x5b9cca4f,
     0x682e6ff3, 0x748f82ee, 0x78a5636f, 0x84c87814, 0x8cc70208, 0x90befffa, 0xa4506ceb, 0xbef9a3f7, 0xc67178f2};
 
-constexpr std::size_t block_size = 64;
+constexpr std::size_t sha_block = 64;
 
-void compress_block(State& h, const char* block) {
+void compress_block(HashState& h, const char* block) {
   std::array<std::uint32_t, 64> w;
   for (std::size_t t = 0; t < 16; ++t) {
     w[t] = 0;
@@ -39,7 +39,7 @@ void compress_block(State& h, const char* block) {
     const std::uint32_t s1 = std::rotr(w[t - 2], 17) ^ std::rotr(w[t - 2], 19) ^ (w[t - 2] >> 10);
     w[t] = w[t - 16] + s0 + w[t - 7] + s1;
   }
-  State v = h;
+  HashState v = h;
   for (std::size_t t = 0; t < 64; ++t) {
     const auto [a, b, c, d, e, f, g, last] = v;
     const std::uint32_t t1 = last + (std::rotr(e, 6) ^ std::rotr(e, 11) ^ std::rotr(e, 25)) + ((e & f) ^ (~e & g)) + k[t] + w[t];
@@ -49,20 +49,20 @@ void compress_block(State& h, const char* block) {
   for (std::size_t i = 0; i < 8; ++i) h[i] += v[i];
 }
 
-void compress(State& h, const char* blocks, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) compress_block(h, blocks + block_size * i);
+void compress(HashState& h, const char* blocks, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) compress_block(h, blocks + sha_block * i);
 }
 
 #ifdef __x86_64__
 
 /// The same by the processor's own instructions: four steps of the schedule or two rounds each, on a, b, e, f and c, d, g, h.
-__attribute__((target("sha,sse4.1"))) void compress_by_instructions(State& h, const char* blocks, std::size_t count) {
+__attribute__((target("sha,sse4.1"))) void compress_by_instructions(HashState& h, const char* blocks, std::size_t count) {
   const auto words = [](std::uint32_t lane3, std::uint32_t lane2, std::uint32_t lane1, std::uint32_t lane0) {
     return _mm_set_epi32(static_cast<int>(lane3), static_cast<int>(lane2), static_cast<int>(lane1), static_cast<int>(lane0));
   };
   const __m128i big_endian = _mm_set_epi8(12, 13, 14, 15, 8, 9, 10, 11, 4, 5, 6, 7, 0, 1, 2, 3);
   __m128i abef = words(h[0], h[1], h[4], h[5]), cdgh = words(h[2], h[3], h[6], h[7]);
-  for (; count > 0; --count, blocks += block_size) {
+  for (; count > 0; --count, blocks += sha_block) {
     const __m128i abef_before = abef, cdgh_before = cdgh;
     __m128i w[16];
     for (std::size_t i = 0; i < 16; ++i) {
@@ -109,16 +109,16 @@ class Sha256 {
   /// All but the last piece in multiples of 64 bytes.
   void add(std::string_view text) {
     bytes_ += text.size();
-    const std::size_t blocks = text.size() / block_size;
+    const std::size_t blocks = text.size() / sha_block;
     compress_(h_, text.data(), blocks);
-    tail_ = text.substr(block_size * blocks);
+    tail_ = text.substr(sha_block * blocks);
   }
   std::string digits() {
     std::string padded(tail_);  // 5.1.1: a one bit, zeros, the length in bits
     padded += '\x80';
-    while (padded.size() % block_size != 56) padded += '\0';
+    while (padded.size() % sha_block != 56) padded += '\0';
     for (int shift = 56; shift >= 0; shift -= 8) padded += static_cast<char>(8 * bytes_ >> shift);
-    compress_(h_, padded.data(), padded.size() / block_size);
+    compress_(h_, padded.data(), padded.size() / sha_block);
     std::string digits;
     for (const std::uint32_t word : h_)
       for (int shift = 28; shift >= 0; shift -= 4) digits += "0123456789abcdef"[(word >> shift) & 15];
@@ -127,10 +127,10 @@ class Sha256 {
 
  private:
   // First 32 bits of the fractional parts of the square roots of the first 8 primes (5.3.3).
-  State h_{0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
+  HashState h_{0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
   std::uint64_t bytes_ = 0;
   std::string tail_;
-  void (*compress_)(State&, const char*, std::size_t);
+  void (*compress_)(HashState&, const char*, std::size_t);
 };
 
 }  // namespace

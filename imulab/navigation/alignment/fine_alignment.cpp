@@ -19,13 +19,13 @@ namespace {
 using namespace alignment;
 
 constexpr int states = 13;  // phi 3, horizontal velocity 2 and displacement 2, gyro bias 3, accelerometer bias 3
-enum State { phi = 0, velocity = 3, displacement = 5, gyro_bias = 7, accel_bias = 10 };
+enum AlignmentState { phi = 0, velocity = 3, displacement = 5, gyro_bias = 7, accel_bias = 10 };
 using Vector = Eigen::Matrix<double, states, 1>;
 using Matrix = Eigen::Matrix<double, states, states>;
 using Eigen::Vector2d;
 
 /// A part of the rest between two updates, as the sensors give it.
-struct Block {
+struct RestInterval {
   double duration = 0;
   Matrix3d C_nb = Matrix3d::Zero();          // mean
   Vector2d displacement = Vector2d::Zero();  // east and north at its end, since the rest's start
@@ -34,10 +34,10 @@ struct Block {
 
 /// Integrates at a place that is known: neither the velocity nor the displacement found turns back on the axes, so that their errors are exactly
 /// phi' = -w_ie x phi - C dw,  dv' = g up x phi + C df,  ds' = dv  to first order in phi.
-std::vector<Block> integrate(const RestMotion& rest, const Matrix3d& C_start) {
+std::vector<RestInterval> integrate(const RestMotion& rest, const Matrix3d& C_start) {
   constexpr double most_updates = 120;
   const double length = std::max(1., rest.duration / most_updates);
-  std::vector<Block> blocks(1);
+  std::vector<RestInterval> blocks(1);
   Matrix3d C_nb = C_start;
   Vector3d v = Vector3d::Zero(), s = Vector3d::Zero();
   for (std::size_t i = 0; i < rest.steps.size(); ++i) {
@@ -48,14 +48,14 @@ std::vector<Block> integrate(const RestMotion& rest, const Matrix3d& C_start) {
     s += T * (v + gain / 2);
     v += gain;
     C_nb = rotation_exp(-T * rest.earth) * C_nb * rotation_exp(rest.steps[i].rotation);
-    Block& block = blocks.back();
+    RestInterval& block = blocks.back();
     block.duration += T;
     block.C_nb += T * C_nb;
     block.displacement = s.head<2>();
     block.velocity = v.head<2>();
     if (block.duration >= length - T / 2 && i + 1 < rest.steps.size()) blocks.emplace_back();
   }
-  for (Block& block : blocks) block.C_nb /= block.duration;
+  for (RestInterval& block : blocks) block.C_nb /= block.duration;
   return blocks;
 }
 
@@ -63,7 +63,7 @@ struct Transition {
   Matrix Phi, Q;
 };
 
-Transition transition(const RestMotion& rest, const Block& block, const Densities& noise) {
+Transition transition(const RestMotion& rest, const RestInterval& block, const Densities& noise) {
   Matrix F = Matrix::Zero();
   F.block<3, 3>(phi, phi) = -skew<double>(rest.earth);
   F.block<3, 3>(phi, gyro_bias) = -block.C_nb;
@@ -111,7 +111,7 @@ Eigen::Matrix<double, Rows, 1> update(Filtered& f, const Eigen::Matrix<double, R
   return S.matrixL().solve(innovation);
 }
 
-Filtered filter(const std::vector<Block>& blocks, const std::vector<Transition>& transitions, const AlignmentSensors& sensors, double base) {
+Filtered filter(const std::vector<RestInterval>& blocks, const std::vector<Transition>& transitions, const AlignmentSensors& sensors, double base) {
   Filtered f;
   Vector sigma;  // so wide that the rest alone decides
   sigma << 0.1, 0.1, std::numbers::pi, 1, 1, 10, 10, Eigen::Matrix<double, 6, 1>::Zero();
@@ -131,7 +131,7 @@ Filtered filter(const std::vector<Block>& blocks, const std::vector<Transition>&
 constexpr double least_displacement = 1e-6, most_displacement = 10;  // of the base, m
 
 /// The base's displacement (one sigma) with which the innovations are as large as they say.
-double base_displacement(const std::vector<Block>& blocks, const std::vector<Transition>& transitions, const AlignmentSensors& sensors) {
+double base_displacement(const std::vector<RestInterval>& blocks, const std::vector<Transition>& transitions, const AlignmentSensors& sensors) {
   const auto square = [&](double base) { return filter(blocks, transitions, sensors, base).mean_square(); };
   if (square(least_displacement) < 1 + 2 / std::sqrt(static_cast<double>(blocks.size()))) return least_displacement;
   if (square(most_displacement) > 1)
@@ -169,9 +169,9 @@ FineAlignment fine_alignment(std::span<const TimedIncrement> samples, const Alig
   out.accel_noise = noise.accel;
   Filtered f;
   for (int pass = 0; pass < 2; ++pass) {  // the second about the first's result, from the same wide start
-    const std::vector<Block> blocks = integrate(rest, rest.turned_back(rest.duration) * C_nb * C_0b.transpose());
+    const std::vector<RestInterval> blocks = integrate(rest, rest.turned_back(rest.duration) * C_nb * C_0b.transpose());
     std::vector<Transition> transitions;
-    for (const Block& block : blocks) transitions.push_back(transition(rest, block, noise));
+    for (const RestInterval& block : blocks) transitions.push_back(transition(rest, block, noise));
     if (pass == 0) out.base_displacement = base_displacement(blocks, transitions, sensors);
     f = filter(blocks, transitions, sensors, out.base_displacement);
     if (heading) {

@@ -31,7 +31,7 @@ struct Node {  // the start of a segment, or a point inside it
   Vector3d position;  // latitude, longitude, height, without sway
 };
 
-struct Motion {
+struct FlightPath {
   std::vector<Leg> legs;
   std::vector<Node> nodes;
   bool banks = true;
@@ -119,7 +119,7 @@ double node_interval(const Segment& s) {
 }
 
 /// Lays out a segment: its nodes; returns the one at its end.
-Node lay_out(Motion& motion, Node node) {
+Node lay_out(FlightPath& motion, Node node) {
   const Leg& leg = motion.legs[node.leg];
   const double begin = node.time, duration = leg.segment.duration;
   const auto steps = static_cast<std::size_t>(std::ceil(duration / std::min(0.1, node_interval(leg.segment))));
@@ -160,7 +160,7 @@ Trajectory flight(const FlightStart& start, const std::vector<Segment>& segments
   if (!std::isfinite(start.latitude + start.longitude + start.height + start.speed + start.heading + start.climb) || start.speed < 0)
     throw Error("start of a motion: expected finite numbers and a speed of 0 or more");
   integration::expect_latitude(start.latitude);
-  const auto motion = std::make_shared<Motion>();
+  const auto motion = std::make_shared<FlightPath>();
   motion->banks = carrier.banks;
   Trajectory out;
   Node node{0, 0, 0, {start.latitude, start.longitude, start.height}};
