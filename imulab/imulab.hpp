@@ -1,4 +1,4 @@
-// Every public header: what a program that uses the library calls. The other installed headers are the library's own.
+// Every public header: the functions and types for programs that use the library. The other installed headers are internal.
 #pragma once
 
 #include "imulab/core/build.hpp"

@@ -24,7 +24,7 @@ class MemoryError : public Error {
   using Error::Error;
 };
 
-/// The input is well formed, but the data do not support what was asked. The command ends with exit code 1.
+/// The input is well formed, but the data do not support the request. The command ends with exit code 1.
 class Unsupported : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

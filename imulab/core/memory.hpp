@@ -1,4 +1,4 @@
-// How much memory work may take: said before it begins, so that a file that is too large ends in a message.
+// Limits of memory, checked before the work begins, so that a file that is too large leads to a message.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 namespace imulab {
 
-/// While it lives, work that says it needs more bytes is refused. Without one the limit is the machine's memory, or that of its control group.
+/// While it exists, work that needs more bytes is refused. Without one the limit is the machine's memory, or that of its control group.
 class MemoryLimit {
  public:
   explicit MemoryLimit(std::uint64_t bytes);

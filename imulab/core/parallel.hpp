@@ -1,4 +1,4 @@
-// Work on several threads: the only place that knows how. In a build without TBB everything is done in turn, with the same results.
+// Work on several threads, in this one place. In a build without TBB everything is done sequentially, with the same results.
 #pragma once
 
 #include <cstddef>
@@ -7,11 +7,11 @@
 
 namespace imulab {
 
-/// Calls `work` once for each of 0 ... count - 1, in any order and several at a time. Throws what a call threw, of several any one; calls that have
-/// not begun are then left out.
+/// Calls `work` once for each of 0 ... count - 1, in any order and several at a time. If calls throw, throws one of their exceptions; calls that have
+/// not begun are then skipped.
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& work);
 
-/// Calls `work`, whose parallel loops stay for themselves: a thread that waits for one of them begins nothing of the loops around it on the same
+/// Calls `work` and isolates its parallel loops: a thread that waits for one of them does not begin work of the enclosing loops on the same
 /// stack.
 void isolate_parallel(const std::function<void()>& work);
 
@@ -21,7 +21,7 @@ inline constexpr std::size_t samples_per_task = 1024;
 /// The threads of a parallel loop, at least 1.
 std::size_t parallel_threads();
 
-/// While it lives, parallel loops of the whole program have at most so many threads.
+/// While it exists, parallel loops of the whole program use at most this number of threads.
 class ThreadLimit {
  public:
   explicit ThreadLimit(std::size_t threads);

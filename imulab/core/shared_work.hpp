@@ -1,5 +1,5 @@
 // Work of many independent parts, on the threads of one process, or of several processes that share a folder: on one machine, or on many under mpirun
-// or srun. What is finished is in the folder, so that the same command goes on after any end (docs/cluster.md).
+// or srun. Finished parts are in the folder, so that the same command resumes after any end (docs/cluster.md).
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ struct SharedWork {
   std::size_t count = 0;
   std::function<std::string(std::size_t)> work;               ///< the result of a part, as bytes; of several parts at a time, in any order
   std::function<void(std::size_t, const std::string&)> take;  ///< gets every result, in the order of the parts, one at a time
-  std::function<void(std::size_t)> progress = {};             ///< told how many were taken
+  std::function<void(std::size_t)> progress = {};             ///< called with the number of parts taken
   std::string identity = {};  ///< what all results depend on; empty: the number of parts and the result of the first, which then has to repeat
 };
 
@@ -34,7 +34,7 @@ bool leads_processes();
 
 /// Numbers as bytes, and back.
 std::string bytes_of(const double* numbers, std::size_t count);
-/// Throws Error where there are not so many.
+/// Throws Error where there are fewer.
 void read_numbers(const std::string& bytes, double* numbers, std::size_t count);
 
 }  // namespace imulab

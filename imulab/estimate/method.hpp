@@ -17,9 +17,9 @@
 
 namespace imulab {
 
-/// What a method works on. Values in SI, or in counts where the recording says so.
+/// The input of a method. Values in SI, or in counts where the recording says so.
 struct CalibrationInput {
-  const Session& session;                        ///< what is declared: unit, site, rigs, steps
+  const Session& session;                        ///< the declarations: IMU, site, rigs, steps
   std::span<const Recording> recordings;         ///< one for each of the session's, in its order
   std::optional<std::vector<Range>> rests = {};  ///< of the only recording, in time order; absent: the session's holds, or found in the data
 };
@@ -30,10 +30,9 @@ struct CalibrationOptions {
   double outlier_level = 1e-3;          ///< probability of dropping anything from good data
 
   struct Handheld {
-    std::vector<Requirement> requirements =
-        {};                         ///< what the calibration is for: where it is not reached, the result names the turns that are missing
-    std::size_t advised_turns = 3;  ///< so many of them at most
-    double rest_s = 4;              ///< of a rest to come
+    std::vector<Requirement> requirements = {};  ///< required uncertainties: if they are not met, the result names the missing turns
+    std::size_t advised_turns = 3;               ///< at most this number of them
+    double rest_s = 4;                           ///< of a future rest
   } handheld;
   struct Turntable {
     bool bias_while_turning = false;  ///< the gyros' bias in turns is a separate unknown, and W0 is that of the holds alone, as Zhang estimates it
@@ -46,7 +45,7 @@ struct CalibrationOptions {
     bool stepwise = false;  ///< Dai's three steps instead of the joint estimate
   } whole_unit;
 
-  std::function<void(double)> progress = {};  ///< told about which part is done, 0 to 1, where a method knows it
+  std::function<void(double)> progress = {};  ///< called with the fraction done, 0 to 1, if the method knows it
 };
 
 /// Residual of the coarse solution from the data so far, and its standard uncertainty (hybrid).
@@ -70,13 +69,13 @@ struct CalibrationResult {
   std::vector<HandTurn> missing_turns = {};  ///< that would help most, in their order, each with a rest after it (handheld)
 };
 
-/// Standard uncertainties to come, before any data. SI.
+/// Predicted standard uncertainties, before any data. SI.
 struct Prediction {
   std::vector<CoefficientIndex> coefficients, undetermined;
   Eigen::VectorXd sigma;                          ///< of each of `coefficients`
   Eigen::VectorXd cramer_rao;                     ///< Cramer-Rao bound
   Eigen::VectorXd remaining = {};                 ///< sigma of each of `undetermined`; empty: not known
-  std::vector<CoefficientIndex> considered = {};  ///< of `coefficients`: the procedure says nothing of them, and their prior counts in the others
+  std::vector<CoefficientIndex> considered = {};  ///< of `coefficients`: the procedure does not show them; their prior enters the others
   std::vector<std::string> notes = {};            ///< why something is not calibrated
 };
 
@@ -84,7 +83,7 @@ struct Prediction {
 Prediction prediction_of(const Calibration& calibration);
 
 /// In the order of the requirements: the coefficients that exceed them, each once; sigma is infinite where one is not determined. Those that the
-/// accelerometers' frame fixes at zero do not count.
+/// accelerometers' frame fixes at zero are left out.
 std::vector<Shortfall> shortfalls(const Prediction& prediction, const std::vector<Requirement>& requirements);
 
 struct Method {
@@ -104,7 +103,7 @@ std::span<const Method> methods();
 /// Throws Error that lists the known ones.
 const Method& method(std::string_view name, std::span<const Method> table = methods());
 
-/// Calibrates, and asks of the result what holds for every method: are scales and axes those that were declared? Throws as the method does.
+/// Calibrates, and checks the result in the way that is common to all methods: are scales and axes as declared? Throws as the method does.
 CalibrationResult calibrate(const Method& method, const CalibrationInput& input, const CalibrationOptions& options = {});
 /// By a method's name.
 CalibrationResult calibrate(std::string_view method, const CalibrationInput& input, const CalibrationOptions& options = {});

@@ -23,7 +23,7 @@ Numbers numbers_of(const Calibration& calibration);
 
 /// Doubles, least significant byte first: the values, then the covariance's lower triangle row by row.
 std::string packed(const Numbers& numbers);
-/// How many bytes that are for so many coefficients.
+/// The number of bytes for this number of coefficients.
 constexpr std::size_t packed_size(std::size_t n) { return sizeof(double) * (n + n * (n + 1) / 2); }
 double packed_number(std::string_view data, std::size_t place);
 /// Of packed bytes: as many as the coefficients say.

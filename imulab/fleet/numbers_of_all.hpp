@@ -17,7 +17,7 @@ void each_numbers(FleetStore& store, const std::function<void(std::int64_t, cons
 /// Of one calibration.
 Numbers numbers_of(FleetStore& store, std::int64_t calibration);
 
-/// A row a calibration: what it is of, and each coefficient with its standard uncertainty, SI. CSV with a header.
+/// One row per calibration: its origin, and each coefficient with its standard uncertainty, SI. CSV with a header.
 std::string fleet_csv(FleetStore& store);
 
 }  // namespace imulab::fleet

@@ -15,7 +15,7 @@ FleetSample load_sample(FleetStore& store, const std::string& method = "");
 /// The statistics of these. Throws Error where there is none.
 FleetStatistics fleet_statistics(FleetStore& store, const FleetOptions& options = {}, const std::string& method = "");
 
-/// What the store's units say of the next one. Throws Error for units with readings of different kinds, and for too few.
+/// The prior that the store's units give for the next one. Throws Error for units with readings of different kinds, and for too few.
 FleetPrior fleet_prior(FleetStore& store);
 
 }  // namespace imulab

@@ -25,7 +25,7 @@ double now();  ///< s since 1970
 struct FleetOccasion {
   std::string station, operated_by;
   double time = 0;
-  std::string time_from;  ///< "stamps", "file", "created", "added" or "declared": what the time is from
+  std::string time_from;  ///< "stamps", "file", "created", "added" or "declared": where the time comes from
 };
 
 /// A session by its content.
@@ -35,7 +35,7 @@ struct FleetSession {
   std::string hash;  ///< of the session and of all its recordings
 };
 
-/// What a calibration of a session is asked for: together with the session's hash it is done once.
+/// The request for a calibration of a session: each request is carried out once per session hash.
 struct FleetRequest {
   std::string method, options;  ///< options: "terms=auto"
 };
@@ -69,22 +69,22 @@ class FleetStore {
   explicit FleetStore(const std::filesystem::path& file, fleet::Access access = fleet::Access::read);
 
   // Writing.
-  /// Whether this was calibrated with this request, or has failed with it.
+  /// Whether a session with this hash was calibrated with this request, or failed with it.
   enum class Known { no, calibrated, failed };
   Known known(const FleetSession& session, const FleetRequest& request);
-  /// A session of a unit, calibrated or not; false: it was there.
+  /// A session of a unit, calibrated or not; false: the store already had it.
   bool add_session(const FleetSession& session, const std::string& serial, const std::string& name, const FleetOccasion& occasion);
-  /// A calibration of a session, or of a file where there is none; false: it was there. Throws Error where it has no uncertainties or a fleet's
-  /// prior in it, and where its unit's serial number is another unit's.
+  /// A calibration of a session, or of a file where there is none; false: the store already had it. Throws Error where it has no uncertainties or a
+  /// fleet's prior in it, and where its unit's serial number is another unit's.
   bool add_calibration(const Calibration& calibration, const FleetOccasion& occasion, const FleetSession* session = nullptr,
                        const FleetRequest* request = nullptr);
-  /// noise.json, as text; false: it was there.
+  /// noise.json, as text; false: the store already had it.
   bool add_noise(const std::string& text, const std::string& serial, const std::string& name, const FleetOccasion& occasion);
   /// In place of an earlier failure of the same session and request.
   void add_failure(const FleetSession& session, const FleetRequest& request, const std::string& message);
-  /// Calibrations stay in the store as history; no list and no statistic counts them. How many there were.
+  /// Removed calibrations stay in the store as history, but lists and statistics leave them out. Returns their number.
   std::int64_t remove(const std::vector<std::int64_t>& calibrations, const std::string& reason);
-  /// What the other store has and this one has not: how many calibrations were added.
+  /// Adds everything that the other store has and this one lacks. Returns the number of calibrations added.
   std::int64_t merge(const std::filesystem::path& other);
 
   // Reading.
@@ -94,11 +94,11 @@ class FleetStore {
   /// In the order of their times; of one unit (0: of all).
   std::vector<FleetRecord> records(std::int64_t unit = 0, bool with_removed = false);
   std::vector<FleetFailure> failures();
-  /// Clocks that went back or ahead: calibrations that were added before earlier ones, and measured after they were added.
+  /// Wrong clocks: calibrations that were added before earlier ones, or measured after they were added.
   std::vector<std::string> clock_problems();
   /// The calibration's file as it was stored.
   std::string calibration_file(std::int64_t calibration);
-  /// What is wrong with the store itself, and files of sessions that exist and are no longer what they were; `progress` is told the part done.
+  /// Faults of the store itself, and files of sessions that exist but have changed; `progress` is called with the fraction done.
   struct Checked {
     std::vector<std::string> damaged, changed;
     std::int64_t files = 0, missing = 0;  ///< files looked for, and those that are not there

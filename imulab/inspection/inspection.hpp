@@ -1,4 +1,4 @@
-// What a recording holds, with the evidence for it: the declaration that a session needs, from the data.
+// The contents of a recording, with the evidence: finds from the data the declaration that a session needs.
 #pragma once
 
 #include "imulab/inspection/signals.hpp"
@@ -16,19 +16,19 @@
 
 namespace imulab {
 
-/// What the user says of a recording, by key: "rate_hz", "time.column", "time.unit", "gyro.columns", "gyro.unit", "gyro.output", "gyro.axes", and the
-/// same of accel. It counts before the data.
+/// The user's declarations about a recording, by key: "rate_hz", "time.column", "time.unit", "gyro.columns", "gyro.unit", "gyro.output", "gyro.axes",
+/// and the same of accel. They take precedence over the data.
 using Declarations = std::map<std::string, std::string>;
-/// The keys that there are: those, and latitude_deg, height_m and gravity_mps2 of the place.
+/// All keys: those above, and latitude_deg, height_m and gravity_mps2 of the place.
 std::vector<std::string> declaration_keys();
-/// The place. Throws Error for what is no number in range.
+/// The place. Throws Error for a value that is not a number in range.
 Site declared_site(const Declarations& declared);
 
 /// One column.
 struct ColumnFinding {
   std::string name;
   std::string role;  ///< "time", "gyro.x", "accel.z", "temperature", "unused"
-  std::string unit;  ///< as a session names it; empty of what is not used
+  std::string unit;  ///< as a session names it; empty for an unused column
   std::string evidence;
 };
 
@@ -48,8 +48,8 @@ struct Inspection {
   double jitter_s = 0;  ///< RMS of the stamps about an even clock; 0 where none was found
   std::size_t gaps = 0;
   std::vector<std::string> evidence;   ///< a line each: time, accelerometers, gyros, axes, temperature, clock, readings, rests
-  std::vector<std::string> ambiguous;  ///< "KEY: what is not known": what the user has to declare
-  std::vector<std::string> problems;   ///< what has to be fixed in the file before it can be used
+  std::vector<std::string> ambiguous;  ///< "KEY: what is not known": the user has to declare these
+  std::vector<std::string> problems;   ///< faults that have to be fixed in the file before it can be used
   std::vector<MethodFinding> methods;
   std::vector<std::int64_t> time_ns;                ///< of the rows, from the first on; empty without a rate
   std::optional<inspection::TriadEvidence> triads;  ///< where two triads were found
@@ -62,7 +62,7 @@ struct Inspection {
 /// table contradicts.
 Inspection inspect(const SignalTable& table, const Declarations& declared = {});
 
-/// A session of one recording with what was found; where the place is not known, gravity as anywhere on Earth.
+/// A session of one recording with the findings; if the place is not known, gravity is taken with its range anywhere on Earth.
 Session inspected_session(const Inspection& inspection, const Site& site);
 
 }  // namespace imulab

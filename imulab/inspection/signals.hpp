@@ -21,7 +21,7 @@ struct Signal {
 struct SignalPart {
   std::string file, topic;  ///< empty where they are the first table's
   TimeSource time;
-  std::string open;  ///< what its clock leaves open; else empty
+  std::string open;  ///< open question about its clock; else empty
 };
 
 struct SignalTable {

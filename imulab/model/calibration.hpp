@@ -49,7 +49,7 @@ struct PartResidual {
   bool operator==(const PartResidual&) const = default;
 };
 
-/// A required uncertainty, and what was reached.
+/// A required uncertainty, and the one reached.
 struct RequirementResult {
   std::string text;         ///< "gyro.matrix.diagonal <= 100 ppm"
   std::string coefficient;  ///< the worst of them
@@ -76,13 +76,13 @@ struct Quality {
   std::vector<std::string> warnings;
   std::string verdict;  ///< "good", or "doubtful" for the reasons in `because`
   std::vector<std::string> because;
-  std::vector<std::string> considered;          ///< coefficients that keep their prior value; its uncertainty counts in the others'
+  std::vector<std::string> considered;          ///< coefficients that keep their prior value; its uncertainty enters that of the others
   std::optional<double> rotation_residual_deg;  ///< cross-validated, RMS over rotations left out of the fit (hand-held)
   std::vector<TermTest> term_tests;
   std::vector<FitResidual> fit_residuals;    ///< whole-unit
   std::vector<RigErrorEstimate> rig_errors;  ///< whole-unit
   std::vector<UncertaintySource> sources;
-  std::vector<std::string> notes;  ///< what was used: rests, thresholds, spreads
+  std::vector<std::string> notes;  ///< data and settings used: rests, thresholds, spreads
   std::vector<PartResidual> rests, rotations;
   std::vector<RequirementResult> requirements;
   bool operator==(const Quality&) const = default;
@@ -91,13 +91,13 @@ struct Quality {
 /// "good", or "doubtful, because ...; ...".
 std::string verdict_text(const Quality& quality);
 
-/// A recording's file as it was when it was used.
+/// A recording's file in its state when it was used.
 struct SourceFile {
   std::string file;  ///< as the session names it
   std::string sha256;
   std::uint64_t bytes = 0;
   double first_s = 0, last_s = 0;                                            ///< first and last stamp
-  std::optional<std::array<double, 2>> accel_temperature, gyro_temperature;  ///< least and largest thermal reading
+  std::optional<std::array<double, 2>> accel_temperature, gyro_temperature;  ///< smallest and largest thermal reading
   bool operator==(const SourceFile&) const = default;
 };
 

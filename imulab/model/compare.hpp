@@ -1,6 +1,6 @@
 // Calibrations of one IMU, or calibrations and the truth, coefficient by coefficient: in sigmas and in user units.
 //
-// Their errors count as independent: errors that calibrations share (the same declared g, the same table) are not removed.
+// Their errors are taken as independent: errors that calibrations share (the same declared g, the same table) are not removed.
 #pragma once
 
 #include "imulab/model/calibration.hpp"
@@ -41,7 +41,7 @@ struct Comparison {
   Consistency consistency;
 };
 
-/// Compares b with a. One without a covariance counts as the truth.
+/// Compares b with a. A calibration without a covariance is taken as the truth.
 Comparison compare(const Calibration& a, const Calibration& b);
 
 /// Compares each of the others with a: the same coefficients in the same user units in every comparison.
@@ -49,7 +49,7 @@ std::vector<Comparison> compare(const Calibration& a, const std::vector<Calibrat
 
 /// Of many tests of coefficients that do not differ, this is the probability that any is called significant (Bonferroni: for any correlation).
 inline constexpr double table_significance = 0.01;
-double significant_sigmas(std::size_t tests);  ///< a difference beyond this many sigmas is significant among so many tests
+double significant_sigmas(std::size_t tests);  ///< a difference beyond this many sigmas is significant among this number of tests
 
 /// Do calibrations agree with one truth? Their squared distances from its best estimate, the weighted mean under the stated covariances.
 struct Agreement {

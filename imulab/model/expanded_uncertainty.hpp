@@ -5,8 +5,8 @@
 
 namespace imulab {
 
-/// SI. Type A is what the fit found from the data; type B is what was declared beforehand and is known one by one: the uncertainty of g, which enters
-/// the accelerometers' scales. Declared errors of a rig and priors are part of the first: a calibration does not keep them apart.
+/// SI. Type A is the uncertainty that the fit found from the data; type B is the declared uncertainty that is known separately: that of g, which
+/// enters the accelerometers' scales. Declared errors of a rig and priors are part of the first: a calibration does not separate them.
 struct ExpandedUncertainty {
   double standard = 0;            ///< u
   double from_fit = 0;            ///< type A

@@ -1,4 +1,4 @@
-// One reading, several models: a shift of the raw reading drags offset, matrix and quadratic terms along, and so does a change of the reference
+// One reading has several models: a shift of the raw reading changes offset, matrix and quadratic terms, and so does a change of the reference
 // temperature, at which the thermal drift is zero by definition (c0 = d0 = 0 at T0). Before calibrations are compared they are brought to one
 // reference.
 #pragma once
@@ -12,7 +12,7 @@
 
 namespace imulab {
 
-/// The same unit described otherwise: by other readings, about another point.
+/// The same IMU described in another way: by other readings, about another point.
 using ModelChange = std::function<SensorModel(const SensorModel&)>;
 
 /// Covariance of the table coefficients `indices` (in SI and raw units) after a change that is linear in them, such as another zero or scale of the

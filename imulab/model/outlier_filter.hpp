@@ -7,7 +7,7 @@
 //   x is an outlier if min(d, |x - p|) > K s + 3 q        |x - p| is small where the motion is smooth; x becomes (a + b) / 2
 //   s += w (min(d, K s + 3 q) - s)                        the usual d: an outlier raises it by no more than the largest allowed
 //
-// where x lies between a and b nothing is learned: a slope does not show the noise. w = 1/n for the n-th window learned from, 1/100 at least.
+// where x lies between a and b s does not change, since a slope does not show the noise. w = 1/n for the n-th window learned from, 1/100 at least.
 // q, the resolution of rounded readings, is the smallest nonzero difference of two successive readings.
 #pragma once
 

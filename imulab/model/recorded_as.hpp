@@ -10,7 +10,7 @@ namespace imulab {
 /// reading of the calibration's model along the body axis `axes[j]`.
 struct RecordedAs {
   std::string unit;                                   ///< as a session names it: "g", "deg/s", "count"; of increments "deg", "g*s"
-  double counts_per_unit = 1;                         ///< so many of the recording's counts are one `unit`; 1: the recording has the unit itself
+  double counts_per_unit = 1;                         ///< number of the recording's counts in one `unit`; 1: the recording has the unit itself
   double interval_s = 0;                              ///< of increments: the nominal interval that they were divided by; 0: the readings are rates
   std::array<std::string, 3> axes{"+x", "+y", "+z"};  ///< along which body axis each column measures, with its sign
   bool operator==(const RecordedAs&) const = default;

@@ -5,7 +5,7 @@
 
 namespace imulab {
 
-/// The instrument behind a quantity, and its certificate. Nothing of it is checked.
+/// The instrument behind a quantity, and its certificate. None of this is checked.
 struct Reference {
   std::string quantity;    ///< acceleration, rotation, time or temperature
   std::string instrument;  ///< make, type, serial number

@@ -28,8 +28,8 @@ std::vector<Requirement> parse_requirements(std::string_view text);
 /// Standard uncertainty of a coefficient, SI; of matrices relative to the row's scale; infinite where it was not estimated.
 double relative_uncertainty(const Calibration& calibration, CoefficientIndex index);
 
-/// What a calibration reaches of a requirement: the standard uncertainty of its worst coefficient, of matrices relative to the row's scale. A
-/// coefficient that was not estimated is as uncertain as can be; those fixed by the frame do not count.
+/// How far a calibration meets a requirement: the standard uncertainty of the worst coefficient, for matrices relative to the row's scale. A
+/// coefficient that was not estimated has infinite uncertainty; coefficients fixed by the frame are left out.
 RequirementResult assess(const Calibration& calibration, const Requirement& requirement);
 
 /// A requirement that is not met, by one of its coefficients.

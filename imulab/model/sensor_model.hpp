@@ -13,7 +13,7 @@
 
 namespace imulab {
 
-/// A triad's thermal reading: what it is measured in, the T0 of the model, and the range the calibration saw.
+/// A triad's thermal reading: its unit, the T0 of the model, and the range of the calibration.
 struct ThermalReading {
   std::string unit = "degC";  ///< "degC", "K" or "raw" (for instance a gyro's resonance frequency)
   double reference = 0;       ///< T0
@@ -28,7 +28,7 @@ struct TriadModel {
   Vector3d quadratic = Vector3d::Zero();      ///< diagonal of A2, W2: out/raw^2
   Vector3d cubic = Vector3d::Zero();          ///< diagonal of A3, W3: out/raw^3
   Matrix3d thermal = Matrix3d::Zero();        ///< row i: c0 = 0, c1 [raw/K], c2 [raw/K^2] of axis i
-  std::string raw_unit;                       ///< what the model takes: "count", "rad/s", "m/s^2"; empty where not said
+  std::string raw_unit;                       ///< unit of the model's input: "count", "rad/s", "m/s^2"; empty: not stated
   std::optional<ThermalReading> temperature;  ///< absent: the session had no thermal reading
 };
 

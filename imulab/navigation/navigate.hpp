@@ -28,7 +28,7 @@ struct NavigateOptions {
   std::optional<GivenHeading> heading = {};  // roll and pitch are aligned, the heading is this one
   GapTreatment gaps = GapTreatment::integrate;
   std::optional<HeightRecord> barometer = {};                          // for the vertical channels aided and held
-  std::function<void(double time, const NavigationState&)> each = {};  // told every state as it is reached
+  std::function<void(double time, const NavigationState&)> each = {};  // called with every state as it is reached
   bool keep = true;                                                    // every state in the solution; otherwise the first and the last
 };
 

@@ -1,5 +1,5 @@
-// How a recording agrees with a model where the truth is known without any instrument: at rest the force is gravity, and a turn between two rests
-// takes gravity's direction from one to the other.
+// The agreement of a recording with a model where the truth is known without any instrument: at rest the force is gravity, and a turn between two
+// rests takes gravity's direction from one to the other.
 #pragma once
 
 #include "imulab/core/rotation.hpp"
@@ -10,8 +10,8 @@
 
 namespace imulab {
 
-/// The model that stands for no calibration: readings in SI as they are. Readings in counts have no scale of their own: the same readings at zero,
-/// and one scale for the three axes of a triad, without misalignments and all else.
+/// The model that stands for no calibration: readings in SI as they are. For readings in counts, which have no scale of their own: the same readings
+/// at zero, and one scale for the three axes of a triad, without misalignments and all else.
 SensorModel uncalibrated(const SensorModel& model);
 
 /// One rest by two models.

@@ -15,7 +15,7 @@ namespace imulab {
 /// How the readings of a triad are given.
 struct ReadingOptions {
   std::string unit{};          ///< "rad/s", "deg/s", "deg/h"; "m/s^2", "g"; of increments "rad", "deg"; "m/s"; or "count"; empty: SI
-  double counts_per_unit = 1;  ///< so many counts of the readings are one `unit`
+  double counts_per_unit = 1;  ///< number of counts in one `unit`
   bool increment = false;      ///< each reading is the integral over its interval (delta angle, delta velocity)
   std::optional<std::array<BodyAxis, 3>> axes{};   ///< along which body axis each column measures; absent: x, y, z
   std::optional<std::array<double, 2>> limits{};   ///< readings at or beyond them are saturated; as the readings are
@@ -44,12 +44,12 @@ std::vector<std::int64_t> nanoseconds_of(const std::vector<double>& t, const std
 /// One column for three axes, three, or none.
 Columns3 three_columns(std::vector<std::vector<double>> columns);
 
-/// The readings alone, without stamps, gaps and checks: for pieces of a recording. `interval_s` counts for increments only.
+/// The readings alone, without stamps, gaps and checks: for pieces of a recording. `interval_s` is used for increments only.
 Recording convert_readings(Columns3 gyro, Columns3 accel, RecordingOptions options);
 
 /// Appends samples of such a piece, with their stamps, to a recording that grows.
 void append(Recording& all, const Recording& piece, const Range& samples);
-/// What only the whole shows: the interval where none is declared, gaps, and channels that clip. `all` is that of `append` alone.
+/// Findings that need the whole recording: the interval where none is declared, gaps, and channels that clip. `all` is that of `append` alone.
 Recording completed(Recording all, const RecordingOptions& options);
 
 }  // namespace imulab

@@ -9,7 +9,7 @@
 
 namespace imulab {
 
-/// Least and greatest reading of each of many intervals: no spike of a single sample is lost.
+/// Smallest and largest reading of each of many intervals: no spike of a single sample is lost.
 struct Overview {
   std::vector<double> time;              ///< s: two points an interval, or every sample where there are few
   Columns3 rate, force;                  ///< rad/s, m/s^2: of each pair the extremes, the one that came first in front

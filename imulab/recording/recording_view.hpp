@@ -24,7 +24,7 @@ class ColumnSource {
  public:
   virtual ~ColumnSource() = default;
   virtual bool has(std::size_t column) const = 0;
-  /// The samples of a range, in place of what the buffer holds. Throws Error where they cannot be read.
+  /// The samples of a range, which replace the contents of the buffer. Throws Error where they cannot be read.
   virtual void read(std::size_t column, const Range& range, std::vector<double>& buffer) const = 0;
 };
 

@@ -37,8 +37,8 @@ struct ImuDeclaration {
   std::string name;
   std::optional<std::string> serial;          ///< number of this one
   std::optional<std::string> firmware;        ///< its version
-  std::optional<std::string> filter;          ///< what it does to the readings before they come out, in words: "low-pass, 42 Hz"
-  std::optional<std::string> grade;           ///< priors, and what simulate draws from
+  std::optional<std::string> filter;          ///< how the IMU filters the readings before their output, in words: "low-pass, 42 Hz"
+  std::optional<std::string> grade;           ///< sizes for priors, and for the draws of simulate
   std::optional<std::string> truth;           ///< file of the exact IMU to simulate
   std::optional<double> accel_noise_density;  ///< m/s^2/sqrt(Hz)
   std::optional<double> gyro_noise_density;   ///< rad/s/sqrt(Hz)
@@ -91,7 +91,7 @@ enum class Output { rate, increment };
 /// A column by its header name or its 1-based number.
 using Column = std::variant<std::string, int>;
 
-/// Which stamps a calibration takes: the file's, an even clock's, or the latter where the file's scatter.
+/// Which stamps a calibration uses: the file's, an even clock's, or the latter if the file's scatter.
 enum class Stamps { automatic, recorded, uniform };
 std::string_view to_string(Stamps stamps);
 
@@ -102,7 +102,7 @@ struct TimeSource {
   std::optional<Column> fraction_column{};   ///< added to the first, as nanoseconds to seconds
   std::string fraction_unit = "ns";
   std::optional<double> ticks_per_s{};
-  std::optional<int> wrap_bits{};  ///< the column's number begins at 0 again after 2^wrap_bits of its unit
+  std::optional<int> wrap_bits{};  ///< the column's number wraps to 0 after 2^wrap_bits of its unit
   std::int64_t zero = 0;           ///< subtracted: ns, or ticks or samples
   Stamps stamps = Stamps::automatic;
   bool operator==(const TimeSource&) const = default;
@@ -121,7 +121,7 @@ struct TriadSource {
   std::optional<std::array<BodyAxis, 3>> axes{};  ///< along which body axis each column measures; absent: x, y, z
   Output output = Output::rate;
   std::string unit = "count";
-  std::optional<double> counts_per_unit{};        ///< the file has counts: so many are one `unit`
+  std::optional<double> counts_per_unit{};        ///< the file has counts: this number is one `unit`
   std::optional<std::array<double, 2>> limits{};  ///< in the file's unit
   bool operator==(const TriadSource&) const = default;
 };
@@ -144,7 +144,7 @@ std::string_view to_string(Extent extent);
 struct RecordingSource {
   std::string file;
   std::string topic;   ///< the table of a file that has several: a bag's topic, a log's message; empty: the only one
-  std::string layout;  ///< of rows of binary numbers: "f8 f4x6"; empty: the file says itself what it is
+  std::string layout;  ///< of rows of binary numbers: "f8 f4x6"; empty: the file describes itself
   std::string rig;     ///< empty with one rig
   std::optional<double> rate_hz;
   Extent extent = Extent::all;

@@ -18,7 +18,7 @@ struct BudgetReport {
 std::string budget_page(const BudgetReport& report);
 
 namespace report {
-/// What each source causes at the end, the largest share first; then the coefficients one by one.
+/// The error from each source at the end, the largest share first; then the coefficients one by one.
 std::string sources_section(const ErrorBudget& budget);
 }  // namespace report
 

@@ -1,4 +1,4 @@
-// A calibration as a page: verdict, pictures of what it does and rests on, and the certificate.
+// A calibration as a page: verdict, pictures of its effect and its data, and the certificate.
 #pragma once
 
 #include "imulab/estimate/method.hpp"

@@ -22,7 +22,7 @@ struct RecordingEvidence {
   std::string without_rests;  ///< why there are none; empty where there are some
 };
 
-/// One of so many recordings of the calibration's session, which share the points of the charts. Its rests are those of the calibration's residuals
+/// One of the recordings of the calibration's session, which share the points of the charts. Its rests are those of the calibration's residuals
 /// where it is the only one, else the session's holds, else those found in the data.
 RecordingEvidence evidence_of(const Calibration& calibration, const Session& session, const Recording& recording, std::size_t recordings);
 

@@ -1,4 +1,4 @@
-// A prediction as a page: what each coefficient will be known to, and what limits it.
+// A prediction as a page: the uncertainty of each coefficient, and what limits it.
 #pragma once
 
 #include "imulab/io/result/summary.hpp"

@@ -26,7 +26,7 @@ struct ErrorQuantity {
 };
 const std::array<ErrorQuantity, budget_quantities>& error_quantities();
 
-/// Errors over time with what they are expected to be: nine small charts. `errors`: nine rows, at `error_time`; may be empty.
+/// Errors over time with their expected sizes: nine small charts. `errors`: nine rows, at `error_time`; may be empty.
 struct ErrorBands {
   const ErrorBudget* budget = nullptr;
   const ErrorDistribution* monte_carlo = nullptr;

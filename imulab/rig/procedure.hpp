@@ -56,7 +56,7 @@ struct TableTurn {
   double angle_deg;
   double rest;  ///< s
 };
-/// Turns between rests, the first of which lasts `first_rest` s; `options.rest` and `options.turns` do not count.
+/// Turns between rests, the first of which lasts `first_rest` s; `options.rest` and `options.turns` are ignored.
 Session turns_procedure(const std::string& name, double first_rest, std::span<const TableTurn> turns, const TableProcedureOptions& options);
 
 /// A path after Cheng 2014: 20 turns of 90 and 180 deg with rests between them, so that every coefficient is observable.

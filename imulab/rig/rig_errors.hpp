@@ -5,7 +5,7 @@
 // - zero: a constant angle error of each axis (outer: north; middle and inner: the IMU's level at zero angles);
 // - tilt: the whole table is tilted about east and about north;
 // - angle: angle error of a stop. An axis has one from the start and draws a new one only when it is commanded to move;
-// - timing: a commanded rotation lasts that much longer, and ends at its angle.
+// - timing: a commanded rotation lasts longer by this time, and ends at its angle.
 //
 // A table with fewer axes is one whose procedure does not use the others: an axis that stays at zero throughout has neither orthogonality nor angle
 // errors (its zero error remains: the IMU's mounting).
@@ -78,7 +78,7 @@ struct RigErrorIndex {
   std::array<std::array<int, 2>, 3> orthogonality{{{none, none}, {none, none}, {none, none}}};  ///< by RigAxis
   std::array<int, 3> zero{none, none, none};                                                    ///< by RigAxis
   std::array<int, 2> tilt{none, none};                                                          ///< about east, about north
-  std::vector<std::array<int, 3>> angle_before, angle_after;  ///< by step: at the begin of its motion, and from its end on
+  std::vector<std::array<int, 3>> angle_before, angle_after;  ///< by step: at the beginning of its motion, and from its end on
   std::vector<int> timing;                                    ///< by step
 };
 RigErrorIndex index_of(std::span<const RigErrorSource> sources, std::size_t steps);

@@ -13,7 +13,7 @@
 
 namespace imulab {
 
-/// The exact values of a simulation, which a calibration has to find.
+/// The exact values of a simulation, which a calibration should find.
 struct Truth {
   SensorModel model;
   double gravity = 0;                      ///< m/s^2

@@ -20,7 +20,7 @@ struct BudgetTask {
   std::optional<std::string> noise = {};                                 ///< file of an analysis, in place of the noise terms
   std::uint64_t runs = 200, seed = 1;                                    ///< of the Monte Carlo; 0: none
   double every = 10;                                                     ///< s between outputs
-  std::function<void(double)> progress = {};                             ///< told about which part is done, 0 to 1; from any thread
+  std::function<void(double)> progress = {};                             ///< called with the fraction done, 0 to 1, from any thread
   std::optional<Checkpoint> checkpoint = {};                             ///< of the Monte Carlo
 };
 
@@ -32,7 +32,7 @@ struct MissionBudget {
   std::vector<std::string> warnings;
 };
 
-/// The mission's errors with what the task names in their place. Throws Error where there are none.
+/// The mission's errors, with the task's own in their place. Throws Error where there are none.
 ErrorSpecification specification_of(const BudgetTask& task, const MissionFile& file);
 
 /// Throws Error as read_error_sources, trajectory_of, error_budget and error_monte_carlo do.

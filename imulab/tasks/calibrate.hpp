@@ -1,4 +1,4 @@
-// A session calibrated: its recordings read, the method run, and where the result comes from filled in. What the command and the Python module share.
+// Calibrates a session: reads its recordings, runs the method, and fills in the origin of the result. Shared by the command and the Python module.
 #pragma once
 
 #include "imulab/estimate/fleet/prior.hpp"
@@ -18,7 +18,7 @@ struct CalibrationTask {
   bool stepwise = false;       ///< whole-unit
   bool curves = false;         ///< hybrid: convergence curves
   std::vector<Requirement> requirements = {};
-  std::optional<FleetPrior> prior = {};       ///< what a fleet says of the unit: the result is then in the accelerometers' frame
+  std::optional<FleetPrior> prior = {};       ///< the prior from a fleet: the result is then in the accelerometers' frame
   std::function<void(double)> progress = {};  ///< as CalibrationOptions has it
 };
 
@@ -31,8 +31,8 @@ struct SessionRecordings {
   std::vector<std::string> warnings;  ///< of reading them
 };
 
-/// Reads what a method takes of a session: all recordings, or the one named `chosen`; the only one where it takes one. Throws Error as read_recording
-/// does, and where it has to be said which.
+/// Reads the recordings of a session that a method uses: all of them, or the one named `chosen`; the only one where it takes one. Throws Error as
+/// read_recording does, and where the caller has to choose one.
 SessionRecordings read_recordings(Session session, const Method& method, const std::string& chosen = "");
 
 /// Recordings from memory, one for each of the session's. Throws Error for another number, for a name that is not the session's, and for units that
@@ -44,7 +44,7 @@ SessionRecordings given_recordings(Session session, std::vector<Recording> recor
 /// not know (TermsError for its terms), and as the method does.
 CalibrationResult calibrate(const SessionRecordings& data, const CalibrationTask& task);
 
-/// Why the result is not what was asked for: not converged, coefficients not determined, requirements not reached. Empty: it is.
+/// Why the result does not meet the request: not converged, coefficients not determined, requirements not reached. Empty: it is.
 std::string shortcomings(const CalibrationResult& result);
 
 /// The result as a page (HTML), with pictures from the recordings.

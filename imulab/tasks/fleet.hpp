@@ -1,4 +1,4 @@
-// Sessions into a fleet store: many of them calibrated, each once. What the command's `fleet calibrate` and `fleet add` do.
+// Brings sessions into a fleet store and calibrates each of them once, for `fleet calibrate` and `fleet add` of the command.
 #pragma once
 
 #include "imulab/core/shared_work.hpp"
@@ -15,7 +15,7 @@
 
 namespace imulab {
 
-/// What holds for everything that is added at once; empty: as the session says.
+/// Values for everything that is added in one call; empty: as the session declares.
 struct FleetDeclaration {
   std::string station, operated_by;
   std::string time;  ///< UTC, "2026-03-31T12:00:00Z"
@@ -39,7 +39,7 @@ struct FleetCalibrationCounts {
 std::vector<std::filesystem::path> sessions_below(const std::vector<std::filesystem::path>& places);
 
 /// Calibrates every session whose content the store does not have with this method and these terms. Sessions are worked on in parallel, a few in
-/// memory at a time; each is in the store when it is done, so that a run that is ended goes on where it was. What fails is in the store with its
+/// memory at a time; each is in the store when it is done, so that an interrupted run resumes. A session that fails is in the store with its
 /// message. Throws Error where the store cannot be written.
 FleetCalibrationCounts calibrate_fleet(const std::vector<std::filesystem::path>& sessions, const FleetCalibrationTask& task, FleetStore& store);
 
@@ -49,8 +49,8 @@ FleetSession fleet_session(const Session& session);
 /// When it was measured: the stamps of its first recording where they are of this century, else when the recording's file was written.
 FleetOccasion occasion_of(const Session& session, const std::vector<Recording>& recordings, const FleetDeclaration& declared);
 
-/// Adds a session (a folder or its session.toml), a calibration or noise.json; `unit`: of the noise. What it is: "session", "calibration", "noise",
-/// with " (known)" where the store had it. Throws Error where it is nothing of these.
+/// Adds a session (a folder or its session.toml), a calibration or noise.json; `unit`: of the noise. Returns its kind: "session", "calibration",
+/// "noise", with " (known)" where the store had it. Throws Error where it is none of these.
 std::string add_to_fleet(const std::filesystem::path& file, const std::string& unit, const FleetDeclaration& declared, FleetStore& store);
 
 }  // namespace imulab

@@ -1,4 +1,4 @@
-// What is known of a calibration by hand while its recording grows, and what is missing. What the command and the Python module share.
+// A calibration by hand while its recording grows: the state so far, and what is missing. Shared by the command and the Python module.
 #pragma once
 
 #include "imulab/estimate/method.hpp"
@@ -11,7 +11,7 @@
 
 namespace imulab {
 
-/// What is required where nothing is said: what a consumer's IMU reaches in some twenty rests.
+/// The default requirements: a consumer's IMU reaches them in some twenty rests.
 std::string usual_live_requirement(const std::string& accel_unit);
 
 /// The limits of `text`, or the usual ones. Throws Error where they are no limits, Unsupported where gravity itself is less certain.
@@ -19,13 +19,13 @@ std::vector<Requirement> live_requirements(const std::optional<std::string>& tex
 
 class LiveProgress {
  public:
-  /// `session` has the one recording, declared by `options`; its steps do not count: rests are found in the data.
+  /// `session` has the one recording, declared by `options`; its steps are ignored, since rests are found in the data.
   LiveProgress(Session session, RecordingOptions options, std::vector<Requirement> requirements, double rest_s);
 
-  /// Takes samples of what came, up to the moment at which a new rest has become long enough; then the calibration is that of all up to now. Returns
-  /// the samples that it did not take; nothing where there was no such moment.
+  /// Takes new samples, up to the moment at which a new rest has become long enough; then the calibration is that of all samples so far. Returns
+  /// the samples that it did not take; none if there was no such moment.
   std::optional<Range> add(const Recording& piece, Range samples);
-  /// The calibration of all that came; at the end of the stream.
+  /// The calibration of all samples, at the end of the stream.
   void estimate();
 
   bool reached() const;
@@ -41,7 +41,7 @@ class LiveProgress {
   Session session_;
   std::vector<Requirement> requirements_;
   RecordingOptions options_;
-  Recording all_, recording_;  ///< as it came, and with what the whole of it shows
+  Recording all_, recording_;  ///< as it arrived, and with the findings that need all of it
   std::vector<Range> rests_;
   std::optional<CalibrationResult> result_;
   LiveView view_;
@@ -49,7 +49,7 @@ class LiveProgress {
   std::size_t estimated_ = 0;  ///< samples of the last estimate at a rest
 };
 
-/// Why it is not done: what was not reached, and the turn that helps most. Empty: it is.
+/// Why it is not done: the requirements that are not met, and the turn that helps most. Empty: it is done.
 std::string shortcomings(const LiveProgress& progress);
 
 }  // namespace imulab

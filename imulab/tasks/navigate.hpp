@@ -1,4 +1,4 @@
-// A session navigated and judged: the solution, its errors against a reference, and what the calibration explains of them.
+// Navigates a session: the solution, its errors against a reference, and the part of them that the calibration explains.
 #pragma once
 
 #include "imulab/io/result/navigation.hpp"
@@ -22,7 +22,7 @@ TrueMotion read_truth(const std::filesystem::path& file);
 /// The one that a session names; none where it names none.
 std::optional<TrueMotion> session_truth(const Session& session);
 
-/// `explain`: also what the calibration's uncertainties explain of the errors. A truth and `explain` keep every state, whatever the options say.
+/// `explain`: also the errors that the calibration's uncertainties explain. A truth and `explain` keep every state, whatever the options say.
 /// Throws as `navigate` and `navigation_errors` do. A recording that is moved here is compensated in its place, unless
 /// `explain` needs it again.
 NavigatedSession navigate_session(const std::string& name, const Calibration& calibration, const Session& session, Recording recording,

@@ -1,4 +1,4 @@
-// A procedure judged before any data: what each coefficient will be known to, what limits it, and the shortest path that meets requirements.
+// Evaluates a procedure before any data: the uncertainty of each coefficient, what limits it, and the shortest path that meets requirements.
 #pragma once
 
 #include "imulab/estimate/fleet/prior.hpp"
@@ -31,7 +31,7 @@ struct PredictedProcedure {
   Prediction prediction;
   std::vector<Shortfall> missed;         ///< requirements
   std::optional<hybrid::Advice> advice;  ///< hybrid: the turns that help most, where something is missed
-  /// What the method turntable knows besides.
+  /// Further results of the method turntable.
   struct OnTurntable {
     turntable::Plan plan;
     turntable::Prediction prediction;
@@ -62,7 +62,7 @@ struct PlanTask {
   bool by_hand = false;
   std::optional<double> time = {};            ///< s in all; absent: as short as the requirements allow
   std::optional<double> rest = {};            ///< s, of every rest; absent: chosen
-  std::optional<FleetPrior> prior = {};       ///< what a fleet says of the unit
+  std::optional<FleetPrior> prior = {};       ///< the prior from a fleet
   std::optional<Checkpoint> checkpoint = {};  ///< of processes that share the search
   std::function<void(double)> progress = {};  ///< 0 to 1
 };

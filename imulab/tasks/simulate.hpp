@@ -1,4 +1,4 @@
-// A procedure carried out by a virtual rig on a virtual IMU: a session with recordings, and the truth that a calibration has to find.
+// A procedure carried out by a virtual rig on a virtual IMU: a session with recordings, and the truth that a calibration should find.
 #pragma once
 
 #include "imulab/io/calibration/file.hpp"

@@ -1,4 +1,4 @@
-// A mission flown: its truth, and what an IMU on it reads.
+// Flies a mission: the truth, and the readings of an IMU on it.
 #pragma once
 
 #include "imulab/io/session/mission.hpp"
@@ -20,7 +20,7 @@ struct TrajectoryTask {
   bool errors = false;                        ///< the IMU has the errors of the mission's [errors]; else it is ideal, or:
   std::optional<Calibration> unit = {};       ///< gives the raw readings of this one, with the noise of [errors]
   std::uint64_t seed = 1;                     ///< of errors and noise
-  std::function<void(double)> progress = {};  ///< told about which part is done, 0 to 1
+  std::function<void(double)> progress = {};  ///< called with the fraction done, 0 to 1
 };
 
 struct FlownMission {

@@ -25,7 +25,7 @@ struct Gauge {
   double reproducibility = 0;      ///< standard deviation between levels, apart from the uncertainty of their biases
   double spread = 0;               ///< between units
   double p_value = 1;              ///< of such biases where there are none
-  bool units_shared = false;  ///< whether units were measured at several levels; else a bias is told from the units' spread by their number alone
+  bool units_shared = false;  ///< whether units were measured at several levels; else only the number of units separates a bias from their spread
 };
 
 /// Generalized least squares with units as random effects; their spread and the repeatability are estimated together with the biases. Fewer than two

@@ -34,7 +34,7 @@ struct PriorUse {
   bool taken = false;                    ///< false: the unit contradicts the fleet, and its calibration stays as it is
   double distance = 0;                   ///< of the calibration from the fleet's mean: Mahalanobis
   double p_value = 1;                    ///< of so large a distance of a unit of this fleet
-  std::vector<CoefficientIndex> filled;  ///< coefficients that the data left open: what the fleet says of them
+  std::vector<CoefficientIndex> filled;  ///< coefficients that the data did not determine: they have the values that the fleet predicts
 };
 
 /// The calibration in the accelerometers' frame, with the prior as one observation more. A coefficient that it leaves open has afterwards what the

@@ -1,5 +1,5 @@
-// All statistics of a fleet: how its units spread, apart from how well they were measured; which do not belong; how they drift; how stations and
-// operators differ; whether production is steady and capable (docs/fleet.md).
+// All statistics of a fleet: the spread of its units, without the uncertainty of measurement; outliers; drift; differences between stations and
+// between operators; whether production is steady and capable (docs/fleet.md).
 #pragma once
 
 #include "imulab/estimate/fleet/control.hpp"
@@ -19,17 +19,17 @@
 namespace imulab {
 
 struct FleetOptions {
-  double confidence = 0.95;                    ///< of every interval, each alone
+  double confidence = 0.95;                    ///< of every interval, each by itself
   double false_alarm = 0.01;                   ///< of outliers, and of significant drifts and correlations: of all together
   std::vector<Requirement> requirements = {};  ///< limits of the values
   std::vector<Requirement> errors = {};        ///< how large the errors of a calibration may become before the unit is due
 };
 
-/// A unit that is to be calibrated again, for the coefficient that is the first to need it.
+/// When a unit is to be calibrated again, and the coefficient that requires it first.
 struct UnitDue {
   Eigen::Index unit = 0;
   CoefficientIndex coefficient{};
-  double time = 0;  ///< s since 1970; infinite: not within `due_horizon`. Not after the last calibration: that is not as good as required
+  double time = 0;  ///< s since 1970; infinite: not within `due_horizon`. At or before the last calibration: that one does not meet the limit
 };
 
 struct CoefficientStatistics {
@@ -54,7 +54,7 @@ struct SignificantDrift {
 
 struct SignificantCorrelation {
   CoefficientIndex a, b;
-  double correlation = 0;  ///< between units, apart from that of the measurement
+  double correlation = 0;  ///< between units, without that of the measurement
 };
 
 struct FleetStatistics {

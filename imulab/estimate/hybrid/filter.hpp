@@ -23,7 +23,7 @@ struct Data {
   SensorModel coarse;                    ///< the coarse solution
   std::vector<CoefficientIndex> wanted;  ///< to estimate; empty: all
   OptionalPriors priors = {};
-  std::function<void(double)> progress = {};  ///< told about which part of the iterations is done
+  std::function<void(double)> progress = {};  ///< called with the fraction of the iterations that is done
 };
 
 /// The point of linearization.

@@ -16,14 +16,14 @@ namespace imulab::hybrid {
 
 struct PathQuestion {
   std::vector<Requirement> requirements;
-  Plan unit;                   ///< site, noise and terms; its steps do not count
+  Plan unit;                   ///< site, noise and terms; its steps are ignored
   std::vector<RigAxis> axes;   ///< that can be turned about
   double turn_rate = 0;        ///< rad/s
   std::optional<double> time;  ///< s in all; absent: as short as the requirements allow
   std::optional<double> rest;  ///< s, of every rest; absent: chosen, rest by rest
 };
 
-/// Processes that share a search: where, and a text that is another one for every other question.
+/// Processes that share a search: their folder, and a text that identifies the request.
 struct SharedSearch {
   Checkpoint checkpoint;
   std::string identity;
@@ -33,20 +33,20 @@ struct Path {
   double first_rest = 0;  ///< s
   std::vector<TableTurn> turns;
   double duration = 0;  ///< s
-  double worst = 0;     ///< largest ratio of a coefficient's sigma to its requirement; one that is not determined counts with its prior
+  double worst = 0;     ///< largest ratio of a coefficient's sigma to its requirement; one that is not determined has its prior's sigma
   CoefficientIndex worst_coefficient{-1};
 };
 
-/// Of all paths from zero angles that it looks at, the shortest with a `worst` of at most 1, or that with the least `worst` in the given time. Where
-/// no path of `longest_path` reaches 1, that with the least. `progress`: parts of a hundred that are done. Bit-equal on any number of threads and
+/// Of all examined paths from zero angles, the shortest with a `worst` of at most 1, or the one with the smallest `worst` in the given time. Where
+/// no path up to `longest_path` reaches 1, the one with the smallest. `progress`: percent done. Bit-equal on any number of threads and
 /// processes.
 Path design_path(const PathQuestion& question, const std::function<void(int)>& progress = {}, const SharedSearch* shared = nullptr);
 
 inline constexpr double longest_path = 4 * 3600.0;  // s
 
-/// What nonlinearity of which no path says anything counts in a scale, at turns of this rate [rad/s]; 0 of other coefficients.
+/// The uncertainty of a scale from nonlinearity that no path shows, at turns of this rate [rad/s]; 0 for other coefficients.
 double nonlinear_sigma(const Plan& unit, CoefficientIndex index, double turn_rate);
-/// The uncertainty that no path reduces: that, and of an accelerometer's scale gravity's.
+/// The uncertainty that no path reduces: the one above, and for an accelerometer's scale also that of gravity.
 double least_sigma(const Plan& unit, CoefficientIndex index, double turn_rate);
 
 }  // namespace imulab::hybrid

@@ -26,11 +26,11 @@ struct Plan {
 /// Of a procedure with one recording; `terms` as CalibrationOptions has them. Throws Error where the latitude or the IMU's noise is not declared.
 Plan plan_of(const Session& procedure, const std::vector<CoefficientIndex>& terms = {});
 
-/// Determined and undetermined coefficients as in `calibrate`; `cramer_rao` is sigma where nothing is left undetermined.
+/// Determined and undetermined coefficients as in `calibrate`; `cramer_rao` equals sigma if every coefficient is determined.
 struct Prediction : imulab::Prediction {
   States states;
   Eigen::MatrixXd covariance;  ///< of the filter's states at the end
-  PoseOnTable end;             ///< there
+  PoseOnTable end;             ///< pose of the table at the end
 };
 
 /// Throws Error where the procedure's steps are wrong or include no hold.

@@ -17,7 +17,7 @@ struct NoiseAxis {
   std::string name;  ///< "gyro.x"
   std::string unit;  ///< of its readings: "rad/s", "m/s^2" or "count"
   std::vector<DeviationPoint> deviation;
-  std::optional<NoiseFit> fit;  ///< none where the axis says nothing:
+  std::optional<NoiseFit> fit;  ///< none where the axis has no usable noise:
   std::string problem;          ///< why
 };
 
@@ -28,18 +28,18 @@ struct NoiseAnalysis {
   DeviationKind kind = DeviationKind::overlapping_allan;
   std::vector<NoiseAxis> axes;        ///< gyros, then accelerometers
   std::vector<std::string> notes;     ///< what was cut
-  std::vector<std::string> warnings;  ///< what was found, and what it means for the result
+  std::vector<std::string> warnings;  ///< findings, and their consequence for the result
 };
 
 struct NoiseOptions {
   DeviationKind kind = DeviationKind::overlapping_allan;
-  bool remove_temperature = false;  ///< a parabola of the triad's temperature, fitted by least squares, is subtracted; it takes some of K and B along
+  bool remove_temperature = false;  ///< a least-squares parabola in the triad's temperature is subtracted; this removes some of K and B, too
 };
 
 /// Axes in parallel; the result does not depend on the number of threads. Throws Unsupported where a temperature is to be removed that the recording
 /// does not have, or that does not change.
 NoiseAnalysis analyze_noise(const StillPart& still, const NoiseOptions& options = {});
-/// Of columns on disk one axis after the other, each in memory as a whole but once; the result is the same, bit for bit.
+/// From columns on disk: one axis at a time, each in memory as a whole but only once; the result is the same, bit for bit.
 NoiseAnalysis analyze_noise(const RecordingView& recording, const StillRange& still, const NoiseOptions& options = {});
 
 }  // namespace imulab

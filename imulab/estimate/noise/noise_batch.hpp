@@ -9,7 +9,7 @@
 namespace imulab {
 
 struct BatchCoefficient {
-  int determined = 0;  ///< by so many logs
+  int determined = 0;  ///< number of logs that determine it
   /// Mean of these, with the larger of the uncertainty that the logs state and that their scatter shows; where none determines it, the largest bound.
   NoiseCoefficient mean;
   double spread = 0;  ///< standard deviation from log to log beyond what the logs' uncertainties explain; NaN for fewer than two

@@ -36,18 +36,18 @@ struct SpectrumPoint {
 
 struct NoiseFit : NoiseCoefficients {
   std::optional<LowPass> low_pass;
-  std::vector<NoiseLine> lines;         ///< by frequency; those that sampling folds appear below half the rate
+  std::vector<NoiseLine> lines;         ///< by frequency; lines above half the rate appear at their alias below it
   double resolution = 0;                ///< step of the readings; 0: not rounded, or finely
   double chi2_per_dof = 0;              ///< of the power in some dozens of ranges of frequency
   bool accepted = false;                ///< no misfit is left
   double highest_hz = 0;                ///< higher frequencies were left out because the model does not hold there; else half the rate
   bool cut = false;                     ///< whether some were
-  std::vector<NoiseMisfit> misfits;     ///< what is left; all intervals are then widened by the root of chi2_per_dof
+  std::vector<NoiseMisfit> misfits;     ///< remaining misfits; all intervals are then widened by the root of chi2_per_dof
   std::vector<SpectrumPoint> spectrum;  ///< without the lines
 };
 
-/// Q, N, B, K and the ramp are always fitted; Markov processes (up to two), a low-pass and lines (up to eight) where the spectrum asks for them. The
-/// intervals of B and K hold with one process more, too, as far as the spectrum does not exclude it. Throws Error for fewer than 64 readings, a
+/// Q, N, B, K and the ramp are always fitted; Markov processes (up to two), a low-pass and lines (up to eight) where the spectrum shows them. The
+/// intervals of B and K also allow for one more process, as far as the spectrum does not exclude it. Throws Error for fewer than 64 readings, a
 /// reading that is not finite or an interval that is not positive; Unsupported where the readings are constant. `step`: of rounded readings, 0 where
 /// they are not rounded.
 NoiseFit fit_noise(std::span<const double> rate, double interval_s, double step);

@@ -38,7 +38,7 @@ class RestProblem {
   /// Nonlinearity of counts whose zero is far outside the readings: about their center it counts in the uncertainties, but a polynomial about zero
   /// would only blur the offset and the scale there.
   bool unstated(std::size_t coefficient) const { return unstated_[coefficient]; }
-  /// Optional terms that are estimated although the data say nothing of them.
+  /// Optional terms that are estimated although the data do not show them.
   std::vector<Eigen::Index> unseen_terms(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const;
   /// All of the gyros' matrix, and their nonlinearity with it, where one of its scales is not determined and went far from its prior: few
   /// rotations, perhaps wrong ones, do not hold it.

@@ -21,8 +21,8 @@ struct Plan {
   TablePlan parts;
   RigDeclaration rig;
   Site site;
-  NoiseModel accel_noise, gyro_noise;   ///< N and turn_on count
-  std::vector<CoefficientIndex> terms;  ///< what the calibration estimates
+  NoiseModel accel_noise, gyro_noise;   ///< only N and turn_on are used
+  std::vector<CoefficientIndex> terms;  ///< the coefficients that the calibration estimates
   /// Of those that an IMU may not have. Absent: `terms` are estimated by the data alone, as those that a user names.
   std::optional<kernel::PriorSizes> optional;
   /// Zhang's formulas on his procedure: weights from the sensors' noise alone, the gyros' bias in turns apart, and the rests of turns only in their
@@ -36,10 +36,10 @@ Plan plan_of(const Session& procedure, const std::vector<CoefficientIndex>& term
 /// Of Zhang's model: offsets and matrices alone, by his weights.
 Plan classical(Plan plan);
 
-/// The source that stands for what the procedure does not determine: left at its start, it may be off by its prior.
+/// The source for coefficients that the procedure does not determine: they keep their starting values, and may be off by their prior.
 inline constexpr const char* undetermined_source = "undetermined coefficients";
 
-/// A term that the IMU may have, as a source of error: what the readings do not show of it.
+/// A term that the IMU may have, as a source of error: the part of it that the readings do not show.
 struct TermSource {
   std::string name;        ///< among the sources: "accel.quadratic"
   CoefficientIndex first;  ///< its coefficient of the x axis
@@ -52,7 +52,7 @@ struct Prediction : imulab::Prediction {
   std::vector<TermSource> terms;     ///< those among them
   Eigen::MatrixXd variance;          ///< to first order, by source
   Eigen::VectorXd second_order;      ///< sigma of the second-order part
-  Eigen::VectorXd bias;              ///< mean of the second-order part, which `calibrate` takes out
+  Eigen::VectorXd bias;              ///< mean of the second-order part, which `calibrate` subtracts
   Eigen::VectorXd first_order() const { return variance.rowwise().sum().cwiseSqrt(); }
 };
 

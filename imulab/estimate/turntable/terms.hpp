@@ -1,4 +1,4 @@
-// What a calibration on a turntable estimates, and what it knows of it before the data: the same for a prediction.
+// The terms that a calibration on a turntable estimates, and their priors. A prediction uses the same.
 #pragma once
 
 #include "imulab/estimate/turntable/estimator.hpp"

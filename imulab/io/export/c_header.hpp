@@ -28,7 +28,7 @@ struct CHeaderOptions {
 std::string c_header(const Calibration& calibration, const CHeaderOptions& options);
 /// With the default options.
 std::string c_header(const Calibration& calibration);
-/// Its uncertainties are not said; the lever arms, where the calibration has any, with what they cost.
+/// Uncertainties are not listed; lever arms are, if the calibration has any, with the error from leaving them out.
 std::vector<std::string> left_out_of_c_header(const Calibration& calibration);
 
 }  // namespace imulab

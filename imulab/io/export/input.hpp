@@ -1,4 +1,4 @@
-// What an export target gets: a calibration, perhaps the noise of the IMU, and the user's choices.
+// The input of an export target: a calibration, possibly the noise of the IMU, and the user's choices.
 #pragma once
 
 #include "imulab/model/calibration.hpp"
@@ -16,7 +16,7 @@ struct ExportOptions {
   AxisChoice axes = AxisChoice::worst;
   bool variance_matched = false;     ///< vins: white noise that makes the covariance of its code right, instead of the standard deviation of a sample
   std::string imu_model = "kalibr";  ///< openvins: "kalibr" or "rpng"
-  std::optional<double> rate_hz;     ///< of the stream; without it that of the noise's log
+  std::optional<double> rate_hz;     ///< of the stream; absent: that of the noise log
   int instance = 0;                  ///< px4, ardupilot: which of the autopilot's IMUs, from 0
 };
 

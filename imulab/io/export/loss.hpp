@@ -31,7 +31,7 @@ SensorModel reduced(SensorModel model, const Held& held);
 /// Numbers are the largest error of any axis. Throws Error where the calibration has no inverse there.
 std::vector<std::string> losses(const SensorModel& model, const Held& held);
 
-/// For a target that holds nothing of it: the same sum, a sentence a triad.
+/// For a target that does not hold the model at all: the same sum, one sentence per triad.
 std::vector<std::string> whole_calibration(const SensorModel& model);
 
 /// For a target of noise alone: that the calibration is to be applied before, and what leaving it out costs.

@@ -1,4 +1,4 @@
-// What a calibration can be exported to, in one table.
+// All export targets, in one table.
 #pragma once
 
 #include "imulab/io/export/input.hpp"
@@ -16,7 +16,7 @@ struct ExportTarget {
   std::string_view file;     ///< its name where all targets are written
   /// The text of the file. Throws Error for a calibration that the target cannot hold, and where it needs noise and there is none.
   std::string (*text)(const ExportInput& input);
-  /// What of this calibration the text leaves out, and how large that is; empty: nothing.
+  /// The parts of this calibration that the text leaves out, and their size; empty: none.
   std::vector<std::string> (*left_out)(const ExportInput& input);
   /// Numbers that the target refuses or ignores; null: it takes all.
   std::vector<std::string> (*warnings)(const ExportInput& input) = nullptr;

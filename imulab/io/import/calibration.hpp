@@ -1,4 +1,4 @@
-// Calibrations of other programs, read: what a file is told by its content.
+// Reads calibrations of other programs; the content of a file tells its format.
 #pragma once
 
 #include "imulab/model/calibration.hpp"
@@ -20,9 +20,9 @@ struct ImportOptions {
 
 struct Imported {
   std::string_view format;  ///< "Kalibr"
-  /// Its uncertainties are not known: nothing is `estimated`. Body frame: that of the file, or the accelerometers' where the matrix allows it.
+  /// Its uncertainties are not known, so `estimated` is empty. Body frame: that of the file, or the accelerometers' where the matrix allows it.
   Calibration calibration;
-  std::vector<std::string> warnings;  ///< what the file says and the calibration cannot hold, and what the file does not say
+  std::vector<std::string> warnings;  ///< contents of the file that the calibration cannot hold, and facts that the file does not state
 };
 
 /// Throws Error with file and line (or field) for a file of no known format, and for one that is damaged.

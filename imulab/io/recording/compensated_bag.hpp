@@ -1,4 +1,4 @@
-// A compensated recording as the bag that it came from: a program that reads bags reads it at once.
+// Writes a compensated recording as a bag of the same kind as its source, for programs that read bags.
 #pragma once
 
 #include "imulab/recording/session.hpp"

@@ -26,7 +26,7 @@ struct RowPlan {
   int exponent = 9, fraction_exponent = 0;
 };
 
-/// Takes whole lines of at least so many bytes off the front of a text; all of it where it has no more.
+/// Takes whole lines with at least this number of bytes off the front of a text; all of it if it has fewer.
 std::string_view take_lines(std::string_view& text, std::size_t bytes);
 
 class RowReader {

@@ -15,7 +15,7 @@ struct CompensatedRecording;
 
 struct RecordingReading {
   Recording recording;
-  std::vector<std::string> warnings;  ///< gaps, saturated samples, dropped rows: what was found and what it means
+  std::vector<std::string> warnings;  ///< gaps, saturated samples, dropped rows: the findings and their consequences
 };
 
 /// Reads one recording of a session, in any of the formats; files are found beside the session's own. Throws Error with file, line and column for
@@ -25,8 +25,8 @@ RecordingReading read_recording(const Session& session, const RecordingSource& s
                                 const std::vector<RecordingFormat>& formats = recording_formats());
 
 /// Writes t,gx,gy,gz,ax,ay,az as CSV, and temperatures where there are any: seconds, SI or counts, increments as increments. The file appears whole
-/// or not at all. Numbers read back exactly, but for an increment that is no whole number: it may differ by one unit in the last place. Throws Error
-/// where the file cannot be written.
+/// or not at all. Numbers read back exactly, except that an increment that is not a whole number may differ by one unit in the last place. Throws
+/// Error where the file cannot be written.
 void write_recording(const std::filesystem::path& path, const Recording& recording);
 
 /// `source` as it describes the file that write_recording makes of its recording: one CSV file in SI units, or counts.

@@ -29,14 +29,14 @@ struct RecordingFormat {
   bool (*recognizes)(std::string_view head);
   /// The tables of a file, for people who have to choose among them. Throws Error where the file is damaged.
   std::vector<recording_io::TableDescription> (*describe)(const TableRequest& request);
-  /// The columns of a table as they stand in the file, in the order requested; a column may be requested twice. Only they are held in memory. Throws
+  /// The columns of a table as they are in the file, in the order requested; a column may be requested twice. Only they are held in memory. Throws
   /// Error with file and place for a table or column that is not there (naming those that are) and for a damaged file.
   recording_io::RawTable (*columns)(const TableRequest& request, const std::vector<Column>& columns);
-  /// Stamps and readings at once, where the format has a better way than its columns; else null.
+  /// Stamps and readings together, if the format can read them faster than by columns; else null.
   recording_io::TimedTable (*read)(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz,
                                    const std::vector<Column>& columns) = nullptr;
-  /// About how many rows a table has whose columns can be read in pieces, so that they are never in memory as a whole; 0 where they cannot. Throws
-  /// Error as `columns` does. Null where no table can.
+  /// The approximate number of rows of a table whose columns can be read in pieces, so that they are never in memory as a whole; 0 if they cannot.
+  /// Throws Error as `columns` does. Null if no table can.
   std::size_t (*rows)(const TableRequest& request, const std::vector<Column>& columns) = nullptr;
   /// The same as `columns`, in pieces of neighboring rows, until `each` says false.
   void (*pieces)(const TableRequest& request, const std::vector<Column>& columns,
@@ -55,7 +55,7 @@ const RecordingFormat& format_of(const TableRequest& request, const std::vector<
 
 namespace recording_io {
 
-/// Throws MemoryError where so many rows, and work with them that takes `factor` as much, need more memory than they may take.
+/// Throws MemoryError if this number of rows, and work on them that takes `factor` times as much, need more memory than allowed.
 void expect_memory_for(const std::string& file, std::size_t rows, std::size_t columns, double factor);
 
 /// Reads a table with stamps as `time` says and readings in the file's units. Throws Error with file and place for a value that is not finite and
@@ -68,7 +68,7 @@ TimedTable read_table(const TableRequest& request, const TimeSource& time, std::
 void read_table_in_pieces(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns,
                           const RecordingFormat& format, const std::function<void(TimedTable&&)>& each);
 
-/// The stamps alone, of every row of the file in its order: also of those that read_table drops. Not of text.
+/// The stamps alone, of every row of the file in its order: including those that read_table drops. Not for text.
 std::vector<std::int64_t> read_stamps(const TableRequest& request, const TimeSource& time, std::optional<double> rate_hz,
                                       const std::vector<RecordingFormat>& formats = recording_formats());
 

@@ -26,14 +26,15 @@ class StoredRecording : public ColumnSource {
   bool has(std::size_t column) const override { return place_[column] != none; }
   void read(std::size_t column, const Range& range, std::vector<double>& buffer) const override;
 
-  /// Pieces of neighboring samples, as convert_readings gives them, with their stamps; then once what only the whole shows: channels that clip.
+  /// Pieces of neighboring samples, as convert_readings gives them, with their stamps; then, once, a finding that needs the whole recording: channels
+  /// that clip.
   void append(const Recording& piece);
   void end_of_pieces();
   void complete(double interval_s, const RecordingOptions& options);
-  /// As with_short_gaps_filled; says how many samples.
+  /// As with_short_gaps_filled; returns the number of samples.
   std::size_t fill_short_gaps();
 
-  /// Of the memory that stamps take after they were looked at.
+  /// Releases the memory of stamps that have been examined.
   void let_go() const { stamps_.release(); }
 
   std::span<const std::int64_t> time_ns() const { return stamps_.stamps(); }

@@ -15,7 +15,7 @@
 
 namespace imulab {
 
-/// Reads rows as they come, in memory that does not grow. What only a whole recording tells is not looked for: gaps, and a rate that was not
+/// Reads rows as they arrive, in memory that does not grow. Findings that need the whole recording are not made: gaps, and a rate that was not
 /// declared.
 class RecordingStream {
  public:
@@ -24,10 +24,10 @@ class RecordingStream {
   RecordingStream(int descriptor, std::string name, const RecordingSource& source, std::function<void(std::string_view)> copy = {},
                   bool interruptible = false);
 
-  /// The rows that have come since the last call, waiting for one at least; nothing at the end. Throws Error as read_recording does, after the rows
+  /// The rows that have arrived since the last call; waits for at least one; nothing at the end. Throws Error as read_recording does, after the rows
   /// before the wrong one were given.
   std::optional<Recording> next();
-  /// At the end: what was met and what it means.
+  /// At the end: the findings and their consequences.
   std::vector<std::string> warnings() const;
 
  private:

@@ -19,8 +19,8 @@ struct NamedCalibration {
 std::string comparison_json(const std::vector<NamedCalibration>& calibrations, const std::vector<Comparison>& comparisons,
                             const std::optional<Agreement>& agreement);
 
-/// What the tests say, then one row a coefficient: of one comparison the difference in user units and in sigmas, of several each difference in
-/// sigmas. With `values`, the values in SI besides.
+/// The results of the tests, then one row per coefficient: for one comparison the difference in user units and in sigmas, of several each difference
+/// in sigmas. With `values`, also the values in SI.
 std::string comparison_table(const std::vector<NamedCalibration>& calibrations, const std::vector<Comparison>& comparisons,
                              const std::optional<Agreement>& agreement, bool values = false);
 

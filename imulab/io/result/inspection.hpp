@@ -1,4 +1,4 @@
-// What a recording holds, for people and for programs.
+// The contents of a recording, for people and for programs.
 #pragma once
 
 #include "imulab/inspection/inspection.hpp"

@@ -43,7 +43,7 @@ inline std::string json_text_of(const Json& json) {
   return text + "\n";
 }
 
-/// Numbers for pictures: with so many digits.
+/// Numbers for pictures, with this number of digits.
 inline double with_digits(double value, int digits = 6) {
   if (value == 0 || !std::isfinite(value)) return value;
   const double size = std::pow(10.0, digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value)))));

@@ -7,7 +7,7 @@
 
 namespace imulab {
 
-/// A table of coefficients in customary units, with 95 % intervals; what is not determined has its bound alone.
+/// A table of coefficients in customary units, with 95 % intervals; a coefficient that is not determined has only its bound.
 std::string noise_text(const NoiseAnalysis& analysis);
 /// JSON (docs/noise.md): SI, or counts; null for what is not determined.
 std::string noise_json(const NoiseAnalysis& analysis);

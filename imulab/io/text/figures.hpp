@@ -16,7 +16,7 @@ std::string two_digits(double uncertainty);
 /// uncertainty is zero or not finite.
 std::string to_digits_of(double uncertainty, double value);
 
-/// A number with so many significant digits, and no power of ten where people read it without: "1360", "0.0873", "3.12e-06".
+/// A number with this many significant digits, and without a power of ten where none is needed: "1360", "0.0873", "3.12e-06".
 std::string number(double value, int digits = 3);
 
 /// "14 min 05 s"

@@ -8,8 +8,8 @@
 
 namespace imulab {
 
-/// The most that is read of a stream, of a file of settings (a session, a calibration, a result), and the most that is copied instead of mapped.
-/// Bytes.
+/// Limits: the most that is read from a stream, the most that is read from a file of settings (a session, a calibration, a result), and the most that
+/// is copied instead of mapped. Bytes.
 inline constexpr std::size_t longest_stream = std::size_t{1} << 30, longest_settings = std::size_t{1} << 26, most_copied = std::size_t{1} << 24;
 
 enum class Content { readings, settings };
@@ -23,7 +23,7 @@ class MappedFile {
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;
-  /// Lets go of the memory of what is before `offset`; it can still be read.
+  /// Releases the memory before `offset`; the text there can still be read.
   void release(std::size_t offset) const;
   std::string_view text() const { return data_ != nullptr ? std::string_view{data_, size_} : std::string_view{text_}; }
 
@@ -52,7 +52,7 @@ class WholeFile {
   WholeFile(const WholeFile&) = delete;
   WholeFile& operator=(const WholeFile&) = delete;
   void write(std::string_view text);
-  /// In place of what was written there before; not of a device or a pipe.
+  /// Replaces the text written there before; not for a device or a pipe.
   void write_at(std::uint64_t place, std::string_view text);
   /// The name until commit(), for a library that writes by name; empty where it is written directly.
   const std::string& temporary() const { return temporary_; }
@@ -74,7 +74,7 @@ class NewFolder {
   ~NewFolder();
   NewFolder(const NewFolder&) = delete;
   NewFolder& operator=(const NewFolder&) = delete;
-  /// Where to write its files until then.
+  /// The folder in which to write its files until then.
   const std::filesystem::path& path() const { return filling_; }
   void commit();
 

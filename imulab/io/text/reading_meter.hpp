@@ -1,4 +1,4 @@
-// How far the reading of a file has come: readers count, whoever shows progress looks.
+// The progress of reading a file: readers advance it, and progress displays read it.
 #pragma once
 
 #include <atomic>

@@ -40,7 +40,7 @@ struct FineAlignment {
   double innovation_correlation = 0;       // of each with the one before; 0 where they are white
   std::size_t updates = 0;                 // their number: both figures scatter by about 1/sqrt(updates)
   Eigen::Vector2d base_velocity;           // at the end of the rest, east and north [m/s]; nothing but noise where the base does not move
-  Eigen::Vector3d gyro_bias, accel_bias;   // what the rest shows of the constant errors, given their covariance
+  Eigen::Vector3d gyro_bias, accel_bias;   // estimates of the constant errors from the rest, given their covariance
   Eigen::Matrix3d gyro_bias_covariance, accel_bias_covariance;
 };
 
@@ -48,15 +48,15 @@ struct FineAlignment {
 inline constexpr double shortest_alignment = 10;
 
 /// Analytic: the gyros carry the body axes, the mean specific force of each half of the rest is a direction of gravity there, and the two directions
-/// differ by the rotation of the Earth. Sway averages out. The covariance counts noise and biases, not the base's motion.
+/// differ by the rotation of the Earth. Sway averages out. The covariance includes noise and biases, but not the base's motion.
 /// Throws Error for a place within 0.1 deg of a pole, for a mean force that differs from gravity by more than 5 %, and for a heading of a unit whose
 /// forward axis is vertical; Unsupported for a rest that is too short.
 Alignment coarse_alignment(std::span<const TimedIncrement> rest, const AlignmentSite& site, const AlignmentSensors& sensors,
                            const std::optional<GivenHeading>& heading = {});
 
-/// Kalman filter about the coarse attitude: the base stays at its place, so the horizontal displacement that the sensors show is error. The size of
-/// the base's motion about its place is estimated where the innovations require it. Biases are states that start from their covariance. Throws as
-/// coarse_alignment does, and Unsupported where no motion of a base explains what the sensors show.
+/// Kalman filter about the coarse attitude: the base stays at its place, so the horizontal displacement that the sensors show is an error. The size
+/// of the base's motion about its place is estimated where the innovations require it. Biases are states that start from their covariance. Throws as
+/// coarse_alignment does, and Unsupported where no motion of a base explains the readings.
 FineAlignment fine_alignment(std::span<const TimedIncrement> rest, const AlignmentSite& site, const AlignmentSensors& sensors,
                              const std::optional<GivenHeading>& heading = {});
 

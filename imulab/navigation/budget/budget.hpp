@@ -44,7 +44,7 @@ struct BudgetOptions {
 };
 
 /// First-order: valid while attitude errors stay below some milliradians and position errors below some hundredths of the Earth's radius. With
-/// `aligned_over`, what the alignment owes to a source belongs to that source: a bias and the tilt it causes cancel in part. Throws Error for sources
+/// `aligned_over`, an alignment error belongs to the source that caused it: a bias and the tilt it causes cancel in part. Throws Error for sources
 /// of inconsistent sizes, a covariance that is not positive, and a start or options that Strapdown refuses.
 ErrorBudget error_budget(const motion::NominalMotion& motion, const ErrorSources& sources, const BudgetOptions& options = {});
 

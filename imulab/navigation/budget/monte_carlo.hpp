@@ -27,9 +27,9 @@ struct ErrorDistribution {
   BudgetRows peak;                                    // largest absolute errors at any output, a column each run
 };
 
-/// The result does not depend on the number of threads and processes. `progress` is told how many runs are done, from any thread. The barometer is
-/// read at each sample where the vertical channel uses one. With `aligned_over` each run aligns on its own noisy rest before the motion, at the
-/// start's attitude. Throws Error where runs times outputs would not fit into memory.
+/// The result does not depend on the number of threads and processes. `progress` is called with the number of finished runs, from any thread. The
+/// barometer is read at each sample where the vertical channel uses one. With `aligned_over` each run aligns on its own noisy rest before the motion,
+/// at the start's attitude. Throws Error where runs times outputs would not fit into memory.
 ErrorDistribution error_monte_carlo(const motion::NominalMotion& motion, const ErrorSources& sources, const MonteCarloOptions& options,
                                     const std::function<void(std::uint64_t)>& progress = {}, const Checkpoint* checkpoint = nullptr);
 

@@ -1,4 +1,4 @@
-// What a calibration's stated uncertainties explain of the errors of a session that was navigated with it.
+// The navigation errors of a session that the stated uncertainties of its calibration explain.
 #pragma once
 
 #include "imulab/navigation/budget/budget.hpp"

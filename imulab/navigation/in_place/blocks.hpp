@@ -12,7 +12,7 @@ struct Block {
   Range samples;
   bool at_rest = false;
   bool observed = true;  ///< the velocity is zero at its end
-  bool lost = false;     ///< the motion before it was not measured (a gap, a saturated sample): the attitude is aligned anew
+  bool lost = false;     ///< the motion before it was not measured (a gap, a saturated sample): the attitude is aligned again
 };
 
 /// A table may still move that long after its step has ended, and before it begins [s].

@@ -43,7 +43,7 @@ LocalEarth earth_at(double latitude, double height, const StrapdownOptions& opti
 void expect_latitude(double latitude, double limit = StrapdownOptions{}.latitude_limit);
 }  // namespace integration
 
-/// The integration: a state, and what one step passes on to the next.
+/// The integration: a state, and the values that one step passes on to the next.
 class Strapdown {
  public:
   /// Throws Error for a start that is not finite, whose quaternion is not of length one or whose latitude is beyond the limit, and for options out of

@@ -34,7 +34,7 @@ struct BodyMotion {
 BodyMotion body_motion(const Kinematics& kinematics);
 
 /// Increments from 0 to the end, each over `interval` [s], by Gauss-Legendre quadrature of the closed form with four points (no integrator runs).
-/// What remains at the end, shorter than an interval, has none. `progress` is called with the number of finished increments. Throws Error for an
+/// The remainder at the end, shorter than an interval, has none. `progress` is called with the number of finished increments. Throws Error for an
 /// interval that is not above 0.
 std::vector<Increment> ideal_increments(const Trajectory& trajectory, double interval, const std::function<void(std::uint64_t)>& progress = {});
 

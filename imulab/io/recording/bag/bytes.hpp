@@ -14,7 +14,7 @@
 
 namespace imulab::bag {
 
-/// What is wrong with the bytes; whoever knows the file and the place makes an Error or a warning of it.
+/// A fault in the bytes; the caller, which knows the file and the place, turns it into an Error or a warning.
 struct Damaged : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

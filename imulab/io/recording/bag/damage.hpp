@@ -1,4 +1,4 @@
-// Chunks that cannot be read: left out, and said.
+// Chunks that cannot be read: left out and reported.
 #pragma once
 
 #include "imulab/io/recording/bag/compression.hpp"
