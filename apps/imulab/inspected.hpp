@@ -18,6 +18,6 @@ Declarations parse_declarations(const std::vector<std::string>& texts);
 
 /// The session of that name; a recording is inspected, and what is assumed goes to standard error. Throws Unsupported, with what has to be declared,
 /// where the data leave something open. `most_numbers`: as InspectionTask has it.
-Session open_session(const std::filesystem::path& path, const std::vector<std::string>& declarations, std::size_t most_numbers = all_numbers);
+Session open_session(const std::filesystem::path& path, const std::vector<std::string>& declarations, std::size_t most_numbers = numbers_inspected);
 
 }  // namespace imulab::command

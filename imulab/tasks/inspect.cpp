@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -37,6 +38,9 @@ InspectedRecording inspect_and_read(const InspectionTask& task) {
     RecordingReading reading = read_recording(out.session, out.session.recordings.front());
     for (std::string& text : reading.warnings) out.inspection.evidence.push_back(std::move(text));
     out.recording = std::move(reading.recording);
+    const Recording& whole = *out.recording;  // of a long one only the first rows were inspected
+    out.inspection.rows = std::max(out.inspection.rows, whole.size());
+    out.inspection.duration_s = std::max(out.inspection.duration_s, whole.time_s(whole.size() - 1) - whole.time_s(0));
   } catch (const Error& e) {
     out.inspection.problems.emplace_back(e.what());
   }

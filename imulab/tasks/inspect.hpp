@@ -15,8 +15,8 @@ namespace imulab {
 struct InspectionTask {
   std::vector<std::string> files, topics = {};  ///< files of one recording; topics: several of one file, or none
   Declarations declared = {};
-  double longest_s = stream_s;             ///< for how long a stream is read
-  std::size_t most_numbers = all_numbers;  ///< of a file that can be read in pieces no more are looked at
+  double longest_s = stream_s;                   ///< for how long a stream is read
+  std::size_t most_numbers = numbers_inspected;  ///< as read_signals takes it
 };
 
 /// Throws Error as read_signals and inspect do, and for declarations that there are not.

@@ -18,9 +18,7 @@ namespace imulab::recording_io {
 namespace {
 
 void reserve(TimedTable& table, std::string_view rows) {
-  const std::string_view head = rows.substr(0, 1 << 16);
-  const auto lines = static_cast<std::size_t>(std::count(head.begin(), head.end(), '\n')) + 1;
-  const std::size_t estimate = rows.size() / (head.size() / lines + 1) * 21 / 20 + 16;  // pages never touched cost nothing
+  const std::size_t estimate = rows_to_reserve(rows);
   table.time_ns.reserve(estimate);
   for (auto& column : table.values) column.reserve(estimate);
 }
@@ -204,6 +202,12 @@ void for_each_piece(const MappedFile& file, const std::string& name, const Table
 }  // namespace
 
 bool is_text(std::string_view head) { return head.find('\0') == std::string_view::npos; }
+
+std::size_t rows_to_reserve(std::string_view rows) {
+  const std::string_view head = rows.substr(0, 1 << 16);
+  const auto lines = static_cast<std::size_t>(std::count(head.begin(), head.end(), '\n')) + 1;
+  return rows.size() / (head.size() / lines + 1) * 21 / 20 + 16;  // pages never touched cost nothing
+}
 
 TimedTable read_csv(const std::filesystem::path& path, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns) {
   const MappedFile file(path);

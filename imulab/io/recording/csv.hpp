@@ -20,4 +20,7 @@ TimedTable read_csv(const std::filesystem::path& path, const TimeSource& time, s
 /// Whether the first bytes of a file can be text.
 bool is_text(std::string_view head);
 
+/// For how many rows a table reserves memory before it reads a text: by its first lines, and some more.
+std::size_t rows_to_reserve(std::string_view rows);
+
 }  // namespace imulab::recording_io

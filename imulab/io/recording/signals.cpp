@@ -199,6 +199,7 @@ bool read_numbers(const TableLayout& layout, std::string_view text, SignalTable&
   try {
     RowReader reader(layout, {.column = std::nullopt}, 1, columns);
     const ReadingMeter meter(text.size());
+    for (Signal& signal : table.signals) signal.values.reserve(rows_to_reserve(text.substr(layout.offset)));
     for (std::string_view left = text.substr(layout.offset); !left.empty();) {
       std::string_view rows = take_lines(left, at_once);
       meter.add(rows.size());
