@@ -2,7 +2,6 @@
 
 #include "imulab/core/statistics.hpp"
 #include "imulab/estimate/kernel/information.hpp"
-#include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/kernel/suspects.hpp"
 #include "imulab/model/forward_model.hpp"
 #include "imulab/rig/table_readings.hpp"
@@ -67,19 +66,6 @@ MatrixXd noise_of(const TableMotion& motion, const RawNoise& noise, const Enlarg
 }
 
 }  // namespace
-
-MatrixXd raw_slow_noise(const TableMotion& motion, const SensorModel& model, const MatrixXd& accel, const MatrixXd& gyro) {
-  if (accel.size() == 0 && gyro.size() == 0) return {};
-  MatrixXd out = MatrixXd::Zero(motion.rows(), motion.rows());
-  const Matrix3d of_accel = raw_density(1, model.accel.matrix), of_gyro = raw_density(1, model.gyro.matrix);
-  for (std::size_t a = 0; a < motion.parts(); ++a)
-    for (std::size_t b = 0; b < motion.parts(); ++b) {
-      const auto row = static_cast<Index>(a), column = static_cast<Index>(b);
-      if (gyro.size() > 0) out.block<3, 3>(motion.gyro_row(a), motion.gyro_row(b)) = gyro(row, column) * of_gyro;
-      if (accel.size() > 0 && motion.is_hold(a) && motion.is_hold(b)) out.block<3, 3>(motion.row(a), motion.row(b)) = accel(row, column) * of_accel;
-    }
-  return out;
-}
 
 Matrix3d raw_density(double density, const Matrix3d& matrix) {
   const Matrix3d inverse = matrix.inverse();
@@ -240,19 +226,17 @@ int Estimator::degrees_of_freedom() const {
   return static_cast<int>((weight_.array() > 0).count()) - static_cast<int>(free);
 }
 
-std::pair<VectorXd, MatrixXd> Estimator::unexplained(const VectorXd& readings) const {
-  // z = S^-1 residual, with covariance B = S^-1 - S^-1 X P X^T S^-1.
-  const MatrixXd inverse = factor_.solve_lower(MatrixXd(MatrixXd::Identity(weight_.size(), weight_.size())));
+Estimator::Unexplained Estimator::unexplained(const VectorXd& readings) const {
+  const MatrixXd inverse = factor_.solve_lower(MatrixXd::Identity(weight_.size(), weight_.size()));
   const MatrixXd projected = inverse.transpose() * white_;
-  return {inverse.transpose() * whitened(readings - design_ * solve(readings)),
-          inverse.transpose() * inverse - projected * free_covariance_ * projected.transpose()};
+  Unexplained out{inverse.transpose() * whitened(readings - design_ * solve(readings)), {}, inverse.transpose() * inverse};
+  out.covariance = out.unfitted - projected * free_covariance_ * projected.transpose();
+  return out;
 }
 
 std::vector<double> Estimator::log_probabilities(const VectorXd& readings) const {
   // Leaving rows out lowers chi-square by z^T B^-1 z of these rows.
-  const auto [z, covariance] = unexplained(readings);
-  const MatrixXd inverse = factor_.solve_lower(MatrixXd(MatrixXd::Identity(weight_.size(), weight_.size())));
-  const MatrixXd unfitted = inverse.transpose() * inverse;
+  const auto [z, covariance, unfitted] = unexplained(readings);
   std::vector<double> out;
   for (std::size_t k = 0; k < motion_.parts(); ++k) {
     const Index row = motion_.row(k), size = motion_.size(k);
@@ -265,15 +249,13 @@ std::vector<double> Estimator::log_probabilities(const VectorXd& readings) const
 }
 
 Vector3d Estimator::variance_ratios(const VectorXd& readings) const {
-  const auto [z, covariance] = unexplained(readings);
+  const Unexplained u = unexplained(readings);
   const VectorXd accel = (by_bias(motion_).leftCols<3>().array() != 0).cast<double>().rowwise().sum();
   VectorXd of_table = table_sigma_;
   for (Index k = 0; k < of_table.size(); ++k)
     if (of_site(motion_.sources()[static_cast<std::size_t>(k)])) of_table[k] = 0;
   const MatrixXd noise = weight_.asDiagonal() * noise_ * weight_.asDiagonal(), table = weight_.asDiagonal() * table_jacobian_ * of_table.asDiagonal();
-  const auto ratio = [&z = z, &covariance = covariance](const MatrixXd& variance) {
-    return z.dot(variance * z) / covariance.cwiseProduct(variance).sum();
-  };
+  const auto ratio = [&](const MatrixXd& variance) { return u.z.dot(variance * u.z) / u.covariance.cwiseProduct(variance).sum(); };
   const VectorXd gyro = VectorXd::Ones(accel.size()) - accel;
   return {ratio(accel.asDiagonal() * noise * accel.asDiagonal()), ratio(gyro.asDiagonal() * noise * gyro.asDiagonal()),
           ratio(table * table.transpose())};

@@ -10,7 +10,6 @@
 #include <Eigen/Core>
 
 #include <optional>
-#include <utility>
 #include <vector>
 
 namespace imulab::turntable {
@@ -41,8 +40,6 @@ struct RawNoise {
   Matrix3d accel, gyro;       ///< white, raw^2/Hz
   Eigen::MatrixXd slow = {};  ///< of the holds' means and turns' sums, from noise that is not white; empty: none
 };
-/// With the declared slow noise of both triads, as `slow_noise` gives it.
-Eigen::MatrixXd raw_slow_noise(const TableMotion& motion, const SensorModel& model, const Eigen::MatrixXd& accel, const Eigen::MatrixXd& gyro);
 
 class Estimator {
  public:
@@ -106,8 +103,13 @@ class Estimator {
 
  private:
   void set_weights(const EstimatorOptions& options);
-  /// S^-1 residual and its covariance, weighted.
-  std::pair<Eigen::VectorXd, Eigen::MatrixXd> unexplained(const Eigen::VectorXd& readings) const;
+  /// What the fit leaves of the readings, weighted.
+  struct Unexplained {
+    Eigen::VectorXd z;           ///< S^-1 residual
+    Eigen::MatrixXd covariance;  ///< of z: B = S^-1 - S^-1 X P X^T S^-1
+    Eigen::MatrixXd unfitted;    ///< that without a fit: S^-1
+  };
+  Unexplained unexplained(const Eigen::VectorXd& readings) const;
   void set_gains(bool all_optional);
   Eigen::MatrixXd whitened(const Eigen::MatrixXd& readings) const;
 
