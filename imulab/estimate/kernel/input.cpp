@@ -20,6 +20,12 @@ const Recording& only_recording(const CalibrationInput& input, std::string_view 
   throw Error(fmt::format("the method {} takes one recording; got {}{}", method, input.recordings.size(), names.empty() ? "" : " (" + names + ")"));
 }
 
+RecordingSource only_source(const Session& procedure) {
+  if (procedure.recordings.size() > 1)
+    throw Error(fmt::format("{}: {} recordings; expected a procedure with one", procedure.file, procedure.recordings.size()));
+  return procedure.recordings.empty() ? RecordingSource{} : procedure.recordings.front();
+}
+
 Rests rests_of(const CalibrationInput& input, const Recording& recording) {
   return input.rests ? Rests{*input.rests, {}} : imulab::rests_of(recording, input.session);
 }

@@ -11,6 +11,9 @@ namespace imulab::kernel {
 /// The only recording, validated. Throws Error that lists them where there are several, or none.
 const Recording& only_recording(const CalibrationInput& input, std::string_view method);
 
+/// The source of a procedure's only recording; one that declares nothing where it has none. Throws Error for several.
+RecordingSource only_source(const Session& procedure);
+
 /// The rests of that recording: those given, else the session's holds, else those found in the data, with a note of their source.
 Rests rests_of(const CalibrationInput& input, const Recording& recording);
 

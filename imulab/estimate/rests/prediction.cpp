@@ -2,6 +2,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
+#include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/rests/fit.hpp"
 #include "imulab/estimate/rests/handheld_problem.hpp"
 #include "imulab/estimate/rests/rests.hpp"
@@ -9,8 +10,6 @@
 #include "imulab/recording/declared_noise.hpp"
 #include "imulab/recording/rests.hpp"
 #include "imulab/rig/ideal_recording.hpp"
-
-#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
@@ -35,16 +34,14 @@ void set_noise(MeanNoise& means, Vector3d SampleNoise::*triad, const NoiseModel&
 }
 
 Foreseen foresee(const Session& procedure) {
-  if (procedure.recordings.size() > 1)
-    throw Error(fmt::format("{}: {} recordings; expected a procedure with one", procedure.file, procedure.recordings.size()));
+  const RecordingSource source = kernel::only_source(procedure);
   Foreseen out{procedure, {}, {}};
   const NoiseModels noise = errors_at(procedure.file, [&] { return declared_noise(procedure.imu); });
   out.session.imu.accel_noise_density = noise.accel.N, out.session.imu.gyro_noise_density = noise.gyro.N;
   const double gravity = errors_at(procedure.file, [&] { return procedure.site.gravity(); });
   // Without a latitude the method estimates both parts of Earth's rate, at any latitude alike.
   const double latitude = procedure.site.latitude.value_or(45 * unit::deg);
-  out.recording = ideal_recording(procedure, procedure.recordings.empty() ? RecordingSource{} : procedure.recordings.front(),
-                                  {earth_rate_enu(latitude), gravity});
+  out.recording = ideal_recording(procedure, source, {earth_rate_enu(latitude), gravity});
   const auto is_hold = [](const Step& step) { return step.kind == StepKind::hold; };
   std::vector<Range> rests;  // of the holds: an ideal recording shows no others
   if (std::any_of(procedure.steps.begin(), procedure.steps.end(), is_hold)) rests = rests_of(out.recording, procedure).ranges;

@@ -1,6 +1,7 @@
 #include "imulab/estimate/turntable/prediction.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/turntable/terms.hpp"
 #include "imulab/model/forward_model.hpp"
 #include "imulab/recording/declared_noise.hpp"
@@ -120,9 +121,7 @@ using Moments = Eigen::MatrixX3d;
 }  // namespace
 
 Plan plan_of(const Session& procedure, const std::vector<CoefficientIndex>& terms) {
-  if (procedure.recordings.size() > 1)
-    throw Error(fmt::format("{}: {} recordings; expected a procedure with one", procedure.file, procedure.recordings.size()));
-  const RecordingSource source = procedure.recordings.empty() ? RecordingSource{} : procedure.recordings.front();
+  const RecordingSource source = kernel::only_source(procedure);
   Plan plan;
   plan.rig = turntable_of(procedure, source.file);
   plan.parts = table_plan(procedure, source.file);
@@ -131,13 +130,7 @@ Plan plan_of(const Session& procedure, const std::vector<CoefficientIndex>& term
     if (const double samples = (hold.end - hold.begin) * source.rate_hz.value_or(INFINITY); samples < 2)
       throw Error(fmt::format("{}: {}: {:.2g} samples at {:g} Hz; expected two or more", procedure.file,
                               step_name(plan.parts.steps[hold.step], hold.step), samples, *source.rate_hz));
-  const NoiseModels noise = [&] {
-    try {
-      return declared_noise(procedure.imu);
-    } catch (const Error& e) {
-      throw Error(fmt::format("{}: {}", procedure.file, e.what()));
-    }
-  }();
+  const NoiseModels noise = errors_at(procedure.file, [&] { return declared_noise(procedure.imu); });
   plan.accel_noise = noise.accel;
   plan.gyro_noise = noise.gyro;
   if (!(noise.accel.N > 0) || !(noise.gyro.N > 0))
