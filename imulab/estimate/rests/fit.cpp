@@ -168,19 +168,18 @@ void add_parts(Quality& quality, const std::vector<SuspectRows>& parts, const Fi
 std::vector<TermTest> test_terms(const RestProblem& problem, const Fit& fit, double significance) {
   std::vector<TermTest> tests;
   const Eigen::MatrixXd covariance = fit.covariance();
+  const VectorXd values = coefficient_values(problem.model(), problem.indices());
   for (const char* name : {"accel.quadratic", "accel.cubic", "gyro.quadratic", "gyro.cubic", "gyro.g_sensitivity"}) {
     const std::vector<CoefficientIndex> term = select_coefficients(name);
     std::vector<Index> members;
     bool asked = false;
-    for (const Index i : fit.parameters.with(kernel::Role::estimated))
-      if (i < std::ssize(problem.indices()) && contains(term, problem.indices()[static_cast<std::size_t>(i)])) members.push_back(i);
-    for (const CoefficientIndex index : term) asked = asked || contains(problem.indices(), index);
-    if (!asked) continue;
-    VectorXd value(std::ssize(members));
-    for (Index k = 0; k < value.size(); ++k)
-      value[k] = coefficient_value(problem.model(), problem.indices()[static_cast<std::size_t>(members[static_cast<std::size_t>(k)])]);
-    const Eigen::MatrixXd of_term = covariance(members, members);
-    tests.push_back(kernel::wald_without_prior(name, value, of_term, fit.parameters.sigma(members), significance));
+    for (std::size_t i = 0; i < problem.indices().size(); ++i) {
+      if (!contains(term, problem.indices()[i])) continue;
+      asked = true;
+      if (fit.parameters.role[i] == kernel::Role::estimated) members.push_back(static_cast<Index>(i));
+    }
+    if (asked)
+      tests.push_back(kernel::wald_without_prior(name, values(members), covariance(members, members), fit.parameters.sigma(members), significance));
   }
   return tests;
 }

@@ -132,14 +132,10 @@ std::vector<Index> RestProblem::runaway_gyro_matrix(const kernel::Parameters& pa
 
 bool RestProblem::widen_priors(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) {
   const auto n = std::ssize(indices_);
-  const VectorXd unit = parameters.sigma.head(n).cwiseInverse();
-  VectorXd in_sigmas = unit;
-  for (Index i = 0; i < n; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    in_sigmas[i] *= roles_[k] == kernel::Role::estimated ? coefficient_value(model_, indices_[k]) - coefficient_value(prior_, indices_[k]) : 0;
-  }
-  const std::vector<std::string> names =
-      kernel::widen_priors(sizes_, indices_, in_sigmas, unit.asDiagonal() * covariance.topLeftCorner(n, n) * unit.asDiagonal());
+  VectorXd moved = coefficient_values(model_, indices_) - coefficient_values(prior_, indices_);
+  for (Index i = 0; i < n; ++i)
+    if (roles_[static_cast<std::size_t>(i)] != kernel::Role::estimated) moved[i] = 0;
+  const std::vector<std::string> names = kernel::widen_priors(sizes_, indices_, moved, parameters.sigma.head(n), covariance.topLeftCorner(n, n));
   for (const std::string& name : names)
     if (std::find(widened_.begin(), widened_.end(), name) == widened_.end()) widened_.push_back(name);
   return !names.empty();

@@ -98,12 +98,8 @@ bool left_handed(const SensorModel& model) { return model.accel.matrix.determina
 /// Whether no stated coefficient changed by more than its uncertainty.
 bool close(const Estimator& estimator, const SensorModel& before, const SensorModel& after) {
   const Estimator::Uncertainty uncertainty = estimator.uncertainty(after);
-  for (std::size_t i = 0; i < uncertainty.stated.size(); ++i) {
-    const double change = coefficient_value(after, uncertainty.stated[i]) - coefficient_value(before, uncertainty.stated[i]);
-    const auto at = static_cast<Index>(i);
-    if (!(change * change <= uncertainty.covariance(at, at))) return false;
-  }
-  return true;
+  const VectorXd change = coefficient_values(after, uncertainty.stated) - coefficient_values(before, uncertainty.stated);
+  return (change.cwiseAbs2().array() <= uncertainty.covariance.diagonal().array()).all();
 }
 
 /// The steps with the sense of one axis reversed.

@@ -180,12 +180,8 @@ MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t
   const ReadingsSampler sampler(motion, {plan.accel_noise.turn_on, plan.gyro_noise.turn_on}, estimator.noise(), seed,
                                 plan.optional ? estimator.optional_sigma() : VectorXd());
   const std::vector<CoefficientIndex> coefficients = estimator.uncertainty({}).stated;
-  const auto n = static_cast<Index>(coefficients.size());
-  const auto values = [&](const SensorModel& model) {
-    VectorXd v(n);
-    std::transform(coefficients.begin(), coefficients.end(), v.begin(), [&](CoefficientIndex index) { return coefficient_value(model, index); });
-    return v;
-  };
+  const Index n = std::ssize(coefficients);
+  const auto values = [&](const VectorXd& columns) { return coefficient_values(backward(columns), coefficients); };
   const VectorXd bias = estimator.second_order({}, coefficients).bias;
 
   constexpr std::uint64_t least_block = 128, most_parts = 1 << 16;  // a checkpoint keeps a kilobyte of each part
@@ -197,7 +193,7 @@ MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t
     const MatrixXd drawn = sampler.drawn_columns(begin, static_cast<Index>(count));
     Moments sum = Moments::Zero(n, 3);
     for (Index run = 0; run < found.cols(); ++run) {
-      const VectorXd error = values(backward(found.col(run))) - values(backward(drawn.col(run))) - bias, square = error.cwiseAbs2();
+      const VectorXd error = values(found.col(run)) - values(drawn.col(run)) - bias, square = error.cwiseAbs2();
       sum.col(0) += error, sum.col(1) += square, sum.col(2) += square.cwiseAbs2();
     }
     return bytes_of(sum.data(), static_cast<std::size_t>(sum.size()));
