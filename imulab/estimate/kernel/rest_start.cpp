@@ -150,7 +150,7 @@ std::vector<CoefficientIndex> choose_coefficients(RestStart& start, const std::v
     if (contains(chosen, index)) continue;
     const Coefficient& c = coefficient(index);
     const bool counts = (c.triad == Triad::accel ? start.prior.accel : start.prior.gyro).raw_unit == "count";
-    if (counts && (c.term == Term::offset || (c.term == Term::matrix && c.row == c.column)))
+    if (counts && (c.term == Term::offset || is_scale(c)))
       throw TermsError(fmt::format("{} is not among the terms to estimate: readings in counts have no offset and scale to start from", c.name));
     set_coefficient(start.model, index, coefficient_value(start.prior, index));
   }

@@ -22,7 +22,7 @@ const Coefficient* implausible_scale(const RestProblem& problem, const std::vect
   for (std::size_t i = 0; i < determined.size(); ++i) {
     const CoefficientIndex index = problem.indices()[i];
     const Coefficient& c = coefficient(index);
-    if (!determined[i] || c.triad != triad || c.term != Term::matrix || c.row != c.column) continue;
+    if (!determined[i] || c.triad != triad || !is_scale(c)) continue;
     const double moved = coefficient_value(problem.model(), index) - coefficient_value(problem.prior(), index);
     if (!(std::abs(moved) <= problem.prior_sigma(c))) return &c;
   }

@@ -122,7 +122,7 @@ std::vector<Index> RestProblem::runaway_gyro_matrix(const kernel::Parameters& pa
     const Coefficient& c = coefficient(indices_[static_cast<std::size_t>(i)]);
     if (c.triad != Triad::gyro || (c.term != Term::matrix && c.term != Term::quadratic && c.term != Term::cubic)) continue;
     matrix.push_back(i);
-    if (c.term != Term::matrix || c.row != c.column) continue;
+    if (!is_scale(c)) continue;
     const CoefficientIndex index = indices_[static_cast<std::size_t>(i)];
     const bool known = std::sqrt(covariance(i, i)) < kernel::needed_sigma(c, parameters.sigma[i]);
     runaway = runaway || (!known && std::abs(coefficient_value(model_, index) - coefficient_value(prior_, index)) > away * parameters.sigma[i]);
