@@ -5,6 +5,7 @@
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/optional_terms.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
+#include "imulab/model/frame.hpp"
 #include "imulab/model/output_error.hpp"
 
 #include <algorithm>
@@ -42,7 +43,7 @@ constexpr std::array<Row, 14> table{{{Group::accel_offset, "accel.offset"},
 std::vector<CoefficientIndex> coefficients_of(const Row& row) {
   if (row.size > 0) return std::vector<CoefficientIndex>(static_cast<std::size_t>(row.size), CoefficientIndex(-1));
   std::vector<CoefficientIndex> indices = select_coefficients(row.name);
-  if (row.group == Group::accel_matrix) std::erase_if(indices, [](CoefficientIndex i) { return coefficient(i).column > coefficient(i).row; });
+  std::erase_if(indices, zero_by_frame);
   return indices;
 }
 
