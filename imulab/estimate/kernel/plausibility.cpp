@@ -99,10 +99,13 @@ std::string scale_contradiction(Triad triad, const Matrix3d& matrix, const Recor
                      common ? cause_of(triad, scale.mean(), recording) : "this axis is not like the others; check its column");
 }
 
-void expect_gyro_scale(const Matrix3d& coarse, const Recording& recording) {
+bool is_oblique(const Matrix3d& coarse) {
   const Matrix3d axes = coarse.rowwise().normalized();
-  constexpr double oblique = 0.2;  // misalignments are below a few percent
-  if ((axes * axes.transpose() - Matrix3d::Identity()).cwiseAbs().maxCoeff() > oblique) return;
+  return (axes * axes.transpose() - Matrix3d::Identity()).cwiseAbs().maxCoeff() > 0.2;
+}
+
+void expect_gyro_scale(const Matrix3d& coarse, const Recording& recording) {
+  if (is_oblique(coarse)) return;
   if (const std::string wrong = scale_contradiction(Triad::gyro, coarse, recording); !wrong.empty())
     throw Error(fmt::format("{}: {}", recording.name, wrong));
 }

@@ -1,7 +1,6 @@
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/estimate/kernel/coarse.hpp"
 #include "imulab/estimate/kernel/common_turns.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
@@ -38,8 +37,7 @@ bool possible(const Matrix3d& matrix) {
 /// whether it is as declared better than fast motion of a hand does.
 void start_gyro(RestStart& start, const Recording& recording, bool declared_turns) {
   const bool counts = recording.gyro_unit == "count";
-  std::optional<Matrix3d> coarse =
-      kernel::with_common_turns(recording, start, kernel::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling));
+  std::optional<Matrix3d> coarse = kernel::coarse_gyro_in_common_turns(recording, start);
   if (!counts && declared_turns) coarse.reset();
   TriadModel& gyro = start.model.gyro;
   if (coarse) gyro.matrix = *coarse;
