@@ -104,8 +104,7 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   const std::vector<DeclaredTurn> turns = declared_turns(session, session.source_of(recording.name));
   start_gyro(start, recording, !turns.empty());
   kernel::use_declared_gyro_noise(start, recording, session.imu);
-  kernel::expect_terms(start, session.imu, session.site.gravity());
-  const std::vector<CoefficientIndex> indices = kernel::choose_coefficients(start, options.terms, handheld_coefficients(), "handheld");
+  const std::vector<CoefficientIndex> indices = choose_coefficients(start, session, options.terms, handheld_coefficients(), "handheld");
 
   const HandheldProblem whole(recording, start, session.site, indices, turns);
   auto cleaned = kernel::drop_suspects(SuspectFit(whole), options.outlier_level);

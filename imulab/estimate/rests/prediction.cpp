@@ -72,15 +72,13 @@ Prediction prediction(std::string_view method, const Foreseen& of, Problem probl
 Prediction predict_static(const Session& procedure, const std::vector<CoefficientIndex>& terms) {
   Foreseen f = foresee(procedure);
   const bool with_gyros = start_gyros_at_rest(f.start, f.recording, f.session);
-  kernel::expect_terms(f.start, f.session.imu, f.session.site.gravity());
-  const std::vector<CoefficientIndex> indices = kernel::choose_coefficients(f.start, terms, static_coefficients(with_gyros), "static");
+  const std::vector<CoefficientIndex> indices = choose_coefficients(f.start, f.session, terms, static_coefficients(with_gyros), "static");
   return prediction("static", f, StaticProblem(f.start, f.session.site, indices, with_gyros));
 }
 
 Prediction predict_handheld(const Session& procedure, const std::vector<CoefficientIndex>& terms) {
   Foreseen f = foresee(procedure);
-  kernel::expect_terms(f.start, f.session.imu, f.session.site.gravity());
-  const std::vector<CoefficientIndex> indices = kernel::choose_coefficients(f.start, terms, handheld_coefficients(), "handheld");
+  const std::vector<CoefficientIndex> indices = choose_coefficients(f.start, f.session, terms, handheld_coefficients(), "handheld");
   return prediction("handheld", f,
                     HandheldProblem(f.recording, f.start, f.session.site, indices, declared_turns(f.session, f.session.source_of(f.recording.name))));
 }

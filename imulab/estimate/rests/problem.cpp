@@ -1,5 +1,7 @@
 #include "imulab/estimate/rests/problem.hpp"
 
+#include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/optional_terms.hpp"
 
@@ -48,16 +50,26 @@ bool bends_far_from_zero(const Coefficient& c, const Scaling& scaling) {
   return zero.cwiseAbs().maxCoeff() > 1;  // in half ranges
 }
 
+/// Priors of the optional terms by the declaration, or by the offsets at zero readings. Readings in counts may have their zero anywhere: offsets
+/// beyond those of any IMU are that, and tell nothing.
+kernel::PriorSizes expected_terms(const kernel::RestStart& start, const Session& session) {
+  const SensorModel raw = to_raw(start.model, start.scaling);
+  // MEMS sensors, the least that counts can be of without a grade; the limits are those of the offsets' priors.
+  const auto plausible = [](const Vector3d& offset, double limit, double usual) {
+    return offset.cwiseAbs().maxCoeff() < limit ? offset : Vector3d(Vector3d::Constant(usual));
+  };
+  return kernel::optional_priors(session.imu, plausible(raw.accel.offset, 0.2 * session.site.gravity(), 0.03 * unit::g),
+                                 plausible(raw.gyro.offset, 1.0, 1 * unit::deg));
+}
+
 }  // namespace
 
 std::vector<CoefficientIndex> static_coefficients(bool with_gyros) {
   std::vector<CoefficientIndex> out = kernel::accel_coefficients();
-  const auto add = [&](std::initializer_list<const char*> names) {
-    for (const char* name : names)
-      for (const CoefficientIndex index : select_coefficients(name)) out.push_back(index);
-  };
-  add({"accel.quadratic", "accel.cubic"});
-  if (with_gyros) add({"gyro.offset", "gyro.matrix", "gyro.g_sensitivity"});  // Earth's rate is far too small to show their nonlinearity
+  for (const CoefficientIndex index : select_each({"accel.quadratic", "accel.cubic"})) out.push_back(index);
+  if (!with_gyros) return out;
+  // Earth's rate is far too small to show their nonlinearity.
+  for (const CoefficientIndex index : select_each({"gyro.offset", "gyro.matrix", "gyro.g_sensitivity"})) out.push_back(index);
   return out;
 }
 
@@ -65,6 +77,22 @@ std::vector<CoefficientIndex> handheld_coefficients() {
   std::vector<CoefficientIndex> out = static_coefficients(true);
   for (const CoefficientIndex index : select_each({"gyro.quadratic", "gyro.cubic"})) out.push_back(index);
   return out;
+}
+
+std::vector<CoefficientIndex> choose_coefficients(kernel::RestStart& start, const Session& session, const std::vector<CoefficientIndex>& wanted,
+                                                  const std::vector<CoefficientIndex>& supplied, std::string_view method) {
+  const std::vector<CoefficientIndex> chosen = kernel::chosen_coefficients(wanted, supplied, method);
+  start.terms = expected_terms(start, session);
+  start.named = !wanted.empty();
+  for (const CoefficientIndex index : supplied) {
+    if (contains(chosen, index)) continue;
+    const Coefficient& c = coefficient(index);
+    const bool counts = (c.triad == Triad::accel ? start.prior.accel : start.prior.gyro).raw_unit == "count";
+    if (counts && (c.term == Term::offset || is_scale(c)))
+      throw TermsError(fmt::format("{} is not among the terms to estimate: readings in counts have no offset and scale to start from", c.name));
+    set_coefficient(start.model, index, coefficient_value(start.prior, index));
+  }
+  return chosen;
 }
 
 RestProblem::RestProblem(const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices)

@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace imulab::rests {
@@ -21,6 +22,11 @@ struct SuspectRows {
 /// What the two methods estimate: all that gravity at rest shows, with the gyros at rest; and with the rotations between the rests.
 std::vector<CoefficientIndex> static_coefficients(bool with_gyros);
 std::vector<CoefficientIndex> handheld_coefficients();
+
+/// kernel::chosen_coefficients, once `start.model` has both triads; those of `supplied` that are not chosen are set to their prior. Sets
+/// `start.terms` and `start.named`. Throws TermsError for offsets and scales of counts that are not chosen, too.
+std::vector<CoefficientIndex> choose_coefficients(kernel::RestStart& start, const Session& session, const std::vector<CoefficientIndex>& wanted,
+                                                  const std::vector<CoefficientIndex>& supplied, std::string_view method);
 
 class RestProblem {
  public:

@@ -96,8 +96,7 @@ CalibrationResult calibrate_static(const CalibrationInput& input, const Calibrat
   const Session& session = input.session;
   const bool with_gyros = start_gyros_at_rest(start, recording, session);
   check_axes(start, recording);
-  kernel::expect_terms(start, session.imu, session.site.gravity());
-  const std::vector<CoefficientIndex> indices = kernel::choose_coefficients(start, options.terms, static_coefficients(with_gyros), "static");
+  const std::vector<CoefficientIndex> indices = choose_coefficients(start, session, options.terms, static_coefficients(with_gyros), "static");
 
   auto cleaned = kernel::drop_suspects(SuspectFit(StaticProblem(start, session.site, indices, with_gyros)), options.outlier_level);
   const Fit fit = fit_determined(cleaned.fit.problem);
