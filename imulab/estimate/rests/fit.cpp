@@ -81,20 +81,20 @@ VectorXd with_unstated_at_prior(const RestProblem& problem, const std::vector<ch
 
 }  // namespace
 
-Eigen::MatrixXd raw_covariance(const kernel::RestStart& start, const RestProblem& problem, Eigen::MatrixXd covariance, const Site& site) {
+Eigen::MatrixXd raw_covariance(const RestProblem& problem, Eigen::MatrixXd covariance) {
   const std::vector<CoefficientIndex>& indices = problem.indices();
   for (Index i = 0; i < covariance.rows(); ++i)  // about the center of the readings, and nothing that a shift to their zero could carry along
     if (problem.unstated(static_cast<std::size_t>(i))) covariance.row(i).setZero(), covariance.col(i).setZero();
-  covariance = covariance_after([&](const SensorModel& m) { return to_raw(m, start.scaling); }, indices, covariance);
+  covariance = covariance_after([&](const SensorModel& m) { return to_raw(m, problem.scaling()); }, indices, covariance);
   // g is the scale: accelerations are proportional to it, g-sensitivity inversely.
-  const SensorModel raw = to_raw(problem.model(), start.scaling);
+  const SensorModel raw = to_raw(problem.model(), problem.scaling());
   VectorXd by_gravity = VectorXd::Zero(covariance.rows());
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const Coefficient& c = coefficient(indices[i]);
     const double value = coefficient_value(raw, indices[i]);
     by_gravity[static_cast<Index>(i)] = c.triad == Triad::accel ? value : c.term == Term::g_sensitivity ? -value : 0;
   }
-  const double relative = kernel::gravity_source(site).relative;
+  const double relative = problem.relative_gravity_sigma();
   return covariance + relative * relative * by_gravity * by_gravity.transpose();
 }
 
@@ -107,8 +107,7 @@ VectorXd weakest_matrix_direction(const RestProblem& problem, const Eigen::Matri
   return covariance(Eigen::all, at) * known.vectors.rightCols<1>() / std::sqrt(std::max(known.values[known.values.size() - 1], 1e-300));
 }
 
-Calibration calibration_of(std::string_view method, const kernel::RestStart& start, const RestProblem& problem, const Fit& fit,
-                           const Session& session) {
+Calibration calibration_of(std::string_view method, const RestProblem& problem, const Fit& fit, const Session& session) {
   Calibration out;
   out.imu = session.imu.name;
   out.method = method;
@@ -123,7 +122,7 @@ Calibration calibration_of(std::string_view method, const kernel::RestStart& sta
     const double value = coefficient_value(scaled, index) + correction[static_cast<Index>(i)];
     set_coefficient(scaled, index, kept[i] ? value : coefficient_value(problem.prior(), index));
   }
-  out.model = to_raw(scaled, start.scaling);
+  out.model = to_raw(scaled, problem.scaling());
   std::vector<Index> at;
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const Coefficient& c = coefficient(indices[i]);
@@ -135,7 +134,7 @@ Calibration calibration_of(std::string_view method, const kernel::RestStart& sta
       out.quality.unobservable.emplace_back(c.name);
     }
   }
-  out.covariance = raw_covariance(start, problem, covariance, session.site)(at, at);
+  out.covariance = raw_covariance(problem, covariance)(at, at);
   const kernel::Solution& under_noise = fit.under_noise.solution;
   out.quality.degrees_of_freedom = static_cast<int>(std::lround(under_noise.degrees_of_freedom));
   out.quality.chi2_per_dof = under_noise.chi2 / std::max(1.0, under_noise.degrees_of_freedom);

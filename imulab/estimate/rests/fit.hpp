@@ -154,7 +154,7 @@ struct SuspectFit {
     std::size_t worst = 0;
     double lowest = 0;
     for (const SuspectRows& suspect : problem.suspects(fit.conditions)) {
-      const double p = deviation_of(fit.conditions, fit.adjustment, suspect.rows).log_probability(std::numeric_limits<double>::infinity());
+      const double p = deviation_of(fit.conditions, fit.adjustment, suspect.rows).log_probability();
       if (p < lowest) lowest = p, worst = all.size();
       all.push_back({suspect.name, 0});
     }
@@ -182,11 +182,10 @@ struct SuspectFit {
 };
 
 /// A covariance of the scaled model's coefficients as that of raw readings, with g's uncertainty.
-Eigen::MatrixXd raw_covariance(const kernel::RestStart& start, const RestProblem& problem, Eigen::MatrixXd covariance, const Site& site);
+Eigen::MatrixXd raw_covariance(const RestProblem& problem, Eigen::MatrixXd covariance);
 
 /// Model, covariance and quality of a fit: raw units, g's uncertainty added, undetermined coefficients named.
-Calibration calibration_of(std::string_view method, const kernel::RestStart& start, const RestProblem& problem, const Fit& fit,
-                           const Session& session);
+Calibration calibration_of(std::string_view method, const RestProblem& problem, const Fit& fit, const Session& session);
 
 /// How each rest and each rotation agrees with the fit; those left out by what they deviate from the others.
 void add_parts(Quality& quality, const std::vector<SuspectRows>& parts, const Fit& fit, const std::vector<DroppedPart>& dropped);

@@ -111,7 +111,7 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   HandheldProblem& problem = cleaned.fit.problem;
   const Fit fit = fit_determined(problem);
 
-  CalibrationResult result{.calibration = calibration_of("handheld", start, problem, fit, session)};
+  CalibrationResult result{.calibration = calibration_of("handheld", problem, fit, session)};
   Quality& quality = result.calibration.quality;
   add_parts(quality, problem.suspects(fit.conditions), fit, cleaned.fit.dropped);
   quality.term_tests = test_terms(problem, fit, options.significance);
@@ -130,8 +130,7 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   if (quality.rotation_residual_deg.value_or(0) > 1)
     findings.doubt(fmt::format("held-out rotations are predicted no better than to {:.2g} deg", *quality.rotation_residual_deg));
   kernel::conclude(result.calibration, findings);
-  result.missing_turns =
-      next_turns(problem, fit, start, session.site, {options.handheld.requirements, options.handheld.rest_s, options.handheld.advised_turns});
+  result.missing_turns = next_turns(problem, fit, options.handheld);
   return result;
 }
 

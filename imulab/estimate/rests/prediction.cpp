@@ -62,7 +62,7 @@ Foreseen foresee(const Session& procedure) {
 template <class Problem>
 Prediction prediction(std::string_view method, const Foreseen& of, Problem problem) {
   const Fit fit = foreseen(problem);
-  Prediction out = prediction_of(calibration_of(method, of.start, problem, fit, of.session));
+  Prediction out = prediction_of(calibration_of(method, problem, fit, of.session));
   out.notes = of.start.findings.notes;
   return out;
 }

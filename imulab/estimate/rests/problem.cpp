@@ -98,6 +98,7 @@ std::vector<CoefficientIndex> choose_coefficients(kernel::RestStart& start, cons
 RestProblem::RestProblem(const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices)
     : rests_(start.rests),
       gravity_(site.gravity()),
+      relative_gravity_sigma_(site.gravity_sigma() / gravity_),
       latitude_(site.latitude),
       scaling_(start.scaling),
       noise_{scaled(start.means.sample, scaling_), scaled(start.means.rounding, scaling_), scaled(start.means.step, scaling_)},

@@ -55,6 +55,8 @@ class RestProblem {
   const std::vector<std::string>& widened() const { return widened_; }
   const SensorModel& model() const { return model_; }  ///< of scaled readings
   const SensorModel& prior() const { return prior_; }
+  const Scaling& scaling() const { return scaling_; }
+  double relative_gravity_sigma() const { return relative_gravity_sigma_; }
 
  protected:
   RestProblem(const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices);
@@ -74,7 +76,7 @@ class RestProblem {
   SuspectRows rest_suspect(const Conditions& conditions, std::size_t k) const;
 
   std::vector<RestMeans> rests_;
-  double gravity_;
+  double gravity_, relative_gravity_sigma_;
   std::optional<double> latitude_;
   Scaling scaling_;
   MeanNoise noise_;  ///< scaled

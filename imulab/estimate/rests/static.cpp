@@ -101,7 +101,7 @@ CalibrationResult calibrate_static(const CalibrationInput& input, const Calibrat
   auto cleaned = kernel::drop_suspects(SuspectFit(StaticProblem(start, session.site, indices, with_gyros)), options.outlier_level);
   const Fit fit = fit_determined(cleaned.fit.problem);
 
-  CalibrationResult result{.calibration = calibration_of("static", start, cleaned.fit.problem, fit, session)};
+  CalibrationResult result{.calibration = calibration_of("static", cleaned.fit.problem, fit, session)};
   add_parts(result.calibration.quality, cleaned.fit.problem.suspects(fit.conditions), fit, cleaned.fit.dropped);
   result.calibration.quality.term_tests = test_terms(cleaned.fit.problem, fit, options.significance);
   start.findings.note(fmt::format("{} rests were used", cleaned.fit.problem.rests().size()));
