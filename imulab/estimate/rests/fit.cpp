@@ -79,6 +79,19 @@ VectorXd with_unstated_at_prior(const RestProblem& problem, const std::vector<ch
   return correction;
 }
 
+/// Of a part that the fit used.
+PartResidual part_residual(const SuspectRows& part, const Conditions& conditions, const Adjustment& adjustment) {
+  PartResidual out{part.begin_s, part.end_s, 0, true};
+  int rows = 0;
+  for (const Index i : part.rows) {  // a rest is suspected with the rotation before it, which is a part of its own
+    if ((conditions.kind[static_cast<std::size_t>(i)] >= Kind::rotation) != part.rotation) continue;
+    out.residual += adjustment.residual[i] * adjustment.residual[i] / adjustment.variance[i];
+    ++rows;
+  }
+  out.residual = std::sqrt(out.residual / std::max(rows, 1));
+  return out;
+}
+
 }  // namespace
 
 Eigen::MatrixXd raw_covariance(const RestProblem& problem, Eigen::MatrixXd covariance) {
@@ -117,23 +130,21 @@ Calibration calibration_of(std::string_view method, const RestProblem& problem, 
   const auto [kept, implausible] = stated(problem, covariance, out.quality.warnings);
   const VectorXd correction = implausible ? VectorXd(VectorXd::Zero(n)) : with_unstated_at_prior(problem, kept, covariance);
   SensorModel scaled = problem.model();
-  for (std::size_t i = 0; i < indices.size(); ++i) {
-    const CoefficientIndex index = indices[i];
-    const double value = coefficient_value(scaled, index) + correction[static_cast<Index>(i)];
-    set_coefficient(scaled, index, kept[i] ? value : coefficient_value(problem.prior(), index));
-  }
-  out.model = to_raw(scaled, problem.scaling());
   std::vector<Index> at;
   for (std::size_t i = 0; i < indices.size(); ++i) {
-    const Coefficient& c = coefficient(indices[i]);
+    const CoefficientIndex index = indices[i];
+    const Coefficient& c = coefficient(index);
+    const double value = coefficient_value(scaled, index) + correction[static_cast<Index>(i)];
+    set_coefficient(scaled, index, kept[i] ? value : coefficient_value(problem.prior(), index));
     if (is_optional(c.term) && (!kept[i] || fit.parameters.role[i] == kernel::Role::considered)) out.quality.considered.emplace_back(c.name);
     if (kept[i]) {
       at.push_back(static_cast<Index>(i));
-      out.estimated.push_back(indices[i]);
+      out.estimated.push_back(index);
     } else if (!is_optional(c.term)) {
       out.quality.unobservable.emplace_back(c.name);
     }
   }
+  out.model = to_raw(scaled, problem.scaling());
   out.covariance = raw_covariance(problem, covariance)(at, at);
   const kernel::Solution& under_noise = fit.under_noise.solution;
   out.quality.degrees_of_freedom = static_cast<int>(std::lround(under_noise.degrees_of_freedom));
@@ -141,18 +152,6 @@ Calibration calibration_of(std::string_view method, const RestProblem& problem, 
   out.quality.condition = kernel::condition_number(fit.conditions.information(), fit.parameters);
   out.quality.sources.push_back(kernel::gravity_source(session.site));
   out.quality.converged = fit.converged;
-  return out;
-}
-
-PartResidual part_residual(const SuspectRows& part, const Conditions& conditions, const Adjustment& adjustment) {
-  PartResidual out{part.begin_s, part.end_s, 0, true};
-  int rows = 0;
-  for (const Index i : part.rows) {  // a rest is suspected with the rotation before it, which is a part of its own
-    if ((conditions.kind[static_cast<std::size_t>(i)] >= Kind::rotation) != part.rotation) continue;
-    out.residual += adjustment.residual[i] * adjustment.residual[i] / adjustment.variance[i];
-    ++rows;
-  }
-  out.residual = std::sqrt(out.residual / std::max(rows, 1));
   return out;
 }
 

@@ -123,7 +123,7 @@ double RestProblem::prior_sigma(const Coefficient& c) const {
 }
 
 kernel::Parameters RestProblem::parameters(Index nuisances) const {
-  kernel::Parameters out(static_cast<Index>(indices_.size()) + nuisances);
+  kernel::Parameters out(std::ssize(indices_) + nuisances);
   for (std::size_t i = 0; i < indices_.size(); ++i) {
     out.role[i] = roles_[i];
     out.offset[static_cast<Index>(i)] = coefficient_value(prior_, indices_[i]) - coefficient_value(model_, indices_[i]);
@@ -170,8 +170,8 @@ bool RestProblem::widen_priors(const kernel::Parameters& parameters, const Eigen
   return !names.empty();
 }
 
-VectorXd RestProblem::longest_coefficient_step(Index size) const {
-  VectorXd longest = VectorXd::Constant(size, kernel::no_prior);
+VectorXd RestProblem::longest_step(Index nuisances) const {
+  VectorXd longest = VectorXd::Constant(std::ssize(indices_) + nuisances, kernel::no_prior);
   for (std::size_t i = 0; i < indices_.size(); ++i)
     if (const Coefficient& c = coefficient(indices_[i]); !is_optional(c.term)) longest[static_cast<Index>(i)] = prior_sigma(c);
   return longest;
@@ -185,7 +185,7 @@ void RestProblem::release() {
   for (std::size_t i = 0; i < roles_.size(); ++i) roles_[i] = unstated_[i] ? kernel::Role::considered : kernel::Role::estimated;
 }
 
-void RestProblem::correct_coefficients(const VectorXd& correction) {
+void RestProblem::correct(const VectorXd& correction) {
   for (std::size_t i = 0; i < indices_.size(); ++i)
     set_coefficient(model_, indices_[i], coefficient_value(model_, indices_[i]) + correction[static_cast<Index>(i)]);
 }
@@ -211,11 +211,15 @@ void RestProblem::add_derivatives(Conditions& c, Index row, Triad triad, const R
   }
 }
 
-SuspectRows RestProblem::rest_suspect(const Conditions& conditions, std::size_t k) const {
-  SuspectRows suspect{fmt::format("the rest at {:.1f} s", rests_[k].mid_s), {}, rests_[k].begin_s, rests_[k].end_s};
-  const CovarianceBlock& block = conditions.blocks[k];
-  for (Index row = block.first; row < block.first + block.size; ++row) suspect.rows.push_back(row);
-  return suspect;
+std::vector<SuspectRows> RestProblem::suspects(const Conditions& conditions) const {
+  std::vector<SuspectRows> all;
+  for (std::size_t k = 0; k < rests_.size(); ++k) {
+    SuspectRows& suspect =
+        all.emplace_back(SuspectRows{fmt::format("the rest at {:.1f} s", rests_[k].mid_s), {}, rests_[k].begin_s, rests_[k].end_s});
+    const CovarianceBlock& block = conditions.blocks[k];
+    for (Index row = block.first; row < block.first + block.size; ++row) suspect.rows.push_back(row);
+  }
+  return all;
 }
 
 }  // namespace imulab::rests

@@ -28,8 +28,16 @@ std::vector<CoefficientIndex> handheld_coefficients();
 std::vector<CoefficientIndex> choose_coefficients(kernel::RestStart& start, const Session& session, const std::vector<CoefficientIndex>& wanted,
                                                   const std::vector<CoefficientIndex>& supplied, std::string_view method);
 
+/// A method with unknowns or parts of its own hides what deals with them.
 class RestProblem {
  public:
+  /// The coefficients, then `nuisances` estimated without a prior.
+  kernel::Parameters parameters(Eigen::Index nuisances = 0) const;
+  /// A correction's elements: up to the prior of those that all IMUs have; the equations are straight in the optional terms, which are small.
+  Eigen::VectorXd longest_step(Eigen::Index nuisances = 0) const;
+  void correct(const Eigen::VectorXd& correction);
+  /// Every rest, with the rows of its own block.
+  std::vector<SuspectRows> suspects(const Conditions& conditions) const;
   /// These terms go back to their prior value and stay there: considered.
   void hold(const std::vector<Eigen::Index>& unseen);
   /// They are estimated again: rests to come may show them.
@@ -60,11 +68,6 @@ class RestProblem {
 
  protected:
   RestProblem(const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices);
-  /// The coefficients, then `nuisances` estimated without a prior.
-  kernel::Parameters parameters(Eigen::Index nuisances) const;
-  /// A correction's elements: up to the prior of those that all IMUs have; the equations are straight in the optional terms, which are small.
-  Eigen::VectorXd longest_coefficient_step(Eigen::Index parameters) const;
-  void correct_coefficients(const Eigen::VectorXd& correction);
   /// Specific force and rate that the model gives at a rest.
   Vector3d force_at(const RestMeans& rest) const { return output(model_.accel, scaling_.accel(rest.accel)); }
   Vector3d rate_at(const RestMeans& rest) const;
@@ -72,8 +75,6 @@ class RestProblem {
   Matrix3d rate_covariance(const RestMeans& rest, double spread) const;
   /// Adds the derivatives of rows by the coefficients of a triad, from those by the force (accelerometers) or the rate (gyros) at a rest.
   void add_derivatives(Conditions& c, Eigen::Index row, Triad triad, const RestMeans& rest, const Eigen::MatrixXd& by_output) const;
-  /// The k-th rest with the rows of its own block.
-  SuspectRows rest_suspect(const Conditions& conditions, std::size_t k) const;
 
   std::vector<RestMeans> rests_;
   double gravity_, relative_gravity_sigma_;

@@ -99,14 +99,14 @@ CalibrationResult calibrate_static(const CalibrationInput& input, const Calibrat
   const std::vector<CoefficientIndex> indices = choose_coefficients(start, session, options.terms, static_coefficients(with_gyros), "static");
 
   auto cleaned = kernel::drop_suspects(SuspectFit(StaticProblem(start, session.site, indices, with_gyros)), options.outlier_level);
-  const Fit fit = fit_determined(cleaned.fit.problem);
+  StaticProblem& problem = cleaned.fit.problem;
+  const Fit fit = fit_determined(problem);
 
-  CalibrationResult result{.calibration = calibration_of("static", cleaned.fit.problem, fit, session)};
-  add_parts(result.calibration.quality, cleaned.fit.problem.suspects(fit.conditions), fit, cleaned.fit.dropped);
-  result.calibration.quality.term_tests = test_terms(cleaned.fit.problem, fit, options.significance);
-  start.findings.note(fmt::format("{} rests were used", cleaned.fit.problem.rests().size()));
-  add_findings(start.findings, result.calibration, cleaned.fit.problem, fit, curvature(cleaned.fit.problem, fit), session.site, cleaned.dropped,
-               start.rests.size());
+  CalibrationResult result{.calibration = calibration_of("static", problem, fit, session)};
+  add_parts(result.calibration.quality, problem.suspects(fit.conditions), fit, cleaned.fit.dropped);
+  result.calibration.quality.term_tests = test_terms(problem, fit, options.significance);
+  start.findings.note(fmt::format("{} rests were used", problem.rests().size()));
+  add_findings(start.findings, result.calibration, problem, fit, curvature(problem, fit), session.site, cleaned.dropped, start.rests.size());
   kernel::conclude(result.calibration, start.findings);
   return result;
 }
