@@ -9,7 +9,6 @@
 #include "imulab/estimate/rests/handheld_problem.hpp"
 #include "imulab/estimate/rests/rests.hpp"
 
-#include <Eigen/LU>
 #include <fmt/core.h>
 
 #include <algorithm>

@@ -3,7 +3,6 @@
 #include "imulab/core/error.hpp"
 #include "imulab/earth/earth.hpp"
 
-#include <Eigen/LU>
 #include <fmt/core.h>
 
 #include <algorithm>

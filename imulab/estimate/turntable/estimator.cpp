@@ -1,6 +1,5 @@
 #include "imulab/estimate/turntable/estimator.hpp"
 
-#include "imulab/core/statistics.hpp"
 #include "imulab/estimate/kernel/information.hpp"
 #include "imulab/estimate/kernel/suspects.hpp"
 #include "imulab/model/forward_model.hpp"
@@ -10,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace imulab::turntable {
 
