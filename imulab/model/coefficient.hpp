@@ -51,6 +51,7 @@ bool is_optional(Term term);
 
 bool contains(const std::vector<CoefficientIndex>& indices, CoefficientIndex index);
 
+inline const TriadModel& triad_model(const SensorModel& model, Triad triad) { return triad == Triad::accel ? model.accel : model.gyro; }
 double coefficient_value(const SensorModel& model, CoefficientIndex index);
 Eigen::VectorXd coefficient_values(const SensorModel& model, const std::vector<CoefficientIndex>& indices);
 void set_coefficient(SensorModel& model, CoefficientIndex index, double value);

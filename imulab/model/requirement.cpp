@@ -64,7 +64,7 @@ double relative_uncertainty(const Calibration& calibration, CoefficientIndex ind
   if (!sigma) return std::numeric_limits<double>::infinity();
   const Coefficient& c = coefficient(index);
   if (c.term != Term::matrix) return *sigma;
-  return *sigma / std::abs((c.triad == Triad::accel ? calibration.model.accel : calibration.model.gyro).matrix(c.row, c.row));
+  return *sigma / std::abs(triad_model(calibration.model, c.triad).matrix(c.row, c.row));
 }
 
 RequirementResult assess(const Calibration& calibration, const Requirement& requirement) {

@@ -114,7 +114,7 @@ std::vector<std::string> contradictions(const SensorModel& model, const Recordin
   std::vector<std::string> found;
   for (const Triad triad : {Triad::accel, Triad::gyro}) {
     const bool accel = triad == Triad::accel;
-    const Matrix3d& matrix = (accel ? model.accel : model.gyro).matrix;
+    const Matrix3d& matrix = triad_model(model, triad).matrix;
     const bool counts = (accel ? recording.accel_unit : recording.gyro_unit) == "count";
     judge_axes(found, accel ? "accelerometers" : "gyros", matrix, counts);
     if (std::string wrong = counts ? "" : scale_contradiction(triad, matrix, recording); !wrong.empty()) found.push_back(std::move(wrong));

@@ -66,7 +66,7 @@ class Ratios {
       constexpr double unlimited = std::numeric_limits<double>::infinity();
       needed_[i] = is_optional(c.term) ? unlimited : kernel::needed_sigma(c, problem.prior_sigma(c));
       limit_[i] = unlimited;
-      const double scale = c.term == Term::matrix ? std::abs((c.triad == Triad::accel ? raw.accel : raw.gyro).matrix(c.row, c.row)) : 1;
+      const double scale = c.term == Term::matrix ? std::abs(triad_model(raw, c.triad).matrix(c.row, c.row)) : 1;
       for (const Requirement& r : requirements)
         if (contains(r.coefficients, index)) limit_[i] = std::min(limit_[i], r.limit * scale);
     }

@@ -48,7 +48,7 @@ Stated stated(const RestProblem& problem, const Eigen::MatrixXd& covariance, std
     const Coefficient* c = implausible_scale(problem, out, triad);
     if (!c) continue;
     result.implausible = true;
-    const TriadModel& prior = triad == Triad::accel ? problem.prior().accel : problem.prior().gyro;
+    const TriadModel& prior = triad_model(problem.prior(), triad);
     const double scale = coefficient_value(problem.model(), coefficient_index(c->name)) / prior.matrix(c->row, c->column);
     warnings.push_back(fmt::format(
         "{} is implausible for an IMU, {:.3g} times what {}: {}", c->name, scale,

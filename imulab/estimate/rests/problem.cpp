@@ -87,7 +87,7 @@ std::vector<CoefficientIndex> choose_coefficients(kernel::RestStart& start, cons
   for (const CoefficientIndex index : supplied) {
     if (contains(chosen, index)) continue;
     const Coefficient& c = coefficient(index);
-    const bool counts = (c.triad == Triad::accel ? start.prior.accel : start.prior.gyro).raw_unit == "count";
+    const bool counts = triad_model(start.prior, c.triad).raw_unit == "count";
     if (counts && (c.term == Term::offset || is_scale(c)))
       throw TermsError(fmt::format("{} is not among the terms to estimate: readings in counts have no offset and scale to start from", c.name));
     set_coefficient(start.model, index, coefficient_value(start.prior, index));
@@ -117,7 +117,7 @@ RestProblem::RestProblem(const kernel::RestStart& start, const Site& site, std::
 
 double RestProblem::prior_sigma(const Coefficient& c) const {
   kernel::PriorSizes sizes = sizes_;
-  const auto row = (c.triad == Triad::accel ? prior_.accel : prior_.gyro).matrix.row(c.row);
+  const auto row = triad_model(prior_, c.triad).matrix.row(c.row);
   if (std::abs(row[c.row]) <= 0.9 * row.norm()) sizes.accel.misalignment = sizes.gyro.misalignment = 0.2;
   return kernel::prior_sigma(sizes, c, row.norm());
 }

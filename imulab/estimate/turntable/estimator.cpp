@@ -32,7 +32,7 @@ VectorXd prior_sigmas(const SensorModel& nominal, const std::optional<kernel::Pr
   VectorXd v = VectorXd::Zero(Forward::all);
   for (const CoefficientIndex index : coefficient_indices()) {
     const Coefficient& c = coefficient(index);
-    const Matrix3d& matrix = c.triad == Triad::accel ? nominal.accel.matrix : nominal.gyro.matrix;
+    const Matrix3d& matrix = triad_model(nominal, c.triad).matrix;
     const kernel::PriorSizes& sizes = is_optional(c.term) ? optional.value_or(prior_sizes) : prior_sizes;
     if (c.term == Term::offset || c.term == Term::matrix || c.term == Term::g_sensitivity)
       v[Forward::of(c)] = kernel::prior_sigma(sizes, c, 1) * (c.triad == Triad::accel ? accel : gyro);
