@@ -122,7 +122,7 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
                              kernel::Findings findings, const kernel::Findings& last) {
   const Place place = place_of(session.site);
   const bool turntable = on_turntable(session);
-  kernel::expect_alive(recording.gyro, recording.name, "gyro", "the method needs all gyros");
+  kernel::expect_alive(recording, Triad::gyro, "the method needs all gyros");
   const std::vector<Range> still = in_place::still_parts(recording, rests);
   const kernel::RestStart start = coarse_start(recording, still, session.imu, place.latitude, place.gravity);
   in_place::Blocks cut = in_place::cut_into_blocks(recording, still, turntable);

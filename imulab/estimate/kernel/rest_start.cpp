@@ -85,7 +85,7 @@ void start_accel(RestStart& start, const Recording& recording, double gravity) {
 RestStart start_from_rests(const Recording& recording, const std::vector<Range>& ranges, const ImuDeclaration& imu, double gravity) {
   if (ranges.empty())
     throw Unsupported(fmt::format("{}: no rests: the IMU was never still for long enough; hold it still in many orientations", recording.name));
-  expect_alive(recording.accel, recording.name, "accel", "without it nothing can be calibrated");
+  expect_alive(recording, Triad::accel, "without it nothing can be calibrated");
   RestStart start;
   start.rests = summarize_rests(recording, ranges);
   check_accel_unit(recording, start.rests, gravity);

@@ -99,7 +99,7 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   RestStart start = kernel::start_from_rests(input, "handheld");
   const Recording& recording = input.recordings.front();
   const Session& session = input.session;
-  kernel::expect_alive(recording.gyro, recording.name, "gyro", "the method static calibrates the accelerometers alone");
+  kernel::expect_alive(recording, Triad::gyro, "the method static calibrates the accelerometers alone");
   const std::vector<DeclaredTurn> turns = declared_turns(session, session.source_of(recording.name));
   start_gyro(start, recording, !turns.empty());
   kernel::use_declared_gyro_noise(start, recording, session.imu);

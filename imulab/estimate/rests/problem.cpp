@@ -4,6 +4,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/optional_terms.hpp"
+#include "imulab/model/frame.hpp"
 
 #include <fmt/core.h>
 
@@ -65,8 +66,8 @@ kernel::PriorSizes expected_terms(const kernel::RestStart& start, const Session&
 }  // namespace
 
 std::vector<CoefficientIndex> static_coefficients(bool with_gyros) {
-  std::vector<CoefficientIndex> out = kernel::accel_coefficients();
-  for (const CoefficientIndex index : select_each({"accel.quadratic", "accel.cubic"})) out.push_back(index);
+  std::vector<CoefficientIndex> out = select_each({"accel.offset", "accel.matrix", "accel.quadratic", "accel.cubic"});
+  std::erase_if(out, zero_by_frame);
   if (!with_gyros) return out;
   // Earth's rate is far too small to show their nonlinearity.
   for (const CoefficientIndex index : select_each({"gyro.offset", "gyro.matrix", "gyro.g_sensitivity"})) out.push_back(index);

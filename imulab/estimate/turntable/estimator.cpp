@@ -43,6 +43,8 @@ VectorXd prior_sigmas(const SensorModel& nominal, const std::optional<kernel::Pr
   return v;
 }
 
+bool is_among(const std::vector<Index>& places, Index place) { return std::find(places.begin(), places.end(), place) != places.end(); }
+
 bool of_site(const ErrorSource& source) {
   return source.kind == ErrorSource::Kind::gravity || source.kind == ErrorSource::Kind::latitude || source.kind == ErrorSource::Kind::earth;
 }
@@ -175,12 +177,12 @@ Estimator::Uncertainty Estimator::uncertainty(const SensorModel& at) const {
   for (Index i = 0; i < std::ssize(terms_); ++i) {
     const CoefficientIndex index = terms_[static_cast<std::size_t>(i)];
     const Index column = Forward::of(coefficient(index));
-    const bool optional = std::find(optional_.begin(), optional_.end(), column) != optional_.end();
-    if (!optional && std::find(open.begin(), open.end(), i) != open.end()) {
+    const bool optional = is_among(optional_, column);
+    if (!optional && is_among(open, i)) {
       out.undetermined.push_back(index);
       continue;
     }
-    if (optional && std::find(known_.begin(), known_.end(), column) == known_.end()) out.considered.push_back(index);
+    if (optional && !is_among(known_, column)) out.considered.push_back(index);
     out.stated.push_back(index);
     stated.push_back(i);
   }
@@ -219,8 +221,7 @@ double Estimator::chi2(const VectorXd& readings) const {
 
 /// Each term with a prior brings one observation of itself.
 int Estimator::degrees_of_freedom() const {
-  const auto free = std::count_if(known_.begin(), known_.end(),
-                                  [&](Index column) { return std::find(optional_.begin(), optional_.end(), column) == optional_.end(); });
+  const auto free = std::count_if(known_.begin(), known_.end(), [&](Index column) { return !is_among(optional_, column); });
   return static_cast<int>((weight_.array() > 0).count()) - static_cast<int>(free);
 }
 

@@ -18,7 +18,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <tuple>
 
 namespace imulab::turntable {
 
@@ -42,7 +41,8 @@ struct TriadView {
 };
 
 std::array<TriadView, 2> triads(const Problem& problem, const SensorModel& model) {
-  const auto& [seen, imu] = std::tie(problem.seen, problem.imu);
+  const TableObservations& seen = problem.seen;
+  const ImuDeclaration& imu = problem.imu;
   return {{{Triad::accel, "accelerometers", seen.accel_unit, imu.accel_noise_density, seen.accel_density, model.accel.matrix},
            {Triad::gyro, "gyros", seen.gyro_unit, imu.gyro_noise_density, seen.gyro_density, model.gyro.matrix}}};
 }
