@@ -77,7 +77,8 @@ bool on_turntable(const Session& session) {
 
 Terms terms_of(const Session& session, const std::vector<CoefficientIndex>& wanted, const Vector3d& accel_offset, const Vector3d& gyro_offset,
                double interval_s) {
-  const double delay = kernel::delay_prior(session.imu, interval_s);  // its mean square: of readings that mix neighboring samples
+  // Declared, or half a sample, at least a millisecond; its mean square is of readings that mix neighboring samples.
+  const double delay = session.imu.term_sigmas.delay.value_or(std::max(1e-3, 0.5 * interval_s));
   Terms out{{}, {}, {kernel::optional_priors(session.imu, accel_offset, gyro_offset), delay, delay * interval_s}};
   if (!wanted.empty()) {
     out.wanted = kernel::chosen_coefficients(wanted, all_coefficients(), "hybrid");

@@ -100,6 +100,4 @@ std::vector<std::string> widen_priors(PriorSizes& sizes, const std::vector<Coeff
   return widened;
 }
 
-double delay_prior(const ImuDeclaration& imu, double interval_s) { return imu.term_sigmas.delay.value_or(std::max(1e-3, 0.5 * interval_s)); }
-
 }  // namespace imulab::kernel

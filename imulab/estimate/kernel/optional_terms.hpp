@@ -24,7 +24,4 @@ double widening(const Eigen::VectorXd& value, const Eigen::VectorXd& prior_sigma
 std::vector<std::string> widen_priors(PriorSizes& sizes, const std::vector<CoefficientIndex>& indices, const Eigen::VectorXd& value,
                                       const Eigen::VectorXd& prior_sigma, const Eigen::MatrixXd& covariance);
 
-/// One sigma of the accelerometers' delay behind the gyros [s]: declared, or half a sample, at least a millisecond.
-double delay_prior(const ImuDeclaration& imu, double interval_s);
-
 }  // namespace imulab::kernel

@@ -80,12 +80,12 @@ VectorXd with_unstated_at_prior(const RestProblem& problem, const std::vector<ch
 }
 
 /// Of a part that the fit used.
-PartResidual part_residual(const SuspectRows& part, const Conditions& conditions, const Adjustment& adjustment) {
+PartResidual part_residual(const SuspectRows& part, const Fit& fit) {
   PartResidual out{part.begin_s, part.end_s, 0, true};
   int rows = 0;
   for (const Index i : part.rows) {  // a rest is suspected with the rotation before it, which is a part of its own
-    if ((conditions.kind[static_cast<std::size_t>(i)] >= Kind::rotation) != part.rotation) continue;
-    out.residual += adjustment.residual[i] * adjustment.residual[i] / adjustment.variance[i];
+    if ((fit.conditions.kind[static_cast<std::size_t>(i)] >= Kind::rotation) != part.rotation) continue;
+    out.residual += fit.adjustment.residual[i] * fit.adjustment.residual[i] / fit.adjustment.variance[i];
     ++rows;
   }
   out.residual = std::sqrt(out.residual / std::max(rows, 1));
@@ -157,7 +157,7 @@ Calibration calibration_of(std::string_view method, const RestProblem& problem, 
 
 void add_parts(Quality& quality, const std::vector<SuspectRows>& parts, const Fit& fit, const std::vector<DroppedPart>& dropped) {
   for (const SuspectRows& part : parts)
-    if (!part.rows.empty()) (part.rotation ? quality.rotations : quality.rests).push_back(part_residual(part, fit.conditions, fit.adjustment));
+    if (!part.rows.empty()) (part.rotation ? quality.rotations : quality.rests).push_back(part_residual(part, fit));
   for (const DroppedPart& part : dropped) (part.rotation ? quality.rotations : quality.rests).push_back(part.residual);
   for (std::vector<PartResidual>* all : {&quality.rests, &quality.rotations})
     std::sort(all->begin(), all->end(), [](const PartResidual& a, const PartResidual& b) { return a.begin_s < b.begin_s; });

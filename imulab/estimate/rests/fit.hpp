@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -42,14 +43,14 @@ struct Fit {
 Eigen::VectorXd weakest_matrix_direction(const RestProblem& problem, const Eigen::MatrixXd& covariance);
 
 /// Gauss-Newton until the correction is below a hundredth of its standard deviation everywhere; then, where residuals of a kind are significantly too
-/// large (or its spread was given), with that kind's spread, until the spreads converge. Longer steps than `longest_step` are shortened: poor data
-/// would be linearized far from the solution.
+/// large, with that kind's spread, until the spreads converge, or with the spreads that are `kept`. Longer steps than `longest_step` are shortened:
+/// poor data would be linearized far from the solution.
 template <class Problem>
-Fit converge(Problem& problem, const Spreads& start = {}, bool keep_spreads = false) {
+Fit converge(Problem& problem, const std::optional<Spreads>& kept = {}) {
   constexpr int most_iterations = 30, most_before_spreads = 8;
   Fit fit;
-  fit.spreads = start;
-  bool decided = keep_spreads;
+  fit.spreads = kept.value_or(Spreads{});
+  bool decided = kept.has_value();
   for (int iteration = 0; iteration < most_iterations && !fit.converged; ++iteration) {
     fit.conditions = problem.conditions(fit.spreads);
     fit.parameters = problem.parameters();
@@ -59,7 +60,7 @@ Fit converge(Problem& problem, const Spreads& start = {}, bool keep_spreads = fa
     const Eigen::VectorXd sigma = fit.adjustment.solution.covariance.diagonal().cwiseSqrt();
     bool still = (sigma.array() > 0).select(x.cwiseAbs() - 0.01 * sigma, 0).maxCoeff() <= 0;  // fixed ones arrive at once
     if (!decided && !still && iteration < most_before_spreads) continue;
-    for (int k = 0; k < kinds && !keep_spreads; ++k) {
+    for (int k = 0; k < kinds && !kept; ++k) {
       const auto kind = static_cast<Kind>(k);
       double& spread = fit.spreads[static_cast<std::size_t>(k)];
       if (spread == 0 && (decided || !spread_is_significant(fit.conditions, fit.adjustment, kind))) continue;
@@ -97,7 +98,7 @@ Fit fit_determined(Problem& problem) {
   const auto unseen = [&] { return problem.unseen_terms(fit.parameters, fit.covariance()); };
   for (std::vector<Eigen::Index> hold = unseen(); !hold.empty(); hold = unseen()) {
     problem.hold(hold);
-    fit = converge(problem, fit.spreads, true);
+    fit = converge(problem, fit.spreads);
   }
   fit.under_noise = adjust(problem.conditions({}), problem.parameters());
   fit.excess = kernel::excess(fit.adjustment.solution.chi2, fit.adjustment.solution.degrees_of_freedom);
