@@ -49,7 +49,7 @@ Stated stated(const RestProblem& problem, const Eigen::MatrixXd& covariance, std
     if (!c) continue;
     result.implausible = true;
     const TriadModel& prior = triad_model(problem.prior(), triad);
-    const double scale = coefficient_value(problem.model(), coefficient_index(c->name)) / prior.matrix(c->row, c->column);
+    const double scale = triad_model(problem.model(), triad).matrix(c->row, c->row) / prior.matrix(c->row, c->row);
     warnings.push_back(fmt::format(
         "{} is implausible for an IMU, {:.3g} times what {}: {}", c->name, scale,
         prior.raw_unit == "count" ? "the coarse solution is" : "the declared unit gives; check the unit and this axis's column, and the stamps, or",

@@ -14,9 +14,6 @@
 
 namespace imulab::turntable {
 
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
-
 /// By which the declared or measured standard deviations are enlarged.
 struct Enlargement {
   double accel = 1, gyro = 1;  ///< the sensors' noise
@@ -93,7 +90,7 @@ class Estimator {
   int degrees_of_freedom() const;
   /// By accelerometers' noise, gyros' noise and table errors: the variance that the residuals show over the one they were given (restricted maximum
   /// likelihood: at its solution each that is not at its bound is 1). NaN where the readings show nothing of it.
-  Eigen::Vector3d variance_ratios(const Eigen::VectorXd& readings) const;
+  Vector3d variance_ratios(const Eigen::VectorXd& readings) const;
   /// By part, the RMS of its residuals in the standard deviations of noise and table errors.
   std::vector<double> part_residuals(const Eigen::VectorXd& readings) const;
   /// Of the normal equations; 0 where nothing is determined.
