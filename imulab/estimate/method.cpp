@@ -9,6 +9,7 @@
 #include "imulab/estimate/turntable/prediction.hpp"
 #include "imulab/estimate/turntable/turntable.hpp"
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
+#include "imulab/model/frame.hpp"
 #include "imulab/recording/even_stamps.hpp"
 #include "imulab/recording/short_gaps.hpp"
 #include "imulab/rig/clock_offset.hpp"
@@ -107,9 +108,8 @@ std::vector<Shortfall> shortfalls(const Prediction& p, const std::vector<Require
   for (const Requirement& r : requirements)
     for (const CoefficientIndex index : r.coefficients) {
       if (contains(named, index)) continue;
-      const Coefficient& c = coefficient(index);
       const auto found = std::find(p.coefficients.begin(), p.coefficients.end(), index);
-      const bool fixed = c.triad == Triad::accel && c.term == Term::matrix && c.column > c.row && !contains(p.undetermined, index);
+      const bool fixed = zero_by_frame(index) && !contains(p.undetermined, index);
       const double sigma = found != p.coefficients.end() ? p.sigma[found - p.coefficients.begin()] : fixed ? 0 : infinite;
       if (sigma <= r.limit) continue;
       out.push_back({r, index, sigma, std::isinf(sigma) ? "the procedure does not determine it" : ""});

@@ -20,7 +20,7 @@ std::vector<std::string> unusable(const Calibration& calibration) {
   for (const CoefficientIndex index : coefficient_indices()) {
     const Coefficient& c = coefficient(index);
     if (c.term != Term::offset && c.term != Term::matrix) continue;
-    const TriadModel& triad = c.triad == Triad::accel ? calibration.model.accel : calibration.model.gyro;
+    const TriadModel& triad = triad_model(calibration.model, c.triad);
     // Counts have no scale of their own that could stand for the one that was not estimated.
     const bool needed = triad.raw_unit == "count" && c.row == c.column && !calibration.estimated.empty();
     const bool estimated = standard_uncertainty(calibration, index).has_value();
@@ -38,7 +38,7 @@ std::optional<double> standard_uncertainty(const Calibration& calibration, Coeff
 }
 
 RawZero raw_zero(const Calibration& calibration, Triad triad) {
-  const TriadModel& model = triad == Triad::accel ? calibration.model.accel : calibration.model.gyro;
+  const TriadModel& model = triad_model(calibration.model, triad);
   const Matrix3d inverse = model.matrix.inverse();
   RawZero zero{-inverse * model.offset, Vector3d::Constant(std::numeric_limits<double>::quiet_NaN())};
   // dB = -A1^-1 (dA0 + dA1 B)

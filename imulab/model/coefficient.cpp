@@ -152,7 +152,16 @@ bool contains(const std::vector<CoefficientIndex>& indices, CoefficientIndex ind
 }
 
 double coefficient_value(const SensorModel& model, CoefficientIndex index) { return element(model, coefficient(index)); }
+
+Eigen::VectorXd coefficient_values(const SensorModel& model, const std::vector<CoefficientIndex>& indices) {
+  Eigen::VectorXd values(std::ssize(indices));
+  std::transform(indices.begin(), indices.end(), values.begin(), [&](CoefficientIndex index) { return coefficient_value(model, index); });
+  return values;
+}
+
 void set_coefficient(SensorModel& model, CoefficientIndex index, double value) { element(model, coefficient(index)) = value; }
+
+bool is_scale(const Coefficient& c) { return c.term == Term::matrix && c.row == c.column; }
 
 bool is_optional(Term term) { return term != Term::offset && term != Term::matrix; }
 

@@ -44,12 +44,16 @@ std::vector<CoefficientIndex> select_coefficients(std::string_view selector);
 /// Of several selectors, in their order.
 std::vector<CoefficientIndex> select_each(std::initializer_list<std::string_view> selectors);
 
+/// Whether it is a scale: on the diagonal of a matrix.
+bool is_scale(const Coefficient& coefficient);
 /// Whether an IMU may do without this term: all but offsets and matrices.
 bool is_optional(Term term);
 
 bool contains(const std::vector<CoefficientIndex>& indices, CoefficientIndex index);
 
+inline const TriadModel& triad_model(const SensorModel& model, Triad triad) { return triad == Triad::accel ? model.accel : model.gyro; }
 double coefficient_value(const SensorModel& model, CoefficientIndex index);
+Eigen::VectorXd coefficient_values(const SensorModel& model, const std::vector<CoefficientIndex>& indices);
 void set_coefficient(SensorModel& model, CoefficientIndex index, double value);
 
 /// Three elements, one per axis (offset, quadratic, cubic); the other terms are 3x3 in the model and in files.

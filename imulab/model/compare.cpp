@@ -178,7 +178,7 @@ std::vector<Comparison> compare(const Calibration& first, const std::vector<Cali
     bool compared = holds(a.estimated, i);
     for (std::size_t k = 0; k < b.size(); ++k) compared = compared || holds(b[k].estimated, i) || all[k].e(i) != 0;
     if (!compared) continue;
-    const UserUnit unit = user_unit(coefficient(i), size(i), coefficient(i).triad == Triad::accel ? a.model.accel : a.model.gyro);
+    const UserUnit unit = user_unit(coefficient(i), size(i), triad_model(a.model, coefficient(i).triad));
     for (std::size_t k = 0; k < b.size(); ++k) {
       const Differences& d = all[k];
       CoefficientDifference x{i, value_a(i), d.b(i), d.e(i), std::nullopt, d.user_e(i) / unit.size, std::nullopt, unit.name};

@@ -17,7 +17,7 @@ constexpr double level = 0.9545;
 
 double declared_part(const Calibration& calibration, CoefficientIndex index) {
   const Coefficient& c = coefficient(index);
-  if (c.triad != Triad::accel || c.term != Term::matrix || c.row != c.column) return 0;
+  if (c.triad != Triad::accel || !is_scale(c)) return 0;
   double square = 0;
   for (const UncertaintySource& source : calibration.quality.sources) square += source.relative * source.relative;
   return std::sqrt(square) * std::abs(coefficient_value(calibration.model, index));

@@ -1,6 +1,7 @@
 #include "imulab/model/requirement.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/model/frame.hpp"
 
 #include <fmt/core.h>
 
@@ -54,11 +55,6 @@ Requirement parse_requirement(std::string_view text) {
   return out;
 }
 
-/// Zero by the choice of the frame, so nothing to be determined.
-bool fixed_by_frame(const Calibration& calibration, const Coefficient& c) {
-  return calibration.frame == "accelerometers" && c.triad == Triad::accel && c.term == Term::matrix && c.column > c.row;
-}
-
 }  // namespace
 
 std::string to_string(const Requirement& r) { return fmt::format("{} <= {:g} {}", r.selector, r.limit / r.unit.size, r.unit.name); }
@@ -68,16 +64,16 @@ double relative_uncertainty(const Calibration& calibration, CoefficientIndex ind
   if (!sigma) return std::numeric_limits<double>::infinity();
   const Coefficient& c = coefficient(index);
   if (c.term != Term::matrix) return *sigma;
-  return *sigma / std::abs((c.triad == Triad::accel ? calibration.model.accel : calibration.model.gyro).matrix(c.row, c.row));
+  return *sigma / std::abs(triad_model(calibration.model, c.triad).matrix(c.row, c.row));
 }
 
 RequirementResult assess(const Calibration& calibration, const Requirement& requirement) {
   RequirementResult out{to_string(requirement), std::string(coefficient(requirement.coefficients.front()).name), requirement.limit, 0, false};
   for (const CoefficientIndex index : requirement.coefficients) {
-    const Coefficient& c = coefficient(index);
+    if (calibration.frame == "accelerometers" && zero_by_frame(index)) continue;  // nothing to be determined
     const double reached = relative_uncertainty(calibration, index);
-    if (fixed_by_frame(calibration, c) || !(reached > out.reached)) continue;
-    out.coefficient = c.name;
+    if (!(reached > out.reached)) continue;
+    out.coefficient = coefficient(index).name;
     out.reached = reached;
   }
   out.met = out.reached <= out.limit;

@@ -33,7 +33,7 @@ UserValue of_counts(const Coefficient& c, Calibration calibration, const SensorM
 
 UserValue user_value(const Calibration& calibration, CoefficientIndex index, const SensorModel& model) {
   const Coefficient& c = coefficient(index);
-  const TriadModel& triad = c.triad == Triad::accel ? model.accel : model.gyro;
+  const TriadModel& triad = triad_model(model, c.triad);
   const double value = coefficient_value(model, index);
   const double sigma = standard_uncertainty(calibration, index).value_or(std::numeric_limits<double>::quiet_NaN());
   const auto in = [&](const UserUnit& unit) { return UserValue{value / unit.size, sigma / unit.size, std::string(unit.name)}; };

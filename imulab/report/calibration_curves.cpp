@@ -36,7 +36,7 @@ std::string convergence_figure(const CalibrationResult& result, const Convergenc
   constexpr std::size_t points = 120;
   const CoefficientIndex index = coefficient_index(curve.name);
   const Calibration& c = result.calibration;
-  const TriadModel& triad = coefficient(index).triad == Triad::accel ? c.model.accel : c.model.gyro;
+  const TriadModel& triad = triad_model(c.model, coefficient(index).triad);
   const UserUnit unit = user_unit(coefficient(index), curve.sigma.empty() ? 1 : curve.sigma.back(), triad);
   const double scale = coefficient(index).term == Term::matrix ? std::abs(triad.matrix(coefficient(index).row, coefficient(index).row)) : 1;
   std::vector<double> t = every(result.curve_time, points), y = every(curve.residual, points), s = every(curve.sigma, points), low, high;
@@ -101,7 +101,7 @@ std::string curve_figure(const Curve& c, const std::string& caption, std::string
 bool estimated(const Calibration& c, CoefficientIndex index) { return contains(c.estimated, index); }
 
 std::string thermal_figure(const Calibration& c, Triad triad, int axis) {
-  const TriadModel& m = triad == Triad::accel ? c.model.accel : c.model.gyro;
+  const TriadModel& m = triad_model(c.model, triad);
   const CoefficientIndex first = coefficient_index(triad, Term::thermal, axis, 1), second = coefficient_index(triad, Term::thermal, axis, 2);
   if (!m.temperature || m.temperature->range[0] >= m.temperature->range[1] || (!estimated(c, first) && !estimated(c, second))) return {};
   const double unit = triad == Triad::accel ? unit::ug : unit::deg_per_h, scale = m.matrix(axis, axis), reference = m.temperature->reference;
@@ -124,7 +124,7 @@ double full_scale(const CalibrationReport& report, Triad triad, int axis) {
 
 std::string nonlinearity_figure(const CalibrationReport& report, Triad triad, int axis) {
   const Calibration& c = report.result.calibration;
-  const TriadModel& m = triad == Triad::accel ? c.model.accel : c.model.gyro;
+  const TriadModel& m = triad_model(c.model, triad);
   const CoefficientIndex second = coefficient_index(triad, Term::quadratic, axis, axis), third = coefficient_index(triad, Term::cubic, axis, axis);
   const double most = full_scale(report, triad, axis), scale = m.matrix(axis, axis);
   if ((!estimated(c, second) && !estimated(c, third)) || !(most > 0) || scale == 0) return {};

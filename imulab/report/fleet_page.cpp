@@ -63,7 +63,7 @@ std::string spread_section(const FleetStatistics& f) {
   Table t{.head = {"coefficient", "units", "mean", "spread", "95 % interval", "measured to", "", "p", "Cp", "Cpk"}, .rows = {}, .left = {6}};
   for (const CoefficientStatistics& c : f.coefficients) {
     const Coefficient& k = coefficient(c.index);
-    const bool scale = k.term == Term::matrix && k.row == k.column;
+    const bool scale = is_scale(k);
     t.rows.push_back({code(c.index), fmt::format("{}", c.fleet.units), number(scale ? c.fleet.mean : c.fleet.mean / c.size, scale ? 7 : 3),
                       number(c.fleet.spread / c.size),
                       fmt::format("{} to {}", number(c.fleet.spread_low / c.size, 2), number(c.fleet.spread_high / c.size, 2)),

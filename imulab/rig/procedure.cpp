@@ -75,9 +75,9 @@ namespace {
 constexpr double acceleration = default_acceleration_dps2 * unit::deg;
 
 /// Writes steps one after the other, in whole degrees.
-class TableProcedure {
+class TableSteps {
  public:
-  TableProcedure(std::string name, const TableProcedureOptions& o) : options_(o) {
+  TableSteps(std::string name, const TableProcedureOptions& o) : options_(o) {
     if (!(o.rest > 0 && o.move > 0 && o.turn_rate > 0 && o.rate_hz > 0))
       throw Error(name + ": expected a duration of the rests, a rate of the turns and a sampling rate above 0");
     if (!(o.table >= 0)) throw Error(name + ": expected a table sigma of at least 0");
@@ -132,7 +132,7 @@ class TableProcedure {
 }  // namespace
 
 Session six_position_procedure(const TableProcedureOptions& options) {
-  TableProcedure table("six-position", options);
+  TableSteps table("six-position", options);
   for (const auto& [middle, inner] : {std::pair{0.0, 0.0}, {0.0, 90.0}, {90.0, 0.0}, {0.0, 180.0}, {0.0, -90.0}, {-90.0, 0.0}})
     table.rest_at(0, middle, inner);
   return table.session();
@@ -148,7 +148,7 @@ Session ferraris_procedure(const TableProcedureOptions& options) {
   struct Face {
     double middle, inner;
   };
-  TableProcedure table("ferraris", options);
+  TableSteps table("ferraris", options);
   for (const Face face : {Face{-90, 0}, {90, 0}, {0, 90}, {0, -90}, {0, 0}, {0, 180}}) table.rest_at(0, face.middle, face.inner);
   double heading = 0;
   for (const Face face : {Face{-90, 0}, {0, 90}, {0, 0}}) {
@@ -160,7 +160,7 @@ Session ferraris_procedure(const TableProcedureOptions& options) {
 }
 
 Session zhang_24_procedure(const TableProcedureOptions& options) {
-  TableProcedure table("zhang-24", options);
+  TableSteps table("zhang-24", options);
   const double turns = 360.0 * options.turns;
   table.rest();
   for (const RigAxis axis : {RigAxis::middle, RigAxis::outer, RigAxis::inner})
@@ -177,7 +177,7 @@ Session zhang_24_procedure(const TableProcedureOptions& options) {
 }
 
 Session turns_procedure(const std::string& name, double first_rest, std::span<const TableTurn> turns, const TableProcedureOptions& options) {
-  TableProcedure table(name, options);
+  TableSteps table(name, options);
   table.rest_for(first_rest);
   for (const TableTurn& turn : turns) {
     table.turn(turn.axis, turn.angle_deg);

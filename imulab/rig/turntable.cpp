@@ -12,7 +12,7 @@ BodyState turntable_state(const RigAxes& axes, const AxisStates& states, const M
   const auto& [outer, middle, inner] = states;
   const Matrix3d C_middle = rotation_about(axes[1], middle.angle), C_inner = rotation_about(axes[2], inner.angle);
   // The axes as the body sees them: an axis is fixed in the frame it carries, and turned back by the axes inside it.
-  const Vector3d l_inner = axes[2];
+  const Vector3d& l_inner = axes[2];
   const Vector3d l_middle = C_inner.transpose() * axes[1];
   const Vector3d l_outer = C_inner.transpose() * (C_middle.transpose() * axes[0]);
   const Vector3d rate_inner = inner.rate * l_inner, rate_middle = middle.rate * l_middle, rate_outer = outer.rate * l_outer;

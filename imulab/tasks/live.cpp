@@ -37,7 +37,7 @@ std::vector<Requirement> live_requirements(const std::optional<std::string>& tex
   const double gravity = site.gravity_sigma() / site.gravity();
   for (const Requirement& r : all)
     for (const CoefficientIndex index : r.coefficients)
-      if (const Coefficient& c = coefficient(index); c.triad == Triad::accel && c.term == Term::matrix && c.row == c.column && r.limit <= gravity)
+      if (const Coefficient& c = coefficient(index); c.triad == Triad::accel && is_scale(c) && r.limit <= gravity)
         throw Unsupported(
             fmt::format("{}: {} is as uncertain as gravity, {:.3g} ppm; expected a gravity_mps2 or height_m in [site], or less required",
                         to_string(r), c.name, 1e6 * gravity));

@@ -113,8 +113,7 @@ PriorUse take_prior(Calibration& calibration, const FleetPrior& prior) {
                             prior.accel_unit, prior.gyro_unit, given.accel.raw_unit, given.gyro.raw_unit));
   PriorUse use;
   Calibration c = in_accelerometer_frame(calibration);
-  Eigen::VectorXd x(std::ssize(c.estimated));
-  for (std::size_t k = 0; k < c.estimated.size(); ++k) x[static_cast<Index>(k)] = coefficient_value(c.model, c.estimated[k]);
+  Eigen::VectorXd x = coefficient_values(c.model, c.estimated);
   const Matched m = matched(c.estimated, prior);
   if (m.in_prior.empty())
     throw Error(fmt::format("{}: the calibration estimates no offset and no matrix that its units have; expected some", prior.fleet));

@@ -117,7 +117,7 @@ void take_capability(CoefficientStatistics& out, const std::vector<Requirement>&
   const Coefficient& c = coefficient(out.index);
   for (const Requirement& r : requirements) {
     if (!contains(r.coefficients, out.index)) continue;
-    const bool diagonal = c.term == Term::matrix && c.row == c.column, of_one = scale > 0.5 && scale < 2;  // readings in SI have scales of about one
+    const bool diagonal = is_scale(c), of_one = scale > 0.5 && scale < 2;  // readings in SI have scales of about one
     const double target = !diagonal ? 0 : of_one ? std::copysign(1.0, out.fleet.mean) : out.fleet.mean;
     out.capability = capability(out.fleet, target, r.limit * (c.term == Term::matrix ? scale : 1));
   }

@@ -32,10 +32,8 @@ using Eigen::VectorXd;
 /// the rests.
 void start_gyro(kernel::RestStart& start, const Recording& recording, double latitude) {
   TriadModel& gyro = start.model.gyro;
-  std::vector<Vector3d> readings, up;
-  for (const RestMeans& rest : start.rests) readings.push_back(start.gyro(rest)), up.push_back(start.up(rest));
   const bool counts = recording.gyro_unit == "count";
-  const auto at_rest = kernel::coarse_gyro_at_rest(readings, up, earth_rate * std::sin(latitude));
+  const auto at_rest = kernel::coarse_gyro_at_rest(start.rests, start.model, start.scaling, earth_rate * std::sin(latitude));
   if (at_rest && !counts && (at_rest->matrix - Matrix3d::Identity()).cwiseAbs().maxCoeff() < 0.05) {
     gyro.matrix = at_rest->matrix;
     gyro.offset = at_rest->offset;
@@ -54,8 +52,7 @@ void start_gyro(kernel::RestStart& start, const Recording& recording, double lat
 }
 
 void check_axes(const Recording& recording, const kernel::RestStart& start) {
-  const auto in_motion =
-      kernel::with_common_turns(recording, start, kernel::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling));
+  const auto in_motion = kernel::coarse_gyro_in_common_turns(recording, start);
   if (!in_motion || !(std::abs(in_motion->determinant()) > 0)) return;
   if (const std::string wrong = wrong_axes(*in_motion); !wrong.empty())
     throw Error(recording.name + ": " + wrong + ", as gravity turns in the IMU; expected right-handed axes, the same for both triads");
@@ -125,7 +122,7 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
                              kernel::Findings findings, const kernel::Findings& last) {
   const Place place = place_of(session.site);
   const bool turntable = on_turntable(session);
-  kernel::expect_alive(recording.gyro, recording.name, "gyro", "the method needs all gyros");
+  kernel::expect_alive(recording, Triad::gyro, "the method needs all gyros");
   const std::vector<Range> still = in_place::still_parts(recording, rests);
   const kernel::RestStart start = coarse_start(recording, still, session.imu, place.latitude, place.gravity);
   in_place::Blocks cut = in_place::cut_into_blocks(recording, still, turntable);

@@ -227,15 +227,15 @@ Review review(const Data& data, const Iterate& iterate, const Groups& terms, dou
 /// Widens the priors of optional terms that the data contradict; their names.
 std::vector<std::string> widen_priors(Data& data, const Iterate& c) {
   const States& states = c.states;
-  const Index n = states.constants();
   const std::vector<Index> at = states.corrections();
   std::vector<CoefficientIndex> indices;
   for (const Index s : at) indices.push_back(states.corrects(s));
-  const VectorXd unit = states.prior.cwiseMax(1e-300).cwiseInverse(), in_sigmas = unit.cwiseProduct(c.total + c.pass.x.head(n));
-  const MatrixXd covariance = unit.asDiagonal() * c.pass.covariance.topLeftCorner(n, n) * unit.asDiagonal();
-  std::vector<std::string> widened = kernel::widen_priors(data.priors.sizes, indices, in_sigmas(at), covariance(at, at));
+  const VectorXd value = c.total + c.pass.x.head(states.constants()), sigma = states.prior.cwiseMax(1e-300);
+  const MatrixXd& covariance = c.pass.covariance;
+  std::vector<std::string> widened = kernel::widen_priors(data.priors.sizes, indices, value(at), sigma(at), covariance(at, at));
   const Index delay = states.first(Group::delay);
-  if (const double by = delay < 0 ? 1 : kernel::widening(in_sigmas.segment<1>(delay), covariance.block<1, 1>(delay, delay)); by > 1) {
+  if (const double by = delay < 0 ? 1 : kernel::widening(value.segment<1>(delay), sigma.segment<1>(delay), covariance.block<1, 1>(delay, delay));
+      by > 1) {
     data.priors.delay *= by;
     widened.emplace_back(name(Group::delay));
   }

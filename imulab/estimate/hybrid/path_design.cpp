@@ -179,7 +179,7 @@ void for_each_part(SharedWork work, const SharedSearch* shared, const char* step
 
 double nonlinear_sigma(const Plan& unit, CoefficientIndex index, double turn_rate) {
   const Coefficient& c = coefficient(index);
-  if (c.term != Term::matrix || c.row != c.column || !unit.terms.wanted.empty()) return 0;
+  if (!is_scale(c) || !unit.terms.wanted.empty()) return 0;
   const kernel::PriorSizes& sizes = unit.terms.priors.sizes;
   if (c.triad == Triad::accel) return sizes.accel.cubic * unit.place.gravity * unit.place.gravity;
   return std::hypot(sizes.gyro.quadratic * turn_rate, sizes.gyro.cubic * turn_rate * turn_rate);
@@ -187,7 +187,7 @@ double nonlinear_sigma(const Plan& unit, CoefficientIndex index, double turn_rat
 
 double least_sigma(const Plan& unit, CoefficientIndex index, double turn_rate) {
   const Coefficient& c = coefficient(index);
-  const bool as_gravity = c.triad == Triad::accel && c.term == Term::matrix && c.row == c.column;
+  const bool as_gravity = c.triad == Triad::accel && is_scale(c);
   return std::hypot(nonlinear_sigma(unit, index, turn_rate), as_gravity ? unit.place.gravity_sigma / unit.place.gravity : 0);
 }
 

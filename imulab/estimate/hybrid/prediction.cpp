@@ -4,6 +4,8 @@
 #include "imulab/earth/earth.hpp"
 #include "imulab/estimate/hybrid/iteration.hpp"
 #include "imulab/estimate/hybrid/quality.hpp"
+#include "imulab/estimate/kernel/input.hpp"
+#include "imulab/model/frame.hpp"
 #include "imulab/recording/declared_noise.hpp"
 #include "imulab/recording/rests.hpp"
 #include "imulab/rig/ideal_recording.hpp"
@@ -21,9 +23,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-double rate_of(const Session& procedure) {
-  return procedure.recordings.empty() ? default_sample_rate : procedure.recordings.front().rate_hz.value_or(default_sample_rate);
-}
+/// Throws Error for several recordings.
+double rate_of(const Session& procedure) { return kernel::only_source(procedure).rate_hz.value_or(default_sample_rate); }
 
 }  // namespace
 
@@ -32,14 +33,13 @@ constexpr const char* no_hold = ": no hold among the steps; expected at least on
 Plan plan_of(const Session& procedure, const std::vector<CoefficientIndex>& terms) {
   const std::string& file = procedure.file;
   if (procedure.steps.empty()) throw Error(file + no_hold);
-  if (procedure.recordings.size() > 1)
-    throw Error(fmt::format("{}: {} recordings; expected a procedure with one", file, procedure.recordings.size()));
+  const double rate = rate_of(procedure);
   const NoiseModels noise = errors_at(file, [&] { return declared_noise(procedure.imu); });
   if (!(noise.accel.N > 0 && noise.gyro.N > 0))
     throw Error(file + ": a noise density of 0; expected densities above 0, since the uncertainties follow from them");
   return {procedure, errors_at(file, [&] { return place_of(procedure.site); }),
           in_place::noise_of(Vector3d::Constant(noise.gyro.N), Vector3d::Constant(noise.accel.N), noise, procedure.steps.back().end),
-          terms_of(procedure, terms, Vector3d::Zero(), Vector3d::Zero(), 1 / rate_of(procedure)), on_turntable(procedure)};
+          terms_of(procedure, terms, Vector3d::Zero(), Vector3d::Zero(), 1 / rate), on_turntable(procedure)};
 }
 
 Prediction predict(const Plan& plan) {
@@ -76,10 +76,9 @@ void expect_estimated(const std::vector<Requirement>& requirements, const Plan& 
   for (const Requirement& r : requirements) {
     bool any = false;
     for (const CoefficientIndex index : r.coefficients) {
-      const Coefficient& c = coefficient(index);
-      any = any || c.triad == Triad::gyro || c.term != Term::matrix || c.column <= c.row;
+      any = any || !zero_by_frame(index);
       if (!plan.terms.wanted.empty() && !contains(plan.terms.wanted, index))
-        throw Error(fmt::format("{}: {} is not among the terms to be estimated", r.selector, c.name));
+        throw Error(fmt::format("{}: {} is not among the terms to be estimated", r.selector, coefficient(index).name));
     }
     if (!any)
       throw Error(

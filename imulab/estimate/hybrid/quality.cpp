@@ -120,7 +120,7 @@ void consider_nonlinearity(const Data& data, Calibration& c) {
   for (const char* selector : {"accel.cubic", "gyro.quadratic", "gyro.cubic"})
     for (const CoefficientIndex index : select_coefficients(selector)) {
       const Coefficient& term = coefficient(index);
-      const TriadModel& triad = term.triad == Triad::accel ? c.model.accel : c.model.gyro;
+      const TriadModel& triad = triad_model(c.model, term.triad);
       const double scale = std::abs(triad.matrix(term.row, term.row)), reading = (term.triad == Triad::accel ? force : rate) / scale;
       const CoefficientIndex slope = coefficient_index(term.triad, Term::matrix, term.row, term.row);
       const auto at = std::find(c.estimated.begin(), c.estimated.end(), slope);

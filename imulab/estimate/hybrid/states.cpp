@@ -5,6 +5,7 @@
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/optional_terms.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
+#include "imulab/model/frame.hpp"
 #include "imulab/model/output_error.hpp"
 
 #include <algorithm>
@@ -42,7 +43,7 @@ constexpr std::array<Row, 14> table{{{Group::accel_offset, "accel.offset"},
 std::vector<CoefficientIndex> coefficients_of(const Row& row) {
   if (row.size > 0) return std::vector<CoefficientIndex>(static_cast<std::size_t>(row.size), CoefficientIndex(-1));
   std::vector<CoefficientIndex> indices = select_coefficients(row.name);
-  if (row.group == Group::accel_matrix) std::erase_if(indices, [](CoefficientIndex i) { return coefficient(i).column > coefficient(i).row; });
+  std::erase_if(indices, zero_by_frame);
   return indices;
 }
 
@@ -76,7 +77,8 @@ bool on_turntable(const Session& session) {
 
 Terms terms_of(const Session& session, const std::vector<CoefficientIndex>& wanted, const Vector3d& accel_offset, const Vector3d& gyro_offset,
                double interval_s) {
-  const double delay = kernel::delay_prior(session.imu, interval_s);  // its mean square: of readings that mix neighboring samples
+  // Declared, or half a sample, at least a millisecond; its mean square is of readings that mix neighboring samples.
+  const double delay = session.imu.term_sigmas.delay.value_or(std::max(1e-3, 0.5 * interval_s));
   Terms out{{}, {}, {kernel::optional_priors(session.imu, accel_offset, gyro_offset), delay, delay * interval_s}};
   if (!wanted.empty()) {
     out.wanted = kernel::chosen_coefficients(wanted, all_coefficients(), "hybrid");

@@ -46,13 +46,14 @@ std::optional<CoarseAccel> coarse_accel(const std::vector<Vector3d>& readings, d
   return {};
 }
 
-std::optional<CoarseGyro> coarse_gyro_at_rest(const std::vector<Vector3d>& readings, const std::vector<Vector3d>& up, double earth_rate_vertical) {
+std::optional<CoarseGyro> coarse_gyro_at_rest(const std::vector<RestMeans>& rests, const SensorModel& model, const Scaling& scaling,
+                                              double earth_rate_vertical) {
   if (earth_rate_vertical == 0) return {};  // homogeneous: the scale is lost
-  const auto n = static_cast<Eigen::Index>(readings.size());
+  const auto n = static_cast<Eigen::Index>(rests.size());
   Eigen::MatrixXd a(n, 12);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Vector3d& f = up[static_cast<std::size_t>(i)];
-    const Vector3d& u = readings[static_cast<std::size_t>(i)];
+    const RestMeans& rest = rests[static_cast<std::size_t>(i)];
+    const Vector3d f = linear_output(model.accel, scaling.accel(rest.accel)).normalized(), u = scaling.gyro(rest.gyro);
     for (int r = 0; r < 3; ++r) a.row(i).segment<3>(3 * r) = f[r] * u.transpose();
     a.row(i).tail<3>() = f;
   }

@@ -23,7 +23,8 @@ struct CoarseGyro {
   Vector3d offset;
   Matrix3d matrix;
 };
-std::optional<CoarseGyro> coarse_gyro_at_rest(const std::vector<Vector3d>& readings, const std::vector<Vector3d>& up, double earth_rate_vertical);
+std::optional<CoarseGyro> coarse_gyro_at_rest(const std::vector<RestMeans>& rests, const SensorModel& scaled_model, const Scaling& scaling,
+                                              double earth_rate_vertical);
 
 /// Gyro matrix from the motion between the rests: the direction of gravity that the accelerometers see turns at -w x f. Linear in nine unknowns and
 /// good to some percent for any acceleration of the hand. Empty where the motion does not turn the unit about all axes.

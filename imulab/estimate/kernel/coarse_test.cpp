@@ -60,22 +60,21 @@ TEST(Coarse, GyrosFromEarthRate) {
   Matrix3d matrix;
   matrix << 1.01, 0.02, -0.01, 0.005, 0.98, 0.01, 0.015, -0.02, 1.02;
   const Vector3d offset(1e-5, -2e-5, 3e-5);
-  std::vector<Vector3d> readings, ups;
-  for (std::uint64_t i = 0; i < 20; ++i) {
+  std::vector<RestMeans> rests(20);
+  for (std::uint64_t i = 0; i < rests.size(); ++i) {
     const Vector3d up = random_direction(i), side = random_direction(100 + i);
     const Vector3d north = (side - side.dot(up) * up).normalized();
     const Vector3d rate = earth_rate * (std::sin(latitude) * up + std::cos(latitude) * north);
-    ups.push_back(up);
-    readings.push_back(matrix.inverse() * (rate - offset));
+    rests[i].accel = g * up;
+    rests[i].gyro = matrix.inverse() * (rate - offset);
   }
-  const auto found = coarse_gyro_at_rest(readings, ups, earth_rate * std::sin(latitude));
+  const auto found = coarse_gyro_at_rest(rests, {}, {}, earth_rate * std::sin(latitude));
   ASSERT_TRUE(found);
   EXPECT_LT((found->matrix - matrix).norm(), 1e-9);
   EXPECT_LT((found->offset - offset).norm(), 1e-13);
-  EXPECT_FALSE(coarse_gyro_at_rest(readings, ups, 0)) << "at the equator the scale is lost";
-  readings.resize(11);
-  ups.resize(11);
-  EXPECT_FALSE(coarse_gyro_at_rest(readings, ups, earth_rate * std::sin(latitude))) << "twelve unknowns need twelve rests";
+  EXPECT_FALSE(coarse_gyro_at_rest(rests, {}, {}, 0)) << "at the equator the scale is lost";
+  rests.resize(11);
+  EXPECT_FALSE(coarse_gyro_at_rest(rests, {}, {}, earth_rate * std::sin(latitude))) << "twelve unknowns need twelve rests";
 }
 
 TEST(Coarse, GyrosInMotionEndWhateverTheIntervalIs) {

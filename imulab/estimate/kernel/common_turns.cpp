@@ -3,6 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/estimate/kernel/coarse.hpp"
 
 #include <fmt/core.h>
 
@@ -11,6 +12,10 @@
 
 namespace imulab::kernel {
 
+namespace {
+
+/// How much of gravity's turning in the IMU from rest to rest the gyros explain: 1 all, 0 as little as gyros that read nothing. Turns of less than
+/// 10 deg, with a gap or with saturated samples do not count; empty where fewer than three others are. `gyro`: the matrix of scaled readings.
 std::optional<double> explained_turning(const Recording& recording, const RestStart& start, const Matrix3d& gyro) {
   constexpr std::size_t fewest = 3;
   constexpr double least_turn = 10 * unit::deg;
@@ -33,7 +38,10 @@ std::optional<double> explained_turning(const Recording& recording, const RestSt
   return 1 - missed / turned;
 }
 
-std::optional<Matrix3d> with_common_turns(const Recording& recording, const RestStart& start, const std::optional<Matrix3d>& coarse) {
+}  // namespace
+
+std::optional<Matrix3d> coarse_gyro_in_common_turns(const Recording& recording, const RestStart& start) {
+  const std::optional<Matrix3d> coarse = coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
   // Scales that are off by a third explain nine tenths; gyros that have nothing to do with the turns explain none of them, or less.
   constexpr double least = 0.5;
   const auto by_coarse = coarse ? explained_turning(recording, start, *coarse) : std::nullopt;

@@ -80,8 +80,8 @@ void add_common_doubts(Findings& findings, const Calibration& calibration, const
     findings.doubt("the residuals are far smaller than the declared noise: the uncertainties are too large");
   for (const CoefficientIndex index : calibration.estimated) {
     const Coefficient& c = coefficient(index);
-    if (c.term != Term::matrix || c.row != c.column) continue;
-    const auto row = (c.triad == Triad::accel ? calibration.model.accel : calibration.model.gyro).matrix.row(c.row);
+    if (!is_scale(c)) continue;
+    const auto row = triad_model(calibration.model, c.triad).matrix.row(c.row);
     const double relative = *standard_uncertainty(calibration, index) / row.norm();
     if (relative > 0.01) findings.doubt(fmt::format("{} is uncertain by {:.2g} %", c.name, 100 * relative));  // uncalibrated: a few percent
   }

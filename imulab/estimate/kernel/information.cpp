@@ -102,8 +102,7 @@ constexpr double singular = 1e-13;  // scaled to unit diagonal, rounding alone m
 }  // namespace
 
 VectorXd correction(const Information& data, Parameters parameters, std::string_view what) {
-  for (Role& role : parameters.role)
-    if (role == Role::considered) role = Role::fixed;
+  std::replace(parameters.role.begin(), parameters.role.end(), Role::considered, Role::fixed);
   const NormalEquations e = normal_equations(data, parameters);
   const Cholesky factor(e.normal);
   if (!factor.positive_definite() || !(e.loose.empty() || factor.lower().diagonal().cwiseAbs2().minCoeff() > singular)) refuse(what);

@@ -20,20 +20,22 @@ const Recording& only_recording(const CalibrationInput& input, std::string_view 
   throw Error(fmt::format("the method {} takes one recording; got {}{}", method, input.recordings.size(), names.empty() ? "" : " (" + names + ")"));
 }
 
+RecordingSource only_source(const Session& procedure) {
+  if (procedure.recordings.size() > 1)
+    throw Error(fmt::format("{}: {} recordings; expected a procedure with one", procedure.file, procedure.recordings.size()));
+  return procedure.recordings.empty() ? RecordingSource{} : procedure.recordings.front();
+}
+
 Rests rests_of(const CalibrationInput& input, const Recording& recording) {
   return input.rests ? Rests{*input.rests, {}} : imulab::rests_of(recording, input.session);
 }
 
-void expect_alive(const Columns3& triad, std::string_view file, std::string_view name, std::string_view consequence) {
+void expect_alive(const Recording& recording, Triad triad, std::string_view consequence) {
+  const Columns3& columns = triad == Triad::accel ? recording.accel : recording.gyro;
   for (std::size_t j = 0; j < 3; ++j)
-    if (!triad[j].empty() && std::all_of(triad[j].begin(), triad[j].end(), [&](double v) { return v == triad[j].front(); }))
-      throw Unsupported(fmt::format("{}: {} {} reads {:g} in every sample: {}", file, name, "xyz"[j], triad[j].front(), consequence));
-}
-
-std::vector<CoefficientIndex> accel_coefficients() {
-  std::vector<CoefficientIndex> indices = select_each({"accel.offset", "accel.matrix"});
-  std::erase_if(indices, zero_by_frame);
-  return indices;
+    if (!columns[j].empty() && std::all_of(columns[j].begin(), columns[j].end(), [&](double v) { return v == columns[j].front(); }))
+      throw Unsupported(
+          fmt::format("{}: {} {} reads {:g} in every sample: {}", recording.name, to_string(triad), "xyz"[j], columns[j].front(), consequence));
 }
 
 std::vector<CoefficientIndex> chosen_coefficients(const std::vector<CoefficientIndex>& wanted, const std::vector<CoefficientIndex>& supplied,

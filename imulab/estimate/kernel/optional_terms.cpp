@@ -64,9 +64,10 @@ PriorSizes optional_priors(const ImuDeclaration& imu, const Vector3d& accel_offs
   return sizes;
 }
 
-double widening(const Eigen::VectorXd& in_sigmas, const Eigen::MatrixXd& covariance) {
-  // Under a prior of covariance I that is true an estimate of covariance P has itself the covariance I - P.
-  const SymmetricEigen posterior = symmetric_eigen(covariance);
+double widening(const Eigen::VectorXd& value, const Eigen::VectorXd& prior_sigma, const Eigen::MatrixXd& covariance) {
+  // In units of the prior: where it is true, of covariance I, an estimate of covariance P has itself the covariance I - P.
+  const Eigen::VectorXd unit = prior_sigma.cwiseInverse(), in_sigmas = unit.cwiseProduct(value);
+  const SymmetricEigen posterior = symmetric_eigen(unit.asDiagonal() * covariance * unit.asDiagonal());
   const Eigen::VectorXd along = posterior.vectors.transpose() * in_sigmas;
   double chi2 = 0, n = 0;
   for (Eigen::Index i = 0; i < along.size(); ++i)
@@ -74,8 +75,8 @@ double widening(const Eigen::VectorXd& in_sigmas, const Eigen::MatrixXd& covaria
   return n > 0 && chi2 > chi_square_quantile(0.999, n) ? 2 * std::sqrt(chi2 / n) : 1;
 }
 
-std::vector<std::string> widen_priors(PriorSizes& sizes, const std::vector<CoefficientIndex>& indices, const Eigen::VectorXd& in_sigmas,
-                                      const Eigen::MatrixXd& covariance) {
+std::vector<std::string> widen_priors(PriorSizes& sizes, const std::vector<CoefficientIndex>& indices, const Eigen::VectorXd& value,
+                                      const Eigen::VectorXd& prior_sigma, const Eigen::MatrixXd& covariance) {
   struct Group {
     std::string name;
     std::vector<Eigen::Index> members;
@@ -84,20 +85,19 @@ std::vector<std::string> widen_priors(PriorSizes& sizes, const std::vector<Coeff
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const Coefficient& c = coefficient(indices[i]);
     double* const size = size_of(sizes, c);
-    if (!size || !(*size > 0) || !std::isfinite(in_sigmas[static_cast<Eigen::Index>(i)])) continue;
+    const auto at = static_cast<Eigen::Index>(i);
+    if (!size || !(*size > 0) || !std::isfinite(value[at] / prior_sigma[at])) continue;
     Group& group = groups[size];
     group.name = fmt::format("{}.{}", to_string(c.triad), to_string(c.term));
-    group.members.push_back(static_cast<Eigen::Index>(i));
+    group.members.push_back(at);
   }
   std::vector<std::string> widened;
   for (const auto& [size, group] : groups)
-    if (const double by = widening(in_sigmas(group.members), covariance(group.members, group.members)); by > 1) {
+    if (const double by = widening(value(group.members), prior_sigma(group.members), covariance(group.members, group.members)); by > 1) {
       *size *= by;
       widened.push_back(group.name);
     }
   return widened;
 }
-
-double delay_prior(const ImuDeclaration& imu, double interval_s) { return imu.term_sigmas.delay.value_or(std::max(1e-3, 0.5 * interval_s)); }
 
 }  // namespace imulab::kernel

@@ -16,15 +16,12 @@ namespace imulab::kernel {
 /// `gyro_offset` [rad/s]: a sensor whose zero is far off is not straight either (docs/priors.md).
 PriorSizes optional_priors(const ImuDeclaration& imu, const Vector3d& accel_offset, const Vector3d& gyro_offset);
 
-/// By how much a prior is to be widened that the data contradict: estimates under it, in its sigmas with their covariance, are as large as chance
-/// makes them less than once in a thousand. Twice their size over what is expected of it, so that the prior pulls neither them nor others. Else 1.
-double widening(const Eigen::VectorXd& in_sigmas, const Eigen::MatrixXd& covariance);
+/// By how much a prior about zero is to be widened that the data contradict: estimates under it, with their covariance, are as large as chance makes
+/// them less than once in a thousand. Twice their size over what is expected of it, so that the prior pulls neither them nor others. Else 1.
+double widening(const Eigen::VectorXd& value, const Eigen::VectorXd& prior_sigma, const Eigen::MatrixXd& covariance);
 
 /// Widens those of `sizes` that these estimates contradict, term by term; their names. Other coefficients among `indices` do not count.
-std::vector<std::string> widen_priors(PriorSizes& sizes, const std::vector<CoefficientIndex>& indices, const Eigen::VectorXd& in_sigmas,
-                                      const Eigen::MatrixXd& covariance);
-
-/// One sigma of the accelerometers' delay behind the gyros [s]: declared, or half a sample, at least a millisecond.
-double delay_prior(const ImuDeclaration& imu, double interval_s);
+std::vector<std::string> widen_priors(PriorSizes& sizes, const std::vector<CoefficientIndex>& indices, const Eigen::VectorXd& value,
+                                      const Eigen::VectorXd& prior_sigma, const Eigen::MatrixXd& covariance);
 
 }  // namespace imulab::kernel

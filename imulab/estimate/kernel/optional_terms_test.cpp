@@ -8,7 +8,7 @@ namespace {
 /// What an estimate under a prior of sigma 1 is, and its variance, where the data alone say `value` +- `sigma`.
 double widening_of(double value, double sigma) {
   const double variance = sigma * sigma / (1 + sigma * sigma);
-  return widening(Eigen::VectorXd::Constant(1, value * (1 - variance)), Eigen::MatrixXd::Constant(1, 1, variance));
+  return widening(Eigen::VectorXd::Constant(1, value * (1 - variance)), Eigen::VectorXd::Ones(1), Eigen::MatrixXd::Constant(1, 1, variance));
 }
 
 TEST(OptionalTerms, APriorIsWidenedWhereTheDataContradictIt) {
@@ -23,7 +23,7 @@ TEST(OptionalTerms, OnlyTheContradictedTermIsWidened) {
   sizes.accel.quadratic = sizes.gyro.quadratic = 1;
   const std::vector<CoefficientIndex> indices{coefficient_index("gyro.offset.x"), coefficient_index("accel.quadratic.x"),
                                               coefficient_index("gyro.quadratic.x")};
-  const auto widened = widen_priors(sizes, indices, Eigen::Vector3d(100, 1, 100), 0.01 * Eigen::Matrix3d::Identity());
+  const auto widened = widen_priors(sizes, indices, Eigen::Vector3d(100, 1, 100), Eigen::Vector3d::Ones(), 0.01 * Eigen::Matrix3d::Identity());
   EXPECT_EQ(widened, std::vector<std::string>{"gyro.quadratic"});
   EXPECT_EQ(sizes.accel.quadratic, 1);
   EXPECT_GT(sizes.gyro.quadratic, 100);

@@ -99,10 +99,13 @@ std::string scale_contradiction(Triad triad, const Matrix3d& matrix, const Recor
                      common ? cause_of(triad, scale.mean(), recording) : "this axis is not like the others; check its column");
 }
 
-void expect_gyro_scale(const Matrix3d& coarse, const Recording& recording) {
+bool is_oblique(const Matrix3d& coarse) {
   const Matrix3d axes = coarse.rowwise().normalized();
-  constexpr double oblique = 0.2;  // misalignments are below a few percent
-  if ((axes * axes.transpose() - Matrix3d::Identity()).cwiseAbs().maxCoeff() > oblique) return;
+  return (axes * axes.transpose() - Matrix3d::Identity()).cwiseAbs().maxCoeff() > 0.2;
+}
+
+void expect_gyro_scale(const Matrix3d& coarse, const Recording& recording) {
+  if (is_oblique(coarse)) return;
   if (const std::string wrong = scale_contradiction(Triad::gyro, coarse, recording); !wrong.empty())
     throw Error(fmt::format("{}: {}", recording.name, wrong));
 }
@@ -111,7 +114,7 @@ std::vector<std::string> contradictions(const SensorModel& model, const Recordin
   std::vector<std::string> found;
   for (const Triad triad : {Triad::accel, Triad::gyro}) {
     const bool accel = triad == Triad::accel;
-    const Matrix3d& matrix = (accel ? model.accel : model.gyro).matrix;
+    const Matrix3d& matrix = triad_model(model, triad).matrix;
     const bool counts = (accel ? recording.accel_unit : recording.gyro_unit) == "count";
     judge_axes(found, accel ? "accelerometers" : "gyros", matrix, counts);
     if (std::string wrong = counts ? "" : scale_contradiction(triad, matrix, recording); !wrong.empty()) found.push_back(std::move(wrong));

@@ -6,7 +6,6 @@
 #include "imulab/model/sensor_model.hpp"
 #include "imulab/recording/recording.hpp"
 
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,8 +19,11 @@ std::string_view mistaken_unit(Triad triad, double scale);
 /// Why a triad's matrix is not that of a sensor in its declared unit, with the likely cause; empty where each scale is within 20 %.
 std::string scale_contradiction(Triad triad, const Matrix3d& matrix, const Recording& recording);
 
-/// Throws Error with that reason for the gyros' coarse matrix of SI readings, where it is that of a triad: motion about too few axes gives an oblique
-/// one, which says nothing.
+/// Are the axes of the gyros' coarse matrix far from right angles? Motion about too few axes, or gyros that do not turn with the accelerometers, give
+/// any matrix; misalignments are below a few percent.
+bool is_oblique(const Matrix3d& coarse);
+
+/// Throws Error with the reason of scale_contradiction for the gyros' coarse matrix of SI readings, unless it is oblique.
 void expect_gyro_scale(const Matrix3d& coarse, const Recording& recording);
 
 /// What speaks against the model, each with its likely cause and what to change in the session: a scale more than 20 % from its declared unit, axes

@@ -37,7 +37,7 @@ inline double prior_sigma(const PriorSizes& sizes, const Coefficient& c, double 
 /// The data determine a coefficient if they bring its sigma below this: offsets and scales below a twentieth of the prior (less certain ones are no
 /// calibration, and make the equations nonlinear), other terms below half of it.
 inline double needed_sigma(const Coefficient& c, double prior) {
-  const bool basic = c.term == Term::offset || (c.term == Term::matrix && c.row == c.column);
+  const bool basic = c.term == Term::offset || is_scale(c);
   return (basic ? 0.05 : 0.5) * prior;
 }
 

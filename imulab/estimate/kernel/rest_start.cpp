@@ -3,15 +3,12 @@
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/coarse.hpp"
 #include "imulab/estimate/kernel/input.hpp"
-#include "imulab/estimate/kernel/optional_terms.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace imulab::kernel {
@@ -88,7 +85,7 @@ void start_accel(RestStart& start, const Recording& recording, double gravity) {
 RestStart start_from_rests(const Recording& recording, const std::vector<Range>& ranges, const ImuDeclaration& imu, double gravity) {
   if (ranges.empty())
     throw Unsupported(fmt::format("{}: no rests: the IMU was never still for long enough; hold it still in many orientations", recording.name));
-  expect_alive(recording.accel, recording.name, "accel", "without it nothing can be calibrated");
+  expect_alive(recording, Triad::accel, "without it nothing can be calibrated");
   RestStart start;
   start.rests = summarize_rests(recording, ranges);
   check_accel_unit(recording, start.rests, gravity);
@@ -120,15 +117,6 @@ RestStart start_from_rests(const CalibrationInput& input, std::string_view metho
 
 bool near_identity(const Matrix3d& matrix) { return (matrix - Matrix3d::Identity()).cwiseAbs().maxCoeff() < 0.2; }
 
-void expect_terms(RestStart& start, const ImuDeclaration& imu, double gravity) {
-  const SensorModel raw = to_raw(start.model, start.scaling);
-  // MEMS sensors, the least that counts can be of without a grade; the limits are those of the offsets' priors.
-  const auto plausible = [](const Vector3d& offset, double limit, double usual) {
-    return offset.cwiseAbs().maxCoeff() < limit ? offset : Vector3d(Vector3d::Constant(usual));
-  };
-  start.terms = optional_priors(imu, plausible(raw.accel.offset, 0.2 * gravity, 0.03 * unit::g), plausible(raw.gyro.offset, 1.0, 1 * unit::deg));
-}
-
 void limit_noise(RestStart& start) {
   for (SampleNoise* noise : {&start.noise, &start.means.sample}) {
     noise->accel = noise->accel.cwiseMax(1e-8 * start.scaling.accel_scale);
@@ -140,21 +128,6 @@ void use_declared_gyro_noise(RestStart& start, const Recording& recording, const
   if (!imu.gyro_noise_density) return;
   start.means.sample.gyro = start.noise.gyro = declared_sigma("gyros", *imu.gyro_noise_density, to_raw(start.model, start.scaling).gyro.matrix,
                                                               recording.interval_s, start.noise.gyro, start.findings);
-}
-
-std::vector<CoefficientIndex> choose_coefficients(RestStart& start, const std::vector<CoefficientIndex>& wanted,
-                                                  const std::vector<CoefficientIndex>& supplied, std::string_view method) {
-  const std::vector<CoefficientIndex> chosen = chosen_coefficients(wanted, supplied, method);
-  start.named = !wanted.empty();
-  for (const CoefficientIndex index : supplied) {
-    if (contains(chosen, index)) continue;
-    const Coefficient& c = coefficient(index);
-    const bool counts = (c.triad == Triad::accel ? start.prior.accel : start.prior.gyro).raw_unit == "count";
-    if (counts && (c.term == Term::offset || (c.term == Term::matrix && c.row == c.column)))
-      throw TermsError(fmt::format("{} is not among the terms to estimate: readings in counts have no offset and scale to start from", c.name));
-    set_coefficient(start.model, index, coefficient_value(start.prior, index));
-  }
-  return chosen;
 }
 
 }  // namespace imulab::kernel

@@ -19,7 +19,7 @@ struct RestStart {
   Scaling scaling;
   SensorModel model;   ///< of scaled readings: the accelerometers from the rests, the gyros as declared
   SensorModel prior;   ///< likewise, the prior: the declared IMU; for counts the coarse solution
-  PriorSizes terms;    ///< of the optional terms, once `expect_terms` has set them
+  PriorSizes terms;    ///< of the optional terms, once a method has chosen its coefficients
   bool named = false;  ///< the user named the coefficients to estimate
   Findings findings;
 
@@ -39,16 +39,7 @@ bool near_identity(const Matrix3d& matrix);
 /// Puts the declared gyro noise density in place of the measured noise, once `start.model` has the gyros' matrix.
 void use_declared_gyro_noise(RestStart& start, const Recording& recording, const ImuDeclaration& imu);
 
-/// Sets `start.terms` by the declaration, or by the offsets at zero readings, once `start.model` has both triads. Readings in counts may have their
-/// zero anywhere: offsets beyond those of any IMU are that, and tell nothing.
-void expect_terms(RestStart& start, const ImuDeclaration& imu, double gravity);
-
 /// A stuck or coarsely quantized axis shows no noise; a hundred-millionth of the scale keeps the weights finite.
 void limit_noise(RestStart& start);
-
-/// chosen_coefficients of a method on rests; those of `supplied` that are not chosen are set to their prior. Throws TermsError for offsets and scales
-/// of counts among them, too.
-std::vector<CoefficientIndex> choose_coefficients(RestStart& start, const std::vector<CoefficientIndex>& wanted,
-                                                  const std::vector<CoefficientIndex>& supplied, std::string_view method);
 
 }  // namespace imulab::kernel

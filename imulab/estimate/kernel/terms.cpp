@@ -39,10 +39,6 @@ TermTest wald_without_prior(std::string name, const VectorXd& value, const Matri
   return test;
 }
 
-TermTest wald(const TermGroup& group, const VectorXd& values, const MatrixXd& covariance, double significance) {
-  return wald(group.name, values(group.members), covariance(group.members, group.members), significance);
-}
-
 double cross_validation(const std::vector<Information>& parts, const Information& all, const Parameters& parameters) {
   double sum = 0;
   for (const Information& part : parts) sum += part.at(correction(all - part, parameters));

@@ -24,8 +24,6 @@ TermTest wald(std::string name, const Eigen::VectorXd& value, const Eigen::Matri
 /// The same of what the data alone say, for a group that was estimated under a prior of zero with these sigmas.
 TermTest wald_without_prior(std::string name, const Eigen::VectorXd& value, const Eigen::MatrixXd& covariance, const Eigen::VectorXd& prior_sigma,
                             double significance);
-/// Of a group among all parameters.
-TermTest wald(const TermGroup& group, const Eigen::VectorXd& values, const Eigen::MatrixXd& covariance, double significance);
 
 /// RMS residual of each part of the data predicted from the others, in sigmas of its noise. `all` is the sum of `parts`.
 double cross_validation(const std::vector<Information>& parts, const Information& all, const Parameters& parameters);

@@ -57,17 +57,17 @@ std::vector<Candidate> candidates(const Vector3d& up) {
 /// How far a covariance is from the goal.
 class Ratios {
  public:
-  Ratios(const HandheldProblem& problem, const kernel::RestStart& start, const Site& site, const Goal& goal)
-      : start_(&start), site_(&site), needed_(std::ssize(problem.indices())), limit_(needed_.size()) {
-    const SensorModel raw = to_raw(problem.model(), start.scaling);
+  Ratios(const HandheldProblem& problem, const std::vector<Requirement>& requirements)
+      : needed_(std::ssize(problem.indices())), limit_(needed_.size()) {
+    const SensorModel raw = to_raw(problem.model(), problem.scaling());
     for (Index i = 0; i < needed_.size(); ++i) {
       const CoefficientIndex index = problem.indices()[static_cast<std::size_t>(i)];
       const Coefficient& c = coefficient(index);
       constexpr double unlimited = std::numeric_limits<double>::infinity();
       needed_[i] = is_optional(c.term) ? unlimited : kernel::needed_sigma(c, problem.prior_sigma(c));
       limit_[i] = unlimited;
-      const double scale = c.term == Term::matrix ? std::abs((c.triad == Triad::accel ? raw.accel : raw.gyro).matrix(c.row, c.row)) : 1;
-      for (const Requirement& r : goal.requirements)
+      const double scale = c.term == Term::matrix ? std::abs(triad_model(raw, c.triad).matrix(c.row, c.row)) : 1;
+      for (const Requirement& r : requirements)
         if (contains(r.coefficients, index)) limit_[i] = std::min(limit_[i], r.limit * scale);
     }
   }
@@ -78,7 +78,7 @@ class Ratios {
     const Conditions conditions = problem.conditions(fit.spreads);
     const Eigen::MatrixXd covariance =
         fit.excess * fit.excess * kernel::solve(conditions.information(), problem.parameters(), "the rests").covariance.topLeftCorner(n, n);
-    const VectorXd raw = raw_covariance(*start_, problem, covariance, *site_).diagonal().cwiseSqrt();
+    const VectorXd raw = raw_covariance(problem, covariance).diagonal().cwiseSqrt();
     return covariance.diagonal().cwiseSqrt().cwiseQuotient(needed_).cwiseMax(raw.cwiseQuotient(limit_));
   }
   /// Sum of the logarithms of the ratios above nearly one, and a little of the worst.
@@ -89,8 +89,6 @@ class Ratios {
   }
 
  private:
-  const kernel::RestStart* start_;
-  const Site* site_;
   VectorXd needed_, limit_;  ///< to be determined, of scaled readings; to meet the requirements, of raw ones
 };
 
@@ -133,12 +131,12 @@ void HandheldProblem::extend(const Vector3d& axis, double angle, double rest_s) 
   stretch_.push_back(stretch_.back());
 }
 
-std::vector<HandTurn> next_turns(HandheldProblem problem, const Fit& fit, const kernel::RestStart& start, const Site& site, const Goal& goal) {
-  const Ratios ratios(problem, start, site, goal);
+std::vector<HandTurn> next_turns(HandheldProblem problem, const Fit& fit, const CalibrationOptions::Handheld& goal) {
+  const Ratios ratios(problem, goal.requirements);
   std::vector<HandTurn> out;
   if (ratios.of(problem, fit).maxCoeff() <= 1) return out;
   problem.release();  // terms that blur the others because the rests so far do not tell them from these
-  while (out.size() < goal.most && (out.empty() || ratios.of(problem, fit).maxCoeff() > 1)) {
+  while (out.size() < goal.advised_turns && (out.empty() || ratios.of(problem, fit).maxCoeff() > 1)) {
     const double distance = ratios.distance(problem, fit);
     double best_gain = 0;
     std::optional<HandTurn> best;

@@ -22,7 +22,7 @@ const Coefficient* implausible_scale(const RestProblem& problem, const std::vect
   for (std::size_t i = 0; i < determined.size(); ++i) {
     const CoefficientIndex index = problem.indices()[i];
     const Coefficient& c = coefficient(index);
-    if (!determined[i] || c.triad != triad || c.term != Term::matrix || c.row != c.column) continue;
+    if (!determined[i] || c.triad != triad || !is_scale(c)) continue;
     const double moved = coefficient_value(problem.model(), index) - coefficient_value(problem.prior(), index);
     if (!(std::abs(moved) <= problem.prior_sigma(c))) return &c;
   }
@@ -48,8 +48,8 @@ Stated stated(const RestProblem& problem, const Eigen::MatrixXd& covariance, std
     const Coefficient* c = implausible_scale(problem, out, triad);
     if (!c) continue;
     result.implausible = true;
-    const TriadModel& prior = triad == Triad::accel ? problem.prior().accel : problem.prior().gyro;
-    const double scale = coefficient_value(problem.model(), coefficient_index(c->name)) / prior.matrix(c->row, c->column);
+    const TriadModel& prior = triad_model(problem.prior(), triad);
+    const double scale = triad_model(problem.model(), triad).matrix(c->row, c->row) / prior.matrix(c->row, c->row);
     warnings.push_back(fmt::format(
         "{} is implausible for an IMU, {:.3g} times what {}: {}", c->name, scale,
         prior.raw_unit == "count" ? "the coarse solution is" : "the declared unit gives; check the unit and this axis's column, and the stamps, or",
@@ -79,22 +79,35 @@ VectorXd with_unstated_at_prior(const RestProblem& problem, const std::vector<ch
   return correction;
 }
 
+/// Of a part that the fit used.
+PartResidual part_residual(const SuspectRows& part, const Fit& fit) {
+  PartResidual out{part.begin_s, part.end_s, 0, true};
+  int rows = 0;
+  for (const Index i : part.rows) {  // a rest is suspected with the rotation before it, which is a part of its own
+    if ((fit.conditions.kind[static_cast<std::size_t>(i)] >= Kind::rotation) != part.rotation) continue;
+    out.residual += fit.adjustment.residual[i] * fit.adjustment.residual[i] / fit.adjustment.variance[i];
+    ++rows;
+  }
+  out.residual = std::sqrt(out.residual / std::max(rows, 1));
+  return out;
+}
+
 }  // namespace
 
-Eigen::MatrixXd raw_covariance(const kernel::RestStart& start, const RestProblem& problem, Eigen::MatrixXd covariance, const Site& site) {
+Eigen::MatrixXd raw_covariance(const RestProblem& problem, Eigen::MatrixXd covariance) {
   const std::vector<CoefficientIndex>& indices = problem.indices();
   for (Index i = 0; i < covariance.rows(); ++i)  // about the center of the readings, and nothing that a shift to their zero could carry along
     if (problem.unstated(static_cast<std::size_t>(i))) covariance.row(i).setZero(), covariance.col(i).setZero();
-  covariance = covariance_after([&](const SensorModel& m) { return to_raw(m, start.scaling); }, indices, covariance);
+  covariance = covariance_after([&](const SensorModel& m) { return to_raw(m, problem.scaling()); }, indices, covariance);
   // g is the scale: accelerations are proportional to it, g-sensitivity inversely.
-  const SensorModel raw = to_raw(problem.model(), start.scaling);
+  const SensorModel raw = to_raw(problem.model(), problem.scaling());
   VectorXd by_gravity = VectorXd::Zero(covariance.rows());
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const Coefficient& c = coefficient(indices[i]);
     const double value = coefficient_value(raw, indices[i]);
     by_gravity[static_cast<Index>(i)] = c.triad == Triad::accel ? value : c.term == Term::g_sensitivity ? -value : 0;
   }
-  const double relative = kernel::gravity_source(site).relative;
+  const double relative = problem.relative_gravity_sigma();
   return covariance + relative * relative * by_gravity * by_gravity.transpose();
 }
 
@@ -107,8 +120,7 @@ VectorXd weakest_matrix_direction(const RestProblem& problem, const Eigen::Matri
   return covariance(Eigen::all, at) * known.vectors.rightCols<1>() / std::sqrt(std::max(known.values[known.values.size() - 1], 1e-300));
 }
 
-Calibration calibration_of(std::string_view method, const kernel::RestStart& start, const RestProblem& problem, const Fit& fit,
-                           const Session& session) {
+Calibration calibration_of(std::string_view method, const RestProblem& problem, const Fit& fit, const Session& session) {
   Calibration out;
   out.imu = session.imu.name;
   out.method = method;
@@ -118,24 +130,22 @@ Calibration calibration_of(std::string_view method, const kernel::RestStart& sta
   const auto [kept, implausible] = stated(problem, covariance, out.quality.warnings);
   const VectorXd correction = implausible ? VectorXd(VectorXd::Zero(n)) : with_unstated_at_prior(problem, kept, covariance);
   SensorModel scaled = problem.model();
-  for (std::size_t i = 0; i < indices.size(); ++i) {
-    const CoefficientIndex index = indices[i];
-    const double value = coefficient_value(scaled, index) + correction[static_cast<Index>(i)];
-    set_coefficient(scaled, index, kept[i] ? value : coefficient_value(problem.prior(), index));
-  }
-  out.model = to_raw(scaled, start.scaling);
   std::vector<Index> at;
   for (std::size_t i = 0; i < indices.size(); ++i) {
-    const Coefficient& c = coefficient(indices[i]);
+    const CoefficientIndex index = indices[i];
+    const Coefficient& c = coefficient(index);
+    const double value = coefficient_value(scaled, index) + correction[static_cast<Index>(i)];
+    set_coefficient(scaled, index, kept[i] ? value : coefficient_value(problem.prior(), index));
     if (is_optional(c.term) && (!kept[i] || fit.parameters.role[i] == kernel::Role::considered)) out.quality.considered.emplace_back(c.name);
     if (kept[i]) {
       at.push_back(static_cast<Index>(i));
-      out.estimated.push_back(indices[i]);
+      out.estimated.push_back(index);
     } else if (!is_optional(c.term)) {
       out.quality.unobservable.emplace_back(c.name);
     }
   }
-  out.covariance = raw_covariance(start, problem, covariance, session.site)(at, at);
+  out.model = to_raw(scaled, problem.scaling());
+  out.covariance = raw_covariance(problem, covariance)(at, at);
   const kernel::Solution& under_noise = fit.under_noise.solution;
   out.quality.degrees_of_freedom = static_cast<int>(std::lround(under_noise.degrees_of_freedom));
   out.quality.chi2_per_dof = under_noise.chi2 / std::max(1.0, under_noise.degrees_of_freedom);
@@ -145,21 +155,9 @@ Calibration calibration_of(std::string_view method, const kernel::RestStart& sta
   return out;
 }
 
-PartResidual part_residual(const SuspectRows& part, const Conditions& conditions, const Adjustment& adjustment) {
-  PartResidual out{part.begin_s, part.end_s, 0, true};
-  int rows = 0;
-  for (const Index i : part.rows) {  // a rest is suspected with the rotation before it, which is a part of its own
-    if ((conditions.kind[static_cast<std::size_t>(i)] >= Kind::rotation) != part.rotation) continue;
-    out.residual += adjustment.residual[i] * adjustment.residual[i] / adjustment.variance[i];
-    ++rows;
-  }
-  out.residual = std::sqrt(out.residual / std::max(rows, 1));
-  return out;
-}
-
 void add_parts(Quality& quality, const std::vector<SuspectRows>& parts, const Fit& fit, const std::vector<DroppedPart>& dropped) {
   for (const SuspectRows& part : parts)
-    if (!part.rows.empty()) (part.rotation ? quality.rotations : quality.rests).push_back(part_residual(part, fit.conditions, fit.adjustment));
+    if (!part.rows.empty()) (part.rotation ? quality.rotations : quality.rests).push_back(part_residual(part, fit));
   for (const DroppedPart& part : dropped) (part.rotation ? quality.rotations : quality.rests).push_back(part.residual);
   for (std::vector<PartResidual>* all : {&quality.rests, &quality.rotations})
     std::sort(all->begin(), all->end(), [](const PartResidual& a, const PartResidual& b) { return a.begin_s < b.begin_s; });
@@ -168,19 +166,18 @@ void add_parts(Quality& quality, const std::vector<SuspectRows>& parts, const Fi
 std::vector<TermTest> test_terms(const RestProblem& problem, const Fit& fit, double significance) {
   std::vector<TermTest> tests;
   const Eigen::MatrixXd covariance = fit.covariance();
+  const VectorXd values = coefficient_values(problem.model(), problem.indices());
   for (const char* name : {"accel.quadratic", "accel.cubic", "gyro.quadratic", "gyro.cubic", "gyro.g_sensitivity"}) {
     const std::vector<CoefficientIndex> term = select_coefficients(name);
     std::vector<Index> members;
     bool asked = false;
-    for (const Index i : fit.parameters.with(kernel::Role::estimated))
-      if (i < std::ssize(problem.indices()) && contains(term, problem.indices()[static_cast<std::size_t>(i)])) members.push_back(i);
-    for (const CoefficientIndex index : term) asked = asked || contains(problem.indices(), index);
-    if (!asked) continue;
-    VectorXd value(std::ssize(members));
-    for (Index k = 0; k < value.size(); ++k)
-      value[k] = coefficient_value(problem.model(), problem.indices()[static_cast<std::size_t>(members[static_cast<std::size_t>(k)])]);
-    const Eigen::MatrixXd of_term = covariance(members, members);
-    tests.push_back(kernel::wald_without_prior(name, value, of_term, fit.parameters.sigma(members), significance));
+    for (std::size_t i = 0; i < problem.indices().size(); ++i) {
+      if (!contains(term, problem.indices()[i])) continue;
+      asked = true;
+      if (fit.parameters.role[i] == kernel::Role::estimated) members.push_back(static_cast<Index>(i));
+    }
+    if (asked)
+      tests.push_back(kernel::wald_without_prior(name, values(members), covariance(members, members), fit.parameters.sigma(members), significance));
   }
   return tests;
 }

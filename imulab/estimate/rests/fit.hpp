@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -42,14 +43,14 @@ struct Fit {
 Eigen::VectorXd weakest_matrix_direction(const RestProblem& problem, const Eigen::MatrixXd& covariance);
 
 /// Gauss-Newton until the correction is below a hundredth of its standard deviation everywhere; then, where residuals of a kind are significantly too
-/// large (or its spread was given), with that kind's spread, until the spreads converge. Longer steps than `longest_step` are shortened: poor data
-/// would be linearized far from the solution.
+/// large, with that kind's spread, until the spreads converge, or with the spreads that are `kept`. Longer steps than `longest_step` are shortened:
+/// poor data would be linearized far from the solution.
 template <class Problem>
-Fit converge(Problem& problem, const Spreads& start = {}, bool keep_spreads = false) {
+Fit converge(Problem& problem, const std::optional<Spreads>& kept = {}) {
   constexpr int most_iterations = 30, most_before_spreads = 8;
   Fit fit;
-  fit.spreads = start;
-  bool decided = keep_spreads;
+  fit.spreads = kept.value_or(Spreads{});
+  bool decided = kept.has_value();
   for (int iteration = 0; iteration < most_iterations && !fit.converged; ++iteration) {
     fit.conditions = problem.conditions(fit.spreads);
     fit.parameters = problem.parameters();
@@ -59,7 +60,7 @@ Fit converge(Problem& problem, const Spreads& start = {}, bool keep_spreads = fa
     const Eigen::VectorXd sigma = fit.adjustment.solution.covariance.diagonal().cwiseSqrt();
     bool still = (sigma.array() > 0).select(x.cwiseAbs() - 0.01 * sigma, 0).maxCoeff() <= 0;  // fixed ones arrive at once
     if (!decided && !still && iteration < most_before_spreads) continue;
-    for (int k = 0; k < kinds && !keep_spreads; ++k) {
+    for (int k = 0; k < kinds && !kept; ++k) {
       const auto kind = static_cast<Kind>(k);
       double& spread = fit.spreads[static_cast<std::size_t>(k)];
       if (spread == 0 && (decided || !spread_is_significant(fit.conditions, fit.adjustment, kind))) continue;
@@ -97,7 +98,7 @@ Fit fit_determined(Problem& problem) {
   const auto unseen = [&] { return problem.unseen_terms(fit.parameters, fit.covariance()); };
   for (std::vector<Eigen::Index> hold = unseen(); !hold.empty(); hold = unseen()) {
     problem.hold(hold);
-    fit = converge(problem, fit.spreads, true);
+    fit = converge(problem, fit.spreads);
   }
   fit.under_noise = adjust(problem.conditions({}), problem.parameters());
   fit.excess = kernel::excess(fit.adjustment.solution.chi2, fit.adjustment.solution.degrees_of_freedom);
@@ -154,7 +155,7 @@ struct SuspectFit {
     std::size_t worst = 0;
     double lowest = 0;
     for (const SuspectRows& suspect : problem.suspects(fit.conditions)) {
-      const double p = deviation_of(fit.conditions, fit.adjustment, suspect.rows).log_probability(std::numeric_limits<double>::infinity());
+      const double p = deviation_of(fit.conditions, fit.adjustment, suspect.rows).log_probability();
       if (p < lowest) lowest = p, worst = all.size();
       all.push_back({suspect.name, 0});
     }
@@ -182,11 +183,10 @@ struct SuspectFit {
 };
 
 /// A covariance of the scaled model's coefficients as that of raw readings, with g's uncertainty.
-Eigen::MatrixXd raw_covariance(const kernel::RestStart& start, const RestProblem& problem, Eigen::MatrixXd covariance, const Site& site);
+Eigen::MatrixXd raw_covariance(const RestProblem& problem, Eigen::MatrixXd covariance);
 
 /// Model, covariance and quality of a fit: raw units, g's uncertainty added, undetermined coefficients named.
-Calibration calibration_of(std::string_view method, const kernel::RestStart& start, const RestProblem& problem, const Fit& fit,
-                           const Session& session);
+Calibration calibration_of(std::string_view method, const RestProblem& problem, const Fit& fit, const Session& session);
 
 /// How each rest and each rotation agrees with the fit; those left out by what they deviate from the others.
 void add_parts(Quality& quality, const std::vector<SuspectRows>& parts, const Fit& fit, const std::vector<DroppedPart>& dropped);

@@ -1,7 +1,6 @@
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/estimate/kernel/coarse.hpp"
 #include "imulab/estimate/kernel/common_turns.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
@@ -10,7 +9,6 @@
 #include "imulab/estimate/rests/handheld_problem.hpp"
 #include "imulab/estimate/rests/rests.hpp"
 
-#include <Eigen/LU>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -38,8 +36,7 @@ bool possible(const Matrix3d& matrix) {
 /// whether it is as declared better than fast motion of a hand does.
 void start_gyro(RestStart& start, const Recording& recording, bool declared_turns) {
   const bool counts = recording.gyro_unit == "count";
-  std::optional<Matrix3d> coarse =
-      kernel::with_common_turns(recording, start, kernel::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling));
+  std::optional<Matrix3d> coarse = kernel::coarse_gyro_in_common_turns(recording, start);
   if (!counts && declared_turns) coarse.reset();
   TriadModel& gyro = start.model.gyro;
   if (coarse) gyro.matrix = *coarse;
@@ -102,19 +99,18 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   RestStart start = kernel::start_from_rests(input, "handheld");
   const Recording& recording = input.recordings.front();
   const Session& session = input.session;
-  kernel::expect_alive(recording.gyro, recording.name, "gyro", "the method static calibrates the accelerometers alone");
+  kernel::expect_alive(recording, Triad::gyro, "the method static calibrates the accelerometers alone");
   const std::vector<DeclaredTurn> turns = declared_turns(session, session.source_of(recording.name));
   start_gyro(start, recording, !turns.empty());
   kernel::use_declared_gyro_noise(start, recording, session.imu);
-  kernel::expect_terms(start, session.imu, session.site.gravity());
-  const std::vector<CoefficientIndex> indices = kernel::choose_coefficients(start, options.terms, handheld_coefficients(), "handheld");
+  const std::vector<CoefficientIndex> indices = choose_coefficients(start, session, options.terms, handheld_coefficients(), "handheld");
 
   const HandheldProblem whole(recording, start, session.site, indices, turns);
   auto cleaned = kernel::drop_suspects(SuspectFit(whole), options.outlier_level);
   HandheldProblem& problem = cleaned.fit.problem;
   const Fit fit = fit_determined(problem);
 
-  CalibrationResult result{.calibration = calibration_of("handheld", start, problem, fit, session)};
+  CalibrationResult result{.calibration = calibration_of("handheld", problem, fit, session)};
   Quality& quality = result.calibration.quality;
   add_parts(quality, problem.suspects(fit.conditions), fit, cleaned.fit.dropped);
   quality.term_tests = test_terms(problem, fit, options.significance);
@@ -133,8 +129,7 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   if (quality.rotation_residual_deg.value_or(0) > 1)
     findings.doubt(fmt::format("held-out rotations are predicted no better than to {:.2g} deg", *quality.rotation_residual_deg));
   kernel::conclude(result.calibration, findings);
-  result.missing_turns =
-      next_turns(problem, fit, start, session.site, {options.handheld.requirements, options.handheld.rest_s, options.handheld.advised_turns});
+  result.missing_turns = next_turns(problem, fit, options.handheld);
   return result;
 }
 

@@ -3,7 +3,6 @@
 #include "imulab/core/error.hpp"
 #include "imulab/earth/earth.hpp"
 
-#include <Eigen/LU>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -124,9 +123,9 @@ Index HandheldProblem::earth_column(std::size_t stretch) const { return static_c
 /// Without a usable heading the horizontal Earth rate is a vector of known length and unknown direction; without a latitude only its size is known.
 kernel::Parameters HandheldProblem::parameters() const {
   const auto first = static_cast<Index>(indices_.size());
-  kernel::Parameters out = RestProblem::parameters(rounding_column() + 3 - first);
+  kernel::Parameters out = RestProblem::parameters(nuisances());
   const double sigma = latitude_ ? std::max(earth_rate * std::cos(*latitude_) / std::sqrt(2.0), 1e-3 * earth_rate) : earth_rate / std::sqrt(3.0);
-  out.sigma.tail(out.size() - first).setConstant(sigma);
+  out.sigma.tail(nuisances()).setConstant(sigma);
   if (!latitude_) out.offset[first] = -earth_up_;
   for (std::size_t s = 0; s < earth_horizontal_.size(); ++s) out.offset.segment<2>(earth_column(s)) = -earth_horizontal_[s];
   out.sigma.tail<3>() = common_rounding_, out.offset.tail<3>() = -rounding_;
@@ -136,8 +135,8 @@ kernel::Parameters HandheldProblem::parameters() const {
 }
 
 Eigen::VectorXd HandheldProblem::longest_step() const {
-  Eigen::VectorXd longest = longest_coefficient_step(parameters().size());
-  longest.tail(longest.size() - static_cast<Index>(indices_.size())).setConstant(earth_rate);
+  Eigen::VectorXd longest = RestProblem::longest_step(nuisances());
+  longest.tail(nuisances()).setConstant(earth_rate);
   longest.tail<3>().setConstant(kernel::no_prior);
   return longest;
 }
@@ -239,7 +238,7 @@ void HandheldProblem::add_rotation_rows(Conditions& c, Index row, std::size_t k)
 }
 
 void HandheldProblem::correct(const Eigen::VectorXd& correction) {
-  correct_coefficients(correction);
+  RestProblem::correct(correction);
   if (!latitude_) earth_up_ += correction[static_cast<Index>(indices_.size())];
   for (std::size_t s = 0; s < earth_horizontal_.size(); ++s) earth_horizontal_[s] += correction.segment<2>(earth_column(s));
   rounding_ += correction.tail<3>();
@@ -253,8 +252,7 @@ std::vector<HandheldProblem::RotationRows> HandheldProblem::rotation_rows(const 
 }
 
 std::vector<SuspectRows> HandheldProblem::suspects(const Conditions& conditions) const {
-  std::vector<SuspectRows> all;
-  for (std::size_t k = 0; k < rests_.size(); ++k) all.push_back(rest_suspect(conditions, k));
+  std::vector<SuspectRows> all = RestProblem::suspects(conditions);
   for (std::size_t k = 0; k < links_.size(); ++k) {
     SuspectRows suspect{fmt::format("the rotation between {:.1f} s and {:.1f} s", rests_[k].mid_s, rests_[k + 1].mid_s),
                         {},

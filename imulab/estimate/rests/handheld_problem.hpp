@@ -79,6 +79,7 @@ class HandheldProblem : public RestProblem {
   CovarianceBlock block_of(Eigen::Index row, std::size_t k, const Spreads& spreads) const;
   Eigen::Index earth_column(std::size_t stretch) const;
   Eigen::Index rounding_column() const { return earth_column(earth_horizontal_.size()); }
+  Eigen::Index nuisances() const { return rounding_column() + 3 - std::ssize(indices_); }
   Vector3d rounding_in_common() const;
 
   const Recording* recording_;

@@ -2,6 +2,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
+#include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/rests/fit.hpp"
 #include "imulab/estimate/rests/handheld_problem.hpp"
 #include "imulab/estimate/rests/rests.hpp"
@@ -9,8 +10,6 @@
 #include "imulab/recording/declared_noise.hpp"
 #include "imulab/recording/rests.hpp"
 #include "imulab/rig/ideal_recording.hpp"
-
-#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
@@ -35,16 +34,14 @@ void set_noise(MeanNoise& means, Vector3d SampleNoise::*triad, const NoiseModel&
 }
 
 Foreseen foresee(const Session& procedure) {
-  if (procedure.recordings.size() > 1)
-    throw Error(fmt::format("{}: {} recordings; expected a procedure with one", procedure.file, procedure.recordings.size()));
+  const RecordingSource source = kernel::only_source(procedure);
   Foreseen out{procedure, {}, {}};
   const NoiseModels noise = errors_at(procedure.file, [&] { return declared_noise(procedure.imu); });
   out.session.imu.accel_noise_density = noise.accel.N, out.session.imu.gyro_noise_density = noise.gyro.N;
   const double gravity = errors_at(procedure.file, [&] { return procedure.site.gravity(); });
   // Without a latitude the method estimates both parts of Earth's rate, at any latitude alike.
   const double latitude = procedure.site.latitude.value_or(45 * unit::deg);
-  out.recording = ideal_recording(procedure, procedure.recordings.empty() ? RecordingSource{} : procedure.recordings.front(),
-                                  {earth_rate_enu(latitude), gravity});
+  out.recording = ideal_recording(procedure, source, {earth_rate_enu(latitude), gravity});
   const auto is_hold = [](const Step& step) { return step.kind == StepKind::hold; };
   std::vector<Range> rests;  // of the holds: an ideal recording shows no others
   if (std::any_of(procedure.steps.begin(), procedure.steps.end(), is_hold)) rests = rests_of(out.recording, procedure).ranges;
@@ -65,7 +62,7 @@ Foreseen foresee(const Session& procedure) {
 template <class Problem>
 Prediction prediction(std::string_view method, const Foreseen& of, Problem problem) {
   const Fit fit = foreseen(problem);
-  Prediction out = prediction_of(calibration_of(method, of.start, problem, fit, of.session));
+  Prediction out = prediction_of(calibration_of(method, problem, fit, of.session));
   out.notes = of.start.findings.notes;
   return out;
 }
@@ -75,15 +72,13 @@ Prediction prediction(std::string_view method, const Foreseen& of, Problem probl
 Prediction predict_static(const Session& procedure, const std::vector<CoefficientIndex>& terms) {
   Foreseen f = foresee(procedure);
   const bool with_gyros = start_gyros_at_rest(f.start, f.recording, f.session);
-  kernel::expect_terms(f.start, f.session.imu, f.session.site.gravity());
-  const std::vector<CoefficientIndex> indices = kernel::choose_coefficients(f.start, terms, static_coefficients(with_gyros), "static");
+  const std::vector<CoefficientIndex> indices = choose_coefficients(f.start, f.session, terms, static_coefficients(with_gyros), "static");
   return prediction("static", f, StaticProblem(f.start, f.session.site, indices, with_gyros));
 }
 
 Prediction predict_handheld(const Session& procedure, const std::vector<CoefficientIndex>& terms) {
   Foreseen f = foresee(procedure);
-  kernel::expect_terms(f.start, f.session.imu, f.session.site.gravity());
-  const std::vector<CoefficientIndex> indices = kernel::choose_coefficients(f.start, terms, handheld_coefficients(), "handheld");
+  const std::vector<CoefficientIndex> indices = choose_coefficients(f.start, f.session, terms, handheld_coefficients(), "handheld");
   return prediction("handheld", f,
                     HandheldProblem(f.recording, f.start, f.session.site, indices, declared_turns(f.session, f.session.source_of(f.recording.name))));
 }

@@ -1,7 +1,10 @@
 #include "imulab/estimate/rests/problem.hpp"
 
+#include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/optional_terms.hpp"
+#include "imulab/model/frame.hpp"
 
 #include <fmt/core.h>
 
@@ -48,16 +51,26 @@ bool bends_far_from_zero(const Coefficient& c, const Scaling& scaling) {
   return zero.cwiseAbs().maxCoeff() > 1;  // in half ranges
 }
 
+/// Priors of the optional terms by the declaration, or by the offsets at zero readings. Readings in counts may have their zero anywhere: offsets
+/// beyond those of any IMU are that, and tell nothing.
+kernel::PriorSizes expected_terms(const kernel::RestStart& start, const Session& session) {
+  const SensorModel raw = to_raw(start.model, start.scaling);
+  // MEMS sensors, the least that counts can be of without a grade; the limits are those of the offsets' priors.
+  const auto plausible = [](const Vector3d& offset, double limit, double usual) {
+    return offset.cwiseAbs().maxCoeff() < limit ? offset : Vector3d(Vector3d::Constant(usual));
+  };
+  return kernel::optional_priors(session.imu, plausible(raw.accel.offset, 0.2 * session.site.gravity(), 0.03 * unit::g),
+                                 plausible(raw.gyro.offset, 1.0, 1 * unit::deg));
+}
+
 }  // namespace
 
 std::vector<CoefficientIndex> static_coefficients(bool with_gyros) {
-  std::vector<CoefficientIndex> out = kernel::accel_coefficients();
-  const auto add = [&](std::initializer_list<const char*> names) {
-    for (const char* name : names)
-      for (const CoefficientIndex index : select_coefficients(name)) out.push_back(index);
-  };
-  add({"accel.quadratic", "accel.cubic"});
-  if (with_gyros) add({"gyro.offset", "gyro.matrix", "gyro.g_sensitivity"});  // Earth's rate is far too small to show their nonlinearity
+  std::vector<CoefficientIndex> out = select_each({"accel.offset", "accel.matrix", "accel.quadratic", "accel.cubic"});
+  std::erase_if(out, zero_by_frame);
+  if (!with_gyros) return out;
+  // Earth's rate is far too small to show their nonlinearity.
+  for (const CoefficientIndex index : select_each({"gyro.offset", "gyro.matrix", "gyro.g_sensitivity"})) out.push_back(index);
   return out;
 }
 
@@ -67,9 +80,26 @@ std::vector<CoefficientIndex> handheld_coefficients() {
   return out;
 }
 
+std::vector<CoefficientIndex> choose_coefficients(kernel::RestStart& start, const Session& session, const std::vector<CoefficientIndex>& wanted,
+                                                  const std::vector<CoefficientIndex>& supplied, std::string_view method) {
+  const std::vector<CoefficientIndex> chosen = kernel::chosen_coefficients(wanted, supplied, method);
+  start.terms = expected_terms(start, session);
+  start.named = !wanted.empty();
+  for (const CoefficientIndex index : supplied) {
+    if (contains(chosen, index)) continue;
+    const Coefficient& c = coefficient(index);
+    const bool counts = triad_model(start.prior, c.triad).raw_unit == "count";
+    if (counts && (c.term == Term::offset || is_scale(c)))
+      throw TermsError(fmt::format("{} is not among the terms to estimate: readings in counts have no offset and scale to start from", c.name));
+    set_coefficient(start.model, index, coefficient_value(start.prior, index));
+  }
+  return chosen;
+}
+
 RestProblem::RestProblem(const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices)
     : rests_(start.rests),
       gravity_(site.gravity()),
+      relative_gravity_sigma_(site.gravity_sigma() / gravity_),
       latitude_(site.latitude),
       scaling_(start.scaling),
       noise_{scaled(start.means.sample, scaling_), scaled(start.means.rounding, scaling_), scaled(start.means.step, scaling_)},
@@ -88,13 +118,13 @@ RestProblem::RestProblem(const kernel::RestStart& start, const Site& site, std::
 
 double RestProblem::prior_sigma(const Coefficient& c) const {
   kernel::PriorSizes sizes = sizes_;
-  const auto row = (c.triad == Triad::accel ? prior_.accel : prior_.gyro).matrix.row(c.row);
+  const auto row = triad_model(prior_, c.triad).matrix.row(c.row);
   if (std::abs(row[c.row]) <= 0.9 * row.norm()) sizes.accel.misalignment = sizes.gyro.misalignment = 0.2;
   return kernel::prior_sigma(sizes, c, row.norm());
 }
 
 kernel::Parameters RestProblem::parameters(Index nuisances) const {
-  kernel::Parameters out(static_cast<Index>(indices_.size()) + nuisances);
+  kernel::Parameters out(std::ssize(indices_) + nuisances);
   for (std::size_t i = 0; i < indices_.size(); ++i) {
     out.role[i] = roles_[i];
     out.offset[static_cast<Index>(i)] = coefficient_value(prior_, indices_[i]) - coefficient_value(model_, indices_[i]);
@@ -122,7 +152,7 @@ std::vector<Index> RestProblem::runaway_gyro_matrix(const kernel::Parameters& pa
     const Coefficient& c = coefficient(indices_[static_cast<std::size_t>(i)]);
     if (c.triad != Triad::gyro || (c.term != Term::matrix && c.term != Term::quadratic && c.term != Term::cubic)) continue;
     matrix.push_back(i);
-    if (c.term != Term::matrix || c.row != c.column) continue;
+    if (!is_scale(c)) continue;
     const CoefficientIndex index = indices_[static_cast<std::size_t>(i)];
     const bool known = std::sqrt(covariance(i, i)) < kernel::needed_sigma(c, parameters.sigma[i]);
     runaway = runaway || (!known && std::abs(coefficient_value(model_, index) - coefficient_value(prior_, index)) > away * parameters.sigma[i]);
@@ -132,21 +162,17 @@ std::vector<Index> RestProblem::runaway_gyro_matrix(const kernel::Parameters& pa
 
 bool RestProblem::widen_priors(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) {
   const auto n = std::ssize(indices_);
-  const VectorXd unit = parameters.sigma.head(n).cwiseInverse();
-  VectorXd in_sigmas = unit;
-  for (Index i = 0; i < n; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    in_sigmas[i] *= roles_[k] == kernel::Role::estimated ? coefficient_value(model_, indices_[k]) - coefficient_value(prior_, indices_[k]) : 0;
-  }
-  const std::vector<std::string> names =
-      kernel::widen_priors(sizes_, indices_, in_sigmas, unit.asDiagonal() * covariance.topLeftCorner(n, n) * unit.asDiagonal());
+  VectorXd moved = coefficient_values(model_, indices_) - coefficient_values(prior_, indices_);
+  for (Index i = 0; i < n; ++i)
+    if (roles_[static_cast<std::size_t>(i)] != kernel::Role::estimated) moved[i] = 0;
+  const std::vector<std::string> names = kernel::widen_priors(sizes_, indices_, moved, parameters.sigma.head(n), covariance.topLeftCorner(n, n));
   for (const std::string& name : names)
     if (std::find(widened_.begin(), widened_.end(), name) == widened_.end()) widened_.push_back(name);
   return !names.empty();
 }
 
-VectorXd RestProblem::longest_coefficient_step(Index size) const {
-  VectorXd longest = VectorXd::Constant(size, kernel::no_prior);
+VectorXd RestProblem::longest_step(Index nuisances) const {
+  VectorXd longest = VectorXd::Constant(std::ssize(indices_) + nuisances, kernel::no_prior);
   for (std::size_t i = 0; i < indices_.size(); ++i)
     if (const Coefficient& c = coefficient(indices_[i]); !is_optional(c.term)) longest[static_cast<Index>(i)] = prior_sigma(c);
   return longest;
@@ -160,7 +186,7 @@ void RestProblem::release() {
   for (std::size_t i = 0; i < roles_.size(); ++i) roles_[i] = unstated_[i] ? kernel::Role::considered : kernel::Role::estimated;
 }
 
-void RestProblem::correct_coefficients(const VectorXd& correction) {
+void RestProblem::correct(const VectorXd& correction) {
   for (std::size_t i = 0; i < indices_.size(); ++i)
     set_coefficient(model_, indices_[i], coefficient_value(model_, indices_[i]) + correction[static_cast<Index>(i)]);
 }
@@ -186,11 +212,15 @@ void RestProblem::add_derivatives(Conditions& c, Index row, Triad triad, const R
   }
 }
 
-SuspectRows RestProblem::rest_suspect(const Conditions& conditions, std::size_t k) const {
-  SuspectRows suspect{fmt::format("the rest at {:.1f} s", rests_[k].mid_s), {}, rests_[k].begin_s, rests_[k].end_s};
-  const CovarianceBlock& block = conditions.blocks[k];
-  for (Index row = block.first; row < block.first + block.size; ++row) suspect.rows.push_back(row);
-  return suspect;
+std::vector<SuspectRows> RestProblem::suspects(const Conditions& conditions) const {
+  std::vector<SuspectRows> all;
+  for (std::size_t k = 0; k < rests_.size(); ++k) {
+    SuspectRows& suspect =
+        all.emplace_back(SuspectRows{fmt::format("the rest at {:.1f} s", rests_[k].mid_s), {}, rests_[k].begin_s, rests_[k].end_s});
+    const CovarianceBlock& block = conditions.blocks[k];
+    for (Index row = block.first; row < block.first + block.size; ++row) suspect.rows.push_back(row);
+  }
+  return all;
 }
 
 }  // namespace imulab::rests

@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace imulab::rests {
@@ -22,8 +23,21 @@ struct SuspectRows {
 std::vector<CoefficientIndex> static_coefficients(bool with_gyros);
 std::vector<CoefficientIndex> handheld_coefficients();
 
+/// kernel::chosen_coefficients, once `start.model` has both triads; those of `supplied` that are not chosen are set to their prior. Sets
+/// `start.terms` and `start.named`. Throws TermsError for offsets and scales of counts that are not chosen, too.
+std::vector<CoefficientIndex> choose_coefficients(kernel::RestStart& start, const Session& session, const std::vector<CoefficientIndex>& wanted,
+                                                  const std::vector<CoefficientIndex>& supplied, std::string_view method);
+
+/// A method with unknowns or parts of its own hides what deals with them.
 class RestProblem {
  public:
+  /// The coefficients, then `nuisances` estimated without a prior.
+  kernel::Parameters parameters(Eigen::Index nuisances = 0) const;
+  /// A correction's elements: up to the prior of those that all IMUs have; the equations are straight in the optional terms, which are small.
+  Eigen::VectorXd longest_step(Eigen::Index nuisances = 0) const;
+  void correct(const Eigen::VectorXd& correction);
+  /// Every rest, with the rows of its own block.
+  std::vector<SuspectRows> suspects(const Conditions& conditions) const;
   /// These terms go back to their prior value and stay there: considered.
   void hold(const std::vector<Eigen::Index>& unseen);
   /// They are estimated again: rests to come may show them.
@@ -49,14 +63,11 @@ class RestProblem {
   const std::vector<std::string>& widened() const { return widened_; }
   const SensorModel& model() const { return model_; }  ///< of scaled readings
   const SensorModel& prior() const { return prior_; }
+  const Scaling& scaling() const { return scaling_; }
+  double relative_gravity_sigma() const { return relative_gravity_sigma_; }
 
  protected:
   RestProblem(const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices);
-  /// The coefficients, then `nuisances` estimated without a prior.
-  kernel::Parameters parameters(Eigen::Index nuisances) const;
-  /// A correction's elements: up to the prior of those that all IMUs have; the equations are straight in the optional terms, which are small.
-  Eigen::VectorXd longest_coefficient_step(Eigen::Index parameters) const;
-  void correct_coefficients(const Eigen::VectorXd& correction);
   /// Specific force and rate that the model gives at a rest.
   Vector3d force_at(const RestMeans& rest) const { return output(model_.accel, scaling_.accel(rest.accel)); }
   Vector3d rate_at(const RestMeans& rest) const;
@@ -64,11 +75,9 @@ class RestProblem {
   Matrix3d rate_covariance(const RestMeans& rest, double spread) const;
   /// Adds the derivatives of rows by the coefficients of a triad, from those by the force (accelerometers) or the rate (gyros) at a rest.
   void add_derivatives(Conditions& c, Eigen::Index row, Triad triad, const RestMeans& rest, const Eigen::MatrixXd& by_output) const;
-  /// The k-th rest with the rows of its own block.
-  SuspectRows rest_suspect(const Conditions& conditions, std::size_t k) const;
 
   std::vector<RestMeans> rests_;
-  double gravity_;
+  double gravity_, relative_gravity_sigma_;
   std::optional<double> latitude_;
   Scaling scaling_;
   MeanNoise noise_;  ///< scaled

@@ -1,7 +1,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
 #include "imulab/estimate/kernel/coarse.hpp"
-#include "imulab/estimate/kernel/input.hpp"
+#include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/estimate/rests/fit.hpp"
 #include "imulab/estimate/rests/rests.hpp"
 #include "imulab/estimate/rests/static_problem.hpp"
@@ -48,15 +48,13 @@ GyroStart start_gyro(const RestStart& start, const Recording& recording, const S
   if (const double noise = mean_noise(start, Matrix3d::Identity()); !counts && noise > resolvable_part * earth_rate) return not_resolved(noise);
   // The headings are found from the horizontal part, which vanishes at a pole.
   if (std::cos(*site.latitude) < resolvable_part) return {{}, "the latitude is too near a pole for the horizontal part of Earth's rate to be seen"};
-  std::vector<Vector3d> readings, up;
-  for (const RestMeans& rest : start.rests) readings.push_back(start.gyro(rest)), up.push_back(start.up(rest));
-  const auto coarse = kernel::coarse_gyro_at_rest(readings, up, earth_rate * std::sin(*site.latitude));
+  const auto coarse = kernel::coarse_gyro_at_rest(start.rests, start.model, start.scaling, earth_rate * std::sin(*site.latitude));
   if (!coarse) return {{}, "twelve or more rests in different directions away from the equator are needed for the gyros"};
   if (!counts && !kernel::near_identity(coarse->matrix))
     return {{}, "what they read at rest is not Earth's rate as gyros in rad/s see it: are the latitude (and its sign), the axes and the unit right?"};
   double misfit = 0;  // mean square of what the solution misses of the size of Earth's rate
-  for (const Vector3d& reading : readings)
-    misfit += std::pow((coarse->offset + coarse->matrix * reading).norm() - earth_rate, 2) / static_cast<double>(readings.size());
+  for (const RestMeans& rest : start.rests)
+    misfit += std::pow((coarse->offset + coarse->matrix * start.gyro(rest)).norm() - earth_rate, 2) / static_cast<double>(start.rests.size());
   const double error = std::max(mean_noise(start, coarse->matrix), std::sqrt(misfit));
   return error > resolvable_part * earth_rate ? not_resolved(error) : GyroStart{coarse, {}};
 }
@@ -85,10 +83,7 @@ namespace {
 /// Rests alone do not tell a reversed or swapped axis. The gyros do, where the motion between the rests shows theirs at right angles.
 void check_axes(RestStart& start, const Recording& recording) {
   const auto in_motion = kernel::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
-  if (!in_motion || !(std::abs(in_motion->determinant()) > 0)) return;
-  const Matrix3d axes = in_motion->rowwise().normalized();
-  constexpr double oblique = 0.2;  // misalignments are below a few percent; gyros that do not turn with the accelerometers give any matrix
-  if ((axes * axes.transpose() - Matrix3d::Identity()).cwiseAbs().maxCoeff() > oblique) return;
+  if (!in_motion || !(std::abs(in_motion->determinant()) > 0) || kernel::is_oblique(*in_motion)) return;
   if (const std::string wrong = wrong_axes(*in_motion); !wrong.empty())
     start.findings.doubt(wrong + ", as gravity turns in the IMU; check the order and the signs of both triads' columns");
 }
@@ -101,18 +96,17 @@ CalibrationResult calibrate_static(const CalibrationInput& input, const Calibrat
   const Session& session = input.session;
   const bool with_gyros = start_gyros_at_rest(start, recording, session);
   check_axes(start, recording);
-  kernel::expect_terms(start, session.imu, session.site.gravity());
-  const std::vector<CoefficientIndex> indices = kernel::choose_coefficients(start, options.terms, static_coefficients(with_gyros), "static");
+  const std::vector<CoefficientIndex> indices = choose_coefficients(start, session, options.terms, static_coefficients(with_gyros), "static");
 
   auto cleaned = kernel::drop_suspects(SuspectFit(StaticProblem(start, session.site, indices, with_gyros)), options.outlier_level);
-  const Fit fit = fit_determined(cleaned.fit.problem);
+  StaticProblem& problem = cleaned.fit.problem;
+  const Fit fit = fit_determined(problem);
 
-  CalibrationResult result{.calibration = calibration_of("static", start, cleaned.fit.problem, fit, session)};
-  add_parts(result.calibration.quality, cleaned.fit.problem.suspects(fit.conditions), fit, cleaned.fit.dropped);
-  result.calibration.quality.term_tests = test_terms(cleaned.fit.problem, fit, options.significance);
-  start.findings.note(fmt::format("{} rests were used", cleaned.fit.problem.rests().size()));
-  add_findings(start.findings, result.calibration, cleaned.fit.problem, fit, curvature(cleaned.fit.problem, fit), session.site, cleaned.dropped,
-               start.rests.size());
+  CalibrationResult result{.calibration = calibration_of("static", problem, fit, session)};
+  add_parts(result.calibration.quality, problem.suspects(fit.conditions), fit, cleaned.fit.dropped);
+  result.calibration.quality.term_tests = test_terms(problem, fit, options.significance);
+  start.findings.note(fmt::format("{} rests were used", problem.rests().size()));
+  add_findings(start.findings, result.calibration, problem, fit, curvature(problem, fit), session.site, cleaned.dropped, start.rests.size());
   kernel::conclude(result.calibration, start.findings);
   return result;
 }

@@ -49,10 +49,4 @@ void StaticProblem::add_rest(Conditions& c, Index row, const RestMeans& rest, co
       {row, rows, by_force * force_covariance(rest, spreads[0]) * by_force.transpose() + by_rate * rate_noise * by_rate.transpose(), {}});
 }
 
-std::vector<SuspectRows> StaticProblem::suspects(const Conditions& conditions) const {
-  std::vector<SuspectRows> all;
-  for (std::size_t k = 0; k < rests_.size(); ++k) all.push_back(rest_suspect(conditions, k));
-  return all;
-}
-
 }  // namespace imulab::rests

@@ -16,10 +16,6 @@ class StaticProblem : public RestProblem {
   StaticProblem(const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices, bool with_gyros);
 
   Conditions conditions(const Spreads& spreads) const;
-  kernel::Parameters parameters() const { return RestProblem::parameters(0); }
-  Eigen::VectorXd longest_step() const { return longest_coefficient_step(parameters().size()); }
-  void correct(const Eigen::VectorXd& correction) { correct_coefficients(correction); }
-  std::vector<SuspectRows> suspects(const Conditions& conditions) const;
   void drop(std::size_t suspect) { rests_.erase(rests_.begin() + static_cast<std::ptrdiff_t>(suspect)); }
 
  private:

@@ -1,8 +1,6 @@
 #include "imulab/estimate/turntable/estimator.hpp"
 
-#include "imulab/core/statistics.hpp"
 #include "imulab/estimate/kernel/information.hpp"
-#include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/kernel/suspects.hpp"
 #include "imulab/model/forward_model.hpp"
 #include "imulab/rig/table_readings.hpp"
@@ -11,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace imulab::turntable {
 
@@ -35,7 +32,7 @@ VectorXd prior_sigmas(const SensorModel& nominal, const std::optional<kernel::Pr
   VectorXd v = VectorXd::Zero(Forward::all);
   for (const CoefficientIndex index : coefficient_indices()) {
     const Coefficient& c = coefficient(index);
-    const Matrix3d& matrix = c.triad == Triad::accel ? nominal.accel.matrix : nominal.gyro.matrix;
+    const Matrix3d& matrix = triad_model(nominal, c.triad).matrix;
     const kernel::PriorSizes& sizes = is_optional(c.term) ? optional.value_or(prior_sizes) : prior_sizes;
     if (c.term == Term::offset || c.term == Term::matrix || c.term == Term::g_sensitivity)
       v[Forward::of(c)] = kernel::prior_sigma(sizes, c, 1) * (c.triad == Triad::accel ? accel : gyro);
@@ -45,6 +42,8 @@ VectorXd prior_sigmas(const SensorModel& nominal, const std::optional<kernel::Pr
   v.segment<3>(Forward::turning_bias) = v.segment<3>(Forward::gyro_offset);
   return v;
 }
+
+bool is_among(const std::vector<Index>& places, Index place) { return std::find(places.begin(), places.end(), place) != places.end(); }
 
 bool of_site(const ErrorSource& source) {
   return source.kind == ErrorSource::Kind::gravity || source.kind == ErrorSource::Kind::latitude || source.kind == ErrorSource::Kind::earth;
@@ -67,19 +66,6 @@ MatrixXd noise_of(const TableMotion& motion, const RawNoise& noise, const Enlarg
 }
 
 }  // namespace
-
-MatrixXd raw_slow_noise(const TableMotion& motion, const SensorModel& model, const MatrixXd& accel, const MatrixXd& gyro) {
-  if (accel.size() == 0 && gyro.size() == 0) return {};
-  MatrixXd out = MatrixXd::Zero(motion.rows(), motion.rows());
-  const Matrix3d of_accel = raw_density(1, model.accel.matrix), of_gyro = raw_density(1, model.gyro.matrix);
-  for (std::size_t a = 0; a < motion.parts(); ++a)
-    for (std::size_t b = 0; b < motion.parts(); ++b) {
-      const auto row = static_cast<Index>(a), column = static_cast<Index>(b);
-      if (gyro.size() > 0) out.block<3, 3>(motion.gyro_row(a), motion.gyro_row(b)) = gyro(row, column) * of_gyro;
-      if (accel.size() > 0 && motion.is_hold(a) && motion.is_hold(b)) out.block<3, 3>(motion.row(a), motion.row(b)) = accel(row, column) * of_accel;
-    }
-  return out;
-}
 
 Matrix3d raw_density(double density, const Matrix3d& matrix) {
   const Matrix3d inverse = matrix.inverse();
@@ -191,12 +177,12 @@ Estimator::Uncertainty Estimator::uncertainty(const SensorModel& at) const {
   for (Index i = 0; i < std::ssize(terms_); ++i) {
     const CoefficientIndex index = terms_[static_cast<std::size_t>(i)];
     const Index column = Forward::of(coefficient(index));
-    const bool optional = std::find(optional_.begin(), optional_.end(), column) != optional_.end();
-    if (!optional && std::find(open.begin(), open.end(), i) != open.end()) {
+    const bool optional = is_among(optional_, column);
+    if (!optional && is_among(open, i)) {
       out.undetermined.push_back(index);
       continue;
     }
-    if (optional && std::find(known_.begin(), known_.end(), column) == known_.end()) out.considered.push_back(index);
+    if (optional && !is_among(known_, column)) out.considered.push_back(index);
     out.stated.push_back(index);
     stated.push_back(i);
   }
@@ -235,24 +221,21 @@ double Estimator::chi2(const VectorXd& readings) const {
 
 /// Each term with a prior brings one observation of itself.
 int Estimator::degrees_of_freedom() const {
-  const auto free = std::count_if(known_.begin(), known_.end(),
-                                  [&](Index column) { return std::find(optional_.begin(), optional_.end(), column) == optional_.end(); });
+  const auto free = std::count_if(known_.begin(), known_.end(), [&](Index column) { return !is_among(optional_, column); });
   return static_cast<int>((weight_.array() > 0).count()) - static_cast<int>(free);
 }
 
-std::pair<VectorXd, MatrixXd> Estimator::unexplained(const VectorXd& readings) const {
-  // z = S^-1 residual, with covariance B = S^-1 - S^-1 X P X^T S^-1.
-  const MatrixXd inverse = factor_.solve_lower(MatrixXd(MatrixXd::Identity(weight_.size(), weight_.size())));
+Estimator::Unexplained Estimator::unexplained(const VectorXd& readings) const {
+  const MatrixXd inverse = factor_.solve_lower(MatrixXd::Identity(weight_.size(), weight_.size()));
   const MatrixXd projected = inverse.transpose() * white_;
-  return {inverse.transpose() * whitened(readings - design_ * solve(readings)),
-          inverse.transpose() * inverse - projected * free_covariance_ * projected.transpose()};
+  Unexplained out{inverse.transpose() * whitened(readings - design_ * solve(readings)), {}, inverse.transpose() * inverse};
+  out.covariance = out.unfitted - projected * free_covariance_ * projected.transpose();
+  return out;
 }
 
 std::vector<double> Estimator::log_probabilities(const VectorXd& readings) const {
   // Leaving rows out lowers chi-square by z^T B^-1 z of these rows.
-  const auto [z, covariance] = unexplained(readings);
-  const MatrixXd inverse = factor_.solve_lower(MatrixXd(MatrixXd::Identity(weight_.size(), weight_.size())));
-  const MatrixXd unfitted = inverse.transpose() * inverse;
+  const auto [z, covariance, unfitted] = unexplained(readings);
   std::vector<double> out;
   for (std::size_t k = 0; k < motion_.parts(); ++k) {
     const Index row = motion_.row(k), size = motion_.size(k);
@@ -265,15 +248,13 @@ std::vector<double> Estimator::log_probabilities(const VectorXd& readings) const
 }
 
 Vector3d Estimator::variance_ratios(const VectorXd& readings) const {
-  const auto [z, covariance] = unexplained(readings);
+  const Unexplained u = unexplained(readings);
   const VectorXd accel = (by_bias(motion_).leftCols<3>().array() != 0).cast<double>().rowwise().sum();
   VectorXd of_table = table_sigma_;
   for (Index k = 0; k < of_table.size(); ++k)
     if (of_site(motion_.sources()[static_cast<std::size_t>(k)])) of_table[k] = 0;
   const MatrixXd noise = weight_.asDiagonal() * noise_ * weight_.asDiagonal(), table = weight_.asDiagonal() * table_jacobian_ * of_table.asDiagonal();
-  const auto ratio = [&z = z, &covariance = covariance](const MatrixXd& variance) {
-    return z.dot(variance * z) / covariance.cwiseProduct(variance).sum();
-  };
+  const auto ratio = [&](const MatrixXd& variance) { return u.z.dot(variance * u.z) / u.covariance.cwiseProduct(variance).sum(); };
   const VectorXd gyro = VectorXd::Ones(accel.size()) - accel;
   return {ratio(accel.asDiagonal() * noise * accel.asDiagonal()), ratio(gyro.asDiagonal() * noise * gyro.asDiagonal()),
           ratio(table * table.transpose())};

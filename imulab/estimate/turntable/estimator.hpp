@@ -10,13 +10,9 @@
 #include <Eigen/Core>
 
 #include <optional>
-#include <utility>
 #include <vector>
 
 namespace imulab::turntable {
-
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
 
 /// By which the declared or measured standard deviations are enlarged.
 struct Enlargement {
@@ -41,8 +37,6 @@ struct RawNoise {
   Matrix3d accel, gyro;       ///< white, raw^2/Hz
   Eigen::MatrixXd slow = {};  ///< of the holds' means and turns' sums, from noise that is not white; empty: none
 };
-/// With the declared slow noise of both triads, as `slow_noise` gives it.
-Eigen::MatrixXd raw_slow_noise(const TableMotion& motion, const SensorModel& model, const Eigen::MatrixXd& accel, const Eigen::MatrixXd& gyro);
 
 class Estimator {
  public:
@@ -96,7 +90,7 @@ class Estimator {
   int degrees_of_freedom() const;
   /// By accelerometers' noise, gyros' noise and table errors: the variance that the residuals show over the one they were given (restricted maximum
   /// likelihood: at its solution each that is not at its bound is 1). NaN where the readings show nothing of it.
-  Eigen::Vector3d variance_ratios(const Eigen::VectorXd& readings) const;
+  Vector3d variance_ratios(const Eigen::VectorXd& readings) const;
   /// By part, the RMS of its residuals in the standard deviations of noise and table errors.
   std::vector<double> part_residuals(const Eigen::VectorXd& readings) const;
   /// Of the normal equations; 0 where nothing is determined.
@@ -106,8 +100,13 @@ class Estimator {
 
  private:
   void set_weights(const EstimatorOptions& options);
-  /// S^-1 residual and its covariance, weighted.
-  std::pair<Eigen::VectorXd, Eigen::MatrixXd> unexplained(const Eigen::VectorXd& readings) const;
+  /// What the fit leaves of the readings, weighted.
+  struct Unexplained {
+    Eigen::VectorXd z;           ///< S^-1 residual
+    Eigen::MatrixXd covariance;  ///< of z: B = S^-1 - S^-1 X P X^T S^-1
+    Eigen::MatrixXd unfitted;    ///< that without a fit: S^-1
+  };
+  Unexplained unexplained(const Eigen::VectorXd& readings) const;
   void set_gains(bool all_optional);
   Eigen::MatrixXd whitened(const Eigen::MatrixXd& readings) const;
 

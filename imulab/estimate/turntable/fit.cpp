@@ -3,7 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/estimate/turntable/slow_noise.hpp"
+#include "imulab/estimate/kernel/slow_noise.hpp"
 #include "imulab/recording/declared_noise.hpp"
 
 #include <Eigen/LU>
@@ -16,12 +16,13 @@
 namespace imulab::turntable {
 
 using Eigen::Index;
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
 
 /// Root of the sum of squares of columns about their mean.
-double spread(const Eigen::MatrixXd& columns) { return columns.size() == 0 ? 0 : (columns.colwise() - columns.rowwise().mean().eval()).norm(); }
+double spread(const MatrixXd& columns) { return columns.size() == 0 ? 0 : (columns.colwise() - columns.rowwise().mean().eval()).norm(); }
 
 /// Readings in counts start from the size of what they read; SI readings from themselves.
 SensorModel starting_model(const Problem& problem) {
@@ -30,7 +31,7 @@ SensorModel starting_model(const Problem& problem) {
   const VectorXd truth = motion.truth(motion.nominal());
   const VectorXd& readings = problem.seen.readings;
   const auto motions = truth.reshaped(6, holds + turns);  // forces, then rates
-  const auto scale = [](const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs) {
+  const auto scale = [](const MatrixXd& inputs, const MatrixXd& outputs) {
     const double input = spread(inputs), output = spread(outputs);
     return input > 0 && output > 0 ? input / output : 1;
   };
@@ -39,6 +40,44 @@ SensorModel starting_model(const Problem& problem) {
     start.accel.matrix *= scale(motions.topLeftCorner(3, holds), readings.head(6 * holds).reshaped(6, holds).topRows(3));
   if (problem.seen.gyro_unit == "count") start.gyro.matrix *= scale(motions.bottomRightCorner(3, turns), readings.tail(3 * turns).reshaped(3, turns));
   return start;
+}
+
+/// Covariance of a part's mean (holds) or integral (turns) on one axis, in the unit of the noise; parts x parts: quantization, and bias instability,
+/// walk and ramp about their mean over all parts, which belongs to the offset of this recording. Empty where no such noise is declared.
+MatrixXd slow_noise(const TableMotion& motion, const NoiseModel& noise, double interval_s) {
+  const auto parts = static_cast<Index>(motion.parts());
+  std::vector<kernel::TimeSpan> times;
+  VectorXd duration(parts), gain(parts);
+  for (std::size_t k = 0; k < motion.parts(); ++k) {
+    const auto i = static_cast<Index>(k);
+    times.push_back({motion.begin(k), motion.end(k)});
+    duration[i] = motion.end(k) - motion.begin(k), gain[i] = motion.gain(k);
+  }
+  const double start = parts == 0 ? 0 : std::min_element(times.begin(), times.end(), [](auto& a, auto& b) { return a.begin < b.begin; })->begin;
+  for (kernel::TimeSpan& t : times) t.begin -= start, t.end -= start;
+  MatrixXd out = kernel::slow_noise(times, noise, interval_s);
+  if (out.size() > 0) {
+    const MatrixXd about_mean = MatrixXd::Identity(parts, parts) - VectorXd::Ones(parts) * duration.transpose() / duration.sum();
+    out = about_mean * out * about_mean.transpose();
+  } else if (noise.Q > 0) {
+    out.setZero(parts, parts);
+  }
+  if (noise.Q > 0) out.diagonal().array() += 2 * noise.Q * noise.Q / duration.array().square();  // the integral's error at both ends
+  return out.size() > 0 ? MatrixXd(gain.asDiagonal() * out * gain.asDiagonal()) : out;
+}
+
+/// That of both triads in raw readings.
+MatrixXd raw_slow_noise(const TableMotion& motion, const SensorModel& model, const MatrixXd& accel, const MatrixXd& gyro) {
+  if (accel.size() == 0 && gyro.size() == 0) return {};
+  MatrixXd out = MatrixXd::Zero(motion.rows(), motion.rows());
+  const Matrix3d of_accel = raw_density(1, model.accel.matrix), of_gyro = raw_density(1, model.gyro.matrix);
+  for (std::size_t a = 0; a < motion.parts(); ++a)
+    for (std::size_t b = 0; b < motion.parts(); ++b) {
+      const auto row = static_cast<Index>(a), column = static_cast<Index>(b);
+      if (gyro.size() > 0) out.block<3, 3>(motion.gyro_row(a), motion.gyro_row(b)) = gyro(row, column) * of_gyro;
+      if (accel.size() > 0 && motion.is_hold(a) && motion.is_hold(b)) out.block<3, 3>(motion.row(a), motion.row(b)) = accel(row, column) * of_accel;
+    }
+  return out;
 }
 
 /// The noise declared, or as the holds' samples show it; a stuck or coarsely quantized axis shows none, and a hundred-millionth of the scale keeps
@@ -59,12 +98,8 @@ bool left_handed(const SensorModel& model) { return model.accel.matrix.determina
 /// Whether no stated coefficient changed by more than its uncertainty.
 bool close(const Estimator& estimator, const SensorModel& before, const SensorModel& after) {
   const Estimator::Uncertainty uncertainty = estimator.uncertainty(after);
-  for (std::size_t i = 0; i < uncertainty.stated.size(); ++i) {
-    const double change = coefficient_value(after, uncertainty.stated[i]) - coefficient_value(before, uncertainty.stated[i]);
-    const auto at = static_cast<Index>(i);
-    if (!(change * change <= uncertainty.covariance(at, at))) return false;
-  }
-  return true;
+  const VectorXd change = coefficient_values(after, uncertainty.stated) - coefficient_values(before, uncertainty.stated);
+  return (change.cwiseAbs2().array() <= uncertainty.covariance.diagonal().array()).all();
 }
 
 /// The steps with the sense of one axis reversed.

@@ -20,7 +20,7 @@ struct Problem {
   ImuDeclaration imu;
   Site site;
   TableMotion motion;
-  Eigen::MatrixXd accel_slow_noise, gyro_slow_noise;  ///< declared, as `slow_noise` gives it
+  Eigen::MatrixXd accel_slow_noise, gyro_slow_noise;  ///< declared: of each part's mean or integral on one axis, in the unit of the noise
 };
 
 /// A fit of a problem, which outlives it. Of its parts (holds, then turns) any may be wrong.

@@ -1,6 +1,7 @@
 #include "imulab/estimate/turntable/prediction.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/turntable/terms.hpp"
 #include "imulab/model/forward_model.hpp"
 #include "imulab/recording/declared_noise.hpp"
@@ -120,9 +121,7 @@ using Moments = Eigen::MatrixX3d;
 }  // namespace
 
 Plan plan_of(const Session& procedure, const std::vector<CoefficientIndex>& terms) {
-  if (procedure.recordings.size() > 1)
-    throw Error(fmt::format("{}: {} recordings; expected a procedure with one", procedure.file, procedure.recordings.size()));
-  const RecordingSource source = procedure.recordings.empty() ? RecordingSource{} : procedure.recordings.front();
+  const RecordingSource source = kernel::only_source(procedure);
   Plan plan;
   plan.rig = turntable_of(procedure, source.file);
   plan.parts = table_plan(procedure, source.file);
@@ -131,13 +130,7 @@ Plan plan_of(const Session& procedure, const std::vector<CoefficientIndex>& term
     if (const double samples = (hold.end - hold.begin) * source.rate_hz.value_or(INFINITY); samples < 2)
       throw Error(fmt::format("{}: {}: {:.2g} samples at {:g} Hz; expected two or more", procedure.file,
                               step_name(plan.parts.steps[hold.step], hold.step), samples, *source.rate_hz));
-  const NoiseModels noise = [&] {
-    try {
-      return declared_noise(procedure.imu);
-    } catch (const Error& e) {
-      throw Error(fmt::format("{}: {}", procedure.file, e.what()));
-    }
-  }();
+  const NoiseModels noise = errors_at(procedure.file, [&] { return declared_noise(procedure.imu); });
   plan.accel_noise = noise.accel;
   plan.gyro_noise = noise.gyro;
   if (!(noise.accel.N > 0) || !(noise.gyro.N > 0))
@@ -187,12 +180,8 @@ MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t
   const ReadingsSampler sampler(motion, {plan.accel_noise.turn_on, plan.gyro_noise.turn_on}, estimator.noise(), seed,
                                 plan.optional ? estimator.optional_sigma() : VectorXd());
   const std::vector<CoefficientIndex> coefficients = estimator.uncertainty({}).stated;
-  const auto n = static_cast<Index>(coefficients.size());
-  const auto values = [&](const SensorModel& model) {
-    VectorXd v(n);
-    std::transform(coefficients.begin(), coefficients.end(), v.begin(), [&](CoefficientIndex index) { return coefficient_value(model, index); });
-    return v;
-  };
+  const Index n = std::ssize(coefficients);
+  const auto values = [&](const VectorXd& columns) { return coefficient_values(backward(columns), coefficients); };
   const VectorXd bias = estimator.second_order({}, coefficients).bias;
 
   constexpr std::uint64_t least_block = 128, most_parts = 1 << 16;  // a checkpoint keeps a kilobyte of each part
@@ -204,7 +193,7 @@ MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t
     const MatrixXd drawn = sampler.drawn_columns(begin, static_cast<Index>(count));
     Moments sum = Moments::Zero(n, 3);
     for (Index run = 0; run < found.cols(); ++run) {
-      const VectorXd error = values(backward(found.col(run))) - values(backward(drawn.col(run))) - bias, square = error.cwiseAbs2();
+      const VectorXd error = values(found.col(run)) - values(drawn.col(run)) - bias, square = error.cwiseAbs2();
       sum.col(0) += error, sum.col(1) += square, sum.col(2) += square.cwiseAbs2();
     }
     return bytes_of(sum.data(), static_cast<std::size_t>(sum.size()));

@@ -16,6 +16,9 @@ using Eigen::Index;
 
 namespace {
 
+/// The factor that counts as perfect: a millionth of the table's errors or of the timing; a hundredth of the noise (weights need some) and of all.
+double perfect_factor(Knob knob) { return knob == Knob::table || knob == Knob::timing ? 1e-6 : 1e-2; }
+
 /// The declared sizes, or where there is none one that a factor can be found for.
 Plan with_something_to_scale(Plan plan) {
   const ErrorSizes declared = error_sizes(plan);
@@ -119,8 +122,6 @@ Plan scaled(Plan plan, Knob knob, double factor) {
   plan.parts = table_plan(plan.parts.steps, plan.rig);
   return plan;
 }
-
-double perfect_factor(Knob knob) { return knob == Knob::table || knob == Knob::timing ? 1e-6 : 1e-2; }
 
 double largest_factor(const Plan& plan, Knob knob) {
   const ErrorSizes s = error_sizes(with_something_to_scale(plan));

@@ -38,8 +38,6 @@ struct Tolerance {
   std::vector<Shortfall> shortfalls;  ///< where none meets them: with a perfect one
 };
 
-/// The factor that is taken as perfect: a millionth of the table's errors or of the timing; a hundredth of the noise (weights need some) and of all.
-double perfect_factor(Knob knob);
 /// The largest factor tried, at least 1: a table of 10 arcmin (beyond, the third order matters), turns late by 10 s, or by the time at which five
 /// sigmas are a quarter of the shortest hold, noise a million times the declared.
 double largest_factor(const Plan& plan, Knob knob);

@@ -18,7 +18,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <tuple>
 
 namespace imulab::turntable {
 
@@ -42,7 +41,8 @@ struct TriadView {
 };
 
 std::array<TriadView, 2> triads(const Problem& problem, const SensorModel& model) {
-  const auto& [seen, imu] = std::tie(problem.seen, problem.imu);
+  const TableObservations& seen = problem.seen;
+  const ImuDeclaration& imu = problem.imu;
   return {{{Triad::accel, "accelerometers", seen.accel_unit, imu.accel_noise_density, seen.accel_density, model.accel.matrix},
            {Triad::gyro, "gyros", seen.gyro_unit, imu.gyro_noise_density, seen.gyro_density, model.gyro.matrix}}};
 }
@@ -74,22 +74,20 @@ Vector3d sensor_offset(const TriadModel& triad, std::string_view unit) {
 /// Wald's tests of the optional terms that are estimated: they only report.
 std::vector<TermTest> tests_of_terms(const Fit& fit, double significance) {
   const Estimator::Uncertainty uncertainty = fit.estimator.uncertainty(fit.model);
-  VectorXd values(uncertainty.covariance.rows());
-  for (Index i = 0; i < values.size(); ++i) values[i] = coefficient_value(fit.model, uncertainty.stated[static_cast<std::size_t>(i)]);
+  const VectorXd values = coefficient_values(fit.model, uncertainty.stated);
   const VectorXd prior = fit.estimator.prior_sigma(fit.model, uncertainty.stated);
   std::vector<TermTest> tests;
   for (const char* term : {"gyro.g_sensitivity", "accel.quadratic", "accel.cubic", "gyro.quadratic", "gyro.cubic"}) {
-    kernel::TermGroup group{term, {}};
-    const std::vector<CoefficientIndex> members = select_coefficients(term);
+    const std::vector<CoefficientIndex> of_term = select_coefficients(term);
+    std::vector<Index> members;
     for (Index i = 0; i < values.size(); ++i)
       if (const CoefficientIndex index = uncertainty.stated[static_cast<std::size_t>(i)];
-          contains(members, index) && !contains(uncertainty.considered, index))
-        group.members.push_back(i);
-    if (group.members.empty()) continue;
-    tests.push_back(fit.options.optional
-                        ? kernel::wald_without_prior(term, values(group.members), uncertainty.covariance(group.members, group.members),
-                                                     prior(group.members), significance)
-                        : kernel::wald(group, values, uncertainty.covariance, significance));
+          contains(of_term, index) && !contains(uncertainty.considered, index))
+        members.push_back(i);
+    if (members.empty()) continue;
+    const Eigen::MatrixXd covariance = uncertainty.covariance(members, members);
+    tests.push_back(fit.options.optional ? kernel::wald_without_prior(term, values(members), covariance, prior(members), significance)
+                                         : kernel::wald(term, values(members), covariance, significance));
   }
   return tests;
 }
@@ -141,11 +139,9 @@ std::optional<Fit> under_wider_priors(const Problem& problem, EstimatorOptions o
   for (int round = 0; round < most_rounds; ++round) {
     const Fit trial = fit(problem, options);
     const Estimator::Uncertainty uncertainty = trial.estimator.uncertainty(trial.model);
-    const VectorXd unit = trial.estimator.prior_sigma(trial.model, uncertainty.stated).cwiseInverse();
-    VectorXd in_sigmas = unit;
-    for (Index i = 0; i < unit.size(); ++i) in_sigmas[i] *= coefficient_value(trial.model, uncertainty.stated[static_cast<std::size_t>(i)]);
     const std::vector<std::string> more =
-        kernel::widen_priors(*options.optional, uncertainty.stated, in_sigmas, unit.asDiagonal() * uncertainty.covariance * unit.asDiagonal());
+        kernel::widen_priors(*options.optional, uncertainty.stated, coefficient_values(trial.model, uncertainty.stated),
+                             trial.estimator.prior_sigma(trial.model, uncertainty.stated), uncertainty.covariance);
     if (more.empty()) break;
     widened.insert(widened.end(), more.begin(), more.end());
   }

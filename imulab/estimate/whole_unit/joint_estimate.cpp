@@ -87,7 +87,7 @@ std::vector<TermTest> choose_terms(Problem& problem, double significance) {
     const double with = kernel::cross_validation(parts, all, parameters);
     std::vector<TermTest> tests;
     for (const TermGroup& group : groups) {
-      TermTest& t = tests.emplace_back(kernel::wald(group, values, s.covariance, significance));
+      TermTest& t = tests.emplace_back(kernel::wald(group.name, values(group.members), s.covariance(group.members, group.members), significance));
       kernel::Parameters without = parameters;
       for (const Index i : group.members) without.role[static_cast<std::size_t>(i)] = Role::fixed;
       t.cross_validation_with = with;

@@ -50,7 +50,7 @@ void set_priors(Problem& problem) {
   for (Index i = 0; i < problem.prior_sigma.size(); ++i) {
     const Coefficient& c = coefficient(problem.coefficients[static_cast<std::size_t>(i)]);
     const ThermalRange& thermal = problem.points.thermal[c.triad == Triad::accel ? 0 : 1];
-    const TriadModel& triad = c.triad == Triad::accel ? problem.start.accel : problem.start.gyro;
+    const TriadModel& triad = triad_model(problem.start, c.triad);
     const int axis = c.term == Term::matrix ? c.column : c.row;
     const double sigma =
         kernel::prior_sigma(sizes, c, std::abs(triad.matrix(axis, axis)), std::max(thermal.size(), thermal.unit == "raw" ? 1e-6 : 10));

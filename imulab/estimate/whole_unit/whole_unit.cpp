@@ -26,8 +26,8 @@ namespace {
 void check_units(const Problem& problem) {
   for (std::size_t k = 0; k < problem.role.size(); ++k) {
     const Coefficient& c = coefficient(problem.coefficients[k]);
-    const TriadModel& m = c.triad == Triad::accel ? problem.model.accel : problem.model.gyro;
-    if (problem.role[k] != Role::estimated || c.term != Term::matrix || c.row != c.column || m.raw_unit == "count") continue;
+    const TriadModel& m = triad_model(problem.model, c.triad);
+    if (problem.role[k] != Role::estimated || !is_scale(c) || m.raw_unit == "count") continue;
     const double scale = m.matrix(c.row, c.row);
     if (scale > 0.5 && scale < 2) continue;
     const std::string_view unit = kernel::mistaken_unit(c.triad, scale);

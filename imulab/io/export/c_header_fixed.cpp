@@ -150,7 +150,7 @@ double full_scale(const FixedTriad& f, const SensorModel& model, const TriadMode
 }  // namespace
 
 FixedTriad fixed_triad(const SensorModel& model, const Input& in, double range, const FixedTriad* force, const FixedWords& words) {
-  const TriadModel& m = in.triad == Triad::accel ? model.accel : model.gyro;
+  const TriadModel& m = triad_model(model, in.triad);
   FixedTriad f;
   f.words = &words;
   set_range(f, m, in, range);

@@ -139,9 +139,8 @@ namespace {
 std::string spread_row(const CoefficientStatistics& c) {
   const auto in_unit = [&](double value) { return text::number(value / c.size, 2); };
   const Coefficient& k = coefficient(c.index);
-  const std::string mean = k.term == Term::matrix && k.row == k.column
-                               ? text::number(c.fleet.mean, 7)
-                               : text::to_digits_of(0.5 * (c.fleet.mean_high - c.fleet.mean_low) / c.size, c.fleet.mean / c.size);
+  const std::string mean =
+      is_scale(k) ? text::number(c.fleet.mean, 7) : text::to_digits_of(0.5 * (c.fleet.mean_high - c.fleet.mean_low) / c.size, c.fleet.mean / c.size);
   return fmt::format("{:<21} {:>10} {:>7} {:>7} {:>7} {:>8}  {}\n", k.name, mean, in_unit(c.fleet.spread), in_unit(c.fleet.spread_low),
                      in_unit(c.fleet.spread_high), in_unit(c.fleet.measurement), c.unit);
 }

@@ -13,7 +13,7 @@ namespace imulab {
 
 double judged_uncertainty(const Calibration& calibration, CoefficientIndex index) {
   const Coefficient& c = coefficient(index);
-  const TriadModel& triad = c.triad == Triad::accel ? calibration.model.accel : calibration.model.gyro;
+  const TriadModel& triad = triad_model(calibration.model, c.triad);
   if (c.term != Term::offset || triad.raw_unit != "count") return relative_uncertainty(calibration, index);
   return raw_zero(calibration, c.triad).uncertainty[c.row] * std::abs(triad.matrix(c.row, c.row));
 }
