@@ -95,6 +95,7 @@ std::span<const Method> methods() { return all; }
 Prediction prediction_of(const Calibration& calibration) {
   Prediction out{calibration.estimated, {}, calibration.covariance.diagonal().cwiseSqrt(), {}};
   out.cramer_rao = out.sigma;
+  out.frame = calibration.frame;
   for (const std::string& name : calibration.quality.unobservable) out.undetermined.push_back(coefficient_index(name));
   for (const std::string& name : calibration.quality.considered)
     if (const CoefficientIndex index = coefficient_index(name); contains(out.coefficients, index)) out.considered.push_back(index);
@@ -109,7 +110,7 @@ std::vector<Shortfall> shortfalls(const Prediction& p, const std::vector<Require
     for (const CoefficientIndex index : r.coefficients) {
       if (contains(named, index)) continue;
       const auto found = std::find(p.coefficients.begin(), p.coefficients.end(), index);
-      const bool fixed = zero_by_frame(index) && !contains(p.undetermined, index);
+      const bool fixed = p.frame == "accelerometers" && zero_by_frame(index);
       const double sigma = found != p.coefficients.end() ? p.sigma[found - p.coefficients.begin()] : fixed ? 0 : infinite;
       if (sigma <= r.limit) continue;
       out.push_back({r, index, sigma, std::isinf(sigma) ? "the procedure does not determine it" : ""});
@@ -137,7 +138,7 @@ CalibrationResult calibrate(const Method& method, const CalibrationInput& input,
   CalibrationResult result = method.calibrate({session, recordings, input.rests}, options);
   Quality& quality = result.calibration.quality;
   quality.warnings.insert(quality.warnings.begin(), clocks.begin(), clocks.end());
-  for (std::string& contradiction : kernel::contradictions(result.calibration.model, input.recordings.front()))
+  for (std::string& contradiction : kernel::contradictions(result.calibration.model, recordings.front()))
     kernel::add_doubt(quality, std::move(contradiction));
   for (const Recording& recording : recordings)
     if (std::string wrong = kernel::interval_contradiction(recording); !wrong.empty()) kernel::add_doubt(quality, std::move(wrong));

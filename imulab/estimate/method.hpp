@@ -77,6 +77,7 @@ struct Prediction {
   Eigen::VectorXd remaining = {};                 ///< sigma of each of `undetermined`; empty: not known
   std::vector<CoefficientIndex> considered = {};  ///< of `coefficients`: the procedure does not show them; their prior enters the others
   std::vector<std::string> notes = {};            ///< why something is not calibrated
+  std::string frame = "accelerometers";           ///< of the calibration to come: that, or "rig"
 };
 
 /// Of a calibration of ideal readings.

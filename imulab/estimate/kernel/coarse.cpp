@@ -80,6 +80,7 @@ std::optional<Matrix3d> coarse_gyro_in_motion(const Recording& recording, const 
   Eigen::Matrix<double, 9, 1> right = Eigen::Matrix<double, 9, 1>::Zero();
   for (std::size_t k = 0; k + 1 < rests.size(); ++k) {
     for (std::size_t i = rests[k].range.end; i + chunk <= rests[k + 1].range.begin; i += chunk) {
+      if (i < chunk / 4 || i + chunk + chunk / 4 >= recording.size()) continue;  // gravity is not seen around both its ends
       // its angle was not measured, nor is that of a chunk that ends at a gap or follows one
       if (recording.saturated_in({i, i + chunk}) > 0 || recording.gaps_in({i, i + chunk + 1}) > 0) continue;
       const Vector3d begin = up_at(i), end = up_at(i + chunk);

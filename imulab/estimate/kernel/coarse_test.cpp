@@ -86,5 +86,25 @@ TEST(Coarse, GyrosInMotionEndWhateverTheIntervalIs) {
   EXPECT_FALSE(coarse_gyro_in_motion(recording, summarize_rests(recording, {{0, 10}, {30, 40}}), {}, {}));
 }
 
+TEST(Coarse, GyrosInMotionTakeNothingBeyondTheRecording) {
+  // 12 s at 1 kHz of w = (1, -0.7, 0.4) rad/s; gravity is averaged over an eighth of a second, the first and the last rest last a hundredth.
+  const Vector3d rate(1, -0.7, 0.4), down(0, 0, -g);
+  constexpr std::size_t n = 12'000;
+  Recording recording;
+  recording.interval_s = 1e-3;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double t = 1e-3 * static_cast<double>(i), ease = i < 10 || i >= n - 10 ? 0 : 1;
+    const Vector3d turning = ease * Vector3d(rate.x() * std::cos(t), rate.y() * std::sin(0.7 * t), rate.z());
+    recording.time_ns.push_back(static_cast<std::int64_t>(i) * 1'000'000);
+    for (Eigen::Index j = 0; j < 3; ++j) {
+      recording.gyro[static_cast<std::size_t>(j)].push_back(turning[j]);
+      recording.accel[static_cast<std::size_t>(j)].push_back(-down[j] + std::cos(t + static_cast<double>(j)));
+    }
+  }
+  const auto found = coarse_gyro_in_motion(recording, summarize_rests(recording, {{0, 10}, {n - 10, n}}), {}, {});
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(found->allFinite());
+}
+
 }  // namespace
 }  // namespace imulab::kernel

@@ -43,9 +43,9 @@ void warn_of_widened(Findings& findings, std::vector<std::string> terms) {
     findings.warn(term + " is larger than expected of this IMU; the data set its size; check the declared grade and sizes of terms");
 }
 
-void add_dropped(Findings& findings, const std::vector<std::string>& names, std::size_t all) {
+void add_dropped(Findings& findings, const std::vector<std::string>& names, std::size_t all, std::string_view parts) {
   for (const std::string& name : names) findings.warn("dropped as an outlier: " + name);
-  if (5 * names.size() > all) findings.doubt(fmt::format("{} of {} rests and rotations were dropped as outliers", names.size(), all));
+  if (5 * names.size() > all) findings.doubt(fmt::format("{} of {} {} were dropped as outliers", names.size(), all, parts));
 }
 
 void check_gyro_steps(Findings& findings, const MeanNoise& noise) {

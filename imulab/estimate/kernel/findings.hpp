@@ -35,7 +35,7 @@ void note_spread(Findings& findings, std::string_view what, double spread, std::
 void warn_of_widened(Findings& findings, std::vector<std::string> terms);
 
 /// Warns of the parts of the data that were dropped; more than a fifth of `all` is doubtful.
-void add_dropped(Findings& findings, const std::vector<std::string>& names, std::size_t all);
+void add_dropped(Findings& findings, const std::vector<std::string>& names, std::size_t all, std::string_view parts = "rests and rotations");
 
 /// Doubts gyros whose readings come in steps coarser than their noise: at rest they read much the same, so that what a step hides does not average
 /// out.

@@ -165,7 +165,8 @@ JointEstimate joint_estimate(Problem& problem, const CalibrationOptions& options
   fit_determined(problem);
   check_noise(out.findings, problem);
   std::string machine = wrong_machine(problem);  // before its points are dropped
-  kernel::add_dropped(out.findings, drop_bad_points(problem, options.outlier_level), problem.points.all.size());
+  const std::size_t points = problem.points.all.size();
+  kernel::add_dropped(out.findings, drop_bad_points(problem, options.outlier_level), points, "points");
   fit_determined(problem);
   out.scatter = enlarge_noise(problem);
   // Terms that are left out for want of significance may still be there, within their uncertainty: they count in the others' covariance.

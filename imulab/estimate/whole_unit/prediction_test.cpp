@@ -2,6 +2,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
 #include "imulab/model/coefficient.hpp"
+#include "imulab/model/requirement.hpp"
 #include "imulab/rig/procedure.hpp"
 
 #include <gmock/gmock.h>
@@ -21,6 +22,13 @@ TEST(WholeUnitPrediction, WithoutTheCentrifugeTheCubicTermsStayOpen) {
   const Prediction p = predict(session);
   EXPECT_TRUE(contains(p.undetermined, coefficient_index("accel.cubic.x")));
   EXPECT_TRUE(contains(p.coefficients, coefficient_index("gyro.cubic.x")));
+}
+
+TEST(WholeUnitPrediction, OfATermThatIsLeftOutNothingIsMet) {
+  const Prediction p = predict(dai_unit_procedure({}), select_each({"accel.offset", "accel.matrix.diagonal"}));
+  const std::vector<Shortfall> missed = shortfalls(p, parse_requirements("accel.offset.x <= 1 g, accel.matrix.xy <= 1 deg"));
+  ASSERT_EQ(missed.size(), 1u) << "no frame makes it zero: the machines define the axes";
+  EXPECT_EQ(missed.front().coefficient, coefficient_index("accel.matrix.xy"));
 }
 
 TEST(WholeUnitPrediction, SaysWhatAProcedureLacks) {

@@ -63,7 +63,7 @@ struct Problem {
   SensorModel start, model;                    ///< of readings less `center`: the prior value, and the present one
   Vector6d center;                             ///< raw
   std::vector<CoefficientIndex> coefficients;  ///< theta
-  /// Of theta. Estimated: by the data alone. Considered: the data do not determine it. Held: left out.
+  /// Of theta. Estimated: by the data alone. Considered: the data do not determine it. Fixed: left out.
   std::vector<kernel::Role> role;
   Eigen::VectorXd prior_sigma, needed_sigma;  ///< of theta: before the data; below this they determine it
   std::vector<CommonError> common;            ///< eta, after theta in every vector of parameters

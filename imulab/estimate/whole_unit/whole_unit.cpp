@@ -117,6 +117,7 @@ Prediction predict(const Session& procedure, const std::vector<CoefficientIndex>
   options.whole_unit.full = true;  // a term that is left out counts in the covariance all the same
   const JointEstimate joint = joint_estimate(problem, options);
   Calibration calibration;
+  calibration.frame = "rig";
   const Index n = std::ssize(problem.coefficients);
   set_estimate(calibration, problem, joint.left_out, problem.model, joint.solution.covariance.topLeftCorner(n, n));
   calibration.quality = quality_of(problem, joint);
