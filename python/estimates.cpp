@@ -125,7 +125,7 @@ Outcome noise(std::shared_ptr<Session> session, std::shared_ptr<Recording> recor
   const NoiseOptions options{kind_of(deviation), remove_temperature};
   return run(py::none(), [=](const auto&) {
     const auto still = std::make_shared<StillPart>(still_part(*recording, *session));
-    const auto analysis = std::make_shared<NoiseAnalysis>(analyze_noise(*still, options));
+    const auto analysis = std::make_shared<NoiseAnalysis>(analyze_noise(still->recording, *still, options));
     Outcome out{.json = noise_json(*analysis), .text = noise_text(*analysis), .warnings = analysis->warnings, .page = [still, analysis] {
                   return noise_page(*analysis, still->recording, still->range);
                 }};

@@ -84,7 +84,7 @@ Log read_log(const Options& o, const Session& session) {
   RecordingReading reading = reading_shown([&] { return read_recording(session, source); });
   for (const std::string& text : reading.warnings) warn(text);
   const StillPart still = still_part(std::move(reading.recording), session);
-  return analyzed(o, still.recording, {still.range, still.notes, still.recording.interval_s});
+  return analyzed(o, still.recording, still);
 }
 
 /// Axes without noise are an answer that the log does not give.

@@ -189,8 +189,6 @@ std::string signal_section(const NoiseAnalysis& analysis, const RecordingView& r
 }  // namespace
 }  // namespace report
 
-std::string noise_page(const NoiseAnalysis& analysis, const StillPart& still) { return noise_page(analysis, still.recording, still.range); }
-
 std::string noise_page(const NoiseAnalysis& analysis, const RecordingView& recording, const Range& still) {
   using namespace report;
   Page page;

@@ -5,8 +5,6 @@
 #include "imulab/estimate/hybrid/prediction.hpp"
 #include "imulab/recording/turn.hpp"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -98,14 +98,16 @@ std::vector<std::size_t> averaging_factors(std::size_t samples) {
 }
 
 std::vector<DeviationPoint> deviation(std::span<const double> rate, double interval_s, const std::vector<std::size_t>& factors, DeviationKind kind) {
-  const std::vector<std::size_t> possible = possible_factors(rate.size(), interval_s, factors, kind);
-  return points_of(noise::phase_of(rate), interval_s, possible, kind);
+  std::vector<double> copy;
+  copy.reserve(rate.size() + 1);
+  copy.assign(rate.begin(), rate.end());
+  return deviation_in_place(std::move(copy), interval_s, factors, kind);
 }
 
 std::vector<DeviationPoint> deviation_in_place(std::vector<double>&& rate, double interval_s, const std::vector<std::size_t>& factors,
                                                DeviationKind kind) {
   const std::vector<std::size_t> possible = possible_factors(rate.size(), interval_s, factors, kind);
-  return points_of(noise::phase_in_place(std::move(rate)), interval_s, possible, kind);
+  return points_of(noise::phase_of(std::move(rate)), interval_s, possible, kind);
 }
 
 }  // namespace imulab

@@ -23,9 +23,8 @@ constexpr double fewest_intervals = 2, fewest_times = 10;
 }  // namespace
 
 Problem::Problem(const Spectrum& spectrum, double highest_hz, double resolution, Terms terms) : terms_(terms) {
-  double shortest = std::numeric_limits<double>::infinity();
   for (const SpectrumBin& bin : spectrum.bins)
-    if (bin.high_hz() <= highest_hz) bins_.push_back(bin), shortest = std::min(shortest, bin.interval);
+    if (bin.high_hz() <= highest_hz) bins_.push_back(bin), shortest_interval_ = std::min(shortest_interval_, bin.interval);
   const auto size = static_cast<Index>(bins_.size());
   unit_.resize(size, 4), counts_.resize(size), power_.resize(size), cosine_.resize(size);
   for (Index i = 0; i < size; ++i) {
@@ -37,7 +36,6 @@ Problem::Problem(const Spectrum& spectrum, double highest_hz, double resolution,
   }
   if (size > 0) Q_scale_ = (power_ / unit_.col(Terms::Q)).minCoeff();
   filter_ = FilterShares(bins_, terms.low_pass);
-  shortest_interval_ = shortest;
   longest_time_ = spectrum.record_s / fewest_times;
 }
 

@@ -88,7 +88,7 @@ class Problem {
   Eigen::ArrayXXd unit_;  // columns Q, N, B, K
   Eigen::ArrayXd counts_, power_, cosine_;
   FilterShares filter_;
-  double Q_scale_ = 1, rounding_ = 0, shortest_interval_, longest_time_;
+  double Q_scale_ = 1, rounding_ = 0, shortest_interval_ = std::numeric_limits<double>::infinity(), longest_time_;
 };
 
 }  // namespace imulab::noise

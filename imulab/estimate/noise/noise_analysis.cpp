@@ -16,26 +16,21 @@
 namespace imulab {
 namespace {
 
-struct Extent {
-  double least, most;
-};
-
-Extent extent_of(const RecordingView& recording, std::size_t column, const Range& range) {
-  Extent out{HUGE_VAL, -HUGE_VAL};
+/// How far a column's largest sample is above the least.
+double change_of(const RecordingView& recording, std::size_t column, const Range& range) {
+  double least = HUGE_VAL, most = -HUGE_VAL;
   for_each_block(recording, column, range, usual_block, [&](std::span<const double> samples) {
-    const auto [least, most] = std::minmax_element(samples.begin(), samples.end());
-    out = {std::min(out.least, *least), std::max(out.most, *most)};
+    const auto [low, high] = std::minmax_element(samples.begin(), samples.end());
+    least = std::min(least, *low), most = std::max(most, *high);
   });
-  return out;
+  return most - least;
 }
 
 void warn_of_temperature(NoiseAnalysis& analysis, const RecordingView& recording, std::size_t column, const Range& range, const char* triad) {
   if (!recording.has(column)) return;
-  const Extent temperature = extent_of(recording, column, range);
-  if (temperature.most - temperature.least > 1)
-    analysis.warnings.push_back(
-        fmt::format("the {} temperature changed by {:.3g} during the rest: R, K and B contain its effect; see --remove-temperature", triad,
-                    temperature.most - temperature.least));
+  if (const double change = change_of(recording, column, range); change > 1)
+    analysis.warnings.push_back(fmt::format(
+        "the {} temperature changed by {:.3g} during the rest: R, K and B contain its effect; see --remove-temperature", triad, change));
 }
 
 /// A thermometer's own noise would weaken the slope: means over 10 s, and straight lines between their middles; of a short record its readings.
@@ -91,8 +86,7 @@ double remove_parabola(std::vector<double>& readings, const SmoothTemperature& s
 void expect_temperature(const RecordingView& r, const Range& range, std::size_t column, const char* triad) {
   if (!r.has(column))
     throw Unsupported(fmt::format("{}: has no {} temperature to remove; expected a column declared as {}_temperature", r.name, triad, triad));
-  const Extent temperature = extent_of(r, column, range);
-  if (!(temperature.most > temperature.least))
+  if (!(change_of(r, column, range) > 0))
     throw Unsupported(fmt::format("{}: the {} temperature does not change: nothing to remove", r.name, triad));
 }
 
@@ -131,10 +125,6 @@ void analyze_axis(NoiseAxis& axis, const RecordingView& r, std::size_t column, c
 }
 
 }  // namespace
-
-NoiseAnalysis analyze_noise(const StillPart& still, const NoiseOptions& options) {
-  return analyze_noise(still.recording, {still.range, still.notes, still.recording.interval_s}, options);
-}
 
 NoiseAnalysis analyze_noise(const RecordingView& recording, const StillRange& still, const NoiseOptions& options) {
   RecordingView r = recording;

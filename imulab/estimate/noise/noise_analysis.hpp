@@ -6,7 +6,6 @@
 #include "imulab/estimate/noise/still_part.hpp"
 #include "imulab/recording/recording_view.hpp"
 
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,10 +35,9 @@ struct NoiseOptions {
   bool remove_temperature = false;  ///< a least-squares parabola in the triad's temperature is subtracted; this removes some of K and B, too
 };
 
-/// Axes in parallel; the result does not depend on the number of threads. Throws Unsupported where a temperature is to be removed that the recording
-/// does not have, or that does not change.
-NoiseAnalysis analyze_noise(const StillPart& still, const NoiseOptions& options = {});
-/// From columns on disk: one axis at a time, each in memory as a whole but only once; the result is the same, bit for bit.
+/// Axes in parallel; the result does not depend on the number of threads. From columns on disk: one axis at a time, each in memory as a whole but
+/// only once; the result is the same, bit for bit. Throws Unsupported where a temperature is to be removed that the recording does not have, or that
+/// does not change.
 NoiseAnalysis analyze_noise(const RecordingView& recording, const StillRange& still, const NoiseOptions& options = {});
 
 }  // namespace imulab

@@ -29,12 +29,12 @@ void check(std::span<const double> rate, double interval_s) {
 /// determined: the larger bound of the two ways then holds.
 NoiseCoefficient unless_a_process(const NoiseCoefficient& c, const noise::ChosenModel& model, int parameter, double widening) {
   if (!model.wider || model.problem.terms().markov > 0) return c;
-  const auto& [problem, best] = *model.wider;
-  noise::Point without = problem.revived(best);
+  const noise::Problem& problem = model.wider->problem;
+  noise::Point without = problem.revived(model.wider->best);
   without.at[parameter] = noise::absent;
   constexpr double price = 2;  // of a parameter more
   if (c.determined && problem.fitted(without, {parameter, {}}).misfit + price * widening > model.best.misfit) return c;
-  const NoiseCoefficient other = noise::size_of(problem, best, parameter, widening);
+  const NoiseCoefficient other = noise::size_of(problem, model.wider->best, parameter, widening);
   return {NAN, NAN, 0, std::max(c.upper, other.upper), false};
 }
 
@@ -55,12 +55,10 @@ double resolution_of(std::span<const double> rate) {
   return static_cast<double>(whole) >= enough * static_cast<double>(gaps.size()) ? step : 0;
 }
 
-NoiseFit fit_noise(std::span<const double> rate, double interval_s) { return fit_noise(rate, interval_s, resolution_of(rate)); }
-
-NoiseFit fit_noise(std::span<const double> rate, double interval_s, double step) {
+NoiseFit fit_noise(std::span<const double> rate, double interval_s, std::optional<double> step) {
   check(rate, interval_s);
   NoiseFit fit;
-  fit.resolution = step;
+  fit.resolution = step ? *step : resolution_of(rate);
   const double half_rate = 0.5 / interval_s;
   noise::WithoutLines found = noise::without_lines(rate, interval_s);
   const noise::ChosenModel model = noise::choose_terms(found.spectrum, half_rate, fit.resolution);

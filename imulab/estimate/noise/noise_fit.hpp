@@ -3,10 +3,8 @@
 
 #include "imulab/model/imu_noise.hpp"
 
-#include <array>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 namespace imulab {
@@ -49,10 +47,8 @@ struct NoiseFit : NoiseCoefficients {
 /// Q, N, B, K and the ramp are always fitted; Markov processes (up to two), a low-pass and lines (up to eight) where the spectrum shows them. The
 /// intervals of B and K also allow for one more process, as far as the spectrum does not exclude it. Throws Error for fewer than 64 readings, a
 /// reading that is not finite or an interval that is not positive; Unsupported where the readings are constant. `step`: of rounded readings, 0 where
-/// they are not rounded.
-NoiseFit fit_noise(std::span<const double> rate, double interval_s, double step);
-/// With the step that the readings show.
-NoiseFit fit_noise(std::span<const double> rate, double interval_s);
+/// they are not rounded; absent: the step that the readings show.
+NoiseFit fit_noise(std::span<const double> rate, double interval_s, std::optional<double> step = {});
 
 /// The step of rounded readings, where enough of its multiples occur; 0 where none is seen.
 double resolution_of(std::span<const double> rate);

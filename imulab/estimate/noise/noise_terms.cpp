@@ -21,12 +21,6 @@ constexpr double coarse_precision = 0.5;
 constexpr std::size_t fewest_bins = 12;
 constexpr LowPassShape low_passes[] = {{1, false}, {1, true}, {2, false}, {2, true}, {4, false}, {4, true}};
 
-struct Model {
-  Problem problem;
-  Point best;
-  double misfit = 0;  ///< with Q^2 not negative
-};
-
 /// A negative Q^2 only keeps the other terms unbiased: it must not stand for a low-pass.
 double misfit_of(const Problem& problem, const Point& best) {
   if (best.at[Terms::Q] >= 0) return best.misfit;
@@ -112,12 +106,8 @@ std::optional<Model> with_low_pass(const Model& model, const LowPassShape& shape
   return best_of(problem, starts);
 }
 
-struct Choice {
-  Model model;
-  std::optional<Model> wider;
-};
-
-Choice choose(const Problem& simple, double shortest_s, double record_s, double highest_hz, bool filters) {
+/// `agreement` and `highest_hz` are left to the caller.
+ChosenModel choose(const Problem& simple, double shortest_s, double record_s, double highest_hz, bool filters) {
   const Point best = simple.fitted(simple.revived(simple.fitted(simple.start())));
   Model model{simple, best, misfit_of(simple, best)};
   for (;;) {
@@ -134,14 +124,15 @@ Choice choose(const Problem& simple, double shortest_s, double record_s, double 
     std::optional<Model> wider;
     if (terms.markov < most_processes) wider = with_process(model, shortest_s, record_s);
     if (wider && model.best.misfit - wider->best.misfit >= least_gain) offer(wider, least_gain + 2);
-    if (!chosen) return {std::move(model), std::move(wider)};
+    if (!chosen) return {std::move(model), std::move(wider), 0, {}};
     model = std::move(*chosen);
   }
 }
 
 /// Measured over modeled power in ranges of at least 20 degrees of freedom and a third of an octave.
-Agreement agreement(const Problem& problem, const Point& best) {
-  const Eigen::ArrayXd ratio = problem.power(best.ramp) / problem.density(best.at);
+Agreement agreement_of(const Model& model) {
+  const Problem& problem = model.problem;
+  const Eigen::ArrayXd ratio = problem.power(model.best.ramp) / problem.density(model.best.at);
   struct Group {
     double low, high, count, sum;
   };
@@ -172,13 +163,12 @@ ChosenModel choose_terms(const Spectrum& spectrum, double half_rate_hz, double r
   for (double highest = 2 * half_rate_hz; highest > half_rate_hz / 32; highest = std::min(highest, half_rate_hz) * 0.8) {
     const Problem simple(spectrum, highest, resolution, {});
     if (simple.bins().size() < fewest_bins) break;
-    auto [model, wider] = choose(simple, shortest, spectrum.record_s, std::min(highest, half_rate_hz), highest > half_rate_hz);
-    Agreement found = agreement(model.problem, model.best);
+    ChosenModel found = choose(simple, shortest, spectrum.record_s, std::min(highest, half_rate_hz), highest > half_rate_hz);
+    found.highest_hz = highest;
+    found.agreement = agreement_of(found);
     // A quantization that is negative beyond chance (three sigma) stands for a filter.
-    const bool holds = found.misfits.empty() && model.misfit - model.best.misfit < 9;
-    if (!chosen || holds || found.chi2_per_dof < chosen->agreement.chi2_per_dof)
-      chosen = ChosenModel{std::move(model.problem), model.best, wider ? std::optional(FittedModel{wider->problem, wider->best}) : std::nullopt,
-                           highest, std::move(found)};
+    const bool holds = found.agreement.misfits.empty() && found.misfit - found.best.misfit < 9;
+    if (!chosen || holds || found.agreement.chi2_per_dof < chosen->agreement.chi2_per_dof) chosen = std::move(found);
     if (holds) break;
   }
   if (!chosen) throw Unsupported("too few frequencies are left to see noise; expected a longer record");

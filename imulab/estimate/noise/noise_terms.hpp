@@ -14,15 +14,14 @@ struct Agreement {
   std::vector<NoiseMisfit> misfits;
 };
 
-struct FittedModel {
+struct Model {
   Problem problem;
   Point best;
+  double misfit = 0;  ///< with Q^2 not negative
 };
 
-struct ChosenModel {
-  Problem problem;
-  Point best;
-  std::optional<FittedModel> wider;  ///< with one process more, which the spectrum neither asks for nor excludes
+struct ChosenModel : Model {
+  std::optional<Model> wider;  ///< with one process more, which the spectrum neither asks for nor excludes
   double highest_hz = 0;
   Agreement agreement;
 };

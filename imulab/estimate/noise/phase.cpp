@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #if defined(__x86_64__)
@@ -129,15 +130,7 @@ double mean_rate(std::span<const double> rate) {
 
 }  // namespace
 
-std::vector<double> phase_of(std::span<const double> rate) {
-  const double mean = mean_rate(rate);
-  std::vector<double> phase(rate.size() + 1);
-  double x = 0;
-  for (std::size_t i = 0; i < rate.size(); ++i) phase[i + 1] = x += rate[i] - mean;
-  return phase;
-}
-
-std::vector<double> phase_in_place(std::vector<double>&& rate) {
+std::vector<double> phase_of(std::vector<double>&& rate) {
   const double mean = mean_rate(rate);
   std::vector<double> phase = std::move(rate);
   double x = 0;

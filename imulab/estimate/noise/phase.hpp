@@ -2,16 +2,13 @@
 #pragma once
 
 #include <cstddef>
-#include <span>
 #include <vector>
 
 namespace imulab::noise {
 
 /// x[0] = 0, x[k] = sum of the first k rates less their mean: no difference of second order changes by that, and less is rounded. Unit of the rate
-/// times samples. Throws Error for a reading that is not finite.
-std::vector<double> phase_of(std::span<const double> rate);
-/// The same in the memory of the rate, where it has room for one number more.
-std::vector<double> phase_in_place(std::vector<double>&& rate);
+/// times samples. In the memory of the rate, where it has room for one number more. Throws Error for a reading that is not finite.
+std::vector<double> phase_of(std::vector<double>&& rate);
 
 struct SquareSum {
   double sum = 0;

@@ -134,7 +134,7 @@ StillPart still_part(Recording recording, const Session& session) {
   FilledRecording filled = with_short_gaps_filled(std::move(recording));
   StillRange found = still_range(filled.recording, session, filled.filled);
   filled.recording.interval_s = found.interval_s;
-  return {std::move(filled.recording), found.range, std::move(found.notes)};
+  return {std::move(found), std::move(filled.recording)};
 }
 
 }  // namespace imulab

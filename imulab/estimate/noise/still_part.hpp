@@ -10,22 +10,21 @@
 namespace imulab {
 
 /// The longest stretch at rest without a gap or a saturated sample. A shorter one than 30 s or 1024 samples says too little.
-struct StillPart {
-  Recording recording;             ///< the whole one; lost samples filled, one or two at a time
-  Range range;                     ///< of its samples
-  std::vector<std::string> notes;  ///< what was cut, and why
-};
-
-/// Where the session has holds, they are the rests, else they are found. Throws Unsupported where no stretch is long enough: in motion, interrupted,
-/// saturated or short; Error as detect_rests.
-StillPart still_part(Recording recording, const Session& session);
-
-/// The same of a recording in memory or on disk, which is valid and whose lost samples were filled.
 struct StillRange {
-  Range range;
-  std::vector<std::string> notes;
-  double interval_s = 0;  ///< of its samples: nominal, or of the even clock of stamps that scatter
+  Range range;                     ///< of the recording's samples
+  std::vector<std::string> notes;  ///< what was cut, and why
+  double interval_s = 0;           ///< of its samples: nominal, or of the even clock of stamps that scatter
 };
+
+/// Of a recording in memory or on disk, which is valid and of whose lost samples so many were filled. Where the session has holds, they are the rests,
+/// else they are found. Throws Unsupported where no stretch is long enough: in motion, interrupted, saturated or short; Error as detect_rests.
 StillRange still_range(const RecordingView& recording, const Session& session, std::size_t filled = 0);
+
+struct StillPart : StillRange {
+  Recording recording;  ///< the whole one; lost samples filled, one or two at a time; its interval that of the part
+};
+
+/// The same of any recording in memory.
+StillPart still_part(Recording recording, const Session& session);
 
 }  // namespace imulab

@@ -1,6 +1,5 @@
 #include "imulab/estimate/whole_unit/problem.hpp"
 
-#include "imulab/core/decomposition.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/model/compensation_derivatives.hpp"
