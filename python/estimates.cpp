@@ -115,9 +115,7 @@ std::pair<Outcome, std::shared_ptr<Session>> planned(const std::string& require,
 }
 
 DeviationKind kind_of(const std::string& name) {
-  for (const DeviationKind kind : {DeviationKind::overlapping_allan, DeviationKind::allan, DeviationKind::modified_allan, DeviationKind::hadamard,
-                                   DeviationKind::overlapping_hadamard, DeviationKind::total})
-    if (name == to_string(kind)) return kind;
+  if (const auto kind = deviation_kind(name)) return *kind;
   throw Error("deviation: " + name + "; expected overlapping-allan, allan, modified-allan, hadamard, overlapping-hadamard or total");
 }
 

@@ -34,21 +34,6 @@ struct Options {
   bool json = false, force = false, remove_temperature = false;
 };
 
-constexpr DeviationKind kinds[] = {DeviationKind::overlapping_allan,    DeviationKind::allan, DeviationKind::modified_allan, DeviationKind::hadamard,
-                                   DeviationKind::overlapping_hadamard, DeviationKind::total};
-
-std::vector<std::string> kind_names() {
-  std::vector<std::string> names;
-  for (const DeviationKind kind : kinds) names.emplace_back(to_string(kind));
-  return names;
-}
-
-DeviationKind kind_of(const std::string& name) {
-  for (const DeviationKind kind : kinds)
-    if (name == to_string(kind)) return kind;
-  return DeviationKind::overlapping_allan;
-}
-
 struct Log {
   NoiseAnalysis analysis;
   std::string page;  // where one is asked for
@@ -56,7 +41,7 @@ struct Log {
 
 Log analyzed(const Options& o, const RecordingView& recording, const StillRange& still) {
   const Progress progress("analyzing");
-  Log log{analyze_noise(recording, still, {kind_of(o.deviation), o.remove_temperature}), {}};
+  Log log{analyze_noise(recording, still, {*deviation_kind(o.deviation), o.remove_temperature}), {}};
   if (!o.report.empty()) log.page = noise_page(log.analysis, recording, still.range);
   return log;
 }
@@ -140,7 +125,7 @@ void add_noise(Verb app) {
       .reads();
   verb.option("--recording FILE", o->one, "which of a session's recordings, where it has several");
   verb.option("--deviation KIND", o->deviation, "the deviation of the curve; the coefficients do not depend on it")
-      .one_of(kind_names())
+      .one_of({deviation_names.begin(), deviation_names.end()})
       .show_default();
   verb.flag("--remove-temperature", o->remove_temperature, "subtract a parabola of the temperature first");
   add_declarations(verb, o->declarations);

@@ -89,6 +89,12 @@ std::vector<DeviationPoint> points_of(const std::vector<double>& phase, double i
 
 }  // namespace
 
+std::optional<DeviationKind> deviation_kind(std::string_view name) {
+  const auto found = std::find(deviation_names.begin(), deviation_names.end(), name);
+  if (found == deviation_names.end()) return {};
+  return static_cast<DeviationKind>(found - deviation_names.begin());
+}
+
 std::vector<std::size_t> averaging_factors(std::size_t samples) {
   std::vector<std::size_t> factors;
   for (std::size_t m = 1; m < 4 && m <= samples / 3; ++m) factors.push_back(m);

@@ -5,13 +5,21 @@
 // by the ratio of standard to Allan variance (Barnes 1969).
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace imulab {
 
 enum class DeviationKind { overlapping_allan, allan, modified_allan, hadamard, overlapping_hadamard, total };
+/// By kind.
+inline constexpr std::array<std::string_view, 6> deviation_names{"overlapping-allan", "allan",                "modified-allan",
+                                                                 "hadamard",          "overlapping-hadamard", "total"};
+/// Empty where no kind has this name.
+std::optional<DeviationKind> deviation_kind(std::string_view name);
 
 /// One averaging time. Bounds are two-sided, from chi-square with `edf`. A total deviation is not corrected for its bias in flicker and random walk.
 struct DeviationPoint {

@@ -141,30 +141,13 @@ JsonFields analysis_fields(const NoiseAnalysis& analysis) {
            {"recording", analysis.recording},
            {"interval_s", analysis.interval_s},
            {"still", still},
-           {"deviation", std::string(to_string(analysis.kind))},
+           {"deviation", std::string(deviation_names[static_cast<std::size_t>(analysis.kind)])},
            {"axes", axes},
            {"notes", analysis.notes},
            {"warnings", analysis.warnings}}};
 }
 
 }  // namespace
-
-const char* to_string(DeviationKind kind) {
-  switch (kind) {
-    case DeviationKind::allan:
-      return "allan";
-    case DeviationKind::modified_allan:
-      return "modified-allan";
-    case DeviationKind::hadamard:
-      return "hadamard";
-    case DeviationKind::overlapping_hadamard:
-      return "overlapping-hadamard";
-    case DeviationKind::total:
-      return "total";
-    default:
-      return "overlapping-allan";
-  }
-}
 
 std::string noise_text(const NoiseAnalysis& analysis) {
   std::string out = analysis.recording + "\n";

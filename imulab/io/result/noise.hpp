@@ -16,6 +16,4 @@ std::string noise_json(const NoiseAnalysis& analysis);
 std::string noise_text(const NoiseBatch& batch);
 std::string noise_json(const NoiseBatch& batch);
 
-const char* to_string(DeviationKind kind);  ///< "overlapping-allan"
-
 }  // namespace imulab
