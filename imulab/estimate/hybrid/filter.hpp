@@ -5,8 +5,11 @@
 #include "imulab/estimate/hybrid/states.hpp"
 #include "imulab/navigation/in_place/blocks.hpp"
 
+#include <algorithm>
+#include <cstddef>
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -24,6 +27,11 @@ struct Data {
   std::vector<CoefficientIndex> wanted;  ///< to estimate; empty: all
   OptionalPriors priors = {};
   std::function<void(double)> progress = {};  ///< called with the fraction of the iterations that is done
+
+  /// Velocities: one of each block that is observed.
+  std::ptrdiff_t observed() const {
+    return std::count_if(blocks.begin(), blocks.end(), [](const Block& b) { return b.observed; });
+  }
 };
 
 /// The point of linearization.
@@ -51,6 +59,8 @@ struct Pass {
   Eigen::MatrixXd covariance;
   std::vector<double> chi2;       ///< of the innovations by block, three degrees of freedom each; zero where nothing was observed
   std::vector<CurvePoint> curve;  ///< thinned
+
+  double total_chi2() const { return std::accumulate(chi2.begin(), chi2.end(), 0.0); }
 };
 
 /// One pass over the blocks; the errors stay small states beside the model that they are linearized about. `known`: the prior of the constants.

@@ -3,7 +3,6 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
-#include "imulab/estimate/hybrid/late_axis.hpp"
 #include "imulab/estimate/hybrid/quality.hpp"
 #include "imulab/estimate/kernel/coarse.hpp"
 #include "imulab/estimate/kernel/common_turns.hpp"
@@ -101,6 +100,45 @@ void warn_of_short_rests(const std::vector<Range>& rests, const std::vector<Rang
         fmt::format("{} of {} rests are no longer than {:g} s; settling transients at their ends cannot be cut off, and the Earth's rate hardly "
                     "shows in them; use rests of 30 s or more",
                     n, rests.size(), 5 * in_place::settling_time));
+}
+
+/// An axis whose readings come a sample after those of the others: by a filter of its own, or a register that is read too soon. In turns it looks like
+/// misalignments, a g-sensitivity or another latitude, and none of them fits.
+struct LateAxis {
+  std::size_t axis = 0;            ///< 0 to 2: gyros, 3 to 5: accelerometers
+  int samples = 0;                 ///< late; -1: early
+  double scatter = 0, before = 0;  ///< of the velocities over what the noise explains, with the axis put right and as it is
+};
+
+/// The recording with that axis put right.
+Recording put_right(Recording recording, const LateAxis& late) {
+  std::vector<double>& readings = (late.axis < 3 ? recording.gyro : recording.accel)[late.axis % 3];
+  if (readings.empty()) return recording;
+  if (late.samples > 0)
+    std::shift_left(readings.begin(), readings.end(), 1);  // the last one stays
+  else
+    std::shift_right(readings.begin(), readings.end(), 1);
+  return recording;
+}
+
+/// The axis that explains most of what the converged solution does not; nothing where the velocities fit, or no axis halves their scatter.
+std::optional<LateAxis> late_axis(const Data& data, const Iterate& converged) {
+  constexpr double fits = 1.5, hopeless = 100;  // as in turns whose ramps are between two samples; as of other data
+  LateAxis best{0, 0, HUGE_VAL, scatter_of(data, converged)};
+  if (!(best.before > fits && best.before < hopeless)) return std::nullopt;
+  for (std::size_t axis = 0; axis < 6; ++axis)
+    for (const int samples : {1, -1}) {
+      const Recording moved = put_right(data.recording, {axis, samples});
+      const Data trial{moved, data.blocks, data.place, data.noise, data.coarse, data.wanted, data.priors};
+      if (const double scatter = scatter_of(trial, repeated(trial, converged)); scatter < best.scatter)
+        best.axis = axis, best.samples = samples, best.scatter = scatter;
+    }
+  return best.scatter < 0.5 * best.before ? std::optional(best) : std::nullopt;
+}
+
+std::string text_of(const LateAxis& late) {
+  return fmt::format("the {} {}'s readings are a sample {} than the others'", "xyz"[late.axis % 3], late.axis < 3 ? "gyro" : "accelerometer",
+                     late.samples > 0 ? "later" : "earlier");
 }
 
 void add_curves(const Data& data, const Iterate& iterate, double interval, CalibrationResult& out) {

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 namespace imulab::hybrid {
@@ -66,7 +65,7 @@ Matrix3d best_heading(const Data& data, const Iterate& iterate) {
     Iterate turned = iterate;
     turned.about.start = rotation_about(Vector3d::UnitZ(), k * 45 * unit::deg) * *iterate.about.start;
     turned = repeated(data, std::move(turned));
-    if (const double chi2 = std::accumulate(turned.pass.chi2.begin(), turned.pass.chi2.end(), 0.0); chi2 < least) {
+    if (const double chi2 = turned.pass.total_chi2(); chi2 < least) {
       least = chi2;
       best = *turned.about.start;
     }
@@ -94,8 +93,6 @@ void set_optional_totals(Iterate& c) {
     if (k.term == Term::lever_arm) c.total[s] = model.lever_arm(k.row, k.column);
   }
 }
-
-double chi2_of(const Iterate& i) { return std::accumulate(i.pass.chi2.begin(), i.pass.chi2.end(), 0.0); }
 
 /// Passes that come no nearer to data far away.
 class Stuck {
@@ -182,7 +179,7 @@ Iterate in_other_hemisphere(const Data& open, Iterate trial) {
   return trial;
 }
 
-Iterate better(Iterate a, Iterate b) { return chi2_of(b) < chi2_of(a) ? std::move(b) : std::move(a); }
+Iterate better(Iterate a, Iterate b) { return b.pass.total_chi2() < a.pass.total_chi2() ? std::move(b) : std::move(a); }
 
 std::optional<SeenLatitude> contradicting_latitude(const Data& open, Iterate trial, double declared_sigma) {
   const Index at = trial.states.first(Group::latitude);
@@ -245,21 +242,19 @@ std::vector<std::string> widen_priors(Data& data, const Iterate& c) {
 /// The latitude of the other hemisphere, where residuals that are too large become smaller with it. Nearer to the declared one a g-sensitivity common
 /// to all axes can take its place.
 std::optional<SeenLatitude> mirrored_latitude(const Data& data, const Iterate& c, const Groups& terms) {
-  const auto used = std::count_if(data.blocks.begin(), data.blocks.end(), [](const Block& b) { return b.observed; });
-  if (chi_square_tail(chi2_of(c), 3.0 * static_cast<double>(used)) > 1e-3) return {};
+  if (chi_square_tail(c.pass.total_chi2(), 3.0 * static_cast<double>(data.observed())) > 1e-3) return {};
   Data mirrored = data;
   mirrored.place.latitude = -data.place.latitude;
   const Iterate other = converged(mirrored, first_iterate(mirrored, terms));
   constexpr double better_by = 50;  // of chi-square: a likelihood of e^25 to one
-  if (!other.converged || !(chi2_of(other) < chi2_of(c) - better_by)) return {};
+  if (!other.converged || !(other.pass.total_chi2() < c.pass.total_chi2() - better_by)) return {};
   return SeenLatitude{mirrored.place.latitude, 1 * unit::deg};
 }
 
 }  // namespace
 
 double scatter_of(const Data& data, const Iterate& c) {
-  const auto used = std::count_if(data.blocks.begin(), data.blocks.end(), [](const Block& b) { return b.observed; });
-  return std::sqrt(chi2_of(c) / (3.0 * static_cast<double>(std::max<std::ptrdiff_t>(used, 1))));
+  return std::sqrt(c.pass.total_chi2() / (3.0 * static_cast<double>(std::max<std::ptrdiff_t>(data.observed(), 1))));
 }
 
 bool is_hopeless(const Data& data, const Iterate& c) {

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace imulab::hybrid {
 
@@ -44,10 +43,8 @@ std::optional<SeenLatitude> latitude_instead(const Calibration& c, const Place& 
 
 /// Chi-square of the velocities in the last pass.
 void add_residuals(const Data& data, const Iterate& iterate, Quality& quality) {
-  const std::vector<double>& chi2 = iterate.pass.chi2;
-  const auto used = std::count_if(data.blocks.begin(), data.blocks.end(), [](const Block& b) { return b.observed; });
-  quality.degrees_of_freedom = static_cast<int>(3 * used - (iterate.states.prior.array() > 0).count());
-  quality.chi2_per_dof = std::accumulate(chi2.begin(), chi2.end(), 0.0) / std::max(1, quality.degrees_of_freedom);
+  quality.degrees_of_freedom = static_cast<int>(3 * data.observed() - (iterate.states.prior.array() > 0).count());
+  quality.chi2_per_dof = iterate.pass.total_chi2() / std::max(1, quality.degrees_of_freedom);
 }
 
 /// Neighbouring blocks that were left out together.

@@ -36,12 +36,6 @@ struct OptionalPriors {
 /// The IMU stays in one place while it turns, too.
 bool on_turntable(const Session& session);
 
-struct Terms;
-/// What a calibration of this session estimates or considers, and what is known of it before the data: with the offsets that the IMU shows
-/// [m/s^2, rad/s] and a sample's interval. `wanted` as CalibrationOptions::terms. Throws TermsError.
-Terms terms_of(const Session& session, const std::vector<CoefficientIndex>& wanted, const Vector3d& accel_offset, const Vector3d& gyro_offset,
-               double interval_s);
-
 /// The constants in their order: errors ba, Ma, bg, Mg of the calibrated output df = ba + Ma f, dw = bg + Mg w (Ma lower triangular), relative error
 /// of gravity, attitude error at the start. From `latitude` on they are optional: error of the latitude [rad], lever arms [m], quadratic terms,
 /// g-sensitivity, delay of the accelerometers' output behind the gyros' [s], and its mean square `smear` where it is spread over a time, as by a
@@ -70,6 +64,10 @@ struct Terms {
   Groups optional;                       ///< estimated under their priors
   OptionalPriors priors;
 };
+/// What a calibration of this session estimates or considers, and what is known of it before the data: with the offsets that the IMU shows
+/// [m/s^2, rad/s] and a sample's interval. `wanted` as CalibrationOptions::terms. Throws TermsError.
+Terms terms_of(const Session& session, const std::vector<CoefficientIndex>& wanted, const Vector3d& accel_offset, const Vector3d& gyro_offset,
+               double interval_s);
 
 /// "accel.lever_arm", "latitude", ...
 std::string_view name(Group group);
@@ -95,7 +93,6 @@ class States {
   Eigen::Index offset(Eigen::Index axis) const;  ///< of the accelerometers, then of the gyros
   Eigen::Index constants() const { return prior.size(); }
   Eigen::Index attitude() const { return constants(); }
-  Eigen::Index velocity() const { return constants() + 3; }
   Eigen::Index size() const { return constants() + 6; }
 
   /// Constants that correct a coefficient and are not fixed.
