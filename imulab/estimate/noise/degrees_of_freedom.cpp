@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace imulab::noise {
 
@@ -86,13 +87,12 @@ struct Size {
 };
 
 /// Summed exactly where that is short, by its asymptotic form for long records, else by a sum of as many terms at wider steps. `filter`: F of the
-/// exact sum; `limit`: F of the other, as a function of the steps; `at_zero`: sz(0) where the other forms need it (flicker of the phase), else 0.
-template <class Limit>
-double inverse_by_size(const Size& n, int alpha, int order, double filter, Limit limit, double at_zero, Pair a) {
+/// exact sum; `limit`: F of the other, absent where the steps are; `at_zero`: sz(0) where the other forms need it (flicker of the phase), else 0.
+double inverse_by_size(const Size& n, int alpha, int order, double filter, std::optional<double> limit, double at_zero, Pair a) {
   const double J = std::min(n.M, (order + 1) * n.S);
   if (J <= longest_sum) return basic_sum(J, n.M, n.S, filter, alpha, order) / (std::pow(sz(0, filter, alpha, order), 2) * n.M);
   if (n.r() > order + 1) return (a.a0 - a.a1 / n.r()) / ((at_zero != 0 ? at_zero * at_zero : 1) * n.r());
-  const double steps = longest_sum / n.r(), F = limit(steps);
+  const double steps = longest_sum / n.r(), F = limit.value_or(steps);
   const double zero = at_zero != 0 ? at_zero : sz(0, F, alpha, order);
   return basic_sum(longest_sum, longest_sum, steps, F, alpha, order) / (zero * zero * longest_sum);
 }
@@ -119,19 +119,16 @@ double degrees_of_freedom(const Variance& v, int alpha) {
   const Size n{1 + std::floor(S * (points - L) / m), S, m};
   double inverse = 0;
   if (v.modified) {
-    inverse = inverse_by_size(
-        n, alpha, v.order, 1, [](double) { return 1.0; }, 0, at(of_modified, alpha, v.order));
+    inverse = inverse_by_size(n, alpha, v.order, 1, 1, 0, at(of_modified, alpha, v.order));
   } else if (alpha == 2) {
     inverse = inverse_for_white_phase(n, v.order);
   } else if (alpha == 1) {
     const Pair b = of_flicker_phase[static_cast<std::size_t>(v.order - 2)];
     // Beyond m = 1e5 rounding spoils the exact sum, which then depends on ln m alone.
-    inverse = inverse_by_size(
-        n, 1, v.order, std::min(m, 1e5), [](double steps) { return steps; }, b.a0 + b.a1 * std::log(m), at(of_unmodified, 1, v.order));
+    inverse = inverse_by_size(n, 1, v.order, std::min(m, 1e5), {}, b.a0 + b.a1 * std::log(m), at(of_unmodified, 1, v.order));
   } else {
     const double filter = m * (v.order + 1) <= longest_sum ? m : infinite;
-    inverse = inverse_by_size(
-        n, alpha, v.order, filter, [](double) { return infinite; }, 0, at(of_unmodified, alpha, v.order));
+    inverse = inverse_by_size(n, alpha, v.order, filter, infinite, 0, at(of_unmodified, alpha, v.order));
   }
   return 1 / inverse;
 }

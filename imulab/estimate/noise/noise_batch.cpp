@@ -38,8 +38,7 @@ RandomEffects random_effects(const std::vector<NoiseCoefficient>& values) {
     for (const NoiseCoefficient& c : values) sum += std::pow(c.value - mean, 2) / (c.standard_uncertainty * c.standard_uncertainty + t2);
     return sum - freedom;
   };
-  if (values.size() < 2) return with(0);
-  if (scatter(0) <= 0) return with(0);
+  if (values.size() < 2 || scatter(0) <= 0) return with(0);
   double low = 0, high = 1e-300;
   for (const NoiseCoefficient& c : values) high = std::max(high, 4 * c.value * c.value);
   while (scatter(high) > 0) high *= 4;

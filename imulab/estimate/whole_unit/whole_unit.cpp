@@ -41,8 +41,8 @@ void expect_latitude(const Session& session) {
     throw Error(session.file + ": the site has no latitude; expected one, as the gyros measure the Earth's rate on every machine");
 }
 
-/// Coefficients and covariance of the readings, from those of readings less their center. What is not estimated keeps its starting value; of that
-/// only the terms left out count in the covariance themselves.
+/// Coefficients and covariance of the readings, from those of readings less their center; the covariance may have more parameters after theirs. What
+/// is not estimated keeps its starting value; of that only the terms left out count in the covariance themselves.
 void set_estimate(Calibration& calibration, const Problem& problem, const std::vector<std::size_t>& left_out, SensorModel model,
                   MatrixXd covariance) {
   for (std::size_t k = 0; k < problem.role.size(); ++k) {
@@ -53,7 +53,8 @@ void set_estimate(Calibration& calibration, const Problem& problem, const std::v
   }
   const auto change = [&](const SensorModel& m) { return of_shifted_readings(m, problem.center.head<3>(), problem.center.tail<3>()); };
   calibration.model = change(model);
-  covariance = covariance_after(change, problem.coefficients, covariance);
+  const Index n = std::ssize(problem.coefficients);
+  covariance = covariance_after(change, problem.coefficients, covariance.topLeftCorner(n, n));
   std::vector<Index> kept;
   for (std::size_t k = 0; k < problem.role.size(); ++k) {
     const auto i = static_cast<Index>(k);
@@ -89,8 +90,7 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
     const StepwiseEstimate steps = stepwise_estimate(problem, true);
     set_estimate(calibration, problem, {}, steps.model, steps.covariance * (joint.scatter * joint.scatter));
   } else {
-    const Index n = std::ssize(problem.coefficients);
-    set_estimate(calibration, problem, joint.left_out, problem.model, joint.solution.covariance.topLeftCorner(n, n));
+    set_estimate(calibration, problem, joint.left_out, problem.model, joint.solution.covariance);
   }
   calibration.quality = quality_of(problem, joint);
   check_chamber(joint.findings, problem);
@@ -118,8 +118,7 @@ Prediction predict(const Session& procedure, const std::vector<CoefficientIndex>
   const JointEstimate joint = joint_estimate(problem, options);
   Calibration calibration;
   calibration.frame = "rig";
-  const Index n = std::ssize(problem.coefficients);
-  set_estimate(calibration, problem, joint.left_out, problem.model, joint.solution.covariance.topLeftCorner(n, n));
+  set_estimate(calibration, problem, joint.left_out, problem.model, joint.solution.covariance);
   calibration.quality = quality_of(problem, joint);
   return prediction_of(calibration);
 }
