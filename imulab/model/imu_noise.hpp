@@ -4,6 +4,7 @@
 #include "imulab/model/noise.hpp"
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +18,8 @@ struct NoiseCoefficient {
   double lower = 0, upper = 0;  ///< 95 %
   bool determined = false;
 };
+/// One of which no more is known than this bound.
+inline NoiseCoefficient undetermined_below(double upper) { return {NAN, NAN, 0, upper, false}; }
 
 /// A first-order Gauss-Markov process: standard deviation [u] and correlation time [s]. Two-sided density 2 sigma^2 time / (1 + (2 pi f time)^2).
 struct MarkovTerm {

@@ -38,7 +38,7 @@ Verdict noise_verdict(const NoiseAnalysis& analysis) {
   std::string misfits, silent;
   for (const NoiseAxis& axis : analysis.axes) {
     if (!axis.fit) silent += (silent.empty() ? "" : ", ") + axis.name;
-    if (axis.fit && !axis.fit->accepted) misfits += (misfits.empty() ? "" : ", ") + axis.name;
+    if (axis.fit && !axis.fit->accepted()) misfits += (misfits.empty() ? "" : ", ") + axis.name;
   }
   if (!misfits.empty()) {
     v = {Tone::doubtful, "the model does not hold everywhere", "All intervals of these axes are widened, and may not hold: " + misfits + ".", {}, {}};

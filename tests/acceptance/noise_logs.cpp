@@ -154,7 +154,7 @@ std::vector<Check> noise_logs(int logs) {
     const NoiseTruth truth = drawn_noise(seed);
     const std::vector<double> rate = noise_log(truth, seed);
     const NoiseFit fit = fit_noise(rate, interval);
-    r.accepted = fit.accepted, r.cut = fit.cut;
+    r.accepted = fit.accepted(), r.cut = fit.cut;
     const std::array<double, 4> bound = bounds(truth, noise::spectrum_of(rate, interval));
     for (std::size_t j = 0; const NoiseCoefficient* c : {&fit.Q, &fit.N, &fit.B, &fit.K}) {
       r.coefficients[j] = {c->determined, c->value, c->lower, c->upper, truth.value(j), 0.5 * truth.value(j) * bound[j]};

@@ -102,8 +102,8 @@ void warn_of_short_rests(const std::vector<Range>& rests, const std::vector<Rang
                     n, rests.size(), 5 * in_place::settling_time));
 }
 
-/// An axis whose readings come a sample after those of the others: by a filter of its own, or a register that is read too soon. In turns it looks like
-/// misalignments, a g-sensitivity or another latitude, and none of them fits.
+/// An axis whose readings come a sample after those of the others: by a filter of its own, or a register that is read too soon. In turns it looks
+/// like misalignments, a g-sensitivity or another latitude, and none of them fits.
 struct LateAxis {
   std::size_t axis = 0;            ///< 0 to 2: gyros, 3 to 5: accelerometers
   int samples = 0;                 ///< late; -1: early

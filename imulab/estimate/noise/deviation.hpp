@@ -16,8 +16,8 @@ namespace imulab {
 
 enum class DeviationKind { overlapping_allan, allan, modified_allan, hadamard, overlapping_hadamard, total };
 /// By kind.
-inline constexpr std::array<std::string_view, 6> deviation_names{"overlapping-allan", "allan",                "modified-allan",
-                                                                 "hadamard",          "overlapping-hadamard", "total"};
+inline constexpr std::array<std::string_view, 6> deviation_names{"overlapping-allan",    "allan", "modified-allan", "hadamard",
+                                                                 "overlapping-hadamard", "total"};
 /// Empty where no kind has this name.
 std::optional<DeviationKind> deviation_kind(std::string_view name);
 

@@ -29,8 +29,8 @@ double change_of(const RecordingView& recording, std::size_t column, const Range
 void warn_of_temperature(NoiseAnalysis& analysis, const RecordingView& recording, std::size_t column, const Range& range, const char* triad) {
   if (!recording.has(column)) return;
   if (const double change = change_of(recording, column, range); change > 1)
-    analysis.warnings.push_back(fmt::format(
-        "the {} temperature changed by {:.3g} during the rest: R, K and B contain its effect; see --remove-temperature", triad, change));
+    analysis.warnings.push_back(
+        fmt::format("the {} temperature changed by {:.3g} during the rest: R, K and B contain its effect; see --remove-temperature", triad, change));
 }
 
 /// A thermometer's own noise would weaken the slope: means over 10 s, and straight lines between their middles; of a short record its readings.
@@ -86,8 +86,7 @@ double remove_parabola(std::vector<double>& readings, const SmoothTemperature& s
 void expect_temperature(const RecordingView& r, const Range& range, std::size_t column, const char* triad) {
   if (!r.has(column))
     throw Unsupported(fmt::format("{}: has no {} temperature to remove; expected a column declared as {}_temperature", r.name, triad, triad));
-  if (!(change_of(r, column, range) > 0))
-    throw Unsupported(fmt::format("{}: the {} temperature does not change: nothing to remove", r.name, triad));
+  if (!(change_of(r, column, range) > 0)) throw Unsupported(fmt::format("{}: the {} temperature does not change: nothing to remove", r.name, triad));
 }
 
 void warn_of_fit(NoiseAnalysis& analysis, const NoiseAxis& axis) {

@@ -60,7 +60,7 @@ BatchCoefficient together(const std::vector<NoiseCoefficient>& logs) {
   out.determined = static_cast<int>(known.size());
   out.spread = nan;
   if (known.empty()) {
-    out.mean = {nan, nan, 0, out.worst, false};
+    out.mean = undetermined_below(out.worst);
     return out;
   }
   const RandomEffects all = random_effects(known);

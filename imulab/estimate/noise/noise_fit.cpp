@@ -35,7 +35,7 @@ NoiseCoefficient unless_a_process(const NoiseCoefficient& c, const noise::Chosen
   constexpr double price = 2;  // of a parameter more
   if (c.determined && problem.fitted(without, {parameter, {}}).misfit + price * widening > model.best.misfit) return c;
   const NoiseCoefficient other = noise::size_of(problem, model.wider->best, parameter, widening);
-  return {NAN, NAN, 0, std::max(c.upper, other.upper), false};
+  return undetermined_below(std::max(c.upper, other.upper));
 }
 
 }  // namespace
@@ -67,10 +67,9 @@ NoiseFit fit_noise(std::span<const double> rate, double interval_s, std::optiona
   fit.lines = std::move(found.lines);
   fit.chi2_per_dof = model.agreement.chi2_per_dof;
   fit.misfits = model.agreement.misfits;
-  fit.accepted = fit.misfits.empty();
   fit.cut = model.highest_hz < half_rate;
   fit.highest_hz = std::min(model.highest_hz, half_rate);
-  const double widening = fit.accepted ? 1 : std::max(1.0, fit.chi2_per_dof);
+  const double widening = fit.accepted() ? 1 : std::max(1.0, fit.chi2_per_dof);
   NoiseCoefficient* const sizes[] = {&fit.Q, &fit.N, &fit.B, &fit.K};
   for (int j = 0; j < 4; ++j) {
     *sizes[j] = noise::size_of(problem, best, j, widening);

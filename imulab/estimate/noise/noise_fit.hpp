@@ -37,11 +37,12 @@ struct NoiseFit : NoiseCoefficients {
   std::vector<NoiseLine> lines;         ///< by frequency; lines above half the rate appear at their alias below it
   double resolution = 0;                ///< step of the readings; 0: not rounded, or finely
   double chi2_per_dof = 0;              ///< of the power in some dozens of ranges of frequency
-  bool accepted = false;                ///< no misfit is left
   double highest_hz = 0;                ///< higher frequencies were left out because the model does not hold there; else half the rate
   bool cut = false;                     ///< whether some were
   std::vector<NoiseMisfit> misfits;     ///< remaining misfits; all intervals are then widened by the root of chi2_per_dof
   std::vector<SpectrumPoint> spectrum;  ///< without the lines
+
+  bool accepted() const { return misfits.empty(); }
 };
 
 /// Q, N, B, K and the ramp are always fitted; Markov processes (up to two), a low-pass and lines (up to eight) where the spectrum shows them. The

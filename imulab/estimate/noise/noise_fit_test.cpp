@@ -135,7 +135,7 @@ TEST(NoiseFit, FindsLinesAndTakesThemOut) {
     EXPECT_LT(line.amplitude.standard_uncertainty, 1.6 * std::sqrt(1e-3));
     EXPECT_NEAR(line.amplitude.value, truth, 4 * std::sqrt(1e-3));
   }
-  EXPECT_TRUE(fit.accepted);
+  EXPECT_TRUE(fit.accepted());
   EXPECT_LT(fit.N.lower, 1);
   EXPECT_GT(fit.N.upper, 1);
 }
@@ -174,7 +174,7 @@ TEST(NoiseFit, SaysWhatTheModelDoesNotHave) {
     rate[k] += y;
   }
   const NoiseFit fit = fit_noise(rate, interval);
-  EXPECT_TRUE(!fit.accepted || fit.highest_hz < 1);
+  EXPECT_TRUE(!fit.accepted() || fit.highest_hz < 1);
 }
 
 TEST(NoiseFit, ScalesWithUnitsAndIgnoresTheMean) {

@@ -109,7 +109,7 @@ NoiseCoefficient size_of(const Problem& problem, const Point& best, int paramete
   }
   const double upper = crossing(problem, best, parameter, from, 1, rise_of_95 * widening);
   c.upper = std::exp(0.5 * upper);
-  if (!c.determined) return {nan, nan, 0, c.upper, false};
+  if (!c.determined) return undetermined_below(c.upper);
   c.value = std::exp(0.5 * from);
   const double lower = crossing(problem, best, parameter, from, -1, rise_of_95 * widening);
   c.lower = std::isnan(lower) ? 0 : std::exp(0.5 * lower);
@@ -145,7 +145,7 @@ NoiseCoefficient ramp_of(const Problem& problem, const Point& best, double slope
   NoiseCoefficient c;
   c.lower = edge(-1), c.upper = edge(1);
   c.determined = c.lower > 0 || c.upper < 0;
-  if (!c.determined) return {nan, nan, 0, std::max(-c.lower, c.upper), false};
+  if (!c.determined) return undetermined_below(std::max(-c.lower, c.upper));
   c.value = slope + best.ramp;
   c.standard_uncertainty = (c.upper - c.lower) / (2 * quantile);
   return c;

@@ -16,8 +16,8 @@ struct StillRange {
   double interval_s = 0;           ///< of its samples: nominal, or of the even clock of stamps that scatter
 };
 
-/// Of a recording in memory or on disk, which is valid and of whose lost samples so many were filled. Where the session has holds, they are the rests,
-/// else they are found. Throws Unsupported where no stretch is long enough: in motion, interrupted, saturated or short; Error as detect_rests.
+/// Of a recording in memory or on disk, which is valid and of whose lost samples so many were filled. Where the session has holds, they are the
+/// rests, else they are found. Throws Unsupported where no stretch is long enough: in motion, interrupted, saturated or short; Error as detect_rests.
 StillRange still_range(const RecordingView& recording, const Session& session, std::size_t filled = 0);
 
 struct StillPart : StillRange {

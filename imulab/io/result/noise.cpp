@@ -127,7 +127,7 @@ JsonFields axis_fields(const NoiseAxis& axis) {
   for (const SpectrumPoint& p : axis.fit->spectrum) hz.push_back(p.hz), density.push_back(p.density), model.push_back(p.model);
   out.fields.emplace_back("spectrum", JsonObject{{{{{"hz", hz}, {"density", density}, {"model", model}}}}});
   out.fields.emplace_back("fit", JsonObject{{{{{"chi2_per_dof", axis.fit->chi2_per_dof},
-                                               {"accepted", axis.fit->accepted},
+                                               {"accepted", axis.fit->accepted()},
                                                {"highest_hz", axis.fit->highest_hz},
                                                {"misfits", misfits}}}}});
   return out;
@@ -169,8 +169,7 @@ std::string noise_json(const NoiseAnalysis& analysis) { return fields_json(analy
 
 std::string noise_text(const NoiseBatch& batch) {
   std::string out = fmt::format("{} logs\n", batch.logs.size());
-  for (const NoiseAnalysis& log : batch.logs)
-    out += fmt::format("  {}: {:.6g} s at rest\n", log.recording, log.end_s - log.begin_s);
+  for (const NoiseAnalysis& log : batch.logs) out += fmt::format("  {}: {:.6g} s at rest\n", log.recording, log.end_s - log.begin_s);
   out += "\n  axis     term      mean  95 % interval         spread   worst    unit\n";
   for (std::size_t j = 0; j < noise_terms.size(); ++j)
     for (const BatchAxis& axis : batch.axes) {
