@@ -132,9 +132,8 @@ Iterate converged(const Data& data, Iterate c) {
     c.converged = (step.cwiseAbs() - 0.01 * sigma).maxCoeff() <= 0;
     if (c.converged || stuck.after(scatter_of(data, c))) break;
     const VectorXd in_sigmas = step.cwiseQuotient(sigma.cwiseMax(1e-300));
-    // The optional terms act linearly: their steps may be long.
-    const Index basic = states.first(Group::start);
-    const double longest = std::max(1.0, step.head(basic).cwiseAbs().cwiseQuotient(3 * states.prior.head(basic).cwiseMax(1e-30)).maxCoeff());
+    // The optional terms, which follow the start, act linearly: their steps may be long.
+    const double longest = std::max(1.0, step.head(start_at).cwiseAbs().cwiseQuotient(3 * states.prior.head(start_at).cwiseMax(1e-30)).maxCoeff());
     const double whole = extrapolation(in_sigmas, before), factor = whole / longest;
     before = whole == 1 ? in_sigmas : VectorXd();
     c.about.model = corrected(c.about.model, factor * step, states);
@@ -251,15 +250,16 @@ std::optional<SeenLatitude> mirrored_latitude(const Data& data, const Iterate& c
   return SeenLatitude{mirrored.place.latitude, 1 * unit::deg};
 }
 
+/// Neither converged nor anywhere near the data: no other latitude, prior, axis or choice of velocities makes it so.
+bool is_hopeless(const Data& data, const Iterate& c) {
+  constexpr double far = 5;  // as from there on a result is doubtful
+  return !c.converged && scatter_of(data, c) > far;
+}
+
 }  // namespace
 
 double scatter_of(const Data& data, const Iterate& c) {
   return std::sqrt(c.pass.total_chi2() / (3.0 * static_cast<double>(std::max<std::ptrdiff_t>(data.observed(), 1))));
-}
-
-bool is_hopeless(const Data& data, const Iterate& c) {
-  constexpr double far = 5;  // as from there on a result is doubtful
-  return !c.converged && scatter_of(data, c) > far;
 }
 
 Converged converge(Data& data, const Groups& terms, double significance) {

@@ -41,9 +41,6 @@ Errors determined_errors(const Iterate& iterate);
 /// The velocities' residuals over what the noise explains (RMS).
 double scatter_of(const Data& data, const Iterate& iterate);
 
-/// Neither converged nor anywhere near the data: no other latitude, prior, axis or choice of velocities makes it so.
-bool is_hopeless(const Data& data, const Iterate& iterate);
-
 /// One pass, about the same model.
 Iterate repeated(const Data& data, Iterate iterate, double curve_interval = 0);
 

@@ -186,9 +186,8 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> transition(const in_place::BlockSums& s
   t.rightCols<6>() = sums.by_errors_before(place.latitude);
   for (Index k = 0; k < states.constants(); ++k)
     if (states.corrects(k) >= 0) t.col(k) = sums.by_coefficient(coefficient(states.corrects(k)));
-  if (states.has(Group::flicker))
-    for (Index k = 0; k < states.size(Group::flicker); ++k)
-      t.col(states.first(Group::flicker) + k) = t.col(states.offset(k / in_place::SlowNoise::processes));
+  for (Index k = 0; k < states.size(Group::flicker); ++k)
+    t.col(states.first(Group::flicker) + k) = t.col(states.offset(k / in_place::SlowNoise::processes));
   t.col(states.first(Group::gravity)) = sums.by_gravity(place.gravity);
   if (states.has(Group::latitude)) t.col(states.first(Group::latitude)) = sums.by_latitude(place.latitude);
   if (states.has(Group::delay)) t.col(states.first(Group::delay)) = sums.by_delay(), t.col(states.first(Group::smear)) = sums.by_smear();

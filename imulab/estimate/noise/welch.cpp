@@ -15,7 +15,7 @@ namespace imulab {
 WelchSpectrum welch_spectrum(std::span<const double> rate, double interval_s, std::size_t length) {
   if (length < 8 || !std::has_single_bit(length) || length > rate.size())
     throw Error(fmt::format("pieces of {} readings: expected a power of two from 8 to the record's {}", length, rate.size()));
-  WelchSpectrum out{length, 0, 1 / (static_cast<double>(length) * interval_s), std::vector<double>(length / 2 - 1)};
+  WelchSpectrum out{0, 1 / (static_cast<double>(length) * interval_s), std::vector<double>(length / 2 - 1)};
   std::vector<double> window(length), piece(length);
   double power = 0;
   for (std::size_t j = 0; j < length; ++j) {

@@ -7,9 +7,8 @@
 
 namespace imulab {
 
-/// Two-sided density at frequencies (k + 1) / (length interval), k from 0, without 0 and half the rate: [u^2/Hz].
+/// Two-sided density at frequencies (k + 1) spacing_hz, k from 0, without 0 and half the rate: [u^2/Hz].
 struct WelchSpectrum {
-  std::size_t length = 0;  ///< of a piece in samples, a power of two
   std::size_t pieces = 0;  ///< they overlap by half
   double spacing_hz = 0;
   std::vector<double> density;

@@ -117,9 +117,9 @@ void hold_others(Problem& problem, const std::vector<CoefficientIndex>& terms) {
 
 /// Everything under its prior: from Dai's three steps where the machines did them, else from the linear model.
 void fit_under_priors(Problem& problem, const CalibrationOptions& options) {
-  if (options.terms.empty() && has_three_steps(problem)) try {
+  if (options.terms.empty()) try {
       problem.model = stepwise_estimate(problem, false).model;
-    } catch (const Unsupported&) {  // too few rates for the steps are not too few for the joint estimate
+    } catch (const Unsupported&) {  // too few machines or rates for the steps are not too few for the joint estimate
     }
   fit(problem, Priors::all);
 }

@@ -175,8 +175,7 @@ class Steps {
   MatrixXd sensitivity_;  ///< of the coefficients, as in the equations
 };
 
-}  // namespace
-
+/// Has the session what the three steps need?
 bool has_three_steps(const Problem& problem) {
   std::map<RigKind, std::array<bool, 6>> seen;
   for (const MachinePoint& p : problem.points.all) {
@@ -187,6 +186,8 @@ bool has_three_steps(const Problem& problem) {
   const auto all = [&](RigKind kind) { return seen.contains(kind) && std::all_of(seen[kind].begin(), seen[kind].end(), [](bool b) { return b; }); };
   return seen.contains(RigKind::chamber) && all(RigKind::rate_table) && all(RigKind::centrifuge);
 }
+
+}  // namespace
 
 StepwiseEstimate stepwise_estimate(const Problem& problem, bool with_covariance) {
   if (!has_three_steps(problem))

@@ -14,7 +14,5 @@ struct StepwiseEstimate {
 /// Needs a chamber, a rate table with opposed mounts along every axis, and a centrifuge with an accelerometer of each axis outward: throws
 /// Unsupported that says so, or which points do not determine their coefficients.
 StepwiseEstimate stepwise_estimate(const Problem& problem, bool with_covariance);
-/// Has the session what the three steps need?
-bool has_three_steps(const Problem& problem);
 
 }  // namespace imulab::whole_unit
