@@ -42,7 +42,6 @@ void hybrid_one_pass(benchmark::State& state) {
                           in_place::cut_into_blocks(e.recording, e.rests, true).blocks,
                           hybrid::place_of(e.session.site),
                           {Vector3d::Constant(2.9e-7), Vector3d::Constant(5e-5)},
-                          {},
                           {}};
   const hybrid::States states({}, data.place);
   const kernel::Parameters known = states.parameters(Eigen::VectorXd::Zero(states.constants()));

@@ -23,9 +23,8 @@ struct Data {
   std::vector<Block> blocks;
   Place place;
   Noise noise;
-  SensorModel coarse;                    ///< the coarse solution
-  std::vector<CoefficientIndex> wanted;  ///< to estimate; empty: all
-  OptionalPriors priors = {};
+  SensorModel coarse;  ///< the coarse solution
+  Terms terms = {};
   std::function<void(double)> progress = {};  ///< called with the fraction of the iterations that is done
 
   /// Velocities: one of each block that is observed.

@@ -43,10 +43,12 @@ TEST(HybridFilter, ItsDerivativesAreThoseOfTheNavigation) {
   });
   const SensorModel& model = s.truth.model;
   const Place place{*s.session.site.latitude, s.truth.gravity, 0, 1e-4};
-  const States states({Group::lever_arm, Group::quadratic, Group::g_sensitivity}, place);
-  Data data{s.recording, cut_into_blocks(s.recording, {s.rests[0], s.rests[1], s.rests[2]}, true).blocks,
-            place,       {Vector3d::Constant(1e-9), Vector3d::Constant(1e-9)},
-            model,       {}};
+  const States states({.optional = {Group::lever_arm, Group::quadratic, Group::g_sensitivity}}, place);
+  Data data{s.recording,
+            cut_into_blocks(s.recording, {s.rests[0], s.rests[1], s.rests[2]}, true).blocks,
+            place,
+            {Vector3d::Constant(1e-9), Vector3d::Constant(1e-9)},
+            model};
   for (Block& block : data.blocks) block.observed = false;  // nothing but the transition
   Navigator navigator(s.recording, model, 0, place.latitude, place.gravity, states.sums());
   navigator.align(data.blocks.front().samples);

@@ -129,7 +129,7 @@ std::optional<LateAxis> late_axis(const Data& data, const Iterate& converged) {
   for (std::size_t axis = 0; axis < 6; ++axis)
     for (const int samples : {1, -1}) {
       const Recording moved = put_right(data.recording, {axis, samples});
-      const Data trial{moved, data.blocks, data.place, data.noise, data.coarse, data.wanted, data.priors};
+      const Data trial{moved, data.blocks, data.place, data.noise, data.coarse, data.terms};
       if (const double scatter = scatter_of(trial, repeated(trial, converged)); scatter < best.scatter)
         best.axis = axis, best.samples = samples, best.scatter = scatter;
     }
@@ -165,10 +165,14 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
   const kernel::RestStart start = coarse_start(recording, still, session.imu, place.latitude, place.gravity);
   in_place::Blocks cut = in_place::cut_into_blocks(recording, still, turntable);
   const SensorModel coarse = to_raw(start.model, start.scaling);
-  const Terms terms = terms_of(session, options.terms, coarse.accel.offset, coarse.gyro.offset, recording.interval_s);
-  Data data{recording, std::move(cut.blocks), place,        noise_of(start.noise, coarse, recording, session.imu),
-            coarse,    terms.wanted,          terms.priors, options.progress};
-  const Converged result = converge(data, terms.optional, options.significance);
+  Data data{.recording = recording,
+            .blocks = std::move(cut.blocks),
+            .place = place,
+            .noise = noise_of(start.noise, coarse, recording, session.imu),
+            .coarse = coarse,
+            .terms = terms_of(session, options.terms, coarse.accel.offset, coarse.gyro.offset, recording.interval_s),
+            .progress = options.progress};
+  const Converged result = converge(data, options.significance);
   if (const auto late = last.doubts.empty() ? late_axis(data, result.last) : std::nullopt) {
     kernel::Findings instead;
     instead.warn(

@@ -17,9 +17,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-Iterate first_iterate(const Data& data, const Groups& terms) {
-  const States states(terms, data.place, data.wanted, data.priors, data.noise);
-  return {terms, states, {data.coarse, data.place}, VectorXd::Zero(states.constants())};
+Iterate first_iterate(const Data& data) {
+  const States states(data.terms, data.place, data.noise);
+  return {states, {data.coarse, data.place}, VectorXd::Zero(states.constants())};
 }
 
 Errors determined_errors(const Iterate& iterate) {
@@ -48,7 +48,7 @@ namespace {
 
 /// On from where `before` is, with a latitude to be estimated as the open data declare it.
 Iterate with_open_latitude(const Data& open, const Iterate& before) {
-  Iterate out = first_iterate(open, before.terms);
+  Iterate out = first_iterate(open);
   out.iterations = before.iterations;
   out.heading_known = before.heading_known;
   out.about = {before.about.model, before.states.has(Group::latitude) ? before.about.place : open.place, before.about.start, before.about.delay};
@@ -192,17 +192,19 @@ std::optional<SeenLatitude> contradicting_latitude(const Data& open, Iterate tri
   return SeenLatitude{trial.about.place.latitude - trial.pass.x[at], std::sqrt(trial.pass.covariance(at, at))};
 }
 
-/// One pass with an open latitude: the latitude that contradicts the declared one, and Wald's test of each of `terms` with the declared one.
+/// One pass with an open latitude: the latitude that contradicts the declared one, and Wald's test of each optional group with the declared one,
+/// where the user did not name them.
 struct Review {
   std::optional<SeenLatitude> latitude;
   std::vector<TermTest> tests;
 };
-Review review(const Data& data, const Iterate& iterate, const Groups& terms, double significance) {
+Review review(const Data& data, const Iterate& iterate, double significance) {
   Data open = data;
   open.place.latitude_sigma = 30 * unit::deg;
   const Iterate trial = repeated(open, with_open_latitude(open, iterate));
   const States& states = trial.states;
   Review out{contradicting_latitude(open, trial, data.place.latitude_sigma), {}};
+  if (!data.terms.wanted.empty()) return out;
   // Errors of the coarse solution, the latitude's having been measured as zero.
   const Index n = states.constants(), latitude = states.first(Group::latitude);
   VectorXd mean = trial.total + trial.pass.x.head(n);
@@ -212,7 +214,7 @@ Review review(const Data& data, const Iterate& iterate, const Groups& terms, dou
   covariance -= gain * column.transpose();
   // Integration from samples is good to less than a thousandth of their interval: in a turn's ramp of four samples it looks like a fifth of that.
   if (const Index at = states.first(Group::delay); at >= 0) covariance(at, at) += std::pow(5e-4 * data.recording.interval_s, 2);
-  for (const Group group : terms) {
+  for (const Group group : data.terms.optional) {
     const Index first = states.first(group), size = states.size(group);
     out.tests.push_back(kernel::wald_without_prior(std::string(name(group)), mean.segment(first, size), covariance.block(first, first, size, size),
                                                    states.prior.segment(first, size), significance));
@@ -228,11 +230,11 @@ std::vector<std::string> widen_priors(Data& data, const Iterate& c) {
   for (const Index s : at) indices.push_back(states.corrects(s));
   const VectorXd value = c.total + c.pass.x.head(states.constants()), sigma = states.prior.cwiseMax(1e-300);
   const MatrixXd& covariance = c.pass.covariance;
-  std::vector<std::string> widened = kernel::widen_priors(data.priors.sizes, indices, value(at), sigma(at), covariance(at, at));
+  std::vector<std::string> widened = kernel::widen_priors(data.terms.priors.sizes, indices, value(at), sigma(at), covariance(at, at));
   const Index delay = states.first(Group::delay);
   if (const double by = delay < 0 ? 1 : kernel::widening(value.segment<1>(delay), sigma.segment<1>(delay), covariance.block<1, 1>(delay, delay));
       by > 1) {
-    data.priors.delay *= by;
+    data.terms.priors.delay *= by;
     widened.emplace_back(name(Group::delay));
   }
   return widened;
@@ -240,11 +242,11 @@ std::vector<std::string> widen_priors(Data& data, const Iterate& c) {
 
 /// The latitude of the other hemisphere, where residuals that are too large become smaller with it. Nearer to the declared one a g-sensitivity common
 /// to all axes can take its place.
-std::optional<SeenLatitude> mirrored_latitude(const Data& data, const Iterate& c, const Groups& terms) {
+std::optional<SeenLatitude> mirrored_latitude(const Data& data, const Iterate& c) {
   if (chi_square_tail(c.pass.total_chi2(), 3.0 * static_cast<double>(data.observed())) > 1e-3) return {};
   Data mirrored = data;
   mirrored.place.latitude = -data.place.latitude;
-  const Iterate other = converged(mirrored, first_iterate(mirrored, terms));
+  const Iterate other = converged(mirrored, first_iterate(mirrored));
   constexpr double better_by = 50;  // of chi-square: a likelihood of e^25 to one
   if (!other.converged || !(other.pass.total_chi2() < c.pass.total_chi2() - better_by)) return {};
   return SeenLatitude{mirrored.place.latitude, 1 * unit::deg};
@@ -262,18 +264,18 @@ double scatter_of(const Data& data, const Iterate& c) {
   return std::sqrt(c.pass.total_chi2() / (3.0 * static_cast<double>(std::max<std::ptrdiff_t>(data.observed(), 1))));
 }
 
-Converged converge(Data& data, const Groups& terms, double significance) {
-  Converged out{converged(data, first_iterate(data, terms)), {}, {}, {}, {}};
+Converged converge(Data& data, double significance) {
+  Converged out{converged(data, first_iterate(data)), {}, {}, {}, {}};
   for (int round = 0; round < 10 && !is_hopeless(data, out.last); ++round) {
-    Review seen = review(data, out.last, data.wanted.empty() ? terms : Groups{}, significance);
+    Review seen = review(data, out.last, significance);
     out.latitude = seen.latitude;
     if (out.latitude) break;
     out.tests = std::move(seen.tests);
-    out.latitude = mirrored_latitude(data, out.last, terms);
+    out.latitude = mirrored_latitude(data, out.last);
     if (out.latitude) break;
     if (const auto widened = widen_priors(data, out.last); !widened.empty()) {  // anew: what a narrow prior bent may be far from the solution
       out.widened.insert(out.widened.end(), widened.begin(), widened.end());
-      out.last = converged(data, first_iterate(data, terms));
+      out.last = converged(data, first_iterate(data));
       continue;
     }
     if (!out.last.converged) break;

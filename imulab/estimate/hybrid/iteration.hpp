@@ -14,7 +14,6 @@ namespace imulab::hybrid {
 
 /// The state of the iterations.
 struct Iterate {
-  Groups terms;  ///< optional groups
   States states;
   Linearization about;    ///< model, place and attitude at the start of the next pass
   Eigen::VectorXd total;  ///< by constant: what was corrected since the coarse solution
@@ -25,7 +24,7 @@ struct Iterate {
 };
 
 /// From the coarse solution.
-Iterate first_iterate(const Data& data, const Groups& terms);
+Iterate first_iterate(const Data& data);
 
 /// Errors of the model that the last pass was about. Constants that are `undetermined` are at the coarse solution, and how far that may be off counts
 /// in the others' covariance.
@@ -57,8 +56,8 @@ struct Converged {
   std::optional<SeenLatitude> latitude;  ///< contradicts the place's: then the rest is void
 };
 
-/// Repeats until the velocities that are used no longer change. Blocks whose velocity is an outlier are no longer observed in `data`. With these
-/// optional groups, seen or not; they are tested where the user did not name them.
-Converged converge(Data& data, const Groups& terms, double significance);
+/// Repeats until the velocities that are used no longer change. Blocks whose velocity is an outlier are no longer observed in `data`. The optional
+/// groups are in the model, seen or not; they are tested where the user did not name them.
+Converged converge(Data& data, double significance);
 
 }  // namespace imulab::hybrid

@@ -45,10 +45,7 @@ MatrixXd without(const MatrixXd& information, Index at) {
 }  // namespace
 
 InformationModel::InformationModel(const Plan& plan)
-    : place(plan.place),
-      noise(plan.noise),
-      states(plan.terms.optional, plan.place, plan.terms.wanted, plan.terms.priors),
-      observe_motion(plan.observe_motion) {
+    : place(plan.place), noise(plan.noise), states(plan.terms, plan.place), observe_motion(plan.observe_motion) {
   const Index start = states.first(Group::start);
   for (Index s = 0; s < states.constants(); ++s)
     if ((s < start || s >= start + 3) && states.prior[s] > 0) constants.push_back(s);

@@ -48,11 +48,9 @@ Prediction predict(const Plan& plan) {
   const Recording recording = rig::coarse_recording(plan.procedure, {earth_rate_enu(plan.place.latitude), plan.place.gravity}, slowest);
   const std::vector<Range> rests = in_place::still_parts(recording, rests_of(recording, plan.procedure).ranges);
   if (rests.empty()) throw Error(plan.procedure.file + no_hold);
-  const Data data{recording,        in_place::cut_into_blocks(recording, rests, plan.observe_motion).blocks,
-                  plan.place,       plan.noise,
-                  SensorModel{},    plan.terms.wanted,
-                  plan.terms.priors};
-  const Iterate pass = repeated(data, first_iterate(data, plan.terms.optional));
+  const Data data{recording, in_place::cut_into_blocks(recording, rests, plan.observe_motion).blocks, plan.place, plan.noise, SensorModel{},
+                  plan.terms};
+  const Iterate pass = repeated(data, first_iterate(data));
   const Errors errors = determined_errors(pass);
 
   Prediction out{prediction_of(calibration_of(data, pass)), pass.states, pass.pass.covariance, pose_at_end(plan.procedure.steps)};

@@ -122,7 +122,7 @@ void consider_nonlinearity(const Data& data, Calibration& c) {
       const CoefficientIndex slope = coefficient_index(term.triad, Term::matrix, term.row, term.row);
       const auto at = std::find(c.estimated.begin(), c.estimated.end(), slope);
       if (at == c.estimated.end()) continue;
-      const double sigma = kernel::prior_sigma(data.priors.sizes, term, scale), effect = term.term == Term::cubic ? reading * reading : reading;
+      const double sigma = kernel::prior_sigma(data.terms.priors.sizes, term, scale), effect = term.term == Term::cubic ? reading * reading : reading;
       const Index row = at - c.estimated.begin(), n = c.covariance.rows();
       c.covariance.conservativeResize(n + 1, n + 1);
       c.covariance.row(n).setZero(), c.covariance.col(n).setZero();
@@ -150,7 +150,7 @@ Calibration calibration_of(const Data& data, const Iterate& iterate) {
   const MatrixXd jacobian = correction_jacobian(iterate.about.model, c.estimated, iterate.states);
   c.covariance = jacobian * errors.covariance * jacobian.transpose();
   if (!c.estimated.empty()) c.quality.condition = kernel::condition_number(c.covariance);
-  if (data.wanted.empty()) consider_nonlinearity(data, c);
+  if (data.terms.wanted.empty()) consider_nonlinearity(data, c);
   return c;
 }
 
@@ -165,7 +165,7 @@ void report(const Data& data, const Converged& result, const Site& site, Calibra
   kernel::warn_of_widened(findings, result.widened);
   add_left_out(data, result.left_out, findings);
   findings.note(fmt::format("{} iterations over {} blocks", last.iterations, data.blocks.size()));
-  if (const double heading = sigma(last.states.first(Group::start) + 2); last.terms.contains(Group::g_sensitivity) && heading > 3 * unit::deg)
+  if (const double heading = sigma(last.states.first(Group::start) + 2); last.states.has(Group::g_sensitivity) && heading > 3 * unit::deg)
     findings.warn(
         fmt::format("the gyros hardly measure the Earth's rate (the heading at the start is known to {:.0f} deg); a g-sensitivity equal on all "
                     "axes is several times less certain than stated; the other coefficients are not affected",

@@ -94,13 +94,12 @@ std::string_view name(Group group) { return table[static_cast<std::size_t>(group
 
 Eigen::Vector3d alignment_sigma() { return {3 * unit::deg, 3 * unit::deg, 90 * unit::deg}; }
 
-States::States(const Groups& optional, const Place& place, const std::vector<CoefficientIndex>& wanted, const OptionalPriors& priors,
-               const Noise& noise) {
+States::States(const Terms& terms, const Place& place, const Noise& noise) {
   const bool slow = noise.accel_slow.any() || noise.gyro_slow.any();
   const auto present = [&](Group group) {
     if (group == Group::latitude) return place.latitude_sigma > 0;
-    if (group == Group::smear) return optional.contains(Group::delay);
-    return group < Group::latitude || (group >= Group::flicker ? slow : optional.contains(group));
+    if (group == Group::smear) return terms.optional.contains(Group::delay);
+    return group < Group::latitude || (group >= Group::flicker ? slow : terms.optional.contains(group));
   };
   std::vector<double> sigma;
   for (const Row& row : table) {
@@ -108,11 +107,11 @@ States::States(const Groups& optional, const Place& place, const std::vector<Coe
     const std::vector<CoefficientIndex> corrected = coefficients_of(row);
     places_[static_cast<std::size_t>(row.group)] = {static_cast<Index>(sigma.size()), static_cast<Index>(corrected.size())};
     for (std::size_t i = 0; i < corrected.size(); ++i) {
-      const bool held = corrected[i] >= 0 && !wanted.empty() && !contains(wanted, corrected[i]);
+      const bool held = corrected[i] >= 0 && !terms.wanted.empty() && !contains(terms.wanted, corrected[i]);
       corrects_.push_back(corrected[i]);
       sigma.push_back(held                ? 0
-                      : corrected[i] >= 0 ? prior_sigma(corrected[i], place, priors)
-                                          : prior_sigma(row.group, static_cast<Index>(i), place, priors, noise));
+                      : corrected[i] >= 0 ? prior_sigma(corrected[i], place, terms.priors)
+                                          : prior_sigma(row.group, static_cast<Index>(i), place, terms.priors, noise));
     }
   }
   prior = Eigen::Map<const VectorXd>(sigma.data(), static_cast<Index>(sigma.size()));

@@ -60,9 +60,9 @@ enum class Group {
 using Groups = std::set<Group>;
 
 struct Terms {
-  std::vector<CoefficientIndex> wanted;  ///< empty: all
-  Groups optional;                       ///< estimated under their priors
-  OptionalPriors priors;
+  std::vector<CoefficientIndex> wanted = {};  ///< empty: all
+  Groups optional = {};                       ///< estimated under their priors
+  OptionalPriors priors = {};
 };
 /// What a calibration of this session estimates or considers, and what is known of it before the data: with the offsets that the IMU shows
 /// [m/s^2, rad/s] and a sample's interval. `wanted` as CalibrationOptions::terms. Throws TermsError.
@@ -77,10 +77,9 @@ Eigen::Vector3d alignment_sigma();
 
 class States {
  public:
-  /// With these optional groups, the latitude where it is uncertain, and what slow noise needs. Coefficients that are not `wanted` are fixed; empty:
-  /// none is.
-  States(const Groups& optional, const Place& place, const std::vector<CoefficientIndex>& wanted = {}, const OptionalPriors& priors = {},
-         const Noise& noise = {});
+  /// With the optional groups of the terms, the latitude where it is uncertain, and what slow noise needs. Coefficients that are not wanted are
+  /// fixed.
+  States(const Terms& terms, const Place& place, const Noise& noise = {});
 
   Eigen::VectorXd prior;  ///< by constant: standard deviation about the coarse solution; 0: fixed there
   CoefficientIndex corrects(Eigen::Index constant) const { return corrects_[static_cast<std::size_t>(constant)]; }  ///< -1: none

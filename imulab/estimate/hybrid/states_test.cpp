@@ -14,7 +14,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 const Place here{0.8, 9.8, 1e-3, 3e-4};
-const Groups all{Group::lever_arm, Group::quadratic, Group::g_sensitivity, Group::delay};
+const Terms all{.optional = {Group::lever_arm, Group::quadratic, Group::g_sensitivity, Group::delay}};
 
 TEST(HybridStates, GroupsStandOneAfterTheOther) {
   const States states(all, here);
@@ -42,7 +42,7 @@ TEST(HybridStates, EveryCoefficientIsCorrectedOnceUnderAPrior) {
 }
 
 TEST(HybridStates, WhatIsNotWantedIsHeld) {
-  const States states({}, here, select_coefficients("gyro.matrix"));
+  const States states({.wanted = select_coefficients("gyro.matrix")}, here);
   EXPECT_EQ(states.corrections().size(), 9u);
   EXPECT_EQ(states.prior[states.first(Group::accel_offset)], 0);
   EXPECT_GT(states.prior[states.first(Group::gravity)], 0);
