@@ -16,8 +16,8 @@
 namespace imulab {
 namespace {
 
-/// How far a column's largest sample is above the least.
-double change_of(const RecordingView& recording, std::size_t column, const Range& range) {
+/// The largest less the least.
+double temperature_change(const RecordingView& recording, std::size_t column, const Range& range) {
   double least = HUGE_VAL, most = -HUGE_VAL;
   for_each_block(recording, column, range, usual_block, [&](std::span<const double> samples) {
     const auto [low, high] = std::minmax_element(samples.begin(), samples.end());
@@ -28,7 +28,7 @@ double change_of(const RecordingView& recording, std::size_t column, const Range
 
 void warn_of_temperature(NoiseAnalysis& analysis, const RecordingView& recording, std::size_t column, const Range& range, const char* triad) {
   if (!recording.has(column)) return;
-  if (const double change = change_of(recording, column, range); change > 1)
+  if (const double change = temperature_change(recording, column, range); change > 1)
     analysis.warnings.push_back(
         fmt::format("the {} temperature changed by {:.3g} during the rest: R, K and B contain its effect; see --remove-temperature", triad, change));
 }
@@ -86,7 +86,8 @@ double remove_parabola(std::vector<double>& readings, const SmoothTemperature& s
 void expect_temperature(const RecordingView& r, const Range& range, std::size_t column, const char* triad) {
   if (!r.has(column))
     throw Unsupported(fmt::format("{}: has no {} temperature to remove; expected a column declared as {}_temperature", r.name, triad, triad));
-  if (!(change_of(r, column, range) > 0)) throw Unsupported(fmt::format("{}: the {} temperature does not change: nothing to remove", r.name, triad));
+  if (!(temperature_change(r, column, range) > 0))
+    throw Unsupported(fmt::format("{}: the {} temperature does not change: nothing to remove", r.name, triad));
 }
 
 void warn_of_fit(NoiseAnalysis& analysis, const NoiseAxis& axis) {
