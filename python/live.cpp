@@ -40,7 +40,7 @@ class LiveObject {
   /// Of all rows so far.
   CalibrationObject calibration() {
     const std::lock_guard lock(mutex_);
-    if (progress_.view().samples < 2) throw Unsupported("too few rows came; expected a stream of them");
+    if (progress_.view().samples < 2) throw Unsupported("fewer than two rows arrived; expected a stream of them");
     progress_.estimate();
     if (!progress_.result()) throw Unsupported(shortcomings(progress_));
     auto result = std::make_shared<CalibrationResult>(*progress_.result());

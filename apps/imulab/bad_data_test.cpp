@@ -187,7 +187,7 @@ TEST(BadData, AllRestsOnOneAxis) {
   // Turns about the vertical alone leave the gyros open too: nothing remains that could be written.
   const CommandResult result = run_imulab(folder, "calibrate session -o h.json --method handheld");
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.errors, testing::AnyOf(HasSubstr("imulab: the rests do not determine the parameters asked for: "),
+  EXPECT_THAT(result.errors, testing::AnyOf(HasSubstr("imulab: the rests do not determine the requested parameters; "),
                                             HasSubstr("imulab: the data do not determine: accel.offset.x ")));
 }
 

@@ -34,7 +34,7 @@ void check_files_differ(const std::vector<std::string>& files) {
   for (std::size_t i = 0; i < files.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (same_file(files[i], files[j]))
-        throw Error(fmt::format("{}: the same file as {}; their errors count as independent; expected different calibrations", files[i], files[j]));
+        throw Error(fmt::format("{}: the same file as {}; a comparison takes the errors as independent; expected different calibrations", files[i], files[j]));
 }
 
 void run(const Options& options) {
@@ -56,7 +56,7 @@ void add_compare(Verb app) {
   Verb verb = app.verb("compare", "Compare calibrations of one IMU, coefficient by coefficient");
   verb.option("CALIBRATION", options->files,
               "two or more calibrations, or truth.json of a simulation; - for standard input. The others are compared with the first. Their "
-              "errors count as independent; a file without uncertainties counts as the truth")
+              "errors are taken as independent; a file without uncertainties is taken as the truth")
       .required()
       .takes_several(2)
       .reads();

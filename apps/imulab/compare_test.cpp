@@ -179,7 +179,7 @@ TEST_F(CompareCommand, WrongUseIsExplained) {
         Case{"calibration.json counts.json rates.json",
              "imulab: rates.json: gyro was calibrated from rad/s, expected count as in counts.json"},  // and the first does not say
         Case{"calibration.json truth.json calibration.json",
-             "imulab: calibration.json: the same file as calibration.json; their errors count as independent; expected different"},
+             "imulab: calibration.json: the same file as calibration.json; a comparison takes the errors as independent; expected different"},
         Case{"calibration.json ./calibration.json", "imulab: ./calibration.json: the same file as calibration.json"},
         Case{"calibration.json link.json", "imulab: link.json: the same file as calibration.json"},
         Case{"- truth.json -", "imulab: -: standard input is named twice; expected it once"}}) {

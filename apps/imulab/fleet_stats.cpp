@@ -86,7 +86,7 @@ void stats(const Options& o) {
 
 void add_fleet_stats(Verb& fleet) {
   const auto o = std::make_shared<Options>();
-  Verb verb = fleet.verb("stats", "How the units spread, which do not belong, how they drift, and how stations differ");
+  Verb verb = fleet.verb("stats", "Spread, outliers, drift and stations of the units");
   add_store_option(verb, o->store);
   std::vector<std::string> names;
   for (const Method& m : methods()) names.emplace_back(m.name);

@@ -85,7 +85,7 @@ void run(const Options& o) {
 
 void add_inspect(Verb app) {
   const auto o = std::make_shared<Options>();
-  Verb verb = app.verb("inspect", "Say what a recording holds, and write a session for it");
+  Verb verb = app.verb("inspect", "Identify the contents of a recording, and write a session for it");
   verb.option("FILE", o->files, "the files of one recording: text, bags, logs, arrays; - for standard input").required().reads();
   verb.option("--for SECONDS", o->longest_s, "how long to read a stream that does not end: a serial port").in_range(0.1, 86400).show_default();
   verb.option("--topic TOPIC", o->topics, "of a file with several tables; repeat it where gyros and accelerometers are in different ones").repeats();

@@ -163,7 +163,7 @@ void write_result(const Options& options, LiveProgress& progress, Session sessio
 /// At the end: what was reached, and what is missing.
 void conclude(const Options& options, const LiveProgress& progress) {
   const LiveView& view = progress.view();
-  if (view.samples < 2) throw Unsupported(fmt::format("{}: too few rows came; expected a stream of them", name_of(options.input)));
+  if (view.samples < 2) throw Unsupported(fmt::format("{}: fewer than two rows arrived; expected a stream of them", name_of(options.input)));
   if (!view.problem.empty()) throw Unsupported(shortcomings(progress));
   const Quality& quality = progress.result()->calibration.quality;
   for (const std::string& text : quality.warnings) warn(text);

@@ -105,7 +105,7 @@ TEST(Live, BadStreams) {
            {"awk 'NR < 6600 || NR > 7000'", "1 gap in time, the first before 35.000 s", 1, true},
            {"awk -F, -v OFS=, 'NR > 1 {for (i = 2; i <= 7; i++) $i = 5 * sin($1 * (3 + i / 7) + i)} 1'", "no rests", 1, false},
            {"head -1", "has a header but no rows", 2, false},
-           {"head -2", "too few rows came", 1, false},
+           {"head -2", "fewer than two rows arrived", 1, false},
            {"head -0", "standard input: is empty", 2, false},
        }) {
     SCOPED_TRACE(c.filter);
@@ -134,7 +134,7 @@ TEST(Live, CtrlCEndsTheStreamAsIfTheLastRowHadCome) {
 TEST(Live, RefusesWhatCannotBeReached) {
   const CommandResult r = live("cat", "--require 'accel.matrix.diagonal <= 10 ppm'");
   EXPECT_EQ(r.exit_code, 1);
-  EXPECT_THAT(r.errors, HasSubstr("accel.matrix.xx is as uncertain as gravity, 30.6 ppm"));
+  EXPECT_THAT(r.errors, HasSubstr("accel.matrix.xx cannot be better than gravity, 30.6 ppm"));
 }
 
 TEST(Live, CalibrateNamesTheTurnsThatAreMissing) {

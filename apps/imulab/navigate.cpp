@@ -42,7 +42,7 @@ const std::map<std::string, VerticalChannel> vertical_channels{
 Calibration calibration_of(const std::string& name, bool allow_undetermined) {
   if (name != "none") {
     Calibration calibration = read_usable(name, allow_undetermined);
-    if (calibration.method == "import") warn(name + ": an imported calibration states no uncertainties: those of the solution count it as exact");
+    if (calibration.method == "import") warn(name + ": an imported calibration has no uncertainties; those of the solution take it as exact");
     return calibration;
   }
   return no_calibration();

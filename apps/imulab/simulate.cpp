@@ -42,7 +42,7 @@ void simulate(const Arguments& a) {
     files.push_back({{{"file", recording.name}, {"samples", std::uint64_t{recording.size()}}, {"duration_s", duration}}});
   }
   if (a.json) return print_json(fields_json({{{"folder", a.folder}, {"seed", a.seed}, {"recordings", files}, {"truth", std::string("truth.json")}}}));
-  print(fmt::format("{} (seed {})\n{}  {:<14} what a calibration of this session has to find\n  session.toml\n", a.folder, a.seed, report,
+  print(fmt::format("{} (seed {})\n{}  {:<14} what a calibration of this session should find\n  session.toml\n", a.folder, a.seed, report,
                     "truth.json"));
 }
 

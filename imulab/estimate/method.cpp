@@ -58,7 +58,7 @@ void correct_clocks(Session& session, std::span<const Recording> recordings, std
     for (Step& step : session.steps)
       if (session.recordings.size() < 2 || step.recording == source.file) step.start += offset->offset_s, step.end += offset->offset_s;
     said.push_back(
-        fmt::format("{}: the steps' clock is {:.2f} +/- {:.2f} s off the recording's: their times were moved (correlation of the rate with the "
+        fmt::format("{}: the clock of the steps is {:.2f} +/- {:.2f} s off the recording's; their times were moved (correlation of the rate with the "
                     "commanded turns {:.2f}, before {:.2f})",
                     recordings[k].name, offset->offset_s, std::max(offset->sigma_s, 0.01), offset->correlation, offset->uncorrected));
   }

@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t looked_at = 200'000;            // rows: enough to know a clock
 constexpr double slowest_hz = 10, fastest_hz = 10e3;  // of an IMU; a thousand apart, so that one unit of time fits
 constexpr double usual_hz = 1000.5;                   // above, the same step is more often ticks or the slow rate of a larger unit: asked for
-constexpr std::array<const char*, 4> units{"s", "ms", "us", "ns"};
+constexpr std::array<const char*, 4> time_units{"s", "ms", "us", "ns"};
 
 /// How the numbers of a column advance.
 struct Steps {
@@ -117,7 +117,7 @@ void choose_unit(TimeGuess& guess, const Signal& signal, const Steps& steps) {
   const NameHint hint = hint_of(signal.name);
   const std::string stated = !signal.unit.empty() ? signal.unit : hint.unit;
   std::vector<const char*> fit, dated;
-  for (const char* unit : units) {
+  for (const char* unit : time_units) {
     const double rate = 1 / (steps.typical * in_seconds(unit));
     if (rate >= slowest_hz * 0.999 && rate < fastest_hz * 0.999) fit.push_back(unit);
     if (is_date(steps.first, unit) && rate > 0.5 && rate < 100e3) dated.push_back(unit);
@@ -139,10 +139,10 @@ void choose_unit(TimeGuess& guess, const Signal& signal, const Steps& steps) {
     guess.open = "time.ticks_per_s: how many ticks are a second";
     return;
   }
-  if (!stated.empty() && std::find(units.begin(), units.end(), stated) != units.end()) {
+  if (!stated.empty() && std::find(time_units.begin(), time_units.end(), stated) != time_units.end()) {
     decide(stated, signal.unit.empty() ? "its name" : "the format");
     if (*guess.rate_hz < 0.5 || *guess.rate_hz > 100e3)
-      guess.open = fmt::format("time.unit: {} says {}, which gives {:.3g} Hz", name, stated, *guess.rate_hz);
+      guess.open = fmt::format("time.unit: {} is named {}, which gives {:.3g} Hz, implausible for an IMU", name, stated, *guess.rate_hz);
     return;
   }
   if (dated.size() == 1) return decide(dated[0], "it begins at a date since 1970");
@@ -156,7 +156,7 @@ void choose_unit(TimeGuess& guess, const Signal& signal, const Steps& steps) {
     guess.source.unit = "s";
     guess.evidence = fmt::format("{} advances by {:.6g}", name, steps.typical);
     guess.open = fmt::format("time.unit: {} advances by {:.6g}; {}", name, steps.typical,
-                             steps.ones ? "a number of the sample, or ms" : "no unit of time makes 10 Hz to 10 kHz of it");
+                             steps.ones ? "a number of the sample, or ms" : "no unit of time gives a rate from 10 Hz to 10 kHz");
     return;
   }
   decide(fit[0], "in no other unit the rate is between 10 Hz and 10 kHz");

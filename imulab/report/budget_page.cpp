@@ -40,9 +40,9 @@ std::vector<std::vector<std::string>> contribution_rows(const std::vector<Contri
   for (std::size_t k = 0; k < std::min(most, order.size()); ++k) {
     const Contribution& c = all[order[k]];
     if (horizontal(c, end) < negligible * horizontal(all[order[0]], end)) break;
-    std::vector<std::string> row{escaped(c.name), number(horizontal(c, end))};
+    std::vector<std::string> row{escaped(c.name), number_text(horizontal(c, end))};
     for (Eigen::Index q = 0; q < budget_quantities; ++q)
-      row.push_back(number(std::hypot(c.fixed(q, end), c.sigma(q, end)) / error_quantities()[static_cast<std::size_t>(q)].size));
+      row.push_back(number_text(std::hypot(c.fixed(q, end), c.sigma(q, end)) / error_quantities()[static_cast<std::size_t>(q)].size));
     rows.push_back(std::move(row));
   }
   return rows;
@@ -69,14 +69,14 @@ std::string share_figure(const ErrorBudget& b) {
 
 std::string monte_carlo_text(const ErrorDistribution& d, std::uint64_t runs) {
   return fmt::format("Monte Carlo of {} runs: horizontal rate {} nmi/h RMS, {} nmi/h in half of the runs, {} nmi/h in 95 %.", runs,
-                     number(d.drift_rms / unit::nmi_per_h), number(d.drift_cep / unit::nmi_per_h), number(d.drift_95 / unit::nmi_per_h));
+                     number_text(d.drift_rms / unit::nmi_per_h), number_text(d.drift_cep / unit::nmi_per_h), number_text(d.drift_95 / unit::nmi_per_h));
 }
 
 Verdict budget_verdict(const BudgetReport& r) {
   const ErrorBudget& b = r.summary.budget;
   Verdict v{
       .tone = Tone::neutral,
-      .word = fmt::format("{} m after {} min", number(horizontal_total(b)), number(b.time.back() / 60)),
+      .word = fmt::format("{} m after {} min", number_text(horizontal_total(b)), number_text(b.time.back() / 60)),
       .meaning = fmt::format("Horizontal position error: fixed errors and one sigma of drawn ones, vertical channel {}.", to_string(b.vertical)),
       .because = {},
       .actions = {}};
@@ -107,7 +107,7 @@ std::string budget_page(const BudgetReport& r) {
   Page page;
   page.kind = "Error budget";
   page.title = r.mission;
-  page.subtitle = fmt::format("{} min, vertical channel {}", number(b.time.back() / 60), to_string(b.vertical));
+  page.subtitle = fmt::format("{} min, vertical channel {}", number_text(b.time.back() / 60), to_string(b.vertical));
   page.verdict = budget_verdict(r);
   if (!r.missing.empty()) page.body += section("missing", "Not on this page", "", list(r.missing, "missing-list"));
   const std::string bands = error_bands({&b, sampled, {}, {}}), shares = shares_over_time(b);

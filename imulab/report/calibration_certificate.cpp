@@ -32,7 +32,7 @@ class Facts {
 
 std::string gravity_text(const Site& site) {
   if (!site.given_gravity && !site.latitude) return {};
-  return fmt::format("{:.6f} m/s² ± {} m/s² (standard uncertainty), {}", site.gravity(), number(site.gravity_sigma(), 2),
+  return fmt::format("{:.6f} m/s² ± {} m/s² (standard uncertainty), {}", site.gravity(), number_text(site.gravity_sigma(), 2),
                      site.given_gravity ? "declared"
                      : site.height      ? "WGS-84 normal gravity at latitude and height"
                                         : "WGS-84 normal gravity at latitude, height unknown");
@@ -49,7 +49,7 @@ std::string rigs_text(const Session& session) {
 std::string temperature_text(const TriadModel& m) {
   if (!m.temperature) return {};
   const ThermalReading& t = *m.temperature;
-  return fmt::format("{} to {} {}, reference {}", number(t.range[0], 4), number(t.range[1], 4), t.unit, number(t.reference, 4));
+  return fmt::format("{} to {} {}, reference {}", number_text(t.range[0], 4), number_text(t.range[1], 4), t.unit, number_text(t.reference, 4));
 }
 
 std::string frame_text(const Calibration& c) {
@@ -80,7 +80,7 @@ std::string model_equation(const Calibration& c) {
 std::string ranges_text(const CalibrationReport& report) {
   double rate = 0, force = 0;
   for (const RecordingEvidence& e : report.recordings) rate = std::max(rate, e.largest_rate), force = std::max(force, e.largest_force);
-  return rate > 0 || force > 0 ? fmt::format("up to {} deg/s and {} g", number(rate / unit::deg), number(force / unit::g)) : "";
+  return rate > 0 || force > 0 ? fmt::format("up to {} deg/s and {} g", number_text(rate / unit::deg), number_text(force / unit::g)) : "";
 }
 
 /// The tests by their usual names.
@@ -110,16 +110,16 @@ std::string positions_text(const Quality& q) {
     least = std::min(least, held), most = std::max(most, held), all += held, ++used;
   }
   if (used == 0) return "";
-  return fmt::format("{} rest{} of {} to {} s, {} s together; {} rotation{}", used, used == 1 ? "" : "s", number(least), number(most), number(all),
+  return fmt::format("{} rest{} of {} to {} s, {} s together; {} rotation{}", used, used == 1 ? "" : "s", number_text(least), number_text(most), number_text(all),
                      q.rotations.size(), q.rotations.size() == 1 ? "" : "s");
 }
 
 std::string latitude_text(const Site& site) {
   if (!site.latitude) return "";
-  const std::string sigma = site.latitude_sigma ? fmt::format(" ± {} deg", number(*site.latitude_sigma / unit::deg, 2)) : "";
+  const std::string sigma = site.latitude_sigma ? fmt::format(" ± {} deg", number_text(*site.latitude_sigma / unit::deg, 2)) : "";
   const Eigen::Vector3d rate = earth_rate_enu(*site.latitude) / unit::deg_per_h;
-  return fmt::format("{} deg{}: the Earth turns by {} deg/h about north and {} deg/h about up", number(*site.latitude / unit::deg, 7), sigma,
-                     number(rate.y(), 5), number(rate.z(), 5));
+  return fmt::format("{} deg{}: the Earth turns by {} deg/h about north and {} deg/h about up", number_text(*site.latitude / unit::deg, 7), sigma,
+                     number_text(rate.y(), 5), number_text(rate.z(), 5));
 }
 
 std::string rotation_reference(const Calibration& c) {
@@ -253,7 +253,7 @@ std::string origin_section(const CalibrationReport& report) {
   facts.add("session", c.session_file);
   facts.add_hash("SHA-256", c.session_sha256);
   for (const SourceFile& s : c.sources) {
-    facts.add("recording", fmt::format("{}: {} bytes, {} to {} s", s.file, s.bytes, number(s.first_s, 8), number(s.last_s, 8)));
+    facts.add("recording", fmt::format("{}: {} bytes, {} to {} s", s.file, s.bytes, number_text(s.first_s, 8), number_text(s.last_s, 8)));
     facts.add_hash("SHA-256", s.sha256);
   }
   return section("origin", "Files and versions", "", facts.html());

@@ -82,8 +82,8 @@ std::vector<std::string> coefficient_cells(const Calibration& calibration, Coeff
           uncertainty_text(user.uncertainty),
           u.degrees_of_freedom > 1e4 ? "&gt; 10⁴" : fmt::format("{:.0f}", u.degrees_of_freedom),
           fmt::format("{:.2f}", u.coverage_factor),
-          number(value, 8),
-          number(u.standard, 2),
+          number_text(value, 8),
+          number_text(u.standard, 2),
           escaped(readable_unit(coefficient(index).unit))};
 }
 
@@ -95,8 +95,8 @@ std::string other_values(const Calibration& calibration) {
     const double value = coefficient_value(calibration.model, index);
     if (contains(calibration.estimated, index) || value == coefficient_value(ideal, index)) continue;
     const UserValue user = user_value(calibration, index);
-    t.rows.push_back({"<code>" + escaped(coefficient(index).name) + "</code>", number(user.value, 6), escaped(readable_unit(user.unit)),
-                      number(value, 8), escaped(readable_unit(coefficient(index).unit))});
+    t.rows.push_back({"<code>" + escaped(coefficient(index).name) + "</code>", number_text(user.value, 6), escaped(readable_unit(user.unit)),
+                      number_text(value, 8), escaped(readable_unit(coefficient(index).unit))});
   }
   return t.rows.empty() ? "" : "<h3>Values without uncertainties</h3>\n" + table(t);
 }
@@ -118,7 +118,7 @@ std::string strongest_pairs(const std::vector<std::string>& names, const Eigen::
   for (std::size_t k = 0; k < std::min<std::size_t>(3, pairs.size()); ++k) {
     const auto& [size, i, j] = pairs[k];
     const double r = correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-    text += fmt::format("{}{} and {} ({})", text.empty() ? "" : ", ", names[i], names[j], number(r, 2));
+    text += fmt::format("{}{} and {} ({})", text.empty() ? "" : ", ", names[i], names[j], number_text(r, 2));
   }
   return text;
 }
@@ -158,7 +158,7 @@ std::string uncertainty_section(const Calibration& calibration) {
   }
   Table rigs{.head = {"error of the rig", "declared sigma", "found", "u"}, .rows = {}};
   for (const RigErrorEstimate& e : calibration.quality.rig_errors)
-    rigs.rows.push_back({escaped(e.name), number(e.declared_sigma), rounded_to(e.value, e.uncertainty), uncertainty_text(e.uncertainty)});
+    rigs.rows.push_back({escaped(e.name), number_text(e.declared_sigma), rounded_to(e.value, e.uncertainty), uncertainty_text(e.uncertainty)});
   std::vector<std::string> said;
   for (const UncertaintySource& source : calibration.quality.sources) said.push_back(source.consequence);
   const bool rig = !calibration.quality.rig_errors.empty() || calibration.frame == "rig";
@@ -190,15 +190,15 @@ std::string tests_section(const Calibration& calibration) {
   for (const TermTest& test : calibration.quality.term_tests) {
     const bool tested = test.degrees_of_freedom > 0;
     t.rows.push_back({"<code>" + escaped(test.term) + "</code>",
-                      !tested     ? "the data say nothing of it"
+                      !tested     ? "the data do not show it"
                       : test.kept ? "seen, estimated"
-                                  : "not seen, its prior counts",
-                      tested ? fmt::format("{} / {}", number(test.statistic), test.degrees_of_freedom) : "", tested ? number(test.p_value, 2) : ""});
+                                  : "not seen, its prior is used",
+                      tested ? fmt::format("{} / {}", number_text(test.statistic), test.degrees_of_freedom) : "", tested ? number_text(test.p_value, 2) : ""});
   }
   const auto& considered = calibration.quality.considered;
   std::string names;
   for (const std::string& name : considered) names += (names.empty() ? "" : ", ") + name;
-  const std::string open = considered.empty() ? "" : paragraph("Held at their prior values, whose uncertainty counts in the others: " + names + ".");
+  const std::string open = considered.empty() ? "" : paragraph("Held at their prior values, whose uncertainty enters the others: " + names + ".");
   if (t.rows.empty() && open.empty()) return {};
   return section("tests", "Terms beyond offsets and matrices", "", (t.rows.empty() ? "" : table(t)) + open);
 }

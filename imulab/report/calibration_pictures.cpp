@@ -32,12 +32,12 @@ std::vector<double> counted(std::size_t n) {
 }
 
 std::string size_text(double value, double small, std::string_view small_name, double large, std::string_view large_name) {
-  return std::abs(value) < large ? fmt::format("{} {}", number(value / small), small_name) : fmt::format("{} {}", number(value / large), large_name);
+  return std::abs(value) < large ? fmt::format("{} {}", number_text(value / small), small_name) : fmt::format("{} {}", number_text(value / large), large_name);
 }
 
 std::string acceleration_text(double v) { return size_text(v, unit::ug, "µg", 1e3 * unit::ug, "mg"); }
 std::string angle_text(double v) {
-  return v < 0.1 * unit::deg ? size_text(v, unit::arcsec, "arcsec", 0.1 * unit::deg, "") : number(v / unit::deg) + " deg";
+  return v < 0.1 * unit::deg ? size_text(v, unit::arcsec, "arcsec", 0.1 * unit::deg, "") : number_text(v / unit::deg) + " deg";
 }
 
 /// At most so many: the greatest of each group of neighbors.
@@ -130,8 +130,8 @@ std::vector<std::vector<double>> scaled(const Columns3& columns, double unit) {
 std::string recording_charts(const Calibration& calibration, const RecordingEvidence& e, bool only_one) {
   const std::vector<MarkedTime> marks = marks_of(calibration, e, only_one);
   std::string out = only_one ? "" : "<h3>" + escaped(e.file) + "</h3>\n";
-  out += paragraph(fmt::format("{}: {} samples at {} Hz, {} s; {} at a limit, {} gaps. {}", e.file, e.samples, number(e.rate_hz, 5),
-                               number(e.duration_s, 6), e.saturated, e.gaps,
+  out += paragraph(fmt::format("{}: {} samples at {} Hz, {} s; {} at a limit, {} gaps. {}", e.file, e.samples, number_text(e.rate_hz, 5),
+                               number_text(e.duration_s, 6), e.saturated, e.gaps,
                                e.overview.samples_per_interval > 1
                                    ? fmt::format("The charts show the least and the greatest of every {} samples.", e.overview.samples_per_interval)
                                    : "The charts show every sample."));
@@ -218,12 +218,12 @@ std::string residuals_section(const Calibration& calibration) {
   for (const FitResidual& f : q.fit_residuals) {
     const bool accel = f.axis.starts_with("accel");
     const double small = accel ? unit::ug : unit::deg_per_h, large = accel ? unit::g : unit::deg;
-    axes.rows.push_back({escaped(f.axis), number(f.rms / small), number(f.largest / small), number(f.full_scale / large),
+    axes.rows.push_back({escaped(f.axis), number_text(f.rms / small), number_text(f.largest / small), number_text(f.full_scale / large),
                          accel ? "µg; full scale in g" : "deg/h; full scale in deg/s"});
   }
   return section("residuals", "Residuals",
                  fmt::format("Chi-square per degree of freedom {} with {} degrees of freedom; 1 is expected. Condition of the normal equations {}.",
-                             number(q.chi2_per_dof), q.degrees_of_freedom, number(q.condition)),
+                             number_text(q.chi2_per_dof), q.degrees_of_freedom, number_text(q.condition)),
                  figures + (axes.rows.empty() ? "" : table(axes)));
 }
 
@@ -263,7 +263,7 @@ std::string coverage_section(const CalibrationReport& report) {
            figure(plot.svg(),
                   fmt::format("What each rest contributes to the nine accelerometer parameters (offsets, scales, misalignments), all rests counting "
                               "alike: its leverage. The sum is {}{}. At 1, no other rest checks it.",
-                              number(sum), sum < 8.9 ? ", so these rests alone leave some of the nine open" : ""))}));
+                              number_text(sum), sum < 8.9 ? ", so these rests alone leave some of the nine open" : ""))}));
 }
 
 }  // namespace imulab::report

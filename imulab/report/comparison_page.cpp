@@ -35,8 +35,8 @@ constexpr double improbable = 1e-3;
 
 std::string consistency_text(const Consistency& c) {
   if (c.degrees_of_freedom == 0) return "no coefficient has an uncertainty in both: nothing is tested";
-  return fmt::format("all together: chi-square {} with {} degrees of freedom, probability of more {}", number(c.chi2), c.degrees_of_freedom,
-                     number(c.p_value, 2));
+  return fmt::format("all together: chi-square {} with {} degrees of freedom, probability of more {}", number_text(c.chi2), c.degrees_of_freedom,
+                     number_text(c.p_value, 2));
 }
 
 Verdict comparison_verdict(const ComparisonSummary& summary) {
@@ -52,7 +52,7 @@ Verdict comparison_verdict(const ComparisonSummary& summary) {
     any = any || c.consistency.degrees_of_freedom > 0;
     const std::string who = summary.comparisons.size() > 1 ? summary.names[k + 1] + ": " : "";
     v.because.push_back(fmt::format("{}{} of {} coefficients differ significantly (beyond {} sigma: 1 % for all together)", who, t.different.size(),
-                                    t.compared, number(t.limit, 2)));
+                                    t.compared, number_text(t.limit, 2)));
     v.because.push_back(who + consistency_text(c.consistency));
     if (!t.different.empty() || (c.consistency.degrees_of_freedom > 0 && c.consistency.p_value < improbable)) v.tone = Tone::doubtful;
   }
@@ -79,7 +79,7 @@ std::string sigmas_figure(const Comparison& comparison, double limit, Triad tria
     if (coefficient(d.index).triad != triad || !sigmas) continue;
     const std::string_view name = coefficient(d.index).name;
     rows.push_back({std::string(name.substr(name.find('.') + 1)), *sigmas, 1,
-                    d.user_unit == coefficient(d.index).unit ? "" : fmt::format("{} {}", number(d.user_difference), readable_unit(d.user_unit)),
+                    d.user_unit == coefficient(d.index).unit ? "" : fmt::format("{} {}", number_text(d.user_difference), readable_unit(d.user_unit)),
                     std::abs(*sigmas) > limit});
   }
   return rows.empty() ? ""
@@ -93,8 +93,8 @@ std::string comparison_section(const std::string& a, const std::string& b, const
   for (const CoefficientDifference& d : comparison.coefficients) {
     const auto sigmas = d.user_sigmas();
     const bool marked = sigmas && std::abs(*sigmas) > judged.limit;
-    t.rows.push_back({"<code>" + escaped(coefficient(d.index).name) + "</code>", number(d.a, 7), number(d.b, 7),
-                      d.user_uncertainty ? rounded_to(d.user_difference, *d.user_uncertainty) : number(d.user_difference, 4),
+    t.rows.push_back({"<code>" + escaped(coefficient(d.index).name) + "</code>", number_text(d.a, 7), number_text(d.b, 7),
+                      d.user_uncertainty ? rounded_to(d.user_difference, *d.user_uncertainty) : number_text(d.user_difference, 4),
                       d.user_uncertainty ? uncertainty_text(*d.user_uncertainty) : "", escaped(readable_unit(d.user_unit)),
                       sigmas ? fmt::format("{0}{1}{2}", marked ? "<strong>" : "", fmt::format("{:+.1f}", *sigmas), marked ? "</strong>" : "") : ""});
   }
@@ -122,7 +122,7 @@ std::string comparison_page(const ComparisonSummary& summary) {
   page.kind = "Comparison of calibrations";
   page.title = summary.names.size() == 2 ? shortened(summary.names[0], 50) + " and " + shortened(summary.names[1], 50)
                                          : fmt::format("{} calibrations", summary.names.size());
-  page.subtitle = "Errors of different calibrations count as independent.";
+  page.subtitle = "Errors of different calibrations are taken as independent.";
   page.verdict = comparison_verdict(summary);
   for (std::size_t k = 0; k < summary.comparisons.size(); ++k)
     page.body += comparison_section(summary.names[0], summary.names[k + 1], summary.comparisons[k]);

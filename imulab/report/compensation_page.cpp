@@ -49,7 +49,7 @@ std::string compensated_section(const CompensatedFile& e) {
                         time_chart(chart_of(e, "Specific force", "m/s²", e.overview->force, 1));
   if (!e.overview->temperature[0].empty()) content += time_chart(chart_of(e, "Thermal reading", "", e.overview->temperature, 1));
   return section("recording", e.recording,
-                 fmt::format("{} samples at {} Hz, {} gaps. {}", e.samples, number(e.rate_hz, 5), e.gaps,
+                 fmt::format("{} samples at {} Hz, {} gaps. {}", e.samples, number_text(e.rate_hz, 5), e.gaps,
                              e.overview->samples_per_interval > 1
                                  ? fmt::format("The charts show the least and the greatest of every {} samples.", e.overview->samples_per_interval)
                                  : "The charts show every sample."),

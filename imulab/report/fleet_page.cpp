@@ -1,5 +1,6 @@
 #include "imulab/report/fleet_page.hpp"
 
+#include "imulab/core/units.hpp"
 #include "imulab/io/result/fleet.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/page.hpp"
@@ -45,7 +46,7 @@ Verdict fleet_verdict(const FleetStatistics& f) {
   const auto incapable =
       std::count_if(f.coefficients.begin(), f.coefficients.end(), [](const auto& c) { return c.capability && c.capability->cpk < 1; });
   Verdict v;
-  if (!f.search.outliers.empty()) v.because.push_back(fmt::format("{} units do not belong to the fleet", f.search.outliers.size()));
+  if (!f.search.outliers.empty()) v.because.push_back(fmt::format("{} units are outliers", f.search.outliers.size()));
   if (!f.drifts.empty()) v.because.push_back(fmt::format("{} coefficients of units drift beyond what their calibrations explain", f.drifts.size()));
   if (stations > 0) v.because.push_back(fmt::format("stations differ in {} coefficients", stations));
   if (operators > 0) v.because.push_back(fmt::format("operators differ in {} coefficients", operators));
@@ -64,11 +65,11 @@ std::string spread_section(const FleetStatistics& f) {
   for (const CoefficientStatistics& c : f.coefficients) {
     const Coefficient& k = coefficient(c.index);
     const bool scale = is_scale(k);
-    t.rows.push_back({code(c.index), fmt::format("{}", c.fleet.units), number(scale ? c.fleet.mean : c.fleet.mean / c.size, scale ? 7 : 3),
-                      number(c.fleet.spread / c.size),
-                      fmt::format("{} to {}", number(c.fleet.spread_low / c.size, 2), number(c.fleet.spread_high / c.size, 2)),
-                      number(c.fleet.measurement / c.size, 2), escaped(readable_unit(c.unit)), number(c.fleet.p_value, 2),
-                      c.capability ? number(c.capability->cp) : "", c.capability ? number(c.capability->cpk) : ""});
+    t.rows.push_back({code(c.index), fmt::format("{}", c.fleet.units), number_text(scale ? c.fleet.mean : c.fleet.mean / c.size, scale ? 7 : 3),
+                      number_text(c.fleet.spread / c.size),
+                      fmt::format("{} to {}", number_text(c.fleet.spread_low / c.size, 2), number_text(c.fleet.spread_high / c.size, 2)),
+                      number_text(c.fleet.measurement / c.size, 2), escaped(readable_unit(c.unit)), number_text(c.fleet.p_value, 2),
+                      c.capability ? number_text(c.capability->cp) : "", c.capability ? number_text(c.capability->cpk) : ""});
   }
   return section(
       "spread", "Spread between units",
@@ -147,28 +148,27 @@ std::string outlier_section(const Fleet& fleet) {
   for (const FleetOutlier& o : f.search.outliers) {
     if (t.rows.size() == most_rows) break;
     const Eigen::Index row = f.sample.last[static_cast<std::size_t>(o.unit)];
-    t.rows.push_back({fleet.unit_name(f.sample.unit[static_cast<std::size_t>(row)]), number(o.distance), fmt::format("{}", o.coefficients),
-                      number(o.p_value, 2), code(f.sample.coefficients[static_cast<std::size_t>(f.sample.common[static_cast<std::size_t>(o.worst)])]),
-                      number(o.worst_sigmas)});
+    t.rows.push_back({fleet.unit_name(f.sample.unit[static_cast<std::size_t>(row)]), number_text(o.distance), fmt::format("{}", o.coefficients),
+                      number_text(o.p_value, 2), code(f.sample.coefficients[static_cast<std::size_t>(f.sample.common[static_cast<std::size_t>(o.worst)])]),
+                      number_text(o.worst_sigmas)});
   }
   return section(
-      "outliers", "Units that do not belong",
+      "outliers", "Outliers",
       fmt::format("Mahalanobis distance from the fleet's mean in the unit's own covariance and the spread between units. In a fleet without outliers "
-                  "the probability of any in this table is {} %. They do not count in spread and mean.{}",
-                  number(100 * f.search.false_alarm, 2),
+                  "the probability of any in this table is {} %. Spread and mean leave them out.{}",
+                  number_text(100 * f.search.false_alarm, 2),
                   f.search.outliers.size() > most_rows ? fmt::format(" The farthest {} are shown.", most_rows) : ""),
       table(t));
 }
 
 /// One unit's calibrations of a coefficient over the years, with two standard uncertainties, and its line.
 std::string history(const FleetStatistics& f, const CoefficientStatistics& c, const UnitDrift& u) {
-  constexpr double year = 365.25 * 86400;
   const Eigen::Index column = std::find(f.sample.coefficients.begin(), f.sample.coefficients.end(), c.index) - f.sample.coefficients.begin();
   std::vector<double> x, y, low, high;
   for (Eigen::Index row = 0; row < f.sample.time.size(); ++row) {
     if (f.sample.unit[static_cast<std::size_t>(row)] != u.unit || std::isnan(f.sample.values(row, column))) continue;
     const double sigma = std::hypot(std::sqrt(f.sample.variances(row, column)), c.drift.repeatability) / c.size;
-    x.push_back(1970 + f.sample.time[row] / year), y.push_back((f.sample.values(row, column) - c.fleet.mean) / c.size);
+    x.push_back(1970 + f.sample.time[row] / unit::year), y.push_back((f.sample.values(row, column) - c.fleet.mean) / c.size);
     low.push_back(y.back() - 2 * sigma), high.push_back(y.back() + 2 * sigma);
   }
   std::vector<double> all = low;
@@ -185,9 +185,9 @@ std::string drift_section(const Fleet& fleet) {
   Table means{.head = {"coefficient", "units", "mean per year", "95 % interval", "spread of it", "repeatability", ""}, .rows = {}, .left = {6}};
   for (const CoefficientStatistics& c : f.coefficients)
     if (c.mean_drift)
-      means.rows.push_back({code(c.index), fmt::format("{}", c.drift.units.size()), number(c.mean_drift->mean / c.size),
-                            fmt::format("{} to {}", number(c.mean_drift->mean_low / c.size, 2), number(c.mean_drift->mean_high / c.size, 2)),
-                            number(c.mean_drift->spread / c.size, 2), number(c.drift.repeatability / c.size, 2), escaped(readable_unit(c.unit))});
+      means.rows.push_back({code(c.index), fmt::format("{}", c.drift.units.size()), number_text(c.mean_drift->mean / c.size),
+                            fmt::format("{} to {}", number_text(c.mean_drift->mean_low / c.size, 2), number_text(c.mean_drift->mean_high / c.size, 2)),
+                            number_text(c.mean_drift->spread / c.size, 2), number_text(c.drift.repeatability / c.size, 2), escaped(readable_unit(c.unit))});
   if (means.rows.empty()) return "";
   Table t{.head = {"unit", "coefficient", "calibrations", "years", "per year", "95 % interval", "", "p"}, .rows = {}, .left = {1, 6}};
   std::vector<std::string> histories;
@@ -195,9 +195,9 @@ std::string drift_section(const Fleet& fleet) {
   for (const SignificantDrift& d : f.drifts) {
     if (t.rows.size() == most_rows) break;
     const auto c = std::find_if(f.coefficients.begin(), f.coefficients.end(), [&](const auto& x) { return x.index == d.index; });
-    t.rows.push_back({fleet.unit_name(d.drift.unit), code(d.index), fmt::format("{}", d.drift.calibrations), number(d.drift.span, 2),
-                      number(d.drift.slope / c->size), fmt::format("{} to {}", number(d.drift.low / c->size, 2), number(d.drift.high / c->size, 2)),
-                      escaped(readable_unit(c->unit)), number(d.drift.p_value, 2)});
+    t.rows.push_back({fleet.unit_name(d.drift.unit), code(d.index), fmt::format("{}", d.drift.calibrations), number_text(d.drift.span, 2),
+                      number_text(d.drift.slope / c->size), fmt::format("{} to {}", number_text(d.drift.low / c->size, 2), number_text(d.drift.high / c->size, 2)),
+                      escaped(readable_unit(c->unit)), number_text(d.drift.p_value, 2)});
     if (histories.size() < most_histories) histories.push_back(history(f, *c, d.drift));
   }
   return section("drift", "Drift",
@@ -228,8 +228,8 @@ std::string gauge_rows(const FleetStatistics& f, std::optional<Gauge> Coefficien
     for (std::size_t k = 0; k < g->levels.size() && t.rows.size() < most_rows; ++k)
       if (const GaugeLevel& l = g->levels[k]; l.calibrations > 0)
         t.rows.push_back({code(c.index), escaped(shortened(names[k].empty() ? "(none)" : names[k], 40)), fmt::format("{}", l.calibrations),
-                          number(l.bias / c.size), fmt::format("{} to {}", number(l.low / c.size, 2), number(l.high / c.size, 2)),
-                          escaped(readable_unit(c.unit)), number(g->p_value, 2)});
+                          number_text(l.bias / c.size), fmt::format("{} to {}", number_text(l.low / c.size, 2), number_text(l.high / c.size, 2)),
+                          escaped(readable_unit(c.unit)), number_text(g->p_value, 2)});
   }
   return t.rows.empty() ? "" : table(t);
 }
@@ -272,7 +272,7 @@ std::string fleet_page(const FleetStatistics& f, const std::string& title, const
   Page page;
   page.kind = "Fleet";
   page.title = shortened(title, 80);
-  page.subtitle = "Each unit's last calibration, in the accelerometers' frame; its history counts in drift and in stations.";
+  page.subtitle = "Each unit's last calibration, in the accelerometers' frame; drift and stations use its history.";
   page.verdict = fleet_verdict(f);
   page.figures = {{fmt::format("{}", f.sample.units.size()), "units"},
                   {fmt::format("{}", f.sample.calibration.size()), "calibrations"},

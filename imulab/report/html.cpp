@@ -100,7 +100,7 @@ std::string relative_url(std::string_view path) {
   return out;
 }
 
-std::string number(double value, int digits) { return std::isfinite(value) ? with_minus_sign(text::number(value, digits)) : "not determined"; }
+std::string number_text(double value, int digits) { return std::isfinite(value) ? with_minus_sign(text::number(value, digits)) : "not determined"; }
 
 std::string tick_text(double value) {
   const double size = std::abs(value);

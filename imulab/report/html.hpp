@@ -17,7 +17,7 @@ std::string shortened(std::string_view text, std::size_t most);
 std::string relative_url(std::string_view path);
 
 /// Three significant digits, with a true minus sign; "not determined" where it is not finite.
-std::string number(double value, int digits = 3);
+std::string number_text(double value, int digits = 3);
 /// A round value beside an axis; powers of ten as such where they are long.
 std::string tick_text(double value);
 /// To the second significant digit of its uncertainty: 34303 for 34303.4 +- 32.

@@ -42,8 +42,8 @@ TEST(Html, NumbersHaveTheDigitsOfTheirUncertainty) {
   EXPECT_EQ(rounded_to(-0.001, 1.0), "0.0") << "no minus zero";
   EXPECT_EQ(uncertainty_text(1.449), "1.4");
   EXPECT_EQ(uncertainty_text(std::numeric_limits<double>::infinity()), "not determined");
-  EXPECT_EQ(number(2154.3), "2150");
-  EXPECT_EQ(number(NAN), "not determined");
+  EXPECT_EQ(number_text(2154.3), "2150");
+  EXPECT_EQ(number_text(NAN), "not determined");
 }
 
 TEST(Html, TicksAreReadable) {

@@ -93,8 +93,8 @@ std::string inspection_page(const Inspection& inspection, const std::optional<Ov
   page.verdict = inspection_verdict(inspection);
   page.figures.push_back({std::to_string(inspection.rows), "rows"});
   if (inspection.rate_hz) {
-    page.figures.push_back({number(*inspection.rate_hz, 5) + " Hz", "rate"});
-    page.figures.push_back({number(inspection.duration_s) + " s", "duration"});
+    page.figures.push_back({number_text(*inspection.rate_hz, 5) + " Hz", "rate"});
+    page.figures.push_back({number_text(inspection.duration_s) + " s", "duration"});
   }
   if (inspection.triads) page.figures.push_back({std::to_string(inspection.triads->rests.size()), "rests"});
   page.body = section("evidence", "What was found", "Each guess with what speaks for it.", list(inspection.evidence, "evidence"));

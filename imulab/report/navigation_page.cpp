@@ -19,9 +19,9 @@ namespace {
 std::string end_table(const NavigationErrors& errors) {
   const NavigationError& e = errors.history.back();
   const auto row = [](const std::string& name, const Eigen::Vector3d& v) {
-    return std::vector<std::string>{name, number(v.x(), 4), number(v.y(), 4), number(v.z(), 4), number(v.head<2>().norm(), 4)};
+    return std::vector<std::string>{name, number_text(v.x(), 4), number_text(v.y(), 4), number_text(v.z(), 4), number_text(v.head<2>().norm(), 4)};
   };
-  Table t{.head = {fmt::format("at {} s", number(e.time, 7)), "east", "north", "up", "horizontal"}, .rows = {}};
+  Table t{.head = {fmt::format("at {} s", number_text(e.time, 7)), "east", "north", "up", "horizontal"}, .rows = {}};
   t.rows = {row("position [m]", e.position), row("velocity [m/s]", e.velocity), row("attitude [arcsec]", e.attitude / unit::arcsec)};
   return table(t);
 }
@@ -29,8 +29,8 @@ std::string end_table(const NavigationErrors& errors) {
 std::string alignment_text(const AlignedOn& aligned) {
   const EulerAngles angles = euler_angles(aligned.alignment.attitude.C_nb);
   const Eigen::Vector3d sigma = angle_sigmas(aligned.alignment.attitude) / unit::deg;
-  return fmt::format("Aligned on the rest from {} s to {} s: roll {} ± {} deg, pitch {} ± {} deg, heading {} ± {} deg.", number(aligned.begin, 6),
-                     number(aligned.end, 6), rounded_to(angles.roll / unit::deg, sigma.x()), uncertainty_text(sigma.x()),
+  return fmt::format("Aligned on the rest from {} s to {} s: roll {} ± {} deg, pitch {} ± {} deg, heading {} ± {} deg.", number_text(aligned.begin, 6),
+                     number_text(aligned.end, 6), rounded_to(angles.roll / unit::deg, sigma.x()), uncertainty_text(sigma.x()),
                      rounded_to(angles.pitch / unit::deg, sigma.y()), uncertainty_text(sigma.y()), rounded_to(angles.heading / unit::deg, sigma.z()),
                      uncertainty_text(sigma.z()));
 }
@@ -53,8 +53,8 @@ ErrorBands bands_of(const NavigatedSession& s) {
 
 std::string session_sections(const NavigatedSession& s, bool only_one) {
   const Solution& solution = s.navigated.solution;
-  std::string content = paragraph(fmt::format("Navigated from {} s to {} s, vertical channel {}. {}", number(solution.time.front(), 7),
-                                              number(solution.time.back(), 7), to_string(s.navigated.vertical),
+  std::string content = paragraph(fmt::format("Navigated from {} s to {} s, vertical channel {}. {}", number_text(solution.time.front(), 7),
+                                              number_text(solution.time.back(), 7), to_string(s.navigated.vertical),
                                               s.navigated.aligned ? alignment_text(*s.navigated.aligned) : "Started as the session says."));
   if (s.errors) content += end_table(*s.errors);
   content += list(s.navigated.warnings);
@@ -84,10 +84,10 @@ Verdict navigation_verdict(const NavigationReport& report) {
   Verdict v{.tone = Tone::neutral, .word = "navigated", .meaning = "There is no reference, so errors are not known.", .because = {}, .actions = {}};
   if (!rates.empty()) {
     const RateSummary summary = rate_summary(rates);
-    v.word = fmt::format("{} nmi/h", number(summary.rms));
+    v.word = fmt::format("{} nmi/h", number_text(summary.rms));
     v.meaning = rates.size() == 1
                     ? "Horizontal position error at the end over the time navigated."
-                    : fmt::format("Root mean square of {} pure-inertial rates; half stay below {} nmi/h.", rates.size(), number(summary.cep));
+                    : fmt::format("Root mean square of {} pure-inertial rates; half stay below {} nmi/h.", rates.size(), number_text(summary.cep));
   }
   for (const NavigatedSession& s : report.sessions) {
     const std::string who = report.sessions.size() > 1 ? s.session + ": " : "";

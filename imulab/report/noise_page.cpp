@@ -51,7 +51,7 @@ Verdict noise_verdict(const NoiseAnalysis& analysis) {
 
 /// Of determined ones and of bounds.
 std::string interval_text(const NoiseCoefficient& c, double size) {
-  if (!c.determined) return "below " + number(c.upper / size, 2);
+  if (!c.determined) return "below " + number_text(c.upper / size, 2);
   return fmt::format("{} to {}", rounded_to(c.lower / size, c.standard_uncertainty / size),
                      rounded_to(c.upper / size, c.standard_uncertainty / size));
 }
@@ -74,7 +74,7 @@ std::string coefficients_section(const NoiseAnalysis& analysis) {
       add(axis, "Markov process", term.sigma, s.rate, s.rate_name);
       add(axis, "its correlation time", term.time, 1, "s");
     }
-    for (const NoiseLine& line : axis.fit->lines) add(axis, fmt::format("line at {} Hz", number(line.hz, 5)), line.amplitude, s.rate, s.rate_name);
+    for (const NoiseLine& line : axis.fit->lines) add(axis, fmt::format("line at {} Hz", number_text(line.hz, 5)), line.amplitude, s.rate, s.rate_name);
     if (axis.fit->low_pass) add(axis, fmt::format("low-pass, order {}", axis.fit->low_pass->order), axis.fit->low_pass->cutoff_hz, 1, "Hz");
   }
   return section("coefficients", "Coefficients", "A term whose interval holds zero is not determined by this log; its bound holds with 95 %.",
@@ -195,14 +195,14 @@ std::string noise_page(const NoiseAnalysis& analysis, const RecordingView& recor
   page.kind = "Noise";
   page.title = analysis.recording;
   page.verdict = noise_verdict(analysis);
-  page.figures.push_back({number(analysis.end_s - analysis.begin_s, 4) + " s", "at rest"});
-  page.figures.push_back({number(1 / analysis.interval_s, 5) + " Hz", "rate"});
+  page.figures.push_back({number_text(analysis.end_s - analysis.begin_s, 4) + " s", "at rest"});
+  page.figures.push_back({number_text(1 / analysis.interval_s, 5) + " Hz", "rate"});
   for (const bool gyro : {true, false}) {
     const NoiseAxis* worst = nullptr;
     for (const NoiseAxis& axis : analysis.axes)
       if (axis.name.starts_with(gyro ? "gyro" : "accel") && axis.fit && (worst == nullptr || axis.fit->N.upper > worst->fit->N.upper)) worst = &axis;
     if (worst != nullptr)
-      page.figures.push_back({number((worst->fit->N.determined ? worst->fit->N.value : worst->fit->N.upper) / scale_of(*worst).density) + " " +
+      page.figures.push_back({number_text((worst->fit->N.determined ? worst->fit->N.value : worst->fit->N.upper) / scale_of(*worst).density) + " " +
                                   scale_of(*worst).density_name,
                               "N, worst " + worst->name});
   }

@@ -147,7 +147,7 @@ std::string correlation_map(const std::vector<std::string>& names, const Eigen::
   }
   const double side = cell * n, scale = left + side * 0.58;
   for (int k = -10; k <= 10; ++k) out += box(scale + 9.0 * (k + 10), top + 8, 9.2, 12, shade_of(0.1 * k));
-  for (const int k : {-1, 0, 1}) out += text_at(scale + 94 + 90.0 * k, top + 36, number(k), Anchor::middle);
+  for (const int k : {-1, 0, 1}) out += text_at(scale + 94 + 90.0 * k, top + 36, number_text(k), Anchor::middle);
   return svg_text(left + side + 30, top + side + 6, description, out);
 }
 

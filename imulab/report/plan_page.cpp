@@ -20,10 +20,10 @@ std::string duration_text(double seconds) {
 }
 
 std::string turns_section(const hybrid::Path& path) {
-  Table t{.head = {"step", "turn about", "by [deg]", "then rest [s]"}, .rows = {{"1", "", "", number(path.first_rest, 5)}}, .left = {1}};
+  Table t{.head = {"step", "turn about", "by [deg]", "then rest [s]"}, .rows = {{"1", "", "", number_text(path.first_rest, 5)}}, .left = {1}};
   for (std::size_t k = 0; k < path.turns.size(); ++k)
-    t.rows.push_back({fmt::format("{}", k + 2), std::string(to_string(path.turns[k].axis)) + " axis", number(path.turns[k].angle_deg, 5),
-                      number(path.turns[k].rest, 5)});
+    t.rows.push_back({fmt::format("{}", k + 2), std::string(to_string(path.turns[k].axis)) + " axis", number_text(path.turns[k].angle_deg, 5),
+                      number_text(path.turns[k].rest, 5)});
   return section("turns", "The procedure", "Begin at zero angles; turn and rest in this order.", table(t));
 }
 

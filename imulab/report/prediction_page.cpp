@@ -53,10 +53,10 @@ std::string uncertainties_section(const PredictionSummary& s) {
   for (std::size_t k = 0; k < s.coefficients.size(); ++k) {
     const auto row = static_cast<Eigen::Index>(k);
     const UserUnit unit = unit_in(s, k);
-    std::vector<std::string> cells{"<code>" + escaped(coefficient(s.coefficients[k]).name) + "</code>", number(s.sigma[row] / unit.size),
+    std::vector<std::string> cells{"<code>" + escaped(coefficient(s.coefficients[k]).name) + "</code>", number_text(s.sigma[row] / unit.size),
                                    escaped(readable_unit(unit.name))};
-    if (s.monte_carlo) cells.push_back(number((*s.monte_carlo)[row] / unit.size));
-    if (bound) cells.push_back(std::isfinite(s.cramer_rao[row]) ? number(s.cramer_rao[row] / unit.size) : "");
+    if (s.monte_carlo) cells.push_back(number_text((*s.monte_carlo)[row] / unit.size));
+    if (bound) cells.push_back(std::isfinite(s.cramer_rao[row]) ? number_text(s.cramer_rao[row] / unit.size) : "");
     t.rows.push_back(std::move(cells));
   }
   std::string undetermined;

@@ -43,7 +43,7 @@ void add_prior(Calibration& calibration, const FleetPrior& prior) {
   const PriorUse use = take_prior(calibration, prior);
   if (!use.taken) {
     quality.warnings.push_back(fmt::format(
-        "the unit does not belong to the fleet of {}: it is {:.1f} from its mean, of which chance explains {:.2g}; the prior is not taken",
+        "the unit is an outlier of the fleet {} (distance {:.1f}, probability by chance {:.2g}); the prior is not used; check the unit and the store",
         prior.fleet, use.distance, use.p_value));
     return;
   }

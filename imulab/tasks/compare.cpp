@@ -21,8 +21,8 @@ std::vector<std::string> open_frame(const NamedCalibration& input) {
   for (const CoefficientIndex index : select_coefficients("accel.matrix"))
     if (std::find(estimated.begin(), estimated.end(), index) == estimated.end())
       return {
-          fmt::format("{}: {} was not estimated, so the accelerometers' frame, in which is compared, is not known: differences have the other's "
-                      "misalignments in them",
+          fmt::format("{}: {} was not estimated; the accelerometers' frame of the comparison is unknown; differences contain the other's "
+                      "misalignments",
                       input.name, coefficient(index).name)};
   return {};
 }

@@ -236,7 +236,7 @@ def read_calibration(file: PathLike) -> Calibration:
 
 
 def import_calibration(file: PathLike, *, gyro_file: PathLike | None = None, instance: int = 0, raw: str = "") -> Calibration:
-    """Another program's calibration, told by its content; it states no uncertainties.
+    """Another program's calibration, recognized by its content; it states no uncertainties.
 
     gyro_file: for formats with one triad a file. instance: of several IMUs. raw: the readings' unit, "si" or "count"; empty: as the file says.
     """

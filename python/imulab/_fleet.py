@@ -11,7 +11,7 @@ from ._text import PathLike, path, warn
 
 
 class FleetStatistics(Result):
-    """How the units of a fleet spread, which do not belong, how they drift, and how stations differ."""
+    """Spread, outliers, drift and stations of a fleet's units."""
 
 
 class Fleet:

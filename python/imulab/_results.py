@@ -34,7 +34,7 @@ class Result(Answer):
 
 
 class Inspection(Result):
-    """What a recording holds, with the evidence."""
+    """The contents of a recording, with the evidence."""
 
     def __init__(self, outcome: _imulab.Outcome, session: _imulab.Session | None, recording: _imulab.Recording | None) -> None:
         super().__init__(outcome)

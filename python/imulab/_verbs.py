@@ -25,7 +25,7 @@ Progress = Callable[[float], object]
 
 @dataclass(frozen=True)
 class Simulation:
-    """A session simulated: what a user would have, and the truth that a calibration has to find."""
+    """A session simulated: what a user would have, and the truth that a calibration should find."""
 
     session: Session
     recordings: list[Recording]
@@ -104,7 +104,7 @@ def _store(prior: Fleet | PathLike | None) -> str:
 
 
 def inspect(*files: PathLike, topics: Sequence[str] = (), declare: Mapping[str, str] | None = None) -> Inspection:
-    """What a recording holds: time, units, axes, rests; and the session for it.
+    """The contents of a recording: time, units, axes, rests; and the session for it.
 
     files: those of one recording. topics: of a file with several tables. declare: what the data leave open, by key: {"gyro.unit": "deg/s"}.
     """

@@ -107,7 +107,7 @@ def test_bad_rows_are_refused_and_not_used(rows):
 
 @pytest.mark.parametrize("options, error, says", [
     ({"require": "gyro.nothing <= 1 ppm"}, imulab.Error, "require: "),
-    ({"require": "accel.matrix.diagonal <= 1 ppm"}, imulab.Unsupported, "as uncertain as gravity"),
+    ({"require": "accel.matrix.diagonal <= 1 ppm"}, imulab.Unsupported, "cannot be better than gravity"),
     ({"rest": 0.5}, imulab.Error, "rest: 0.5; expected 1 to 600"),
     ({"gyro_unit": "rpm"}, imulab.Error, 'gyro: the unit is "rpm"; expected one of'),
     ({"gyro_unit": 3}, TypeError, "gyro_unit: expected a name"),

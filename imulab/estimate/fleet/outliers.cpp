@@ -28,7 +28,7 @@ Inside start_of(const Eigen::MatrixXd& values, double level) {
   return inside;
 }
 
-struct Fleet {
+struct FleetModel {
   double units = 0;
   Eigen::VectorXd mean;
   Eigen::MatrixXd sample, spread;  ///< covariance of the values; between units
@@ -36,7 +36,7 @@ struct Fleet {
 };
 
 /// The sample's covariance less the measurement's, no direction below zero.
-void take_spread(Fleet& f, const Eigen::MatrixXd& measurement) {
+void take_spread(FleetModel& f, const Eigen::MatrixXd& measurement) {
   // In units of each coefficient's own size, so that what is no spread is told from rounding.
   const Eigen::VectorXd size = f.sample.diagonal().cwiseSqrt().cwiseMax(std::numeric_limits<double>::min());
   const Eigen::MatrixXd sizes = size * size.transpose();
@@ -46,9 +46,9 @@ void take_spread(Fleet& f, const Eigen::MatrixXd& measurement) {
   f.spread = (e.vectors * e.values.asDiagonal() * e.vectors.transpose()).array() * sizes.array();
 }
 
-Fleet estimate(const OutlierInput& input, const Inside& inside) {
+FleetModel estimate(const OutlierInput& input, const Inside& inside) {
   const Eigen::Index p = input.values.cols();
-  Fleet f{0, Eigen::VectorXd::Zero(p), Eigen::MatrixXd::Zero(p, p), Eigen::MatrixXd::Zero(p, p)};
+  FleetModel f{0, Eigen::VectorXd::Zero(p), Eigen::MatrixXd::Zero(p, p), Eigen::MatrixXd::Zero(p, p)};
   Eigen::MatrixXd kept(p, static_cast<Eigen::Index>(std::count(inside.begin(), inside.end(), 1)));
   for (Eigen::Index i = 0, k = 0; i < input.values.rows(); ++i)
     if (inside[static_cast<std::size_t>(i)] != 0) kept.col(k++) = input.values.row(i).transpose();
@@ -62,10 +62,10 @@ Fleet estimate(const OutlierInput& input, const Inside& inside) {
 }
 
 /// The estimate without one of its units.
-Fleet without(const Fleet& all, const OutlierInput& input, Eigen::Index unit) {
+FleetModel without(const FleetModel& all, const OutlierInput& input, Eigen::Index unit) {
   const double n = all.units;
   const Eigen::VectorXd z = input.values.row(unit).transpose() - all.mean;
-  Fleet f{n - 1, all.mean - z / (n - 1), ((n - 1) * all.sample - n / (n - 1) * z * z.transpose()) / (n - 2), {}};
+  FleetModel f{n - 1, all.mean - z / (n - 1), ((n - 1) * all.sample - n / (n - 1) * z * z.transpose()) / (n - 2), {}};
   take_spread(f, input.mean_covariance);
   return f;
 }
@@ -85,14 +85,14 @@ double limit_of(double level, double p, double n) {
 }
 
 /// A unit by the coefficients that it has.
-FleetOutlier judge(const OutlierInput& input, const Fleet& all, Eigen::Index unit, bool inside) {
+FleetOutlier judge(const OutlierInput& input, const FleetModel& all, Eigen::Index unit, bool inside) {
   std::vector<Eigen::Index> there;
   for (Eigen::Index j = 0; j < input.values.cols(); ++j)
     if (std::isfinite(input.values(unit, j))) there.push_back(j);
   const auto p = static_cast<Eigen::Index>(there.size());
   FleetOutlier out{.unit = unit, .coefficients = static_cast<int>(p)};
   if (p == 0) return out;
-  const Fleet fleet = inside ? without(all, input, unit) : all;
+  const FleetModel fleet = inside ? without(all, input, unit) : all;
   const Eigen::MatrixXd variance = (input.covariance(unit) + fleet.spread)(there, there);
   const Eigen::MatrixXd average = (input.mean_covariance + fleet.spread)(there, there);
   const Eigen::VectorXd offset = (input.values.row(unit).transpose() - fleet.mean)(there);
@@ -109,7 +109,7 @@ FleetOutlier judge(const OutlierInput& input, const Fleet& all, Eigen::Index uni
 
 /// Squared distances in the spread alone, which are never less than those with the measurement's covariance: who is near by these is near. NaN where
 /// a coefficient is missing.
-Eigen::ArrayXd upper_bounds(const OutlierInput& input, const Fleet& fleet) {
+Eigen::ArrayXd upper_bounds(const OutlierInput& input, const FleetModel& fleet) {
   constexpr double few = 1000;  // then a unit changes the estimate, and each is judged without itself
   if (!fleet.whole || fleet.units < few) return Eigen::ArrayXd::Constant(input.values.rows(), std::numeric_limits<double>::quiet_NaN());
   const Cholesky factor(fleet.spread);
@@ -136,7 +136,7 @@ OutlierSearch find_outliers(const OutlierInput& input, double false_alarm) {
   Inside inside = start_of(input.values, false_alarm);
   constexpr int rounds = 20;
   for (int round = 0; round < rounds; ++round) {
-    const Fleet fleet = estimate(input, inside);
+    const FleetModel fleet = estimate(input, inside);
     out.outliers.clear();
     out.mean = fleet.mean, out.spread = fleet.spread;
     out.possible = fleet.units > p + 3;

@@ -2,6 +2,7 @@
 
 #include "imulab/core/parallel.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/core/units.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +12,6 @@
 namespace imulab {
 
 namespace {
-
-constexpr double year = 365.25 * 86400;
 
 OutlierSearch search_of(const FleetSample& s, const std::function<Eigen::MatrixXd(Eigen::Index row)>& covariance, double false_alarm) {
   OutlierInput input;
@@ -55,7 +54,7 @@ std::optional<Gauge> gauge_of(const FleetSample& s, const FleetColumn& c, const 
 
 void take_drift(CoefficientStatistics& out, const FleetSample& s, const FleetColumn& c, double confidence) {
   if (s.last.size() == static_cast<std::size_t>(s.time.size())) return;  // every unit was calibrated once
-  DriftInput in{{}, s.time(c.rows) / year, c.values, c.variances};
+  DriftInput in{{}, s.time(c.rows) / unit::year, c.values, c.variances};
   for (const Eigen::Index row : c.rows) in.unit.push_back(s.unit[static_cast<std::size_t>(row)]);
   out.drift = fleet_drift(in, confidence);
   if (out.drift.units.size() < 2) return;
@@ -87,7 +86,7 @@ void take_due(CoefficientStatistics& out, const FleetSample& s, const FleetColum
       aging.level = line->level - last.values[row], aging.level_sigma = line->level_uncertainty, aging.since_middle = line->since_middle;
     }
     aging.slope = slope.mean, aging.slope_sigma = std::sqrt(slope.variance);
-    out.due.push_back({unit, out.index, s.time[last.rows[k]] + year * years_until(aging, limit)});
+    out.due.push_back({unit, out.index, s.time[last.rows[k]] + unit::year * years_until(aging, limit)});
   }
 }
 

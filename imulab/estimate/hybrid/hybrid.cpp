@@ -176,8 +176,8 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
   if (const auto late = last.doubts.empty() ? late_axis(data, result.last) : std::nullopt) {
     kernel::Findings instead;
     instead.warn(
-        fmt::format("{}: it was put right, which lowers the velocities' scatter from {:.3g} to {:.3g} times what the noise explains; check "
-                    "its filter and its column",
+        fmt::format("{}: it was corrected; the scatter of the velocities fell from {:.3g} to {:.3g} times the noise; check the filter and the "
+                    "column of this axis",
                     text_of(*late), late->before, late->scatter));
     instead.doubt(text_of(*late));
     return calibrated(put_right(recording, *late), rests, session, options, std::move(findings), instead);
@@ -187,10 +187,11 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
     there.site.latitude = result.latitude->value;
     there.site.latitude_sigma = 30 * unit::deg;
     kernel::Findings instead;
+    const auto [seen, sigma] = *result.latitude;
     instead.warn(
-        fmt::format("the gyros measure the Earth's rate of latitude {:.3f} +/- {:.2g} deg, not {:.3f}; that one is used, with its g where none "
-                    "is given; check the site's latitude",
-                    result.latitude->value / unit::deg, result.latitude->sigma / unit::deg, place.latitude / unit::deg));
+        fmt::format("the gyros show a latitude of {:.3f}{} deg, not {:.3f}; this latitude is used, with its gravity if none is declared; "
+                    "check the site's latitude",
+                    seen / unit::deg, sigma > 0 ? fmt::format(" +/- {:.2g}", sigma / unit::deg) : "", place.latitude / unit::deg));
     if (last.doubts.empty()) instead.doubt(wrong_latitude);
     instead.add(last);
     return calibrated(recording, rests, there, options, std::move(findings), instead);

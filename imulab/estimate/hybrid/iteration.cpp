@@ -249,7 +249,7 @@ std::optional<SeenLatitude> mirrored_latitude(const Data& data, const Iterate& c
   const Iterate other = converged(mirrored, first_iterate(mirrored));
   constexpr double better_by = 50;  // of chi-square: a likelihood of e^25 to one
   if (!other.converged || !(other.pass.total_chi2() < c.pass.total_chi2() - better_by)) return {};
-  return SeenLatitude{mirrored.place.latitude, 1 * unit::deg};
+  return SeenLatitude{mirrored.place.latitude, 0};
 }
 
 /// Neither converged nor anywhere near the data: no other latitude, prior, axis or choice of velocities makes it so.

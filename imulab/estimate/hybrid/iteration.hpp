@@ -45,7 +45,8 @@ Iterate repeated(const Data& data, Iterate iterate, double curve_interval = 0);
 
 /// A latitude as the gyros measure the Earth's rate [rad].
 struct SeenLatitude {
-  double value, sigma;
+  double value;
+  double sigma;  ///< 0: not known
 };
 
 struct Converged {

@@ -71,16 +71,17 @@ std::optional<Matrix3d> coarse_gyro_in_motion(const Recording& recording, const 
   const double quarter = std::min(std::round(0.25 / recording.interval_s), static_cast<double>(recording.size()));  // an interval of 0 gives all
   const auto chunk = static_cast<std::size_t>(std::max(2.0, quarter));
   const Vector3d at_rest = mean_gyro(rests);
+  const std::size_t around = chunk / 4;  // samples on each side over which gravity is averaged
   const auto up_at = [&](std::size_t i) {
     Vector3d sum = Vector3d::Zero();
-    for (std::size_t k = i - chunk / 4; k <= i + chunk / 4; ++k) sum += reading_at(recording.accel, k);
-    return Vector3d(linear_output(model.accel, scaling.accel(sum / static_cast<double>(2 * (chunk / 4) + 1))).normalized());
+    for (std::size_t k = i - around; k <= i + around; ++k) sum += reading_at(recording.accel, k);
+    return Vector3d(linear_output(model.accel, scaling.accel(sum / static_cast<double>(2 * around + 1))).normalized());
   };
   Eigen::Matrix<double, 9, 9> normal = Eigen::Matrix<double, 9, 9>::Zero();
   Eigen::Matrix<double, 9, 1> right = Eigen::Matrix<double, 9, 1>::Zero();
   for (std::size_t k = 0; k + 1 < rests.size(); ++k) {
     for (std::size_t i = rests[k].range.end; i + chunk <= rests[k + 1].range.begin; i += chunk) {
-      if (i < chunk / 4 || i + chunk + chunk / 4 >= recording.size()) continue;  // gravity is not seen around both its ends
+      if (i < around || i + chunk + around >= recording.size()) continue;  // gravity is not seen around both its ends
       // its angle was not measured, nor is that of a chunk that ends at a gap or follows one
       if (recording.saturated_in({i, i + chunk}) > 0 || recording.gaps_in({i, i + chunk + 1}) > 0) continue;
       const Vector3d begin = up_at(i), end = up_at(i + chunk);

@@ -49,7 +49,7 @@ std::optional<Matrix3d> coarse_gyro_in_common_turns(const Recording& recording, 
   const double best = std::max(by_coarse.value_or(-HUGE_VAL), as_declared.value_or(-HUGE_VAL));
   if ((by_coarse || as_declared) && best < least)
     throw Unsupported(
-        fmt::format("{}: the gyros do not turn with the accelerometers: they explain {:.0f} % of how gravity turned in the IMU between the rests; "
+        fmt::format("{}: the gyros do not turn with the accelerometers: they explain {:.0f} % of the turning of gravity between the rests; "
                     "check that both triads are of one recording, with stamps of one clock",
                     recording.name, 100 * std::max(0.0, best)));
   if (!coarse || recording.gyro_unit == "count") return coarse;

@@ -51,7 +51,7 @@ void add_dropped(Findings& findings, const std::vector<std::string>& names, std:
 void check_gyro_steps(Findings& findings, const MeanNoise& noise) {
   for (Eigen::Index j = 0; j < 3; ++j)
     if (noise.rounding.gyro[j] > 0.025 * noise.step.gyro[j])  // the noise is below a third of the step: slopes within it are off by a fifth
-      return findings.doubt("the gyros' readings come in steps coarser than their noise; what lies between two steps is lost");
+      return findings.doubt("the steps of the gyros' readings are coarser than their noise; smaller motion is lost; use a finer output");
 }
 
 double excess(double chi2, double degrees_of_freedom) {
@@ -62,7 +62,7 @@ double excess(double chi2, double degrees_of_freedom) {
 void add_scatter(Findings& findings, std::string_view what, double factor) {
   if (factor <= 1) return;
   const std::string text = fmt::format("the {} scatter {:.3g} times as much as the noise explains", what, factor);
-  findings.warn(text + "; the uncertainties are enlarged by that");
+  findings.warn(text + "; the uncertainties are enlarged by this factor");
   if (factor > 1.5) findings.doubt(text);
 }
 

@@ -16,13 +16,13 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// The spread t^2 for which sum of (value - mean)^2 / (u^2 + t^2) is its degrees of freedom (Mandel and Paule 1970), and the mean with these weights.
-struct RandomEffects {
+struct CommonValue {
   double mean = 0, sigma = 0, spread = 0;
 };
 
-RandomEffects random_effects(const std::vector<NoiseCoefficient>& values) {
+CommonValue common_value(const std::vector<NoiseCoefficient>& values) {
   const auto with = [&](double t2) {
-    RandomEffects out;
+    CommonValue out;
     double weights = 0;
     for (const NoiseCoefficient& c : values) {
       const double w = 1 / (c.standard_uncertainty * c.standard_uncertainty + t2);
@@ -63,7 +63,7 @@ BatchCoefficient together(const std::vector<NoiseCoefficient>& logs) {
     out.mean = undetermined_below(out.worst);
     return out;
   }
-  const RandomEffects all = random_effects(known);
+  const CommonValue all = common_value(known);
   if (known.size() > 1) out.spread = all.spread;
   // Few logs know their own spread badly: Student's quantile where there is one.
   const double width = known.size() > 1 && all.spread > 0 ? student_quantile(0.975, static_cast<double>(known.size()) - 1) : 1.96;

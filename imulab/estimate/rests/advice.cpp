@@ -33,7 +33,7 @@ std::vector<Candidate> candidates(const Vector3d& up) {
   constexpr double rests[] = {1, 0.9, 0.8}, long_way = 0.9;               // a face needs no support
   std::vector<Candidate> out;
   for (int code = 0; code < 27; ++code) {
-    const Vector3d corner(code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1);
+    const Vector3d corner = Eigen::Vector3i(code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1).cast<double>();
     if (corner.isZero()) continue;
     const Vector3d to = corner.normalized();
     const auto elements = static_cast<std::size_t>(std::lround(corner.squaredNorm()));

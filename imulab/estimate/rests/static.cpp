@@ -51,7 +51,7 @@ GyroStart start_gyro(const RestStart& start, const Recording& recording, const S
   const auto coarse = kernel::coarse_gyro_at_rest(start.rests, start.model, start.scaling, earth_rate * std::sin(*site.latitude));
   if (!coarse) return {{}, "twelve or more rests in different directions away from the equator are needed for the gyros"};
   if (!counts && !kernel::near_identity(coarse->matrix))
-    return {{}, "what they read at rest is not Earth's rate as gyros in rad/s see it: are the latitude (and its sign), the axes and the unit right?"};
+    return {{}, "their readings at rest do not agree with the Earth's rate in rad/s; check the latitude (and its sign), the axes and the unit"};
   double misfit = 0;  // mean square of what the solution misses of the size of Earth's rate
   for (const RestMeans& rest : start.rests)
     misfit += std::pow((coarse->offset + coarse->matrix * start.gyro(rest)).norm() - earth_rate, 2) / static_cast<double>(start.rests.size());

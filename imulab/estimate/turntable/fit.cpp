@@ -115,7 +115,7 @@ Problem reversed(const Problem& problem, std::size_t axis) {
 }  // namespace
 
 Problem::Problem(TableObservations observations, RigDeclaration table, ImuDeclaration unit, Site place)
-    : seen(std::move(observations)), rig(std::move(table)), imu(std::move(unit)), site(std::move(place)), motion(seen.parts, rig, site) {
+    : seen(std::move(observations)), rig(std::move(table)), imu(std::move(unit)), site(place), motion(seen.parts, rig, site) {
   const NoiseModels noise = declared_terms(imu);
   accel_slow_noise = slow_noise(motion, noise.accel, seen.interval_s);
   gyro_slow_noise = slow_noise(motion, noise.gyro, seen.interval_s);

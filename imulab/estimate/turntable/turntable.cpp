@@ -51,7 +51,7 @@ std::array<TriadView, 2> triads(const Problem& problem, const SensorModel& model
 void expect_units(const Problem& problem, const SensorModel& model) {
   for (const TriadView& view : triads(problem, model))
     if (const std::string_view looks = view.scale() ? kernel::mistaken_unit(view.triad, *view.scale()) : ""; !looks.empty())
-      throw Error(fmt::format("{}: the table's motion is {:.3g} times what the readings say; they look like {}; correct their unit",
+      throw Error(fmt::format("{}: the table moved {:.3g} times as much as the readings show; they look like {}; correct their unit",
                               to_string(view.triad), *view.scale(), looks));
 }
 

@@ -185,7 +185,7 @@ JointEstimate joint_estimate(Problem& problem, const CalibrationOptions& options
   out.condition = kernel::condition_number(last.data, parameters);
   if (out.scatter > 1) {
     const std::string what = fmt::format("the points scatter {:.2f} times as much as noise and declared errors explain", out.scatter);
-    out.findings.warn(what + "; the uncertainties are enlarged by that");
+    out.findings.warn(what + "; the uncertainties are enlarged by this factor");
     out.findings.doubt(what);
   }
   if (!machine.empty()) out.findings.warn(machine), out.findings.doubt("a machine is not as declared");

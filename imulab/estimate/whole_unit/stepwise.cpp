@@ -181,7 +181,7 @@ bool has_three_steps(const Problem& problem) {
   for (const MachinePoint& p : problem.points.all) {
     const Mount mount = mount_of(p.step);
     const BodyAxis axis = p.machine == RigKind::centrifuge ? mount.outward : mount.up;
-    seen[p.machine][static_cast<std::size_t>(2 * axis.index + (axis.sign > 0))] = true;
+    seen[p.machine][2 * static_cast<std::size_t>(axis.index) + (axis.sign > 0 ? 1 : 0)] = true;
   }
   const auto all = [&](RigKind kind) { return seen.contains(kind) && std::all_of(seen[kind].begin(), seen[kind].end(), [](bool b) { return b; }); };
   return seen.contains(RigKind::chamber) && all(RigKind::rate_table) && all(RigKind::centrifuge);

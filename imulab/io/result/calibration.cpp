@@ -68,11 +68,11 @@ std::string hidden_text(const Calibration& calibration) {
   std::string names;
   for (const TermTest& test : calibration.quality.term_tests)
     if (!test.kept) names += (names.empty() ? "" : ", ") + test.term;
-  return names.empty() ? "" : wrapped("  ", "not seen, but counted in the uncertainties (see docs/priors.md): " + names);
+  return names.empty() ? "" : wrapped("  ", "not seen, but included in the uncertainties (see docs/priors.md): " + names);
 }
 
 std::string term_test_text(const TermTest& test) {
-  if (test.degrees_of_freedom == 0) return wrapped("  ", test.term + ": the data say nothing of it; its prior counts in the uncertainties");
+  if (test.degrees_of_freedom == 0) return wrapped("  ", test.term + ": the data do not show it; its prior enters the uncertainties");
   std::string validation;
   if (test.cross_validation_with > 0)
     validation = fmt::format("; left-out points are missed by {:.3g} sigma with it, {:.3g} without", test.cross_validation_with,

@@ -206,7 +206,7 @@ std::string prediction_table(const Prediction& p, const std::vector<Requirement>
     text += fmt::format("{:<21} {:<13} {:>9}  not determined\n", c.name, unit.name, remaining);
   }
   if (!p.considered.empty())
-    text += "\n" + text::wrapped("", "Its prior: the procedure says nothing of the term, which counts in the others with its prior.");
+    text += "\n" + text::wrapped("", "Its prior: the procedure does not show the term; its prior enters the other uncertainties.");
   for (const std::string& note : p.notes) text += "\n" + text::wrapped("", note);
   return text;
 }

@@ -131,7 +131,7 @@ class TomlText {
 };
 
 template <class Table, class... Context>
-std::string section(std::string_view title, Table table, Context... context) {
+std::string table_text(std::string_view title, Table table, Context... context) {
   TomlText text;
   transfer(text, table, context...);
   return text.section(title);
@@ -187,12 +187,12 @@ std::string text_of(const Session& session, bool durations) {
   if (session.valid_until) text += fmt::format("valid_until = {}\n", toml_string(*session.valid_until));
   if (session.warm_up) text += fmt::format("warm_up = {}\n", toml_string(*session.warm_up));
   if (session.power_cycles) text += fmt::format("power_cycles = {}\n", toml_string(*session.power_cycles));
-  if (session.imu != ImuDeclaration{}) text += section("[imu]", session.imu);
-  if (session.site != Site{}) text += section("[site]", session.site);
-  for (const Reference& reference : session.references) text += section("[[reference]]", reference);
+  if (session.imu != ImuDeclaration{}) text += table_text("[imu]", session.imu);
+  if (session.site != Site{}) text += table_text("[site]", session.site);
+  for (const Reference& reference : session.references) text += table_text("[[reference]]", reference);
   const bool several = session.rigs.size() > 1;
-  for (const RigDeclaration& rig : session.rigs) text += section(several ? "[[rig]]" : "[rig]", rig, several);
-  for (const RecordingSource& recording : session.recordings) text += section("[[recording]]", recording);
+  for (const RigDeclaration& rig : session.rigs) text += table_text(several ? "[[rig]]" : "[rig]", rig, several);
+  for (const RecordingSource& recording : session.recordings) text += table_text("[[recording]]", recording);
   StepLayout layout;
   std::map<std::string, Step> last;
   for (const Step& step : session.steps) {
@@ -210,9 +210,9 @@ std::string text_of(const Session& session, bool durations) {
     before = step;
     if (!step.mount) before.mount = mount;
     if (!step.temperature) before.temperature = temperature;
-    text += section("[[step]]", written);
+    text += table_text("[[step]]", written);
   }
-  if (session.initial) text += section("[initial]", *session.initial);
+  if (session.initial) text += table_text("[initial]", *session.initial);
   if (session.truth_file) text += fmt::format("\n[truth]\nfile = {}\n", toml_string(*session.truth_file));
   return text;
 }
