@@ -48,7 +48,7 @@ def test_events_are_the_commands(size, rows, hand_session, environment):
 
 def test_the_calibration_is_that_of_all_rows(rows, by_hand):
     target = live(require="gyro.matrix.diagonal <= 1 ppm")
-    with pytest.raises(imulab.Unsupported, match="too few rows"):
+    with pytest.raises(imulab.Unsupported, match="fewer than two rows"):
         target.calibration()
     feed(target, rows, 1000)
     assert len(target) == len(rows[0]) and not target.done and "not reached: gyro.matrix.diagonal" in target.missing

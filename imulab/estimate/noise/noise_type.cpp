@@ -42,7 +42,7 @@ double autocorrelation(const std::vector<Run>& runs) {
     double mean = 0;
     for (const double v : run) mean += v;
     mean /= static_cast<double>(run.size());
-    for (std::size_t j = 0; j < run.size(); ++j) squares += (run[j] - mean) * (run[j] - mean);
+    for (const double v : run) squares += (v - mean) * (v - mean);
     for (std::size_t j = 1; j < run.size(); ++j) products += (run[j] - mean) * (run[j - 1] - mean);
   }
   return squares > 0 ? products / squares : 0;

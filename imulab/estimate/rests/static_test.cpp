@@ -179,7 +179,7 @@ TEST(Static, TheOtherHemisphereIsNoticed) {
   south.latitude = -*south.latitude;
   const Calibration c = calibrated("static", s.recording, s.rests, {}, south);
   EXPECT_EQ(c.estimated.size(), 15u);
-  EXPECT_THAT(c.quality.notes, Contains(HasSubstr("are the latitude (and its sign), the axes and the unit right?")));
+  EXPECT_THAT(c.quality.notes, Contains(HasSubstr("check the latitude (and its sign), the axes and the unit")));
 }
 
 TEST(Static, TermsThatAreNotAskedForKeepTheDeclaredUnit) {
