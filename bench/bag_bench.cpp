@@ -1,8 +1,8 @@
 // Reading a bag. Target: half the speed of copying what its chunks hold, so that a bag costs little more than its bytes.
 #include "imulab/io/recording/bag/bytes.hpp"
 #include "imulab/io/recording/bag/compression.hpp"
-#include "imulab/io/recording/crc32.hpp"
 #include "imulab/io/recording/bag/mcap.hpp"
+#include "imulab/io/recording/crc32.hpp"
 #include "imulab/io/recording/format.hpp"
 #include "imulab/io/text/file.hpp"
 

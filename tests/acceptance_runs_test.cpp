@@ -1,9 +1,8 @@
 // The runs of an acceptance test come back as they were, and those that were kept are not made again.
-#include "tests/acceptance/shared_runs.hpp"
-
 #include <gmock/gmock.h>
 
 #include "tests/acceptance/acceptance.hpp"
+#include "tests/acceptance/shared_runs.hpp"
 #include "tests/temporary_folder.hpp"
 #include <atomic>
 #include <cmath>

@@ -34,7 +34,8 @@ void check_files_differ(const std::vector<std::string>& files) {
   for (std::size_t i = 0; i < files.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (same_file(files[i], files[j]))
-        throw Error(fmt::format("{}: the same file as {}; a comparison takes the errors as independent; expected different calibrations", files[i], files[j]));
+        throw Error(fmt::format("{}: the same file as {}; a comparison takes the errors as independent; expected different calibrations", files[i],
+                                files[j]));
 }
 
 void run(const Options& options) {

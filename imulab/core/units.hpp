@@ -15,7 +15,7 @@ inline constexpr double ug_per_sqrt_hz = 1e-6 * g;
 inline constexpr double ppm = 1e-6;
 inline constexpr double hour = 3600;            // s
 inline constexpr double year = 365.25 * 86400;  // s, Julian
-inline constexpr double nmi = 1852;   // m (exact)
+inline constexpr double nmi = 1852;             // m (exact)
 inline constexpr double nmi_per_h = nmi / hour;
 
 }  // namespace imulab::unit

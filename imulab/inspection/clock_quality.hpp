@@ -8,9 +8,9 @@
 namespace imulab::inspection {
 
 struct ClockQuality {
-  double interval_s = 0;              ///< median
-  double rate_hz = 0;                 ///< by the mean, without gaps
-  double scatter_s = 0;               ///< RMS about an even clock; 0 where there is none
+  double interval_s = 0;  ///< median
+  double rate_hz = 0;     ///< by the mean, without gaps
+  double scatter_s = 0;   ///< RMS about an even clock; 0 where there is none
   double largest_gap_s = 0;
   std::size_t gaps = 0, repeated = 0;  ///< stamps that follow after missing samples, or equal the one before
   std::size_t backward = 0, first_backward = 0;

@@ -63,7 +63,8 @@ std::string settle_axes(const SignalTable& table, const Declarations& declared, 
     reversed = reversed || (*triads.gyro_matrix)(axis, from) < 0;
   }
   if (reversed) {
-    result.ambiguous.push_back("gyro.axes: " + wrong + "; the data do not show which sensor is reversed; declare it (accel.axes, or gyro.axes = +x,+y,-z)");
+    result.ambiguous.push_back("gyro.axes: " + wrong +
+                               "; the data do not show which sensor is reversed; declare it (accel.axes, or gyro.axes = +x,+y,-z)");
     return {};
   }
   Matrix3d exchange = Matrix3d::Zero();
@@ -118,11 +119,11 @@ void settle_units(const SignalTable& table, const TriadEvidence& triads, const T
     gyro.unit = stated.empty() ? "count" : stated;
     gyro.evidence = stated.empty() ? "" : stated + " as the file says; the data do not confirm it (fewer than three turns between rests)";
     if (triads.turns >= 3 && !triads.explained() && !(declared.contains("gyro.columns") && declared.contains("accel.columns")))
-      gyro.open =
-          fmt::format("gyro.columns: they leave {:.3g} deg of turns of {:.3g} deg unexplained; check the columns and their unit", triads.error / unit::deg, triads.turned / unit::deg);
+      gyro.open = fmt::format("gyro.columns: they leave {:.3g} deg of turns of {:.3g} deg unexplained; check the columns and their unit",
+                              triads.error / unit::deg, triads.turned / unit::deg);
     else if (stated.empty())
-      gyro.open =
-          time.rate_hz ? "gyro.unit: fewer than three turns between rests, which would show it" : "gyro.unit: turns cannot show it without a sampling rate; declare rate_hz";
+      gyro.open = time.rate_hz ? "gyro.unit: fewer than three turns between rests, which would show it"
+                               : "gyro.unit: turns cannot show it without a sampling rate; declare rate_hz";
   } else {
     gyro = gyro_unit(triads.gyro_scale(), interval_s, stated, whole_gyro);
   }

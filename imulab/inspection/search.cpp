@@ -96,7 +96,8 @@ std::optional<TriadEvidence> find_triads(const SignalTable& table, const std::ve
   for (const SignalTriad& g : gyros)
     for (const SignalTriad& a : accels) named.consider(g, a);
   if (named.explained() > 1)
-    result.ambiguous.push_back(fmt::format("gyro.columns, accel.columns: {} pairs of triads fit each other; name the columns to use", named.explained()));
+    result.ambiguous.push_back(
+        fmt::format("gyro.columns, accel.columns: {} pairs of triads fit each other; name the columns to use", named.explained()));
   if (const auto best = named.best()) return evidence_for(table, time_ns, best->gyro, best->accel, scales, all);
   if (!(declared.gyro && declared.accel)) {
     TriadSearch search(table, time_ns, scales);
@@ -107,9 +108,9 @@ std::optional<TriadEvidence> find_triads(const SignalTable& table, const std::ve
   }
   if (gyros.empty() || accels.empty()) return std::nullopt;
   if (gyros.size() > 1 || accels.size() > 1)
-    result.ambiguous.push_back(
-        fmt::format("gyro.columns, accel.columns: {} triads are named gyros and {} accelerometers, and no turns between rests distinguish them; name the columns",
-                    gyros.size(), accels.size()));
+    result.ambiguous.push_back(fmt::format(
+        "gyro.columns, accel.columns: {} triads are named gyros and {} accelerometers, and no turns between rests distinguish them; name the columns",
+        gyros.size(), accels.size()));
   return evidence_for(table, time_ns, gyros.front(), accels.front(), scales, all);
 }
 

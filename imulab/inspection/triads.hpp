@@ -39,8 +39,8 @@ struct TriadEvidence {
   double gyro_scale() const;
 };
 
-/// `time_ns`: of the rows. `possible_scales`: of the gyros [rad/s per reading], tried where the turns are about too few axes to determine a matrix. At
-/// most the first `most` samples are used.
+/// `time_ns`: of the rows. `possible_scales`: of the gyros [rad/s per reading], tried where the turns are about too few axes to determine a matrix.
+/// At most the first `most` samples are used.
 TriadEvidence evidence_for(const SignalTable& table, const std::vector<std::int64_t>& time_ns, const SignalTriad& gyro, const SignalTriad& accel,
                            const std::vector<double>& possible_scales, std::size_t most = 1'000'000);
 

@@ -85,8 +85,26 @@ void warn_of_force(std::vector<double> forces, const std::string& name, std::vec
                   name, middle));
 }
 
-void integrate(const navigation::Start& start, const IntegratedSteps& steps, const Session& session, const Recording& recording, const NavigateOptions& options,
-               Navigated& out) {
+/// Joins samples to the steps of a motion.
+class MotionSteps {
+ public:
+  MotionSteps(motion::NominalMotion& motion, std::size_t samples, std::size_t most) : motion_(motion), joined_((samples + most - 1) / most) {}
+
+  void begin(double time, const NavigationState& state) { motion_.time.push_back(time), motion_.states.push_back(state); }
+  void add(const Increment& sample, double end, const NavigationState& state) {
+    if (count_ == 0) begin(end, state), motion_.increments.emplace_back();
+    motion_.time.back() = end, motion_.states.back() = state;
+    motion_.increments.back().angle += sample.angle, motion_.increments.back().velocity += sample.velocity;
+    count_ = (count_ + 1) % joined_;
+  }
+
+ private:
+  motion::NominalMotion& motion_;
+  std::size_t joined_, count_ = 0;
+};
+
+void integrate(const navigation::Start& start, const IntegratedSteps& steps, const Session& session, const Recording& recording,
+               const NavigateOptions& options, Navigated& out) {
   check_barometer(options, steps.time, recording.time_s(recording.size() - 1));
   Strapdown strapdown(start.state, {.vertical = options.vertical, .gravity = session.site.given_gravity});
   Solution& solution = out.solution;
@@ -100,6 +118,8 @@ void integrate(const navigation::Start& start, const IntegratedSteps& steps, con
   forces.reserve(steps.range.size());
   if (options.keep) solution.time.reserve(steps.range.size() + 1), solution.states.reserve(steps.range.size() + 1);
   add(start.time);
+  std::optional<MotionSteps> motion;
+  if (options.motion_steps > 0) motion.emplace(out.motion, steps.range.size(), options.motion_steps).begin(start.time, strapdown.state());
   for_each_step(recording, steps, [&](const TimedIncrement& step, double end) {
     forces.push_back(step.increment.velocity.norm() / step.interval);
     std::optional<double> height;
@@ -110,6 +130,7 @@ void integrate(const navigation::Start& start, const IntegratedSteps& steps, con
                       recording.name, end, step.increment.angle.norm(), step.increment.velocity.norm()));
     strapdown.step(step.increment, step.interval, height);
     add(end);
+    if (motion) motion->add(step.increment, end, strapdown.state());
   });
   warn_of_force(std::move(forces), recording.name, out.warnings);
 }
@@ -149,8 +170,10 @@ void warn_of_samples(const Recording& r, Navigated& out) {
 Navigated navigate(const Calibration& calibration, const Session& session, Recording raw, const NavigateOptions& options) {
   Navigated out;
   out.vertical = options.vertical;
-  constexpr double in_place = 1.4, with_states = 3.2;  // over the recording; a state takes 88 bytes
-  expect_memory((options.keep ? with_states : in_place) * static_cast<double>(raw.bytes()),
+  constexpr double in_place = 1.4, with_states = 3.2;                                                   // over the recording; a state takes 88 bytes
+  constexpr double of_step = sizeof(double) + sizeof(NavigationState) + sizeof(Increment), growth = 2;  // of vectors
+  expect_memory((options.keep ? with_states : in_place) * static_cast<double>(raw.bytes()) +
+                    growth * of_step * static_cast<double>(std::min(raw.size(), options.motion_steps)),
                 raw.name + (options.keep ? ": a navigation with a state for each sample" : ": a navigation"));
   CompensatedRecording compensated = compensate(calibration.model, std::move(raw));
   Recording& recording = compensated.recording;

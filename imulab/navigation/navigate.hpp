@@ -6,6 +6,7 @@
 #include "imulab/navigation/alignment/alignment.hpp"
 #include "imulab/navigation/inertial_samples.hpp"
 #include "imulab/navigation/integration/solution.hpp"
+#include "imulab/navigation/motion/trajectory.hpp"
 #include "imulab/recording/session.hpp"
 
 #include <functional>
@@ -30,6 +31,7 @@ struct NavigateOptions {
   std::optional<HeightRecord> barometer = {};                          // for the vertical channels aided and held
   std::function<void(double time, const NavigationState&)> each = {};  // called with every state as it is reached
   bool keep = true;                                                    // every state in the solution; otherwise the first and the last
+  std::size_t motion_steps = 0;                                        // of Navigated::motion, at most about
 };
 
 /// A less certain heading is refused (Unsupported): the Earth's rate was not resolved.
@@ -46,6 +48,7 @@ struct Navigated {
   std::optional<AlignedOn> aligned;  // absent: started from the session's initial state
   std::vector<MissingTime> gaps;     // bridged
   std::size_t saturated = 0;         // samples at a limit among those integrated
+  motion::NominalMotion motion;      // for error budgets: a step is a sample or, in a long recording, several neighbors together
   std::vector<std::string> warnings;
 };
 

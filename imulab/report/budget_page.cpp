@@ -69,7 +69,8 @@ std::string share_figure(const ErrorBudget& b) {
 
 std::string monte_carlo_text(const ErrorDistribution& d, std::uint64_t runs) {
   return fmt::format("Monte Carlo of {} runs: horizontal rate {} nmi/h RMS, {} nmi/h in half of the runs, {} nmi/h in 95 %.", runs,
-                     number_text(d.drift_rms / unit::nmi_per_h), number_text(d.drift_cep / unit::nmi_per_h), number_text(d.drift_95 / unit::nmi_per_h));
+                     number_text(d.drift_rms / unit::nmi_per_h), number_text(d.drift_cep / unit::nmi_per_h),
+                     number_text(d.drift_95 / unit::nmi_per_h));
 }
 
 Verdict budget_verdict(const BudgetReport& r) {

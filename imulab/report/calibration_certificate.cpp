@@ -110,8 +110,8 @@ std::string positions_text(const Quality& q) {
     least = std::min(least, held), most = std::max(most, held), all += held, ++used;
   }
   if (used == 0) return "";
-  return fmt::format("{} rest{} of {} to {} s, {} s together; {} rotation{}", used, used == 1 ? "" : "s", number_text(least), number_text(most), number_text(all),
-                     q.rotations.size(), q.rotations.size() == 1 ? "" : "s");
+  return fmt::format("{} rest{} of {} to {} s, {} s together; {} rotation{}", used, used == 1 ? "" : "s", number_text(least), number_text(most),
+                     number_text(all), q.rotations.size(), q.rotations.size() == 1 ? "" : "s");
 }
 
 std::string latitude_text(const Site& site) {

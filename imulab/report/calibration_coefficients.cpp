@@ -193,7 +193,8 @@ std::string tests_section(const Calibration& calibration) {
                       !tested     ? "the data do not show it"
                       : test.kept ? "seen, estimated"
                                   : "not seen, its prior is used",
-                      tested ? fmt::format("{} / {}", number_text(test.statistic), test.degrees_of_freedom) : "", tested ? number_text(test.p_value, 2) : ""});
+                      tested ? fmt::format("{} / {}", number_text(test.statistic), test.degrees_of_freedom) : "",
+                      tested ? number_text(test.p_value, 2) : ""});
   }
   const auto& considered = calibration.quality.considered;
   std::string names;

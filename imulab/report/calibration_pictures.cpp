@@ -32,7 +32,8 @@ std::vector<double> counted(std::size_t n) {
 }
 
 std::string size_text(double value, double small, std::string_view small_name, double large, std::string_view large_name) {
-  return std::abs(value) < large ? fmt::format("{} {}", number_text(value / small), small_name) : fmt::format("{} {}", number_text(value / large), large_name);
+  return std::abs(value) < large ? fmt::format("{} {}", number_text(value / small), small_name)
+                                 : fmt::format("{} {}", number_text(value / large), large_name);
 }
 
 std::string acceleration_text(double v) { return size_text(v, unit::ug, "µg", 1e3 * unit::ug, "mg"); }

@@ -35,7 +35,8 @@ std::string drives_key(const DrivesReport& r) {
 std::string drives_table(const DrivesReport& r) {
   Table t{.head = {"calibration", "largest error, median [m]", "least", "most", ""}, .rows = {}, .left = {4}};
   for (const DrivenCalibration& c : r.calibrations)
-    t.rows.push_back({escaped(c.name), number_text(median(c.largest), 2), number_text(c.largest.front(), 2), number_text(c.largest.back(), 2), escaped(c.claim)});
+    t.rows.push_back(
+        {escaped(c.name), number_text(median(c.largest), 2), number_text(c.largest.front(), 2), number_text(c.largest.back(), 2), escaped(c.claim)});
   return table(t);
 }
 
@@ -69,7 +70,8 @@ std::string drives_page(const DrivesReport& r) {
   page.title = r.title;
   page.verdict = {.tone = Tone::neutral, .word = "", .meaning = r.story, .because = {}, .actions = r.next};
   for (const DrivenCalibration& c : r.calibrations) page.figures.push_back({number_text(median(c.largest), 2) + " m", c.name});
-  page.verdict.word = fmt::format("{} m instead of {} m", number_text(median(r.calibrations[1].largest), 2), number_text(median(r.calibrations[0].largest), 2));
+  page.verdict.word =
+      fmt::format("{} m instead of {} m", number_text(median(r.calibrations[1].largest), 2), number_text(median(r.calibrations[0].largest), 2));
   const std::string caption =
       "Each thin line is a drive, each thick one the median of the drives with one calibration. The figures above are medians of each drive's "
       "largest error.";

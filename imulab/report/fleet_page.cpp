@@ -149,7 +149,8 @@ std::string outlier_section(const Fleet& fleet) {
     if (t.rows.size() == most_rows) break;
     const Eigen::Index row = f.sample.last[static_cast<std::size_t>(o.unit)];
     t.rows.push_back({fleet.unit_name(f.sample.unit[static_cast<std::size_t>(row)]), number_text(o.distance), fmt::format("{}", o.coefficients),
-                      number_text(o.p_value, 2), code(f.sample.coefficients[static_cast<std::size_t>(f.sample.common[static_cast<std::size_t>(o.worst)])]),
+                      number_text(o.p_value, 2),
+                      code(f.sample.coefficients[static_cast<std::size_t>(f.sample.common[static_cast<std::size_t>(o.worst)])]),
                       number_text(o.worst_sigmas)});
   }
   return section(
@@ -185,9 +186,10 @@ std::string drift_section(const Fleet& fleet) {
   Table means{.head = {"coefficient", "units", "mean per year", "95 % interval", "spread of it", "repeatability", ""}, .rows = {}, .left = {6}};
   for (const CoefficientStatistics& c : f.coefficients)
     if (c.mean_drift)
-      means.rows.push_back({code(c.index), fmt::format("{}", c.drift.units.size()), number_text(c.mean_drift->mean / c.size),
-                            fmt::format("{} to {}", number_text(c.mean_drift->mean_low / c.size, 2), number_text(c.mean_drift->mean_high / c.size, 2)),
-                            number_text(c.mean_drift->spread / c.size, 2), number_text(c.drift.repeatability / c.size, 2), escaped(readable_unit(c.unit))});
+      means.rows.push_back(
+          {code(c.index), fmt::format("{}", c.drift.units.size()), number_text(c.mean_drift->mean / c.size),
+           fmt::format("{} to {}", number_text(c.mean_drift->mean_low / c.size, 2), number_text(c.mean_drift->mean_high / c.size, 2)),
+           number_text(c.mean_drift->spread / c.size, 2), number_text(c.drift.repeatability / c.size, 2), escaped(readable_unit(c.unit))});
   if (means.rows.empty()) return "";
   Table t{.head = {"unit", "coefficient", "calibrations", "years", "per year", "95 % interval", "", "p"}, .rows = {}, .left = {1, 6}};
   std::vector<std::string> histories;
@@ -196,7 +198,8 @@ std::string drift_section(const Fleet& fleet) {
     if (t.rows.size() == most_rows) break;
     const auto c = std::find_if(f.coefficients.begin(), f.coefficients.end(), [&](const auto& x) { return x.index == d.index; });
     t.rows.push_back({fleet.unit_name(d.drift.unit), code(d.index), fmt::format("{}", d.drift.calibrations), number_text(d.drift.span, 2),
-                      number_text(d.drift.slope / c->size), fmt::format("{} to {}", number_text(d.drift.low / c->size, 2), number_text(d.drift.high / c->size, 2)),
+                      number_text(d.drift.slope / c->size),
+                      fmt::format("{} to {}", number_text(d.drift.low / c->size, 2), number_text(d.drift.high / c->size, 2)),
                       escaped(readable_unit(c->unit)), number_text(d.drift.p_value, 2)});
     if (histories.size() < most_histories) histories.push_back(history(f, *c, d.drift));
   }

@@ -29,10 +29,10 @@ std::string end_table(const NavigationErrors& errors) {
 std::string alignment_text(const AlignedOn& aligned) {
   const EulerAngles angles = euler_angles(aligned.alignment.attitude.C_nb);
   const Eigen::Vector3d sigma = angle_sigmas(aligned.alignment.attitude) / unit::deg;
-  return fmt::format("Aligned on the rest from {} s to {} s: roll {} ± {} deg, pitch {} ± {} deg, heading {} ± {} deg.", number_text(aligned.begin, 6),
-                     number_text(aligned.end, 6), rounded_to(angles.roll / unit::deg, sigma.x()), uncertainty_text(sigma.x()),
-                     rounded_to(angles.pitch / unit::deg, sigma.y()), uncertainty_text(sigma.y()), rounded_to(angles.heading / unit::deg, sigma.z()),
-                     uncertainty_text(sigma.z()));
+  return fmt::format("Aligned on the rest from {} s to {} s: roll {} ± {} deg, pitch {} ± {} deg, heading {} ± {} deg.",
+                     number_text(aligned.begin, 6), number_text(aligned.end, 6), rounded_to(angles.roll / unit::deg, sigma.x()),
+                     uncertainty_text(sigma.x()), rounded_to(angles.pitch / unit::deg, sigma.y()), uncertainty_text(sigma.y()),
+                     rounded_to(angles.heading / unit::deg, sigma.z()), uncertainty_text(sigma.z()));
 }
 
 /// At most about a thousand of the errors.
@@ -58,7 +58,8 @@ std::string session_sections(const NavigatedSession& s, bool only_one) {
                                               s.navigated.aligned ? alignment_text(*s.navigated.aligned) : "Started as the session says."));
   if (s.errors) content += end_table(*s.errors);
   content += list(s.navigated.warnings);
-  const std::string track = track_figure(thinned_track(solution.states), "The solution.");
+  const motion::NominalMotion& motion = s.navigated.motion;  // none where the result was saved, or nothing was to be explained
+  const std::string track = track_figure(thinned_track(motion.states.empty() ? solution.states : motion.states), "The solution.");
   const std::string bands = error_bands(bands_of(s));
   std::string out = section("session", only_one ? "Result" : s.session, "", content + beside({track}));
   if (!bands.empty())

@@ -74,7 +74,8 @@ std::string coefficients_section(const NoiseAnalysis& analysis) {
       add(axis, "Markov process", term.sigma, s.rate, s.rate_name);
       add(axis, "its correlation time", term.time, 1, "s");
     }
-    for (const NoiseLine& line : axis.fit->lines) add(axis, fmt::format("line at {} Hz", number_text(line.hz, 5)), line.amplitude, s.rate, s.rate_name);
+    for (const NoiseLine& line : axis.fit->lines)
+      add(axis, fmt::format("line at {} Hz", number_text(line.hz, 5)), line.amplitude, s.rate, s.rate_name);
     if (axis.fit->low_pass) add(axis, fmt::format("low-pass, order {}", axis.fit->low_pass->order), axis.fit->low_pass->cutoff_hz, 1, "Hz");
   }
   return section("coefficients", "Coefficients", "A term whose interval holds zero is not determined by this log; its bound holds with 95 %.",

@@ -44,7 +44,9 @@ class QuarterTable {
   const Direction& axis(const QuarterPose& pose, RigAxis axis) const { return axis_[place(pose)][static_cast<std::size_t>(axis)]; }
 
  private:
-  static std::size_t place(const QuarterPose& pose) { return 16 * static_cast<std::size_t>(pose[0]) + 4 * static_cast<std::size_t>(pose[1]) + static_cast<std::size_t>(pose[2]); }
+  static std::size_t place(const QuarterPose& pose) {
+    return 16 * static_cast<std::size_t>(pose[0]) + 4 * static_cast<std::size_t>(pose[1]) + static_cast<std::size_t>(pose[2]);
+  }
 
   std::vector<Matrix3d> attitudes_;
   std::array<std::size_t, 64> attitude_;

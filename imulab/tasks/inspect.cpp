@@ -51,7 +51,8 @@ Session session_for(const Inspection& inspection, const InspectionTask& task, co
   const std::string& file = task.files.front();
   if (!inspection.problems.empty()) throw Error(fmt::format("{}: {}", file, inspection.problems.front()));
   if (!inspection.complete())
-    throw Unsupported(fmt::format("{}: the data do not answer every question about it; {}:\n  {}", file, hint, fmt::join(inspection.ambiguous, "\n  ")));
+    throw Unsupported(
+        fmt::format("{}: the data do not answer every question about it; {}:\n  {}", file, hint, fmt::join(inspection.ambiguous, "\n  ")));
   Session session = inspected_session(inspection, declared_site(task.declared));
   session.file = file;
   session.sha256 = file_sum(file).sha256;

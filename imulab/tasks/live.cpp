@@ -38,9 +38,9 @@ std::vector<Requirement> live_requirements(const std::optional<std::string>& tex
   for (const Requirement& r : all)
     for (const CoefficientIndex index : r.coefficients)
       if (const Coefficient& c = coefficient(index); c.triad == Triad::accel && is_scale(c) && r.limit <= gravity)
-        throw Unsupported(
-            fmt::format("{}: {} cannot be better than gravity, {:.3g} ppm; expected a better known gravity or height of the site, or a looser requirement",
-                        to_string(r), c.name, 1e6 * gravity));
+        throw Unsupported(fmt::format(
+            "{}: {} cannot be better than gravity, {:.3g} ppm; expected a better known gravity or height of the site, or a looser requirement",
+            to_string(r), c.name, 1e6 * gravity));
   return all;
 }
 

@@ -1,7 +1,6 @@
 #include "imulab/tasks/navigate.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/core/memory.hpp"
 #include "imulab/io/recording/solution.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/navigation/budget/navigated.hpp"
@@ -30,15 +29,13 @@ std::optional<TrueMotion> session_truth(const Session& session) {
 
 NavigatedSession navigate_session(const std::string& name, const Calibration& calibration, const Session& session, Recording recording,
                                   NavigateOptions options, const std::optional<TrueMotion>& truth, bool explain) {
-  constexpr double with_explanation = 6.2;  // over the recording
-  if (explain)
-    expect_memory(with_explanation * static_cast<double>(recording.bytes()), recording.name + ": a navigation with what explains its errors");
-  options.keep = options.keep || truth || explain;
-  const Recording again = explain ? recording : Recording();
+  constexpr std::size_t most_steps = 2'000'000;  // nearly three hours at 200 Hz sample by sample
+  options.keep = options.keep || truth;
+  if (explain) options.motion_steps = most_steps;
   NavigatedSession out{.session = name, .navigated = navigate(calibration, session, std::move(recording), options), .errors = {}};
   if (truth) out.errors = errors_at(truth->name, [&] { return navigation_errors(out.navigated.solution, truth->solution); });
   if (explain) try {
-      out.explained = navigated_budget(calibration, session, again, out.navigated);
+      out.explained = navigated_budget(calibration, session, out.navigated);
       if (!out.explained) out.unexplained = "the calibration has no uncertainties.";
     } catch (const Error& e) {
       out.unexplained = e.what();

@@ -29,8 +29,8 @@ double temperature_change(const RecordingView& recording, std::size_t column, co
 void warn_of_temperature(NoiseAnalysis& analysis, const RecordingView& recording, std::size_t column, const Range& range, const char* triad) {
   if (!recording.has(column)) return;
   if (const double change = temperature_change(recording, column, range); change > 1)
-    analysis.warnings.push_back(
-        fmt::format("the {} temperature changed by {:.3g} during the rest: R, K and B contain its effect unless its slope is removed", triad, change));
+    analysis.warnings.push_back(fmt::format(
+        "the {} temperature changed by {:.3g} during the rest: R, K and B contain its effect unless its slope is removed", triad, change));
 }
 
 /// A thermometer's own noise would weaken the slope: means over 10 s, and straight lines between their middles; of a short record its readings.

@@ -137,8 +137,7 @@ const YamlNode& field_of(const Source& source, const YamlNode& map, const std::s
 double number_of(const Source& source, const YamlNode& node, const std::string& path) {
   const auto number = node.kind == YamlNode::Kind::scalar ? finite_number(node.text) : std::nullopt;
   if (!number)
-    fail_at(source, node.line,
-            path + ": expected a number" + (node.kind == YamlNode::Kind::scalar ? ", found \"" + excerpt(node.text) + "\"" : ""));
+    fail_at(source, node.line, path + ": expected a number" + (node.kind == YamlNode::Kind::scalar ? ", found \"" + excerpt(node.text) + "\"" : ""));
   return *number;
 }
 

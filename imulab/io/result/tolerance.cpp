@@ -64,8 +64,8 @@ std::string title(turntable::Knob knob) {
 
 std::string answer(const char* first, turntable::Knob knob, const turntable::Tolerance& t) {
   if (t.factor)
-    return text::wrapped(first,
-                         fmt::format("{}{} x declared: {}", t.unlimited ? "any, tried up to " : "", rounded_down(*t.factor), setting_text(knob, t.sizes)));
+    return text::wrapped(
+        first, fmt::format("{}{} x declared: {}", t.unlimited ? "any, tried up to " : "", rounded_down(*t.factor), setting_text(knob, t.sizes)));
   std::string text = std::string(first) + "none: not even ";
   if (knob == turntable::Knob::table) text += "a perfect table";
   if (knob == turntable::Knob::timing) text += "perfect timing";

@@ -8,9 +8,8 @@
 
 namespace imulab {
 
-/// Along the navigated motion: the calibration's covariance, and after an alignment its tilt and the noise that it measured in the rest. About
+/// Along Navigated::motion: the calibration's covariance, and after an alignment its tilt and the noise that it measured in the rest. About
 /// `outputs` times. Absent for a calibration without uncertainties.
-std::optional<ErrorBudget> navigated_budget(const Calibration& calibration, const Session& session, const Recording& raw, const Navigated& navigated,
-                                            int outputs = 120);
+std::optional<ErrorBudget> navigated_budget(const Calibration& calibration, const Session& session, const Navigated& navigated, int outputs = 120);
 
 }  // namespace imulab

@@ -19,12 +19,14 @@ Calibration one_sigma_wrong(double sigma) {
   return c;
 }
 
+const NavigateOptions with_motion{.motion_steps = 1'000'000};
+
 TEST(NavigatedBudget, AnErrorOfOneSigmaIsAtTheEdgeOfTheBand) {
   FlightSession f = flight_session(0);
   f.session.initial = flight_start();
   const Calibration c = one_sigma_wrong(1 * unit::deg_per_h);
-  const Navigated n = navigate(c, f.session, f.recording);
-  const auto budget = navigated_budget(c, f.session, f.recording, n);
+  const Navigated n = navigate(c, f.session, f.recording, with_motion);
+  const auto budget = navigated_budget(c, f.session, n);
   ASSERT_TRUE(budget);
   const NavigationError error = navigation_errors(n.solution, f.truth).history.back();
   const BudgetMatrix& covariance = budget->covariance.back();
@@ -37,17 +39,28 @@ TEST(NavigatedBudget, AnErrorOfOneSigmaIsAtTheEdgeOfTheBand) {
 TEST(NavigatedBudget, AfterAnAlignmentItHasTheNoiseThatThisSaw) {
   const FlightSession f = flight_session(1, 10);
   const Calibration c = one_sigma_wrong(1e-3 * unit::deg_per_h);
-  const Navigated n = navigate(c, f.session, f.recording);
+  const Navigated n = navigate(c, f.session, f.recording, with_motion);
   ASSERT_TRUE(n.aligned);
-  const auto budget = navigated_budget(c, f.session, f.recording, n);
+  const auto budget = navigated_budget(c, f.session, n);
   ASSERT_TRUE(budget);
   EXPECT_TRUE(std::any_of(budget->groups.begin(), budget->groups.end(), [](const Contribution& g) { return g.name == "gyro white noise"; }));
+}
+
+TEST(NavigatedBudget, NeighborsTogetherGiveTheSame) {
+  FlightSession f = flight_session(0);
+  f.session.initial = flight_start();
+  const Calibration c = one_sigma_wrong(1 * unit::deg_per_h);
+  const Navigated all = navigate(c, f.session, f.recording, with_motion), few = navigate(c, f.session, f.recording, {.motion_steps = 300});
+  ASSERT_EQ(all.motion.increments.size(), 10 * few.motion.increments.size()) << "of 0.2 s each";
+  const BudgetMatrix a = navigated_budget(c, f.session, all)->covariance.back(), b = navigated_budget(c, f.session, few)->covariance.back();
+  // Within a joined step the attitude is that of its middle.
+  for (Eigen::Index i = 0; i < a.rows(); ++i) EXPECT_NEAR(std::sqrt(b(i, i)), std::sqrt(a(i, i)), 2e-3 * std::sqrt(a(i, i))) << i;
 }
 
 TEST(NavigatedBudget, WithoutUncertaintiesThereIsNone) {
   FlightSession f = flight_session(0);
   f.session.initial = flight_start();
-  EXPECT_FALSE(navigated_budget({}, f.session, f.recording, navigate({}, f.session, f.recording)));
+  EXPECT_FALSE(navigated_budget({}, f.session, navigate({}, f.session, f.recording, with_motion)));
 }
 
 }  // namespace
