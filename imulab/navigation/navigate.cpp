@@ -190,6 +190,10 @@ Navigated navigate(const Calibration& calibration, const Session& session, Recor
   return out;
 }
 
+const std::vector<NavigationState>& states_of(const Navigated& n) {
+  return n.motion.states.size() > n.solution.states.size() ? n.motion.states : n.solution.states;
+}
+
 Eigen::Vector3d angle_sigmas(const Alignment& a) {
   const double step = 1e-6;
   const auto angles = [&](int axis, double phi) {

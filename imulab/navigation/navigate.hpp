@@ -52,6 +52,9 @@ struct Navigated {
   std::vector<std::string> warnings;
 };
 
+/// The states along the way, as far as they were kept: of the solution or of the motion.
+const std::vector<NavigationState>& states_of(const Navigated& navigated);
+
 /// `recording` is raw. Starts at the session's initial state, or at the end of the first rest, aligned on it, at the position of the initial state or
 /// else of the site. Throws Error where the session has no position or the start lies outside the recording, for missing barometer heights, for gaps
 /// that are to be refused and for readings far beyond any motion; Unsupported where there is no rest to align on, or where it does not show the

@@ -205,7 +205,7 @@ ErrorBudget error_budget(const NominalMotion& motion, const ErrorSources& source
   add_groups(out, sensitivities, p);
   for (std::size_t i = 0; i < growth.noises(); ++i) add_noise(out, growth.noise_name(i), noises[i]);
   Contribution& algorithm = group(out, "algorithm");
-  algorithm.fixed = algorithm_error(motion, options.strapdown, samples);
+  if (options.algorithm) algorithm.fixed = algorithm_error(motion, options.strapdown, samples);
   out.mean = BudgetRows::Zero(budget_quantities, outputs(out));
   for (const Contribution& c : out.groups) out.mean += c.fixed;
   return out;

@@ -41,6 +41,7 @@ struct BudgetOptions {
   StrapdownOptions strapdown = {};
   double output_interval = 10;  // s; the end is always among the outputs
   double block = 0.5;           // s: the sensors' errors are summed over it, and act in its middle; the error of the result grows with its square
+  bool algorithm = true;        // integrate the motion again, for the integration's own error; false: the motion was integrated from these increments
 };
 
 /// First-order: valid while attitude errors stay below some milliradians and position errors below some hundredths of the Earth's radius. With

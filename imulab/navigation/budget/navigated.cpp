@@ -14,8 +14,9 @@ std::optional<ErrorBudget> navigated_budget(const Calibration& calibration, cons
     sources.accel_noise.N = navigated.aligned->alignment.accel_noise;
   }
   const double interval = (motion.time.back() - motion.time.front()) / std::max(1, outputs);
-  return error_budget(motion, sources,
-                      {.strapdown = {.vertical = navigated.vertical, .gravity = session.site.given_gravity}, .output_interval = interval});
+  return error_budget(
+      motion, sources,
+      {.strapdown = {.vertical = navigated.vertical, .gravity = session.site.given_gravity}, .output_interval = interval, .algorithm = false});
 }
 
 }  // namespace imulab
