@@ -2,6 +2,7 @@
 // with its readings replaced.
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording/compensated_bag.hpp"
+#include "imulab/io/recording/csv.hpp"
 #include "imulab/io/recording/file.hpp"
 #include "imulab/io/recording/stream.hpp"
 #include "imulab/recording/compensate_recording.hpp"
@@ -116,7 +117,9 @@ void stream(std::string_view bytes) {
   constexpr std::size_t longest = 30'000;  // what a socket holds
   if (bytes.size() < 2 || bytes.size() > longest) return;
   std::string text(bytes.substr(1));
-  if (text.find('\0') != std::string::npos) return;  // of another format
+  for (const RecordingFormat& format : recording_formats())
+    if (!format.of_layout && format.recognizes != recording_io::is_text && format.recognizes(text)) return;
+  if (!recording_io::is_text(text)) return;
   if (text.back() != '\n') text += '\n';             // a file may end inside a row
   const RecordingSource source = source_of(static_cast<unsigned char>(bytes[0]), "stream");
   const Outcome file = by_file(text, source), stream = by_stream(text, source);

@@ -14,6 +14,7 @@ using namespace session_io;
 
 /// `value` in units of `factor`, as the shortest decimal that gives it back when it is read.
 std::string in_unit(double value, double factor) {
+  if (value == 0) return "0";  // also of -0, whose sign is lost where it is read
   const double quotient = value / factor;
   for (int digits = 1; digits <= 17; ++digits)
     if (const double d = std::stod(fmt::format("{:.{}g}", quotient, digits)); d * factor == value) return fmt::format("{}", d);

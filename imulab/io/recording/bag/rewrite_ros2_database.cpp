@@ -1,5 +1,6 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/recording/bag/ros2_database.hpp"
+#include "imulab/io/text/printable.hpp"
 
 #include <fmt/core.h>
 
@@ -19,6 +20,13 @@ void copy_database(Database& from, Database& to) {
   while (sqlite3_backup_step(backup, pages) == SQLITE_OK) {
   }
   if (sqlite3_backup_finish(backup) != SQLITE_OK) to.fail();
+}
+
+/// In a damaged tree two rows may be one: both would be written.
+void expect_whole(Database& database, const std::filesystem::path& file) {
+  Query check(database, "PRAGMA quick_check(1)");
+  if (check.next() && check.bytes(0) != "ok")
+    throw Error(fmt::format("{}: is damaged: {}; expected a bag without damage (sqlite3 BAG .recover)", file.string(), excerpt(check.bytes(0), 120)));
 }
 
 /// The data of a row, written in place: nothing else of the database changes.
@@ -51,6 +59,7 @@ void rewrite_ros2_database(const std::filesystem::path& in, const Topic& topic, 
   Database copy(out.temporary(), out.path());
   copy.run("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF");  // a copy that fails is thrown away
   copy_database(bag.database(), copy);
+  expect_whole(copy, in);
   copy.run("PRAGMA journal_mode = OFF; BEGIN");
   Blob blob(copy);
   bag.each_row(topic, [&](std::int64_t id, std::int64_t, std::string_view message) {
