@@ -120,7 +120,7 @@ void stream(std::string_view bytes) {
   for (const RecordingFormat& format : recording_formats())
     if (!format.of_layout && format.recognizes != recording_io::is_text && format.recognizes(text)) return;
   if (!recording_io::is_text(text)) return;
-  if (text.back() != '\n') text += '\n';             // a file may end inside a row
+  if (text.back() != '\n') text += '\n';  // a file may end inside a row
   const RecordingSource source = source_of(static_cast<unsigned char>(bytes[0]), "stream");
   const Outcome file = by_file(text, source), stream = by_stream(text, source);
   if (file.passed_over && !stream.error.empty()) return;  // a damaged first row: a stream takes the first that it can for the table's begin

@@ -82,7 +82,7 @@ std::vector<Recording> corrected_recordings(const CalibrationInput& input, std::
     const bool declared = k >= input.session.recordings.size() || input.session.recordings[k].rate_hz;
     out[k] = with_even_stamps(std::move(out[k]), *clock, declared);
     said.push_back(fmt::format(
-        "{}: its stamps scatter by {:.2g} ms (RMS) about an even clock of {:.6g} ms, which is used in their place (stamps = \"recorded\" keeps them)",
+        "{}: its stamps scatter by {:.2g} ms (RMS) about an even clock of {:.6g} ms, which replaces them unless the recorded stamps are declared",
         r.name, 1e3 * clock->scatter_s, 1e3 * clock->interval_s));
   }
   return out;

@@ -23,7 +23,7 @@ struct UncertaintySource {
   bool operator==(const UncertaintySource&) const = default;
 };
 
-/// A term that was tested for significance: kept, or fixed at its starting value.
+/// A term that was tested for significance: seen, or not; a term that is not seen may stay in the fit under its prior.
 struct TermTest {
   std::string term;      ///< "gyro.g_sensitivity"
   double statistic = 0;  ///< Wald chi-square of the term's coefficients
@@ -71,7 +71,7 @@ struct Quality {
   double chi2_per_dof = 0;  ///< residuals against the declared or measured sample noise alone; on a turntable also its declared errors
   int degrees_of_freedom = 0;
   double condition = 0;   ///< of the scaled normal equations
-  bool converged = true;  ///< false: the fit stopped before the correction was small against its uncertainty
+  bool converged = true;  ///< false: the fit stopped before its corrections were small against their uncertainties
   std::vector<std::string> unobservable;
   std::vector<std::string> warnings;
   std::string verdict;  ///< "good", or "doubtful" for the reasons in `because`

@@ -67,7 +67,8 @@ std::optional<EvenClock> replacing_clock(const Recording& r, Stamps wanted) {
   if (clock && std::abs(clock->interval_s / r.interval_s - 1) > 0.2) clock.reset();
   if (!clock && wanted == Stamps::uniform)
     throw Error(fmt::format(
-        "{}: its stamps are not those of an even clock (samples are missing, or the clock wanders); expected stamps = \"recorded\"", r.name));
+        "{}: its stamps are not those of an even clock (samples are missing, or the clock wanders); expected the recorded stamps to be kept",
+        r.name));
   return clock && (wanted == Stamps::uniform || clock->scatter_s > 0.05 * clock->interval_s) ? clock : std::nullopt;
 }
 

@@ -41,8 +41,8 @@ std::string cause_of(Triad triad, double scale, const Recording& recording) {
   const std::string unit = read.empty() ? "" : fmt::format("the readings are in {}, not in the declared unit", read),
                     also = read.empty() ? "" : "; or " + unit;
   const bool increment = triad == Triad::accel ? recording.accel_increment : recording.gyro_increment;
-  if (increment && near(scale, recording.interval_s)) return "the readings are rates; declare output = \"rate\"" + also;
-  if (!increment && near(scale, 1 / recording.interval_s)) return "the readings are increments; declare output = \"increment\"" + also;
+  if (increment && near(scale, recording.interval_s)) return "the readings are rates; declare them as rates" + also;
+  if (!increment && near(scale, 1 / recording.interval_s)) return "the readings are increments; declare them as increments" + also;
   if (!unit.empty()) return unit;
   if (triad == Triad::accel && near(scale, 1e-3)) return "the readings are in thousandths of the declared unit";
   if (triad == Triad::gyro && (near(scale, 1e-3) || near(scale, 1e-6)))
@@ -133,7 +133,7 @@ std::string interval_contradiction(const Recording& r) {
   if (samples < enough || !(std::abs(ratio - 1) > clocks)) return {};
   return fmt::format(
       "{}: the stamps give {:.6g} Hz where {:.6g} Hz is declared: increments, and with them the scales, are {:.2g} % off if the stamps "
-      "are right; correct rate_hz",
+      "are right; correct the declared rate",
       r.name, samples / time, 1 / r.interval_s, 100 * std::abs(ratio - 1));
 }
 

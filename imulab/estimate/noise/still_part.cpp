@@ -76,7 +76,7 @@ double one_interval(const RecordingView& recording, const Range& range, bool dec
   if (std::max(*greatest / nominal, nominal / *least) - 1 <= most) return recording.interval_s;
   const std::optional<EvenClock> clock = declared ? std::nullopt : even_clock(recording.time_ns.subspan(range.begin, range.size()));
   if (!clock)
-    throw Unsupported(fmt::format("{}: the stamps advance at {:.4g} Hz, but {:.4g} Hz {}; expected the right rate_hz, in a session", recording.name,
+    throw Unsupported(fmt::format("{}: the stamps advance at {:.4g} Hz, but {:.4g} Hz {}; expected a session with the correct rate", recording.name,
                                   hz[0], nominal, declared ? "are declared" : "is their usual difference"));
   notes.push_back(fmt::format("the stamps scatter by {:.2g} ms (RMS) about an even clock of {:.6g} ms, which is used in their place",
                               1e3 * clock->scatter_s, 1e3 * clock->interval_s));
