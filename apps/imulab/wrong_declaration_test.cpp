@@ -75,6 +75,8 @@ TEST(WrongDeclaration, IsNeverGood) {
            WrongDeclaration{"all gyros reversed", times(1, 4, -1), "x is along the -x reading, y is along the -y reading"},
            WrongDeclaration{"a column twice", rows([](Row& row) { row[2] = row[1]; }), "gyro x and y are equal in every sample"},
            WrongDeclaration{"a reading of 1e300", [](SessionText& s) { s.set(778, 4, "1e300"); }, "line 778: accel x is 1e+300 m/s^2"},
+           WrongDeclaration{"a gravity of another place", [](SessionText& s) { s.declare("height_m = 0", "height_m = 0\ngravity_mps2 = 9.8356"); },
+                            "the given gravity of 9.8356 m/s^2 is not that of the given latitude"},
            WrongDeclaration{"gyros of another time", shifted(1, 4, 5000), "the gyros do not turn with the accelerometers"},
            WrongDeclaration{"gyros of another time", shifted(1, 4, 5000), "the gyros do not turn with the accelerometers", "hybrid"},
            WrongDeclaration{"one accelerometer late", shifted(6, 7, -1), "the z accelerometer's readings are a sample later than the others'",

@@ -182,7 +182,8 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
     instead.doubt(text_of(*late));
     return calibrated(put_right(recording, *late), rests, session, options, std::move(findings), instead);
   }
-  if (result.latitude) {  // it replaces the site's and is estimated jointly
+  const bool corrected = std::find(last.doubts.begin(), last.doubts.end(), kernel::wrong_latitude) != last.doubts.end();
+  if (result.latitude && !corrected) {  // it replaces the site's and is estimated jointly; where yet another one is seen, none explains the data
     Session there = session;
     there.site.latitude = result.latitude->value;
     there.site.latitude_sigma = 30 * unit::deg;
@@ -192,7 +193,7 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
         fmt::format("the gyros show a latitude of {:.3f}{} deg, not {:.3f}; this latitude is used, with its gravity if none is declared; "
                     "check the site's latitude",
                     seen / unit::deg, sigma > 0 ? fmt::format(" +/- {:.2g}", sigma / unit::deg) : "", place.latitude / unit::deg));
-    if (last.doubts.empty()) instead.doubt(wrong_latitude);
+    instead.doubt(kernel::wrong_latitude);
     instead.add(last);
     return calibrated(recording, rests, there, options, std::move(findings), instead);
   }

@@ -1,9 +1,7 @@
 #include "imulab/estimate/hybrid/quality.hpp"
 
-#include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/earth/earth.hpp"
 
 #include <fmt/core.h>
 
@@ -17,29 +15,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
-
-/// The latitude that a g-sensitivity equal on all axes corresponds to: up is along the force at every rest, so the two cannot be told apart.
-std::optional<SeenLatitude> latitude_instead(const Calibration& c, const Place& place) {
-  std::vector<Index> at;
-  VectorXd value(9), alike = VectorXd::Zero(9);
-  for (std::size_t i = 0; i < c.estimated.size(); ++i) {
-    const Coefficient& row = coefficient(c.estimated[i]);
-    if (row.term != Term::g_sensitivity) continue;
-    const auto k = static_cast<Index>(at.size());
-    value[k] = coefficient_value(c.model, c.estimated[i]);
-    alike[k] = row.row == row.column ? 1 : 0;
-    at.push_back(static_cast<Index>(i));
-  }
-  if (at.size() != 9) return {};
-  const MatrixXd covariance = c.covariance(at, at);
-  const VectorXd weight = solve_semidefinite(covariance, alike);
-  const double variance = 1 / alike.dot(weight), common = variance * value.dot(weight);
-  const VectorXd rest = value - common * alike;
-  const double sine = std::sin(place.latitude) - common * place.gravity / earth_rate;
-  if (common * common < 25 * variance || chi_square_tail(squared_norm_in(covariance, rest), 8) < 1e-3 || std::abs(sine) > 1) return {};
-  const double latitude = std::asin(sine);
-  return SeenLatitude{latitude, std::sqrt(variance) * place.gravity / earth_rate / std::cos(latitude)};
-}
 
 /// Chi-square of the velocities in the last pass.
 void add_residuals(const Data& data, const Iterate& iterate, Quality& quality) {
@@ -179,13 +154,7 @@ void report(const Data& data, const Converged& result, const Site& site, Calibra
           "the accelerometers' output is {:.3g} ms behind the gyros', more than what the method corrects; shift one triad's stamps", 1e3 * delay));
   }
   kernel::add_common_doubts(findings, calibration, site);
-  if (const auto instead = latitude_instead(calibration, last.about.place)) {
-    findings.warn(
-        fmt::format("the g-sensitivity is the same on all axes, as a latitude of {:.1f} +/- {:.1f} deg instead of {:.1f} would make it; check "
-                    "the site's latitude",
-                    instead->value / unit::deg, instead->sigma / unit::deg, last.about.place.latitude / unit::deg));
-    findings.doubt(wrong_latitude);
-  }
+  kernel::doubt_latitude(findings, calibration, last.about.place.latitude, last.about.place.gravity);
 }
 
 }  // namespace imulab::hybrid

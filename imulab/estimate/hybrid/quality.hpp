@@ -6,8 +6,6 @@
 
 namespace imulab::hybrid {
 
-inline constexpr const char* wrong_latitude = "the latitude seems to be wrong";
-
 /// The determined and the considered coefficients of the table, with the noise's covariance; the others stay at the coarse solution and are named.
 Calibration calibration_of(const Data& data, const Iterate& iterate);
 

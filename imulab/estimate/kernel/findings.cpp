@@ -1,5 +1,6 @@
 #include "imulab/estimate/kernel/findings.hpp"
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
@@ -8,9 +9,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace imulab::kernel {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
 namespace {
 
@@ -69,7 +75,10 @@ void add_scatter(Findings& findings, std::string_view what, double factor) {
 void add_common_doubts(Findings& findings, const Calibration& calibration, const Site& site) {
   const Quality& quality = calibration.quality;
   if (!quality.converged) findings.doubt("the fit did not converge");
-  if (!quality.unobservable.empty()) findings.doubt(fmt::format("{} coefficients are not determined by the data", quality.unobservable.size()));
+  if (!quality.unobservable.empty())
+    findings.doubt(fmt::format("{} not determined by the data", quality.unobservable.size() == 1
+                                                                    ? "a coefficient is"
+                                                                    : fmt::format("{} coefficients are", quality.unobservable.size())));
   // Below about six degrees of freedom the residuals can hardly contradict the model or the noise.
   if (quality.degrees_of_freedom < 6)
     findings.doubt(fmt::format("only {} degrees of freedom remain to check the result", quality.degrees_of_freedom));
@@ -88,9 +97,51 @@ void add_common_doubts(Findings& findings, const Calibration& calibration, const
   if (!site.given_gravity) return;
   // Normal gravity is true to 0.005 m/s^2 at a known height and 0.03 m/s^2 up to 10 km; on Earth's surface g is between 9.76 and 9.84.
   const double expected = site.latitude ? normal_gravity(*site.latitude, site.height.value_or(0)) : 9.80;
-  if (std::abs(*site.given_gravity - expected) > 0.05)
+  const double largest = !site.latitude ? 0.05 : site.height ? 0.005 : 0.03;
+  if (std::abs(*site.given_gravity - expected) > std::max(largest, 3 * site.gravity_sigma()))
     findings.doubt(fmt::format("the given gravity of {:g} m/s^2 is not that of {} ({:.3f})", *site.given_gravity,
                                site.latitude ? "the given latitude" : "the Earth's surface", expected));
+}
+
+namespace {
+
+/// The latitude that a g-sensitivity equal on all axes corresponds to: up is along the force at every rest, so the two cannot be told apart.
+struct LatitudeInstead {
+  double value, sigma;  ///< rad
+};
+std::optional<LatitudeInstead> latitude_instead(const Calibration& c, double declared, double gravity) {
+  std::vector<Index> at;
+  VectorXd value(9), alike = VectorXd::Zero(9);
+  for (std::size_t i = 0; i < c.estimated.size(); ++i) {
+    const Coefficient& row = coefficient(c.estimated[i]);
+    if (row.term != Term::g_sensitivity) continue;
+    const auto k = static_cast<Index>(at.size());
+    value[k] = coefficient_value(c.model, c.estimated[i]);
+    alike[k] = row.row == row.column ? 1 : 0;
+    at.push_back(static_cast<Index>(i));
+  }
+  if (at.size() != 9) return {};
+  const MatrixXd covariance = c.covariance(at, at);
+  const VectorXd weight = solve_semidefinite(covariance, alike);
+  const double variance = 1 / alike.dot(weight), common = variance * value.dot(weight);
+  const VectorXd rest = value - common * alike;
+  const double sine = std::sin(declared) - common * gravity / earth_rate;
+  const bool others = rest.norm() > 0.1 * std::abs(common) && chi_square_tail(squared_norm_in(covariance, rest), 8) < 1e-3;
+  if (common * common < 25 * variance || others || std::abs(sine) > 1) return {};
+  const double latitude = std::asin(sine);
+  return LatitudeInstead{latitude, std::sqrt(variance) * gravity / earth_rate / std::cos(latitude)};
+}
+
+}  // namespace
+
+void doubt_latitude(Findings& findings, const Calibration& calibration, double latitude, double gravity) {
+  const auto instead = latitude_instead(calibration, latitude, gravity);
+  if (!instead) return;
+  findings.warn(
+      fmt::format("the g-sensitivity is the same on all axes, as a latitude of {:.1f} +/- {:.1f} deg instead of {:.1f} would make it; check "
+                  "the site's latitude",
+                  instead->value / unit::deg, instead->sigma / unit::deg, latitude / unit::deg));
+  findings.doubt(wrong_latitude);
 }
 
 void add_doubt(Quality& quality, std::string reason) {

@@ -22,6 +22,11 @@ struct Findings {
   void add(const Findings& more);
 };
 
+inline constexpr const char* wrong_latitude = "the latitude seems to be wrong";
+/// Doubts the latitude where the g-sensitivity is the same on all axes: up is along the force at every rest, so an error of the Earth's vertical rate
+/// looks just like it.
+void doubt_latitude(Findings& findings, const Calibration& calibration, double latitude, double gravity);
+
 /// The uncertainty of g, which is common to all three accelerometer scales.
 UncertaintySource gravity_source(const Site& site);
 

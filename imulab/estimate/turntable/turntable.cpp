@@ -108,7 +108,20 @@ void doubt_latitude(Findings& findings, const Fit& free, double significance) {
       "check the latitude",
       up / unit::deg_per_h, declared / unit::deg_per_h,
       std::abs(up) < earth_rate ? fmt::format(", that of latitude {:.3g} deg", std::asin(up / earth_rate) / unit::deg) : ""));
-  findings.doubt("the latitude seems to be wrong");
+  findings.doubt(kernel::wrong_latitude);
+}
+
+/// Outliers are few. More than a tenth of the holds or of the turns may be the IMU after a change, which then has two calibrations.
+void doubt_many_dropped(Findings& findings, const Fit& fit) {
+  const TableMotion& motion = fit.problem->motion;
+  std::array<std::size_t, 2> all{}, dropped{};
+  for (std::size_t k = 0; k < motion.parts(); ++k) ++all[motion.is_hold(k)];
+  for (const std::size_t k : fit.options.left_out) ++dropped[motion.is_hold(k)];
+  constexpr std::size_t least = 3;
+  for (const std::size_t kind : {1u, 0u})
+    if (dropped[kind] >= least && 10 * dropped[kind] > all[kind])
+      findings.doubt(fmt::format("{} of {} {} were dropped as outliers: the IMU or the table may have changed during the session", dropped[kind],
+                                 all[kind], kind == 1 ? "holds" : "turns"));
 }
 
 /// Residuals against the declared noise and table.
@@ -233,6 +246,7 @@ Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, 
   }
   kernel::warn_of_widened(findings, widened);
   kernel::add_dropped(findings, cleaned.dropped, problem.motion.parts());
+  doubt_many_dropped(findings, cleaned.fit);
   if (options.terms.empty()) doubt_latitude(findings, free, options.significance);
   judge_residuals(findings, cleaned.fit, last, cleaned.worst);
   kernel::add_common_doubts(findings, calibration, site);

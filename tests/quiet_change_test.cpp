@@ -1,0 +1,65 @@
+// What one method may take for something else: a wrong place, a unit that changed on the way, lost samples. Never "good".
+#include <gmock/gmock.h>
+
+#include "tests/hybrid_session.hpp"
+#include <string>
+
+namespace imulab {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+/// By a method that reads the session's own steps.
+Quality quality_of(const HybridSession& s, std::string_view method) { return calibrate(method, input_of(s.session, s.recording)).calibration.quality; }
+
+TEST(QuietChange, AnErrorOfTheLatitudeIsNoGSensitivity) {
+  // Up is along the force at every rest, so 2 w_ie sin 45 deg / g is common to all axes: thousands of its sigmas on a table.
+  HybridSession s = hybrid_session(4);
+  s.session.site.latitude = -*s.session.site.latitude;
+  EXPECT_THAT(quality_of(s, "handheld").because, Contains("the latitude seems to be wrong"));
+  EXPECT_THAT(quality_of(s, "turntable").because, Contains("the latitude seems to be wrong"));
+  s.session.site.latitude = -*s.session.site.latitude;
+  EXPECT_THAT(quality_of(s, "handheld").because, testing::Not(Contains("the latitude seems to be wrong")));
+}
+
+TEST(QuietChange, AGravityOfAnotherPlaceIsDoubted) {
+  HybridSession s = hybrid_session(4);
+  const double normal = s.session.site.gravity();
+  s.session.site.height = 0;
+  s.session.site.given_gravity = 1.003 * normal;  // normal gravity at a known height is true to 5e-4
+  EXPECT_THAT(quality_of(s, "turntable").because, Contains(HasSubstr("is not that of the given latitude")));
+  s.session.site.given_gravity = normal + 0.004;
+  EXPECT_THAT(quality_of(s, "turntable").because, testing::Not(Contains(HasSubstr("is not that of the given latitude"))));
+}
+
+TEST(QuietChange, AUnitThatChangesHasNoOneCalibration) {
+  // An accelerometer's offset jumps by 1 mg after seven tenths of the session: the holds after it are outliers of those before.
+  HybridSession s = hybrid_session(4);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (std::size_t i = 7 * s.recording.size() / 10; i < s.recording.size(); ++i) s.recording.accel[axis][i] += 0.01;
+  const Quality quality = quality_of(s, "turntable");
+  EXPECT_EQ(quality.verdict, "doubtful") << testing::PrintToString(quality.warnings);
+}
+
+TEST(QuietChange, LostSamplesWithoutStampsEndInDoubt) {
+  // A hundredth of the samples is missing, and the stamps do not show it: turns are too small, the steps late, and no latitude explains it.
+  HybridSession s = hybrid_session(4);
+  Recording& r = s.recording;
+  const RandomStream draws(1, "lost samples");
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    if (draws.uniform(i) < 0.01) continue;
+    for (std::size_t axis = 0; axis < 3; ++axis) r.gyro[axis][kept] = r.gyro[axis][i], r.accel[axis][kept] = r.accel[axis][i];
+    ++kept;
+  }
+  r.time_ns.resize(kept);
+  for (Columns3* triad : {&r.gyro, &r.accel})
+    for (auto& column : *triad) column.resize(kept);
+  for (Step& step : s.session.steps) step.end = std::min(step.end, r.time_s(kept - 1)), step.start = std::min(step.start, step.end);
+  while (s.session.steps.back().end - s.session.steps.back().start < 1) s.session.steps.pop_back();
+  EXPECT_EQ(quality_of(s, "hybrid").verdict, "doubtful");
+}
+
+}  // namespace
+}  // namespace imulab
