@@ -39,8 +39,7 @@ MatrixXd part_of(const BlockTridiagonal& blocks, const std::vector<Index>& rows)
   return MatrixXd::NullaryExpr(n, n, [&](Index a, Index b) { return element(blocks, place(a), place(b)); });
 }
 
-MatrixXd whitened(const BlockTridiagonal& blocks, const MatrixXd& x) {
-  MatrixXd white(x.rows(), x.cols());
+MatrixXd whitened(const BlockTridiagonal& blocks, MatrixXd x) {
   MatrixXd factor;  // of the block before
   Index first = 0, size = 0;
   for (const CovarianceBlock& block : blocks) {
@@ -49,13 +48,13 @@ MatrixXd whitened(const BlockTridiagonal& blocks, const MatrixXd& x) {
     if (block.coupling.size() > 0) {
       const MatrixXd coupled = factor.triangularView<Eigen::Lower>().solve(block.coupling.transpose()).transpose();
       own -= coupled * coupled.transpose();
-      right -= coupled * white.middleRows(first, size);
+      right -= coupled * x.middleRows(first, size);
     }
     factor = own.llt().matrixL();
     first = block.first, size = block.size;
-    white.middleRows(first, size) = factor.triangularView<Eigen::Lower>().solve(right);
+    x.middleRows(first, size) = factor.triangularView<Eigen::Lower>().solve(right);
   }
-  return white;
+  return x;
 }
 
 }  // namespace imulab

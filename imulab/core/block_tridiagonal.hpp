@@ -22,6 +22,6 @@ Eigen::VectorXd variances(const BlockTridiagonal& covariance);
 Eigen::MatrixXd part_of(const BlockTridiagonal& covariance, const std::vector<Eigen::Index>& rows);
 
 /// L^-1 x for the covariance L L^T: of errors, uncorrelated ones of unit variance.
-Eigen::MatrixXd whitened(const BlockTridiagonal& covariance, const Eigen::MatrixXd& x);
+Eigen::MatrixXd whitened(const BlockTridiagonal& covariance, Eigen::MatrixXd x);
 
 }  // namespace imulab

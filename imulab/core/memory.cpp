@@ -11,6 +11,10 @@
 #include <string>
 #include <unistd.h>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 namespace imulab {
 namespace {
 
@@ -40,6 +44,12 @@ void expect_memory(double bytes, std::string_view work) {
   const auto limit = static_cast<double>(memory_limit());
   if (bytes > limit)
     throw MemoryError(fmt::format("{} takes about {:.3g} GB of memory; expected at most {:.3g} GB", work, 1e-9 * bytes, 1e-9 * limit));
+}
+
+void give_back_freed_memory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
 }
 
 }  // namespace imulab

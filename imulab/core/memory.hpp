@@ -24,4 +24,7 @@ std::uint64_t memory_limit();
 /// Throws MemoryError "WORK takes about 6.8 GB of memory; expected at most 4.0 GB" beyond the limit.
 void expect_memory(double bytes, std::string_view work);
 
+/// Gives what was freed back to the system, which the allocator may keep for what comes next: before much is needed in larger pieces.
+void give_back_freed_memory();
+
 }  // namespace imulab

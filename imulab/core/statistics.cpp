@@ -14,6 +14,13 @@ namespace imulab {
 
 namespace bm = boost::math;
 
+namespace {
+
+/// No residual that is a number is as large as what is none.
+bool is_number(double square) { return square <= std::numeric_limits<double>::max(); }
+
+}  // namespace
+
 double quantile(std::vector<double> values, double p) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   const double position = p * static_cast<double>(values.size() - 1);
@@ -56,18 +63,22 @@ double normal_quantile(double p) { return bm::quantile(bm::normal(), p); }
 double student_quantile(double p, double dof) { return std::isinf(dof) ? normal_quantile(p) : bm::quantile(bm::students_t(dof), p); }
 double chi_square_quantile(double p, double dof) { return bm::quantile(bm::chi_squared(dof), p); }
 double chi_square_tail(double x, double dof) {
-  if (std::isnan(x)) return 0;  // no residual that is a number is as large
+  if (!is_number(x)) return 0;
   // P(chi2 < x) < (e x / dof)^(dof / 2) < 1e-78: nothing beside 1. There Boost's gamma function overflows (1.74, with more than 3,500 degrees of
   // freedom; where a long double is a double, with more than 340).
   if (dof > 100 && x < 0.01 * dof) return 1;
   return bm::cdf(bm::complement(bm::chi_squared(dof), std::max(x, 0.0)));
 }
 double log_chi_square_tail(double x, double dof) {
+  if (!is_number(x)) return -std::numeric_limits<double>::infinity();
   const double tail = chi_square_tail(x, dof);
   if (tail > 0) return std::log(tail);
   return -0.5 * x + (0.5 * dof - 1) * std::log(0.5 * x) - std::lgamma(0.5 * dof);  // the first term of the expansion far out
 }
-double f_tail(double f, double dof_1, double dof_2) { return bm::cdf(bm::complement(bm::fisher_f(dof_1, dof_2), std::max(f, 0.0))); }
+double f_tail(double f, double dof_1, double dof_2) {
+  if (!is_number(f)) return 0;
+  return bm::cdf(bm::complement(bm::fisher_f(dof_1, dof_2), std::max(f, 0.0)));
+}
 double binomial_quantile(double p, double trials, double probability) { return bm::quantile(bm::binomial(trials, probability), p); }
 
 }  // namespace imulab

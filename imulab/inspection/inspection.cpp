@@ -200,6 +200,18 @@ std::string columns_with_holes(const SignalTable& table) {
   return text;
 }
 
+std::vector<std::int64_t> from_the_first(std::vector<std::int64_t> time_ns) {
+  for (std::size_t i = time_ns.size(); i-- > 0;) time_ns[i] -= time_ns.front();
+  return time_ns;
+}
+
+void add_times(const std::vector<std::int64_t>& time_ns, Inspection& result) {
+  if (!time_ns.empty()) result.duration_s = 1e-9 * static_cast<double>(time_ns.back());
+  if (!result.triads) return;
+  for (const Range& rest : result.triads->rests)
+    result.rests_s.push_back({1e-9 * static_cast<double>(time_ns[rest.begin]), 1e-9 * static_cast<double>(time_ns[rest.end - 1])});
+}
+
 }  // namespace
 
 Inspection inspect(const SignalTable& table, const Declarations& declared) {
@@ -216,15 +228,13 @@ Inspection inspect(const SignalTable& table, const Declarations& declared) {
   const TimeGuess time = settle_time(table, declared, result);
   TimeGuess assumed = time;  // what does not depend on the rate is found without it
   if (!assumed.rate_hz) assumed.rate_hz = 100;
-  result.time_ns = stamps_of(table, assumed);
-  if (time.column && result.time_ns.empty()) result.problems.push_back(fmt::format("{} has no stamp in some row", name_of(table, *time.column)));
-  for (std::int64_t& stamp : std::span(result.time_ns).subspan(result.time_ns.empty() ? 0 : 1)) stamp -= result.time_ns.front();
-  if (!result.time_ns.empty()) result.time_ns.front() = 0;
-  const ClockQuality clock = clock_quality(result.time_ns);
+  const std::vector<std::int64_t> time_ns = from_the_first(stamps_of(table, assumed));
+  if (time.column && time_ns.empty()) result.problems.push_back(fmt::format("{} has no stamp in some row", name_of(table, *time.column)));
+  const ClockQuality clock = clock_quality(time_ns);
   const double interval_s = time.rate_hz ? 1 / *time.rate_hz : clock.interval_s;
   const DeclaredColumns columns = declared_columns(table, declared);
-  if (clock.backward == 0 && !result.time_ns.empty())
-    result.triads = find_triads(table, ascending(result.time_ns), time, columns, gyro_scales(interval_s), result);
+  if (clock.backward == 0 && !time_ns.empty())
+    result.triads = find_triads(table, ascending(time_ns), time, columns, gyro_scales(interval_s), result);
   if (clock.backward > 0) {
     result.problems.push_back(fmt::format("time runs backwards {} times, first at row {}; expected one recording, with one clock", clock.backward,
                                           clock.first_backward + 1));
@@ -240,11 +250,13 @@ Inspection inspect(const SignalTable& table, const Declarations& declared) {
     settle_temperature(table, result);
     add_support(table, *result.triads, result);
   }
-  if (time.rate_hz) add_clock(clock, result);
+  if (time.rate_hz) {
+    add_clock(clock, result);
+    add_times(time_ns, result);
+  }
   for (const SignalPart& part : table.parts)
     if (!part.open.empty()) result.ambiguous.push_back(fmt::format("{} (of {}{})", part.open, part.file, part.topic));
   result.evidence.insert(result.evidence.end(), table.notes.begin(), table.notes.end());
-  if (!time.rate_hz) result.time_ns.clear();
   if (!time.open.empty()) result.ambiguous = {time.open};  // what else is asked follows from it
   return result;
 }

@@ -51,8 +51,8 @@ struct Inspection {
   std::vector<std::string> ambiguous;  ///< "KEY: what is not known": the user has to declare these
   std::vector<std::string> problems;   ///< faults that have to be fixed in the file before it can be used
   std::vector<MethodFinding> methods;
-  std::vector<std::int64_t> time_ns;                ///< of the rows, from the first on; empty without a rate
   std::optional<inspection::TriadEvidence> triads;  ///< where two triads were found
+  std::vector<std::array<double, 2>> rests_s;       ///< when their rests begin and end, from the first row on; empty without a rate
   RecordingSource source;                           ///< the declaration, complete where nothing is ambiguous
 
   bool complete() const { return ambiguous.empty() && problems.empty(); }

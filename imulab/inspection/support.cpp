@@ -94,7 +94,6 @@ void add_support(const SignalTable& table, const TriadEvidence& triads, Inspecti
 void add_clock(const ClockQuality& clock, Inspection& result) {
   result.jitter_s = clock.scatter_s;
   result.gaps = clock.gaps;
-  if (!result.time_ns.empty()) result.duration_s = 1e-9 * static_cast<double>(result.time_ns.back() - result.time_ns.front());
   if (clock.interval_s == 0) return;
   std::string text = fmt::format("clock: {:.6g} Hz", clock.rate_hz);
   if (clock.scatter_s > 0) text += fmt::format(", stamps scatter by {:.2g} ms", 1e3 * clock.scatter_s);

@@ -88,7 +88,10 @@ void warn_of_force(std::vector<double> forces, const std::string& name, std::vec
 /// Joins samples to the steps of a motion.
 class MotionSteps {
  public:
-  MotionSteps(motion::NominalMotion& motion, std::size_t samples, std::size_t most) : motion_(motion), joined_((samples + most - 1) / most) {}
+  MotionSteps(motion::NominalMotion& motion, std::size_t samples, std::size_t most) : motion_(motion), joined_((samples + most - 1) / most) {
+    const std::size_t steps = samples / joined_ + 2;
+    motion_.time.reserve(steps), motion_.states.reserve(steps), motion_.increments.reserve(steps);
+  }
 
   void begin(double time, const NavigationState& state) { motion_.time.push_back(time), motion_.states.push_back(state); }
   void add(const Increment& sample, double end, const NavigationState& state) {
@@ -114,14 +117,16 @@ void integrate(const navigation::Start& start, const IntegratedSteps& steps, con
     solution.states.push_back(strapdown.state());
     if (options.each) options.each(time, strapdown.state());
   };
-  std::vector<double> forces;
-  forces.reserve(steps.range.size());
+  constexpr std::size_t enough = 100'000;
+  std::vector<double> forces;  // of the steps, or of that many among them
+  const std::size_t every = steps.range.size() / enough + 1;
   if (options.keep) solution.time.reserve(steps.range.size() + 1), solution.states.reserve(steps.range.size() + 1);
   add(start.time);
+  std::size_t taken = 0;
   std::optional<MotionSteps> motion;
   if (options.motion_steps > 0) motion.emplace(out.motion, steps.range.size(), options.motion_steps).begin(start.time, strapdown.state());
   for_each_step(recording, steps, [&](const TimedIncrement& step, double end) {
-    forces.push_back(step.increment.velocity.norm() / step.interval);
+    if (taken++ % every == 0) forces.push_back(step.increment.velocity.norm() / step.interval);
     std::optional<double> height;
     if (options.barometer) height = height_at(*options.barometer, end);
     if (!(step.increment.angle.norm() < 1e3 && step.increment.velocity.norm() < 1e6))  // far beyond any motion, and still to be integrated

@@ -55,7 +55,10 @@ double rounding_step(const std::vector<double>& column, const RestMeans& longest
   std::vector<double> values(begin, begin + static_cast<std::ptrdiff_t>(std::min<std::size_t>(longest.range.size(), 500)));
   std::sort(values.begin(), values.end());
   if (std::adjacent_find(values.begin(), values.end()) == values.end()) return 0;
-  values = column;
+  constexpr std::size_t enough = 1'000'000;  // readings, from all of the column
+  const std::size_t every = (column.size() + enough - 1) / enough;
+  values.clear();
+  for (std::size_t i = 0; i < column.size(); i += every) values.push_back(column[i]);
   std::sort(values.begin(), values.end());
   const double rounding = 1e-12 * std::max(std::abs(values.front()), std::abs(values.back()));  // of the numbers themselves
   double step = 0;

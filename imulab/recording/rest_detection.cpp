@@ -23,43 +23,56 @@ double least_noise(std::string_view unit) {
   return unit == "m/s^2" ? 1e-5 : 0.3;
 }
 
-/// Mean and variance of one column in every window, windows beginning every `stride` samples. The least noise is added to the variance.
-struct Windows {
-  std::vector<double> mean, variance;
+/// The axes of one triad, in windows that begin every `stride` samples.
+struct WindowedTriad {
+  const RecordingView& recording;
+  std::size_t first_column, stride;
+  double least;  ///< noise
 };
 
-Windows windows_of(const RecordingView& recording, std::size_t column, std::size_t length, std::size_t stride, double least) {
-  // Sums of strides, combined about a local origin: one pass, and no cancellation for raw counts far from zero.
-  const std::size_t strides = recording.size() / stride, per_window = length / stride;
-  std::vector<double> sum, square, buffer;
-  sum.reserve(strides), square.reserve(strides);
-  const double origin = recording.samples(column, {0, 1}, buffer)[0];
-  const std::size_t block = std::max(stride, usual_block / stride * stride);
-  for_each_block(recording, column, {0, strides * stride}, block, [&](std::span<const double> samples) {
-    for (std::size_t begin = 0; begin < samples.size(); begin += stride) {
-      double s = 0, q = 0;
-      for (std::size_t i = begin; i < begin + stride; ++i) {
-        const double d = samples[i] - origin;
-        s += d;
-        q += d * d;
+/// Calls `each`(k, variances) for every window, with the variance of each axis and the least noise's added. One pass over the samples in blocks, which
+/// takes no memory: it is made again rather than kept.
+template <class Each>
+void for_each_window(const WindowedTriad& triad, const Each& each) {
+  // Sums of strides, combined about a local origin: no cancellation for raw counts far from zero.
+  const RecordingView& recording = triad.recording;
+  const std::size_t stride = triad.stride, strides = recording.size() / stride, block = std::max(stride, usual_block / stride * stride);
+  const double n = static_cast<double>(strides_per_window * stride);
+  struct Axis {
+    double origin = 0;
+    std::array<double, strides_per_window> sum{}, square{};  // of the last strides, the k-th in place k % strides_per_window
+    std::vector<double> buffer;
+    std::span<const double> samples;
+  };
+  std::array<Axis, 3> axes;
+  for (std::size_t j = 0; j < 3; ++j) axes[j].origin = recording.samples(triad.first_column + j, {0, 1}, axes[j].buffer)[0];
+  for (std::size_t begin = 0, k = 0; begin < strides * stride; begin += block) {
+    const Range range{begin, std::min(strides * stride, begin + block)};
+    for (std::size_t j = 0; j < 3; ++j) axes[j].samples = recording.samples(triad.first_column + j, range, axes[j].buffer);
+    for (std::size_t at = 0; at < range.size(); at += stride, ++k) {
+      for (Axis& axis : axes) {
+        double s = 0, q = 0;
+        for (const double sample : axis.samples.subspan(at, stride)) {
+          const double d = sample - axis.origin;
+          s += d;
+          q += d * d;
+        }
+        axis.sum[k % strides_per_window] = s;
+        axis.square[k % strides_per_window] = q;
       }
-      sum.push_back(s);
-      square.push_back(q);
+      if (k + 1 < strides_per_window) continue;
+      std::array<double, 3> variances{};
+      for (std::size_t j = 0; j < 3; ++j) {
+        double s = 0, q = 0;
+        for (std::size_t i = k + 1; i < k + 1 + strides_per_window; ++i) {  // from the oldest on
+          s += axes[j].sum[i % strides_per_window];
+          q += axes[j].square[i % strides_per_window];
+        }
+        variances[j] = std::max(0.0, (q - s * s / n) / (n - 1)) + triad.least * triad.least;
+      }
+      each(k + 1 - strides_per_window, variances);
     }
-  });
-  Windows windows;
-  const double n = static_cast<double>(per_window * stride);
-  windows.mean.reserve(strides), windows.variance.reserve(strides);
-  for (std::size_t k = 0; k + per_window <= strides; ++k) {
-    double s = 0, q = 0;
-    for (std::size_t i = k; i < k + per_window; ++i) {
-      s += sum[i];
-      q += square[i];
-    }
-    windows.mean.push_back(origin + s / n);
-    windows.variance.push_back(std::max(0.0, (q - s * s / n) / (n - 1)) + least * least);
   }
-  return windows;
 }
 
 /// Half-sample mode (Bickel and Fruehwirth 2006): the center of the densest part of a sorted sample.
@@ -92,13 +105,6 @@ Cluster cluster_of(std::vector<double> logs) {
   return cluster;
 }
 
-/// Typical standard deviation of a sample of variances, from windows that do not overlap.
-double typical_noise(const std::vector<double>& variance) {
-  std::vector<double> logs;
-  for (std::size_t k = 0; k < variance.size(); k += strides_per_window) logs.push_back(0.5 * std::log(variance[k]));
-  return std::exp(cluster_of(std::move(logs)).center);
-}
-
 /// One triad: the noise at rest of its axes, and which windows are quiet.
 struct Quietness {
   std::array<double, 3> noise{};
@@ -106,25 +112,31 @@ struct Quietness {
   std::vector<char> quiet;
 };
 
-Quietness quietness_of(const std::array<Windows, 3>& axes, double threshold_sigmas, std::size_t length) {
+Quietness quietness_of(const WindowedTriad& triad, double threshold_sigmas) {
   Quietness result;
-  const std::size_t count = axes[0].variance.size();
-  for (std::size_t j = 0; j < 3; ++j) result.noise[j] = typical_noise(axes[j].variance);
-  // ln of the RMS over the axes of (standard deviation / noise): 0 in the middle of the rest cluster.
-  std::vector<double> level(count);
-  for (std::size_t k = 0; k < count; ++k) {
-    double sum = 0;
-    for (std::size_t j = 0; j < 3; ++j) sum += axes[j].variance[k] / (result.noise[j] * result.noise[j]);
-    level[k] = 0.5 * std::log(sum / 3);
+  std::vector<std::array<double, 3>> apart;  // windows that do not overlap
+  for_each_window(triad, [&](std::size_t k, const std::array<double, 3>& variances) {
+    if (k % strides_per_window == 0) apart.push_back(variances);
+  });
+  std::vector<double> logs(apart.size());
+  for (std::size_t j = 0; j < 3; ++j) {
+    for (std::size_t k = 0; k < apart.size(); ++k) logs[k] = 0.5 * std::log(apart[k][j]);
+    result.noise[j] = std::exp(cluster_of(logs).center);
   }
-  std::vector<double> apart;  // windows that do not overlap
-  for (std::size_t k = 0; k < count; k += strides_per_window) apart.push_back(level[k]);
-  const Cluster cluster = cluster_of(std::move(apart));
-  const double white = 1 / std::sqrt(6 * static_cast<double>(length - 1));  // width of the cluster for white noise on three axes
+  // ln of the RMS over the axes of (standard deviation / noise): 0 in the middle of the rest cluster.
+  const auto level = [&](const std::array<double, 3>& variances) {
+    double sum = 0;
+    for (std::size_t j = 0; j < 3; ++j) sum += variances[j] / (result.noise[j] * result.noise[j]);
+    return 0.5 * std::log(sum / 3);
+  };
+  for (std::size_t k = 0; k < apart.size(); ++k) logs[k] = level(apart[k]);
+  const Cluster cluster = cluster_of(std::move(logs));
+  const double length = static_cast<double>(strides_per_window * triad.stride);
+  const double white = 1 / std::sqrt(6 * (length - 1));  // width of the cluster for white noise on three axes
   const double threshold = cluster.center + threshold_sigmas * std::max(cluster.width, white);
   result.factor = std::exp(threshold);
-  result.quiet.resize(count);
-  for (std::size_t k = 0; k < count; ++k) result.quiet[k] = level[k] <= threshold;
+  result.quiet.reserve(triad.recording.size() / triad.stride);
+  for_each_window(triad, [&](std::size_t, const std::array<double, 3>& variances) { result.quiet.push_back(level(variances) <= threshold); });
   return result;
 }
 
@@ -231,12 +243,8 @@ RestDetection detect_rests(const RecordingView& recording, const RestOptions& op
   const std::size_t length = strides_per_window * stride;
   if (recording.size() < 2 * length) return found;
 
-  std::array<Windows, 3> gyro, accel;
-  for (std::size_t j = 0; j < 3; ++j) {
-    gyro[j] = windows_of(recording, gyro_columns + j, length, stride, least_noise(recording.gyro_unit));
-    accel[j] = windows_of(recording, accel_columns + j, length, stride, least_noise(recording.accel_unit));
-  }
-  const Quietness g = quietness_of(gyro, options.threshold_sigmas, length), a = quietness_of(accel, options.threshold_sigmas, length);
+  const Quietness g = quietness_of({recording, gyro_columns, stride, least_noise(recording.gyro_unit)}, options.threshold_sigmas);
+  const Quietness a = quietness_of({recording, accel_columns, stride, least_noise(recording.accel_unit)}, options.threshold_sigmas);
   std::vector<char> quiet(g.quiet.size());
   for (std::size_t k = 0; k < quiet.size(); ++k) quiet[k] = g.quiet[k] && a.quiet[k];
 

@@ -42,10 +42,7 @@ TimeChart signal_chart(const Inspection& inspection, const Overview& overview, c
     for (double& value : chart.y.back()) value /= unit;
   }
   const double begin = overview.time.empty() ? 0 : overview.time.front();
-  if (inspection.triads)
-    for (const Range& rest : inspection.triads->rests)
-      chart.marks.push_back({begin + 1e-9 * static_cast<double>(inspection.time_ns[rest.begin]),
-                             begin + 1e-9 * static_cast<double>(inspection.time_ns[rest.end - 1]), Mark::rest});
+  for (const auto& [rest_begin, rest_end] : inspection.rests_s) chart.marks.push_back({begin + rest_begin, begin + rest_end, Mark::rest});
   return chart;
 }
 

@@ -1,6 +1,7 @@
 #include "imulab/tasks/inspect.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/memory.hpp"
 #include "imulab/inspection/declared.hpp"
 #include "imulab/inspection/join.hpp"
 #include "imulab/io/recording/file.hpp"
@@ -34,6 +35,7 @@ InspectedRecording inspect_and_read(const InspectionTask& task) {
   InspectedRecording out{std::move(found), std::move(session), {}};
   if (!out.inspection.complete() || is_stream(out.session.file)) return out;
   out.session.sha256 = file_sum(out.session.file).sha256;
+  give_back_freed_memory();  // of the tables that were inspected
   try {
     RecordingReading reading = read_recording(out.session, out.session.recordings.front());
     for (std::string& text : reading.warnings) out.inspection.evidence.push_back(std::move(text));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace imulab::rests {
 
@@ -60,7 +61,7 @@ std::vector<Stretch> stretches_of(const Conditions& conditions) {
 kernel::Information Conditions::information() const {
   MatrixXd joined(value.size(), jacobian.cols() + 1);
   joined << jacobian, value;
-  const MatrixXd white = whitened(blocks, joined);
+  const MatrixXd white = whitened(blocks, std::move(joined));
   kernel::Information all(jacobian.cols());
   for (const Stretch& s : stretches_of(*this)) {
     const auto rows = white.middleRows(s.first, s.size);

@@ -146,7 +146,7 @@ struct SuspectFit {
   std::shared_ptr<SuspectFit> next{};  ///< without the worst suspect
   std::vector<DroppedPart> dropped{};
 
-  explicit SuspectFit(const Problem& p) : problem(p), fit(converge_under_true_priors(problem)), most(p.rests().size() / 3) {}
+  explicit SuspectFit(Problem p) : problem(std::move(p)), fit(converge_under_true_priors(problem)), most(problem.rests().size() / 3) {}
 
   /// The suspect whose loss would save the most chi-square for its degrees of freedom is judged by a fit without it: its own deviation would hide it
   /// in the spreads, which count with the degrees of freedom behind them.

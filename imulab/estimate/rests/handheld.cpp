@@ -105,8 +105,10 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   kernel::use_declared_gyro_noise(start, recording, session.imu);
   const std::vector<CoefficientIndex> indices = choose_coefficients(start, session, options.terms, handheld_coefficients(), "handheld");
 
-  const HandheldProblem whole(recording, start, session.site, indices, turns);
-  auto cleaned = kernel::drop_suspects(SuspectFit(whole), options.outlier_level);
+  HandheldProblem whole(recording, start, session.site, indices, turns);
+  const std::size_t usable_turns = whole.turns(), parts = start.rests.size() + whole.rotations();
+  auto cleaned = kernel::drop_suspects(SuspectFit(std::move(whole)), options.outlier_level);
+  cleaned.fit.next.reset(), cleaned.fit.fit = {};  // each as large as the fit that follows
   HandheldProblem& problem = cleaned.fit.problem;
   const Fit fit = fit_determined(problem);
 
@@ -116,15 +118,14 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   quality.term_tests = test_terms(problem, fit, options.significance);
   kernel::Findings& findings = start.findings;
   findings.note(fmt::format("{} rests and {} rotations between them were used", problem.rests().size(), problem.rotations()));
-  add_turns(findings, session.steps, turns, whole.turns(), problem);
+  add_turns(findings, session.steps, turns, usable_turns, problem);
   if (const CrossValidation check = cross_validate(problem, fit); check.rotations >= 10) {  // a tenth of fewer is not a rotation
     quality.rotation_residual_deg = check.rms_deg;
     findings.note(fmt::format("held-out rotations are predicted to {:.3f} deg RMS (10-fold cross-validation over {} rotations of more than 10 deg)",
                               check.rms_deg, check.rotations));
   }
   if (!session.site.latitude) findings.note("no latitude: Earth's rate is unknown but for its size (15 deg/h); the gyros' uncertainties contain it");
-  add_findings(findings, result.calibration, problem, fit, curvature(problem, fit), session.site, cleaned.dropped,
-               start.rests.size() + whole.rotations());
+  add_findings(findings, result.calibration, problem, fit, curvature(problem, fit), session.site, cleaned.dropped, parts);
   if (session.site.latitude) kernel::doubt_latitude(findings, result.calibration, *session.site.latitude, session.site.gravity());
   // An uncalibrated gyro of 2 % predicts turns of a right angle to about 1 deg.
   if (quality.rotation_residual_deg.value_or(0) > 1)

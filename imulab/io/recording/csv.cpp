@@ -1,6 +1,7 @@
 #include "imulab/io/recording/csv.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/memory.hpp"
 #include "imulab/core/parallel.hpp"
 #include "imulab/io/recording/csv_rows.hpp"
 #include "imulab/io/recording/formats.hpp"
@@ -91,7 +92,7 @@ void append(TimedTable& table, const std::vector<Part>& parts, std::size_t lines
 
 /// Rows by several threads, where they do not depend on those before; nothing where something is wrong, which is found again in order.
 std::optional<std::vector<Part>> read_in_parallel(const RowReader& reader, std::string_view text, const ReadingMeter& meter) {
-  constexpr std::size_t worth_it = std::size_t{4} << 20;  // bytes: a hundredth of a second
+  constexpr std::size_t worth_it = std::size_t{1} << 20;  // bytes: 3 ms
   const std::size_t count = std::min<std::size_t>(parallel_threads(), text.size() / worth_it);
   if (count < 2 || !reader.is_independent()) return std::nullopt;
   const std::vector<std::string_view> texts = parts_of_lines(text, count);
@@ -175,7 +176,7 @@ class PieceReader {
   bool any_ = false, in_order_ = true;  // whether any row was read; whether reader_ stands behind the piece before
 };
 
-constexpr std::size_t bytes_of_piece = std::size_t{1} << 24;  // bytes of text: what is read in one piece
+constexpr std::size_t bytes_of_piece = std::size_t{1} << 22;  // bytes of text: what is read in one piece
 
 /// Adds all rows to a table, in pieces of whole lines, which leave memory as they have been read. `bytes`: how much text the table is to hold.
 /// `after` each piece the table may be emptied. A column that is requested twice is read once.
@@ -197,6 +198,7 @@ void for_each_piece(const MappedFile& file, const std::string& name, const Table
     file.release(file.text().size());
     after();
   }
+  give_back_freed_memory();  // of the last pieces
 }
 
 }  // namespace
