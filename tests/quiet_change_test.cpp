@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/hybrid_session.hpp"
+#include <cmath>
 #include <string>
 
 namespace imulab {
@@ -59,6 +60,40 @@ TEST(QuietChange, LostSamplesWithoutStampsEndInDoubt) {
   for (Step& step : s.session.steps) step.end = std::min(step.end, r.time_s(kept - 1)), step.start = std::min(step.start, step.end);
   while (s.session.steps.back().end - s.session.steps.back().start < 1) s.session.steps.pop_back();
   EXPECT_EQ(quality_of(s, "hybrid").verdict, "doubtful");
+}
+
+TEST(QuietChange, AClockThatGainsMakesNoGoodScales) {
+  // 200 ppm, to a table whose turns begin and end within 10 ms: the scales are off by as much, and stated to a fraction of a ppm.
+  HybridSession s = hybrid_session(4);
+  const auto gains = HasSubstr("ppm on that of the steps");
+  EXPECT_THAT(quality_of(s, "hybrid").because, testing::Not(Contains(gains)));
+  for (std::int64_t& stamp : s.recording.time_ns) stamp += stamp / 5000;
+  EXPECT_THAT(quality_of(s, "hybrid").because, Contains(gains));
+  EXPECT_THAT(quality_of(s, "turntable").because, Contains(gains));
+}
+
+TEST(QuietChange, AGyroScaleThatDependsOnTheDirectionIsDoubted) {
+  // 20 ppm between turns to the left and to the right leave residuals that are hardly larger than the noise, and errors of twenty sigmas.
+  HybridSession s = hybrid_session(4);
+  const auto alike = HasSubstr("are alike from one to the next");
+  EXPECT_THAT(quality_of(s, "hybrid").because, testing::Not(Contains(alike)));
+  for (auto& column : s.recording.gyro)
+    for (double& rate : column) rate += 2e-5 * std::abs(rate);
+  EXPECT_THAT(quality_of(s, "hybrid").because, Contains(alike));
+}
+
+TEST(QuietChange, DataThatCountTwiceAreDoubted) {
+  HybridSession s = hybrid_session(4);
+  Recording& r = s.recording;
+  const std::size_t once = r.size();
+  for (Columns3* triad : {&r.gyro, &r.accel})
+    for (auto& column : *triad) {
+      column.reserve(2 * once);
+      column.insert(column.end(), column.begin(), column.begin() + static_cast<std::ptrdiff_t>(once));
+    }
+  for (std::size_t i = 0; i < once; ++i) r.time_ns.push_back(r.time_ns[once - 1] + r.time_ns[i]);
+  s.session.steps.clear();
+  EXPECT_THAT(quality_of(s, "handheld").because, Contains(HasSubstr("to the last digit")));
 }
 
 }  // namespace

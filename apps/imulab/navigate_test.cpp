@@ -195,7 +195,7 @@ TEST(NavigateCommand, AlignmentNeedsARestAndALongOne) {
   write(folder, "short", f);
   const CommandResult brief = run_imulab(folder, "navigate none short");
   EXPECT_EQ(brief.exit_code, 1);
-  EXPECT_THAT(brief.errors, HasSubstr("the rest has 250 samples over 5.000 s, at least 20 over 10 s are needed"));
+  EXPECT_THAT(brief.errors, HasSubstr("the rest has 240 samples over 4.800 s, at least 20 over 10 s are needed"));
   f.session.steps[0].start = 200;
   f.session.steps[0].end = 260;
   write(folder, "none", f);

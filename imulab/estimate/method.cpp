@@ -3,6 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/hybrid/hybrid.hpp"
 #include "imulab/estimate/hybrid/prediction.hpp"
+#include "imulab/estimate/kernel/clocks.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/estimate/rests/rests.hpp"
@@ -12,7 +13,6 @@
 #include "imulab/model/frame.hpp"
 #include "imulab/recording/even_stamps.hpp"
 #include "imulab/recording/short_gaps.hpp"
-#include "imulab/rig/clock_offset.hpp"
 
 #include <fmt/core.h>
 
@@ -47,22 +47,6 @@ constexpr std::array all{
            .calibrate = whole_unit::calibrate,
            .predict = whole_unit::predict},
 };
-
-/// Moves the steps of recordings whose rig's log has another clock; says so.
-void correct_clocks(Session& session, std::span<const Recording> recordings, std::vector<std::string>& said) {
-  for (std::size_t k = 0; k < recordings.size(); ++k) {
-    const RecordingSource source = session.recordings.size() > k ? session.recordings[k] : RecordingSource{};
-    const std::optional<ClockOffset> offset = clock_offset(recordings[k], session.steps_of(source));
-    // Turns in the plan that are not in the data correlate with nothing: that is another recording, not another clock.
-    if (!offset || offset->correlation < 0.7 || offset->correlation < offset->uncorrected + 0.001) continue;
-    for (Step& step : session.steps)
-      if (session.recordings.size() < 2 || step.recording == source.file) step.start += offset->offset_s, step.end += offset->offset_s;
-    said.push_back(
-        fmt::format("{}: the clock of the steps is {:.2f} +/- {:.2f} s off the recording's; their times were moved (correlation of the rate with the "
-                    "commanded turns {:.2f}, before {:.2f})",
-                    recordings[k].name, offset->offset_s, std::max(offset->sigma_s, 0.01), offset->correlation, offset->uncorrected));
-  }
-}
 
 /// The recordings with even stamps where theirs scatter, and with samples that were lost one or two at a time; empty where all are good as they are.
 std::vector<Recording> corrected_recordings(const CalibrationInput& input, std::vector<std::string>& said) {
@@ -134,14 +118,16 @@ CalibrationResult calibrate(const Method& method, const CalibrationInput& input,
   const std::vector<Recording> corrected = corrected_recordings(input, clocks);
   const std::span<const Recording> recordings = corrected.empty() ? input.recordings : std::span<const Recording>(corrected);
   Session session = input.session;
-  correct_clocks(session, recordings, clocks);
+  const std::vector<kernel::ClockGain> gains = kernel::correct_clocks(session, recordings, clocks);
   CalibrationResult result = method.calibrate({session, recordings, input.rests}, options);
   Quality& quality = result.calibration.quality;
   quality.warnings.insert(quality.warnings.begin(), clocks.begin(), clocks.end());
   for (std::string& contradiction : kernel::contradictions(result.calibration.model, recordings.front()))
     kernel::add_doubt(quality, std::move(contradiction));
-  for (const Recording& recording : recordings)
-    if (std::string wrong = kernel::interval_contradiction(recording); !wrong.empty()) kernel::add_doubt(quality, std::move(wrong));
+  for (const kernel::ClockGain& gain : gains) kernel::doubt_clock(result.calibration, gain);
+  if (std::string twice = kernel::repetition(recordings); !twice.empty()) kernel::add_doubt(quality, std::move(twice));
+  for (std::size_t k = 0; k < recordings.size(); ++k)
+    kernel::judge_interval(recordings[k], k < session.recordings.size() && session.recordings[k].rate_hz, quality);
   return result;
 }
 

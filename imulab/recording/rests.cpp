@@ -22,6 +22,10 @@ void expect_axis_angles(const RecordingView& recording, const Session& session, 
       throw Error(fmt::format("{}: a step of kind \"spin\" at {:g} s; expected rests (hold) and turns (rotate)", where, step.start));
 }
 
+/// Steps are declared to a tenth of a second, and a table comes to rest as much later: a sample of a turn at 10 deg/s is 6 deg/h in the mean of a
+/// minute at 100 Hz.
+constexpr double declared_to_s = 0.1;
+
 bool has_holds(const std::vector<Step>& steps) {
   return std::any_of(steps.begin(), steps.end(), [](const Step& step) { return step.kind == StepKind::hold; });
 }
@@ -46,7 +50,8 @@ Rests rests_of(const RecordingView& recording, const Session& session) {
   }
   for (const Step& step : steps) {
     if (step.kind != StepKind::hold) continue;
-    for (const Range& piece : without_interruptions(recording, recording.samples_in(step.start, step.end), still_s))
+    const double margin = std::min(declared_to_s, 0.05 * (step.end - step.start));
+    for (const Range& piece : without_interruptions(recording, recording.samples_in(step.start + margin, step.end - margin), still_s))
       if (piece.size() >= 2) rests.ranges.push_back(piece);
   }
   rests.notes.push_back(fmt::format("{} rests taken from the session's hold steps", rests.ranges.size()));

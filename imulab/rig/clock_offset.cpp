@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 #include <vector>
 
 namespace imulab {
@@ -98,7 +100,57 @@ double best_offset(const EvenSignal& a, const EvenSignal& b, double low, double 
   return best;
 }
 
+/// The middle of a turn as the gyros see it, between the times at which |rate| passes half of its maximum; NaN where they see no such turn.
+double middle_in(const Recording& r, const Vector3d& usual, const Turn& turn, double around_s) {
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  const Range range = r.samples_in(turn.begin_s - around_s, turn.end_s + around_s);
+  if (range.size() < 8 || r.gaps_in({range.begin + 1, range.end}) > 0) return none;
+  std::vector<double> rate;
+  for (std::size_t i = range.begin; i < range.end; ++i) rate.push_back((Vector3d(r.gyro[0][i], r.gyro[1][i], r.gyro[2][i]) - usual).norm());
+  const double half = 0.5 * *std::max_element(rate.begin(), rate.end());
+  const auto above = [half](double value) { return value > half; };
+  const auto first = static_cast<std::size_t>(std::find_if(rate.begin(), rate.end(), above) - rate.begin());
+  const auto last = rate.size() - 1 - static_cast<std::size_t>(std::find_if(rate.rbegin(), rate.rend(), above) - rate.rbegin());
+  // The turn lies inside, and is about as long as commanded.
+  if (first == 0 || last + 1 == rate.size()) return none;
+  const double rises = static_cast<double>(first) - (rate[first] - half) / (rate[first] - rate[first - 1]),
+               falls = static_cast<double>(last) + (rate[last] - half) / (rate[last] - rate[last + 1]);
+  const double length = (falls - rises) * r.interval_s, commanded = turn.end_s - turn.begin_s;
+  if (length < 0.3 * commanded || length > 1.2 * commanded + 0.1) return none;
+  return r.time_s(range.begin) - 0.5 * r.interval_s + 0.5 * (rises + falls) * r.interval_s;
+}
+
 }  // namespace
+
+std::optional<ClockRate> clock_rate(const Recording& r, std::span<const Step> steps) {
+  constexpr std::size_t fewest = 6;
+  constexpr double coarsest = 0.01;  // s: stated times
+  Vector3d usual;
+  for (std::size_t k = 0; k < 3; ++k) usual[static_cast<Eigen::Index>(k)] = median(r.gyro[k]);
+  std::vector<double> at, late;
+  for (const Turn& turn : turns_of(steps)) {
+    const double middle = 0.5 * (turn.begin_s + turn.end_s);
+    const double late_s = middle_in(r, usual, turn, std::max(1.0, 0.25 * (turn.end_s - turn.begin_s))) - middle;
+    if (!std::isnan(late_s)) at.push_back(middle), late.push_back(late_s);
+  }
+  for (;;) {
+    if (at.size() < fewest) return std::nullopt;
+    const double n = static_cast<double>(at.size());
+    const double center = std::accumulate(at.begin(), at.end(), 0.0) / n, mean = std::accumulate(late.begin(), late.end(), 0.0) / n;
+    double squares = 0, products = 0;
+    for (std::size_t k = 0; k < at.size(); ++k) squares += (at[k] - center) * (at[k] - center), products += (at[k] - center) * (late[k] - mean);
+    if (!(squares > 0)) return std::nullopt;
+    const double rate = products / squares;
+    std::vector<double> residual;
+    for (std::size_t k = 0; k < at.size(); ++k) residual.push_back(late[k] - mean - rate * (at[k] - center));
+    const double scatter = std::max(robust_sigma(residual), coarsest / 3);
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < at.size(); ++k)
+      if (std::abs(residual[k]) <= 5 * scatter) at[kept] = at[k], late[kept] = late[k], ++kept;
+    if (kept == at.size()) return ClockRate{rate, scatter / std::sqrt(squares), center, mean, kept};
+    at.resize(kept), late.resize(kept);
+  }
+}
 
 std::optional<ClockOffset> clock_offset(const Recording& r, std::span<const Step> steps) {
   if (steps.empty()) return std::nullopt;

@@ -1,4 +1,4 @@
-// Clocks of a table's log and of the IMU: by how much the one is ahead of the other.
+// Clocks of a table's log and of the IMU: by how much the one is ahead of the other, and gains.
 #pragma once
 
 #include "imulab/recording/recording.hpp"
@@ -18,5 +18,18 @@ struct ClockOffset {
 /// The maximum of the correlation of |rate| with the commanded rates, refined by a parabola, its sigma from the curvature (methods section 10,
 /// clocks). Empty where the clocks agree, where fewer than three turns are commanded, and where the recording does not turn or has gaps.
 std::optional<ClockOffset> clock_offset(const Recording& recording, std::span<const Step> steps);
+
+/// By how much the recording's clock gains on that of the steps, as a fraction: also where samples were lost and have no stamps, which makes it lose.
+struct ClockRate {
+  double rate = 0, sigma = 0;
+  double at_s = 0, late_s = 0;  ///< how late a turn is in the recording that the steps have at `at_s`
+  std::size_t turns = 0;        ///< that it was found by
+
+  double late(double step_s) const { return late_s + rate * (step_s - at_s); }
+};
+
+/// From the middles of the turns, between the times at which |rate| passes half of its maximum, by a line through them. Empty with fewer than six
+/// turns in the data where the steps have them.
+std::optional<ClockRate> clock_rate(const Recording& recording, std::span<const Step> steps);
 
 }  // namespace imulab

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace imulab {
 namespace {
 
@@ -38,6 +40,20 @@ TEST(ClockOffset, IsFoundToTwoHundredthsOfASecond) {
     // Turns begin and end with the table's timing errors of 10 ms; over the procedure's turns they average out.
     EXPECT_NEAR(found->offset_s, offset, 0.02);
     EXPECT_GT(found->correlation, 0.8);  // the moves between the steps are faster than their gaps
+  }
+}
+
+TEST(ClockRate, IsFoundWithinItsUncertainty) {
+  const Example e = table_session();
+  for (const double rate : {0.0, 1e-3, -2e-4, 3e-5}) {
+    Example other = e;
+    for (std::int64_t& stamp : other.recording.time_ns) stamp += std::llround(rate * static_cast<double>(stamp));
+    const auto found = clock_rate(other.recording, e.session.steps);
+    ASSERT_TRUE(found) << rate;
+    EXPECT_GE(found->turns, 6U);
+    EXPECT_LT(found->sigma, 2e-5);  // 10 ms of timing over 24 turns in 10 minutes
+    EXPECT_NEAR(found->rate, rate, 4 * found->sigma) << rate;
+    EXPECT_NEAR(found->late(found->at_s + 100) - found->late(found->at_s), 100 * found->rate, 1e-9);
   }
 }
 

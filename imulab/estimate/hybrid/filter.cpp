@@ -15,16 +15,35 @@ using in_place::BlockSums;
 
 namespace {
 
-/// Observes the velocity after a block, unless its innovation is beyond `outlier`. Returns the innovation's chi-square.
-double observe_velocity(SquareRootEstimate& e, const Vector3d& velocity, double sigma, double outlier) {
+/// Observes the velocity after a block, unless its innovation is beyond `outlier`. Returns the innovation in units of its own standard deviations.
+Vector3d observe_velocity(SquareRootEstimate& e, const Vector3d& velocity, double sigma, double outlier) {
   const Index at = e.x.size() - 3;
   const Eigen::Matrix<double, 3, Eigen::Dynamic> rows = e.factor.bottomRows<3>();
   const Matrix3d s = rows * rows.transpose() + sigma * sigma * Matrix3d::Identity();
-  const double chi2 = Vector3d(s.llt().matrixL().solve(velocity - e.x.tail<3>())).squaredNorm();
-  if (chi2 <= outlier)
+  const Vector3d innovation = s.llt().matrixL().solve(velocity - e.x.tail<3>());
+  if (innovation.squaredNorm() <= outlier)
     for (Index i = 2; i >= 0; --i) e.observe(at + i, velocity[i], sigma);
-  return chi2;
+  return innovation;
 }
+
+/// Innovations of a filter whose model is right are white (Mehra 1970). What a model lacks lasts, and is in one after the other.
+class Whiteness {
+ public:
+  void add(const Vector3d& innovation) {
+    if (before_) products_ += innovation.dot(*before_), pairs_ += 1;
+    squares_ += innovation.squaredNorm(), count_ += 1;
+    before_ = innovation;
+  }
+  void interrupt() { before_.reset(); }
+  Serial serial() const {
+    if (!(squares_ > 0 && pairs_ > 0)) return {};
+    return {products_ / pairs_ / (squares_ / count_), 1 / std::sqrt(3 * pairs_)};
+  }
+
+ private:
+  std::optional<Vector3d> before_;
+  double products_ = 0, pairs_ = 0, squares_ = 0, count_ = 0;
+};
 
 /// A new attitude with standard deviation `sigma`; the first one is also that of the start.
 void begin(SquareRootEstimate& e, const States& states, const Vector3d& sigma, bool first) {
@@ -96,6 +115,7 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
   e.x.head(states.constants()) = known.offset;
   e.factor.diagonal().head(states.constants()) = known.sigma;
   Pass out;
+  Whiteness whiteness;
   Vector3d velocity = Vector3d::Zero();  // computed
   double next_point = -std::numeric_limits<double>::infinity();
   double whole = 0;  // s, of all blocks
@@ -116,8 +136,11 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
     velocity += sums.velocity;
     e.predict<6>(transition(sums, states, about.place), sums.covariance(noise, 0.5 * (before + navigator.C_nb)));
     drift(e, states, noise, sums.duration, sums.duration / whole);
-    out.chi2.push_back(block.observed ? observe_velocity(e, velocity, noise.velocity, options.outlier) : 0);
-    if (block.observed && out.chi2.back() <= options.outlier) {  // the known velocity error goes into the solution
+    const Vector3d innovation = block.observed ? observe_velocity(e, velocity, noise.velocity, options.outlier) : Vector3d::Zero();
+    out.chi2.push_back(innovation.squaredNorm());
+    const bool used = block.observed && out.chi2.back() <= options.outlier;
+    used ? whiteness.add(innovation) : whiteness.interrupt();
+    if (used) {  // the known velocity error goes into the solution
       velocity -= e.x.tail<3>();
       e.x.tail<3>().setZero();
     }
@@ -129,6 +152,7 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
   }
   out.x = e.x;
   out.covariance = e.factor * e.factor.transpose();
+  out.serial = whiteness.serial();
   return out;
 }
 

@@ -52,11 +52,17 @@ struct CurvePoint {
   Eigen::VectorXd x, sigma;
 };
 
+/// Correlation of each value with the next, and its standard deviation where they are white.
+struct Serial {
+  double correlation = 0, sigma = 0;
+};
+
 struct Pass {
   Matrix3d start;     ///< attitude at the start about which the pass was linearized
   Eigen::VectorXd x;  ///< constants, and errors of attitude and velocity at the end
   Eigen::MatrixXd covariance;
   std::vector<double> chi2;       ///< of the innovations by block, three degrees of freedom each; zero where nothing was observed
+  Serial serial;                  ///< of the innovations
   std::vector<CurvePoint> curve;  ///< thinned
 
   double total_chi2() const { return std::accumulate(chi2.begin(), chi2.end(), 0.0); }

@@ -66,6 +66,17 @@ void add_left_out(const Data& data, const std::vector<std::size_t>& left_out, ke
   judge_left_out(data, found, findings);
 }
 
+/// Noise of any size leaves the innovations white; what the model lacks does not, long before it shows in their size. Late stamps, slow noise of another
+/// shape and a delay give correlations up to 0.12, and the uncertainties hold all the same.
+void judge_whiteness(const Iterate& iterate, kernel::Findings& findings) {
+  constexpr double much = 0.15, improbable = 5;  // standard deviations of white ones: 3e-7
+  const auto [correlation, sigma] = iterate.pass.serial;
+  if (correlation < std::max(much, improbable * sigma)) return;
+  findings.doubt(fmt::format("the velocities' residuals are alike from one to the next (correlation {:.2f}): that is no noise but something that the model "
+                             "lacks, and the uncertainties are too small",
+                             correlation));
+}
+
 /// Enlarges the uncertainties where the velocities scatter more than the noise explains.
 void enlarge(const Data& data, const Iterate& iterate, Calibration& calibration, kernel::Findings& findings) {
   const auto excess_of = [&](auto counts) {
@@ -138,6 +149,7 @@ void report(const Data& data, const Converged& result, const Site& site, Calibra
   calibration.quality.converged = last.converged;
   calibration.quality.sources.push_back(kernel::gravity_source(site));
   kernel::warn_of_widened(findings, result.widened);
+  judge_whiteness(last, findings);
   add_left_out(data, result.left_out, findings);
   findings.note(fmt::format("{} iterations over {} blocks", last.iterations, data.blocks.size()));
   if (const double heading = sigma(last.states.first(Group::start) + 2); last.states.has(Group::g_sensitivity) && heading > 3 * unit::deg)

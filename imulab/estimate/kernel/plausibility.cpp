@@ -2,6 +2,8 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/estimate/kernel/findings.hpp"
+#include "imulab/recording/repeated_part.hpp"
 
 #include <fmt/format.h>
 
@@ -122,19 +124,37 @@ std::vector<std::string> contradictions(const SensorModel& model, const Recordin
   return found;
 }
 
-std::string interval_contradiction(const Recording& r) {
-  if (!(r.gyro_increment || r.accel_increment)) return {};
+void judge_interval(const Recording& r, bool declared, Quality& quality) {
   double time = 0, samples = 0;
   for (std::size_t i = 1; i < r.size(); ++i)
     if (!r.follows_gap(i)) time += r.time_s(i) - r.time_s(i - 1), samples += 1;
   const double ratio = r.interval_s * samples / time;  // that all scales are too small by
   constexpr std::size_t enough = 200;
-  constexpr double clocks = 5e-4;  // crystals are good to 1e-4, and the ends of a recording to a part of a sample
-  if (samples < enough || !(std::abs(ratio - 1) > clocks)) return {};
-  return fmt::format(
-      "{}: the stamps give {:.6g} Hz where {:.6g} Hz is declared: increments, and with them the scales, are {:.2g} % off if the stamps "
-      "are right; correct the declared rate",
-      r.name, samples / time, 1 / r.interval_s, 100 * std::abs(ratio - 1));
+  const bool increments = r.gyro_increment || r.accel_increment;
+  // Crystals are good to 1e-4, and the ends of a recording to a part of a sample; a rate is often declared in round numbers.
+  const double allowed = increments ? 5e-4 : 2e-3;
+  if (samples < enough || !(std::abs(ratio - 1) > allowed)) return;
+  const std::string rates = fmt::format("{}: the stamps give {:.6g} Hz where {:.6g} Hz is declared: ", r.name, samples / time, 1 / r.interval_s),
+                    by = fmt::format("{:.2g} %", 100 * std::abs(ratio - 1));
+  if (increments)
+    add_doubt(quality, rates + "increments, and with them the scales, are " + by + " off if the stamps are right; correct the declared rate");
+  else if (declared)
+    quality.warnings.push_back(rates + "turns are rates times the stamps' time, so the gyros' scales are " + by +
+                               " off if the stamps are wrong; correct the one that is");
+}
+
+std::string repetition(std::span<const Recording> recordings) {
+  const std::optional<RepeatedPart> found = repeated_part(recordings);
+  if (!found) return {};
+  const auto times = [&](std::size_t of, const Range& range) {
+    const Recording& r = recordings[of];
+    return fmt::format("{:.2f} s to {:.2f} s", r.time_s(range.begin), r.time_s(range.end - 1));
+  };
+  const bool own = found->of == found->recording;
+  return fmt::format("{}: the readings from {} are those from {}{} again, to the last digit, {} samples in all: data that count twice make the "
+                     "uncertainties too small; take them out",
+                     recordings[found->recording].name, times(found->recording, found->samples), times(found->of, found->earlier),
+                     own ? "" : " of " + recordings[found->of].name, found->in_all);
 }
 
 void expect_different_channels(const Recording& recording) {

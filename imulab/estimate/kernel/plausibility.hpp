@@ -2,10 +2,12 @@
 // alone.
 #pragma once
 
+#include "imulab/model/calibration.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/sensor_model.hpp"
 #include "imulab/recording/recording.hpp"
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,8 +32,12 @@ void expect_gyro_scale(const Matrix3d& coarse, const Recording& recording);
 /// that are exchanged or reversed. Empty where all is as declared; for readings in counts only the order of the axes is judged.
 std::vector<std::string> contradictions(const SensorModel& model, const Recording& recording);
 
-/// By how much increments are off where the stamps contradict the interval that they were divided by; empty where they agree.
-std::string interval_contradiction(const Recording& recording);
+/// Adds to a verdict where the stamps contradict the nominal interval: increments were divided by it, which is doubtful. Rates are integrated over the
+/// stamps; of a rate that was `declared` a warning says what follows if these are wrong.
+void judge_interval(const Recording& recording, bool declared, Quality& quality);
+
+/// Which readings stand in the data twice, and what that does; empty where none do.
+std::string repetition(std::span<const Recording> recordings);
 
 /// Throws Error where two channels of a triad have the same reading in every sample.
 void expect_different_channels(const Recording& recording);

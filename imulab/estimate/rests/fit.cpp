@@ -190,8 +190,7 @@ void add_findings(kernel::Findings& findings, const Calibration& calibration, co
   kernel::note_spread(findings, "the rotations", fit.spreads[2] / unit::deg, "deg");
   kernel::add_scatter(findings, "residuals", fit.excess);
   kernel::add_common_doubts(findings, calibration, site);
-  // As much as one coefficient may be off: then chi-square of all together is no longer what the covariance says.
-  if (curvature > 1) {
+  if (curvature > most_curvature) {
     findings.warn(
         "the rests leave misalignments so uncertain that the equations are not linear within them: single uncertainties hold, combinations are less "
         "certain than stated; add rests with gravity between the axes");

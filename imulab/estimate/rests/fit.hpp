@@ -73,13 +73,31 @@ Fit converge(Problem& problem, const std::optional<Spreads>& kept = {}) {
   return fit;
 }
 
-/// The same, with the priors of optional terms that the data contradict widened.
+/// How far the solution moves, in chi-square, where it is linearized one standard deviation away, along what the data say least of among the
+/// matrices. Their products are linear in neither: with misalignments of 1e-3 open, combinations that are known to 1e-6 bend away.
+template <class Problem>
+double curvature(Problem problem, const Fit& fit) {
+  const Eigen::MatrixXd& covariance = fit.adjustment.solution.covariance;
+  Eigen::VectorXd away = weakest_matrix_direction(problem, covariance);
+  problem.correct(away);
+  away += adjust(problem.conditions(fit.spreads), problem.parameters()).solution.x;
+  return squared_norm_in(covariance, away);
+}
+/// As much as one coefficient may be off: beyond it chi-square of all together is no longer what the covariance says.
+inline constexpr double most_curvature = 1;
+
+/// The same, with the priors of optional terms that the data contradict widened. Where the equations are not linear within the uncertainties, a
+/// contradiction says nothing: what squares of the misalignments leave looks like such a term.
 template <class Problem>
 Fit converge_under_true_priors(Problem& problem) {
   constexpr int most_rounds = 10;
   Fit fit = converge(problem);
-  for (int round = 0; round < most_rounds && problem.widen_priors(fit.parameters, fit.adjustment.solution.covariance); ++round)
+  for (int round = 0; round < most_rounds; ++round) {
+    Problem wider = problem;
+    if (!wider.widen_priors(fit.parameters, fit.adjustment.solution.covariance) || curvature(problem, fit) > most_curvature) break;
+    problem = std::move(wider);
     fit = converge(problem);
+  }
   return fit;
 }
 
@@ -118,17 +136,6 @@ Fit foreseen(Problem& problem) {
   fit.adjustment = fit.under_noise = adjust(fit.conditions, fit.parameters);
   fit.converged = true;
   return fit;
-}
-
-/// How far the solution moves, in chi-square, where it is linearized one standard deviation away, along what the data say least of among the
-/// matrices. Their products are linear in neither: with misalignments of 1e-3 open, combinations that are known to 1e-6 bend away.
-template <class Problem>
-double curvature(Problem problem, const Fit& fit) {
-  const Eigen::MatrixXd& covariance = fit.adjustment.solution.covariance;
-  Eigen::VectorXd away = weakest_matrix_direction(problem, covariance);
-  problem.correct(away);
-  away += adjust(problem.conditions(fit.spreads), problem.parameters()).solution.x;
-  return squared_norm_in(covariance, away);
 }
 
 /// A rest or a rotation that is left out.

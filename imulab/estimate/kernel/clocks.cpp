@@ -1,0 +1,78 @@
+#include "imulab/estimate/kernel/clocks.hpp"
+
+#include "imulab/estimate/kernel/findings.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace imulab::kernel {
+
+namespace {
+
+template <class Late>
+void move_steps(Session& session, const RecordingSource& source, const Late& late) {
+  for (Step& step : session.steps)
+    if (session.recordings.size() < 2 || step.recording == source.file) step.start += late(step.start), step.end += late(step.end);
+}
+
+void correct_offset(Session& session, const RecordingSource& source, const Recording& recording, std::vector<std::string>& said) {
+  const std::optional<ClockOffset> offset = clock_offset(recording, session.steps_of(source));
+  // Turns in the plan that are not in the data correlate with nothing: that is another recording, not another clock.
+  if (!offset || offset->correlation < 0.7 || offset->correlation < offset->uncorrected + 0.001) return;
+  move_steps(session, source, [&](double) { return offset->offset_s; });
+  said.push_back(
+      fmt::format("{}: the clock of the steps is {:.2f} +/- {:.2f} s off the recording's; their times were moved (correlation of the rate with the "
+                  "commanded turns {:.2f}, before {:.2f})",
+                  recording.name, offset->offset_s, std::max(offset->sigma_s, 0.01), offset->correlation, offset->uncorrected));
+}
+
+std::optional<ClockGain> correct_rate(Session& session, const RecordingSource& source, const Recording& recording, std::vector<std::string>& said) {
+  constexpr double allowed_s = 0.1;  // steps are declared to that; the methods allow for it
+  const std::optional<ClockRate> found = clock_rate(recording, session.steps_of(source));
+  if (!found || std::abs(found->rate) < 5 * found->sigma) return std::nullopt;
+  if (std::abs(found->rate) * (recording.time_s(recording.size() - 1) - recording.time_s(0)) > allowed_s) {
+    move_steps(session, source, [&](double step_s) { return found->late(step_s); });
+    said.push_back(fmt::format("{}: its clock gains {:.0f} +/- {:.0f} ppm on that of the steps, by {} turns; the steps' times were moved",
+                               recording.name, 1e6 * found->rate, 1e6 * found->sigma, found->turns));
+  }
+  return ClockGain{recording.name, *found};
+}
+
+/// The best known of the gyros' scales, relative; infinite where none is estimated.
+double gyro_scale_sigma(const Calibration& calibration) {
+  double sigma = std::numeric_limits<double>::infinity();
+  for (const char* name : {"gyro.matrix.xx", "gyro.matrix.yy", "gyro.matrix.zz"}) {
+    const CoefficientIndex index = coefficient_index(name);
+    const auto at = std::find(calibration.estimated.begin(), calibration.estimated.end(), index) - calibration.estimated.begin();
+    if (at == std::ssize(calibration.estimated)) continue;
+    sigma = std::min(sigma, std::sqrt(calibration.covariance(at, at)) / std::abs(coefficient_value(calibration.model, index)));
+  }
+  return sigma;
+}
+
+}  // namespace
+
+std::vector<ClockGain> correct_clocks(Session& session, std::span<const Recording> recordings, std::vector<std::string>& said) {
+  std::vector<ClockGain> gains;
+  for (std::size_t k = 0; k < recordings.size(); ++k) {
+    const RecordingSource source = session.recordings.size() > k ? session.recordings[k] : RecordingSource{};
+    correct_offset(session, source, recordings[k], said);
+    if (std::optional<ClockGain> gain = correct_rate(session, source, recordings[k], said)) gains.push_back(std::move(*gain));
+  }
+  return gains;
+}
+
+void doubt_clock(Calibration& calibration, const ClockGain& gain) {
+  const double rate = gain.clock.rate;
+  if (std::abs(rate) < gyro_scale_sigma(calibration)) return;
+  add_doubt(calibration.quality,
+            fmt::format("{}: its clock {} {:.0f} ppm on that of the steps{}: if the recording is wrong, so are the gyros' scales, by as much; find out "
+                        "which is right, and correct the other",
+                        gain.recording, rate > 0 ? "gains" : "loses", 1e6 * std::abs(rate), rate > 0 ? "" : ", or samples are missing"));
+}
+
+}  // namespace imulab::kernel
