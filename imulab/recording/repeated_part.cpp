@@ -1,5 +1,6 @@
 #include "imulab/recording/repeated_part.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -74,24 +75,27 @@ std::optional<RepeatedPart> repeated_part(std::span<const Recording> recordings)
   for (std::size_t k = 0; k < recordings.size(); ++k) {
     const Recording& r = recordings[k];
     RollingHash hash;
-    std::size_t counted = 0;  // samples before this one are known to repeat others
+    std::size_t counted = 0, next = 0;  // samples before these are known to repeat others; are done with
     for (std::size_t i = 0; i < r.size(); ++i) {
       hash.add(hash_of(r, i));
-      if (i < counted || !hash.says_something()) continue;
-      const std::size_t begin = i + 1 - least_repeated;
+      if (i < next || !hash.says_something()) continue;
+      std::size_t begin = i + 1 - least_repeated;
       const auto found = seen.find(hash.value());
       if (found == seen.end()) {
         if (begin % least_repeated == 0) seen.emplace(hash.value(), Place{k, begin});
         continue;
       }
-      const Place from = found->second;
+      next = i + least_repeated;
+      if (!vary(r, begin)) continue;
+      Place from = found->second;
       const Recording& earlier = recordings[from.recording];
+      while (begin > counted && from.begin > 0 && same(r, begin - 1, earlier, from.begin - 1)) --begin, --from.begin;
       const std::size_t end_of_earlier = from.recording == k ? begin : earlier.size();
       std::size_t size = 0;
       while (begin + size < r.size() && from.begin + size < end_of_earlier && same(r, begin + size, earlier, from.begin + size)) ++size;
-      if (size < least_repeated || !vary(r, begin)) continue;
-      counted = begin + size;
-      in_all += size;
+      if (size < least_repeated) continue;
+      in_all += begin + size - std::max(begin, counted);
+      counted = next = begin + size;
       if (!first) first = {k, from.recording, {begin, begin + size}, {from.begin, from.begin + size}, 0};
     }
   }

@@ -33,11 +33,9 @@ TEST(RepeatedPart, IsFoundWhereverItStands) {
     copy(r, 333, 199, r, at);
     const auto found = repeated_part({&r, 1});
     ASSERT_TRUE(found) << at;
-    // Found from the first of the stretches of 100 on that lies inside.
-    EXPECT_EQ(found->samples.begin - found->earlier.begin, at - 333);
-    EXPECT_EQ(found->samples.end, at + 199);
-    EXPECT_LT(found->samples.begin, at + least_repeated);
-    EXPECT_EQ(found->in_all, found->samples.size());
+    EXPECT_EQ(found->samples, (Range{at, at + 199}));
+    EXPECT_EQ(found->earlier, (Range{333, 333 + 199}));
+    EXPECT_EQ(found->in_all, 199U);
   }
 }
 
@@ -58,6 +56,14 @@ TEST(RepeatedPart, CoarseReadingsAreNone) {
     const Recording r = noise(200'000, step);
     EXPECT_FALSE(repeated_part({&r, 1})) << step;
   }
+}
+
+/// Four readings in turn are no repetition, and take no longer than any others.
+TEST(RepeatedPart, APatternIsNone) {
+  const Recording four = noise(4, 0.01);
+  Recording r = noise(400'000, 0.01);
+  for (std::size_t i = 100'000; i < r.size(); i += 4) copy(four, 0, 4, r, i);
+  EXPECT_FALSE(repeated_part({&r, 1}));
 }
 
 TEST(RepeatedPart, TheWholeFileFiveTimesCountsFourTimes) {

@@ -50,7 +50,7 @@ Rests rests_of(const RecordingView& recording, const Session& session) {
   }
   for (const Step& step : steps) {
     if (step.kind != StepKind::hold) continue;
-    const double margin = std::min(declared_to_s, 0.05 * (step.end - step.start));
+    const double margin = recording.interval_s < 0.5 * declared_to_s ? std::min(declared_to_s, 0.05 * (step.end - step.start)) : 0;
     for (const Range& piece : without_interruptions(recording, recording.samples_in(step.start + margin, step.end - margin), still_s))
       if (piece.size() >= 2) rests.ranges.push_back(piece);
   }

@@ -5,8 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <iterator>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 namespace imulab {
@@ -19,10 +20,22 @@ struct EvenSignal {
   std::vector<double> value;
 };
 
+/// What a triad reads most of the time.
+Vector3d usual_rate(const Recording& r) {
+  constexpr std::size_t enough = 1'000'000;  // samples, from all of the recording
+  const std::size_t every = r.size() / enough + 1;
+  Vector3d usual;
+  for (std::size_t k = 0; k < 3; ++k) {
+    std::vector<double> samples;
+    for (std::size_t i = 0; i < r.size(); i += every) samples.push_back(r.gyro[k][i]);
+    usual[static_cast<Eigen::Index>(k)] = median(std::move(samples));
+  }
+  return usual;
+}
+
 /// The size of the rate, less what a triad reads most of the time.
 EvenSignal turning_of(const Recording& r, double step_s) {
-  Vector3d usual;
-  for (std::size_t k = 0; k < 3; ++k) usual[static_cast<Eigen::Index>(k)] = median(r.gyro[k]);
+  const Vector3d usual = usual_rate(r);
   EvenSignal out{r.time_s(0) - r.interval_s, step_s, {}};
   const auto cells = static_cast<std::size_t>((r.time_s(r.size() - 1) - out.begin_s) / step_s);
   out.value.assign(cells, 0);
@@ -100,56 +113,74 @@ double best_offset(const EvenSignal& a, const EvenSignal& b, double low, double 
   return best;
 }
 
-/// The middle of a turn as the gyros see it, between the times at which |rate| passes half of its maximum; NaN where they see no such turn.
-double middle_in(const Recording& r, const Vector3d& usual, const Turn& turn, double around_s) {
-  constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  const Range range = r.samples_in(turn.begin_s - around_s, turn.end_s + around_s);
-  if (range.size() < 8 || r.gaps_in({range.begin + 1, range.end}) > 0) return none;
+/// How late a turn begins and ends in the data, where |rate| passes half of its maximum.
+struct Late {
+  double begin_s, end_s;
+};
+
+/// Empty where the gyros see no such turn.
+std::optional<Late> late_in(const Recording& r, const Vector3d& usual, const Step& turn) {
+  const double commanded = turn.end - turn.start, around_s = std::clamp(0.25 * commanded, 1.0, 5.0);
+  const Range range = r.samples_in(turn.start - around_s, turn.end + around_s);
+  if (range.size() < 8 || r.gaps_in({range.begin + 1, range.end}) > 0) return std::nullopt;
   std::vector<double> rate;
   for (std::size_t i = range.begin; i < range.end; ++i) rate.push_back((Vector3d(r.gyro[0][i], r.gyro[1][i], r.gyro[2][i]) - usual).norm());
   const double half = 0.5 * *std::max_element(rate.begin(), rate.end());
-  const auto above = [half](double value) { return value > half; };
-  const auto first = static_cast<std::size_t>(std::find_if(rate.begin(), rate.end(), above) - rate.begin());
-  const auto last = rate.size() - 1 - static_cast<std::size_t>(std::find_if(rate.rbegin(), rate.rend(), above) - rate.rbegin());
-  // The turn lies inside, and is about as long as commanded.
-  if (first == 0 || last + 1 == rate.size()) return none;
+  if (!(half > 0) || rate.front() > half || rate.back() > half) return std::nullopt;
+  std::size_t first = 1, last = rate.size() - 2;
+  while (!(rate[first] > half)) ++first;
+  while (!(rate[last] > half)) --last;
   const double rises = static_cast<double>(first) - (rate[first] - half) / (rate[first] - rate[first - 1]),
                falls = static_cast<double>(last) + (rate[last] - half) / (rate[last] - rate[last + 1]);
-  const double length = (falls - rises) * r.interval_s, commanded = turn.end_s - turn.begin_s;
-  if (length < 0.3 * commanded || length > 1.2 * commanded + 0.1) return none;
-  return r.time_s(range.begin) - 0.5 * r.interval_s + 0.5 * (rises + falls) * r.interval_s;
+  const double length = (falls - rises) * r.interval_s, begin = r.time_s(range.begin) - 0.5 * r.interval_s;
+  if (length < 0.4 * commanded || length > 1.05 * commanded + 0.1) return std::nullopt;  // of a turn that never reaches its rate it is half
+  return Late{begin + rises * r.interval_s - turn.start, begin + falls * r.interval_s - turn.end};
+}
+
+/// The line through values at times, and its slope's standard deviation if they scatter by `scatter`.
+struct Line {
+  double at, value, slope, slope_sigma;
+};
+Line line_through(const std::vector<double>& at, const std::vector<double>& value, double scatter) {
+  const double n = static_cast<double>(at.size());
+  Line line{std::accumulate(at.begin(), at.end(), 0.0) / n, std::accumulate(value.begin(), value.end(), 0.0) / n, 0, 0};
+  double squares = 0, products = 0;
+  for (std::size_t k = 0; k < at.size(); ++k) squares += std::pow(at[k] - line.at, 2), products += (at[k] - line.at) * (value[k] - line.value);
+  line.slope = products / squares, line.slope_sigma = scatter / std::sqrt(squares);
+  return line;
 }
 
 }  // namespace
 
 std::optional<ClockRate> clock_rate(const Recording& r, std::span<const Step> steps) {
   constexpr std::size_t fewest = 6;
-  constexpr double coarsest = 0.01;  // s: stated times
-  Vector3d usual;
-  for (std::size_t k = 0; k < 3; ++k) usual[static_cast<Eigen::Index>(k)] = median(r.gyro[k]);
-  std::vector<double> at, late;
-  for (const Turn& turn : turns_of(steps)) {
-    const double middle = 0.5 * (turn.begin_s + turn.end_s);
-    const double late_s = middle_in(r, usual, turn, std::max(1.0, 0.25 * (turn.end_s - turn.begin_s))) - middle;
-    if (!std::isnan(late_s)) at.push_back(middle), late.push_back(late_s);
-  }
-  for (;;) {
-    if (at.size() < fewest) return std::nullopt;
-    const double n = static_cast<double>(at.size());
-    const double center = std::accumulate(at.begin(), at.end(), 0.0) / n, mean = std::accumulate(late.begin(), late.end(), 0.0) / n;
-    double squares = 0, products = 0;
-    for (std::size_t k = 0; k < at.size(); ++k) squares += (at[k] - center) * (at[k] - center), products += (at[k] - center) * (late[k] - mean);
-    if (!(squares > 0)) return std::nullopt;
-    const double rate = products / squares;
-    std::vector<double> residual;
-    for (std::size_t k = 0; k < at.size(); ++k) residual.push_back(late[k] - mean - rate * (at[k] - center));
-    const double scatter = std::max(robust_sigma(residual), coarsest / 3);
+  constexpr double least_scatter = 0.003;  // s: of times stated to a hundredth
+  std::vector<Step> turns;
+  std::copy_if(steps.begin(), steps.end(), std::back_inserter(turns), [](const Step& step) { return step.kind == StepKind::rotate; });
+  if (turns.size() < fewest) return std::nullopt;
+  const Vector3d usual = usual_rate(r);
+  std::vector<double> at, begins, ends;
+  for (const Step& turn : turns)
+    if (const std::optional<Late> late = late_in(r, usual, turn))
+      at.push_back(0.5 * (turn.start + turn.end)), begins.push_back(late->begin_s), ends.push_back(late->end_s);
+  while (at.size() >= fewest && at.front() < at.back()) {
+    std::vector<double> middles, residual;
+    for (std::size_t k = 0; k < at.size(); ++k) middles.push_back(0.5 * (begins[k] + ends[k]));
+    const Line rough = line_through(at, middles, 0);
+    for (std::size_t k = 0; k < at.size(); ++k) residual.push_back(middles[k] - rough.value - rough.slope * (at[k] - rough.at));
+    const double scatter = std::max(robust_sigma(residual), least_scatter);
     std::size_t kept = 0;
     for (std::size_t k = 0; k < at.size(); ++k)
-      if (std::abs(residual[k]) <= 5 * scatter) at[kept] = at[k], late[kept] = late[k], ++kept;
-    if (kept == at.size()) return ClockRate{rate, scatter / std::sqrt(squares), center, mean, kept};
-    at.resize(kept), late.resize(kept);
+      if (std::abs(residual[k]) <= 5 * scatter) at[kept] = at[k], begins[kept] = begins[k], ends[kept] = ends[k], ++kept;
+    if (kept == at.size()) {
+      // A clock moves both ends of a turn; a table that takes longer and longer to come to rest, only one.
+      const Line line = line_through(at, middles, scatter), by_begins = line_through(at, begins, scatter), by_ends = line_through(at, ends, scatter);
+      if (std::abs(by_begins.slope - by_ends.slope) > std::max(0.5 * std::abs(line.slope), 5 * line.slope_sigma)) return std::nullopt;
+      return ClockRate{line.slope, line.slope_sigma, line.at, line.value, kept};
+    }
+    at.resize(kept), begins.resize(kept), ends.resize(kept);
   }
+  return std::nullopt;
 }
 
 std::optional<ClockOffset> clock_offset(const Recording& r, std::span<const Step> steps) {

@@ -28,8 +28,8 @@ struct ClockRate {
   double late(double step_s) const { return late_s + rate * (step_s - at_s); }
 };
 
-/// From the middles of the turns, between the times at which |rate| passes half of its maximum, by a line through them. Empty with fewer than six
-/// turns in the data where the steps have them.
+/// By a line through how late the commanded turns are, from the times at which |rate| passes half of its maximum. Empty with fewer than six turns in
+/// the data where the steps have them (to 1 s, in long turns to 5 s), and where their ends do not move as their beginnings do.
 std::optional<ClockRate> clock_rate(const Recording& recording, std::span<const Step> steps);
 
 }  // namespace imulab

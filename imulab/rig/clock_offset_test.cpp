@@ -51,10 +51,27 @@ TEST(ClockRate, IsFoundWithinItsUncertainty) {
     const auto found = clock_rate(other.recording, e.session.steps);
     ASSERT_TRUE(found) << rate;
     EXPECT_GE(found->turns, 6U);
-    EXPECT_LT(found->sigma, 2e-5);  // 10 ms of timing over 24 turns in 10 minutes
+    EXPECT_LT(found->sigma, 1e-5);  // 10 ms of timing in the ends of six turns in half an hour
     EXPECT_NEAR(found->rate, rate, 4 * found->sigma) << rate;
     EXPECT_NEAR(found->late(found->at_s + 100) - found->late(found->at_s), 100 * found->rate, 1e-9);
   }
+}
+
+TEST(ClockRate, ATurnThatIsMissingIsPassedOver) {
+  Example e = table_session();
+  for (auto& column : e.recording.gyro)
+    for (double& reading : column) reading = 0;
+  EXPECT_FALSE(clock_rate(e.recording, e.session.steps));
+}
+
+TEST(ClockRate, ATableThatTakesLongerToComeToRestIsNoClock) {
+  // The steps' turns end up to a second later than the motion, ever later: their beginnings agree.
+  Example e = table_session();
+  double late = 0;
+  for (Step& step : e.session.steps)
+    if (step.kind == StepKind::rotate) step.end += late += 0.2;
+  const auto found = clock_rate(e.recording, e.session.steps);
+  EXPECT_TRUE(!found || std::abs(found->rate) < 5 * found->sigma) << found->rate;
 }
 
 TEST(ClockOffset, OfAnotherRecordingIsNotBelieved) {

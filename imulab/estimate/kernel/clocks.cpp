@@ -30,16 +30,18 @@ void correct_offset(Session& session, const RecordingSource& source, const Recor
                   recording.name, offset->offset_s, std::max(offset->sigma_s, 0.01), offset->correlation, offset->uncorrected));
 }
 
+const char* gains_or_loses(const ClockRate& clock) { return clock.rate > 0 ? "gains" : "loses"; }
+
 std::optional<ClockGain> correct_rate(Session& session, const RecordingSource& source, const Recording& recording, std::vector<std::string>& said) {
   constexpr double allowed_s = 0.1;  // steps are declared to that; the methods allow for it
   const std::optional<ClockRate> found = clock_rate(recording, session.steps_of(source));
   if (!found || std::abs(found->rate) < 5 * found->sigma) return std::nullopt;
   if (std::abs(found->rate) * (recording.time_s(recording.size() - 1) - recording.time_s(0)) > allowed_s) {
     move_steps(session, source, [&](double step_s) { return found->late(step_s); });
-    said.push_back(fmt::format("{}: its clock gains {:.0f} +/- {:.0f} ppm on that of the steps, by {} turns; the steps' times were moved",
-                               recording.name, 1e6 * found->rate, 1e6 * found->sigma, found->turns));
+    said.push_back(fmt::format("{}: its clock {} {:.0f} +/- {:.0f} ppm on that of the steps, by {} turns; the steps' times were moved",
+                               recording.name, gains_or_loses(*found), 1e6 * std::abs(found->rate), 1e6 * found->sigma, found->turns));
   }
-  return ClockGain{recording.name, *found};
+  return ClockGain{recording.name, *found, recording.gyro_increment};
 }
 
 /// The best known of the gyros' scales, relative; infinite where none is estimated.
@@ -68,11 +70,15 @@ std::vector<ClockGain> correct_clocks(Session& session, std::span<const Recordin
 
 void doubt_clock(Calibration& calibration, const ClockGain& gain) {
   const double rate = gain.clock.rate;
-  if (std::abs(rate) < gyro_scale_sigma(calibration)) return;
+  if (std::abs(rate) < gyro_scale_sigma(calibration) || (gain.increments && rate > 0)) return;
   add_doubt(calibration.quality,
-            fmt::format("{}: its clock {} {:.0f} ppm on that of the steps{}: if the recording is wrong, so are the gyros' scales, by as much; find out "
-                        "which is right, and correct the other",
-                        gain.recording, rate > 0 ? "gains" : "loses", 1e6 * std::abs(rate), rate > 0 ? "" : ", or samples are missing"));
+            gain.increments
+                ? fmt::format("{}: its clock loses {:.0f} ppm on that of the steps: if it does because samples are missing, the gyros' scales are off "
+                              "by as much; find out whether all samples were recorded",
+                              gain.recording, 1e6 * std::abs(rate))
+                : fmt::format("{}: its clock {} {:.0f} ppm on that of the steps{}: if the recording is wrong, so are the gyros' scales, by as much; find "
+                              "out which is right, and correct the other",
+                              gain.recording, gains_or_loses(gain.clock), 1e6 * std::abs(rate), rate > 0 ? "" : ", or samples are missing"));
 }
 
 }  // namespace imulab::kernel

@@ -15,13 +15,14 @@ namespace imulab::kernel {
 struct ClockGain {
   std::string recording;
   ClockRate clock;
+  bool increments = false;  ///< of the gyros
 };
 
 /// Moves the steps of recordings whose rig's log has another clock, and says so.
 std::vector<ClockGain> correct_clocks(Session& session, std::span<const Recording> recordings, std::vector<std::string>& said);
 
-/// One of the two clocks is wrong. If it is the recording's, or if samples without stamps were lost, so are the gyros' scales, by as much: doubtful
-/// where they are stated to be better known.
+/// One of the two clocks is wrong. If it is the recording's, so are the scales of gyros that read rates, by as much; if samples were lost without a
+/// trace in the stamps, so are those of increments. Doubtful where they are stated to be better known.
 void doubt_clock(Calibration& calibration, const ClockGain& gain);
 
 }  // namespace imulab::kernel
