@@ -12,7 +12,9 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 
 /// By a method that reads the session's own steps.
-Quality quality_of(const HybridSession& s, std::string_view method) { return calibrate(method, input_of(s.session, s.recording)).calibration.quality; }
+Quality quality_of(const HybridSession& s, std::string_view method) {
+  return calibrate(method, input_of(s.session, s.recording)).calibration.quality;
+}
 
 TEST(QuietChange, AnErrorOfTheLatitudeIsNoGSensitivity) {
   // Up is along the force at every rest, so 2 w_ie sin 45 deg / g is common to all axes: thousands of its sigmas on a table.

@@ -233,8 +233,7 @@ Inspection inspect(const SignalTable& table, const Declarations& declared) {
   const ClockQuality clock = clock_quality(time_ns);
   const double interval_s = time.rate_hz ? 1 / *time.rate_hz : clock.interval_s;
   const DeclaredColumns columns = declared_columns(table, declared);
-  if (clock.backward == 0 && !time_ns.empty())
-    result.triads = find_triads(table, ascending(time_ns), time, columns, gyro_scales(interval_s), result);
+  if (clock.backward == 0 && !time_ns.empty()) result.triads = find_triads(table, ascending(time_ns), time, columns, gyro_scales(interval_s), result);
   if (clock.backward > 0) {
     result.problems.push_back(fmt::format("time runs backwards {} times, first at row {}; expected one recording, with one clock", clock.backward,
                                           clock.first_backward + 1));

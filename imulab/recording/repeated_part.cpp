@@ -30,7 +30,8 @@ bool same(const Recording& a, std::size_t i, const Recording& b, std::size_t k) 
   return true;
 }
 
-/// A polynomial of the last `least_repeated` samples, modulo 2^64, that follows them sample by sample, and how many of them differ from the one before.
+/// A polynomial of the last `least_repeated` samples, modulo 2^64, that follows them sample by sample, and how many of them differ from the one
+/// before.
 class RollingHash {
  public:
   RollingHash() {

@@ -30,8 +30,8 @@ struct WindowedTriad {
   double least;  ///< noise
 };
 
-/// Calls `each`(k, variances) for every window, with the variance of each axis and the least noise's added. One pass over the samples in blocks, which
-/// takes no memory: it is made again rather than kept.
+/// Calls `each`(k, variances) for every window, with the variance of each axis and the least noise's added. One pass over the samples in blocks,
+/// which takes no memory: it is made again rather than kept.
 template <class Each>
 void for_each_window(const WindowedTriad& triad, const Each& each) {
   // Sums of strides, combined about a local origin: no cancellation for raw counts far from zero.

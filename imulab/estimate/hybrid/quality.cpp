@@ -66,15 +66,16 @@ void add_left_out(const Data& data, const std::vector<std::size_t>& left_out, ke
   judge_left_out(data, found, findings);
 }
 
-/// White noise of any size leaves the innovations white; what the model lacks does not, long before it shows in their size. Late stamps, slow noise of another
-/// shape and a delay give correlations up to 0.12, and the uncertainties hold all the same.
+/// White noise of any size leaves the innovations white; what the model lacks does not, long before it shows in their size. Late stamps, slow noise
+/// of another shape and a delay give correlations up to 0.12, and the uncertainties hold all the same.
 void judge_whiteness(const Iterate& iterate, kernel::Findings& findings) {
   constexpr double much = 0.15, improbable = 5;  // standard deviations of white ones: 3e-7
   const auto [correlation, sigma] = iterate.pass.serial;
   if (!iterate.converged || correlation < std::max(much, improbable * sigma)) return;
-  findings.doubt(fmt::format("the velocities' residuals are alike from one to the next (correlation {:.2f}): slow vibration, or something that the model "
-                             "lacks; the uncertainties may be too small",
-                             correlation));
+  findings.doubt(
+      fmt::format("the velocities' residuals are alike from one to the next (correlation {:.2f}): slow vibration, or something that the model "
+                  "lacks; the uncertainties may be too small",
+                  correlation));
 }
 
 /// Enlarges the uncertainties where the velocities scatter more than the noise explains.

@@ -71,14 +71,15 @@ std::vector<ClockGain> correct_clocks(Session& session, std::span<const Recordin
 void doubt_clock(Calibration& calibration, const ClockGain& gain) {
   const double rate = gain.clock.rate;
   if (std::abs(rate) < gyro_scale_sigma(calibration) || (gain.increments && rate > 0)) return;
-  add_doubt(calibration.quality,
-            gain.increments
-                ? fmt::format("{}: its clock loses {:.0f} ppm on that of the steps: if it does because samples are missing, the gyros' scales are off "
-                              "by as much; find out whether all samples were recorded",
-                              gain.recording, 1e6 * std::abs(rate))
-                : fmt::format("{}: its clock {} {:.0f} ppm on that of the steps{}: if the recording is wrong, so are the gyros' scales, by as much; find "
-                              "out which is right, and correct the other",
-                              gain.recording, gains_or_loses(gain.clock), 1e6 * std::abs(rate), rate > 0 ? "" : ", or samples are missing"));
+  add_doubt(
+      calibration.quality,
+      gain.increments
+          ? fmt::format("{}: its clock loses {:.0f} ppm on that of the steps: if it does because samples are missing, the gyros' scales are off "
+                        "by as much; find out whether all samples were recorded",
+                        gain.recording, 1e6 * std::abs(rate))
+          : fmt::format("{}: its clock {} {:.0f} ppm on that of the steps{}: if the recording is wrong, so are the gyros' scales, by as much; find "
+                        "out which is right, and correct the other",
+                        gain.recording, gains_or_loses(gain.clock), 1e6 * std::abs(rate), rate > 0 ? "" : ", or samples are missing"));
 }
 
 }  // namespace imulab::kernel

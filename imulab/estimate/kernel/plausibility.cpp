@@ -151,10 +151,11 @@ std::string repetition(std::span<const Recording> recordings) {
     return fmt::format("{:.2f} s to {:.2f} s", r.time_s(range.begin), r.time_s(range.end - 1));
   };
   const bool own = found->of == found->recording;
-  return fmt::format("{}: the readings from {} are those from {}{} again, to the last digit, {} samples in all: data that count twice make the "
-                     "uncertainties too small; take them out",
-                     recordings[found->recording].name, times(found->recording, found->samples), times(found->of, found->earlier),
-                     own ? "" : " of " + recordings[found->of].name, found->in_all);
+  return fmt::format(
+      "{}: the readings from {} are those from {}{} again, to the last digit, {} samples in all: data that count twice make the "
+      "uncertainties too small; take them out",
+      recordings[found->recording].name, times(found->recording, found->samples), times(found->of, found->earlier),
+      own ? "" : " of " + recordings[found->of].name, found->in_all);
 }
 
 void expect_different_channels(const Recording& recording) {

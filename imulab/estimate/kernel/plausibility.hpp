@@ -32,8 +32,8 @@ void expect_gyro_scale(const Matrix3d& coarse, const Recording& recording);
 /// that are exchanged or reversed. Empty where all is as declared; for readings in counts only the order of the axes is judged.
 std::vector<std::string> contradictions(const SensorModel& model, const Recording& recording);
 
-/// Adds to a verdict where the stamps contradict the nominal interval: increments were divided by it, which is doubtful. Rates are integrated over the
-/// stamps; of a rate that was `declared` a warning says what follows if these are wrong.
+/// Adds to a verdict where the stamps contradict the nominal interval: increments were divided by it, which is doubtful. Rates are integrated over
+/// the stamps; of a rate that was `declared` a warning says what follows if these are wrong.
 void judge_interval(const Recording& recording, bool declared, Quality& quality);
 
 /// Which readings stand in the data twice, and what that does; empty where none do.
