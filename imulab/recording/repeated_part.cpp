@@ -56,7 +56,7 @@ class RollingHash {
   std::size_t count_ = 0, changes_ = 0;
 };
 
-struct Place {
+struct StretchBegin {
   std::size_t recording, begin;
 };
 
@@ -71,7 +71,7 @@ bool vary(const Recording& r, std::size_t begin) {
 
 std::optional<RepeatedPart> repeated_part(std::span<const Recording> recordings) {
   std::optional<RepeatedPart> first;
-  std::unordered_map<std::uint64_t, Place> seen;  // stretches that lie end to end
+  std::unordered_map<std::uint64_t, StretchBegin> seen;  // stretches that lie end to end
   std::size_t in_all = 0;
   for (std::size_t k = 0; k < recordings.size(); ++k) {
     const Recording& r = recordings[k];
@@ -83,12 +83,12 @@ std::optional<RepeatedPart> repeated_part(std::span<const Recording> recordings)
       std::size_t begin = i + 1 - least_repeated;
       const auto found = seen.find(hash.value());
       if (found == seen.end()) {
-        if (begin % least_repeated == 0) seen.emplace(hash.value(), Place{k, begin});
+        if (begin % least_repeated == 0) seen.emplace(hash.value(), StretchBegin{k, begin});
         continue;
       }
       next = i + least_repeated;
       if (!vary(r, begin)) continue;
-      Place from = found->second;
+      StretchBegin from = found->second;
       const Recording& earlier = recordings[from.recording];
       while (begin > counted && from.begin > 0 && same(r, begin - 1, earlier, from.begin - 1)) --begin, --from.begin;
       const std::size_t end_of_earlier = from.recording == k ? begin : earlier.size();

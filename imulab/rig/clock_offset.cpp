@@ -138,12 +138,12 @@ std::optional<Late> late_in(const Recording& r, const Vector3d& usual, const Ste
 }
 
 /// The line through values at times, and its slope's standard deviation if they scatter by `scatter`.
-struct Line {
+struct FittedLine {
   double at, value, slope, slope_sigma;
 };
-Line line_through(const std::vector<double>& at, const std::vector<double>& value, double scatter) {
+FittedLine line_through(const std::vector<double>& at, const std::vector<double>& value, double scatter) {
   const double n = static_cast<double>(at.size());
-  Line line{std::accumulate(at.begin(), at.end(), 0.0) / n, std::accumulate(value.begin(), value.end(), 0.0) / n, 0, 0};
+  FittedLine line{std::accumulate(at.begin(), at.end(), 0.0) / n, std::accumulate(value.begin(), value.end(), 0.0) / n, 0, 0};
   double squares = 0, products = 0;
   for (std::size_t k = 0; k < at.size(); ++k) squares += std::pow(at[k] - line.at, 2), products += (at[k] - line.at) * (value[k] - line.value);
   line.slope = products / squares, line.slope_sigma = scatter / std::sqrt(squares);
@@ -166,7 +166,7 @@ std::optional<ClockRate> clock_rate(const Recording& r, std::span<const Step> st
   while (at.size() >= fewest && at.front() < at.back()) {
     std::vector<double> middles, residual;
     for (std::size_t k = 0; k < at.size(); ++k) middles.push_back(0.5 * (begins[k] + ends[k]));
-    const Line rough = line_through(at, middles, 0);
+    const FittedLine rough = line_through(at, middles, 0);
     for (std::size_t k = 0; k < at.size(); ++k) residual.push_back(middles[k] - rough.value - rough.slope * (at[k] - rough.at));
     const double scatter = std::max(robust_sigma(residual), least_scatter);
     std::size_t kept = 0;
@@ -174,7 +174,8 @@ std::optional<ClockRate> clock_rate(const Recording& r, std::span<const Step> st
       if (std::abs(residual[k]) <= 5 * scatter) at[kept] = at[k], begins[kept] = begins[k], ends[kept] = ends[k], ++kept;
     if (kept == at.size()) {
       // A clock moves both ends of a turn; a table that takes longer and longer to come to rest, only one.
-      const Line line = line_through(at, middles, scatter), by_begins = line_through(at, begins, scatter), by_ends = line_through(at, ends, scatter);
+      const FittedLine line = line_through(at, middles, scatter), by_begins = line_through(at, begins, scatter),
+                       by_ends = line_through(at, ends, scatter);
       if (std::abs(by_begins.slope - by_ends.slope) > std::max(0.5 * std::abs(line.slope), 5 * line.slope_sigma)) return std::nullopt;
       return ClockRate{line.slope, line.slope_sigma, line.at, line.value, kept};
     }

@@ -96,7 +96,9 @@ NormalEquations normal_equations(const Information& data, const Parameters& para
 constexpr double singular = 1e-13;  // scaled to unit diagonal, rounding alone makes pivots of 1e-14
 
 [[noreturn]] void refuse(std::string_view what) {
-  throw Unsupported(std::string(what) + " do not determine the requested parameters; the normal equations are singular");
+  throw Unsupported(std::string(what) +
+                    " do not determine the requested parameters; expected more of them, in other directions or at other values, or "
+                    "fewer terms (the normal equations are singular)");
 }
 
 }  // namespace
