@@ -66,7 +66,8 @@ std::string line_between(double x1, double y1, double x2, double y2, std::string
 }
 
 std::string svg_text(double width, double height, std::string_view description, const std::string& content) {
-  return fmt::format("<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"{}\">{}</svg>", width, height, escaped(description), content);
+  return fmt::format("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"{}\">{}</svg>", width, height,
+                     escaped(description), content);
 }
 
 std::string key(const std::vector<std::pair<std::string, std::string_view>>& entries) {
