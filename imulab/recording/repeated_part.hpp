@@ -16,9 +16,9 @@ struct RepeatedPart {
   std::size_t in_all = 0;  ///< samples of all recordings that repeat earlier ones
 };
 
+inline constexpr std::size_t least_repeated = 100;  ///< samples
 /// The first such part. Finds every one of twice `least_repeated` samples and more, and shorter ones down to half of that by luck. Stretches in which
 /// most readings equal the one before, or that have few different ones, do not count: an IMU without noise reads the same at every rest.
-inline constexpr std::size_t least_repeated = 100;
 std::optional<RepeatedPart> repeated_part(std::span<const Recording> recordings);
 
 }  // namespace imulab

@@ -50,7 +50,7 @@ TEST(RepeatedPart, OfAnotherRecordingIsFound) {
   EXPECT_EQ(found->samples.end, 3000U);
 }
 
-/// At a step of five standard deviations nearly all readings are zero, at two a row is like the one before in half of all cases.
+/// At a step of three standard deviations one row in five is like the one before, at five, six of seven are.
 TEST(RepeatedPart, CoarseReadingsAreNone) {
   for (const double step : {1.0, 2.0, 3.0, 5.0, 20.0}) {
     const Recording r = noise(200'000, step);
