@@ -88,6 +88,7 @@ FleetPrior fleet_prior(const FleetSample& s, const std::function<Eigen::MatrixXd
     columns.push_back(s.common[k]);
     among_common.push_back(static_cast<Index>(k));
   }
+  if (columns.empty()) throw Error("most units' calibrations have no offset and no matrix in common; expected some, for a prior of them");
   OutlierInput input{.values = s.values(s.last, columns), .mean_covariance = s.mean_covariance(among_common, among_common), .covariance = {}};
   input.covariance = [&](Index unit) -> Eigen::MatrixXd { return covariance(s.last[static_cast<std::size_t>(unit)])(among_common, among_common); };
   constexpr double false_alarm = 0.01, enough = 6;  // units more than coefficients: then the factor is known to a half

@@ -74,6 +74,16 @@ TEST(FleetPrior, IsOneObservationMore) {
   EXPECT_LT(((c.covariance - covariance).array() / (sigma * sigma.transpose()).array()).abs().maxCoeff(), 1e-7);
 }
 
+TEST(FleetPrior, NeedsCoefficientsInCommon) {
+  constexpr Index units = 9;
+  FleetSample sample;
+  sample.coefficients = select_each({"accel.offset"});
+  sample.values = sample.variances = Eigen::MatrixXd::Ones(units, std::ssize(sample.coefficients));
+  for (Index unit = 0; unit < units; ++unit) sample.last.push_back(unit);
+  const auto covariance = [&](Index) { return Eigen::MatrixXd(Eigen::MatrixXd::Identity(3, 3)); };
+  EXPECT_THAT([&] { fleet_prior(sample, covariance); }, ThrowsMessage<Error>(HasSubstr("no offset and no matrix in common")));
+}
+
 TEST(FleetPrior, AUnitOfAnotherKindDoesNotTakeIt) {
   Calibration c = drawn_calibration(1, 7, 0, 0.3);
   FleetPrior prior = drawn_prior(c.estimated);
