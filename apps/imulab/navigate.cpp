@@ -63,13 +63,6 @@ Session session_of_one(const std::string& name) {
   return session;
 }
 
-/// Standard output, a pipe or a device: what was written there cannot be taken back.
-bool is_stream(const std::string& output) {
-  std::error_code none;
-  const fs::file_status status = fs::status(output, none);
-  return output == "-" || (fs::exists(status) && !fs::is_regular_file(status));
-}
-
 NavigatedSession navigated(const Options& options, const Calibration& calibration, const std::string& name, const Session& session) {
   Recording recording = read_for(calibration, session, session.recordings[0]);
   const std::optional<TrueMotion> truth = options.truth.empty() ? session_truth(session) : read_truth(options.truth);
@@ -95,20 +88,19 @@ void run(Options options) {
   std::vector<Session> opened;  // all of them before the first is navigated
   for (const auto& name : options.sessions) opened.push_back(session_of_one(name));
   std::optional<SolutionFile> file;  // takes the states as they are reached
-  options.navigate.keep = is_stream(options.output);
-  if (!options.output.empty() && !options.navigate.keep) {
+  options.navigate.keep = false;
+  if (!options.output.empty()) {
     file.emplace(options.output);
     options.navigate.each = [&file](double time, const NavigationState& state) { file->add(time, state); };
   }
   std::vector<NavigatedSession> sessions;
   for (std::size_t i = 0; i < opened.size(); ++i) sessions.push_back(navigated(options, calibration, options.sessions[i], opened[i]));
   if (file) file->commit();
-  if (options.navigate.keep) write_solution(options.output, sessions[0].navigated.solution);
   if (!options.report.empty()) write_whole(options.report, navigation_page({.sessions = sessions}));
   if (options.output == "-") return;
   options.json ? print_json(navigation_json(sessions)) : print(navigation_table(sessions));
   if (options.output.empty() || options.json) return;
-  print(fmt::format("{}: {} states\n", options.output, file ? file->states() : sessions[0].navigated.solution.size()));
+  print(fmt::format("{}: {} states\n", options.output, file->states()));
 }
 
 }  // namespace

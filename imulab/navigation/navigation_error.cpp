@@ -74,7 +74,7 @@ NavigationErrors navigation_errors(const Solution& solution, const Solution& tru
   if (end < begin - same_stamp)
     throw Error(fmt::format("the truth runs from {}, the solution from {}: expected times that overlap", range(truth), range(solution)));
   NavigationErrors out;
-  const double step = solution.size() > 1 ? (solution.time.back() - solution.time.front()) / static_cast<double>(solution.size() - 1) : 0;
+  const double step = solution.size() > 1 ? solution.time.back() - solution.time[solution.size() - 2] : 0;
   const double truth_step = truth.size() > 1 ? (truth.time.back() - truth.time.front()) / static_cast<double>(truth.size() - 1) : 0;
   const double margin = 1.5 * std::max(step, truth_step);
   if (begin - solution.time.front() > margin || solution.time.back() - end > margin)
@@ -91,6 +91,15 @@ NavigationErrors navigation_errors(const Solution& solution, const Solution& tru
   const double navigated = out.history.back().time - solution.time.front();
   out.rate = navigated > 0 ? out.history.back().horizontal() / navigated : 0;
   return out;
+}
+
+void ComparedStates::add(double time, const NavigationState& state) {
+  solution_.time.push_back(time), solution_.states.push_back(state), needed_.push_back(needed_.empty());
+  bool passes = false;
+  for (; passed_ < truth_.size() && truth_.time[passed_] - same_stamp <= time; ++passed_) passes = true;
+  if (passes) std::fill(needed_.end() - std::min<std::ptrdiff_t>(2, std::ssize(needed_)), needed_.end(), true);
+  if (needed_.size() < 3 || needed_.end()[-3]) return;
+  solution_.time.erase(solution_.time.end() - 3), solution_.states.erase(solution_.states.end() - 3), needed_.erase(needed_.end() - 3);
 }
 
 RateSummary rate_summary(const std::vector<double>& rates) {

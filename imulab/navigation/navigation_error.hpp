@@ -3,6 +3,7 @@
 
 #include "imulab/navigation/integration/solution.hpp"
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,21 @@ struct NavigationErrors {
 /// Where the times differ the finer of the two is interpolated: position and velocity by the cubic through its positions and velocities (error
 /// h^4/384 of the fourth derivative), attitude by the shortest rotation. Throws Error where the times do not overlap.
 NavigationErrors navigation_errors(const Solution& solution, const Solution& truth);
+
+/// Of a solution's states, as they are reached, those that its comparison with a truth needs: on both sides of each of the truth's times, the first,
+/// and the last two.
+class ComparedStates {
+ public:
+  explicit ComparedStates(const Solution& truth) : truth_(truth) {}
+  void add(double time, const NavigationState& state);
+  const Solution& solution() const { return solution_; }
+
+ private:
+  const Solution& truth_;
+  std::size_t passed_ = 0;    // of the truth's times
+  std::vector<bool> needed_;  // of the solution's states
+  Solution solution_;
+};
 
 /// Pure-inertial rates over a set of runs [m/s]: root mean square, and the median, which half of the runs stay below (CEP rate).
 struct RateSummary {

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace imulab {
@@ -80,6 +81,28 @@ TEST(NavigationErrors, AreThoseOfTheCommonTime) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_STREQ(e.what(), "the truth runs from 6.000 s to 8.000 s, the solution from 0.000 s to 5.000 s: expected times that overlap");
+  }
+}
+
+TEST(ComparedStates, GiveTheErrorsThatAllStatesGive) {
+  Solution all = sampled(0, 10, 0.01);
+  for (NavigationState& s : all.states) s.height += 3, s.velocity.x() += 0.1;
+  // On the stamps, between them, as fine, finer, longer at both ends, of a part, of one row.
+  for (const Solution& truth : {sampled(0, 10, 0.5), sampled(0, 10, 0.5, 0.003), sampled(0, 10, 0.01), sampled(0, 10, 0.004), sampled(-1, 11, 0.5),
+                                sampled(4, 6, 0.1), sampled(5, 5, 1), sampled(9.9, 12, 1)}) {
+    ComparedStates some(truth);
+    for (std::size_t i = 0; i < all.size(); ++i) some.add(all.time[i], all.states[i]);
+    EXPECT_LE(some.solution().size(), std::min(all.size(), 2 * truth.size() + 3));
+    const NavigationErrors expected = navigation_errors(all, truth), found = navigation_errors(some.solution(), truth);
+    EXPECT_EQ(found.warnings, expected.warnings);
+    EXPECT_EQ(found.rate, expected.rate);
+    ASSERT_EQ(found.history.size(), expected.history.size());
+    for (std::size_t i = 0; i < found.history.size(); ++i) {
+      EXPECT_EQ(found.history[i].time, expected.history[i].time);
+      EXPECT_EQ(found.history[i].position, expected.history[i].position);
+      EXPECT_EQ(found.history[i].velocity, expected.history[i].velocity);
+      EXPECT_EQ(found.history[i].attitude, expected.history[i].attitude);
+    }
   }
 }
 

@@ -30,10 +30,18 @@ std::optional<TrueMotion> session_truth(const Session& session) {
 NavigatedSession navigate_session(const std::string& name, const Calibration& calibration, const Session& session, Recording recording,
                                   NavigateOptions options, const std::optional<TrueMotion>& truth, bool explain) {
   constexpr std::size_t most_steps = 400'000;  // of 0.2 s in a day: sigmas change by less than 0.2 %
-  options.keep = options.keep || truth;
+  std::optional<ComparedStates> compared;
+  if (truth && !options.keep) {
+    compared.emplace(truth->solution);
+    options.each = [&compared, each = std::move(options.each)](double time, const NavigationState& state) {
+      if (each) each(time, state);
+      compared->add(time, state);
+    };
+  }
   if (explain) options.motion_steps = most_steps;
   NavigatedSession out{.session = name, .navigated = navigate(calibration, session, std::move(recording), options), .errors = {}};
-  if (truth) out.errors = errors_at(truth->name, [&] { return navigation_errors(out.navigated.solution, truth->solution); });
+  if (truth)
+    out.errors = errors_at(truth->name, [&] { return navigation_errors(compared ? compared->solution() : out.navigated.solution, truth->solution); });
   if (explain) try {
       out.explained = navigated_budget(calibration, session, out.navigated);
       if (!out.explained) out.unexplained = "the calibration has no uncertainties.";

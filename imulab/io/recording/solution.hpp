@@ -1,12 +1,15 @@
 // Navigation solutions and heights over time as CSV (docs/formats.md).
 #pragma once
 
+#include "imulab/io/recording/column_file.hpp"
 #include "imulab/io/text/file.hpp"
 #include "imulab/navigation/integration/solution.hpp"
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace imulab {
 
@@ -17,8 +20,8 @@ struct HeightRecord;
 /// latitude beyond 90 deg.
 Solution read_solution(const std::filesystem::path& path);
 
-/// A solution's file as its states are reached. It appears whole at commit(), or not at all; the heading is written from 0 to 360 deg. Throws Error
-/// where it cannot be written.
+/// A solution's file as its states are reached. It appears whole at commit(), or not at all: states for a stream wait until then, in a temporary file
+/// where they are many. The heading is written from 0 to 360 deg. Throws Error where it cannot be written.
 class SolutionFile {
  public:
   explicit SolutionFile(const std::filesystem::path& path);
@@ -27,8 +30,12 @@ class SolutionFile {
   std::size_t states() const { return states_; }
 
  private:
+  void write(double time, const NavigationState& state);
+
   WholeFile file_;
   std::string text_;
+  std::vector<double> waiting_;  // states, before they are in the temporary file
+  std::optional<recording_io::ColumnFile> waiting_file_;
   std::size_t states_ = 0;
 };
 void write_solution(const std::filesystem::path& path, const Solution& solution);

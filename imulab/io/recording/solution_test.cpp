@@ -7,6 +7,10 @@
 #include <gmock/gmock.h>
 
 #include "tests/temporary_folder.hpp"
+#include <filesystem>
+#include <future>
+#include <string>
+#include <sys/stat.h>
 
 namespace imulab {
 namespace {
@@ -37,6 +41,36 @@ TEST(SolutionFile, ReadsBackWhatWasWritten) {
     EXPECT_NEAR(b.height, a.height, 1e-6);
     EXPECT_LT((b.velocity - a.velocity).norm(), 1e-7);
     EXPECT_LT(a.q_nb.angularDistance(b.q_nb), 1e-10);
+  }
+}
+
+TEST(SolutionFile, IsTheSameOnAStreamWhichGetsItWholeOrNotAtAll) {
+  const TemporaryFolder folder;
+  const std::filesystem::path pipe = folder / "pipe", plain = folder / "nav.csv";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const auto add_states = [](SolutionFile& file) {
+    constexpr int states = 25'000;  // many of them wait in the temporary file, the last ones in memory
+    for (int i = 0; i < states; ++i) {
+      NavigationState s;
+      s.latitude = 0.7 + 1e-6 * i, s.longitude = -2.1 + 1e-7 * i, s.height = 0.1 * i;
+      s.velocity = {1e-3 * i, -2, 3};
+      s.q_nb = Eigen::Quaterniond(attitude_matrix({0.1, -0.2, 1e-4 * i}));
+      file.add(0.01 * i, s);
+    }
+  };
+  SolutionFile file(plain);
+  add_states(file);
+  file.commit();
+  const std::string written(MappedFile(plain).text());
+  for (const bool finished : {true, false}) {
+    std::future<std::string> read = std::async(std::launch::async, [&] { return std::string(MappedFile(pipe).text()); });
+    {
+      SolutionFile stream(pipe);
+      add_states(stream);
+      EXPECT_EQ(stream.states(), file.states());
+      if (finished) stream.commit();
+    }
+    EXPECT_TRUE(read.get() == (finished ? written : "")) << finished;
   }
 }
 

@@ -46,6 +46,7 @@ class McapRewriter {
   /// Copies or changes one record, or more that need no look; gives where the next begins.
   std::uint64_t next(std::uint64_t at) {
     const McapRecord record = bag_.record_at(at);
+    if (record.end() > bag_.data_end()) throw Damaged("a record reaches into its summary");
     if (record.op == McapOp::chunk) {
       const auto place = bag_.chunks().find(at);
       if (place == bag_.chunks().end() || place->second.may_hold(topic_)) change_chunk(record);
