@@ -32,7 +32,7 @@ struct KindResiduals {
 };
 
 /// Parameters that some rows depend on.
-std::vector<Index> columns_of(const MatrixXd& rows) {
+std::vector<Index> columns_of(const Eigen::Ref<const MatrixXd>& rows) {
   std::vector<Index> columns;
   for (Index j = 0; j < rows.cols(); ++j)
     if ((rows.col(j).array() != 0).any()) columns.push_back(j);
@@ -45,6 +45,13 @@ struct Stretch {
   Index first = 0, size = 0;
   std::vector<Index> columns;
 };
+
+/// A stretch in pieces, of which its first row and its number of rows are given: a matrix with the rests of a day is not copied.
+template <class Each>
+void for_each_piece(const Stretch& stretch, const Each& each) {
+  constexpr Index rows = 1024;
+  for (Index begin = 0; begin < stretch.size; begin += rows) each(stretch.first + begin, std::min(rows, stretch.size - begin));
+}
 
 std::vector<Stretch> stretches_of(const Conditions& conditions) {
   std::vector<Stretch> out;
@@ -64,8 +71,11 @@ kernel::Information Conditions::information() const {
   const MatrixXd white = whitened(blocks, std::move(joined));
   kernel::Information all(jacobian.cols());
   for (const Stretch& s : stretches_of(*this)) {
-    const auto rows = white.middleRows(s.first, s.size);
-    const kernel::Information own(rows(Eigen::all, s.columns), rows.col(jacobian.cols()));
+    kernel::Information own;
+    for_each_piece(s, [&](Index begin, Index size) {
+      const auto rows = white.middleRows(begin, size);
+      own += kernel::Information(rows(Eigen::all, s.columns), rows.col(jacobian.cols()));
+    });
     all.N(s.columns, s.columns) += own.N;
     all.g(s.columns) += own.g;
     all.chi2 += own.chi2, all.rows += own.rows;
@@ -79,8 +89,11 @@ Adjustment adjust(const Conditions& conditions, kernel::Parameters parameters) {
   out.residual = conditions.value + conditions.jacobian * out.solution.x;
   VectorXd fitted = VectorXd::Zero(conditions.value.size());
   for (const Stretch& s : stretches_of(conditions)) {
-    const MatrixXd jacobian = conditions.jacobian.middleRows(s.first, s.size)(Eigen::all, s.columns);
-    fitted.segment(s.first, s.size) = (jacobian * out.solution.covariance(s.columns, s.columns)).cwiseProduct(jacobian).rowwise().sum();
+    const MatrixXd covariance = out.solution.covariance(s.columns, s.columns);
+    for_each_piece(s, [&](Index begin, Index size) {
+      const MatrixXd jacobian = conditions.jacobian.middleRows(begin, size)(Eigen::all, s.columns);
+      fitted.segment(begin, size) = (jacobian * covariance).cwiseProduct(jacobian).rowwise().sum();
+    });
   }
   out.residual_variance = (out.variance - fitted).cwiseMax(1e-9 * out.variance);  // rounding, where the fit follows a row
   return out;

@@ -153,6 +153,7 @@ struct SuspectFit {
   std::shared_ptr<SuspectFit> next{};  ///< without the worst suspect
   std::vector<DroppedPart> dropped{};
 
+  SuspectFit(const Problem& p, std::size_t m, const std::vector<DroppedPart>& d) : problem(p), most(m), dropped(d) {}  ///< not yet fitted
   explicit SuspectFit(Problem p) : problem(std::move(p)), fit(converge_under_true_priors(problem)), most(problem.rests().size() / 3) {}
 
   /// The suspect whose loss would save the most chi-square for its degrees of freedom is judged by a fit without it: its own deviation would hide it
@@ -167,14 +168,14 @@ struct SuspectFit {
       all.push_back({suspect.name, 0});
     }
     if (lowest == 0 || most == 0) return all;
-    next = std::make_shared<SuspectFit>(*this);
+    next.reset();
+    next = std::make_shared<SuspectFit>(problem, most - 1, dropped);
     next->problem.drop(worst);
     try {
       next->fit = converge(next->problem);
     } catch (const Unsupported&) {  // the others say nothing of it
       return all;
     }
-    next->most = most - 1;
     // With fewer degrees of freedom left nothing can be called an outlier.
     if (next->fit.adjustment.solution.degrees_of_freedom < 5) return all;
     const Conditions judged = problem.conditions(next->fit.spreads);
@@ -186,7 +187,7 @@ struct SuspectFit {
     return all;
   }
   bool may_drop(std::size_t) const { return true; }
-  SuspectFit without(std::size_t) const { return *next; }
+  SuspectFit without(std::size_t) { return std::move(*next); }
 };
 
 /// A covariance of the scaled model's coefficients as that of raw readings, with g's uncertainty.
