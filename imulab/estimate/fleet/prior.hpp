@@ -26,8 +26,8 @@ struct FleetPrior {
 /// The predictive distribution of one unit more, of offsets and matrices: the mean of the fleet's units without its outliers, and the covariance of
 /// their last calibrations (as they scatter, so that the uncertainty of measurement widens it) times (1 + 1/n)(n - 1)/(n - p - 2), which n units of
 /// p coefficients leave open (Student's distribution with n - p degrees of freedom has that variance). Optional terms are not in it: each
-/// calibration has their prior already. `covariance`: as fleet_statistics takes it. Throws Error for fewer than p + 6 units, and
-/// where these coefficients are not common to most of them.
+/// calibration has their prior already. `covariance`: as fleet_statistics takes it. Throws Error for fewer than p + 6 units, and where
+/// most have none of these coefficients in common.
 FleetPrior fleet_prior(const FleetSample& sample, const std::function<Eigen::MatrixXd(Eigen::Index row)>& covariance);
 
 /// What became of a prior.
