@@ -95,10 +95,11 @@ NavigationErrors navigation_errors(const Solution& solution, const Solution& tru
 
 void ComparedStates::add(double time, const NavigationState& state) {
   solution_.time.push_back(time), solution_.states.push_back(state), needed_.push_back(needed_.empty());
+  const auto size = static_cast<std::ptrdiff_t>(needed_.size());
   bool passes = false;
   for (; passed_ < truth_.size() && truth_.time[passed_] - same_stamp <= time; ++passed_) passes = true;
-  if (passes) std::fill(needed_.end() - std::min<std::ptrdiff_t>(2, std::ssize(needed_)), needed_.end(), true);
-  if (needed_.size() < 3 || needed_.end()[-3]) return;
+  if (passes) std::fill(needed_.end() - std::min<std::ptrdiff_t>(2, size), needed_.end(), true);
+  if (size < 3 || needed_[needed_.size() - 3]) return;
   solution_.time.erase(solution_.time.end() - 3), solution_.states.erase(solution_.states.end() - 3), needed_.erase(needed_.end() - 3);
 }
 
