@@ -113,7 +113,7 @@ std::string saved_budget(const std::string& name, BudgetSummary summary) {
 }
 
 std::string saved_navigation(NavigationSummary sessions) {
-  const bool all = std::all_of(sessions.begin(), sessions.end(), [](const NavigatedSession& s) { return s.navigated.solution.states.size() > 1; });
+  const bool all = std::all_of(sessions.begin(), sessions.end(), [](const NavigatedSession& s) { return s.navigated.track.size() > 1; });
   std::vector<std::string> missing;
   if (!all) missing.emplace_back("Track and errors over time: the JSON has the end alone; imulab navigate --report draws them.");
   return navigation_page({.sessions = std::move(sessions), .missing = std::move(missing)});

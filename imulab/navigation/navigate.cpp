@@ -85,27 +85,6 @@ void warn_of_force(std::vector<double> forces, const std::string& name, std::vec
                   name, middle));
 }
 
-/// Joins samples to the steps of a motion.
-class MotionSteps {
- public:
-  MotionSteps(motion::NominalMotion& motion, std::size_t samples, std::size_t most) : motion_(motion), joined_((samples + most - 1) / most) {
-    const std::size_t steps = samples / joined_ + 2;
-    motion_.time.reserve(steps), motion_.states.reserve(steps), motion_.increments.reserve(steps);
-  }
-
-  void begin(double time, const NavigationState& state) { motion_.time.push_back(time), motion_.states.push_back(state); }
-  void add(const Increment& sample, double end, const NavigationState& state) {
-    if (count_ == 0) begin(end, state), motion_.increments.emplace_back();
-    motion_.time.back() = end, motion_.states.back() = state;
-    motion_.increments.back().angle += sample.angle, motion_.increments.back().velocity += sample.velocity;
-    count_ = (count_ + 1) % joined_;
-  }
-
- private:
-  motion::NominalMotion& motion_;
-  std::size_t joined_, count_ = 0;
-};
-
 void integrate(const navigation::Start& start, const IntegratedSteps& steps, const Session& session, const Recording& recording,
                const NavigateOptions& options, Navigated& out) {
   check_barometer(options, steps.time, recording.time_s(recording.size() - 1));
@@ -123,8 +102,9 @@ void integrate(const navigation::Start& start, const IntegratedSteps& steps, con
   if (options.keep) solution.time.reserve(steps.range.size() + 1), solution.states.reserve(steps.range.size() + 1);
   add(start.time);
   std::size_t taken = 0;
-  std::optional<MotionSteps> motion;
-  if (options.motion_steps > 0) motion.emplace(out.motion, steps.range.size(), options.motion_steps).begin(start.time, strapdown.state());
+  constexpr std::size_t places = 5'000;
+  const std::size_t drawn = steps.range.size() / places + 1;
+  out.track.push_back(strapdown.state());
   for_each_step(recording, steps, [&](const TimedIncrement& step, double end) {
     if (taken++ % every == 0) forces.push_back(step.increment.velocity.norm() / step.interval);
     std::optional<double> height;
@@ -135,8 +115,10 @@ void integrate(const navigation::Start& start, const IntegratedSteps& steps, con
                       recording.name, end, step.increment.angle.norm(), step.increment.velocity.norm()));
     strapdown.step(step.increment, step.interval, height);
     add(end);
-    if (motion) motion->add(step.increment, end, strapdown.state());
+    if (options.step) options.step(end, strapdown.state(), step.increment);
+    if (taken % drawn == 0) out.track.push_back(strapdown.state());
   });
+  if (taken % drawn != 0) out.track.push_back(strapdown.state());
   warn_of_force(std::move(forces), recording.name, out.warnings);
 }
 
@@ -175,10 +157,8 @@ void warn_of_samples(const Recording& r, Navigated& out) {
 Navigated navigate(const Calibration& calibration, const Session& session, Recording raw, const NavigateOptions& options) {
   Navigated out;
   out.vertical = options.vertical;
-  constexpr double in_place = 1.4, with_states = 3.2;                                                   // over the recording; a state takes 88 bytes
-  constexpr double of_step = sizeof(double) + sizeof(NavigationState) + sizeof(Increment), growth = 2;  // of vectors
-  expect_memory((options.keep ? with_states : in_place) * static_cast<double>(raw.bytes()) +
-                    growth * of_step * static_cast<double>(std::min(raw.size(), options.motion_steps)),
+  constexpr double in_place = 1.4, with_states = 3.2;  // over the recording; a state takes 88 bytes
+  expect_memory((options.keep ? with_states : in_place) * static_cast<double>(raw.bytes()),
                 raw.name + (options.keep ? ": a navigation with a state for each sample" : ": a navigation"));
   CompensatedRecording compensated = compensate(calibration.model, std::move(raw));
   Recording& recording = compensated.recording;
@@ -190,13 +170,10 @@ Navigated navigate(const Calibration& calibration, const Session& session, Recor
   out.aligned = start.aligned;
   out.warnings.insert(out.warnings.end(), start.warnings.begin(), start.warnings.end());
   const IntegratedSteps steps = steps_from(recording, start.time, options, out.gaps);
+  if (options.begin) options.begin({start.state, out.aligned, start.time, recording.time_s(recording.size() - 1), recording.interval_s});
   integrate(start, steps, session, recording, options, out);
   warn_of_samples(recording, out);
   return out;
-}
-
-const std::vector<NavigationState>& states_of(const Navigated& n) {
-  return n.motion.states.size() > n.solution.states.size() ? n.motion.states : n.solution.states;
 }
 
 Eigen::Vector3d angle_sigmas(const Alignment& a) {

@@ -6,7 +6,6 @@
 #include "imulab/navigation/alignment/alignment.hpp"
 #include "imulab/navigation/inertial_samples.hpp"
 #include "imulab/navigation/integration/solution.hpp"
-#include "imulab/navigation/motion/trajectory.hpp"
 #include "imulab/recording/session.hpp"
 
 #include <functional>
@@ -23,37 +22,42 @@ struct HeightRecord {
   std::vector<double> time, height;
 };
 
-struct NavigateOptions {
-  VerticalChannel vertical = VerticalChannel::free;
-  bool align = false;                        // on the first rest, although the session gives an attitude
-  std::optional<GivenHeading> heading = {};  // roll and pitch are aligned, the heading is this one
-  GapTreatment gaps = GapTreatment::integrate;
-  std::optional<HeightRecord> barometer = {};                          // for the vertical channels aided and held
-  std::function<void(double time, const NavigationState&)> each = {};  // called with every state as it is reached
-  bool keep = true;                                                    // every state in the solution; otherwise the first and the last
-  std::size_t motion_steps = 0;                                        // of Navigated::motion, at most about
-};
-
-/// A less certain heading is refused (Unsupported): the Earth's rate was not resolved.
-inline constexpr double largest_heading_sigma = 10 * unit::deg;  // rad
-
 struct AlignedOn {
   FineAlignment alignment;
   double begin = 0, end = 0;  // of the rest [s]
 };
 
+/// What a navigation begins with, and how far it goes.
+struct NavigationStart {
+  const NavigationState& state;
+  const std::optional<AlignedOn>& aligned;
+  double time, end, interval;  // s; of the samples, nominal
+};
+
+struct NavigateOptions {
+  VerticalChannel vertical = VerticalChannel::free;
+  bool align = false;                        // on the first rest, although the session gives an attitude
+  std::optional<GivenHeading> heading = {};  // roll and pitch are aligned, the heading is this one
+  GapTreatment gaps = GapTreatment::integrate;
+  std::optional<HeightRecord> barometer = {};                                            // for the vertical channels aided and held
+  std::function<void(const NavigationStart&)> begin = {};                                // called first
+  std::function<void(double time, const NavigationState&)> each = {};                    // called with every state as it is reached, the start's too
+  std::function<void(double time, const NavigationState&, const Increment&)> step = {};  // called with the increment to every state but the start's
+  bool keep = true;  // every state in the solution; otherwise the first and the last
+};
+
+/// A less certain heading is refused (Unsupported): the Earth's rate was not resolved.
+inline constexpr double largest_heading_sigma = 10 * unit::deg;  // rad
+
 struct Navigated {
   Solution solution;  // from the start, then at every sample's end; or its first and last state
   VerticalChannel vertical = VerticalChannel::free;
-  std::optional<AlignedOn> aligned;  // absent: started from the session's initial state
-  std::vector<MissingTime> gaps;     // bridged
-  std::size_t saturated = 0;         // samples at a limit among those integrated
-  motion::NominalMotion motion;      // for error budgets: a step is a sample or, in a long recording, several neighbors together
+  std::optional<AlignedOn> aligned;    // absent: started from the session's initial state
+  std::vector<MissingTime> gaps;       // bridged
+  std::size_t saturated = 0;           // samples at a limit among those integrated
+  std::vector<NavigationState> track;  // some thousand states along the way, for drawings
   std::vector<std::string> warnings;
 };
-
-/// The states along the way, as far as they were kept: of the solution or of the motion.
-const std::vector<NavigationState>& states_of(const Navigated& navigated);
 
 /// `recording` is raw. Starts at the session's initial state, or at the end of the first rest, aligned on it, at the position of the initial state or
 /// else of the site. Throws Error where the session has no position or the start lies outside the recording, for missing barometer heights, for gaps

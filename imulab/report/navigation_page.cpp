@@ -58,7 +58,7 @@ std::string session_sections(const NavigatedSession& s, bool only_one) {
                                               s.navigated.aligned ? alignment_text(*s.navigated.aligned) : "Started as the session says."));
   if (s.errors) content += end_table(*s.errors);
   content += list(s.navigated.warnings);
-  const std::string track = track_figure(thinned_track(states_of(s.navigated)), "The solution.");
+  const std::string track = track_figure(thinned_track(s.navigated.track), "The solution.");
   const std::string bands = error_bands(bands_of(s));
   std::string out = section("session", only_one ? "Result" : s.session, "", content + beside({track}));
   if (!bands.empty())

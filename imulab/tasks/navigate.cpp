@@ -29,9 +29,6 @@ std::optional<TrueMotion> session_truth(const Session& session) {
 
 NavigatedSession navigate_session(const std::string& name, const Calibration& calibration, const Session& session, Recording recording,
                                   NavigateOptions options, const std::optional<TrueMotion>& truth, bool explain) {
-  // Steps of 0.2 s in a day. Where that is all turns by hand, the sigmas of all sources together change by less than 0.4 %, of a single coefficient
-  // by up to 3 %.
-  constexpr std::size_t most_steps = 400'000;
   std::optional<ComparedStates> compared;
   if (truth && !options.keep) {
     compared.emplace(truth->solution);
@@ -40,12 +37,13 @@ NavigatedSession navigate_session(const std::string& name, const Calibration& ca
       compared->add(time, state);
     };
   }
-  if (explain) options.motion_steps = most_steps;
+  std::optional<NavigatedBudget> budget;
+  if (explain) budget.emplace(calibration, session, options);
   NavigatedSession out{.session = name, .navigated = navigate(calibration, session, std::move(recording), options), .errors = {}};
   if (truth)
     out.errors = errors_at(truth->name, [&] { return navigation_errors(compared ? compared->solution() : out.navigated.solution, truth->solution); });
-  if (explain) try {
-      out.explained = navigated_budget(calibration, session, out.navigated);
+  if (budget) try {
+      out.explained = budget->finish();
       if (!out.explained) out.unexplained = "the calibration has no uncertainties.";
     } catch (const Error& e) {
       out.unexplained = e.what();

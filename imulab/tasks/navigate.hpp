@@ -22,7 +22,7 @@ TrueMotion read_truth(const std::filesystem::path& file);
 /// The one that a session names; none where it names none.
 std::optional<TrueMotion> session_truth(const Session& session);
 
-/// `explain`: also the errors that the calibration's uncertainties explain, along the motion in at most 400,000 steps. Throws as `navigate` and
+/// `explain`: also the errors that the calibration's uncertainties explain. Throws as `navigate` and
 /// `navigation_errors` do. A recording that is moved here is compensated in its place.
 NavigatedSession navigate_session(const std::string& name, const Calibration& calibration, const Session& session, Recording recording,
                                   NavigateOptions options, const std::optional<TrueMotion>& truth, bool explain);

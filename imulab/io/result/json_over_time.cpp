@@ -165,7 +165,7 @@ Json to_json(const NavigatedSession& session) {
   if (session.errors)
     for (const auto& text : session.errors->warnings) out["warnings"].push_back(text);
   if (session.errors) out["errors_over_time"] = errors_over_time(session.errors->history);
-  out["track"] = track_json(states_of(n));
+  out["track"] = track_json(n.track);
   out["explained"] = session.explained ? to_json(*session.explained, std::nullopt) : Json(nullptr);
   if (!session.unexplained.empty()) out["not_explained"] = session.unexplained;
   return out;

@@ -125,7 +125,7 @@ NavigatedSession session_of(const Field& f) {
   NavigatedSession out;
   out.session = f["session"].text();
   out.navigated.solution.time = {f["time_s"].item(0, 2, "numbers").number(), f["time_s"].item(1, 2, "numbers").number()};
-  out.navigated.solution.states = track_at(f);
+  out.navigated.track = track_at(f);
   out.navigated.vertical = vertical_at(f["vertical"]);
   if (f.has("alignment") && !f["alignment"].is_null()) out.navigated.aligned = aligned_at(f["alignment"]);
   out.navigated.gaps = f.list("gaps", [](const Field& g) { return MissingTime{g["begin_s"].number(), g["length_s"].number()}; });

@@ -131,7 +131,7 @@ TEST(SavedResult, NavigationComesBack) {
     NavigationState state;
     state.latitude = 0.8 + 1e-6 * i, state.longitude = -3 + 2e-6 * i, state.height = 400;
     s.navigated.solution.time.push_back(i);
-    s.navigated.solution.states.push_back(state);
+    s.navigated.track.push_back(state);
     s.errors->history.push_back({static_cast<double>(i), {1e-3 * i, -2e-3 * i, 0.5}, {1e-4, 2e-4, 3e-4}, {1e-6, 2e-6, 3e-6 * i}});
   }
   s.errors->rate = 2;
@@ -146,9 +146,9 @@ TEST(SavedResult, NavigationComesBack) {
   ASSERT_TRUE(back.errors && back.explained && back.navigated.aligned);
   EXPECT_EQ(back.explained->time.size(), 30u);
   EXPECT_EQ(back.navigated.solution.time, (std::vector<double>{0, 3000}));
-  EXPECT_GT(back.navigated.solution.states.size(), 400u);
-  EXPECT_LT(back.navigated.solution.states.size(), 1000u);
-  EXPECT_NEAR(back.navigated.solution.states.back().longitude, s.navigated.solution.states.back().longitude, 1e-9);  // ten digits of degrees
+  EXPECT_GT(back.navigated.track.size(), 400u);
+  EXPECT_LT(back.navigated.track.size(), 1000u);
+  EXPECT_NEAR(back.navigated.track.back().longitude, s.navigated.track.back().longitude, 1e-9);  // ten digits of degrees
   EXPECT_GT(back.errors->history.size(), 300u);
   EXPECT_EQ(back.errors->history.back().time, 3000);
   EXPECT_EQ(back.errors->history.back().position, s.errors->history.back().position);

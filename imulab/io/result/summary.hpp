@@ -52,7 +52,7 @@ struct BudgetSummary {
   std::vector<NavigationState> track = {};  ///< of the motion, thinned
 };
 
-/// Of several sessions: those of one command. From JSON: begin and end in `solution.time`, states and errors thinned.
+/// Of several sessions: those of one command. From JSON: begin and end in `solution.time`, track and errors thinned.
 using NavigationSummary = std::vector<NavigatedSession>;
 
 using SavedResult =

@@ -18,6 +18,8 @@ using Eigen::VectorXd;
 using motion::NominalMotion;
 using At = ErrorIndex;
 
+constexpr const char* algorithm = "algorithm";  // the integration's own error
+
 /// Position, velocity, attitude.
 template <class Columns>
 BudgetRows rows_of(const Columns& x) {
@@ -185,29 +187,59 @@ std::vector<double> ErrorBudget::horizontal_shares(std::size_t at) const {
   return out;
 }
 
-ErrorBudget error_budget(const NominalMotion& motion, const ErrorSources& sources, const BudgetOptions& options) {
-  ErrorGrowth growth(motion, sources, options.strapdown);
-  const Parameters p = parameters_of(sources, growth.columns());
-  ErrorBudget out;
-  out.vertical = options.strapdown.vertical;
-  std::vector<std::size_t> samples;
-  std::vector<BudgetRows> sensitivities;
-  std::vector<std::vector<BudgetMatrix>> noises(growth.noises());
-  follow(growth, motion, options, [&](std::size_t sample) {
-    samples.push_back(sample);
-    out.time.push_back(motion.time[sample]);
-    sensitivities.push_back(rows_of(growth.sensitivities()));
-    for (std::size_t i = 0; i < growth.noises(); ++i) noises[i].push_back(block_of(growth.noise_covariance(i)));
-  });
+/// At the outputs.
+struct GrowingBudget::Rows {
+  ErrorGrowth growth;
+  ErrorSources sources;
+  VerticalChannel vertical;
+  std::vector<double> time = {};
+  std::vector<BudgetRows> sensitivities = {};
+  std::vector<std::vector<BudgetMatrix>> noises = {};  // of each source
+  void add();
+};
 
-  for (const BudgetRows& s : sensitivities) out.covariance.emplace_back(s * p.covariance * s.transpose());
-  add_coefficients(out, sensitivities, p, sources);
-  add_groups(out, sensitivities, p);
-  for (std::size_t i = 0; i < growth.noises(); ++i) add_noise(out, growth.noise_name(i), noises[i]);
-  Contribution& algorithm = group(out, "algorithm");
-  if (options.algorithm) algorithm.fixed = algorithm_error(motion, options.strapdown, samples);
+void GrowingBudget::Rows::add() {
+  time.push_back(growth.time());
+  sensitivities.push_back(rows_of(growth.sensitivities()));
+  for (std::size_t i = 0; i < growth.noises(); ++i) noises[i].push_back(block_of(growth.noise_covariance(i)));
+}
+
+GrowingBudget::GrowingBudget(double begin, double interval, const NavigationState& start, const ErrorSources& sources, const BudgetOptions& options)
+    : rows_(new Rows{{begin, interval, start, sources, options}, sources, options.strapdown.vertical}) {
+  rows_->noises.resize(rows_->growth.noises());
+}
+
+GrowingBudget::~GrowingBudget() = default;
+
+void GrowingBudget::add(double time, const NavigationState& state, const Increment& sample) {
+  if (rows_->growth.add(time, state, sample)) rows_->add();
+}
+
+ErrorBudget GrowingBudget::finish() {
+  if (rows_->growth.finish()) rows_->add();
+  const Parameters p = parameters_of(rows_->sources, rows_->growth.columns());
+  ErrorBudget out;
+  out.vertical = rows_->vertical;
+  out.time = rows_->time;
+  for (const BudgetRows& s : rows_->sensitivities) out.covariance.emplace_back(s * p.covariance * s.transpose());
+  add_coefficients(out, rows_->sensitivities, p, rows_->sources);
+  add_groups(out, rows_->sensitivities, p);
+  for (std::size_t i = 0; i < rows_->noises.size(); ++i) add_noise(out, rows_->growth.noise_name(i), rows_->noises[i]);
+  group(out, algorithm);
   out.mean = BudgetRows::Zero(budget_quantities, outputs(out));
   for (const Contribution& c : out.groups) out.mean += c.fixed;
+  return out;
+}
+
+ErrorBudget error_budget(const NominalMotion& motion, const ErrorSources& sources, const BudgetOptions& options) {
+  check(motion);
+  GrowingBudget budget(motion.time[0], motion.time[1] - motion.time[0], motion.states[0], sources, options);
+  for (std::size_t i = 0; i < motion.increments.size(); ++i) budget.add(motion.time[i + 1], motion.states[i + 1], motion.increments[i]);
+  ErrorBudget out = budget.finish();
+  if (!options.algorithm) return out;
+  Contribution& own = group(out, algorithm);
+  own.fixed = algorithm_error(motion, options.strapdown, output_samples(motion, options.output_interval));
+  out.mean += own.fixed;
   return out;
 }
 

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -44,9 +45,29 @@ struct BudgetOptions {
   bool algorithm = true;        // integrate the motion again, for the integration's own error; false: the motion was integrated from these increments
 };
 
+/// The budget of a motion that arrives sample by sample, as error_budget gives it, without the integration's own error.
+class GrowingBudget {
+ public:
+  /// From `start` at `begin` [s] on; the samples' nominal interval [s]. Throws Error for sources of inconsistent sizes, a covariance that is not
+  /// positive, and a start or options that Strapdown refuses.
+  GrowingBudget(double begin, double interval, const NavigationState& start, const ErrorSources& sources, const BudgetOptions& options = {});
+  ~GrowingBudget();
+  GrowingBudget(const GrowingBudget&) = delete;
+  GrowingBudget& operator=(const GrowingBudget&) = delete;
+
+  /// A sample's end [s], the state there, and what an ideal IMU reads until then. Throws Error for a time that is not after the one before.
+  void add(double time, const NavigationState& state, const Increment& sample);
+  /// Throws Error where there was no sample.
+  ErrorBudget finish();
+
+ private:
+  struct Rows;
+  std::unique_ptr<Rows> rows_;
+};
+
 /// First-order: valid while attitude errors stay below some milliradians and position errors below some hundredths of the Earth's radius. With
-/// `aligned_over`, an alignment error belongs to the source that caused it: a bias and the tilt it causes cancel in part. Throws Error for sources
-/// of inconsistent sizes, a covariance that is not positive, and a start or options that Strapdown refuses.
+/// `aligned_over`, an alignment error belongs to the source that caused it: a bias and the tilt it causes cancel in part. Throws Error as
+/// GrowingBudget does.
 ErrorBudget error_budget(const motion::NominalMotion& motion, const ErrorSources& sources, const BudgetOptions& options = {});
 
 }  // namespace imulab

@@ -25,12 +25,9 @@ bool positive(const Eigen::MatrixXd& covariance) {
   return (scaled - scaled.transpose()).cwiseAbs().maxCoeff() < 1e-9 && symmetric_eigenvalues(scaled).minCoeff() > -1e-9;
 }
 
-void check(const NominalMotion& motion, const ErrorSources& sources, const StrapdownOptions& options) {
+void check_sources(const NavigationState& start, const ErrorSources& sources, const BudgetOptions& options) {
   const auto n = static_cast<Eigen::Index>(sources.coefficients.size());
-  if (motion.increments.empty() || motion.states.size() != motion.increments.size() + 1 || motion.time.size() != motion.states.size())
-    throw Error("errors along a motion: no samples; expected at least one");
-  if (std::adjacent_find(motion.time.begin(), motion.time.end(), std::greater_equal<>()) != motion.time.end())
-    throw Error("errors along a motion: expected ascending times");
+  if (!(options.block > 0)) throw Error("error budget: expected a block of positive duration");
   if (sources.fixed.size() != n || sources.covariance.rows() != n || sources.covariance.cols() != n)
     throw Error("errors along a motion: expected a fixed error of each coefficient and their covariance");
   if (!sources.fixed.allFinite() || !sources.covariance.allFinite() || (n > 0 && sources.covariance.diagonal().minCoeff() < 0))
@@ -38,7 +35,13 @@ void check(const NominalMotion& motion, const ErrorSources& sources, const Strap
   if (!positive(sources.covariance)) throw Error("errors along a motion: expected a symmetric, positive semidefinite covariance");
   if (!(sources.barometer.time_constant > 0)) throw Error("barometer: expected a positive time constant of its noise");
   if (sources.start.aligned_over && !(*sources.start.aligned_over > 0)) throw Error("alignment: expected a positive time");
-  Strapdown(motion.states.front(), options);  // whether this start can be integrated
+  Strapdown(start, options.strapdown);  // whether this start can be integrated
+}
+
+/// The same motion, once it is known to have samples.
+const NominalMotion& checked(const NominalMotion& motion) {
+  check(motion);
+  return motion;
 }
 
 std::vector<NoiseSource> noise_sources(const ErrorSources& sources, double interval) {
@@ -83,34 +86,80 @@ bool held(const StrapdownOptions& options) { return options.vertical == Vertical
 
 }  // namespace
 
-ErrorGrowth::ErrorGrowth(const NominalMotion& motion, const ErrorSources& sources, const StrapdownOptions& options)
-    : motion_(motion),
-      options_(options),
+void check(const NominalMotion& motion) {
+  if (motion.increments.empty() || motion.states.size() != motion.increments.size() + 1 || motion.time.size() != motion.states.size())
+    throw Error("errors along a motion: no samples; expected at least one");
+  if (std::adjacent_find(motion.time.begin(), motion.time.end(), std::greater_equal<>()) != motion.time.end())
+    throw Error("errors along a motion: expected ascending times");
+}
+
+Outputs::Outputs(double begin, double interval) : begin_(begin), interval_(interval), next_(interval) {
+  if (!(interval > 0)) throw Error("errors along a motion: expected a positive time between outputs");
+}
+
+bool Outputs::due(double time) {
+  const double t = (time - begin_) * (1 + 1e-12);  // rounding is no reason to wait for the next sample
+  if (t < next_) return false;
+  next_ = interval_ * (std::floor(t / interval_) + 1);
+  return true;
+}
+
+ErrorGrowth::ErrorGrowth(double begin, double interval, const NavigationState& start_state, const ErrorSources& sources, const BudgetOptions& options)
+    : begin_(begin),
+      start_(start_state),
+      block_{{begin}, {start_state}, {}},
+      longest_block_(options.block),
+      outputs_(begin, options.output_interval),
+      options_(options.strapdown),
       effects_(sources.model, sources.coefficients, sources.accel_tau, sources.gyro_tau),
       columns_{static_cast<Eigen::Index>(sources.coefficients.size())},
       sensitivity_(ErrorColumns::Zero(At::count, columns_.count)) {
-  check(motion, sources, options);
-  noises_ = noise_sources(sources, motion.time[1] - motion.time[0]);
+  check_sources(start_, sources, options);
+  noises_ = noise_sources(sources, interval);
   start();
   if (sources.start.aligned_over) align(*sources.start.aligned_over);
   for (NoiseSource& n : noises_)
     if (n.quantization != 0) quantize(n, sources.start.aligned_over);
 }
 
-void ErrorGrowth::block(std::size_t begin, std::size_t end) {
-  const double length = motion_.time[end] - motion_.time[begin], middle = (motion_.time[end] + motion_.time[begin]) / 2;
+ErrorGrowth::ErrorGrowth(const NominalMotion& motion, const ErrorSources& sources, const BudgetOptions& options)
+    : ErrorGrowth(checked(motion).time[0], motion.time[1] - motion.time[0], motion.states[0], sources, options) {}
+
+bool ErrorGrowth::add(double time, const NavigationState& state, const Increment& sample) {
+  if (!(time > block_.time.back())) throw Error("errors along a motion: expected ascending times");
+  if (!block_.increments.empty() && time > (block_.time.front() + longest_block_) * (1 + 1e-12)) end_block();
+  block_.time.push_back(time);
+  block_.states.push_back(state);
+  block_.increments.push_back(sample);
+  any_ = true;
+  if (!outputs_.due(time)) return false;
+  end_block();
+  return true;
+}
+
+bool ErrorGrowth::finish() {
+  if (!any_) throw Error("errors along a motion: no samples; expected at least one");
+  if (block_.increments.empty()) return false;
+  end_block();
+  return true;
+}
+
+/// The next one begins at its last sample.
+void ErrorGrowth::end_block() {
+  const std::size_t count = block_.increments.size();
+  const double begin = block_.time.front(), end = block_.time.back(), length = end - begin, middle = (end + begin) / 2;
   Vector3d pushed = Vector3d::Zero();
   Matrix3d turned = Matrix3d::Zero();  // integral of C_nb
   effects_.clear();
-  for (std::size_t i = begin; i < end; ++i) {
-    const double T = motion_.time[i + 1] - motion_.time[i];
-    const Matrix3d C_nb = middle_attitude(motion_.states[i], motion_.states[i + 1]);
-    const Increment& sample = motion_.increments[i];
+  for (std::size_t i = 0; i < count; ++i) {
+    const double T = block_.time[i + 1] - block_.time[i];
+    const Matrix3d C_nb = middle_attitude(block_.states[i], block_.states[i + 1]);
+    const Increment& sample = block_.increments[i];
     pushed += C_nb * sample.velocity;
     turned += T * C_nb;
     effects_.add(C_nb, {sample.velocity / T, sample.angle / T}, T);
   }
-  const ErrorDynamics d = error_dynamics(motion_.states[(begin + end) / 2], pushed / length, options_);
+  const ErrorDynamics d = error_dynamics(block_.states[count / 2], pushed / length, options_);
   const ErrorMatrix half = error_transition(d.F, length / 2), whole = half * half;
   const ErrorColumns by_rate = -half.middleCols<3>(At::attitude);
   ErrorColumns by_force = half.middleCols<3>(At::velocity);
@@ -118,9 +167,13 @@ void ErrorGrowth::block(std::size_t begin, std::size_t end) {
 
   sensitivity_ = (whole * sensitivity_).eval();
   sensitivity_.leftCols(columns_.coefficients) += by_rate * effects_.rate() + by_force * effects_.force();
-  add_unit(by_rate * turned, by_force * turned, aligned_ + middle - motion_.time.front());
+  add_unit(by_rate * turned, by_force * turned, aligned_ + middle - begin_);
   sensitivity_.col(columns_.barometer) += length * (half * d.b);
   for (NoiseSource& n : noises_) n.growth.step(whole, effect(n.acts, by_rate, by_force, turned, length, half * d.b), length);
+
+  block_.time.erase(block_.time.begin(), block_.time.end() - 1);
+  block_.states.erase(block_.states.begin(), block_.states.end() - 1);
+  block_.increments.clear();
 }
 
 void ErrorGrowth::start() {
@@ -133,7 +186,7 @@ void ErrorGrowth::start() {
 
 /// The mean errors of the sensors over the alignment turn the start.
 void ErrorGrowth::align(double duration) {
-  const NavigationState& s = motion_.states.front();
+  const NavigationState& s = start_;
   const Eigen::Matrix<double, 3, 6> tilt = alignment_effect(s, options_);
   const Matrix3d C_nb = s.q_nb.toRotationMatrix();
   const LocalEarth earth = integration::earth_at(s.latitude, s.height, options_);
@@ -156,7 +209,7 @@ void ErrorGrowth::quantize(NoiseSource& noise, std::optional<double> aligned) {
   const bool gyro = noise.acts == NoiseSource::Acts::gyro_white;
   ErrorColumns by_first = ErrorColumns::Zero(At::count, 3), by_alignment = by_first;
   by_first.middleRows<3>(gyro ? At::attitude : At::velocity) = (gyro ? 1 : -1) * Matrix3d::Identity();
-  if (aligned) by_alignment.middleRows<3>(At::attitude) = alignment_effect(motion_.states.front(), options_).middleCols<3>(gyro ? 0 : 3) / *aligned;
+  if (aligned) by_alignment.middleRows<3>(At::attitude) = alignment_effect(start_, options_).middleCols<3>(gyro ? 0 : 3) / *aligned;
   if (fixed(options_)) by_first.row(At::velocity + 2).setZero();
   by_first += by_alignment;
   noise.growth.add(noise.quantization * noise.quantization * (by_first * by_first.transpose() + by_alignment * by_alignment.transpose()));
@@ -190,15 +243,10 @@ ErrorMatrix ErrorGrowth::noise_covariance(std::size_t i) const {
 }
 
 std::vector<std::size_t> output_samples(const NominalMotion& motion, double interval) {
-  if (!(interval > 0)) throw Error("errors along a motion: expected a positive time between outputs");
+  Outputs outputs(motion.time.front(), interval);
   std::vector<std::size_t> out;
-  double next = interval;
-  for (std::size_t i = 1; i < motion.time.size(); ++i) {
-    const double t = (motion.time[i] - motion.time.front()) * (1 + 1e-12);  // rounding is no reason to wait for the next sample
-    if (t < next && i + 1 < motion.time.size()) continue;
-    out.push_back(i);
-    next = interval * (std::floor(t / interval) + 1);
-  }
+  for (std::size_t i = 1; i < motion.time.size(); ++i)
+    if (outputs.due(motion.time[i]) || i + 1 == motion.time.size()) out.push_back(i);
   return out;
 }
 
@@ -213,27 +261,11 @@ Eigen::Matrix<double, 3, 6> alignment_effect(const NavigationState& start, const
   return out;
 }
 
-void follow(ErrorGrowth& growth, const NominalMotion& motion, const BudgetOptions& options, const std::function<void(std::size_t)>& see) {
-  if (!(options.block > 0)) throw Error("error budget: expected a block of positive duration");
-  std::size_t begin = 0;
-  for (const std::size_t output : output_samples(motion, options.output_interval)) {
-    while (begin < output) {
-      const auto first = motion.time.begin() + static_cast<std::ptrdiff_t>(begin) + 1,
-                 last = motion.time.begin() + static_cast<std::ptrdiff_t>(output);
-      const auto after = std::upper_bound(first + 1, last + 1, (motion.time[begin] + options.block) * (1 + 1e-12));  // at least one sample
-      const auto end = static_cast<std::size_t>(after - motion.time.begin()) - 1;
-      growth.block(begin, end);
-      begin = end;
-    }
-    see(output);
-  }
-}
-
 ErrorColumns error_sensitivities(const NominalMotion& motion, const ErrorSources& sources, const BudgetOptions& options) {
-  ErrorGrowth growth(motion, sources, options.strapdown);
-  ErrorColumns out;
-  follow(growth, motion, options, [&](std::size_t) { out = growth.sensitivities(); });
-  return out;
+  ErrorGrowth growth(motion, sources, options);
+  for (std::size_t i = 0; i < motion.increments.size(); ++i) growth.add(motion.time[i + 1], motion.states[i + 1], motion.increments[i]);
+  growth.finish();
+  return growth.sensitivities();
 }
 
 }  // namespace imulab::budget

@@ -6,7 +6,6 @@
 #include "imulab/navigation/budget/error_dynamics.hpp"
 #include "imulab/navigation/budget/noise_growth.hpp"
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,14 +26,31 @@ struct NoiseSource {
   double quantization = 0;  // Q, where it is that
 };
 
-/// Advances by blocks of samples; over each block the sensors' errors are summed, and act in its middle. `motion` must outlive it.
+/// When a result is due: at the first sample at or after each multiple of `interval` [s] from the start.
+class Outputs {
+ public:
+  /// Throws Error for an interval that is not above 0.
+  Outputs(double begin, double interval);
+  /// Whether one is due at the next sample.
+  bool due(double time);
+
+ private:
+  double begin_, interval_, next_;
+};
+
+/// Follows a motion sample by sample. Over each block of samples the sensors' errors are summed, and act in its middle.
 class ErrorGrowth {
  public:
-  /// Throws Error for what error_budget refuses.
-  ErrorGrowth(const motion::NominalMotion& motion, const ErrorSources& sources, const StrapdownOptions& options);
+  /// Throws Error as GrowingBudget does.
+  ErrorGrowth(double begin, double interval, const NavigationState& start, const ErrorSources& sources, const BudgetOptions& options);
+  /// From the start of this motion.
+  ErrorGrowth(const motion::NominalMotion& motion, const ErrorSources& sources, const BudgetOptions& options);
 
-  /// From sample `begin` to sample `end`.
-  void block(std::size_t begin, std::size_t end);
+  /// Whether a result is due here: the block has ended then. Throws Error for a time that is not after the one before.
+  bool add(double time, const NavigationState& state, const Increment& sample);
+  /// Ends the last block. Whether that has a result which was not due before. Throws Error where there was no sample.
+  bool finish();
+  double time() const { return block_.time.back(); }
 
   const SourceColumns& columns() const { return columns_; }
   /// Derivative of the present error state by each source. What a source does through an alignment is in its column.
@@ -48,8 +64,14 @@ class ErrorGrowth {
   void align(double duration);
   void quantize(NoiseSource& noise, std::optional<double> aligned);
   void add_unit(const ErrorColumns& gyro, const ErrorColumns& accel, double time);
+  void end_block();
 
-  const motion::NominalMotion& motion_;
+  double begin_;
+  NavigationState start_;
+  motion::NominalMotion block_;  // not ended
+  double longest_block_;         // s
+  Outputs outputs_;
+  bool any_ = false;
   StrapdownOptions options_;
   CoefficientEffects effects_;
   SourceColumns columns_;
@@ -58,8 +80,8 @@ class ErrorGrowth {
   double aligned_ = 0;  // s before the motion
 };
 
-/// Calls `see` with the number of each sample at which a result is due, when the growth has reached it.
-void follow(ErrorGrowth& growth, const motion::NominalMotion& motion, const BudgetOptions& options, const std::function<void(std::size_t)>& see);
+/// Throws Error for a motion without samples, of parts that do not fit, or of times that do not ascend.
+void check(const motion::NominalMotion& motion);
 
 /// Derivative of the error state at the end by each source.
 ErrorColumns error_sensitivities(const motion::NominalMotion& motion, const ErrorSources& sources, const BudgetOptions& options = {});

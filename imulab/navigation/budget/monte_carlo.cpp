@@ -212,7 +212,7 @@ void summarise(ErrorDistribution& out, const std::vector<Errors>& runs, double d
 
 ErrorDistribution error_monte_carlo(const NominalMotion& motion, const ErrorSources& sources, const MonteCarloOptions& options,
                                     const std::function<void(std::uint64_t)>& progress, const Checkpoint* checkpoint) {
-  const ErrorGrowth checks(motion, sources, options.strapdown);
+  const ErrorGrowth checks(motion, sources, {.strapdown = options.strapdown});
   if (options.runs == 0) throw Error("Monte Carlo: no runs; expected at least one");
   const Plan plan(motion, sources, options);
   const double bytes = static_cast<double>(options.runs) * static_cast<double>(plan.outputs.size()) * budget_quantities * sizeof(float);

@@ -1,22 +1,41 @@
 #include "imulab/navigation/budget/navigated.hpp"
 
+#include "imulab/core/error.hpp"
+
 #include <algorithm>
 
 namespace imulab {
 
-std::optional<ErrorBudget> navigated_budget(const Calibration& calibration, const Session& session, const Navigated& navigated, int outputs) {
-  const motion::NominalMotion& motion = navigated.motion;
-  if (calibration.estimated.empty() || motion.increments.empty()) return {};
-  ErrorSources sources = error_sources(calibration);
-  if (navigated.aligned) {
-    sources.start.aligned_over = navigated.aligned->end - navigated.aligned->begin;
-    sources.gyro_noise.N = navigated.aligned->alignment.gyro_noise;
-    sources.accel_noise.N = navigated.aligned->alignment.accel_noise;
+NavigatedBudget::NavigatedBudget(const Calibration& calibration, const Session& session, NavigateOptions& options, int outputs)
+    : calibration_(calibration), strapdown_{.vertical = options.vertical, .gravity = session.site.given_gravity}, outputs_(std::max(1, outputs)) {
+  if (calibration.estimated.empty()) return;
+  options.begin = [this](const NavigationStart& start) { begin(start); };
+  options.step = [this](double time, const NavigationState& state, const Increment& sample) { step(time, state, sample); };
+}
+
+void NavigatedBudget::begin(const NavigationStart& start) try {
+  ErrorSources sources = error_sources(calibration_);
+  if (start.aligned) {
+    sources.start.aligned_over = start.aligned->end - start.aligned->begin;
+    sources.gyro_noise.N = start.aligned->alignment.gyro_noise;
+    sources.accel_noise.N = start.aligned->alignment.accel_noise;
   }
-  const double interval = (motion.time.back() - motion.time.front()) / std::max(1, outputs);
-  return error_budget(
-      motion, sources,
-      {.strapdown = {.vertical = navigated.vertical, .gravity = session.site.given_gravity}, .output_interval = interval, .algorithm = false});
+  budget_.emplace(start.time, start.interval, start.state, sources,
+                  BudgetOptions{.strapdown = strapdown_, .output_interval = (start.end - start.time) / outputs_, .algorithm = false});
+} catch (const Error&) {  // the navigation goes on without
+  refused_ = std::current_exception();
+}
+
+void NavigatedBudget::step(double time, const NavigationState& state, const Increment& sample) try {
+  if (!refused_) budget_->add(time, state, sample);
+} catch (const Error&) {
+  refused_ = std::current_exception();
+}
+
+std::optional<ErrorBudget> NavigatedBudget::finish() {
+  if (refused_) std::rethrow_exception(refused_);
+  if (!budget_) return {};
+  return budget_->finish();
 }
 
 }  // namespace imulab

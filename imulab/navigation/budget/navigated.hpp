@@ -4,12 +4,31 @@
 #include "imulab/navigation/budget/budget.hpp"
 #include "imulab/navigation/navigate.hpp"
 
+#include <exception>
 #include <optional>
 
 namespace imulab {
 
-/// Along Navigated::motion: the calibration's covariance, and after an alignment its tilt and the noise that it measured in the rest. About
-/// `outputs` times. Absent for a calibration without uncertainties.
-std::optional<ErrorBudget> navigated_budget(const Calibration& calibration, const Session& session, const Navigated& navigated, int outputs = 120);
+/// Along a navigation, as it goes: the calibration's covariance, and after an alignment its tilt and the noise that it measured in the rest.
+class NavigatedBudget {
+ public:
+  /// Must outlive the navigation with these options, which calls it. About `outputs` results.
+  NavigatedBudget(const Calibration& calibration, const Session& session, NavigateOptions& options, int outputs = 120);
+  NavigatedBudget(const NavigatedBudget&) = delete;
+  NavigatedBudget& operator=(const NavigatedBudget&) = delete;
+
+  /// At the end of the navigation; none for a calibration without uncertainties. Throws Error as GrowingBudget does.
+  std::optional<ErrorBudget> finish();
+
+ private:
+  void begin(const NavigationStart& start);
+  void step(double time, const NavigationState& state, const Increment& sample);
+
+  const Calibration& calibration_;
+  StrapdownOptions strapdown_;
+  int outputs_;
+  std::optional<GrowingBudget> budget_;
+  std::exception_ptr refused_;
+};
 
 }  // namespace imulab

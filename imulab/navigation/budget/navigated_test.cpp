@@ -1,5 +1,6 @@
 #include "imulab/navigation/budget/navigated.hpp"
 
+#include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/navigation/navigation_error.hpp"
 
@@ -19,14 +20,22 @@ Calibration one_sigma_wrong(double sigma) {
   return c;
 }
 
-const NavigateOptions with_motion{.motion_steps = 1'000'000};
+struct Explained {
+  Navigated navigated;
+  std::optional<ErrorBudget> budget;
+};
+
+Explained explained(const Calibration& c, const FlightSession& f, NavigateOptions options = {}) {
+  NavigatedBudget budget(c, f.session, options);
+  Navigated navigated = navigate(c, f.session, f.recording, options);
+  return {std::move(navigated), budget.finish()};
+}
 
 TEST(NavigatedBudget, AnErrorOfOneSigmaIsAtTheEdgeOfTheBand) {
   FlightSession f = flight_session(0);
   f.session.initial = flight_start();
   const Calibration c = one_sigma_wrong(1 * unit::deg_per_h);
-  const Navigated n = navigate(c, f.session, f.recording, with_motion);
-  const auto budget = navigated_budget(c, f.session, n);
+  const auto [n, budget] = explained(c, f);
   ASSERT_TRUE(budget);
   const NavigationError error = navigation_errors(n.solution, f.truth).history.back();
   const BudgetMatrix& covariance = budget->covariance.back();
@@ -39,28 +48,47 @@ TEST(NavigatedBudget, AnErrorOfOneSigmaIsAtTheEdgeOfTheBand) {
 TEST(NavigatedBudget, AfterAnAlignmentItHasTheNoiseThatThisSaw) {
   const FlightSession f = flight_session(1, 10);
   const Calibration c = one_sigma_wrong(1e-3 * unit::deg_per_h);
-  const Navigated n = navigate(c, f.session, f.recording, with_motion);
+  const auto [n, budget] = explained(c, f);
   ASSERT_TRUE(n.aligned);
-  const auto budget = navigated_budget(c, f.session, n);
   ASSERT_TRUE(budget);
   EXPECT_TRUE(std::any_of(budget->groups.begin(), budget->groups.end(), [](const Contribution& g) { return g.name == "gyro white noise"; }));
 }
 
-TEST(NavigatedBudget, NeighborsTogetherGiveTheSame) {
+TEST(NavigatedBudget, IsTheBudgetOfTheNavigatedMotion) {
   FlightSession f = flight_session(0);
   f.session.initial = flight_start();
   const Calibration c = one_sigma_wrong(1 * unit::deg_per_h);
-  const Navigated all = navigate(c, f.session, f.recording, with_motion), few = navigate(c, f.session, f.recording, {.motion_steps = 300});
-  ASSERT_EQ(all.motion.increments.size(), 10 * few.motion.increments.size()) << "of 0.2 s each";
-  const BudgetMatrix a = navigated_budget(c, f.session, all)->covariance.back(), b = navigated_budget(c, f.session, few)->covariance.back();
-  // Within a joined step the attitude is that of its middle.
-  for (Eigen::Index i = 0; i < a.rows(); ++i) EXPECT_NEAR(std::sqrt(b(i, i)), std::sqrt(a(i, i)), 2e-3 * std::sqrt(a(i, i))) << i;
+  motion::NominalMotion motion;
+  NavigateOptions options;
+  options.each = [&](double time, const NavigationState& state) { motion.time.push_back(time), motion.states.push_back(state); };
+  NavigatedBudget growing(c, f.session, options);
+  options.step = [&, step = options.step](double time, const NavigationState& state, const Increment& sample) {
+    motion.increments.push_back(sample);
+    step(time, state, sample);
+  };
+  navigate(c, f.session, f.recording, options);
+  const double interval = (motion.time.back() - motion.time.front()) / 120;
+  const ErrorBudget whole = error_budget(motion, error_sources(c), {.output_interval = interval, .algorithm = false}), grown = *growing.finish();
+  EXPECT_EQ(grown.time, whole.time);
+  ASSERT_EQ(grown.covariance.size(), whole.covariance.size());
+  for (std::size_t i = 0; i < whole.covariance.size(); ++i) EXPECT_EQ(grown.covariance[i], whole.covariance[i]) << i;
+}
+
+TEST(NavigatedBudget, WhatCannotBeFollowedIsSaidAtTheEndAndNavigatedAllTheSame) {
+  FlightSession f = flight_session(0);
+  f.session.initial = flight_start();
+  Calibration c = one_sigma_wrong(1 * unit::deg_per_h);
+  c.covariance *= -1;
+  NavigateOptions options;
+  NavigatedBudget budget(c, f.session, options);
+  EXPECT_GT(navigate(c, f.session, f.recording, options).solution.size(), 2u);
+  EXPECT_THROW(budget.finish(), Error);
 }
 
 TEST(NavigatedBudget, WithoutUncertaintiesThereIsNone) {
   FlightSession f = flight_session(0);
   f.session.initial = flight_start();
-  EXPECT_FALSE(navigated_budget({}, f.session, navigate({}, f.session, f.recording, with_motion)));
+  EXPECT_FALSE(explained({}, f).budget);
 }
 
 }  // namespace
