@@ -182,6 +182,24 @@ TEST(Hybrid, TurnedByHand) {
   }
 }
 
+/// What the gyros' noise adds up to, 4 mrad here, tilts the solution by so much that the vertical force would be wrong by 8e-6.
+TEST(Hybrid, NoTiltAddsUp) {
+  double sum = 0, count = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const HybridSession s = hybrid_session(seed, [](Session& session) {
+      session.imu.gyro_noise_density = 1 * unit::deg_per_sqrt_h;
+      session.site.given_gravity = session.site.gravity();
+      session.site.given_gravity_sigma = 1e-6 * session.site.gravity();
+    });
+    const Calibration c = calibrated(s, base_terms()).calibration;
+    EXPECT_EQ(c.quality.verdict, "good") << seed << ": " << verdict_text(c.quality);
+    const NormalizedError e = normalized_error(c, s.truth.model);
+    sum += e.sum, count += e.count;
+  }
+  EXPECT_GT(sum, chi_square_quantile(0.0005, count));
+  EXPECT_LT(sum, chi_square_quantile(0.9995, count));
+}
+
 TEST(Hybrid, TheCurvesEndAtTheResult) {
   const HybridSession s = hybrid_session(7);
   CalibrationOptions options = base_terms();

@@ -183,7 +183,8 @@ Iterate better(Iterate a, Iterate b) { return b.pass.total_chi2() < a.pass.total
 std::optional<SeenLatitude> contradicting_latitude(const Data& open, Iterate trial, double declared_sigma) {
   const Index at = trial.states.first(Group::latitude);
   const auto contradicts = [&] {
-    const double off = trial.total[at] + trial.pass.x[at], sigma = std::sqrt(trial.pass.covariance(at, at));
+    const double off = trial.total[at] + trial.pass.x[at];
+    const double sigma = std::max(1.0, scatter_of(open, trial)) * std::sqrt(trial.pass.covariance(at, at));
     return std::abs(off) > 5 * sigma && sigma < 3 * unit::deg && std::abs(off) > 3 * declared_sigma;
   };
   if (!contradicts()) return {};
@@ -265,12 +266,14 @@ double scatter_of(const Data& data, const Iterate& c) {
 }
 
 Converged converge(Data& data, double significance) {
+  constexpr double hopeless = 100;  // no prior, axis or choice of velocities makes it fit
   Converged out{converged(data, first_iterate(data)), {}, {}, {}, {}};
   for (int round = 0; round < 10 && !is_hopeless(data, out.last); ++round) {
     Review seen = review(data, out.last, significance);
     out.latitude = seen.latitude;
     if (out.latitude) break;
     out.tests = std::move(seen.tests);
+    if (scatter_of(data, out.last) > hopeless) break;
     out.latitude = mirrored_latitude(data, out.last);
     if (out.latitude) break;
     if (const auto widened = widen_priors(data, out.last); !widened.empty()) {  // anew: what a narrow prior bent may be far from the solution

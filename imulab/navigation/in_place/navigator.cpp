@@ -76,10 +76,10 @@ void Navigator::add(BlockSums& sum, std::size_t i, std::size_t first, const Bloc
   const Matrix3d K = skew<double>(step.rotation);
   const Matrix3d half = 0.5 * (before + C_nb) - 0.125 * before * K * K;
   const Matrix3d middle = (dt / 6) * (before + 4 * half + C_nb), inner = (dt * dt / 6) * (before + 2 * half);
-  const Matrix3d across = skew<double>(pushed) / dt;  // [f_n x]
   // What an error multiplies, free of noise where it is known: an axis that measures nothing of rate or gravity would fit its own noise with a scale.
   const Vector3d w = block.at_rest ? Vector3d(half.transpose() * earth_rate_) : rate;
   const Vector3d f = block.observed ? Vector3d(half.transpose() * -gravity_) : force;
+  const Matrix3d across = skew<double>(block.observed ? Vector3d(-gravity_) : Vector3d(pushed / dt));  // [f_n x]
   const std::array<double, 7> basis{1, w.x(), w.y(), w.z(), f.x(), f.y(), f.z()};
   const std::size_t used = optional_.g_sensitivity ? 7 : 4;
   for (std::size_t b = 0; b < used; ++b) {
