@@ -3,14 +3,21 @@
 #include "imulab/core/error.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace imulab {
 
 NavigatedBudget::NavigatedBudget(const Calibration& calibration, const Session& session, NavigateOptions& options, int outputs)
     : calibration_(calibration), strapdown_{.vertical = options.vertical, .gravity = session.site.given_gravity}, outputs_(std::max(1, outputs)) {
   if (calibration.estimated.empty()) return;
-  options.begin = [this](const NavigationStart& start) { begin(start); };
-  options.step = [this](double time, const NavigationState& state, const Increment& sample) { step(time, state, sample); };
+  options.begin = [this, then = std::move(options.begin)](const NavigationStart& start) {
+    begin(start);
+    if (then) then(start);
+  };
+  options.step = [this, then = std::move(options.step)](double time, const NavigationState& state, const Increment& sample) {
+    step(time, state, sample);
+    if (then) then(time, state, sample);
+  };
 }
 
 void NavigatedBudget::begin(const NavigationStart& start) try {

@@ -12,7 +12,7 @@ namespace imulab {
 /// Along a navigation, as it goes: the calibration's covariance, and after an alignment its tilt and the noise that it measured in the rest.
 class NavigatedBudget {
  public:
-  /// Must outlive the navigation with these options, which calls it. About `outputs` results.
+  /// Must outlive the navigation with these options, which calls it before what they called already. About `outputs` results.
   NavigatedBudget(const Calibration& calibration, const Session& session, NavigateOptions& options, int outputs = 120);
   NavigatedBudget(const NavigatedBudget&) = delete;
   NavigatedBudget& operator=(const NavigatedBudget&) = delete;
