@@ -126,7 +126,8 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
   Whiteness whiteness;
   Vector3d velocity = Vector3d::Zero();  // computed
   double next_point = -std::numeric_limits<double>::infinity();
-  double whole = 0;  // s, of all blocks
+  bool used_before = true;  // a knock across the end of a block that is left out is in the next one, too
+  double whole = 0;         // s, of all blocks
   for (const Block& block : blocks) whole += data.recording.interval_s * static_cast<double>(block.samples.size());
   std::size_t first = 0;  // sample since which the motion was measured without interruption
 
@@ -152,7 +153,8 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
       velocity -= e.x.tail<3>();
       e.x.tail<3>().setZero();
     }
-    if (used && block.at_rest) level(navigator, e, states, sums, about.place.gravity);
+    if (used && used_before && block.at_rest) level(navigator, e, states, sums, about.place.gravity);
+    used_before = used;
     const double time = data.recording.time_s(block.samples.end - 1);
     if (options.curve_interval > 0 && (time >= next_point || k + 1 == blocks.size())) {
       out.curve.push_back({time, e.x, e.factor.rowwise().norm()});

@@ -182,14 +182,13 @@ Iterate better(Iterate a, Iterate b) { return b.pass.total_chi2() < a.pass.total
 
 std::optional<SeenLatitude> contradicting_latitude(const Data& open, Iterate trial, double declared_sigma) {
   const Index at = trial.states.first(Group::latitude);
-  const auto contradicts = [&] {
-    const double off = trial.total[at] + trial.pass.x[at];
-    const double sigma = std::max(1.0, scatter_of(open, trial)) * std::sqrt(trial.pass.covariance(at, at));
+  const auto contradicts = [&](double scatter) {
+    const double off = trial.total[at] + trial.pass.x[at], sigma = std::max(1.0, scatter) * std::sqrt(trial.pass.covariance(at, at));
     return std::abs(off) > 5 * sigma && sigma < 3 * unit::deg && std::abs(off) > 3 * declared_sigma;
   };
-  if (!contradicts()) return {};
+  if (!contradicts(1)) return {};  // far from the solution the scatter measures how far
   trial = better(converged(open, trial), converged(open, in_other_hemisphere(open, trial)));
-  if (!trial.converged || !contradicts()) return {};
+  if (!trial.converged || !contradicts(scatter_of(open, trial))) return {};
   return SeenLatitude{trial.about.place.latitude - trial.pass.x[at], std::sqrt(trial.pass.covariance(at, at))};
 }
 
