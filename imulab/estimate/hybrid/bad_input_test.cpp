@@ -135,6 +135,23 @@ TEST(HybridBadInput, WhatFitsNothingEndsSoon) {
   EXPECT_LT(passes(s, "doubtful"), 8 * usual);
 }
 
+/// A velocity of 0.15 m/s at the end of a second, which is gone a sample later, in each of the samples of the first rest.
+TEST(HybridBadInput, AKnockAcrossTheEndOfABlockIsLeftOut) {
+  const HybridSession whole = session_with(2);
+  for (std::size_t at = 100; at < 120; ++at) {
+    HybridSession s = whole;
+    s.recording.accel[0][at] += 0.15 / s.recording.interval_s;
+    s.recording.accel[0][at + 1] -= 0.15 / s.recording.interval_s;
+    EXPECT_EQ(calibrated(s).calibration.quality.verdict, "good") << at;
+  }
+}
+
+TEST(HybridBadInput, ALatitudeOfZeroIsCorrected) {
+  HybridSession s = session_with(4);
+  s.session.site.latitude = 0;
+  EXPECT_THAT(calibrated(s, base_terms()).calibration.quality.warnings, Contains(HasSubstr("the gyros show a latitude of 4")));
+}
+
 TEST(HybridBadInput, AWrongLatitudeIsCorrectedFromTheEarthsRate) {
   HybridSession s = session_with(4);
   s.session.site.latitude = *s.session.site.latitude + 10 * unit::deg;
