@@ -7,7 +7,6 @@ namespace imulab {
 namespace {
 
 using testing::HasSubstr;
-using testing::StartsWith;
 
 TEST(Memory, WhatWouldTakeMoreIsRefused) {
   const TemporaryFolder folder;

@@ -132,7 +132,7 @@ TEST(HybridBadInput, WhatFitsNothingEndsSoon) {
   HybridSession s = session_with(2);
   const int usual = passes(s, "good");
   for (std::vector<double>& axis : s.recording.gyro) std::rotate(axis.begin(), axis.end() - 50, axis.end());
-  EXPECT_LT(passes(s, "doubtful"), 8 * usual);
+  EXPECT_LT(passes(s, "doubtful"), 3 * usual);
 }
 
 /// A velocity of 0.15 m/s at the end of a second, which is gone a sample later, in each of the samples of the first rest.

@@ -180,10 +180,14 @@ Iterate in_other_hemisphere(const Data& open, Iterate trial) {
 
 Iterate better(Iterate a, Iterate b) { return b.pass.total_chi2() < a.pass.total_chi2() ? std::move(b) : std::move(a); }
 
-std::optional<SeenLatitude> contradicting_latitude(const Data& open, Iterate trial, double declared_sigma) {
+constexpr double other_data = 100;  // scatter that no prior, axis or choice of velocities takes away
+
+/// `scatter`: with the declared latitude.
+std::optional<SeenLatitude> contradicting_latitude(const Data& open, Iterate trial, double declared_sigma, double scatter) {
+  if (scatter > other_data && scatter_of(open, trial) > 0.99 * scatter) return {};  // nor does a latitude
   const Index at = trial.states.first(Group::latitude);
-  const auto contradicts = [&](double scatter) {
-    const double off = trial.total[at] + trial.pass.x[at], sigma = std::max(1.0, scatter) * std::sqrt(trial.pass.covariance(at, at));
+  const auto contradicts = [&](double enlarged) {
+    const double off = trial.total[at] + trial.pass.x[at], sigma = std::max(1.0, enlarged) * std::sqrt(trial.pass.covariance(at, at));
     return std::abs(off) > 5 * sigma && sigma < 3 * unit::deg && std::abs(off) > 3 * declared_sigma;
   };
   if (!contradicts(1)) return {};  // far from the solution the scatter measures how far
@@ -203,7 +207,7 @@ Review review(const Data& data, const Iterate& iterate, double significance) {
   open.place.latitude_sigma = 30 * unit::deg;
   const Iterate trial = repeated(open, with_open_latitude(open, iterate));
   const States& states = trial.states;
-  Review out{contradicting_latitude(open, trial, data.place.latitude_sigma), {}};
+  Review out{contradicting_latitude(open, trial, data.place.latitude_sigma, scatter_of(data, iterate)), {}};
   if (!data.terms.wanted.empty()) return out;
   // Errors of the coarse solution, the latitude's having been measured as zero.
   const Index n = states.constants(), latitude = states.first(Group::latitude);
@@ -265,14 +269,13 @@ double scatter_of(const Data& data, const Iterate& c) {
 }
 
 Converged converge(Data& data, double significance) {
-  constexpr double hopeless = 100;  // no prior, axis or choice of velocities makes it fit
   Converged out{converged(data, first_iterate(data)), {}, {}, {}, {}};
   for (int round = 0; round < 10 && !is_hopeless(data, out.last); ++round) {
     Review seen = review(data, out.last, significance);
     out.latitude = seen.latitude;
     if (out.latitude) break;
     out.tests = std::move(seen.tests);
-    if (scatter_of(data, out.last) > hopeless) break;
+    if (scatter_of(data, out.last) > other_data) break;
     out.latitude = mirrored_latitude(data, out.last);
     if (out.latitude) break;
     if (const auto widened = widen_priors(data, out.last); !widened.empty()) {  // anew: what a narrow prior bent may be far from the solution
