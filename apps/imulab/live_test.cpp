@@ -74,6 +74,17 @@ TEST(Live, AtTheEndSaysWhatIsMissingAndKeepsEverything) {
   EXPECT_EQ(streamed["sources"][0]["sha256"], whole["sources"][0]["sha256"]);
 }
 
+TEST(Live, EndsWhereTheMemoryDoes) {
+  const CommandResult r = live("cat", "-o half.json --require 'gyro.matrix.diagonal <= 10 ppm' --memory 2");
+  EXPECT_EQ(r.exit_code, 2);
+  EXPECT_THAT(r.errors,
+              ContainsRegex("imulab: a calibration while [0-9]+ s arrive takes about 0.0020[0-9]* GB of memory; expected at most 0.002 GB"));
+  const std::size_t rests = lines_with(r.output, "  rest ").size();
+  EXPECT_GE(rests, 4u);
+  EXPECT_LT(rests, 16u);
+  EXPECT_TRUE(std::filesystem::exists(folder() / "half.json")) << "what came so far is not lost";
+}
+
 TEST(Live, TheCalibrationAloneGoesToStandardOutput) {
   const CommandResult r = live("cat", "-o -");
   EXPECT_EQ(r.exit_code, 0);

@@ -24,8 +24,14 @@ TEST(Memory, WhatWouldTakeMoreIsRefused) {
   EXPECT_EQ(run_imulab(folder, "inspect s/recording.csv --memory 1").exit_code, 2);
   EXPECT_EQ(run_imulab(folder, "inspect s/recording.csv --memory 2").exit_code, 0);
   EXPECT_EQ(run_imulab(folder, "compensate s/truth.json s -o c.csv --memory 1").exit_code, 0);
-  for (const char* enough : {"navigate none s --memory 1", "navigate none s -o c.csv --memory 1", "navigate none s --json --memory 1"})
-    EXPECT_THAT(run_imulab(folder, enough).errors, testing::Not(HasSubstr("of memory"))) << enough;
+  ASSERT_EQ(run_imulab(folder, "calibrate s --method handheld -o c.json").exit_code, 0);
+  const std::string navigate = "navigate c.json s --heading 0 --heading-sigma 1";
+  EXPECT_THAT(on_one_line(run_imulab(folder, navigate + " --memory 0.7").errors), HasSubstr("a navigation takes about 0.00075"));
+  for (const char* output : {"", " -o states.csv", " -o -", " --report r.html"})
+    EXPECT_EQ(run_imulab(folder, navigate + output + " --memory 1").exit_code, 0) << output;
+  const CommandResult explained = run_imulab(folder, navigate + " --json --memory 1");
+  EXPECT_EQ(explained.exit_code, 0);
+  EXPECT_THAT(explained.output, HasSubstr("\"explained\": {"));
   EXPECT_EQ(run_imulab(folder, "noise s --memory 0").exit_code, 2);
 }
 

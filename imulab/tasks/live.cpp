@@ -1,6 +1,7 @@
 #include "imulab/tasks/live.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/memory.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/rests/advice.hpp"
 #include "imulab/model/compensate.hpp"
@@ -83,6 +84,8 @@ std::optional<Range> LiveProgress::add(const Recording& piece, Range samples) {
 bool LiveProgress::find_rest() {
   constexpr double now_s = 0.3;      // a rest that ends later is still going on: the last window of the detection may be cut
   constexpr double of_ended = 0.75;  // who moves on a little early need not come back
+  constexpr double most_memory = 4;  // over what came: the copy with its findings, one that is being made, room to grow, and what a calibration takes
+  expect_memory(most_memory * static_cast<double>(all_.bytes()), fmt::format("a calibration while {:.0f} s arrive", view_.time_s));
   recording_ = completed(all_, options_);
   rests_ = detect_rests(recording_).rests;
   view_.resting_s.reset(), view_.now.reset();

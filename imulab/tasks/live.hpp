@@ -23,7 +23,7 @@ class LiveProgress {
   LiveProgress(Session session, RecordingOptions options, std::vector<Requirement> requirements, double rest_s);
 
   /// Takes new samples, up to the moment at which a new rest has become long enough; then the calibration is that of all samples so far. Returns
-  /// the samples that it did not take; none if there was no such moment.
+  /// the samples that it did not take; none if there was no such moment. Throws MemoryError where so many came that they leave no memory.
   std::optional<Range> add(const Recording& piece, Range samples);
   /// The calibration of all samples, at the end of the stream.
   void estimate();

@@ -146,10 +146,14 @@ TEST(HybridBadInput, AKnockAcrossTheEndOfABlockIsLeftOut) {
   }
 }
 
-TEST(HybridBadInput, ALatitudeOfZeroIsCorrected) {
-  HybridSession s = session_with(4);
-  s.session.site.latitude = 0;
-  EXPECT_THAT(calibrated(s, base_terms()).calibration.quality.warnings, Contains(HasSubstr("the gyros show a latitude of 4")));
+TEST(HybridBadInput, ALatitudeFarOffIsCorrected) {
+  for (const double declared : {0.0, -1.0})
+    for (const std::uint64_t seed : {1u, 3u, 4u, 5u}) {
+      HybridSession s = session_with(seed);
+      s.session.site.latitude = declared * unit::deg;
+      EXPECT_THAT(calibrated(s).calibration.quality.warnings, Contains(testing::ContainsRegex("the gyros show a latitude of 4(4.9|5.0)")))
+          << declared << ", seed " << seed;
+    }
 }
 
 TEST(HybridBadInput, AWrongLatitudeIsCorrectedFromTheEarthsRate) {

@@ -68,7 +68,8 @@ struct Pass {
   double total_chi2() const { return std::accumulate(chi2.begin(), chi2.end(), 0.0); }
 };
 
-/// One pass over the blocks; the errors stay small states beside the model that they are linearized about. `known`: the prior of the constants.
+/// One pass over the blocks. The errors are states beside the model that they are linearized about; only the level is fed back, after each block at
+/// rest. `known`: the prior of the constants.
 Pass filter_pass(const Data& data, const Linearization& about, const States& states, const kernel::Parameters& known,
                  const PassOptions& options = {});
 

@@ -123,9 +123,9 @@ Recording put_right(Recording recording, const LateAxis& late) {
 
 /// The axis that explains most of what the converged solution does not; nothing where the velocities fit, or no axis halves their scatter.
 std::optional<LateAxis> late_axis(const Data& data, const Iterate& converged) {
-  constexpr double fits = 1.5, hopeless = 100;  // as in turns whose ramps are between two samples; as of other data
+  constexpr double fits = 1.5;  // as in turns whose ramps are between two samples
   LateAxis best{0, 0, HUGE_VAL, scatter_of(data, converged)};
-  if (!(best.before > fits && best.before < hopeless)) return std::nullopt;
+  if (!(best.before > fits && best.before < other_data)) return std::nullopt;
   for (std::size_t axis = 0; axis < 6; ++axis)
     for (const int samples : {1, -1}) {
       const Recording moved = put_right(data.recording, {axis, samples});

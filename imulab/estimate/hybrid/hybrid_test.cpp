@@ -182,7 +182,8 @@ TEST(Hybrid, TurnedByHand) {
   }
 }
 
-/// What the gyros' noise adds up to, 4 mrad here, tilts the solution by so much that the vertical force would be wrong by 8e-6.
+/// What the gyros' noise adds up to, 7 mrad on each axis here, would tilt the solution by so much that the vertical force is wrong by 2e-5 on
+/// average.
 TEST(Hybrid, NoTiltAddsUp) {
   double sum = 0, count = 0;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {

@@ -98,10 +98,10 @@ void set_optional_totals(Iterate& c) {
 class Stuck {
  public:
   bool after(double scatter) {
-    constexpr double far = 100, nearer = 0.7;
+    constexpr double nearer = 0.7;
     constexpr int patience = 6;
     if (scatter < nearer * least_) least_ = scatter, passes_ = 0;
-    return ++passes_ > patience && scatter > far;
+    return ++passes_ > patience && scatter > other_data;
   }
 
  private:
@@ -170,7 +170,7 @@ std::vector<std::size_t> outlying_blocks(const Data& data, const Iterate& c) {
   return 20 * found.size() > data.blocks.size() ? std::vector<std::size_t>{} : found;
 }
 
-/// A latitude of the wrong sign is too far off for a linearization.
+/// The solution of the other hemisphere, whose horizontal rate of the Earth is the same, is too far off for a linearization.
 Iterate in_other_hemisphere(const Data& open, Iterate trial) {
   double& latitude = trial.about.place.latitude;
   latitude = -latitude;
@@ -180,20 +180,20 @@ Iterate in_other_hemisphere(const Data& open, Iterate trial) {
 
 Iterate better(Iterate a, Iterate b) { return b.pass.total_chi2() < a.pass.total_chi2() ? std::move(b) : std::move(a); }
 
-constexpr double other_data = 100;  // scatter that no prior, axis or choice of velocities takes away
-
 /// `scatter`: with the declared latitude.
 std::optional<SeenLatitude> contradicting_latitude(const Data& open, Iterate trial, double declared_sigma, double scatter) {
   if (scatter > other_data && scatter_of(open, trial) > 0.99 * scatter) return {};  // nor does a latitude
   const Index at = trial.states.first(Group::latitude);
   const auto contradicts = [&](double enlarged) {
-    const double off = trial.total[at] + trial.pass.x[at], sigma = std::max(1.0, enlarged) * std::sqrt(trial.pass.covariance(at, at));
+    const double off = trial.total[at] + trial.pass.x[at], sigma = enlarged * std::sqrt(trial.pass.covariance(at, at));
     return std::abs(off) > 5 * sigma && sigma < 3 * unit::deg && std::abs(off) > 3 * declared_sigma;
   };
   if (!contradicts(1)) return {};  // far from the solution the scatter measures how far
-  trial = better(converged(open, trial), converged(open, in_other_hemisphere(open, trial)));
-  if (!trial.converged || !contradicts(scatter_of(open, trial))) return {};
-  return SeenLatitude{trial.about.place.latitude - trial.pass.x[at], std::sqrt(trial.pass.covariance(at, at))};
+  trial = converged(open, std::move(trial));
+  trial = better(trial, converged(open, in_other_hemisphere(open, trial)));
+  const double enlarged = std::max(1.0, scatter_of(open, trial));
+  if (!trial.converged || !contradicts(enlarged)) return {};
+  return SeenLatitude{trial.about.place.latitude - trial.pass.x[at], enlarged * std::sqrt(trial.pass.covariance(at, at))};
 }
 
 /// One pass with an open latitude: the latitude that contradicts the declared one, and Wald's test of each optional group with the declared one,
@@ -252,7 +252,8 @@ std::optional<SeenLatitude> mirrored_latitude(const Data& data, const Iterate& c
   mirrored.place.latitude = -data.place.latitude;
   const Iterate other = converged(mirrored, first_iterate(mirrored));
   constexpr double better_by = 50;  // of chi-square: a likelihood of e^25 to one
-  if (!other.converged || !(other.pass.total_chi2() < c.pass.total_chi2() - better_by)) return {};
+  const double scatter = std::max(1.0, scatter_of(mirrored, other));
+  if (!other.converged || !(other.pass.total_chi2() < c.pass.total_chi2() - better_by * scatter * scatter)) return {};
   return SeenLatitude{mirrored.place.latitude, 0};
 }
 

@@ -39,6 +39,8 @@ Errors determined_errors(const Iterate& iterate);
 
 /// The velocities' residuals over what the noise explains (RMS).
 double scatter_of(const Data& data, const Iterate& iterate);
+/// The scatter of data that no latitude, prior, axis or choice of velocities explains.
+inline constexpr double other_data = 100;
 
 /// One pass, about the same model.
 Iterate repeated(const Data& data, Iterate iterate, double curve_interval = 0);

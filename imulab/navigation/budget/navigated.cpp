@@ -21,6 +21,7 @@ NavigatedBudget::NavigatedBudget(const Calibration& calibration, const Session& 
 }
 
 void NavigatedBudget::begin(const NavigationStart& start) try {
+  refused_ = nullptr;
   ErrorSources sources = error_sources(calibration_);
   if (start.aligned) {
     sources.start.aligned_over = start.aligned->end - start.aligned->begin;

@@ -1,7 +1,7 @@
 // The error equations of an IMU that turns in one place (Cheng 2014 sec 2), over a block of time:
 //
 //   phi' = -w_in x phi - C_nb dw        attitude error, C_hat = (I - [phi x]) C
-//   dV'  =  f_n x phi + C_nb df         velocity error; f_n = (0, 0, g), since the IMU stays in one place
+//   dV'  =  f_n x phi + C_nb df         velocity error; f_n = (0, 0, g) where the IMU stays in one place, else as measured
 #pragma once
 
 #include "imulab/core/rotation.hpp"
