@@ -152,6 +152,16 @@ void warn_of_samples(const Recording& r, Navigated& out) {
               : "increments are taken as they are, gravity by the stamps: each state is as late as its stamp"));
 }
 
+/// A height error grows as cosh(k t), where k^2 is the decrease of gravity with height: a hundredfold in 50 min.
+void warn_of_height(const std::string& name, double duration, Navigated& out) {
+  constexpr double k = 1 / 570.0, tolerable = 100;  // k in 1/s
+  if (out.vertical != VerticalChannel::free || std::cosh(k * duration) < tolerable) return;
+  out.warnings.push_back(
+      fmt::format("{}: the vertical channel is free for {:.0f} min, and a height error grows by a factor of e every 9.5 min: in the end height and "
+                  "vertical velocity mean nothing, and spoil the rest; expected a fixed vertical channel, or a barometer",
+                  name, duration / 60));
+}
+
 }  // namespace
 
 Navigated navigate(const Calibration& calibration, const Session& session, Recording raw, const NavigateOptions& options) {
@@ -173,6 +183,7 @@ Navigated navigate(const Calibration& calibration, const Session& session, Recor
   if (options.begin) options.begin({start.state, out.aligned, start.time, recording.time_s(recording.size() - 1), recording.interval_s});
   integrate(start, steps, session, recording, options, out);
   warn_of_samples(recording, out);
+  warn_of_height(recording.name, recording.time_s(recording.size() - 1) - start.time, out);
   return out;
 }
 

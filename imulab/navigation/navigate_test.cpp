@@ -15,6 +15,7 @@
 namespace imulab {
 namespace {
 
+using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -109,6 +110,24 @@ TEST(Navigate, BridgesGapsOrRefusesThem) {
   const Navigated inside = navigate({}, f.session, holed);
   EXPECT_DOUBLE_EQ(inside.solution.time.front(), 50.3);
   EXPECT_NEAR(inside.solution.time[1], 50.32, 1e-9);
+}
+
+TEST(Navigate, AVerticalChannelThatIsFreeForAnHourIsNamed) {
+  FlightSession f = flight_session(0);
+  f.session.initial = flight_start();
+  const auto go_on = [&](double seconds) {
+    for (const double end = f.recording.time_s(f.recording.size() - 1) + seconds; f.recording.time_s(f.recording.size() - 1) < end;) {
+      f.recording.time_ns.push_back(f.recording.time_ns.back() + 20000000);
+      for (std::size_t k = 0; k < 3; ++k)
+        f.recording.gyro[k].push_back(f.recording.gyro[k].back()), f.recording.accel[k].push_back(f.recording.accel[k].back());
+    }
+  };
+  const auto named = Contains(HasSubstr("the vertical channel is free for 51 min"));
+  go_on(2900);
+  EXPECT_THAT(navigate({}, f.session, f.recording).warnings, Not(named));
+  go_on(100);  // 3060 s; cosh(3020 / 570) = 100
+  EXPECT_THAT(navigate({}, f.session, f.recording).warnings, named);
+  EXPECT_THAT(navigate({}, f.session, f.recording, {.vertical = VerticalChannel::fixed}).warnings, Not(named));
 }
 
 TEST(Navigate, LateStampsOnEvenIncrementsMakeNoMotion) {
