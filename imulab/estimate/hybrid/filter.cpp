@@ -53,6 +53,13 @@ void level(in_place::Navigator& navigator, SquareRootEstimate& e, const States& 
   e.x.segment<3>(states.attitude()) -= tilt;
 }
 
+RestRate rest_rate(in_place::Navigator& navigator, const Range& samples, double time) {
+  Vector3d sum = Vector3d::Zero();
+  for (std::size_t i = samples.begin; i < samples.end; ++i) sum += navigator.readings.rate(i);
+  const auto n = static_cast<double>(samples.size());
+  return {time, n, navigator.C_nb * sum / n};
+}
+
 /// A new attitude with standard deviation `sigma`; the first one is also that of the start.
 void begin(SquareRootEstimate& e, const States& states, const Vector3d& sigma, bool first) {
   e.x.tail<6>().setZero();
@@ -129,6 +136,7 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
   bool used_before = true;  // a knock across the end of a block that is left out is in the next one, too
   double whole = 0;         // s, of all blocks
   for (const Block& block : blocks) whole += data.recording.interval_s * static_cast<double>(block.samples.size());
+  const double start_time = data.recording.time_s(blocks.front().samples.end - 1);
   std::size_t first = 0;  // sample since which the motion was measured without interruption
 
   for (std::size_t k = 0; k < blocks.size(); ++k) {
@@ -156,6 +164,7 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
     if (used && used_before && block.at_rest) level(navigator, e, states, sums, about.place.gravity);
     used_before = used;
     const double time = data.recording.time_s(block.samples.end - 1);
+    if (options.rates && block.at_rest) out.rates.push_back(rest_rate(navigator, block.samples, time - start_time));
     if (options.curve_interval > 0 && (time >= next_point || k + 1 == blocks.size())) {
       out.curve.push_back({time, e.x, e.factor.rowwise().norm()});
       next_point = time + options.curve_interval;

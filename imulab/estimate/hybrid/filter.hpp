@@ -44,12 +44,19 @@ struct Linearization {
 struct PassOptions {
   double outlier = std::numeric_limits<double>::infinity();  ///< a velocity whose innovation is beyond this chi-square is not used
   double curve_interval = 0;                                 ///< s between the points of `curve`; 0: none
+  bool rates = false;                                        ///< at rest, for `rates`
 };
 
 /// The estimate after a block.
 struct CurvePoint {
   double time;  ///< s
   Eigen::VectorXd x, sigma;
+};
+
+/// The gyros' mean rate in a block at rest, by the computed attitude in east-north-up: the Earth's rate, turned by the heading's error.
+struct RestRate {
+  double time, duration;  ///< s; `time` since the first block's end
+  Vector3d rate_n;        ///< rad/s
 };
 
 /// Correlation of each value with the next, and its standard deviation where they are white.
@@ -64,6 +71,7 @@ struct Pass {
   std::vector<double> chi2;       ///< of the innovations by block, three degrees of freedom each; zero where nothing was observed
   Serial serial;                  ///< of the innovations
   std::vector<CurvePoint> curve;  ///< thinned
+  std::vector<RestRate> rates;
 
   double total_chi2() const { return std::accumulate(chi2.begin(), chi2.end(), 0.0); }
 };

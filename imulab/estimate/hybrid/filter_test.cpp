@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/hybrid_session.hpp"
+#include <numbers>
 
 namespace imulab::hybrid {
 namespace {
@@ -41,9 +42,27 @@ void without_noise(Session& session) {
   session.imu.accel_noise_density = session.imu.gyro_noise_density = 1e-14;
 }
 
-TEST(HybridFilter, ItsDerivativesAreThoseOfTheNavigation) {
+/// In each turn a hand takes the unit to another place: up to 2 m/s^2 to and fro, in other directions.
+void move_by_hand(HybridSession& s) {
+  Recording& r = s.recording;
+  const SensorModel& model = s.truth.model;
+  const Recording unmoved = r;
+  Navigator at(unmoved, model, 0, *s.session.site.latitude, s.truth.gravity, {});
+  at.align(s.rests.front());
+  for (std::size_t k = 0, i = s.rests.front().begin; k + 1 < s.rests.size(); ++k) {
+    const Range turn{s.rests[k].end, s.rests[k + 1].begin};
+    for (; i < turn.begin; ++i) at.over({{i, i + 1}, true}, i);
+    for (; i < turn.end; ++i) {
+      const double phase = 2 * std::numbers::pi * (static_cast<double>(i - turn.begin) + 0.5) / static_cast<double>(turn.size());
+      at.over({{i, i + 1}, false}, i);
+      const Vector3d more = model.accel.matrix.inverse() * at.C_nb.transpose() * (2 * std::sin(phase) * Vector3d(1, k % 2 == 0 ? 1 : -1, 0.5));
+      for (std::size_t j = 0; j < 3; ++j) r.accel[j][i] += more[static_cast<Index>(j)];
+    }
+  }
+}
+
+void expect_derivatives_of_the_navigation(const HybridSession& s) {
   // Three rests and the turns between them; every kind of state, each alone.
-  const HybridSession s = hybrid_session(1, without_noise);
   const SensorModel& model = s.truth.model;
   const Place place{*s.session.site.latitude, s.truth.gravity, 0, 1e-4};
   const States states({.optional = {Group::lever_arm, Group::quadratic, Group::g_sensitivity}}, place);
@@ -77,6 +96,14 @@ TEST(HybridFilter, ItsDerivativesAreThoseOfTheNavigation) {
           << "state " << state << (part == 0 ? ", attitude " : ", velocity ") << difference.segment<3>(part).transpose() << " predicted "
           << predicted.segment<3>(part).transpose();
   }
+}
+
+TEST(HybridFilter, ItsDerivativesAreThoseOfTheNavigation) { expect_derivatives_of_the_navigation(hybrid_session(1, without_noise)); }
+
+TEST(HybridFilter, ItsDerivativesAreThoseOfAHandThatMovesTheUnit) {
+  HybridSession s = hybrid_session(1, without_noise);
+  move_by_hand(s);
+  expect_derivatives_of_the_navigation(s);
 }
 
 TEST(HybridFilter, ItsDerivativesAreTheSameWithTheForceThatIsKnown) {

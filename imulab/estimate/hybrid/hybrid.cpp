@@ -7,6 +7,7 @@
 #include "imulab/estimate/kernel/coarse.hpp"
 #include "imulab/estimate/kernel/common_turns.hpp"
 #include "imulab/estimate/kernel/input.hpp"
+#include "imulab/estimate/kernel/latitude_at_rest.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/estimate/kernel/rest_start.hpp"
 #include "imulab/model/triad_axes.hpp"
@@ -155,6 +156,23 @@ void add_curves(const Data& data, const Iterate& iterate, double interval, Calib
   out.iterations = last.iterations;
 }
 
+/// The latitude that the gyros show at rest, if it contradicts the declared one, by this model, whose gyro scales have this relative standard
+/// deviation.
+std::optional<kernel::SeenLatitude> seen_latitude(const Data& data, const std::vector<RestMeans>& rests, const SensorModel& model, double scale) {
+  // An equal g-sensitivity on all axes is as large as the mean of three.
+  const double equal = data.terms.optional.contains(Group::g_sensitivity) ? data.terms.priors.sizes.g_sensitivity / std::sqrt(3) : 0;
+  return kernel::latitude_against(data.place.latitude, data.place.latitude_sigma, rests, model,
+                                  {data.noise.gyro.maxCoeff(), scale, equal, data.place.gravity});
+}
+
+/// With the scales that converged.
+std::optional<kernel::SeenLatitude> seen_latitude(const Data& data, const std::vector<RestMeans>& rests, const Iterate& converged) {
+  const Index scales = converged.states.first(Group::gyro_matrix);
+  double variance = 0;
+  for (Index i = 0; i < 9; i += 4) variance = std::max(variance, converged.pass.covariance(scales + i, scales + i));
+  return seen_latitude(data, rests, converged.about.model, std::max(1.0, scatter_of(data, converged)) * std::sqrt(variance));
+}
+
 /// `findings`: those so far; `last`: those to be listed last.
 CalibrationResult calibrated(const Recording& recording, const std::vector<Range>& rests, const Session& session, const CalibrationOptions& options,
                              kernel::Findings findings, const kernel::Findings& last) {
@@ -172,7 +190,25 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
             .coarse = coarse,
             .terms = terms_of(session, options.terms, coarse.accel.offset, coarse.gyro.offset, recording.interval_s),
             .progress = options.progress};
-  const Converged result = converge(data, options.significance);
+  const bool corrected = std::find(last.doubts.begin(), last.doubts.end(), kernel::wrong_latitude) != last.doubts.end();
+  constexpr double of_any_unit = 0.05;  // of scales that are not calibrated
+  std::optional<kernel::SeenLatitude> seen;
+  if (!corrected) seen = seen_latitude(data, start.rests, coarse, of_any_unit);
+  const Converged result = seen ? Converged{first_iterate(data), {}, {}, {}} : converge(data, options.significance);
+  if (!corrected && !seen && result.last.converged) seen = seen_latitude(data, start.rests, result.last);
+  if (seen) {  // it replaces the site's and is estimated jointly
+    Session there = session;
+    there.site.latitude = seen->value;
+    there.site.latitude_sigma = 5 * seen->sigma;
+    kernel::Findings instead;
+    instead.warn(
+        fmt::format("the gyros show a latitude of {:.3f} +/- {:.2g} deg, not {:.3f}; this latitude is used, with its gravity if none is declared; "
+                    "check the site's latitude",
+                    seen->value / unit::deg, seen->sigma / unit::deg, place.latitude / unit::deg));
+    instead.doubt(kernel::wrong_latitude);
+    instead.add(last);
+    return calibrated(recording, rests, there, options, std::move(findings), instead);
+  }
   if (const auto late = last.doubts.empty() ? late_axis(data, result.last) : std::nullopt) {
     kernel::Findings instead;
     instead.warn(
@@ -181,21 +217,6 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
                     text_of(*late), late->before, late->scatter));
     instead.doubt(text_of(*late));
     return calibrated(put_right(recording, *late), rests, session, options, std::move(findings), instead);
-  }
-  const bool corrected = std::find(last.doubts.begin(), last.doubts.end(), kernel::wrong_latitude) != last.doubts.end();
-  if (result.latitude && !corrected) {  // it replaces the site's and is estimated jointly; where yet another one is seen, none explains the data
-    Session there = session;
-    there.site.latitude = result.latitude->value;
-    there.site.latitude_sigma = 30 * unit::deg;
-    kernel::Findings instead;
-    const auto [seen, sigma] = *result.latitude;
-    instead.warn(
-        fmt::format("the gyros show a latitude of {:.3f}{} deg, not {:.3f}; this latitude is used, with its gravity if none is declared; "
-                    "check the site's latitude",
-                    seen / unit::deg, sigma > 0 ? fmt::format(" +/- {:.2g}", sigma / unit::deg) : "", place.latitude / unit::deg));
-    instead.doubt(kernel::wrong_latitude);
-    instead.add(last);
-    return calibrated(recording, rests, there, options, std::move(findings), instead);
   }
   findings.add(start.findings);
   for (const std::string& warning : cut.warnings) findings.warn(warning);

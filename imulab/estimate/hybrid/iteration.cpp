@@ -8,7 +8,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 namespace imulab::hybrid {
@@ -46,31 +48,32 @@ Iterate repeated(const Data& data, Iterate iterate, double curve_interval) {
 
 namespace {
 
-/// On from where `before` is, with a latitude to be estimated as the open data declare it.
-Iterate with_open_latitude(const Data& open, const Iterate& before) {
-  Iterate out = first_iterate(open);
-  out.iterations = before.iterations;
-  out.heading_known = before.heading_known;
-  out.about = {before.about.model, before.states.has(Group::latitude) ? before.about.place : open.place, before.about.start, before.about.delay};
-  for (const Group group : before.states.groups())
-    out.total.segment(out.states.first(group), out.states.size(group)) = before.total.segment(before.states.first(group), before.states.size(group));
-  return out;
-}
+/// The heading's error at the start [rad], and its rate [rad/s]: an equal g-sensitivity on all axes turns the heading.
+struct HeadingError {
+  double start, rate;
+};
 
-/// Gyros that hardly resolve the Earth's rate start from any heading, possibly too far off to converge: of eight headings, the one that fits best.
-Matrix3d best_heading(const Data& data, const Iterate& iterate) {
-  Matrix3d best = *iterate.about.start;
-  double least = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < 8; ++k) {
-    Iterate turned = iterate;
-    turned.about.start = rotation_about(Vector3d::UnitZ(), k * 45 * unit::deg) * *iterate.about.start;
-    turned = repeated(data, std::move(turned));
-    if (const double chi2 = turned.pass.total_chi2(); chi2 < least) {
-      least = chi2;
-      best = *turned.about.start;
-    }
-  }
-  return best;
+/// From any heading, and one that turns: of gyros that hardly resolve the Earth's rate in one rest, that error of the heading with which the rates of
+/// all rests add up to most. Nothing where that is not five times what their noise adds up to.
+std::optional<HeadingError> heading_error(const std::vector<RestRate>& rates, double most_rate) {
+  using Complex = std::complex<double>;
+  if (rates.empty()) return {};
+  double power = 0;
+  for (const RestRate& r : rates) power += std::norm(r.duration * Complex(r.rate_n.x(), r.rate_n.y()));
+  const double duration = std::max(rates.back().time - rates.front().time, 1.0);
+  const auto sum_at = [&](double rate) {
+    Complex sum = 0;
+    for (const RestRate& r : rates) sum += r.duration * std::polar(1.0, -rate * r.time) * Complex(r.rate_n.x(), r.rate_n.y());
+    return sum;
+  };
+  const double step = 0.5 / duration;
+  const int steps = std::min(2000, static_cast<int>(most_rate / step));
+  double best = 0;
+  for (int k = -steps; k <= steps; ++k)
+    if (std::norm(sum_at(k * step)) > std::norm(sum_at(best))) best = k * step;
+  const Complex sum = sum_at(best);
+  if (std::norm(sum) < 25 * power) return {};
+  return HeadingError{std::arg(sum) - std::numbers::pi / 2, best};  // north is up in the plane of east and north
 }
 
 /// Where a step follows the direction of the one before, what their ratio says that all further ones would add up to (Aitken): in barely determined
@@ -109,21 +112,36 @@ class Stuck {
   int passes_ = 0;
 };
 
+/// The step's turn of the heading, and of its rate, as the rests show them: far from the solution the error equations do not.
+void find_heading(VectorXd& step, Vector3d& start, const Data& data, const Iterate& c) {
+  constexpr double sigmas = 3;
+  const Index first = c.states.first(Group::g_sensitivity);
+  const double gravity = data.place.gravity, most = first < 0 ? 0 : sigmas * c.states.prior[first] * gravity;
+  const auto error = heading_error(c.pass.rates, most);
+  if (!error) return;
+  start.z() = -error->start;
+  if (first < 0) return;
+  const double equal = (step[first] + step[first + 4] + step[first + 8]) / 3;
+  for (Index i = 0; i < 9; i += 4) step[first + i] += error->rate / gravity - equal;
+}
+
 /// Passes until the correction is below a hundredth of its sigma.
 Iterate converged(const Data& data, Iterate c) {
-  constexpr int most_iterations = 30, before_heading = 3, usual = 5;  // with the pass of the review
+  constexpr int most_iterations = 30, before_heading = 3, usual = 4;
+  constexpr double most_north = 89.99 * unit::deg, longest_of_latitude = 10 * unit::deg;  // as far as its sine and cosine are nearly linear
   const States& states = c.states;
   const Index start_at = states.first(Group::start);
   VectorXd before;  // the last step, in sigmas
   c.converged = false;
   Stuck stuck;
   for (int k = 0; k < most_iterations; ++k) {
-    c = repeated(data, std::move(c));
+    c.pass = filter_pass(data, c.about, states, states.parameters(c.total), {.rates = !c.heading_known});
+    ++c.iterations;
     if (data.progress) data.progress(std::min(1.0, static_cast<double>(k + 1) / usual));
     const Errors errors = determined_errors(c);
     const VectorXd sigma = errors.covariance.diagonal().cwiseSqrt();
     VectorXd step = errors.mean;
-    const Vector3d start = step.segment<3>(start_at);
+    Vector3d start = step.segment<3>(start_at);
     for (const Group linear :
          {Group::start, Group::gravity, Group::smear, Group::flicker, Group::mean})  // the model has none of them: estimated anew in each pass
       if (states.has(linear)) step.segment(states.first(linear), states.size(linear)).setZero();
@@ -131,21 +149,24 @@ Iterate converged(const Data& data, Iterate c) {
     if (delay >= 0) step[delay] -= c.about.delay;
     c.converged = (step.cwiseAbs() - 0.01 * sigma).maxCoeff() <= 0;
     if (c.converged || stuck.after(scatter_of(data, c))) break;
+    if (!c.heading_known && sigma[start_at + 2] > 1 * unit::deg) find_heading(step, start, data, c);
     const VectorXd in_sigmas = step.cwiseQuotient(sigma.cwiseMax(1e-300));
     // The optional terms, which follow the start, act linearly: their steps may be long.
-    const double longest = std::max(1.0, step.head(start_at).cwiseAbs().cwiseQuotient(3 * states.prior.head(start_at).cwiseMax(1e-30)).maxCoeff());
-    const double whole = extrapolation(in_sigmas, before), factor = whole / longest;
+    double longest = std::max(1.0, step.head(start_at).cwiseAbs().cwiseQuotient(3 * states.prior.head(start_at).cwiseMax(1e-30)).maxCoeff());
+    if (const Index at = states.first(Group::latitude); at >= 0)
+      longest = std::max(longest, std::abs(step[at]) / std::min(3 * states.prior[at], longest_of_latitude));
+    const double whole = c.heading_known ? extrapolation(in_sigmas, before) : 1, factor = whole / longest;
     before = whole == 1 ? in_sigmas : VectorXd();
     c.about.model = corrected(c.about.model, factor * step, states);
-    if (states.has(Group::latitude)) {  // between the poles, whatever poor data say
-      double& latitude = c.about.place.latitude;
-      latitude = std::clamp(latitude - factor * step[states.first(Group::latitude)], -89 * unit::deg, 89 * unit::deg);
-    }
     c.total += factor * step;
+    if (const Index at = states.first(Group::latitude); at >= 0) {  // between the poles, whatever poor data say
+      double& latitude = c.about.place.latitude;
+      latitude = std::clamp(latitude - factor * step[at], -most_north, most_north);
+      c.total[at] = data.place.latitude - latitude;
+    }
     if (delay >= 0) c.about.delay += factor * step[delay], c.total[delay] = 0;
     set_optional_totals(c);
     c.about.start = rotation_exp(factor * start) * c.pass.start;
-    if (k >= before_heading && !c.heading_known && sigma[start_at + 2] > 3 * unit::deg) c.about.start = best_heading(data, c);
     c.heading_known = c.heading_known || k >= before_heading;
   }
   return c;
@@ -170,60 +191,22 @@ std::vector<std::size_t> outlying_blocks(const Data& data, const Iterate& c) {
   return 20 * found.size() > data.blocks.size() ? std::vector<std::size_t>{} : found;
 }
 
-/// The solution of the other hemisphere, whose horizontal rate of the Earth is the same, is too far off for a linearization.
-Iterate in_other_hemisphere(const Data& open, Iterate trial) {
-  double& latitude = trial.about.place.latitude;
-  latitude = -latitude;
-  trial.total[trial.states.first(Group::latitude)] = open.place.latitude - latitude;
-  return trial;
-}
-
-Iterate better(Iterate a, Iterate b) { return b.pass.total_chi2() < a.pass.total_chi2() ? std::move(b) : std::move(a); }
-
-/// `scatter`: with the declared latitude.
-std::optional<SeenLatitude> contradicting_latitude(const Data& open, Iterate trial, double declared_sigma, double scatter) {
-  if (scatter > other_data && scatter_of(open, trial) > 0.99 * scatter) return {};  // nor does a latitude
-  const Index at = trial.states.first(Group::latitude);
-  const auto contradicts = [&](double enlarged) {
-    const double off = trial.total[at] + trial.pass.x[at], sigma = enlarged * std::sqrt(trial.pass.covariance(at, at));
-    return std::abs(off) > 5 * sigma && sigma < 3 * unit::deg && std::abs(off) > 3 * declared_sigma;
-  };
-  if (!contradicts(1)) return {};  // far from the solution the scatter measures how far
-  trial = converged(open, std::move(trial));
-  trial = better(trial, converged(open, in_other_hemisphere(open, trial)));
-  const double enlarged = std::max(1.0, scatter_of(open, trial));
-  if (!trial.converged || !contradicts(enlarged)) return {};
-  return SeenLatitude{trial.about.place.latitude - trial.pass.x[at], enlarged * std::sqrt(trial.pass.covariance(at, at))};
-}
-
-/// One pass with an open latitude: the latitude that contradicts the declared one, and Wald's test of each optional group with the declared one,
-/// where the user did not name them.
-struct Review {
-  std::optional<SeenLatitude> latitude;
+/// Wald's test of each optional group on the data alone, where the user did not name them.
+std::vector<TermTest> tests_of_terms(const Data& data, const Iterate& iterate, double significance) {
   std::vector<TermTest> tests;
-};
-Review review(const Data& data, const Iterate& iterate, double significance) {
-  Data open = data;
-  open.place.latitude_sigma = 30 * unit::deg;
-  const Iterate trial = repeated(open, with_open_latitude(open, iterate));
-  const States& states = trial.states;
-  Review out{contradicting_latitude(open, trial, data.place.latitude_sigma, scatter_of(data, iterate)), {}};
-  if (!data.terms.wanted.empty()) return out;
-  // Errors of the coarse solution, the latitude's having been measured as zero.
-  const Index n = states.constants(), latitude = states.first(Group::latitude);
-  VectorXd mean = trial.total + trial.pass.x.head(n);
-  MatrixXd covariance = trial.pass.covariance.topLeftCorner(n, n);
-  const VectorXd column = covariance.col(latitude), gain = column / (column[latitude] + std::pow(data.place.latitude_sigma, 2));
-  mean -= gain * mean[latitude];
-  covariance -= gain * column.transpose();
+  if (!data.terms.wanted.empty()) return tests;
+  const States& states = iterate.states;
+  const Index n = states.constants();
+  const VectorXd mean = iterate.total + iterate.pass.x.head(n);
+  MatrixXd covariance = iterate.pass.covariance.topLeftCorner(n, n);
   // Integration from samples is good to less than a thousandth of their interval: in a turn's ramp of four samples it looks like a fifth of that.
   if (const Index at = states.first(Group::delay); at >= 0) covariance(at, at) += std::pow(5e-4 * data.recording.interval_s, 2);
   for (const Group group : data.terms.optional) {
     const Index first = states.first(group), size = states.size(group);
-    out.tests.push_back(kernel::wald_without_prior(std::string(name(group)), mean.segment(first, size), covariance.block(first, first, size, size),
-                                                   states.prior.segment(first, size), significance));
+    tests.push_back(kernel::wald_without_prior(std::string(name(group)), mean.segment(first, size), covariance.block(first, first, size, size),
+                                               states.prior.segment(first, size), significance));
   }
-  return out;
+  return tests;
 }
 
 /// Widens the priors of optional terms that the data contradict; their names.
@@ -244,20 +227,7 @@ std::vector<std::string> widen_priors(Data& data, const Iterate& c) {
   return widened;
 }
 
-/// The latitude of the other hemisphere, where residuals that are too large become smaller with it. Nearer to the declared one a g-sensitivity common
-/// to all axes can take its place.
-std::optional<SeenLatitude> mirrored_latitude(const Data& data, const Iterate& c) {
-  if (chi_square_tail(c.pass.total_chi2(), 3.0 * static_cast<double>(data.observed())) > 1e-3) return {};
-  Data mirrored = data;
-  mirrored.place.latitude = -data.place.latitude;
-  const Iterate other = converged(mirrored, first_iterate(mirrored));
-  constexpr double better_by = 50;  // of chi-square: a likelihood of e^25 to one
-  const double scatter = std::max(1.0, scatter_of(mirrored, other));
-  if (!other.converged || !(other.pass.total_chi2() < c.pass.total_chi2() - better_by * scatter * scatter)) return {};
-  return SeenLatitude{mirrored.place.latitude, 0};
-}
-
-/// Neither converged nor anywhere near the data: no other latitude, prior, axis or choice of velocities makes it so.
+/// Neither converged nor anywhere near the data: no other prior, axis or choice of velocities makes it so.
 bool is_hopeless(const Data& data, const Iterate& c) {
   constexpr double far = 5;  // as from there on a result is doubtful
   return !c.converged && scatter_of(data, c) > far;
@@ -270,15 +240,10 @@ double scatter_of(const Data& data, const Iterate& c) {
 }
 
 Converged converge(Data& data, double significance) {
-  Converged out{converged(data, first_iterate(data)), {}, {}, {}, {}};
+  Converged out{converged(data, first_iterate(data)), {}, {}, {}};
   for (int round = 0; round < 10 && !is_hopeless(data, out.last); ++round) {
-    Review seen = review(data, out.last, significance);
-    out.latitude = seen.latitude;
-    if (out.latitude) break;
-    out.tests = std::move(seen.tests);
+    out.tests = tests_of_terms(data, out.last, significance);
     if (scatter_of(data, out.last) > other_data) break;
-    out.latitude = mirrored_latitude(data, out.last);
-    if (out.latitude) break;
     if (const auto widened = widen_priors(data, out.last); !widened.empty()) {  // anew: what a narrow prior bent may be far from the solution
       out.widened.insert(out.widened.end(), widened.begin(), widened.end());
       out.last = converged(data, first_iterate(data));

@@ -39,24 +39,17 @@ Errors determined_errors(const Iterate& iterate);
 
 /// The velocities' residuals over what the noise explains (RMS).
 double scatter_of(const Data& data, const Iterate& iterate);
-/// The scatter of data that no latitude, prior, axis or choice of velocities explains.
+/// The scatter of data that no prior, axis or choice of velocities explains.
 inline constexpr double other_data = 100;
 
 /// One pass, about the same model.
 Iterate repeated(const Data& data, Iterate iterate, double curve_interval = 0);
 
-/// A latitude as the gyros measure the Earth's rate [rad].
-struct SeenLatitude {
-  double value;
-  double sigma;  ///< 0: not known
-};
-
 struct Converged {
   Iterate last;
-  std::vector<TermTest> tests;           ///< of the optional groups: are they seen?
-  std::vector<std::string> widened;      ///< optional terms whose prior the data contradict
-  std::vector<std::size_t> left_out;     ///< blocks whose velocity is an outlier
-  std::optional<SeenLatitude> latitude;  ///< contradicts the place's: then the rest is void
+  std::vector<TermTest> tests;        ///< of the optional groups: are they seen?
+  std::vector<std::string> widened;   ///< optional terms whose prior the data contradict
+  std::vector<std::size_t> left_out;  ///< blocks whose velocity is an outlier
 };
 
 /// Repeats until the velocities that are used no longer change. Blocks whose velocity is an outlier are no longer observed in `data`. The optional

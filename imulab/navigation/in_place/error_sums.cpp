@@ -64,10 +64,11 @@ Matrix6 BlockSums::covariance(const Noise& noise, const Matrix3d& C) const {
   const Matrix3d of_gyro = C * noise.gyro.cwiseAbs2().asDiagonal() * C.transpose(),
                  of_accel = C * noise.accel.cwiseAbs2().asDiagonal() * C.transpose();
   const double T = duration;
-  const Matrix3d across = force / T;  // [f_n x], constant within the block
-  const Matrix3d cross = (T * T / 2) * across * of_gyro;
+  const Matrix3d across = force / T, moving = skew<double>(Vector3d(path / T));  // [(0, 0, g) x] and [v x], constant within the block
+  const Matrix3d cross = ((T * T / 2) * across - T * moving) * of_gyro, mixed = (T * T / 2) * across * of_gyro * moving.transpose();
   Matrix6 q;
-  q << T * of_gyro, cross.transpose(), cross, T * of_accel + (T * T * T / 3) * across * of_gyro * across.transpose();
+  q << T * of_gyro, cross.transpose(), cross,
+      T * of_accel + (T * T * T / 3) * across * of_gyro * across.transpose() + T * moving * of_gyro * moving.transpose() - mixed - mixed.transpose();
   return q;
 }
 

@@ -1,7 +1,11 @@
 // The error equations of an IMU that turns in one place (Cheng 2014 sec 2), over a block of time:
 //
-//   phi' = -w_in x phi - C_nb dw        attitude error, C_hat = (I - [phi x]) C
-//   dV'  =  f_n x phi + C_nb df         velocity error; f_n = (0, 0, g) where the IMU stays in one place, else as measured
+//   phi' = -w_in x phi - C_nb dw                   attitude error, C_hat = (I - [phi x]) C
+//   dV'  =  (0, 0, g) x phi + C_nb df + v x C_nb dw    velocity error
+//
+// Where the IMU stays in one place v = 0, and the force is that of gravity. Where a hand moves it from place to place dV stands for dV - v x phi,
+// which is the same where v = 0 again, and what the hand does to it is in the last term (an invariant error: Barrau 2017): the noise of a measured
+// force across the attitude error would look like knowledge of the heading.
 #pragma once
 
 #include "imulab/core/rotation.hpp"
@@ -42,9 +46,10 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 struct BlockSums {
   double duration = 0;
   Vector3d velocity = Vector3d::Zero();                                         ///< computed, gravity included
-  Matrix3d force = Matrix3d::Zero();                                            ///< of [f_n x]
+  Matrix3d force = Matrix3d::Zero();                                            ///< of [(0, 0, g) x]
+  Vector3d path = Vector3d::Zero();                                             ///< of v
   std::array<Matrix3d, 7> gyro;                                                 ///< of C b for b = 1, w, f: attitude from an error of the rate
-  std::array<Matrix3d, 7> gyro_velocity;                                        ///< of [f_n x] times the former: velocity
+  std::array<Matrix3d, 7> gyro_velocity;                                        ///< of [(0, 0, g) x] times the former - [v x] C b: velocity
   std::array<Matrix3d, 4> accel;                                                ///< of C b for b = 1, f
   Matrix3d quadratic = Matrix3d::Zero();                                        ///< of C f^2
   Eigen::Matrix<double, 3, 9> lever_arm = Eigen::Matrix<double, 3, 9>::Zero();  ///< of the size effect of lever arms of 1 m

@@ -53,6 +53,7 @@ Vector3d Navigator::force_at_origin(std::size_t i) {
 
 BlockSums Navigator::over(const Block& block, std::size_t first) {
   BlockSums sum;
+  if (block.observed || block.lost) velocity_.setZero();
   for (std::size_t i = block.samples.begin; i < block.samples.end; ++i) add(sum, i, first, block);
   return sum;
 }
@@ -79,12 +80,19 @@ void Navigator::add(BlockSums& sum, std::size_t i, std::size_t first, const Bloc
   // What an error multiplies, free of noise where it is known: an axis that measures nothing of rate or gravity would fit its own noise with a scale.
   const Vector3d w = block.at_rest ? Vector3d(half.transpose() * earth_rate_) : rate;
   const Vector3d f = block.observed ? Vector3d(half.transpose() * -gravity_) : force;
-  const Matrix3d across = skew<double>(block.observed ? Vector3d(-gravity_) : Vector3d(pushed / dt));  // [f_n x]
+  const Matrix3d across = skew<double>(Vector3d(-gravity_));
   const std::array<double, 7> basis{1, w.x(), w.y(), w.z(), f.x(), f.y(), f.z()};
   const std::size_t used = optional_.g_sensitivity ? 7 : 4;
   for (std::size_t b = 0; b < used; ++b) {
     sum.gyro_velocity[b].noalias() += across * (dt * sum.gyro[b] + basis[b] * inner);
     sum.gyro[b] += basis[b] * middle;
+  }
+  if (!block.observed) {
+    const Vector3d gained = pushed + dt * gravity_, moving = velocity_ + 0.5 * gained;
+    const Matrix3d turned = skew<double>(moving) * middle;
+    for (std::size_t b = 0; b < used; ++b) sum.gyro_velocity[b] -= basis[b] * turned;
+    sum.path += dt * moving;
+    velocity_ += gained;
   }
   sum.force += dt * across;
   sum.accel[0] += middle;

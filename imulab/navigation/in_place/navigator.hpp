@@ -41,6 +41,7 @@ class Navigator {
   OptionalSums optional_;
   Vector3d earth_rate_, gravity_;
   Increment previous_;
+  Vector3d velocity_ = Vector3d::Zero();  // since it was last known to be zero
 };
 
 }  // namespace imulab::in_place

@@ -1,0 +1,32 @@
+// The latitude that the gyros show at rest, without any turn: the Earth's rate along gravity and across it.
+#pragma once
+
+#include "imulab/model/sensor_model.hpp"
+#include "imulab/recording/rest_means.hpp"
+
+#include <optional>
+#include <vector>
+
+namespace imulab::kernel {
+
+/// A latitude as the gyros measure the Earth's rate [rad].
+struct SeenLatitude {
+  double value, sigma;
+};
+
+/// What the rests' gyros are known by.
+struct GyrosAtRest {
+  double noise;          ///< rad/s/sqrt(Hz), at least
+  double scale;          ///< relative standard deviation of their scales
+  double g_sensitivity;  ///< that of an equal one on all axes [rad/s/(m/s^2)]: it looks like the Earth's rate along gravity
+  double gravity;        ///< m/s^2
+};
+
+/// At rest in attitude k, with up u_k and the rate w_k: w_k . u_k = W sin L + b . u_k gives the offset b (Cheng 2014 eq 11, with known scales), and
+/// |w_k - b|^2 across u_k is (W cos L)^2 and the noise's. Their scatter counts, as far as it is larger than the noise. The latitude that these two
+/// fit best, if it is five standard deviations more likely than any within `declared` +/- 3 `declared_sigma` [rad]; nothing where the rests are too
+/// few, too much alike, or fit no latitude.
+std::optional<SeenLatitude> latitude_against(double declared, double declared_sigma, const std::vector<RestMeans>& rests, const SensorModel& model,
+                                             const GyrosAtRest& gyros);
+
+}  // namespace imulab::kernel
