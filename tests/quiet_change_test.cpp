@@ -34,6 +34,11 @@ TEST(QuietChange, AGravityOfAnotherPlaceIsDoubted) {
   EXPECT_THAT(quality_of(s, "turntable").because, Contains(HasSubstr("is not that of the given latitude")));
   s.session.site.given_gravity = normal + 0.004;
   EXPECT_THAT(quality_of(s, "turntable").because, testing::Not(Contains(HasSubstr("is not that of the given latitude"))));
+  s.session.site.height.reset();  // at most as large as at sea level, but for its anomalies
+  s.session.site.given_gravity = normal + 0.008;
+  EXPECT_THAT(quality_of(s, "turntable").because, Contains(HasSubstr("is not that of the given latitude")));
+  s.session.site.given_gravity = normal - 0.02;
+  EXPECT_THAT(quality_of(s, "turntable").because, testing::Not(Contains(HasSubstr("is not that of the given latitude"))));
 }
 
 TEST(QuietChange, AUnitThatChangesHasNoOneCalibration) {

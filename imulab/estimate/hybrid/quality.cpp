@@ -2,11 +2,13 @@
 
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/recording/compensated_readings.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace imulab::hybrid {
 
@@ -78,6 +80,60 @@ void judge_whiteness(const Iterate& iterate, kernel::Findings& findings) {
                   correlation));
 }
 
+/// Mean force and rate at a rest, in the body.
+struct RestMotion {
+  Vector3d force = Vector3d::Zero(), rate = Vector3d::Zero();
+  double duration = 0;  // s
+};
+
+std::vector<RestMotion> rests_of(const Data& data, const SensorModel& model) {
+  CompensatedReadings readings(data.recording, model);
+  std::vector<RestMotion> rests;
+  bool new_rest = true;
+  for (const Block& block : data.blocks) {
+    new_rest = new_rest || !block.at_rest || block.lost;
+    if (!block.at_rest || !block.observed) continue;
+    if (std::exchange(new_rest, false)) rests.emplace_back();
+    RestMotion& rest = rests.back();
+    const double dt = data.recording.interval_s;
+    for (std::size_t i = block.samples.begin; i < block.samples.end; ++i)
+      rest.force += dt * readings.force(i), rest.rate += dt * readings.rate(i), rest.duration += dt;
+  }
+  for (RestMotion& rest : rests) rest.force /= rest.duration, rest.rate /= rest.duration;
+  return rests;
+}
+
+/// By how much this value of the rests scatters about its mean, over what white noise of this density explains.
+template <class Value>
+double scatter_of_rests(const std::vector<RestMotion>& rests, const Vector3d& density, Value value) {
+  double mean = 0, all = 0, chi2 = 0;
+  for (const RestMotion& rest : rests) mean += rest.duration * value(rest), all += rest.duration;
+  mean /= all;
+  for (const RestMotion& rest : rests) chi2 += rest.duration * std::pow(value(rest) - mean, 2) / density.cwiseAbs2().mean();
+  return kernel::excess(chi2, static_cast<double>(rests.size()) - 1);
+}
+
+/// Offsets or scales that are not the same from rest to rest, while within each the velocities fit: the force is not g everywhere, or the rate along
+/// it not the Earth's. Unless slow noise is declared, which explains some.
+double drift_between_rests(const Data& data, const Iterate& iterate, kernel::Findings& findings) {
+  constexpr double much = 5;  // as residuals of all methods
+  const std::vector<RestMotion> rests = rests_of(data, iterate.about.model);
+  double largest = 1;
+  const auto judge = [&](const char* what, double scatter) {
+    if (scatter <= 1) return;
+    const std::string text = fmt::format("{} scatter {:.3g} times as much as the noise explains", what, scatter);
+    findings.warn(text + ", as offsets or scales do that drift; the uncertainties are enlarged by this factor");
+    if (scatter > much) findings.doubt(text);
+    largest = std::max(largest, scatter);
+  };
+  if (!data.noise.accel_slow.any())
+    judge("the rests' mean forces", scatter_of_rests(rests, data.noise.accel, [](const RestMotion& r) { return r.force.norm(); }));
+  if (!data.noise.gyro_slow.any())
+    judge("the rests' mean rates about the vertical",
+          scatter_of_rests(rests, data.noise.gyro, [](const RestMotion& r) { return r.force.normalized().dot(r.rate); }));
+  return largest;
+}
+
 /// Enlarges the uncertainties where the velocities scatter more than the noise explains.
 void enlarge(const Data& data, const Iterate& iterate, Calibration& calibration, kernel::Findings& findings) {
   const auto excess_of = [&](auto counts) {
@@ -89,8 +145,9 @@ void enlarge(const Data& data, const Iterate& iterate, Calibration& calibration,
   double factor = excess_of([](const Block& b) { return b.at_rest; });
   // The ramps of turns between two samples leave a few percent there; half as much again is more than that.
   if (const double in_turns = excess_of([](const Block& b) { return !b.at_rest; }); in_turns > 1.5) factor = std::max(factor, in_turns);
-  calibration.covariance *= factor * factor;
   kernel::add_scatter(findings, "velocities", factor);
+  factor = std::max(factor, drift_between_rests(data, iterate, findings));
+  calibration.covariance *= factor * factor;
 }
 
 /// Coefficients of which the data say nothing: cubic terms look like scales at the force and the rate that the data have, and quadratic terms of the

@@ -95,10 +95,12 @@ void add_common_doubts(Findings& findings, const Calibration& calibration, const
     if (relative > 0.01) findings.doubt(fmt::format("{} is uncertain by {:.2g} %", c.name, 100 * relative));  // uncalibrated: a few percent
   }
   if (!site.given_gravity) return;
-  // Normal gravity is true to 0.005 m/s^2 at a known height and 0.03 m/s^2 up to 10 km; on Earth's surface g is between 9.76 and 9.84.
+  // Normal gravity is true to 0.005 m/s^2 at a known height, and up to 0.03 m/s^2 too large up to 10 km; on Earth's surface g is between 9.76
+  // and 9.84.
   const double expected = site.latitude ? normal_gravity(*site.latitude, site.height.value_or(0)) : 9.80;
-  const double largest = !site.latitude ? 0.05 : site.height ? 0.005 : 0.03;
-  if (std::abs(*site.given_gravity - expected) > std::max(largest, 3 * site.gravity_sigma()))
+  const double off = *site.given_gravity - expected;
+  const double largest = !site.latitude ? 0.05 : site.height || off > 0 ? 0.005 : 0.03;
+  if (std::abs(off) > std::max(largest, 3 * site.gravity_sigma()))
     findings.doubt(fmt::format("the given gravity of {:g} m/s^2 is not that of {} ({:.3f})", *site.given_gravity,
                                site.latitude ? "the given latitude" : "the Earth's surface", expected));
 }
