@@ -41,6 +41,24 @@ TEST(QuietChange, AGravityOfAnotherPlaceIsDoubted) {
   EXPECT_THAT(quality_of(s, "turntable").because, testing::Not(Contains(HasSubstr("is not that of the given latitude"))));
 }
 
+TEST(QuietChange, OffsetsThatDriftFromRestToRestAreLessCertain) {
+  // By 20 ug and 0.2 deg/h in the session, exponentially: two and a half standard deviations of a second's velocity, where each rest begins.
+  for (const double accel : {20 * unit::ug, 0.0}) {
+    HybridSession s = hybrid_session(4);
+    Recording& r = s.recording;
+    const double gyro = accel > 0 ? 0 : 0.2 * unit::deg_per_h, mean = (1 - std::exp(-3.0)) / 3;
+    for (std::size_t i = 0; i < r.size(); ++i) {
+      const double drift = std::exp(-3.0 * static_cast<double>(i) / static_cast<double>(r.size())) - mean;
+      for (std::size_t k = 0; k < 3; ++k) r.accel[k][i] += accel * drift, r.gyro[k][i] += gyro * drift;
+    }
+    const Calibration c = hybrid::calibrate(input_of(s.session, r, s.rests), {}).calibration;
+    EXPECT_THAT(c.quality.warnings,
+                Contains(testing::ContainsRegex(accel > 0 ? "the rests' mean forces scatter [0-9.]+ times as much"
+                                                          : "the rests' mean rates about the vertical scatter [0-9.]+ times as much")));
+    EXPECT_LT(largest_sigmas(c, s.truth.model), 4.5);
+  }
+}
+
 TEST(QuietChange, AUnitThatChangesHasNoOneCalibration) {
   // An accelerometer's offset jumps by 1 mg after seven tenths of the session: the holds after it are outliers of those before.
   HybridSession s = hybrid_session(4);

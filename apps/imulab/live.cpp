@@ -160,11 +160,8 @@ void write_result(const Options& options, LiveProgress& progress, Session sessio
   if (!options.output.empty()) write_whole(options.output, calibration_text(calibration));
 }
 
-/// At the end: what was reached, and what is missing.
-void conclude(const Options& options, const LiveProgress& progress) {
+void summarize(const Options& options, const LiveProgress& progress) {
   const LiveView& view = progress.view();
-  if (view.samples < 2) throw Unsupported(fmt::format("{}: fewer than two rows arrived; expected a stream of them", name_of(options.input)));
-  if (!view.problem.empty()) throw Unsupported(shortcomings(progress));
   const Quality& quality = progress.result()->calibration.quality;
   for (const std::string& text : quality.warnings) warn(text);
   const std::string written =
@@ -172,6 +169,14 @@ void conclude(const Options& options, const LiveProgress& progress) {
   if (!options.json)
     print(fmt::format("{} rest{} in {:.0f} s: {}; {}\n", view.up.size(), view.up.size() == 1 ? "" : "s", view.time_s, verdict_text(quality), written),
           output_of(options));
+}
+
+/// At the end: what was reached, and what is missing.
+void conclude(const Options& options, const LiveProgress& progress) {
+  const LiveView& view = progress.view();
+  if (view.samples < 2) throw Unsupported(fmt::format("{}: fewer than two rows arrived; expected a stream of them", name_of(options.input)));
+  if (!view.problem.empty()) throw Unsupported(shortcomings(progress));
+  summarize(options, progress);
   if (!progress.reached()) throw Unsupported(shortcomings(progress));
 }
 
@@ -219,7 +224,10 @@ void run(const Options& options) {
     warn(fmt::format("{} gap{} in time, the first before {:.3f} s: turns across one are not used", gaps.size(), gaps.size() == 1 ? "" : "s",
                      progress.recording().time_s(gaps.front())));
   write_result(options, progress, session);
-  if (failure) std::rethrow_exception(failure);
+  if (failure) {
+    if (progress.result()) summarize(options, progress);
+    std::rethrow_exception(failure);
+  }
   conclude(options, progress);
 }
 

@@ -83,6 +83,7 @@ TEST(Live, EndsWhereTheMemoryDoes) {
   EXPECT_GE(rests, 4u);
   EXPECT_LT(rests, 16u);
   EXPECT_TRUE(std::filesystem::exists(folder() / "half.json")) << "what came so far is not lost";
+  EXPECT_THAT(r.output, ContainsRegex("[0-9]+ rests in [0-9]+ s: .*; written: half.json\n$"));
 }
 
 TEST(Live, TheCalibrationAloneGoesToStandardOutput) {
