@@ -56,24 +56,30 @@ struct HeadingError {
 /// From any heading, and one that turns: of gyros that hardly resolve the Earth's rate in one rest, that error of the heading with which the rates of
 /// all rests add up to most. Nothing where that is not five times what their noise adds up to.
 std::optional<HeadingError> heading_error(const std::vector<RestRate>& rates, double most_rate) {
-  using Complex = std::complex<double>;
-  if (rates.empty()) return {};
+  constexpr std::size_t enough = 2000;  // parts of a long recording
+  std::vector<std::pair<double, std::complex<double>>> parts;
+  const std::size_t in_part = rates.size() / enough + 1;
   double power = 0;
-  for (const RestRate& r : rates) power += std::norm(r.duration * Complex(r.rate_n.x(), r.rate_n.y()));
-  const double duration = std::max(rates.back().time - rates.front().time, 1.0);
+  for (std::size_t k = 0; k < rates.size(); ++k) {
+    if (k % in_part == 0) parts.emplace_back(rates[std::min(k + in_part / 2, rates.size() - 1)].time, 0);
+    const std::complex<double> rate = rates[k].duration * std::complex<double>(rates[k].rate_n.x(), rates[k].rate_n.y());
+    parts.back().second += rate;
+    power += std::norm(rate);
+  }
+  if (parts.empty()) return {};
   const auto sum_at = [&](double rate) {
-    Complex sum = 0;
-    for (const RestRate& r : rates) sum += r.duration * std::polar(1.0, -rate * r.time) * Complex(r.rate_n.x(), r.rate_n.y());
+    std::complex<double> sum = 0;
+    for (const auto& [time, part] : parts) sum += std::polar(1.0, -rate * time) * part;
     return sum;
   };
-  const double step = 0.5 / duration;
+  const double step = 0.5 / std::max(rates.back().time - rates.front().time, 1.0);
   const int steps = std::min(2000, static_cast<int>(most_rate / step));
+  std::complex<double> most = 0;
   double best = 0;
   for (int k = -steps; k <= steps; ++k)
-    if (std::norm(sum_at(k * step)) > std::norm(sum_at(best))) best = k * step;
-  const Complex sum = sum_at(best);
-  if (std::norm(sum) < 25 * power) return {};
-  return HeadingError{std::arg(sum) - std::numbers::pi / 2, best};  // north is up in the plane of east and north
+    if (const std::complex<double> sum = sum_at(k * step); std::norm(sum) > std::norm(most)) most = sum, best = k * step;
+  if (std::norm(most) < 25 * power) return {};
+  return HeadingError{std::arg(most) - std::numbers::pi / 2, best};  // north is up in the plane of east and north
 }
 
 /// Where a step follows the direction of the one before, what their ratio says that all further ones would add up to (Aitken): in barely determined
