@@ -41,6 +41,14 @@ TEST(QuietChange, AGravityOfAnotherPlaceIsDoubted) {
   EXPECT_THAT(quality_of(s, "turntable").because, testing::Not(Contains(HasSubstr("is not that of the given latitude"))));
 }
 
+TEST(QuietChange, AnUncertainLatitudeMakesGravityUncertain) {
+  Site site;
+  site.latitude = 45 * unit::deg, site.height = 0;
+  EXPECT_DOUBLE_EQ(site.gravity_sigma(), 3e-4);
+  site.latitude_sigma = 1 * unit::deg;  // g = 9.78 (1 + 0.0053 sin^2 L): 0.0518 sin 2L a radian
+  EXPECT_NEAR(site.gravity_sigma(), std::hypot(3e-4, 0.0518 * unit::deg), 5e-6);
+}
+
 TEST(QuietChange, OffsetsThatDriftFromRestToRestAreLessCertain) {
   // By 20 ug and 0.2 deg/h in the session, exponentially: two and a half standard deviations of a second's velocity, where each rest begins.
   for (const double accel : {20 * unit::ug, 0.0}) {

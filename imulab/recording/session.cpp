@@ -5,6 +5,9 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace imulab {
 
 double Site::gravity() const {
@@ -16,7 +19,10 @@ double Site::gravity() const {
 double Site::gravity_sigma() const {
   if (given_gravity_sigma) return *given_gravity_sigma;
   if (given_gravity) return 1e-5;
-  return height ? 3e-4 : 3e-3;
+  const double normal = height ? 3e-4 : 3e-3;
+  if (!latitude || !latitude_sigma) return normal;
+  const auto off = [&](double by) { return std::abs(normal_gravity(*latitude + by, 0) - normal_gravity(*latitude, 0)); };
+  return std::hypot(normal, std::max(off(*latitude_sigma), off(-*latitude_sigma)));
 }
 
 std::string_view to_string(NoiseTerms terms) { return terms == NoiseTerms::white ? "white" : "full"; }

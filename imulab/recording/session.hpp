@@ -58,7 +58,7 @@ struct Site {
 
   /// Given, or WGS-84 normal gravity. Throws Error where there is neither a latitude nor a given value.
   double gravity() const;
-  /// Given, or 1e-5 for a given gravity, 3e-4 from latitude and height, 3e-3 without height.
+  /// Given, or 1e-5 for a given gravity, 3e-4 from latitude and height, 3e-3 without height; these with what the latitude's sigma makes of it.
   double gravity_sigma() const;
   bool operator==(const Site&) const = default;
 };

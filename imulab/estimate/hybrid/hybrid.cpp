@@ -199,7 +199,9 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
   if (seen) {  // it replaces the site's and is estimated jointly
     Session there = session;
     there.site.latitude = seen->value;
-    there.site.latitude_sigma = 5 * seen->sigma;
+    there.site.latitude_sigma = seen->sigma;
+    there.site.given_gravity_sigma = there.site.gravity_sigma();
+    there.site.latitude_sigma = 5 * seen->sigma;  // the fit knows it better
     kernel::Findings instead;
     instead.warn(
         fmt::format("the gyros show a latitude of {:.3f} +/- {:.2g} deg, not {:.3f}; this latitude is used, with its gravity if none is declared; "
