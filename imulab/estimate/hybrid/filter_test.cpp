@@ -125,7 +125,10 @@ TEST(HybridFilter, ItsDerivativesAreTheSameWithTheForceThatIsKnown) {
       return all;
     };
     const Eigen::MatrixXd by_measured = derivatives(measured, false), by_known = derivatives(known, true);
-    EXPECT_LT((by_known - by_measured).norm(), 1e-4 * by_measured.norm());
+    // A measured force is the mean of its interval, at whose middle the known one is taken: 1e-5 of it in a turn.
+    for (Index i = 0; i < by_known.cols(); ++i)
+      EXPECT_LT((by_known - by_measured).col(i).norm(), 3e-4 * by_measured.col(i).norm() + 3e-5)
+          << "block at " << block.samples.begin << ", column " << i;
   }
 }
 
