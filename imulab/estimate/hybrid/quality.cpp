@@ -113,25 +113,21 @@ double scatter_of_rests(const std::vector<RestMotion>& rests, const Vector3d& de
   return kernel::excess(chi2, static_cast<double>(rests.size()) - 1);
 }
 
+/// What scatters, and by how much more than the noise explains.
+struct Scatter {
+  const char* what;
+  double factor;
+};
+
 /// Offsets or scales that are not the same from rest to rest, while within each the velocities fit: the force is not g everywhere, or the rate along
 /// it not the Earth's. Unless slow noise is declared, which explains some.
-double drift_between_rests(const Data& data, const Iterate& iterate, kernel::Findings& findings) {
-  constexpr double much = 5;  // as residuals of all methods
-  const std::vector<RestMotion> rests = rests_of(data, iterate.about.model);
-  double largest = 1;
-  const auto judge = [&](const char* what, double scatter) {
-    if (scatter <= 1) return;
-    const std::string text = fmt::format("{} scatter {:.3g} times as much as the noise explains", what, scatter);
-    findings.warn(text + ", as offsets or scales do that drift; the uncertainties are enlarged by this factor");
-    if (scatter > much) findings.doubt(text);
-    largest = std::max(largest, scatter);
-  };
-  if (!data.noise.accel_slow.any())
-    judge("the rests' mean forces", scatter_of_rests(rests, data.noise.accel, [](const RestMotion& r) { return r.force.norm(); }));
-  if (!data.noise.gyro_slow.any())
-    judge("the rests' mean rates about the vertical",
-          scatter_of_rests(rests, data.noise.gyro, [](const RestMotion& r) { return r.force.normalized().dot(r.rate); }));
-  return largest;
+Scatter drift_between_rests(const Data& data, const SensorModel& model) {
+  const std::vector<RestMotion> rests = rests_of(data, model);
+  const auto force = [](const RestMotion& r) { return r.force.norm(); };
+  const auto rate = [](const RestMotion& r) { return r.force.normalized().dot(r.rate); };
+  const Scatter forces{"the rests' mean forces", data.noise.accel_slow.any() ? 1 : scatter_of_rests(rests, data.noise.accel, force)};
+  const Scatter rates{"the rests' mean rates about the vertical", data.noise.gyro_slow.any() ? 1 : scatter_of_rests(rests, data.noise.gyro, rate)};
+  return forces.factor > rates.factor ? forces : rates;
 }
 
 /// Enlarges the uncertainties where the velocities scatter more than the noise explains.
@@ -145,8 +141,15 @@ void enlarge(const Data& data, const Iterate& iterate, Calibration& calibration,
   double factor = excess_of([](const Block& b) { return b.at_rest; });
   // The ramps of turns between two samples leave a few percent there; half as much again is more than that.
   if (const double in_turns = excess_of([](const Block& b) { return !b.at_rest; }); in_turns > 1.5) factor = std::max(factor, in_turns);
-  kernel::add_scatter(findings, "velocities", factor);
-  factor = std::max(factor, drift_between_rests(data, iterate, findings));
+  if (const auto [what, drift] = drift_between_rests(data, iterate.about.model); drift > factor) {
+    constexpr double much = 5, much_of_velocities = 1.5;  // as residuals and scatter of all methods
+    const std::string text = fmt::format("{} scatter {:.3g} times as much as the noise explains", what, drift);
+    findings.warn(text + ", as offsets or scales do that drift; the uncertainties are enlarged by this factor");
+    if (drift > much || factor > much_of_velocities) findings.doubt(text);
+    factor = drift;
+  } else {
+    kernel::add_scatter(findings, "velocities", factor);
+  }
   calibration.covariance *= factor * factor;
 }
 
