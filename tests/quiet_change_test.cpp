@@ -47,6 +47,8 @@ TEST(QuietChange, AnUncertainLatitudeMakesGravityUncertain) {
   EXPECT_DOUBLE_EQ(site.gravity_sigma(), 3e-4);
   site.latitude_sigma = 1 * unit::deg;  // g = 9.78 (1 + 0.0053 sin^2 L): 0.0518 sin 2L a radian
   EXPECT_NEAR(site.gravity_sigma(), std::hypot(3e-4, 0.0518 * unit::deg), 5e-6);
+  site.latitude_sigma = 90 * unit::deg;  // anywhere: the equator and the poles are 0.026 away
+  EXPECT_NEAR(site.gravity_sigma(), 0.0259, 2e-4);
 }
 
 TEST(QuietChange, OffsetsThatDriftFromRestToRestAreLessCertain) {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace imulab {
 
@@ -21,8 +22,12 @@ double Site::gravity_sigma() const {
   if (given_gravity) return 1e-5;
   const double normal = height ? 3e-4 : 3e-3;
   if (!latitude || !latitude_sigma) return normal;
-  const auto off = [&](double by) { return std::abs(normal_gravity(*latitude + by, 0) - normal_gravity(*latitude, 0)); };
-  return std::hypot(normal, std::max(off(*latitude_sigma), off(-*latitude_sigma)));
+  // It grows from the equator to the poles: most different at an end of the range, or at the equator inside it.
+  const double north = *latitude + *latitude_sigma, south = *latitude - *latitude_sigma, pole = std::numbers::pi / 2;
+  double most = 0;
+  for (const double at : {std::clamp(south, -pole, pole), std::clamp(north, -pole, pole), std::clamp(0.0, south, north)})
+    most = std::max(most, std::abs(normal_gravity(at, 0) - normal_gravity(*latitude, 0)));
+  return std::hypot(normal, most);
 }
 
 std::string_view to_string(NoiseTerms terms) { return terms == NoiseTerms::white ? "white" : "full"; }
