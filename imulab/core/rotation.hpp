@@ -10,6 +10,10 @@ namespace imulab {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
+static_assert(EIGEN_MAX_ALIGN_BYTES == 16,
+              "imulab and the programs that use it need one alignment of Eigen's matrices, whatever registers they are compiled for: compile with "
+              "-DEIGEN_MAX_ALIGN_BYTES=16, as the CMake target imulab::imulab and `pkg-config --cflags imulab` do");
+
 /// The matrix of the cross product: skew(a) b = a x b.
 template <class T>
 Eigen::Matrix<T, 3, 3> skew(const Eigen::Matrix<T, 3, 1>& a) {
