@@ -6,6 +6,8 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
+#include <utility>
+
 namespace imulab {
 
 using Eigen::Lower;
@@ -16,6 +18,13 @@ Cholesky::Cholesky(const MatrixXd& a) {
   const Eigen::LLT<MatrixXd> factor(a);
   lower_ = factor.matrixL();
   positive_definite_ = factor.info() == Eigen::Success;
+}
+
+Cholesky Cholesky::of_lower(MatrixXd lower) {
+  Cholesky out;
+  out.positive_definite_ = (lower.diagonal().array() > 0).all();
+  out.lower_ = std::move(lower);
+  return out;
 }
 
 MatrixXd Cholesky::inverse() const { return solve(MatrixXd::Identity(lower_.rows(), lower_.cols())); }
@@ -51,6 +60,15 @@ VectorXd symmetric_eigenvalues(const MatrixXd& a) { return Eigen::SelfAdjointEig
 SingularValues singular_values(const MatrixXd& a) {
   const Eigen::JacobiSVD<MatrixXd> svd(a, Eigen::ComputeThinU | Eigen::ComputeThinV);
   return {svd.matrixU(), svd.singularValues(), svd.matrixV()};
+}
+
+OrthogonalTriangular orthogonal_triangular(const MatrixXd& a) {
+  const Eigen::HouseholderQR<MatrixXd> qr(a);
+  OrthogonalTriangular out{qr.householderQ() * MatrixXd::Identity(a.rows(), a.cols()),
+                           qr.matrixQR().topRows(a.cols()).triangularView<Eigen::Upper>()};
+  for (Eigen::Index i = 0; i < a.cols(); ++i)
+    if (out.R(i, i) < 0) out.R.row(i) *= -1, out.Q.col(i) *= -1;
+  return out;
 }
 
 LeastSquares least_squares(const MatrixXd& a, const MatrixXd& b, std::optional<double> threshold) {

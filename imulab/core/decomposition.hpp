@@ -16,6 +16,8 @@ using LikeRightSide = Eigen::Matrix<double, Eigen::Dynamic, B::ColsAtCompileTime
 class Cholesky {
  public:
   explicit Cholesky(const Eigen::MatrixXd& a);
+  /// Of A = L L^T whose L is known.
+  static Cholesky of_lower(Eigen::MatrixXd lower);
   bool positive_definite() const { return positive_definite_; }  ///< false: the results mean nothing
   const Eigen::MatrixXd& lower() const { return lower_; }        ///< L, with zeros above the diagonal
   Eigen::MatrixXd inverse() const;                               ///< A^-1
@@ -38,13 +40,14 @@ class Cholesky {
   }
 
  private:
+  Cholesky() = default;
   void forward(Eigen::VectorXd& x) const;
   void forward(Eigen::MatrixXd& x) const;
   void backward(Eigen::VectorXd& x) const;
   void backward(Eigen::MatrixXd& x) const;
 
   Eigen::MatrixXd lower_;
-  bool positive_definite_;
+  bool positive_definite_ = true;
 };
 
 /// A^-1 of any regular square matrix (LU with partial pivoting).
@@ -73,6 +76,13 @@ struct SingularValues {
   Eigen::MatrixXd V;
 };
 SingularValues singular_values(const Eigen::MatrixXd& a);
+
+/// A = Q R, thin, R upper triangular with a positive diagonal: R^T is the Cholesky factor of A^T A without the squares, which have twice the digits.
+struct OrthogonalTriangular {
+  Eigen::MatrixXd Q, R;
+};
+/// For at least as many rows as columns.
+OrthogonalTriangular orthogonal_triangular(const Eigen::MatrixXd& a);
 
 /// Least squares min |A x - b|, a column of x for each of b, by QR with column pivoting.
 struct LeastSquares {

@@ -38,6 +38,15 @@ TEST(Decomposition, CholeskyFactorsSolvesAndWhitens) {
   EXPECT_FALSE(Cholesky(indefinite).positive_definite());
 }
 
+TEST(Decomposition, OrthogonalTimesTriangularGivesTheFactorOfTheSquare) {
+  const MatrixXd a = drawn_matrix(40, 12);
+  const OrthogonalTriangular f = orthogonal_triangular(a);
+  EXPECT_TRUE((f.Q * f.R).isApprox(a, 1e-13));
+  EXPECT_TRUE((f.Q.transpose() * f.Q).isApprox(MatrixXd::Identity(12, 12), 1e-13));
+  EXPECT_TRUE(f.R.transpose().isApprox(Cholesky(a.transpose() * a).lower(), 1e-10));
+  EXPECT_TRUE(Cholesky::of_lower(f.R.transpose()).inverse().isApprox(Cholesky(a.transpose() * a).inverse(), 1e-10));
+}
+
 TEST(Decomposition, ASemidefiniteMatrixIsSolvedWhereItCanBe) {
   const MatrixXd a = covariance(20);
   const VectorXd b = drawn_matrix(20, 1);

@@ -93,12 +93,49 @@ NormalEquations normal_equations(const Information& data, const Parameters& para
   return e;
 }
 
+/// The derivatives by the parameters that are not fixed, and a row for each prior, in columns of unit length, as Q R.
+struct RootEquations {
+  std::vector<Index> loose;
+  VectorXd fixed, weight;  ///< as of the normal equations
+  VectorXd scale;          ///< of the columns
+  OrthogonalTriangular factors;
+
+  MatrixXd by_triangle(const MatrixXd& right) const {  // scale R^-1 right
+    return scale.asDiagonal() * Cholesky::of_lower(factors.R.transpose()).solve_upper(right);
+  }
+};
+
+RootEquations root_equations(const MatrixXd& jacobian, const Parameters& parameters) {
+  RootEquations e;
+  e.fixed = VectorXd::Zero(parameters.size());
+  for (Index i = 0; i < parameters.size(); ++i) {
+    if (parameters.role[static_cast<std::size_t>(i)] == Role::fixed)
+      e.fixed[i] = parameters.offset[i];
+    else
+      e.loose.push_back(i);
+  }
+  const VectorXd root_weight = VectorXd(parameters.sigma(e.loose)).cwiseInverse();
+  MatrixXd rows(jacobian.rows() + root_weight.size(), root_weight.size());
+  rows << jacobian(Eigen::all, e.loose), MatrixXd(root_weight.asDiagonal());
+  e.weight = root_weight.cwiseAbs2();
+  e.scale = rows.colwise().norm().transpose().cwiseMax(1e-300).cwiseInverse();
+  e.factors = orthogonal_triangular(rows * e.scale.asDiagonal());
+  return e;
+}
+
 constexpr double singular = 1e-13;  // scaled to unit diagonal, rounding alone makes pivots of 1e-14
 
 [[noreturn]] void refuse(std::string_view what) {
   throw Unsupported(std::string(what) +
                     " do not determine the requested parameters; expected more of them, in other directions or at other values, or "
                     "fewer terms (the normal equations are singular)");
+}
+
+RootEquations regular_root_equations(const MatrixXd& jacobian, const Parameters& parameters, std::string_view what) {
+  RootEquations e = root_equations(jacobian, parameters);
+  constexpr double singular_root = 1e-12;  // columns of unit length: rounding alone makes pivots of 1e-15
+  if (!e.factors.R.allFinite() || !(e.loose.empty() || e.factors.R.diagonal().minCoeff() > singular_root)) refuse(what);
+  return e;
 }
 
 }  // namespace
@@ -130,6 +167,32 @@ Solution solve(const Information& data, const Parameters& parameters, std::strin
   return s;
 }
 
+Solution solve(const MatrixXd& jacobian, const VectorXd& residual, const Parameters& parameters, std::string_view what) {
+  const RootEquations e = regular_root_equations(jacobian, parameters, what);
+  const auto n = static_cast<Index>(e.loose.size());
+  VectorXd right(residual.size() + n);
+  right.head(residual.size()) = -(residual + jacobian * e.fixed);
+  right.tail(n) = e.weight.cwiseSqrt().cwiseProduct(VectorXd(parameters.offset(e.loose)));
+  Solution s;
+  s.x = e.fixed;
+  s.x(e.loose) = VectorXd(e.by_triangle(e.factors.Q.transpose() * right));
+  const MatrixXd root = e.by_triangle(MatrixXd::Identity(n, n));
+  const MatrixXd p = root * root.transpose();
+  s.covariance = MatrixXd::Zero(parameters.size(), parameters.size());
+  s.covariance(e.loose, e.loose) = p;
+  consider(s.x, s.covariance, parameters);
+  s.chi2 = (residual + jacobian * s.x).squaredNorm();
+  s.degrees_of_freedom = static_cast<double>(residual.size() - n) + p.diagonal().dot(e.weight);
+  return s;
+}
+
+MatrixXd gain(const MatrixXd& jacobian, const Parameters& parameters, std::string_view what) {
+  const RootEquations e = regular_root_equations(jacobian, parameters, what);
+  MatrixXd out = MatrixXd::Zero(parameters.size(), jacobian.rows());
+  out(e.loose, Eigen::all) = e.by_triangle(e.factors.Q.topRows(jacobian.rows()).transpose());
+  return out;
+}
+
 void consider(VectorXd& x, MatrixXd& covariance, const Parameters& parameters) {
   const std::vector<Index> c = parameters.with(Role::considered);
   if (c.empty()) return;
@@ -159,6 +222,13 @@ double condition_number(const Information& data, const Parameters& parameters) {
   MatrixXd normal = data.N(estimated, estimated);
   normal.diagonal() += VectorXd(parameters.sigma(estimated)).cwiseAbs2().cwiseInverse();
   return condition_number(normal);
+}
+
+double condition_number(const MatrixXd& jacobian, const Parameters& parameters) {
+  Parameters estimated = parameters;
+  std::replace(estimated.role.begin(), estimated.role.end(), Role::considered, Role::fixed);
+  const VectorXd values = singular_values(root_equations(jacobian, estimated).factors.R).values;
+  return values.size() == 0 ? 1 : values[0] / std::max(values[values.size() - 1], 1e-300);
 }
 
 }  // namespace imulab::kernel

@@ -59,7 +59,14 @@ struct Solution {
 /// determined.
 Solution solve(const Information& data, const Parameters& parameters, std::string_view what = "the data");
 
-/// That correction alone, which takes a fraction of the time. The considered parameters are at their prior value.
+/// The same of whitened residuals and their derivatives, without the normal equations, whose condition number is the square of the derivatives': for
+/// data that know some directions a million times better than others.
+Solution solve(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residual, const Parameters& parameters, std::string_view what = "the data");
+
+/// Of that solution without considered parameters: minus the derivatives of the correction by the residuals. Throws as `solve` does.
+Eigen::MatrixXd gain(const Eigen::MatrixXd& jacobian, const Parameters& parameters, std::string_view what = "the data");
+
+/// The correction of `solve` alone, which takes a fraction of the time. The considered parameters are at their prior value.
 Eigen::VectorXd correction(const Information& data, Parameters parameters, std::string_view what = "the data");
 
 /// Takes the parameters with role `considered` out of an estimate that was made with them under their priors: they return to their prior value, and
@@ -74,5 +81,6 @@ std::vector<Eigen::Index> undetermined(const Eigen::MatrixXd& covariance, const 
 /// data and priors without the parameters that stay at their prior value.
 double condition_number(const Eigen::MatrixXd& symmetric);
 double condition_number(const Information& data, const Parameters& parameters);
+double condition_number(const Eigen::MatrixXd& jacobian, const Parameters& parameters);
 
 }  // namespace imulab::kernel

@@ -136,5 +136,38 @@ TEST(Solve, ManyParametersOfWhichEachMeetsAFew) {
   EXPECT_THROW(solve(Information(jacobian, residual), parameters, "the test"), Unsupported) << "one parameter that no row shows";
 }
 
+TEST(Solve, WithoutTheNormalEquationsItIsTheSame) {
+  const MatrixXd jacobian = random_matrix(30, 6, 1);
+  const VectorXd residual = random_matrix(30, 1, 2);
+  Parameters parameters(6);
+  parameters.sigma[1] = 0.1, parameters.offset[1] = 0.05;
+  parameters.sigma[3] = 0.2, parameters.offset[3] = -0.1, parameters.role[3] = Role::considered;
+  parameters.role[5] = Role::fixed, parameters.offset[5] = 0.3;
+  const Solution expected = solve(Information(jacobian, residual), parameters), s = solve(jacobian, residual, parameters);
+  EXPECT_TRUE(s.x.isApprox(expected.x, 1e-12));
+  EXPECT_TRUE(s.covariance.isApprox(expected.covariance, 1e-12));
+  EXPECT_NEAR(s.chi2, expected.chi2, 1e-12 * expected.chi2);
+  EXPECT_NEAR(s.degrees_of_freedom, expected.degrees_of_freedom, 1e-12);
+  EXPECT_NEAR(condition_number(jacobian, parameters), condition_number(Information(jacobian, residual), parameters), 1e-9);
+  parameters.role[3] = Role::estimated, parameters.offset.setZero();
+  const MatrixXd by_residuals = gain(jacobian, parameters);
+  EXPECT_TRUE((-by_residuals * residual).isApprox(solve(jacobian, residual, parameters).x, 1e-12));
+}
+
+/// x + y is known to 1, x - y to 1e-8 of that: the squares differ by 1e16, of which the normal equations keep nothing.
+TEST(Solve, WithoutTheNormalEquationsItKeepsWhatTheSquaresLose) {
+  constexpr double much = 1e8;
+  MatrixXd jacobian(2, 2);
+  jacobian << 1, 1, much, -much;
+  const VectorXd residual = VectorXd::Zero(2);
+  const MatrixXd covariance = solve(jacobian, residual, Parameters(2)).covariance;
+  EXPECT_NEAR(covariance(0, 0), 0.25 * (1 + 1e-16), 1e-7) << "rounding, times the ratio";
+  EXPECT_NEAR((covariance(0, 0) + covariance(1, 1) + 2 * covariance(0, 1)), 1, 1e-7);
+  EXPECT_THROW(solve(Information(jacobian, residual), Parameters(2)), Unsupported);
+  jacobian.row(0) *= 1e-8;
+  jacobian(0, 1) *= -1;
+  EXPECT_THROW(solve(jacobian, residual, Parameters(2), "the test"), Unsupported) << "twice the same direction";
+}
+
 }  // namespace
 }  // namespace imulab::kernel

@@ -96,18 +96,22 @@ Estimator::Estimator(const TableMotion& motion, const SensorModel& nominal, cons
   set_gains(options.all_optional);
 }
 
-/// Weights by the covariance of the readings S = R + J diag(sigma^2) J^T, in units of the noise; and the table's errors in the readings, sigma^2 J^T
-/// S^-1.
+/// Weights by the covariance of the readings S = R + T T^T, T = J diag(sigma), in units of the noise; and the table's errors in the readings,
+/// sigma T^T S^-1. With R = L L^T, [T^T; L^T] = Q U gives S = U^T U and T^T S^-1 = Q_T U^-T: noise far below the table's errors would be lost in the
+/// sum of squares.
 void Estimator::set_weights(const EstimatorOptions& options) {
   weight_ = noise_.diagonal().cwiseSqrt().cwiseInverse();
   for (const std::size_t part : options.left_out) weight_.segment(motion_.row(part), motion_.size(part)).setZero();
   const VectorXd sigma = options.table_errors ? table_sigma_ : VectorXd::Zero(nominal_errors_.size());
-  const MatrixXd table = table_jacobian_ * sigma.asDiagonal();
-  MatrixXd covariance = weight_.asDiagonal() * (noise_ + table * table.transpose()) * weight_.asDiagonal();
+  MatrixXd noise = weight_.asDiagonal() * noise_ * weight_.asDiagonal();
   for (Index row = 0; row < weight_.size(); ++row)
-    if (weight_[row] == 0) covariance(row, row) = 1;
-  factor_ = Cholesky(covariance);
-  error_gain_ = sigma.asDiagonal() * factor_.solve_upper(whitened(table)).transpose() * weight_.asDiagonal();
+    if (weight_[row] == 0) noise(row, row) = 1;
+  MatrixXd root(sigma.size() + weight_.size(), weight_.size());
+  root << (weight_.asDiagonal() * table_jacobian_ * sigma.asDiagonal()).transpose(), Cholesky(noise).lower().transpose();
+  const OrthogonalTriangular factors = orthogonal_triangular(root);
+  factor_ = Cholesky::of_lower(factors.R.transpose());
+  const MatrixXd of_table = factors.Q.topRows(sigma.size());
+  error_gain_ = sigma.asDiagonal() * factor_.solve_upper(MatrixXd(of_table.transpose())).transpose() * weight_.asDiagonal();
 }
 
 MatrixXd Estimator::whitened(const MatrixXd& readings) const { return factor_.solve_lower(MatrixXd(weight_.asDiagonal() * readings)); }
@@ -117,30 +121,31 @@ MatrixXd Estimator::whitened(const MatrixXd& readings) const { return factor_.so
 /// that error to the coefficients. Columns with a prior start at its mean, zero.
 void Estimator::set_gains(bool all_optional) {
   const MatrixXd white = whitened(design_(Eigen::all, columns_));
-  const kernel::Information information(white, VectorXd::Zero(white.rows()));
-  kernel::Parameters parameters(information.g.size());
+  const VectorXd none = VectorXd::Zero(white.rows());
+  kernel::Parameters parameters(white.cols());
   parameters.sigma = prior_(columns_);
   VectorXd part = VectorXd::Constant(Forward::all, needed_part), kept_prior = VectorXd::Constant(Forward::all, kernel::no_prior);
   part(optional_).setConstant(all_optional ? kernel::no_prior : needed_part_of_optional);
   kept_prior(optional_) = prior_(optional_);
   const VectorXd wanted = part(columns_).cwiseProduct(parameters.sigma);
-  const std::vector<Index> open = kernel::undetermined(kernel::solve(information, parameters).covariance, parameters, wanted);
+  const std::vector<Index> open = kernel::undetermined(kernel::solve(white, none, parameters).covariance, parameters, wanted);
   parameters.sigma = kept_prior(columns_);
   for (const Index i : open) parameters.role[static_cast<std::size_t>(i)] = kernel::Role::fixed;
   const std::vector<Index> known = parameters.with(kernel::Role::estimated);
-  free_covariance_ = kernel::solve(information, parameters, "the holds and turns").covariance(known, known);
-  if (!known.empty()) condition_ = kernel::condition_number(information, parameters);
+  const std::string_view what = "the holds and turns";
+  free_covariance_ = kernel::solve(white, none, parameters, what).covariance(known, known);
+  const MatrixXd gain = kernel::gain(white, parameters, what)(known, Eigen::all);
+  if (!known.empty()) condition_ = kernel::condition_number(white, parameters);
   for (const Index i : open) {
     parameters.role[static_cast<std::size_t>(i)] = kernel::Role::considered;
     parameters.sigma[i] = prior_[columns_[static_cast<std::size_t>(i)]];
   }
   covariance_ = MatrixXd::Zero(Forward::all, Forward::all);
-  covariance_(columns_, columns_) = kernel::solve(information, parameters, "the holds and turns").covariance;
+  covariance_(columns_, columns_) = kernel::solve(white, none, parameters, what).covariance;
 
   for (const Index i : known) known_.push_back(columns_[static_cast<std::size_t>(i)]);
   white_ = white(Eigen::all, known);
-  const MatrixXd half = factor_.solve_upper(white_);  // S^-1 X
-  gain_ = free_covariance_ * half.transpose() * weight_.asDiagonal();
+  gain_ = factor_.solve_upper(MatrixXd(gain.transpose())).transpose() * weight_.asDiagonal();
   expected_ = design_ * start_;
   error_gain_ -= (error_gain_ * design_(Eigen::all, known_)) * gain_;
 }

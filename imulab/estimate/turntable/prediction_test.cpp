@@ -69,6 +69,12 @@ void expect_agreement(const Plan& plan, std::size_t coefficients) {
 TEST(TurntablePrediction, AgreesWithMonteCarloOnZhangsProcedure) { expect_agreement(zhang(2 * unit::arcsec), 24); }
 TEST(TurntablePrediction, AgreesWithMonteCarloOnAPathOfQuarterTurns) { expect_agreement(standard(cheng_path_procedure({}), unit::deg / 60), 24); }
 TEST(TurntablePrediction, AgreesWithMonteCarloOnAnOddProcedure) { expect_agreement(plan_by_steps(odd_steps(), 20 * unit::arcsec), 24); }
+/// Sums of squares would lose readings that are known a million times better than the table.
+TEST(TurntablePrediction, AgreesWithMonteCarloWithNoiseAMillionthOfTheTablesErrors) {
+  Plan quiet = zhang(20 * unit::arcsec);
+  quiet.accel_noise.N = 1e-9, quiet.gyro_noise.N = 1e-12;
+  expect_agreement(quiet, 24);
+}
 TEST(TurntablePrediction, AgreesWithMonteCarloWithGSensitivity) {
   std::vector<CoefficientIndex> terms = linear();
   for (const CoefficientIndex index : select_coefficients("gyro.g_sensitivity")) terms.push_back(index);
