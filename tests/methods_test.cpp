@@ -126,6 +126,29 @@ TEST(Methods, EveryOneRefusesWhatIsNoRecording) {
   }
 }
 
+TEST(Methods, EveryOneRefusesASessionInOtherUnits) {
+  for (const Method& method : methods()) {
+    SCOPED_TRACE(method.name);
+    const Example& e = example(method.name);
+    Session degrees = e.session;
+    degrees.site.latitude = 45;
+    const auto wrong_latitude = testing::ThrowsMessage<Error>(HasSubstr("site.latitude_deg: 2578.3100780887044 is out of range"));
+    EXPECT_THAT([&] { calibrate(method, {degrees, e.recordings}); }, wrong_latitude);
+    EXPECT_THAT([&] { method.predict(degrees, {}); }, wrong_latitude);
+    EXPECT_THAT([&] { draw_truth(degrees, 1); }, wrong_latitude);
+    EXPECT_THAT(
+        [&] {
+          calibrate(method, {e.session, e.recordings}, {.significance = -3});
+        },
+        testing::ThrowsMessage<Error>("significance: -3 is no probability; expected more than 0 and less than 1"));
+    EXPECT_THAT(
+        [&] {
+          calibrate(method, {e.session, e.recordings, std::vector<Range>{{50, 20}}});
+        },
+        testing::ThrowsMessage<Error>(StartsWith("rests: samples 50 to 20 are no rest")));
+  }
+}
+
 TEST(Methods, EveryOneNamesATermItDoesNotEstimate) {
   for (const Method& method : methods()) {
     SCOPED_TRACE(method.name);

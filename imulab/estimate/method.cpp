@@ -13,6 +13,7 @@
 #include "imulab/model/frame.hpp"
 #include "imulab/recording/even_stamps.hpp"
 #include "imulab/recording/short_gaps.hpp"
+#include "imulab/recording/validate.hpp"
 
 #include <fmt/core.h>
 
@@ -72,6 +73,24 @@ std::vector<Recording> corrected_recordings(const CalibrationInput& input, std::
   return out;
 }
 
+void validate(const CalibrationOptions& options) {
+  for (const auto& [name, level] : {std::pair{"significance", options.significance}, std::pair{"outlier_level", options.outlier_level}})
+    if (!(level > 0 && level < 1)) throw Error(fmt::format("{}: {} is no probability; expected more than 0 and less than 1", name, level));
+}
+
+/// Given rests: of the only recording, inside it, one after the other.
+void validate_rests(const CalibrationInput& input) {
+  if (!input.rests) return;
+  const std::size_t size = input.recordings.empty() ? 0 : input.recordings.front().size();
+  std::size_t least = 0;
+  for (const Range& rest : *input.rests) {
+    if (rest.begin < least || rest.end <= rest.begin || rest.end > size)
+      throw Error(
+          fmt::format("rests: samples {} to {} are no rest; expected ranges in ascending order from {} to {}", rest.begin, rest.end, least, size));
+    least = rest.end;
+  }
+}
+
 }  // namespace
 
 std::span<const Method> methods() { return all; }
@@ -113,6 +132,9 @@ const Method& method(std::string_view name, std::span<const Method> table) {
 }
 
 CalibrationResult calibrate(const Method& method, const CalibrationInput& input, const CalibrationOptions& options) {
+  validate(options);
+  validate(input.session);
+  validate_rests(input);
   for (const Recording& recording : input.recordings) kernel::expect_different_channels(recording);
   std::vector<std::string> clocks;
   const std::vector<Recording> corrected = corrected_recordings(input, clocks);

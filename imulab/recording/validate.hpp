@@ -1,7 +1,8 @@
-// Checks a recording; every estimator does this before it computes anything.
+// Checks a recording and a session; every estimator does this before it computes anything.
 #pragma once
 
 #include "imulab/recording/recording.hpp"
+#include "imulab/recording/session.hpp"
 
 #include <string_view>
 
@@ -15,5 +16,9 @@ double largest_reading(std::string_view unit);
 /// "m/s^2" (accel); an interval that is not positive, or that differs from the stamps' differences outside gaps by more than 2 % (in median and
 /// mean); gaps or saturated samples that are out of range or not ascending. One pass over the columns.
 void validate(const Recording& recording);
+
+/// Throws Error that lists every number of a session outside the range that a session file allows (latitude in -90 to 90 deg, a gravity in m/s^2,
+/// noise of at least 0, ...), and every step that ends before it begins, begins before the end of the one before it, or turns nowhere.
+void validate(const Session& session);
 
 }  // namespace imulab

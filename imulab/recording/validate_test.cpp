@@ -1,12 +1,16 @@
 #include "imulab/recording/validate.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
 #include "imulab/recording/rest_detection.hpp"
 
 #include <gmock/gmock.h>
 
 #include <functional>
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace imulab {
 namespace {
@@ -77,6 +81,46 @@ TEST(Validate, TheSearchForRestsAsksIt) {
   Recording r = good_recording();
   r.interval_s = 0;
   EXPECT_THROW(detect_rests(r), Error);
+}
+
+std::string refusal_of(const Session& session) {
+  try {
+    validate(session);
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(Validate, ASessionInMemoryHasTheRangesOfAFile) {
+  Session good;
+  good.site = {.latitude = 90 * unit::deg, .longitude = -180 * unit::deg, .height = 50};  // the ends of the ranges, in radians
+  good.rigs.push_back({.kind = RigKind::turntable, .angle = {20 * unit::arcsec}});
+  good.steps.push_back({.start = 0, .end = 60});
+  good.steps.push_back({.kind = StepKind::rotate, .start = 60, .end = 69, .angle = 1.5, .rate = 0.2});
+  EXPECT_EQ(refusal_of(good), "");
+  const std::vector<std::pair<std::function<void(Session&)>, std::string>> cases{
+      {[](Session& s) { s.site.latitude = 45; },
+       "the session: site.latitude_deg: 2578.3100780887044 is out of range; expected -90 to 90 (in memory it is in SI units and radians: 45)"},
+      {[](Session& s) { s.site.latitude = nan; },
+       "the session: site.latitude_deg: nan is not finite; expected a finite number (in memory it is in SI units and radians: nan)"},
+      {[](Session& s) { s.site.given_gravity = -9.8; }, "the session: site.gravity_mps2: -9.8 is out of range; expected 9 to 10.5"},
+      {[](Session& s) { s.imu.gyro_noise_density = -1e-4; }, "the session: imu.gyro_noise_density: -0.0001 is out of range; expected at least 0"},
+      {[](Session& s) { s.rigs[0].angle.value = -1; },
+       "the session: rig.angle_sigma_arcsec: -206264.80624709636 is out of range; expected at least 0 (in memory it is in SI units and radians: -1)"},
+      {[](Session& s) { s.steps[1].end = 60; }, "the session: step 2 (rotate at 60 s): it ends at 60 s, not after its begin; expected later"},
+      {[](Session& s) { s.steps[1].start = 59; },
+       "the session: step 2 (rotate at 59 s): it begins before the end of the previous step; expected 60 s or later"},
+      {[](Session& s) { s.steps[1].angle = 0; }, "the session: step 2 (rotate at 60 s): its angle is 0 rad; expected a turn"},
+      {[](Session& s) { s.file = "session.toml", s.site.height = 1e9, s.site.given_gravity = 1; },
+       "session.toml\n  site.height_m: 1000000000 is out of range; expected -12000 to 100000\n"
+       "  site.gravity_mps2: 1 is out of range; expected 9 to 10.5"},
+  };
+  for (const auto& [change, expected] : cases) {
+    Session session = good;
+    change(session);
+    EXPECT_EQ(refusal_of(session), expected);
+  }
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "imulab/core/random.hpp"
 #include "imulab/model/grade.hpp"
 #include "imulab/recording/declared_noise.hpp"
+#include "imulab/recording/validate.hpp"
 #include "imulab/simulate/simulate.hpp"
 #include "imulab/simulate/temperature.hpp"
 
@@ -95,6 +96,7 @@ TriadModel as_recorded(const TriadModel& model, const Session& procedure, std::o
 }  // namespace
 
 Truth draw_truth(const Session& procedure, std::uint64_t seed, const std::optional<SensorModel>& given) {
+  validate(procedure);
   const ImuDeclaration& imu = procedure.imu;
   const Grade* const spread = imu.grade ? &grade(*imu.grade) : nullptr;
   if (!given && !spread) throw Error("no IMU to simulate; expected its grade or its model");

@@ -21,6 +21,7 @@ const Recording& only_recording(const CalibrationInput& input, std::string_view 
 }
 
 RecordingSource only_source(const Session& procedure) {
+  validate(procedure);
   if (procedure.recordings.size() > 1)
     throw Error(fmt::format("{}: {} recordings; expected a procedure with one", procedure.file, procedure.recordings.size()));
   return procedure.recordings.empty() ? RecordingSource{} : procedure.recordings.front();

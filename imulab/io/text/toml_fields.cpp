@@ -47,7 +47,7 @@ struct TomlFields::Node {
     const std::optional<double> value = integer ? static_cast<double>(*integer) : node.value_exact<double>();
     if (!value) fail(node, key, fmt::format("{}; expected a number", kind_of(node)));
     if (!std::isfinite(*value)) fail(node, key, "is not finite; expected a finite number");
-    if (*value < kind.low || *value > kind.high || (kind.above_low && *value == kind.low)) fail(node, key, out_of_range(*value, kind));
+    if (!in_range(*value, kind)) fail(node, key, out_of_range(*value, kind));
     constexpr double largest = 1e30, smallest = 1e-30;  // products of a few such numbers are still numbers
     if (std::abs(*value) > largest || (kind.above_low && *value < smallest))
       fail(node, key, fmt::format("{} is out of range; expected {} to {}", *value, kind.above_low ? smallest : -largest, largest));
@@ -77,10 +77,6 @@ struct TomlFields::Node {
                                 : node.is_table()   ? "a table"
                                 : node.is_boolean() ? "true or false"
                                                     : "a date or time");
-  }
-  static std::string out_of_range(double value, const Number& kind) {
-    if (std::isinf(kind.high)) return fmt::format("{} is out of range; expected {} {}", value, kind.above_low ? "more than" : "at least", kind.low);
-    return fmt::format("{} is out of range; expected {} to {}", value, kind.low, kind.high);
   }
 };
 

@@ -2,12 +2,12 @@
 // Error as `FILE:LINE: KEY: what is wrong; expected WHAT`.
 #pragma once
 
+#include "imulab/core/fields.hpp"
 #include "imulab/recording/session.hpp"
 
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -20,24 +20,7 @@ namespace imulab::text {
 /// A TOML text as JSON. Throws Error where it is not TOML.
 std::string toml_as_json(std::string_view toml);
 
-enum class Presence { required, optional };
-
-/// A number's unit and range: multiplied by the factor it is in SI; the range is in the file's unit.
-struct Number {
-  double factor = 1;
-  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
-  bool above_low = false;  ///< low itself is excluded
-  Presence presence = Presence::required;
-};
-
-inline Number any_number(double factor = 1) { return {factor}; }
-inline Number positive(double factor = 1) { return {factor, 0, std::numeric_limits<double>::infinity(), true}; }
-inline Number not_negative(double factor = 1) { return {factor, 0}; }
-inline Number within(double low, double high, double factor = 1) { return {factor, low, high}; }
-inline Number or_default(Number number) {
-  number.presence = Presence::optional;
-  return number;
-}
+using namespace fields;
 
 /// Each function reads one key into `value`, numbers converted to SI. A value stays as it is where an optional key is absent; optional are those of
 /// std::optional values and of Presence::optional.
