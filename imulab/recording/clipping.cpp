@@ -51,9 +51,13 @@ class OuterLevels {
   Levels high_{none, none, none, none}, low_ = high_;
 };
 
-/// Longest run of samples at this value, and of samples between both extremes.
+/// Longest run of samples at this value, and of samples between both extremes; of the latter, those that repeat the one before.
 struct Runs {
   std::size_t at = 0, elsewhere = 0;
+  std::size_t between = 0, repeating = 0;
+
+  /// A sensor without noise, or with steps far above it: it repeats itself wherever the motion does, not only at a limit.
+  bool repeat_everywhere() const { return 10 * repeating > 9 * between; }
 };
 
 Runs longest_runs(const Channel& channel, double value, double least, double most) {
@@ -62,7 +66,9 @@ Runs longest_runs(const Channel& channel, double value, double least, double mos
   std::size_t length = 0;
   const auto end_run = [&] {
     if (length > 0 && last == value) runs.at = std::max(runs.at, length);
-    if (length > 0 && last > least && last < most) runs.elsewhere = std::max(runs.elsewhere, length);
+    if (length == 0 || !(last > least && last < most)) return;
+    runs.elsewhere = std::max(runs.elsewhere, length);
+    runs.between += length, runs.repeating += length - 1;
   };
   channel([&](std::span<const double> readings) {
     for (const double reading : readings) {
@@ -84,7 +90,7 @@ bool clips(const Channel& channel, const OuterLevels& outer, int sign) {
   const std::size_t beside = std::max({levels[1].count, levels[2].count, levels[3].count});
   if (levels[0].count < 3 * beside) return false;
   const Runs runs = longest_runs(channel, sign * levels[0].value, -outer.at(-1)[0].value, outer.at(1)[0].value);
-  return runs.elsewhere == 1 || runs.at >= 3 * runs.elsewhere;
+  return runs.elsewhere == 1 || runs.at >= (runs.repeat_everywhere() ? 10 : 3) * runs.elsewhere;
 }
 
 void for_each_clipped(const Channel& channel, const std::function<void(std::size_t)>& each) {

@@ -1,6 +1,7 @@
 #include "imulab/estimate/hybrid/hybrid.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
 #include "imulab/estimate/hybrid/quality.hpp"
@@ -59,12 +60,19 @@ void check_axes(const Recording& recording, const kernel::RestStart& start) {
   if (recording.gyro_unit != "count") kernel::expect_gyro_scale(*in_motion, recording);
 }
 
+/// The noise of quiet seconds. Rounded readings without noise of their own err by the same throughout a rest, as the mean of such white noise does.
 void use_quiet_noise(kernel::RestStart& start, const Recording& recording, const std::vector<Range>& rests, const ImuDeclaration& imu) {
+  std::vector<double> lengths;
+  for (const Range& rest : rests) lengths.push_back(static_cast<double>(rest.size()));
+  const double root_of_length = std::sqrt(median(std::move(lengths)));
   const std::size_t second = std::max<std::size_t>(5, static_cast<std::size_t>(std::lround(1 / recording.interval_s)));
   for (std::size_t j = 0; j < 3; ++j) {
     const auto axis = static_cast<Index>(j);
-    if (!imu.accel_noise_density) start.noise.accel[axis] = std::min(start.noise.accel[axis], quiet_noise(recording.accel[j], rests, second));
-    start.noise.gyro[axis] = std::min(start.noise.gyro[axis], quiet_noise(recording.gyro[j], rests, second));
+    const auto quiet = [&](double noise, const std::vector<double>& readings, double rounding) {
+      return std::hypot(std::min(noise, quiet_noise(readings, rests, second)), root_of_length * rounding);
+    };
+    if (!imu.accel_noise_density) start.noise.accel[axis] = quiet(start.noise.accel[axis], recording.accel[j], start.means.rounding.accel[axis]);
+    start.noise.gyro[axis] = quiet(start.noise.gyro[axis], recording.gyro[j], start.means.rounding.gyro[axis]);
   }
   kernel::limit_noise(start);
 }
@@ -81,16 +89,22 @@ kernel::RestStart coarse_start(const Recording& recording, const std::vector<Ran
   return start;
 }
 
+/// Measured white noise is at least this, below that of any sensor: readings without noise leave residuals of the integration from samples, which
+/// would otherwise weigh more than any prior.
+constexpr double least_accel_density = 1e-7;  // m/s^2/sqrt(Hz): 0.01 ug/sqrt(Hz)
+constexpr double least_gyro_density = 1e-9;   // rad/s/sqrt(Hz): 3e-6 deg/sqrt(h)
+
 /// Noise of the calibrated output: white noise from the samples or its declared density; where the full noise of a grade is declared, quantization is
 /// a term of its own, and the samples show more than the white noise. The other terms as declared.
 Noise noise_of(const SampleNoise& raw, const SensorModel& coarse, const Recording& recording, const ImuDeclaration& imu) {
   const NoiseModels declared = declared_terms(imu);
   const bool full = imu.noise == NoiseTerms::full;
-  const auto density = [&](const TriadModel& triad, const Vector3d& sigma, double of_grade) {
+  const auto density = [&](const TriadModel& triad, const Vector3d& sigma, double least, double of_grade) {
     const Vector3d shown = std::sqrt(recording.interval_s) * (triad.matrix.cwiseAbs2() * sigma.cwiseAbs2()).cwiseSqrt();
-    return full && of_grade > 0 ? Vector3d(Vector3d::Constant(of_grade)) : shown;
+    return full && of_grade > 0 ? Vector3d(Vector3d::Constant(of_grade)) : Vector3d(shown.cwiseMax(least));
   };
-  return in_place::noise_of(density(coarse.gyro, raw.gyro, declared.gyro.N), density(coarse.accel, raw.accel, declared.accel.N), declared,
+  return in_place::noise_of(density(coarse.gyro, raw.gyro, imu.gyro_noise_density ? 0 : least_gyro_density, declared.gyro.N),
+                            density(coarse.accel, raw.accel, imu.accel_noise_density ? 0 : least_accel_density, declared.accel.N), declared,
                             recording.interval_s * static_cast<double>(recording.size()));
 }
 

@@ -47,6 +47,28 @@ TEST(Hybrid, WithoutNoiseTheTruthComesBack) {
   }
 }
 
+/// Exact readings, or rounded ones of a sensor whose noise is far below its steps: the noise that the rests show is zero.
+TEST(Hybrid, WithoutNoiseThatShowsItConverges) {
+  const HybridSession exact = hybrid_session(1, [](Session& session) { session.imu.accel_noise_density = session.imu.gyro_noise_density = 0; });
+  for (const double step : {0.0, 1e-8, 1e-6, 1e-4}) {
+    SCOPED_TRACE(step);
+    HybridSession s = exact;
+    s.session.imu.accel_noise_density.reset(), s.session.imu.gyro_noise_density.reset();
+    if (step > 0)
+      for (Columns3* triad : {&s.recording.gyro, &s.recording.accel})
+        for (auto& column : *triad)
+          for (double& reading : column) reading = step * std::round(reading / step);
+    const Calibration c = calibrated(s, base_terms()).calibration;
+    EXPECT_TRUE(c.quality.converged);
+    EXPECT_THAT(c.quality.unobservable, IsEmpty());
+    // Gravity's 3e-4 m/s^2 is 31 ppm; a scatter of 1.5 enlarges it at most.
+    EXPECT_LT(*standard_uncertainty(c, coefficient_index("accel.matrix.xx")), 50e-6);
+    // Residuals of the integration and of rounding are not white: below twice the deviations that are stated, with 21 coefficients.
+    const auto [sum, count] = normalized_error(c, s.truth.model);
+    EXPECT_LT(sum / count, 4);
+  }
+}
+
 TEST(Hybrid, ErrorsAreAsLargeAsStatedWhateverTheTable) {
   double sum = 0;
   constexpr int sessions = 12;
