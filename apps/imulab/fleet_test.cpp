@@ -60,6 +60,7 @@ TEST_F(FleetCommand, CalibratesEverySessionOnce) {
   EXPECT_THAT(run("fleet calibrate week --method handheld --station A").output,
               HasSubstr("3 sessions: 3 calibrated, 0 in the store before, 0 failed"));
   EXPECT_THAT(run("fleet calibrate week --method handheld --station A").output, HasSubstr("0 calibrated, 3 in the store before"));
+  EXPECT_THAT(run("fleet stats").output, HasSubstr("gyro.cubic.x, gyro.cubic.y, gyro.cubic.z\n"));  // left out: nothing but their prior
   EXPECT_THAT(run("fleet calibrate week --method static").output, HasSubstr("3 calibrated, 0 in the store before"));
   const auto units = nlohmann::json::parse(run("fleet list --json").output)["units"];
   ASSERT_EQ(units.size(), 3u);

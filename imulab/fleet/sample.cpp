@@ -7,9 +7,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <unordered_map>
 #include <utility>
 
@@ -76,65 +76,84 @@ void take_rows(FleetSample& s, const std::vector<SampleRow>& rows, const std::un
   s.last = std::move(last);
 }
 
-/// Sums of the covariances of last calibrations with one list of coefficients.
-struct LayoutSum {
-  std::vector<double> triangle;
-  double count = 0;
-};
+/// Whether only the prior sets a value. The prior of an optional term is zero, and a term that the data say nothing of stays there. It does so to
+/// rounding where the accelerometers' frame turns it together with others.
+bool is_prior_alone(CoefficientIndex index, double value, double variance) {
+  constexpr double rounding = 1e-5;  // of the uncertainty: a value that is measured is that close to zero once in 100,000 times
+  return is_optional(coefficient(index).term) && std::isfinite(variance) && std::abs(value) <= rounding * std::sqrt(variance);
+}
 
-/// Every row's numbers in the columns of the whole table; the sums by layout.
+/// Every row's numbers in the columns of the whole table.
 struct NumbersScan {
   std::unordered_map<std::int64_t, Eigen::Index> row;
-  std::vector<char> is_last;
   Eigen::MatrixXd values, variances;
-  std::map<std::vector<CoefficientIndex>, LayoutSum> sums;
-  std::array<bool, coefficient_count> any{};
-  const std::vector<CoefficientIndex>* known = nullptr;  // the layout of the call before
-  LayoutSum* sum = nullptr;
+  std::array<bool, coefficient_count> any{}, left_to_prior{};
 
   void take(std::int64_t id, const std::vector<CoefficientIndex>& estimated, std::string_view data) {
     const auto at = row.find(id);
     if (at == row.end()) return;
     const std::size_t n = estimated.size();
-    if (known != &estimated) {
-      known = &estimated, sum = &sums[estimated];
-      sum->triangle.resize(n * (n + 1) / 2);
-      for (const CoefficientIndex c : estimated) any[static_cast<std::size_t>(c)] = true;
-    }
     for (std::size_t i = 0; i < n; ++i) {
-      values(estimated[i], at->second) = fleet::packed_number(data, i);
-      variances(estimated[i], at->second) = fleet::packed_number(data, n + i * (i + 1) / 2 + i);
+      const CoefficientIndex index = estimated[i];
+      const double value = fleet::packed_number(data, i), variance = fleet::packed_number(data, n + i * (i + 1) / 2 + i);
+      const bool by_prior = is_prior_alone(index, value, variance);
+      (by_prior ? left_to_prior : any)[static_cast<std::size_t>(index)] = true;
+      if (by_prior) continue;
+      values(index, at->second) = value;
+      variances(index, at->second) = variance;
     }
-    if (is_last[static_cast<std::size_t>(at->second)] == 0) return;
-    sum->count += 1;
-    for (std::size_t k = 0; k < sum->triangle.size(); ++k) sum->triangle[k] += fleet::packed_number(data, n + k);
   }
 };
 
-/// The coefficients of the most frequent layout, and the mean of its covariances.
-void take_common(FleetSample& s, const NumbersScan& scan) {
-  const auto most =
-      std::max_element(scan.sums.begin(), scan.sums.end(), [](const auto& a, const auto& b) { return a.second.count < b.second.count; });
-  if (most == scan.sums.end() || most->second.count == 0) return;
-  const std::vector<CoefficientIndex>& layout = most->first;
-  const LayoutSum& sum = most->second;
-  const auto n = static_cast<Eigen::Index>(layout.size());
-  Eigen::MatrixXd mean(n, n);
-  for (Eigen::Index i = 0, k = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j <= i; ++j, ++k) mean(i, j) = mean(j, i) = sum.triangle[static_cast<std::size_t>(k)] / sum.count;
-  std::vector<Eigen::Index> order(layout.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(),
-            [&](Eigen::Index a, Eigen::Index b) { return layout[static_cast<std::size_t>(a)] < layout[static_cast<std::size_t>(b)]; });
-  s.mean_covariance = mean(order, order);
-  for (const Eigen::Index k : order)
-    s.common.push_back(std::find(s.coefficients.begin(), s.coefficients.end(), layout[static_cast<std::size_t>(k)]) - s.coefficients.begin());
+/// Of the columns that at least half of the last calibrations have, all that at least half have together: without the rarest until it is so.
+std::vector<Eigen::Index> common_columns(const FleetSample& s) {
+  const Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> has = !Eigen::MatrixXd(s.values(s.last, Eigen::all)).array().isNaN();
+  const auto half = [&](Eigen::Index count) { return 2 * count >= has.rows(); };
+  std::vector<Eigen::Index> columns;
+  for (Eigen::Index k = 0; k < has.cols(); ++k)
+    if (half(has.col(k).count())) columns.push_back(k);
+  const auto together = [&] {
+    Eigen::Array<bool, Eigen::Dynamic, 1> all = Eigen::Array<bool, Eigen::Dynamic, 1>::Constant(has.rows(), true);
+    for (const Eigen::Index k : columns) all = all && has.col(k);
+    return all.count();
+  };
+  while (!half(together()))
+    columns.erase(std::min_element(columns.begin(), columns.end(), [&](auto a, auto b) { return has.col(a).count() < has.col(b).count(); }));
+  return columns;
 }
 
 std::vector<CoefficientIndex> common_coefficients(const FleetSample& s) {
   std::vector<CoefficientIndex> out;
   for (const Eigen::Index k : s.common) out.push_back(s.coefficients[static_cast<std::size_t>(k)]);
   return out;
+}
+
+/// The mean of the covariances of the common columns, over the last calibrations that have them all.
+Eigen::MatrixXd mean_covariance_of(FleetStore& store, const FleetSample& s, const std::unordered_map<std::int64_t, Eigen::Index>& row_of) {
+  std::vector<char> counts(s.calibration.size());
+  for (const Eigen::Index row : s.last) counts[static_cast<std::size_t>(row)] = !s.values(row, s.common).array().isNaN().any();
+  const std::vector<CoefficientIndex> common = common_coefficients(s);
+  const auto p = static_cast<Eigen::Index>(common.size());
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(p, p);
+  double units = 0;
+  const std::vector<CoefficientIndex>* known = nullptr;  // the layout of the call before, and where it has the common ones
+  std::vector<std::size_t> place(common.size());
+  fleet::each_numbers(store, [&](std::int64_t id, const std::vector<CoefficientIndex>& estimated, std::string_view data) {
+    const auto at = row_of.find(id);
+    if (at == row_of.end() || counts[static_cast<std::size_t>(at->second)] == 0) return;
+    if (known != &estimated)
+      std::transform(common.begin(), common.end(), place.begin(), [&](CoefficientIndex index) {
+        return static_cast<std::size_t>(std::find(estimated.begin(), estimated.end(), index) - estimated.begin());
+      });
+    known = &estimated;
+    units += 1;
+    for (Eigen::Index i = 0; i < p; ++i)
+      for (Eigen::Index j = 0; j <= i; ++j) {
+        const auto [low, high] = std::minmax(place[static_cast<std::size_t>(i)], place[static_cast<std::size_t>(j)]);
+        sum(i, j) += fleet::packed_number(data, estimated.size() + high * (high + 1) / 2 + low);
+      }
+  });
+  return Eigen::MatrixXd(sum.selfadjointView<Eigen::Lower>()) / units;
 }
 
 }  // namespace
@@ -150,16 +169,18 @@ FleetSample load_sample(FleetStore& store, const std::string& method) {
   s.stations = std::move(stations.names), s.operators = std::move(operators.names);
   const auto count = static_cast<Eigen::Index>(rows.size());
   NumbersScan scan;
-  scan.is_last.resize(rows.size());
-  for (const Eigen::Index k : s.last) scan.is_last[static_cast<std::size_t>(k)] = 1;
   for (Eigen::Index k = 0; k < count; ++k) scan.row[s.calibration[static_cast<std::size_t>(k)]] = k;
   scan.values.setConstant(coefficient_count, count, std::numeric_limits<double>::quiet_NaN());
   scan.variances = scan.values;
   fleet::each_numbers(
       store, [&](std::int64_t id, const std::vector<CoefficientIndex>& estimated, std::string_view data) { scan.take(id, estimated, data); });
   std::vector<Eigen::Index> columns;
-  for (const CoefficientIndex index : coefficient_indices())
-    if (scan.any[static_cast<std::size_t>(index)]) s.coefficients.push_back(index), columns.push_back(index);
+  for (const CoefficientIndex index : coefficient_indices()) {
+    if (scan.any[static_cast<std::size_t>(index)])
+      s.coefficients.push_back(index), columns.push_back(index);
+    else if (scan.left_to_prior[static_cast<std::size_t>(index)])
+      s.left_out.push_back(index);
+  }
   s.values = scan.values(columns, Eigen::all).transpose();
   s.variances = scan.variances(columns, Eigen::all).transpose();
   const std::string damaged = store.database().file() + ": a number is damaged; imulab fleet check names all that are";
@@ -168,7 +189,8 @@ FleetSample load_sample(FleetStore& store, const std::string& method) {
     if (std::isnan(value) && std::isnan(variance)) continue;
     if (!std::isfinite(value) || !(variance > 0) || !std::isfinite(variance)) throw Error(damaged);
   }
-  take_common(s, scan);
+  s.common = common_columns(s);
+  s.mean_covariance = mean_covariance_of(store, s, scan.row);
   return s;
 }
 

@@ -5,6 +5,7 @@
 #include "imulab/core/random.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/io/result/fleet.hpp"
+#include "imulab/report/fleet_page.hpp"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -12,12 +13,14 @@
 #include "tests/fleet_draw.hpp"
 #include "tests/temporary_folder.hpp"
 #include <cmath>
+#include <map>
 
 namespace imulab {
 namespace {
 
 using fleet::Access;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::ThrowsMessage;
 
 constexpr double year_s = 365.25 * 86400;
@@ -111,6 +114,69 @@ TEST(FleetStatistics, CorrelationsBetweenUnitsAreFound) {
   EXPECT_EQ(coefficient(f.correlations[0].b).name, "gyro.matrix.xx");
   EXPECT_GT(f.correlations[0].correlation, 0.8);
   EXPECT_LE(f.correlations.size(), 2u);  // the errors of measurement have a correlation of 0.5, which is none of the units
+}
+
+/// The calibration with one more coefficient, known by itself.
+void add_coefficient(Calibration& c, const char* name, double value, double sigma) {
+  const Eigen::Index n = c.covariance.rows();
+  c.covariance.conservativeResize(n + 1, n + 1);
+  c.covariance.row(n).setZero(), c.covariance.col(n).setZero();
+  c.covariance(n, n) = sigma * sigma;
+  c.estimated.push_back(coefficient_index(name));
+  set_coefficient(c.model, c.estimated.back(), value);
+}
+
+/// As a calibration by hand states them: the data say nothing of the cubic terms, which keep their prior; of the quadratic term of x they do in half
+/// of the units and more, of that of y in some.
+struct FleetWithPriors : ::testing::Test {
+  TemporaryFolder folder;
+  FleetStore store{folder / "fleet.db", Access::write};
+  static constexpr std::uint64_t units = 60, off = 33;
+  FleetWithPriors() {
+    store.database().run("PRAGMA synchronous = OFF");
+    const RandomStream draws(5, "quadratic");
+    for (std::uint64_t unit = 0; unit < units; ++unit)
+      for (const std::uint64_t turn : {0u, 1u}) {
+        Calibration c = drawn_calibration(5, unit, turn);
+        if (unit == off) c.model.accel.offset.x() += 0.5 * unit::g;
+        add_coefficient(c, "gyro.quadratic.x", unit % 10 == 0 ? 0 : 3e-6 * draws.normal(2 * unit), unit % 10 == 0 ? 3e-5 : 1e-6);
+        add_coefficient(c, "gyro.quadratic.y", unit % 10 != 0 ? 1e-18 : 3e-6 * draws.normal(2 * unit + 1), unit % 10 != 0 ? 3e-5 : 1e-6);
+        add_coefficient(c, "gyro.cubic.x", 0, 3.3e-6);
+        add_coefficient(c, "gyro.cubic.z", 0, 3.3e-6);
+        store.add_calibration(c, {"A", "", 1.7e9 + static_cast<double>(turn) * year_s + static_cast<double>(unit), "declared"});
+      }
+  }
+};
+
+TEST_F(FleetWithPriors, WhatOnlyThePriorSetsIsLeftOut) {
+  const FleetStatistics f = fleet_statistics(store);
+  ASSERT_TRUE(f.search.possible);
+  ASSERT_EQ(f.search.outliers.size(), 1u);
+  EXPECT_EQ(f.sample.unit_of_row(f.sample.last[static_cast<std::size_t>(f.search.outliers[0].unit)]), "unit 33 1033");
+  EXPECT_EQ(f.search.outliers[0].coefficients, 22);
+  EXPECT_EQ(f.sample.left_out, select_each({"gyro.cubic.x", "gyro.cubic.z"}));
+  std::map<std::string, Eigen::Index> units_of;
+  for (const CoefficientStatistics& c : f.coefficients) {
+    units_of[std::string(coefficient(c.index).name)] = c.fleet.units;
+    EXPECT_LT(c.fleet.mean_low, c.fleet.mean_high) << coefficient(c.index).name;
+  }
+  EXPECT_EQ(units_of["accel.offset.x"], 59);
+  EXPECT_EQ(units_of["gyro.quadratic.x"], 53);
+  EXPECT_EQ(units_of["gyro.quadratic.y"], 6);
+  EXPECT_FALSE(units_of.contains("gyro.cubic.x"));
+  // The outlier is none of the spread: 2 mg, to six standard deviations of the estimate.
+  EXPECT_NEAR(f.coefficients[0].fleet.spread, 2e-3 * unit::g, 6 * 2.1e-3 * unit::g / std::sqrt(116.0));
+}
+
+TEST_F(FleetWithPriors, WhatIsLeftOutIsNamed) {
+  const FleetStatistics f = fleet_statistics(store);
+  const std::string text = fleet_statistics_text(f);
+  EXPECT_THAT(text, HasSubstr("Left out, since the data show nothing of them"));
+  EXPECT_THAT(text, HasSubstr("gyro.cubic.x, gyro.cubic.z"));
+  EXPECT_THAT(text, HasSubstr("Of 59 units, but: gyro.quadratic.x (53), gyro.quadratic.y (6)"));
+  EXPECT_THAT(text, Not(HasSubstr("nine in a row")));
+  EXPECT_EQ(nlohmann::json::parse(fleet_statistics_json(f))["left_out"], (nlohmann::json{"gyro.cubic.x", "gyro.cubic.z"}));
+  EXPECT_THAT(fleet_page(f, "fleet.db"), HasSubstr("gyro.cubic.x, gyro.cubic.z"));
 }
 
 TEST(FleetStatistics, OfOneUnitAndOfNone) {

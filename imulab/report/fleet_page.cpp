@@ -71,11 +71,13 @@ std::string spread_section(const FleetStatistics& f) {
                       number_text(c.fleet.measurement / c.size, 2), escaped(readable_unit(c.unit)), number_text(c.fleet.p_value, 2),
                       c.capability ? number_text(c.capability->cp) : "", c.capability ? number_text(c.capability->cpk) : ""});
   }
+  const std::string left_out = left_out_text(f);
   return section(
       "spread", "Spread between units",
       "The standard deviation of the units themselves, without the uncertainty with which they were measured (random effects, restricted maximum "
       "likelihood; the interval is the profile's). p: probability of such differences between units that are all the same. Scales are given as "
-      "they are, all else in the unit at the right.",
+      "they are, all else in the unit at the right." +
+          (left_out.empty() ? "" : fmt::format(" {}: {}.", left_out_reason, escaped(left_out))),
       table(t));
 }
 

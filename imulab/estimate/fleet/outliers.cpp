@@ -37,8 +37,9 @@ struct FleetModel {
 
 /// The sample's covariance less the measurement's, no direction below zero.
 void take_spread(FleetModel& f, const Eigen::MatrixXd& measurement) {
-  // In units of each coefficient's own size, so that what is no spread is told from rounding.
-  const Eigen::VectorXd size = f.sample.diagonal().cwiseSqrt().cwiseMax(std::numeric_limits<double>::min());
+  // In units of each coefficient's own size, so that what is no spread is told from rounding. One that is the same in all units has that of its
+  // uncertainty.
+  const Eigen::VectorXd size = f.sample.diagonal().cwiseMax(measurement.diagonal()).cwiseSqrt();
   const Eigen::MatrixXd sizes = size * size.transpose();
   SymmetricEigen e = symmetric_eigen(Eigen::MatrixXd((f.sample - measurement).array() / sizes.array()));
   f.whole = e.values.minCoeff() > 1e-3;

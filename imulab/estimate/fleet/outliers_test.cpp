@@ -75,6 +75,25 @@ TEST(Outliers, AUnitMeasuredBadlyIsNoOutlier) {
   EXPECT_TRUE(find_outliers(d.input).outliers.empty());
 }
 
+TEST(Outliers, ACoefficientThatIsTheSameInAllUnitsHidesNone) {
+  DrawnFleet d(1, 60, 4, 0.1, 0.5);
+  d.input.values.col(3).setZero();  // as a prior sets it: apart from all else
+  const auto set_apart = [](Eigen::MatrixXd& covariance) {
+    const double own = covariance(3, 3);
+    covariance.row(3).setZero(), covariance.col(3).setZero();
+    covariance(3, 3) = own;
+  };
+  set_apart(d.input.mean_covariance);
+  for (Eigen::MatrixXd& covariance : d.covariances) set_apart(covariance);
+  EXPECT_TRUE(find_outliers(d.input).outliers.empty());
+  d.input.values(7, 0) += 20;
+  const OutlierSearch search = find_outliers(d.input);
+  EXPECT_TRUE(search.possible);
+  ASSERT_EQ(search.outliers.size(), 1u);
+  EXPECT_EQ(search.outliers[0].unit, 7);
+  EXPECT_EQ(search.spread(3, 3), 0);
+}
+
 TEST(Outliers, MissingCoefficientsAndSmallFleets) {
   DrawnFleet d(1, 60, 3, 0.1, 0.5);
   d.input.values(7, 0) = std::nan("");

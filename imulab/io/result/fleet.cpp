@@ -15,6 +15,12 @@ namespace {
 
 std::string coefficient_name(CoefficientIndex index) { return std::string(coefficient(index).name); }
 
+std::vector<std::string> left_out_names(const FleetStatistics& f) {
+  std::vector<std::string> names;
+  for (const CoefficientIndex index : f.sample.left_out) names.push_back(coefficient_name(index));
+  return names;
+}
+
 JsonObject effects_json(const RandomEffects& r) {
   return {{{{{"units", static_cast<std::uint64_t>(r.units)},
              {"mean", r.mean},
@@ -97,6 +103,8 @@ JsonFields coefficient_json(const CoefficientStatistics& c, const FleetStatistic
 
 }  // namespace
 
+std::string left_out_text(const FleetStatistics& f) { return fmt::format("{}", fmt::join(left_out_names(f), ", ")); }
+
 std::string due_text(const UnitDue& due) {
   return std::isfinite(due.time) ? time_text(due.time).substr(0, 10) : fmt::format("not in {:g} years", due_horizon);
 }
@@ -127,6 +135,7 @@ std::string fleet_statistics_json(const FleetStatistics& f) {
                        {"calibrations", static_cast<std::uint64_t>(f.sample.calibration.size())},
                        {"false_alarm", f.search.false_alarm},
                        {"coefficients", coefficients},
+                       {"left_out", left_out_names(f)},
                        {"outliers_tested", f.search.possible},
                        {"outliers", outliers},
                        {"drifts", drifts},
@@ -145,14 +154,16 @@ std::string spread_row(const CoefficientStatistics& c) {
                      in_unit(c.fleet.spread_high), in_unit(c.fleet.measurement), c.unit);
 }
 
-/// The coefficients that fewer units have than others.
+/// The coefficients that fewer units have than others, and those that only the prior sets.
 std::string fewer_units_text(const FleetStatistics& f) {
   auto most = f.coefficients.empty() ? 0 : f.coefficients.front().fleet.units;
   for (const CoefficientStatistics& c : f.coefficients) most = std::max(most, c.fleet.units);
   std::string text;
   for (const CoefficientStatistics& c : f.coefficients)
     if (c.fleet.units < most) text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", coefficient_name(c.index), c.fleet.units);
-  return text.empty() ? "" : text::wrapped("", fmt::format("Of {} units, but: {}", most, text));
+  if (!text.empty()) text = text::wrapped("", fmt::format("Of {} units, but: {}", most, text));
+  if (!f.sample.left_out.empty()) text += text::wrapped("", fmt::format("{}: {}", left_out_reason, left_out_text(f)));
+  return text;
 }
 
 std::string capability_text(const CoefficientStatistics& c) {
