@@ -8,10 +8,12 @@
 #include <array>
 #include <bit>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <fstream>
 #include <sstream>
+#include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
 #include <utility>
@@ -44,13 +46,17 @@ void write_all(int file, const fs::path& name, std::string_view bytes) {
   }
 }
 
-/// A new file with this text, whole or not at all; false: it was there.
+/// A new file with this text, whole or not at all; false: it was there. Its temporary name cannot be guessed, and a link of that name is not
+/// followed.
 bool create_whole(const fs::path& file, const std::string& text) {
-  const fs::path part = file.string() + fmt::format(".{}", ::getpid());
-  const int out = ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (out < 0) fail(part, "cannot be made");
+  std::string part = file.string() + ".XXXXXX";
+  const int out = ::mkstemp(part.data());
+  if (out < 0) fail(file, "cannot be made");
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
   try {
     write_all(out, part, text);
+    if (::fchmod(out, 0666 & ~mask) != 0) fail(file, "cannot be made");  // mkstemp's file is private, and other users may share the work
   } catch (...) {
     ::close(out);
     ::unlink(part.c_str());

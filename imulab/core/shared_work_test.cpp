@@ -4,6 +4,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/parallel.hpp"
 
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 
 #include "tests/temporary_folder.hpp"
@@ -167,6 +168,18 @@ TEST(SharedWork, WhatAPartThrowsIsThrown) {
   const TemporaryFolder folder;
   const Checkpoint here{folder / "work"};
   EXPECT_THAT([&] { for_each(work, &here); }, ThrowsMessage<Error>(HasSubstr("part 50")));
+}
+
+TEST(SharedWork, ALinkInItsFolderIsNotFollowed) {
+  const TemporaryFolder folder;
+  const Checkpoint here{folder / "work"};
+  std::ofstream(folder / "victim") << "thesis";
+  fs::create_directory(here.folder);
+  fs::create_symlink(folder / "victim", here.folder / fmt::format("identity.{}", getpid()));
+  EXPECT_EQ(together(5, &here), expected(5));
+  std::string text;
+  std::ifstream(folder / "victim") >> text;
+  EXPECT_EQ(text, "thesis");
 }
 
 }  // namespace
