@@ -100,8 +100,7 @@ void checkpoint(std::string_view bytes) {
     records.clear();
     while (left.size() >= 2) {
       const std::string_view payload = left.substr(2, static_cast<unsigned char>(left[1]));
-      const std::uint64_t head[3] = {static_cast<unsigned char>(left[0]) % 6U, payload.size(), checksum(payload)};
-      records.append(reinterpret_cast<const char*>(head), sizeof head).append(payload);
+      records += checkpoint_record(static_cast<unsigned char>(left[0]) % 6U, payload);
       left.remove_prefix(2 + payload.size());
     }
   }

@@ -78,18 +78,26 @@ void expect_identity(const fs::path& folder, const std::string& identity, const 
     throw Error(fmt::format("{}: is the checkpoint of another run (other input, options or version); expected {}", folder.string(), expected));
 }
 
+using RecordHead = std::array<std::uint64_t, 3>;  // part, size, checksum
+
+/// Of part, size and bytes: damage to any of them is seen.
+std::uint64_t record_checksum(std::uint64_t part, std::string_view result) {
+  const std::array<std::uint64_t, 2> head{part, result.size()};
+  return checksum(result, checksum({reinterpret_cast<const char*>(head.data()), sizeof head}));
+}
+
 /// The whole records of a file from `begin` on; where they end.
 std::uint64_t read_records(const fs::path& file, std::uint64_t begin, const CheckpointFolder::Sink& sink) {
   std::ifstream in(file, std::ios::binary);
   in.seekg(static_cast<std::streamoff>(begin));
   std::error_code none;
   const std::uint64_t size = fs::file_size(file, none);
-  std::array<std::uint64_t, 3> head{};
+  RecordHead head{};
   while (begin + sizeof head <= size && in.read(reinterpret_cast<char*>(head.data()), sizeof head)) {
     const auto [part, bytes, sum] = head;
     if (bytes > size - begin - sizeof head) break;
     std::string result(bytes, '\0');
-    if (!in.read(result.data(), static_cast<std::streamsize>(bytes)) || checksum(result) != sum) break;
+    if (!in.read(result.data(), static_cast<std::streamsize>(bytes)) || record_checksum(part, result) != sum) break;
     begin += sizeof head + bytes;
     sink(part, std::move(result));
   }
@@ -105,10 +113,14 @@ std::vector<fs::path> result_files(const fs::path& folder) {
 
 }  // namespace
 
-std::uint64_t checksum(std::string_view bytes) {
-  std::uint64_t sum = 0xcbf29ce484222325;
+std::uint64_t checksum(std::string_view bytes, std::uint64_t sum) {
   for (const char c : bytes) sum = (sum ^ static_cast<unsigned char>(c)) * 0x100000001b3;
   return sum;
+}
+
+std::string checkpoint_record(std::uint64_t part, std::string_view result) {
+  const RecordHead head{part, result.size(), record_checksum(part, result)};
+  return std::string(reinterpret_cast<const char*>(head.data()), sizeof head).append(result);
 }
 
 CheckpointFolder::CheckpointFolder(fs::path folder, const std::string& identity) : folder_(std::move(folder)) {
@@ -148,8 +160,7 @@ void CheckpointFolder::append(std::size_t part, const std::string& result) {
     if (file_ < 0 && errno != EEXIST) fail(name, "cannot be made");
     own_ = name.filename().string();
   }
-  const std::array<std::uint64_t, 3> head{part, result.size(), checksum(result)};
-  write_all(file_, folder_, std::string(reinterpret_cast<const char*>(head.data()), sizeof head) + result);
+  write_all(file_, folder_, checkpoint_record(part, result));
 }
 
 void CheckpointFolder::read_new(const Sink& sink) {

@@ -2,7 +2,7 @@
 //
 //   identity            what the results depend on
 //   claims/C.R          chunk C was begun in round R
-//   results-HOST-PID-N  records of one process: part, size, checksum (64 bits each, least significant byte first), bytes
+//   results-HOST-PID-N  records of one process: part, size, checksum of all else (64 bits each, least significant byte first), bytes
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,11 @@
 
 namespace imulab {
 
-/// FNV-1a, 64 bits: tells damage, not malice.
-std::uint64_t checksum(std::string_view bytes);
+/// FNV-1a, 64 bits: tells damage, not malice. `sum`: of the bytes before.
+std::uint64_t checksum(std::string_view bytes, std::uint64_t sum = 0xcbf29ce484222325);
+
+/// A part's result as a file of results has it.
+std::string checkpoint_record(std::uint64_t part, std::string_view result);
 
 class CheckpointFolder {
  public:

@@ -12,6 +12,7 @@
 #include <chrono>
 #include <csignal>
 #include <fstream>
+#include <sstream>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
@@ -168,6 +169,31 @@ TEST(SharedWork, WhatAPartThrowsIsThrown) {
   const TemporaryFolder folder;
   const Checkpoint here{folder / "work"};
   EXPECT_THAT([&] { for_each(work, &here); }, ThrowsMessage<Error>(HasSubstr("part 50")));
+}
+
+TEST(SharedWork, NoFlippedBitGivesAnotherResult) {
+  const TemporaryFolder folder;
+  constexpr std::size_t parts = 3;
+  {
+    CheckpointFolder made(folder / "work", "3 squares");
+    for (std::size_t part = 0; part < parts; ++part) made.append(part, result_of(part));
+  }
+  fs::path file;
+  for (const auto& entry : fs::directory_iterator(folder / "work"))
+    if (entry.path().filename().string().starts_with("results-")) file = entry.path();
+  std::ostringstream bytes;
+  bytes << std::ifstream(file, std::ios::binary).rdbuf();
+  for (std::size_t bit = 0; bit < 8 * bytes.str().size(); ++bit) {
+    std::string flipped = bytes.str();
+    flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ (1 << bit % 8));
+    std::ofstream(file, std::ios::binary) << flipped;
+    std::size_t taken = 0;
+    CheckpointFolder::read(folder / "work", "3 squares", [&](std::size_t part, const std::string& result) {
+      EXPECT_EQ(result, result_of(part)) << "part " << part << ", bit " << bit;
+      ++taken;
+    });
+    EXPECT_LT(taken, parts) << "bit " << bit;  // the record counts as one that is not there
+  }
 }
 
 TEST(SharedWork, ALinkInItsFolderIsNotFollowed) {
