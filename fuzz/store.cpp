@@ -93,7 +93,7 @@ void checkpoint(std::string_view bytes) {
   const fs::path place = folder / "work";
   fs::remove_all(place);
   fs::create_directories(place);
-  write_bytes(place / "identity", "fuzzed\n");
+  write_bytes(place / "identity", "format=imulab.checkpoint/2\nfuzzed\n");
   std::string records(bytes.substr(1));
   if ((bytes[0] & 1) != 0) {
     std::string_view left = bytes.substr(1);
@@ -109,7 +109,6 @@ void checkpoint(std::string_view bytes) {
   std::size_t taken = 0;
   SharedWork work;
   work.count = parts;
-  work.identity = "fuzzed";
   work.work = [](std::size_t part) {
     const double numbers[2] = {static_cast<double>(part), 0.5};
     return bytes_of(numbers, 2);
@@ -119,7 +118,7 @@ void checkpoint(std::string_view bytes) {
     read_numbers(result, numbers, 2);
     if (part != taken++) finding("parts out of order");
   };
-  const Checkpoint shared{place};
+  const Checkpoint shared{.folder = place, .identity = "fuzzed"};
   try {
     for_each(work, &shared);
     if (taken != parts) finding("not every part was taken");

@@ -96,6 +96,57 @@ TEST_F(SharedRuns, OfAFleet) {
               HasSubstr("ranks: is the checkpoint of another run"));
 }
 
+TEST_F(SharedRuns, OfOtherNumbersOfRunsAreRefused) {
+  run("procedure zhang-24 -o procedure.toml");
+  run("predict procedure.toml --runs 129 --checkpoint here");
+  const auto error = [&](const std::string& arguments) {
+    const CommandResult result = run_imulab(folder, arguments);
+    EXPECT_EQ(result.exit_code, 2) << arguments;
+    return result.errors;
+  };
+  // 129 runs are two parts, and so are 256; the first one is the same.
+  EXPECT_THAT(error("predict procedure.toml --runs 256 --checkpoint here"), HasSubstr("here: is the checkpoint of another run (its \"runs\" differs)"));
+  EXPECT_THAT(error("predict procedure.toml --runs 256 --checkpoint new --merge here"), HasSubstr("here: is the checkpoint of another run"));
+  EXPECT_THAT(error("predict procedure.toml --runs 129 --classical --checkpoint here"), HasSubstr("(its \"classical\" differs)"));
+  run_shell(folder, "sed 's/^format/# a word\\nformat/' procedure.toml > more.toml && mv more.toml procedure.toml");
+  EXPECT_THAT(error("predict procedure.toml --runs 129 --checkpoint here"), HasSubstr("(its \"session\" differs)"));
+}
+
+TEST_F(SharedRuns, OfABudgetDependOnAllItsInputs) {
+  const std::string mission =
+      "format = \"imulab.mission/1\"\nrate_hz = 10\n[start]\nlatitude_deg = 45\nlongitude_deg = 8\nheight_m = 400\nspeed_mps = 100\n"
+      "[[segment]]\nkind = \"straight\"\nduration_s = 30\n[errors]\ngrade = \"navigation\"\n";
+  folder.write("mission.toml", mission);
+  run("procedure hand-held -o hand.toml");
+  run("simulate hand.toml -o one");
+  run("calibrate one --method handheld -o c.json");
+  const std::string budget = "budget mission.toml --calibration c.json --allow-undetermined --runs 20";
+  run(budget + " --checkpoint here");
+  run(budget + " --checkpoint here");
+  const auto error = [&](const std::string& arguments) { return run_imulab(folder, arguments).errors; };
+  EXPECT_THAT(error("budget mission.toml --calibration c.json --allow-undetermined --runs 21 --checkpoint here"), HasSubstr("(its \"runs\" differs)"));
+  EXPECT_THAT(error("budget mission.toml --grade tactical --runs 20 --checkpoint here"), HasSubstr("(its \"grade\" differs)"));
+  EXPECT_THAT(error(budget + " --every 9 --checkpoint here"), HasSubstr("(its \"every\" differs)"));
+  run("calibrate one --method static -o c.json --force");
+  EXPECT_THAT(error(budget + " --checkpoint here"), HasSubstr("(its \"calibration\" differs)"));
+}
+
+/// One session by hand below week/.
+struct SharedFleet : SharedRuns {
+  SharedFleet() {
+    run("procedure hand-held --poses 24 -o hand.toml");
+    run("simulate hand.toml -o week/one");
+  }
+};
+
+TEST_F(SharedFleet, NamesStayApart) {
+  run("fleet calibrate week --method static --station \"A B\" --operator C --checkpoint here");
+  const CommandResult other = run_imulab(folder, "fleet calibrate week --method static --station A --operator \"B C\" --checkpoint here");
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.errors, HasSubstr("here: is the checkpoint of another run (its \"station\" differs)"));
+  EXPECT_THAT(read_text(folder / "here/identity"), HasSubstr("\nversion="));
+}
+
 TEST_F(SharedRuns, WithoutAFolderEveryRankIsForItself) {
   run("procedure zhang-24 -o procedure.toml");
   const std::string alone = run("predict procedure.toml --runs 1000 --json");

@@ -71,11 +71,24 @@ bool create_whole(const fs::path& file, const std::string& text) {
   return made;
 }
 
+/// The file `identity`. Its first line is the version of the records' format.
+std::string identity_file(const std::string& identity) { return "format=imulab.checkpoint/2\n" + identity + "\n"; }
+
+/// The name of the first field of `wanted` in which another identity differs.
+std::string differing_field(const std::string& wanted, const std::string& other) {
+  std::istringstream one(wanted), two(other);
+  for (std::string line, there; std::getline(one, line);)
+    if (!std::getline(two, there) || line != there) return line.substr(0, line.find('='));
+  return "identity";
+}
+
 void expect_identity(const fs::path& folder, const std::string& identity, const char* expected) {
   const fs::path file = folder / "identity";
   if (!fs::exists(file)) throw Error(fmt::format("{}: is no checkpoint; expected {}", folder.string(), expected));
-  if (text_of(file) != identity + "\n")
-    throw Error(fmt::format("{}: is the checkpoint of another run (other input, options or version); expected {}", folder.string(), expected));
+  const std::string wanted = identity_file(identity), there = text_of(file);
+  if (there == wanted) return;
+  throw Error(
+      fmt::format("{}: is the checkpoint of another run (its \"{}\" differs); expected {}", folder.string(), differing_field(wanted, there), expected));
 }
 
 using RecordHead = std::array<std::uint64_t, 3>;  // part, size, checksum
@@ -124,6 +137,7 @@ std::string checkpoint_record(std::uint64_t part, std::string_view result) {
 }
 
 CheckpointFolder::CheckpointFolder(fs::path folder, const std::string& identity) : folder_(std::move(folder)) {
+  if (identity.empty()) throw Error(folder_.string() + ": the work has no identity; expected one, by which the folder knows it");
   std::error_code wrong;
   fs::create_directories(folder_, wrong);
   if (wrong) throw Error(fmt::format("{}: cannot be made: {}", folder_.string(), wrong.message()));
@@ -131,7 +145,7 @@ CheckpointFolder::CheckpointFolder(fs::path folder, const std::string& identity)
   // Until one of them has made it, processes that begin at once find nothing but what the others are about to name so.
   const fs::directory_iterator entries(folder_);
   if (std::all_of(begin(entries), end(entries), [](const auto& entry) { return entry.path().filename().string().starts_with("identity."); }))
-    create_whole(folder_ / "identity", identity + "\n");
+    create_whole(folder_ / "identity", identity_file(identity));
   expect_identity(folder_, identity, "a new or an empty folder, or that of an earlier run of this command");
   fs::create_directories(folder_ / "claims", wrong);
   if (wrong) throw Error(fmt::format("{}: cannot be made: {}", (folder_ / "claims").string(), wrong.message()));

@@ -1,6 +1,6 @@
 // The folder of a shared work: results of its parts, and who has begun what. Several processes read and write it at once, also over a network.
 //
-//   identity            what the results depend on
+//   identity            the format's version, then what the results depend on (work_identity)
 //   claims/C.R          chunk C was begun in round R
 //   results-HOST-PID-N  records of one process: part, size, checksum of all else (64 bits each, least significant byte first), bytes
 #pragma once
@@ -26,7 +26,7 @@ class CheckpointFolder {
  public:
   using Sink = std::function<void(std::size_t part, std::string result)>;
 
-  /// Makes the folder, or joins it. Throws Error where it is another work's, or something else.
+  /// Makes the folder, or joins it. Throws Error where it is another work's, or something else, and for an empty identity.
   CheckpointFolder(std::filesystem::path folder, const std::string& identity);
   ~CheckpointFolder();
   CheckpointFolder(const CheckpointFolder&) = delete;

@@ -1,5 +1,6 @@
 #include "imulab/core/shared_work.hpp"
 
+#include "imulab/core/build.hpp"
 #include "imulab/core/checkpoint_folder.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/parallel.hpp"
@@ -68,18 +69,11 @@ void by_turns(std::size_t count, const std::function<void(std::size_t)>& one) {
   });
 }
 
-std::string identity_of(const SharedWork& work) {
-  if (!work.identity.empty()) return work.identity;
-  const std::string first = work.count > 0 ? work.work(0) : "";
-  return fmt::format("{} parts, the first {:016x}", work.count, checksum(first));
-}
-
 void share(const SharedWork& work, const Checkpoint& checkpoint) {
   InOrder results(work);
   const auto add = [&](std::size_t part, std::string result) { results.add(part, std::move(result)); };
-  const std::string identity = identity_of(work);
-  for (const auto& other : checkpoint.merged) CheckpointFolder::read(other, identity, add);
-  CheckpointFolder folder(checkpoint.folder, identity);
+  for (const auto& other : checkpoint.merged) CheckpointFolder::read(other, checkpoint.identity, add);
+  CheckpointFolder folder(checkpoint.folder, checkpoint.identity);
   folder.read_new(add);
   constexpr std::size_t most_claims = 10000;  // files of a folder
   const std::size_t size = std::max<std::size_t>(1, (work.count + most_claims - 1) / most_claims), chunks = (work.count + size - 1) / size;
@@ -106,6 +100,18 @@ void share(const SharedWork& work, const Checkpoint& checkpoint) {
 }
 
 }  // namespace
+
+std::string work_identity(std::string_view work, const std::vector<IdentityField>& fields) {
+  std::string text = fmt::format("work={}\nversion={}", work, build().version);
+  for (const auto& [name, value] : fields) {
+    text += fmt::format("\n{}=", name);
+    for (const char c : value) {
+      if (c == '\n' || c == '\\') text += '\\';
+      text += c == '\n' ? 'n' : c;
+    }
+  }
+  return text;
+}
 
 void for_each(const SharedWork& work, const Checkpoint* checkpoint) {
   if (checkpoint != nullptr) return share(work, *checkpoint);

@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace imulab {
@@ -15,13 +17,20 @@ struct SharedWork {
   std::function<std::string(std::size_t)> work;               ///< the result of a part, as bytes; of several parts at a time, in any order
   std::function<void(std::size_t, const std::string&)> take;  ///< gets every result, in the order of the parts, one at a time
   std::function<void(std::size_t)> progress = {};             ///< called with the number of parts taken
-  std::string identity = {};  ///< what all results depend on; empty: the number of parts and the result of the first, which then has to repeat
 };
+
+/// A field of a work's identity: its name, and its value.
+using IdentityField = std::pair<std::string, std::string>;
+
+/// The identity of a work: everything that its results depend on. That is its name, imulab's version, and the fields: all options, numbers of runs
+/// and seeds, and the content of all inputs, by SHA-256. Each is on a line of its own, so that no two requests have the same text.
+std::string work_identity(std::string_view work, const std::vector<IdentityField>& fields);
 
 /// Where several processes share a work, and keep what is finished.
 struct Checkpoint {
   std::filesystem::path folder;                    ///< made where it is not there
   std::vector<std::filesystem::path> merged = {};  ///< folders of runs that were made apart: read only
+  std::string identity = {};                       ///< of the work (work_identity): whoever sets up the work adds it
 };
 
 /// Does all parts that are not finished yet. The results that `take` gets do not depend on how many threads and processes there are. Every process

@@ -1,5 +1,6 @@
 #include "imulab/core/shared_work.hpp"
 
+#include "imulab/core/build.hpp"
 #include "imulab/core/checkpoint_folder.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/parallel.hpp"
@@ -26,17 +27,25 @@ using ::testing::ThrowsMessage;
 
 std::string result_of(std::size_t part) { return std::string(part % 7, 'x') + std::to_string(part * part); }
 
+std::string identity_of(std::size_t count) { return work_identity("squares", {{"runs", std::to_string(count)}}); }
+
 /// All results in the order in which they were taken; `done` counts the parts that were worked on.
 std::string together(std::size_t count, const Checkpoint* checkpoint, std::atomic<int>* done = nullptr, int microseconds = 0) {
   std::string all;
-  SharedWork work{.count = count, .work = {}, .take = {}, .identity = std::to_string(count) + " squares"};
+  SharedWork work{.count = count, .work = {}, .take = {}};
   work.work = [&](std::size_t part) {
     if (done != nullptr) ++*done;
     if (microseconds > 0) std::this_thread::sleep_for(std::chrono::microseconds(microseconds));
     return result_of(part);
   };
   work.take = [&](std::size_t part, const std::string& result) { all += std::to_string(part) + ":" + result + "\n"; };
-  for_each(work, checkpoint);
+  if (checkpoint == nullptr) {
+    for_each(work);
+    return all;
+  }
+  Checkpoint identified = *checkpoint;
+  identified.identity = identity_of(count);
+  for_each(work, &identified);
   return all;
 }
 
@@ -120,7 +129,7 @@ TEST(SharedWork, RunsMadeApartAreMerged) {
   const TemporaryFolder folder;
   const Checkpoint a{folder / "a"}, b{folder / "b"};
   {
-    CheckpointFolder first(a.folder, "100 squares"), second(b.folder, "100 squares");
+    CheckpointFolder first(a.folder, identity_of(100)), second(b.folder, identity_of(100));
     for (std::size_t part = 0; part < 100; ++part) (part % 2 == 0 ? first : second).append(part, result_of(part));
   }
   std::atomic<int> done = 0;
@@ -160,14 +169,16 @@ TEST(SharedWork, AnotherWorksFolderIsRefused) {
 }
 
 TEST(SharedWork, WhatAPartThrowsIsThrown) {
-  SharedWork work{.count = 100, .work = {}, .take = [](std::size_t, const std::string&) {}, .identity = "x"};
+  SharedWork work{.count = 100, .work = {}, .take = [](std::size_t, const std::string&) {}};
   work.work = [](std::size_t part) -> std::string {
     if (part == 50) throw Error("part 50");
     return "";
   };
   EXPECT_THAT([&] { for_each(work); }, ThrowsMessage<Error>(HasSubstr("part 50")));
   const TemporaryFolder folder;
-  const Checkpoint here{folder / "work"};
+  Checkpoint here{.folder = folder / "work"};
+  EXPECT_THAT([&] { for_each(work, &here); }, ThrowsMessage<Error>(HasSubstr("the work has no identity")));
+  here.identity = "x";
   EXPECT_THAT([&] { for_each(work, &here); }, ThrowsMessage<Error>(HasSubstr("part 50")));
 }
 
@@ -175,7 +186,7 @@ TEST(SharedWork, NoFlippedBitGivesAnotherResult) {
   const TemporaryFolder folder;
   constexpr std::size_t parts = 3;
   {
-    CheckpointFolder made(folder / "work", "3 squares");
+    CheckpointFolder made(folder / "work", identity_of(parts));
     for (std::size_t part = 0; part < parts; ++part) made.append(part, result_of(part));
   }
   fs::path file;
@@ -188,7 +199,7 @@ TEST(SharedWork, NoFlippedBitGivesAnotherResult) {
     flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ (1 << bit % 8));
     std::ofstream(file, std::ios::binary) << flipped;
     std::size_t taken = 0;
-    CheckpointFolder::read(folder / "work", "3 squares", [&](std::size_t part, const std::string& result) {
+    CheckpointFolder::read(folder / "work", identity_of(parts), [&](std::size_t part, const std::string& result) {
       EXPECT_EQ(result, result_of(part)) << "part " << part << ", bit " << bit;
       ++taken;
     });
@@ -206,6 +217,22 @@ TEST(SharedWork, ALinkInItsFolderIsNotFollowed) {
   std::string text;
   std::ifstream(folder / "victim") >> text;
   EXPECT_EQ(text, "thesis");
+}
+
+TEST(SharedWork, FieldsOfAnIdentityStayApart) {
+  const std::string one = work_identity("fleet", {{"station", "A B"}, {"operator", "C"}});
+  EXPECT_NE(one, work_identity("fleet", {{"station", "A"}, {"operator", "B C"}}));
+  EXPECT_NE(one, work_identity("plan", {{"station", "A B"}, {"operator", "C"}}));
+  EXPECT_NE(work_identity("fleet", {{"station", "A\noperator=C"}}), work_identity("fleet", {{"station", "A"}, {"operator", "C"}}));
+  EXPECT_NE(work_identity("fleet", {{"station", "\\n"}}), work_identity("fleet", {{"station", "\n"}}));
+  EXPECT_THAT(one, HasSubstr("\nversion=" + build().version + "\n"));
+}
+
+TEST(SharedWork, ARefusalNamesWhatDiffers) {
+  const TemporaryFolder folder;
+  const CheckpointFolder made(folder / "work", identity_of(50));
+  EXPECT_THAT([&] { CheckpointFolder(folder / "work", identity_of(51)); },
+              ThrowsMessage<Error>(HasSubstr("is the checkpoint of another run (its \"runs\" differs)")));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "imulab/io/text/file.hpp"
 #include "imulab/report/budget_page.hpp"
 #include "imulab/report/track.hpp"
+#include "imulab/tasks/content.hpp"
 
 #include <fmt/format.h>
 
@@ -22,6 +23,21 @@ std::optional<std::string> large_angles(const ErrorBudget& b) {
         return fmt::format("an attitude error exceeds {1:g} rad from {0:g} s on; the linear figures are rough; rely on the Monte Carlo", b.time[i],
                            largest);
   return std::nullopt;
+}
+
+/// Everything that the Monte Carlo depends on. What a grade or a system stands for is in the program.
+std::string identity_of(const MissionFile& file, const ErrorSpecification& specification, const BudgetTask& task) {
+  const std::filesystem::path folder = std::filesystem::path(task.mission).parent_path();
+  std::vector<IdentityField> fields{{"mission", file.sha256}};
+  for (const std::filesystem::path& named : file.files) fields.emplace_back("names", content_of(named));
+  fields.emplace_back("grade", specification.grade.value_or(""));
+  fields.emplace_back("system", specification.system.value_or(""));
+  fields.emplace_back("calibration", specification.calibration ? content_of(folder / *specification.calibration) : "");
+  fields.emplace_back("noise", specification.noise ? content_of(folder / *specification.noise) : "");
+  fields.emplace_back("every", fmt::format("{}", task.every));
+  fields.emplace_back("runs", fmt::format("{}", task.runs));
+  fields.emplace_back("seed", fmt::format("{}", task.seed));
+  return work_identity("budget", fields);
 }
 
 /// The mission's errors, or those that are named in their place.
@@ -60,13 +76,15 @@ MissionBudget mission_budget(const MissionFile& file, const ErrorSpecification& 
   StrapdownOptions strapdown;
   strapdown.vertical = specification.vertical;
   out.budget = error_budget(out.motion, reading.sources, {.strapdown = strapdown, .output_interval = task.every});
+  std::optional<Checkpoint> checkpoint = task.checkpoint;
+  if (checkpoint) checkpoint->identity = identity_of(file, specification, task);
   if (task.runs > 0) {
     out.monte_carlo = error_monte_carlo(
         out.motion, reading.sources, {.strapdown = strapdown, .output_interval = task.every, .runs = task.runs, .seed = task.seed},
         [&](std::uint64_t done) {
           if (task.progress) task.progress(static_cast<double>(done) / static_cast<double>(task.runs));
         },
-        task.checkpoint ? &*task.checkpoint : nullptr);
+        checkpoint ? &*checkpoint : nullptr);
     out.runs = task.runs;
   }
   if (auto warning = large_angles(out.budget)) out.warnings.push_back(std::move(*warning));

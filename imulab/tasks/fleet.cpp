@@ -7,6 +7,7 @@
 #include "imulab/io/text/file.hpp"
 #include "imulab/io/text/time.hpp"
 #include "imulab/tasks/calibrate.hpp"
+#include "imulab/tasks/content.hpp"
 
 #include <fmt/format.h>
 
@@ -132,25 +133,36 @@ FleetItem unpacked(const std::string& bytes) {
   return item;
 }
 
-/// What all results of a checkpoint depend on: which sessions, their files as they are, and what is asked for.
+/// Everything that the calibrations depend on: the sessions with their recordings, and the options. The recordings of a fleet may be terabytes, and
+/// every process would have to read them: they count by name, size and time, all else by its content.
 std::string identity_of(const std::vector<fs::path>& sessions, const FleetCalibrationTask& task) {
-  std::string all = fmt::format("{} {} {} {} {}{}", task.method, task.terms, task.declared.station, task.declared.operated_by, task.declared.time,
-                                task.retry ? " once more" : "");
-  const auto add = [&all](const fs::path& file) {
-    struct stat status {};
-    if (::stat(file.c_str(), &status) != 0) return;  // its session fails, which is a result, too
-    all += fmt::format("\n{} {} {}.{}", file.string(), status.st_size, status.st_mtim.tv_sec, status.st_mtim.tv_nsec);
-  };
+  std::vector<IdentityField> inputs;
   for (const fs::path& file : sessions) {
-    add(file);
+    inputs.emplace_back("file", file.string());
     try {
       const Session session = read_session(file);
+      for (IdentityField& field : content_of(session)) inputs.push_back(std::move(field));
       for (const RecordingSource& source : session.recordings)
-        for (const std::string& name : source.files()) add(session_path(session, name));
-    } catch (const std::exception&) {  // likewise
+        for (const std::string& name : source.files()) {
+          struct stat status {};
+          const fs::path place = session_path(session, name);
+          if (::stat(place.c_str(), &status) != 0) continue;  // its session fails, which is a result, too
+          inputs.emplace_back("recording", place.string());
+          inputs.emplace_back("size", fmt::format("{}", status.st_size));
+          inputs.emplace_back("time", fmt::format("{}.{}", status.st_mtim.tv_sec, status.st_mtim.tv_nsec));
+        }
+    } catch (const std::exception& e) {  // likewise
+      inputs.emplace_back("failure", e.what());
     }
   }
-  return fmt::format("{} sessions {}", sessions.size(), sha256(all));
+  return work_identity("fleet calibrate", {{"method", task.method},
+                                           {"terms", task.terms},
+                                           {"station", task.declared.station},
+                                           {"operator", task.declared.operated_by},
+                                           {"time", task.declared.time},
+                                           {"retry", task.retry ? "true" : "false"},
+                                           {"sessions", fmt::format("{}", sessions.size())},
+                                           {"files", sha256(work_identity("files", inputs))}});
 }
 
 void store_item(FleetItem& item, const FleetRequest& request, FleetStore& store) {
@@ -224,7 +236,8 @@ FleetCalibrationCounts calibrate_fleet(const std::vector<fs::path>& sessions, co
   FleetCalibrationCounts counts{.sessions = static_cast<std::int64_t>(sessions.size()), .failures = {}};
   std::mutex one;  // of the store
   SharedWork all{.count = sessions.size(), .work = {}, .take = {}};
-  if (task.checkpoint) all.identity = identity_of(sessions, task);
+  std::optional<Checkpoint> checkpoint = task.checkpoint;
+  if (checkpoint) checkpoint->identity = identity_of(sessions, task);
   all.work = [&](std::size_t at) {
     FleetItem item;
     item.hashed.file = sessions[at].string();
@@ -240,14 +253,14 @@ FleetCalibrationCounts calibrate_fleet(const std::vector<fs::path>& sessions, co
     return packed(item);
   };
   all.take = [&](std::size_t, const std::string& bytes) {  // in the order of the sessions
-    if (task.checkpoint && !leads_processes()) return;     // another process has the store
+    if (checkpoint && !leads_processes()) return;            // another process has the store
     const std::lock_guard lock(one);
     FleetItem item = unpacked(bytes);
     store_item(item, request, store);
     count(item, request, counts);
   };
   if (task.progress) all.progress = [&](std::size_t done) { task.progress(static_cast<double>(done), static_cast<double>(sessions.size())); };
-  for_each(all, task.checkpoint ? &*task.checkpoint : nullptr);
+  for_each(all, checkpoint ? &*checkpoint : nullptr);
   return counts;
 }
 

@@ -1,9 +1,9 @@
-#include "imulab/core/build.hpp"
 #include "imulab/core/checkpoint_folder.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/io/session/file.hpp"
 #include "imulab/io/text/figures.hpp"
+#include "imulab/io/text/file.hpp"
 #include "imulab/model/frame.hpp"
 #include "imulab/report/plan_page.hpp"
 #include "imulab/rig/procedure.hpp"
@@ -50,14 +50,16 @@ struct PlannedPath {
   Prediction prediction;
 };
 
-/// All that a search depends on.
+/// Everything that a search depends on.
 std::string identity_of(const PlanTask& task, const hybrid::PathQuestion& q) {
-  std::string text = fmt::format("a plan of imulab {}, {}, rests {}, time {}, turns at {} rad/s about", build().version,
-                                 task.by_hand ? "by hand" : "on a table", q.rest.value_or(0), q.time.value_or(0), q.turn_rate);
-  for (const RigAxis axis : q.axes) text += fmt::format(" {}", to_string(axis));
+  std::vector<IdentityField> fields{{"procedure", sha256(procedure_text(procedure_of(task, 60, {})))},
+                                    {"rest", q.rest ? fmt::format("{}", *q.rest) : "chosen"},
+                                    {"time", q.time ? fmt::format("{}", *q.time) : "shortest"},
+                                    {"turn_rate", fmt::format("{}", q.turn_rate)}};
+  for (const RigAxis axis : q.axes) fields.emplace_back("axis", to_string(axis));
   for (const Requirement& r : q.requirements)
-    for (const CoefficientIndex index : r.coefficients) text += fmt::format(", {} <= {}", coefficient(index).name, r.limit);
-  return fmt::format("{}\n{}", text, procedure_text(procedure_of(task, 60, {})));
+    for (const CoefficientIndex index : r.coefficients) fields.emplace_back("require", fmt::format("{} {}", coefficient(index).name, r.limit));
+  return work_identity("plan", fields);
 }
 
 /// `name`: of this search among those of a plan. `begin`, `part`: of the progress.
@@ -68,11 +70,11 @@ PlannedPath planned_path(const PlanTask& task, hybrid::PathQuestion question, co
   const std::vector<Requirement> requirements = question.requirements;
   PlannedPath out;
   for (int round = 0; round < most_rounds; ++round) {
-    std::optional<hybrid::SharedSearch> shared;
+    std::optional<Checkpoint> shared;
     if (task.checkpoint) {
       const std::string folder = fmt::format("{}{}", name, round + 1);
-      shared = hybrid::SharedSearch{{task.checkpoint->folder / folder, {}}, identity_of(task, question)};
-      for (const auto& merged : task.checkpoint->merged) shared->checkpoint.merged.push_back(merged / folder);
+      shared = Checkpoint{.folder = task.checkpoint->folder / folder, .identity = identity_of(task, question)};
+      for (const auto& merged : task.checkpoint->merged) shared->merged.push_back(merged / folder);
     }
     const auto progress = [&](int done) {
       if (task.progress) task.progress(begin + part * 0.01 * done);

@@ -5,6 +5,7 @@
 #include "imulab/estimate/turntable/tolerance.hpp"
 #include "imulab/io/text/figures.hpp"
 #include "imulab/report/prediction_page.hpp"
+#include "imulab/tasks/content.hpp"
 
 #include <fmt/format.h>
 
@@ -26,19 +27,31 @@ std::vector<KnobAnswer> answers_to(const std::vector<Requirement>& requirements,
   return answers;
 }
 
+/// Everything that the Monte Carlo depends on.
+std::string identity_of(const Session& procedure, const PredictionTask& task) {
+  std::vector<IdentityField> fields = content_of(procedure);
+  for (const CoefficientIndex index : task.terms) fields.emplace_back("term", coefficient(index).name);
+  fields.emplace_back("classical", task.classical ? "true" : "false");
+  fields.emplace_back("runs", fmt::format("{}", task.runs));
+  fields.emplace_back("seed", fmt::format("{}", task.seed));
+  return work_identity("predict", fields);
+}
+
 PredictedProcedure::OnTurntable predict_turntable(const Session& procedure, const PredictionTask& task) {
   PredictedProcedure::OnTurntable out;
   out.plan = turntable::plan_of(procedure, task.terms);
   if (task.classical) out.plan = classical(std::move(out.plan));
   expect_estimated(task.requirements, out.plan);
   out.prediction = predict(out.plan);
+  std::optional<Checkpoint> checkpoint = task.checkpoint;
+  if (checkpoint) checkpoint->identity = identity_of(procedure, task);
   if (task.runs > 0 && !out.prediction.coefficients.empty())
     out.monte_carlo = monte_carlo(
         out.plan, task.runs, task.seed,
         [&](std::uint64_t done) {
           if (task.progress) task.progress(static_cast<double>(done) / static_cast<double>(task.runs));
         },
-        task.checkpoint ? &*task.checkpoint : nullptr);
+        checkpoint ? &*checkpoint : nullptr);
   if (!task.requirements.empty()) out.answers = answers_to(task.requirements, out.plan);
   return out;
 }

@@ -32,7 +32,7 @@ void compare(const std::string& name, const Trajectory& motion, VerticalChannel 
   const double every = motion.duration / 4 + 0.01;  // the fourth is the end
   const ErrorSources sources = sources_after_alignment();
   const ErrorBudget linear = error_budget(nominal, sources, {.strapdown = strapdown, .output_interval = every});
-  const std::optional<Checkpoint> kept = checkpoint_of("error-growth " + name);
+  const std::optional<Checkpoint> kept = checkpoint_of("error-growth " + name, static_cast<std::size_t>(runs));
   const ErrorDistribution full = error_monte_carlo(
       nominal, sources, {.strapdown = strapdown, .output_interval = every, .runs = static_cast<std::uint64_t>(runs)}, {}, kept ? &*kept : nullptr);
   const double bound = std::max(0.05, 4 / std::sqrt(2.0 * runs));  // 5 %, or four sampling sigmas

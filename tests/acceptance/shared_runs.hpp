@@ -4,6 +4,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/shared_work.hpp"
+#include "imulab/io/text/file.hpp"
 
 #include <Eigen/Core>
 
@@ -27,11 +28,13 @@ inline std::filesystem::path& kept_runs() {
 /// Whether this process says what came out: alone, or the first of those that share the runs.
 inline bool tells() { return kept_runs().empty() || leads_processes(); }
 
-/// None where no runs are kept.
-inline std::optional<Checkpoint> checkpoint_of(const std::string& test) {
+/// None where no runs are kept. Runs of another build of this program, or of another number, are another work.
+inline std::optional<Checkpoint> checkpoint_of(const std::string& test, std::size_t count) {
   if (kept_runs().empty()) return std::nullopt;
   std::filesystem::create_directories(kept_runs());
-  return Checkpoint{kept_runs() / test};
+  static const std::string program = file_sum("/proc/self/exe").sha256;
+  return Checkpoint{.folder = kept_runs() / test,
+                    .identity = work_identity("acceptance", {{"test", test}, {"runs", std::to_string(count)}, {"program", program}})};
 }
 
 /// A structure lists its members: `void fields(auto&& visit) { visit(error, covariance); }`. Its bytes would have holes, which differ from run to
@@ -109,7 +112,7 @@ std::vector<T> runs_of(const std::string& test, int count, const std::function<T
     std::string_view rest = bytes;
     read_run(rest, runs[i]);
   };
-  const std::optional<Checkpoint> kept = checkpoint_of(test);
+  const std::optional<Checkpoint> kept = checkpoint_of(test, runs.size());
   for_each(work, kept ? &*kept : nullptr);
   return runs;
 }

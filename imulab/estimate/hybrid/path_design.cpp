@@ -166,12 +166,11 @@ class Numbers {
 };
 
 /// Does a work of the search, by all processes that share it.
-void for_each_part(SharedWork work, const SharedSearch* shared, const char* step) {
+void for_each_part(const SharedWork& work, const Checkpoint* shared, const char* step) {
   if (shared == nullptr) return for_each(work);
-  Checkpoint own{shared->checkpoint.folder / step, {}};
-  for (const auto& folder : shared->checkpoint.merged)
+  Checkpoint own{.folder = shared->folder / step, .identity = shared->identity};
+  for (const auto& folder : shared->merged)
     if (exists(folder / step)) own.merged.push_back(folder / step);  // else that run did not reach this step
-  work.identity = shared->identity;
   for_each(work, &own);
 }
 
@@ -191,7 +190,7 @@ double least_sigma(const Plan& unit, CoefficientIndex index, double turn_rate) {
   return std::hypot(nonlinear_sigma(unit, index, turn_rate), as_gravity ? unit.place.gravity_sigma / unit.place.gravity : 0);
 }
 
-Path design_path(const PathQuestion& q, const std::function<void(int)>& progress, const SharedSearch* shared) {
+Path design_path(const PathQuestion& q, const std::function<void(int)>& progress, const Checkpoint* shared) {
   const auto report = [&](double part) {
     if (progress) progress(static_cast<int>(100 * part));
   };

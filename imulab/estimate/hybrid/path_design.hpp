@@ -23,12 +23,6 @@ struct PathQuestion {
   std::optional<double> rest;  ///< s, of every rest; absent: chosen, rest by rest
 };
 
-/// Processes that share a search: their folder, and a text that identifies the request.
-struct SharedSearch {
-  Checkpoint checkpoint;
-  std::string identity;
-};
-
 struct Path {
   double first_rest = 0;  ///< s
   std::vector<TableTurn> turns;
@@ -38,9 +32,9 @@ struct Path {
 };
 
 /// Of all examined paths from zero angles, the shortest with a `worst` of at most 1, or the one with the smallest `worst` in the given time. Where
-/// no path up to `longest_path` reaches 1, the one with the smallest. `progress`: percent done. Bit-equal on any number of threads and
-/// processes.
-Path design_path(const PathQuestion& question, const std::function<void(int)>& progress = {}, const SharedSearch* shared = nullptr);
+/// no path up to `longest_path` reaches 1, the one with the smallest. `progress`: percent done. `shared`: by processes that share the search.
+/// Bit-equal on any number of threads and processes.
+Path design_path(const PathQuestion& question, const std::function<void(int)>& progress = {}, const Checkpoint* shared = nullptr);
 
 inline constexpr double longest_path = 4 * 3600.0;  // s
 

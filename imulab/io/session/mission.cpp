@@ -105,6 +105,7 @@ MissionFile read_mission(const std::filesystem::path& path) {
   const MappedFile mapped(path, Content::settings);
   TomlFields f(input_name(path), mapped.text());
   MissionFile file;
+  file.sha256 = sha256(mapped.text());
   f.format("imulab.mission/1");
   read_motion(f, path, file);
   f.table_of<ErrorSpecification>("errors", file.errors, read_errors);

@@ -15,6 +15,7 @@ struct MissionFile {
   motion::Mission mission;
   std::optional<ErrorSpecification> errors;
   std::vector<std::filesystem::path> files;  ///< that it names
+  std::string sha256;                        ///< of its text
 };
 
 /// Reads a mission, and the file of its track. Throws Error with file, line and key: for unknown keys, kinds and units, values out of range, and
