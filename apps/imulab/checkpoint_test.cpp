@@ -147,6 +147,13 @@ TEST_F(SharedFleet, NamesStayApart) {
   EXPECT_THAT(read_text(folder / "here/identity"), HasSubstr("\nversion="));
 }
 
+TEST_F(SharedFleet, WhatOneStoreHasAnotherGets) {
+  run("fleet calibrate week --method static --store a.db");
+  EXPECT_THAT(run("fleet calibrate week --method static --store a.db --checkpoint here"), HasSubstr("0 calibrated, 1 in the store before"));
+  EXPECT_THAT(run("fleet calibrate week --method static --store b.db --checkpoint here"), HasSubstr("1 calibrated, 0 in the store before"));
+  EXPECT_EQ(FleetStore(folder / "b.db").records().size(), 1u);
+}
+
 TEST_F(SharedRuns, WithoutAFolderEveryRankIsForItself) {
   run("procedure zhang-24 -o procedure.toml");
   const std::string alone = run("predict procedure.toml --runs 1000 --json");

@@ -238,24 +238,30 @@ FleetCalibrationCounts calibrate_fleet(const std::vector<fs::path>& sessions, co
   SharedWork all{.count = sessions.size(), .work = {}, .take = {}};
   std::optional<Checkpoint> checkpoint = task.checkpoint;
   if (checkpoint) checkpoint->identity = identity_of(sessions, task);
-  all.work = [&](std::size_t at) {
+  const auto is_known = [&](FleetItem& item) {
+    const std::lock_guard lock(one);
+    const FleetStore::Known known = store.known(item.hashed, request);
+    item.failed_before = known == FleetStore::Known::failed && !task.retry;
+    item.skipped = known == FleetStore::Known::calibrated || item.failed_before;
+    return item.skipped;
+  };
+  const auto worked_on = [&](std::size_t at) {
     FleetItem item;
     item.hashed.file = sessions[at].string();
     attempt(item, [&] {
       item.session = read_session(item.hashed.file);
       item.hashed = fleet_session(*item.session);
-      const std::lock_guard lock(one);
-      const FleetStore::Known known = store.known(item.hashed, request);
-      item.failed_before = known == FleetStore::Known::failed && !task.retry;
-      item.skipped = known == FleetStore::Known::calibrated || item.failed_before;
+      is_known(item);
     });
     attempt(item, [&] { calibrate_item(item, task); });
     return packed(item);
   };
-  all.take = [&](std::size_t, const std::string& bytes) {  // in the order of the sessions
-    if (checkpoint && !leads_processes()) return;            // another process has the store
-    const std::lock_guard lock(one);
+  all.work = worked_on;
+  all.take = [&](std::size_t at, const std::string& bytes) {  // in the order of the sessions
+    if (checkpoint && !leads_processes()) return;             // another process has the store
     FleetItem item = unpacked(bytes);
+    if (item.skipped && !is_known(item)) item = unpacked(worked_on(at));  // it was another store that had it
+    const std::lock_guard lock(one);
     store_item(item, request, store);
     count(item, request, counts);
   };
