@@ -154,6 +154,19 @@ TEST_F(SharedFleet, WhatOneStoreHasAnotherGets) {
   EXPECT_EQ(FleetStore(folder / "b.db").records().size(), 1u);
 }
 
+TEST_F(SharedFleet, TasksOfAnArrayAreRefused) {
+  for (const char* variable : {"SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_JOB_ID"}) {
+    const std::string task = std::string(variable) + "=2 '" + command_path() + "' fleet calibrate week --method static --store fleet.db";
+    const CommandResult refused = run_shell(folder, task + " --checkpoint here");
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_THAT(refused.errors, HasSubstr("--checkpoint: this is a task of a Slurm array"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "fleet.db"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "here"));
+  }
+  const CommandResult alone = run_shell(folder, "SLURM_ARRAY_TASK_ID=2 '" + command_path() + "' fleet calibrate week --method static --store 2.db");
+  EXPECT_EQ(alone.exit_code, 0) << alone.errors;
+}
+
 TEST_F(SharedRuns, WithoutAFolderEveryRankIsForItself) {
   run("procedure zhang-24 -o procedure.toml");
   const std::string alone = run("predict procedure.toml --runs 1000 --json");

@@ -83,6 +83,10 @@ std::vector<JsonFields> failures_json(const std::vector<FleetFailure>& failures)
 
 void calibrate_all(const Options& o) {
   parse_terms(o.terms);
+  if (!o.shared.folder.empty() && in_job_array())
+    throw Error(
+        "--checkpoint: this is a task of a Slurm array, and each of these tasks would write the store; expected one job whose tasks share the work "
+        "(srun), or for each task its own sessions and --store without --checkpoint (imulab fleet merge joins the stores)");
   const std::vector<std::filesystem::path> sessions = sessions_below({o.files.begin(), o.files.end()});
   FleetStore store(o.shared.silent() ? ":memory:" : o.store, Access::write);  // of processes that share the work one has it
   FleetCalibrationTask task{.method = o.method, .terms = o.terms, .declared = o.declared, .retry = o.retry};

@@ -125,6 +125,8 @@ bool leads_processes() {
   return true;
 }
 
+bool in_job_array() { return std::getenv("SLURM_ARRAY_JOB_ID") != nullptr || std::getenv("SLURM_ARRAY_TASK_ID") != nullptr; }
+
 std::string bytes_of(const double* numbers, std::size_t count) { return {reinterpret_cast<const char*>(numbers), count * sizeof(double)}; }
 
 void read_numbers(const std::string& bytes, double* numbers, std::size_t count) {

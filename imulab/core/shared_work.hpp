@@ -41,6 +41,9 @@ void for_each(const SharedWork& work, const Checkpoint* checkpoint = nullptr);
 /// Of processes that mpirun or srun started together the first one: it says what came out. True where this process is alone.
 bool leads_processes();
 
+/// Whether this process is in a task of a Slurm array. Such tasks do not know of each other: in each of them a process leads.
+bool in_job_array();
+
 /// Numbers as bytes, and back.
 std::string bytes_of(const double* numbers, std::size_t count);
 /// Throws Error where there are fewer.
