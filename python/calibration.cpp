@@ -2,6 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/io/calibration/file.hpp"
+#include "imulab/io/export/c_header_names.hpp"
 #include "imulab/io/export/target.hpp"
 #include "imulab/io/import/calibration.hpp"
 #include "imulab/io/result/calibration.hpp"
@@ -175,13 +176,16 @@ void bind_calibration(py::module_& module) {
       .def("page", [](const std::shared_ptr<CalibrationObject>& c) { return run(py::none(), [c = *c](const auto&) { return page(c); }); })
       .def("apply", &apply, py::arg("gyro"), py::arg("accel"), py::arg("gyro_temperature"), py::arg("accel_temperature"), py::arg("rate"),
            py::arg("force"))
-      .def("exported", [](const CalibrationObject& c, const std::string& target, const std::string& noise, const std::string& axes,
-                          std::optional<double> rate_hz, const std::string& imu_model, bool variance_matched, int instance) {
-        ExportOptions options{.variance_matched = variance_matched, .imu_model = imu_model, .rate_hz = rate_hz, .instance = instance};
-        if (axes != "worst" && axes != "mean") throw Error("axes: " + axes + "; expected worst or mean");
-        options.axes = axes == "mean" ? AxisChoice::mean : AxisChoice::worst;
-        return exported(c, target, noise, options);
-      });
+      .def("exported",
+           [](const CalibrationObject& c, const std::string& target, const std::string& noise, const std::string& axes, std::optional<double> rate_hz,
+              const std::string& imu_model, bool variance_matched, int instance, const std::string& prefix) {
+             ExportOptions options{
+                 .variance_matched = variance_matched, .imu_model = imu_model, .rate_hz = rate_hz, .instance = instance, .prefix = prefix};
+             errors_at("prefix", [&] { firmware::expect_prefix(prefix); });
+             if (axes != "worst" && axes != "mean") throw Error("axes: " + axes + "; expected worst or mean");
+             options.axes = axes == "mean" ? AxisChoice::mean : AxisChoice::worst;
+             return exported(c, target, noise, options);
+           });
   module.def("verify", [](const std::string& path, const std::string& session) {
     return run(py::none(), [=](const auto&) {
       const VerifiedCalibration verified = verify(path, session);

@@ -183,6 +183,7 @@ void add_export(Verb app) {
   verb.flag("--json", o->json, "print what was written and what it leaves out as JSON");
   verb.example("imulab export calibration.json --to c-header -o imu_calibration.h");
   verb.example("imulab export calibration.json --to c-header --input-accel g -o imu.h");
+  verb.example("imulab export left.json --to c-header --prefix left -o left.h");
   verb.example("imulab export calibration.json --noise noise.json --to kalibr -o imu0.yaml");
   verb.does([o] { run(*o); });
 }

@@ -1,6 +1,7 @@
 #include "apps/imulab/export_c_header.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/io/export/c_header_names.hpp"
 #include "imulab/recording/unit_names.hpp"
 
 #include <fmt/format.h>
@@ -31,7 +32,8 @@ std::optional<RecordedAs> readings(const std::optional<std::string>& unit, const
 }  // namespace
 
 bool CHeaderArguments::given() const {
-  return accel_unit || gyro_unit || accel_counts_per_unit || gyro_counts_per_unit || accel_range || gyro_range || body_axes || fixed_point || q15;
+  return accel_unit || gyro_unit || accel_counts_per_unit || gyro_counts_per_unit || accel_range || gyro_range || body_axes || fixed_point || q15 ||
+         prefix;
 }
 
 void add_c_header_options(Verb& verb, CHeaderArguments& a) {
@@ -40,6 +42,7 @@ void add_c_header_options(Verb& verb, CHeaderArguments& a) {
   verb.option("--input-gyro UNIT", a.gyro_unit, "c-header: unit of its gyro readings; absent: as recorded").one_of(rates(Quantity::gyro));
   verb.option("--accel-counts-per-unit N", a.accel_counts_per_unit, "c-header: the readings are counts, so many to one unit").in_range(1e-9, 1e12);
   verb.option("--gyro-counts-per-unit N", a.gyro_counts_per_unit, "c-header: the same of the gyros").in_range(1e-9, 1e12);
+  verb.option("--prefix NAME", a.prefix, "c-header: with which its names begin, for programs with several IMUs; absent: imulab");
   verb.flag("--body-axes", a.body_axes, "c-header: the readings are along the body axes, not in the recording's columns");
   verb.flag("--fixed-point", a.fixed_point, "c-header: also a compensation in integers of 32 bits");
   verb.flag("--q15", a.q15, "c-header: also a compensation in integers of 16 bits");
@@ -53,6 +56,7 @@ CHeaderOptions c_header_options(const CHeaderArguments& a, const Calibration& c)
   out.accel = readings(a.accel_unit, a.accel_counts_per_unit, a.body_axes, c.recorded_accel, or_si(c.model.accel.raw_unit, "m/s^2"));
   out.gyro = readings(a.gyro_unit, a.gyro_counts_per_unit, a.body_axes, c.recorded_gyro, or_si(c.model.gyro.raw_unit, "rad/s"));
   out.fixed_point = a.fixed_point, out.q15 = a.q15;
+  if (a.prefix) errors_at("--prefix", [&] { firmware::expect_prefix(*a.prefix); }), out.prefix = *a.prefix;
   for (const auto& [option, from, to] :
        {std::tuple("--accel-range", a.accel_range, &out.accel_range), {"--gyro-range", a.gyro_range, &out.gyro_range}}) {
     if (!from) continue;

@@ -14,6 +14,7 @@ struct CHeaderArguments {
   std::optional<std::string> accel_unit, gyro_unit;
   std::optional<double> accel_counts_per_unit, gyro_counts_per_unit, accel_range, gyro_range;
   bool body_axes = false, fixed_point = false, q15 = false;
+  std::optional<std::string> prefix;
 
   bool given() const;
 };

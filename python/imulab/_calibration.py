@@ -198,6 +198,7 @@ class Calibration(Answer):
         model: str = "kalibr",
         variance_matched: bool = False,
         instance: int = 0,
+        prefix: str = "imulab",
         allow_undetermined: bool = False,
     ) -> str:
         """The file for another program, as text: "kalibr", "openvins", "ros", "c-header", ... (`export_targets`).
@@ -207,7 +208,10 @@ class Calibration(Answer):
         self._expect_usable(allow_undetermined)
         if noise is not None and not hasattr(noise, "json"):
             raise TypeError(f"noise: expected the answer of imulab.noise, got {type(noise).__name__}")
-        text, notes = self._answer.exported(target, "" if noise is None else noise.json, axes, rate_hz, model, variance_matched, instance)
+        if prefix != "imulab" and target != "c-header":
+            raise Error(f"prefix: {target} has none; expected the target c-header")
+        given = "" if noise is None else noise.json
+        text, notes = self._answer.exported(target, given, axes, rate_hz, model, variance_matched, instance, prefix)
         warn(notes)
         return text
 
@@ -222,7 +226,8 @@ class Calibration(Answer):
         return _unpickled, (self.json, self.name)
 
     def __repr__(self) -> str:
-        return f"<imulab.Calibration {self.imu!r} by {self.method}: {self.verdict or 'no verdict'}, {len(self.estimated)} coefficients>"
+        by = f" by {self.method}" if self.method else ""
+        return f"<imulab.Calibration {self.imu!r}{by}: {self.verdict or 'no verdict'}, {len(self.estimated)} coefficients>"
 
 
 def _unpickled(text: str, name: str) -> Calibration:

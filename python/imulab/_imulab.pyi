@@ -141,7 +141,7 @@ class Calibration:
         force: _FloatArray,
     ) -> None: ...
     def exported(
-        self, target: str, noise: str, axes: str, rate_hz: float | None, model: str, variance_matched: bool, instance: int, /
+        self, target: str, noise: str, axes: str, rate_hz: float | None, model: str, variance_matched: bool, instance: int, prefix: str, /
     ) -> tuple[str, list[str]]: ...
 
 class Live:

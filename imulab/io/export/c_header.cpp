@@ -3,6 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/io/export/c_header_fixed.hpp"
+#include "imulab/io/export/c_header_names.hpp"
 #include "imulab/io/export/c_header_parts.hpp"
 #include "imulab/io/export/c_header_text.hpp"
 #include "imulab/io/export/loss.hpp"
@@ -149,25 +150,33 @@ std::string equation_text(const Calibration& c) {
   return text;
 }
 
-/// The comment at the top, and the names of what the header was made from.
-std::string head_text(const Calibration& c, const Input& accel, const Input& gyro, const std::string& file_sha256) {
-  const bool of_file = !file_sha256.empty();
-  const std::string hash = of_file ? harmless(file_sha256) : sha256(calibration_text(c)), version = software();
-  std::string text = fmt::format(
-      "/* Calibration of \"{}\", method {}, {}made with {}.\n"
+/// The SHA-256 of the calibration's file, or of the text that imulab writes.
+std::string calibration_hash(const Calibration& c, const CHeaderOptions& options) {
+  return options.calibration_sha256.empty() ? sha256(calibration_text(c)) : harmless(options.calibration_sha256);
+}
+
+/// The comment at the top.
+std::string head_text(const Calibration& c, const Input& accel, const Input& gyro, const CHeaderOptions& options) {
+  const std::string text = fmt::format(
+      "/* {}made with {}.\n"
       " * Header by {}, from the calibration {} SHA-256 {}.\n"
-      " * C99 and C++.\n"
+      " * C99 and C++. Names begin with {}_ and {}_.\n"
       " *\n"
       " * In:  accelerometers [{}], {}\n"
       " *      gyros [{}], {}\n"
       " *      temperatures of the accelerometers: {}\n"
       " *      temperatures of the gyros: {}\n"
       " * Out: specific force [m/s^2], angular rate [rad/s], along x, y, z of the body\n",
-      harmless(c.imu), harmless(c.method), c.created.empty() ? "" : harmless(c.created) + ", ", harmless(c.software.empty() ? "imulab" : c.software),
-      version, of_file ? "file with" : "that imulab writes with", hash, accel.unit, axes_text(accel), gyro.unit, axes_text(gyro),
-      range_text(c.model.accel), range_text(c.model.gyro));
-  text += equation_text(c) + " */\n#ifndef IMULAB_CALIBRATION_H\n#define IMULAB_CALIBRATION_H\n\n";
-  text += fmt::format(
+      export_io::calibration_of_text(c, harmless), harmless(c.software.empty() ? "imulab" : c.software), software(),
+      options.calibration_sha256.empty() ? "that imulab writes with" : "file with", calibration_hash(c, options), options.prefix,
+      firmware::macro_prefix(options.prefix), accel.unit, axes_text(accel), gyro.unit, axes_text(gyro), range_text(c.model.accel),
+      range_text(c.model.gyro));
+  return text + equation_text(c) + " */\n";
+}
+
+/// The names of what the header was made from, and its number type.
+std::string macros_text(const Calibration& c, const Input& accel, const Input& gyro, const CHeaderOptions& options) {
+  return fmt::format(
       "#define IMULAB_VERSION \"{}\"\n"
       "#define IMULAB_CALIBRATION_SHA256 \"{}\"\n"
       "#define IMULAB_ACCEL_UNIT \"{}\"\n"
@@ -176,21 +185,21 @@ std::string head_text(const Calibration& c, const Input& accel, const Input& gyr
       "#define IMULAB_REAL double\n"
       "#endif\n"
       "typedef IMULAB_REAL imulab_real;\n\n",
-      version, hash, accel.unit, gyro.unit);
-  return text;
+      software(), calibration_hash(c, options), accel.unit, gyro.unit);
 }
 
 }  // namespace
 
 std::string c_header(const Calibration& c, const CHeaderOptions& options) {
   expect_finite(c.model);
+  firmware::expect_prefix(options.prefix);
   const Input accel = firmware::input_of(c, options, Triad::accel), gyro = firmware::input_of(c, options, Triad::gyro);
-  std::string text = head_text(c, accel, gyro, options.calibration_sha256) + compensate_text(c.model, accel, gyro) + out_of_range_text(c.model) +
+  std::string text = macros_text(c, accel, gyro, options) + compensate_text(c.model, accel, gyro) + out_of_range_text(c.model) +
                      firmware::filter_text() + firmware::selftest_text(c.model, accel, gyro);
   if (options.fixed_point) text += firmware::fixed_text(c.model, accel, gyro, options, firmware::words_of_32);
   if (options.q15) text += firmware::fixed_text(c.model, accel, gyro, options, firmware::words_of_16);
   if (options.fixed_point || options.q15) text += firmware::fixed_filter_text();
-  return text + "#endif\n";
+  return firmware::guarded(head_text(c, accel, gyro, options), firmware::with_prefix(text, options.prefix), options.prefix);
 }
 
 std::string c_header(const Calibration& calibration) { return c_header(calibration, {}); }

@@ -18,13 +18,16 @@ struct CHeaderOptions {
   /// Of the integers: the largest readings, in their unit. 0: 32768 counts where that is at least 1.5 g or 50 deg/s,
   /// else 16 g and 2000 deg/s by the calibration's scale.
   double accel_range = 0, gyro_range = 0;
+  /// All names begin with it and an underscore, macros with its capitals: a program with several IMUs gives each header its own.
+  std::string prefix{"imulab"};
   std::string calibration_sha256{};  ///< of the calibration's file; empty: that of the calibration as imulab writes it is stated
 };
 
 /// The text of a header with `imulab_compensate`, which compensates one sample (readings as the options say -> m/s^2, rad/s), `imulab_out_of_range`,
 /// which checks temperatures, `imulab_filter_push` and `imulab_filter_flush`, which reject outliers as OutlierFilter does, and `imulab_selftest`: no
 /// allocation, no library; in double, or in the type that IMULAB_REAL names. Throws Error for a calibration whose numbers are not finite, for
-/// readings that the calibration does not fit (a unit of its model is counts, the reading's is not), and for a model that the integers cannot hold.
+/// readings that the calibration does not fit (a unit of its model is counts, the reading's is not), for a model that the integers cannot hold, and
+/// for a prefix that cannot begin a name. Two different headers with one prefix do not compile together.
 std::string c_header(const Calibration& calibration, const CHeaderOptions& options);
 /// With the default options.
 std::string c_header(const Calibration& calibration);

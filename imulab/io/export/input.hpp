@@ -18,6 +18,7 @@ struct ExportOptions {
   std::string imu_model = "kalibr";  ///< openvins: "kalibr" or "rpng"
   std::optional<double> rate_hz;     ///< of the stream; absent: that of the noise log
   int instance = 0;                  ///< px4, ardupilot: which of the autopilot's IMUs, from 0
+  std::string prefix = "imulab";     ///< c-header: with which its names begin
 };
 
 struct ExportInput {

@@ -13,7 +13,7 @@ const std::vector<ExportTarget>& export_targets() {
   namespace to = export_io;
   static const std::vector<ExportTarget> targets{
       {"c-header", "compensation for firmware, one header without a library", "imu_calibration.h",
-       [](const ExportInput& input) { return c_header(input.calibration); },
+       [](const ExportInput& input) { return c_header(input.calibration, {.prefix = input.options.prefix}); },
        [](const ExportInput& input) { return left_out_of_c_header(input.calibration); }},
       {"kalibr-imu", "Kalibr's imu.yaml: noise", "kalibr_imu.yaml", to::kalibr_imu_text, to::left_out_of_noise_files, nullptr, true},
       {"kalibr", "Kalibr's result form: matrices, g-sensitivity, noise", "kalibr_result.yaml", to::kalibr_text, to::left_out_of_kalibr, nullptr,

@@ -43,6 +43,12 @@ std::string plain(std::string_view text) {
   return out;
 }
 
+std::string calibration_of_text(const Calibration& c, std::string (*clean)(std::string_view)) {
+  std::string text = "Calibration of " + (c.imu.empty() ? "an unnamed IMU" : "\"" + clean(c.imu) + "\"") + ", ";
+  if (!c.method.empty()) text += "method " + clean(c.method) + ", ";
+  return c.created.empty() ? text : text + clean(c.created) + ", ";
+}
+
 std::vector<std::string> not_determined(const Calibration& calibration) {
   std::vector<std::string> names = calibration.quality.unobservable;
   for (const std::string& name : unusable(calibration))
@@ -54,8 +60,8 @@ std::vector<std::string> not_determined(const Calibration& calibration) {
 std::string comment_head(const ExportInput& input, std::string_view program, const std::vector<std::string>& facts,
                          const std::vector<std::string>& lost) {
   const Calibration& c = input.calibration;
-  std::string text = fmt::format("# Calibration of \"{}\", method {}, {}for {}.\n# Written by {}.\n#\n", plain(c.imu), plain(c.method),
-                                 c.created.empty() ? "" : plain(c.created) + ", ", program, plain(c.software.empty() ? "imulab" : c.software));
+  std::string text =
+      fmt::format("# {}for {}.\n# Written by {}.\n#\n", calibration_of_text(c), program, plain(c.software.empty() ? "imulab" : c.software));
   for (const std::string& fact : facts) text += "# " + fact + "\n";
   const std::vector<std::string> undetermined = not_determined(c);
   if (!undetermined.empty()) text += "# NOT DETERMINED by the data, starting values that compensate nothing:\n";

@@ -21,6 +21,10 @@ std::string matrix_text(std::string_view indent, std::string_view key, const Mat
 /// Text from a calibration for a comment: one line of printable ASCII, at most 120 characters, so that no name ends a comment or opens a line.
 std::string plain(std::string_view text);
 
+/// The beginning of a comment: `Calibration of "unit", method handheld, 2026-11-20T12:00:00Z, ` with what the calibration says; `clean` makes its
+/// texts harmless.
+std::string calibration_of_text(const Calibration& calibration, std::string (*clean)(std::string_view) = plain);
+
 /// The coefficients that the data did not determine: they have starting values.
 std::vector<std::string> not_determined(const Calibration& calibration);
 
