@@ -2,6 +2,7 @@
 #include "imulab/tasks/live.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/stamp_text.hpp"
 #include "imulab/io/calibration/file.hpp"
 #include "imulab/recording/make_recording.hpp"
 #include "imulab/recording/stamps.hpp"
@@ -28,8 +29,8 @@ class LiveObject {
   std::vector<std::string> add(Recording piece) {
     const std::lock_guard lock(mutex_);
     if (last_ns_ && piece.time_ns.front() <= *last_ns_)
-      throw Error(fmt::format("{}: time: sample 0 is at {:.9g} s, the one before at {:.9g} s; expected stamps that increase", piece.name,
-                              piece.time_s(0), 1e-9 * static_cast<double>(*last_ns_)));
+      throw Error(fmt::format("{}: time: sample 0 is at {} s, the one before at {} s; expected stamps that increase", piece.name,
+                              stamp_text(piece.time_ns.front()), stamp_text(*last_ns_)));
     last_ns_ = piece.time_ns.back();
     std::vector<std::string> events;
     for (std::optional<Range> left = Range{0, piece.size()}; left;)

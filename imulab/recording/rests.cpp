@@ -1,6 +1,7 @@
 #include "imulab/recording/rests.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/stamp_text.hpp"
 #include "imulab/recording/validate.hpp"
 
 #include <fmt/core.h>
@@ -19,7 +20,7 @@ void expect_axis_angles(const RecordingView& recording, const Session& session, 
     throw Error(fmt::format("{}: recorded on a rig of kind \"{}\"; expected \"turntable\" or \"none\" (a hand)", where, to_string(rig->kind)));
   for (const Step& step : session.steps_of(source))
     if (step.kind == StepKind::spin)
-      throw Error(fmt::format("{}: a step of kind \"spin\" at {:g} s; expected rests (hold) and turns (rotate)", where, step.start));
+      throw Error(fmt::format("{}: a step of kind \"spin\" at {} s; expected rests (hold) and turns (rotate)", where, stamp_text(step.start)));
 }
 
 /// Steps are declared to a tenth of a second, and a table comes to rest as much later: a sample of a turn at 10 deg/s is 6 deg/h in the mean of a

@@ -1,6 +1,7 @@
 #include "imulab/recording/session.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/stamp_text.hpp"
 #include "imulab/earth/earth.hpp"
 
 #include <fmt/core.h>
@@ -76,7 +77,7 @@ std::string_view to_string(StepKind kind) {
 }
 
 std::string step_name(const Step& step, std::size_t index) {
-  return fmt::format("step {} ({} at {:g} s)", index + 1, to_string(step.kind), step.start);
+  return fmt::format("step {} ({} at {} s)", index + 1, to_string(step.kind), stamp_text(step.start));
 }
 
 std::set<std::string> RecordingSource::files() const {

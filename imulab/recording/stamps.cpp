@@ -1,6 +1,7 @@
 #include "imulab/recording/stamps.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/stamp_text.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/recording/rounded_stamps.hpp"
 
@@ -81,11 +82,10 @@ bool mostly_spaced(std::span<const std::int64_t> time_ns, double interval_s) {
 }
 
 void expect_increasing(std::string_view name, std::span<const std::int64_t> time_ns) {
-  const auto seconds = [](std::int64_t ns) { return 1e-9 * static_cast<double>(ns); };
   for (std::size_t i = 1; i < time_ns.size(); ++i)
     if (time_ns[i] <= time_ns[i - 1])
-      throw Error(fmt::format("{}: time: sample {} is at {:.9g} s, the previous one at {:.9g} s; expected stamps that increase", name, i,
-                              seconds(time_ns[i]), seconds(time_ns[i - 1])));
+      throw Error(fmt::format("{}: time: sample {} is at {} s, the previous one at {} s; expected stamps that increase", name, i,
+                              stamp_text(time_ns[i]), stamp_text(time_ns[i - 1])));
 }
 
 std::int64_t difference_of_rank(std::span<const std::int64_t> time_ns, std::size_t apart, std::size_t k) {

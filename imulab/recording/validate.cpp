@@ -1,6 +1,7 @@
 #include "imulab/recording/validate.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/stamp_text.hpp"
 #include "imulab/recording/stamps.hpp"
 
 #include <fmt/core.h>
@@ -27,7 +28,7 @@ void check_readings(const Recording& r, std::string_view name, const Columns3& c
     if (std::count_if(columns[axis].begin(), columns[axis].end(), wrong) == 0) continue;  // without a branch a sample
     const auto bad = std::find_if(columns[axis].begin(), columns[axis].end(), wrong);
     const auto i = static_cast<std::size_t>(bad - columns[axis].begin());
-    throw Error(fmt::format("{}: {} {}: sample {} at {:.9g} s is {}; expected a {}", r.name, name, "xyz"[axis], i, r.time_s(i), *bad,
+    throw Error(fmt::format("{}: {} {}: sample {} at {} s is {}; expected a {}", r.name, name, "xyz"[axis], i, stamp_text(r.time_ns[i]), *bad,
                             std::isfinite(*bad) ? "reading that a sensor can give" : "finite number"));
   }
 }

@@ -1,6 +1,7 @@
 #include "imulab/rig/machine_motion.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/stamp_text.hpp"
 #include "imulab/rig/machine.hpp"
 
 #include <fmt/core.h>
@@ -53,12 +54,12 @@ State reached(const State& from, const Step& step, double rate) {
 
 void expect_gap(const State& from, const State& to, bool mounted_anew, std::size_t index, const Step& step) {
   if (to.time < from.time - same_time || step.end <= step.start)
-    throw Error(fmt::format("{}: wrong times; expected a start from {:g} s on and a later end", machine_step_name(step, index), from.time));
+    throw Error(fmt::format("{}: wrong times; expected a start from {} s on and a later end", machine_step_name(step, index), stamp_text(from.time)));
   if (to.time - from.time >= same_time) return;
   const char* const what = mounted_anew ? "mount" : to.rate != from.rate ? "rate" : std::abs(to.angle - from.angle) >= same_angle ? "angle" : nullptr;
   if (what != nullptr)
-    throw Error(fmt::format("{}: its {} differs from that of the previous step, without time to reach it; expected a start later than {:g} s",
-                            machine_step_name(step, index), what, from.time));
+    throw Error(fmt::format("{}: its {} differs from that of the previous step, without time to reach it; expected a start later than {} s",
+                            machine_step_name(step, index), what, stamp_text(from.time)));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "imulab/rig/motion.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/stamp_text.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/rig/table_attitude.hpp"
 
@@ -47,8 +48,8 @@ void reach(Builder& build, const Step& step, std::size_t index, const Command& c
   const double gap = step.start - build.commanded_time;
   const bool moves = std::any_of(command.moves.begin(), command.moves.end(), [](bool m) { return m; });
   if (moves && gap < same_time)
-    throw Error(fmt::format("{}: its angles differ from those of the previous step, without time to reach them; expected a start later than {:g} s",
-                            step_name(step, index), build.commanded_time));
+    throw Error(fmt::format("{}: its angles differ from those of the previous step, without time to reach them; expected a start later than {} s",
+                            step_name(step, index), stamp_text(build.commanded_time)));
   if (!moves) return build.rest_until(step.start, step.temperature);
   MotionPiece move = build.resting_for(gap, step.temperature);
   for (std::size_t a = 0; a < 3; ++a) {
@@ -152,7 +153,8 @@ RigMotion rig_motion(std::span<const Step> steps, const RigErrors& errors) {
     const Step& step = steps[k];
     if (step.kind == StepKind::spin) throw Error(step_name(step, k) + ": a turntable or a hand does not spin; expected hold or rotate");
     if (step.start < build.commanded_time - same_time || step.end <= step.start)
-      throw Error(fmt::format("{}: wrong times; expected a start from {:g} s on and a later end", step_name(step, k), build.commanded_time));
+      throw Error(
+          fmt::format("{}: wrong times; expected a start from {} s on and a later end", step_name(step, k), stamp_text(build.commanded_time)));
     Angles error_change;
     for (std::size_t a = 0; a < 3; ++a) error_change[a] = rig.error_after[k][a] - rig.error_before[k][a];
     if (step.kind == StepKind::hold) {

@@ -1,6 +1,7 @@
 #include "imulab/estimate/noise/still_part.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/stamp_text.hpp"
 #include "imulab/recording/clipping.hpp"
 #include "imulab/recording/even_stamps.hpp"
 #include "imulab/recording/pieces.hpp"
@@ -85,9 +86,9 @@ double one_interval(const RecordingView& recording, const Range& range, bool dec
 
 std::vector<std::string> cut_notes(const RecordingView& recording, const std::vector<Range>& rests, const Range& used) {
   std::vector<std::string> notes;
-  notes.push_back(fmt::format("at rest: {:.6g} to {:.6g} s, {} samples; {:.3g} of {:.6g} s were cut",
-                              recording.time_s(used.begin) - recording.interval_s, recording.time_s(used.end - 1), used.size(),
-                              seconds(recording, {0, recording.size() - used.size()}), seconds(recording, {0, recording.size()})));
+  notes.push_back(fmt::format("at rest: {} to {} s, {} samples; {:.3g} of {:.6g} s were cut",
+                              stamp_text(recording.time_s(used.begin) - recording.interval_s), stamp_text(recording.time_s(used.end - 1)),
+                              used.size(), seconds(recording, {0, recording.size() - used.size()}), seconds(recording, {0, recording.size()})));
   double other = 0, at_rest = 0;
   for (const Range& rest : rests) {
     at_rest += seconds(recording, rest);
