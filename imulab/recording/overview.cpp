@@ -62,6 +62,7 @@ MotionSamples compensated_samples(const SensorModel& model, const RecordingView&
 Overview overview(const SensorModel& model, const RecordingView& recording, std::size_t intervals) {
   Overview out;
   const std::size_t n = recording.size();
+  if (n > 0) out.first_s = recording.time_s(0);
   const bool all = n <= 2 * intervals;
   if (!all) out.samples_per_interval = (n + intervals - 1) / intervals;
   const std::size_t step = all ? std::max<std::size_t>(n, 1) : out.samples_per_interval;

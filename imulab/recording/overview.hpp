@@ -11,6 +11,7 @@ namespace imulab {
 
 /// Smallest and largest reading of each of many intervals: no spike of a single sample is lost.
 struct Overview {
+  double first_s = 0;                    ///< stamp of the first sample
   std::vector<double> time;              ///< s: two points an interval, or every sample where there are few
   Columns3 rate, force;                  ///< rad/s, m/s^2: of each pair the extremes, the one that came first in front
   Columns3 temperature;                  ///< the accelerometers' or else the gyros' readings, in their unit; empty where there are none

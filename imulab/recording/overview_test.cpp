@@ -37,6 +37,7 @@ TEST(Overview, NoSpikeIsLostInALongOne) {
   r.accel[2][98'765] = -99;
   const Overview o = overview(SensorModel{}, r, 200);
   EXPECT_EQ(o.samples_per_interval, 500u);
+  EXPECT_EQ(o.first_s, r.time_s(0));
   ASSERT_EQ(o.time.size(), 400u);
   EXPECT_EQ(o.rate[1].size(), 400u);
   const auto spike = std::max_element(o.rate[1].begin(), o.rate[1].end());

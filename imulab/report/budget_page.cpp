@@ -111,7 +111,7 @@ std::string budget_page(const BudgetReport& r) {
   page.subtitle = fmt::format("{} min, vertical channel {}", number_text(b.time.back() / 60), to_string(b.vertical));
   page.verdict = budget_verdict(r);
   if (!r.missing.empty()) page.body += section("missing", "Not on this page", "", list(r.missing, "missing-list"));
-  const std::string bands = error_bands({&b, sampled, {}, {}}), shares = shares_over_time(b);
+  const std::string bands = error_bands({.budget = &b, .monte_carlo = sampled, .error_time = {}, .errors = {}}), shares = shares_over_time(b);
   page.body += bands.empty() ? "" : section("errors", "Errors over time", "", bands);
   page.body += shares.empty() ? "" : section("shares", "Shares over time", "", shares);
   page.body += sources_section(b);

@@ -1,9 +1,11 @@
 // What a certificate states: what was calibrated and how, what it does not cover, where its scales come from, and the files behind it.
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
+#include "imulab/estimate/method.hpp"
 #include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/pictures.hpp"
+#include "imulab/report/start.hpp"
 
 #include <fmt/format.h>
 
@@ -73,7 +75,7 @@ std::string model_equation(const Calibration& c) {
          paragraph(
              "U: readings; V: readings less their temperature dependence; a: specific force; w: angular rate; offsets A0, W0; matrices A1, W1; "
              "quadratic and "
-             "cubic terms diagonal; C: g-sensitivity.") +
+             "cubic terms diagonal; C: g-sensitivity, minus the false rate.") +
          (fixed.empty() ? "" : paragraph("Not estimated as a term of its own: " + fixed + "."));
 }
 
@@ -129,6 +131,11 @@ std::string rotation_reference(const Calibration& c) {
   return "the angle between the directions of gravity before and after each turn";
 }
 
+/// One that imulab made: of others it is not known what they come from.
+bool calibrated_here(const Calibration& c) {
+  return std::any_of(methods().begin(), methods().end(), [&c](const Method& method) { return method.name == c.method; });
+}
+
 }  // namespace
 
 std::string identification_section(const CalibrationReport& report) {
@@ -171,7 +178,9 @@ std::string not_covered_section(const CalibrationReport& report) {
   std::vector<std::string> out;
   if (!c.model.accel.temperature && !c.model.gyro.temperature)
     out.emplace_back(
-        "Temperature: the recording has no thermal reading. The values hold at the temperature of the recording, which is not known here.");
+        calibrated_here(c)
+            ? "Temperature: the recording has no thermal reading. The values hold at the temperature of the recording, which is not known here."
+            : "Temperature: nothing is on record of it. The values hold at the temperature of their measurement, which is not known here.");
   else
     out.emplace_back("Temperatures outside the calibrated range, fast changes of temperature, and hysteresis.");
   out.emplace_back("Repeatability: offsets and scales change from one power-on to the next, and age. One calibration does not show by how much.");
@@ -197,6 +206,10 @@ struct Origin {
 
 std::vector<Origin> origins_of(const CalibrationReport& report) {
   const Calibration& c = report.result.calibration;
+  if (!calibrated_here(c)) {
+    constexpr const char* unknown = "not on record";
+    return {{"acceleration", "acceleration", unknown, ""}, {"rotation", "angle and rate", unknown, ""}, {"time", "time", unknown, ""}};
+  }
   const std::string g = report.session ? gravity_text(report.session->site) : "";
   const auto stop = [](const RigDeclaration& rig) {
     return rig.kind == RigKind::none && rig.angle.value != 0;
@@ -253,7 +266,7 @@ std::string origin_section(const CalibrationReport& report) {
   facts.add("session", c.session_file);
   facts.add_hash("SHA-256", c.session_sha256);
   for (const SourceFile& s : c.sources) {
-    facts.add("recording", fmt::format("{}: {} bytes, {} to {} s", s.file, s.bytes, number_text(s.first_s, 8), number_text(s.last_s, 8)));
+    facts.add("recording", fmt::format("{}: {} bytes, {} to {}", s.file, s.bytes, stamp_and_date(s.first_s), stamp_and_date(s.last_s)));
     facts.add_hash("SHA-256", s.sha256);
   }
   return section("origin", "Files and versions", "", facts.html());

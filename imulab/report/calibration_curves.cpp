@@ -32,6 +32,13 @@ std::vector<double> every(const std::vector<double>& values, std::size_t count) 
   return out;
 }
 
+/// The convergence is drawn from the recording's first stamp on; its points come later.
+double curve_start(const CalibrationResult& result) {
+  const std::vector<SourceFile>& sources = result.calibration.sources;
+  const double first_point = result.curve_time.empty() ? 0 : result.curve_time.front();
+  return sources.size() == 1 && sources[0].first_s <= first_point ? sources[0].first_s : first_point;
+}
+
 std::string convergence_figure(const CalibrationResult& result, const ConvergenceCurve& curve) {
   constexpr std::size_t points = 120;
   const CoefficientIndex index = coefficient_index(curve.name);
@@ -40,8 +47,9 @@ std::string convergence_figure(const CalibrationResult& result, const Convergenc
   const UserUnit unit = user_unit(coefficient(index), curve.sigma.empty() ? 1 : curve.sigma.back(), triad);
   const double scale = coefficient(index).term == Term::matrix ? std::abs(triad.matrix(coefficient(index).row, coefficient(index).row)) : 1;
   std::vector<double> t = every(result.curve_time, points), y = every(curve.residual, points), s = every(curve.sigma, points), low, high;
+  const double start = curve_start(result);
   for (std::size_t i = 0; i < t.size(); ++i) {
-    t[i] /= 60;
+    t[i] = (t[i] - start) / 60;
     y[i] /= unit.size * scale, s[i] /= unit.size * scale;
     low.push_back(y[i] - s[i]), high.push_back(y[i] + s[i]);
   }

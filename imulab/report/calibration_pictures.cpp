@@ -140,6 +140,7 @@ std::string recording_charts(const Calibration& calibration, const RecordingEvid
     if (columns[0].empty()) return std::string();
     TimeChart c{.title = title,
                 .y_label = label,
+                .start = e.overview.first_s,
                 .x = e.overview.time,
                 .names = {"x", "y", "z"},
                 .y = scaled(columns, unit),

@@ -35,7 +35,8 @@ Verdict compensation_verdict(const CompensationSummary& summary) {
 }
 
 TimeChart chart_of(const CompensatedFile& e, const std::string& title, const std::string& label, const Columns3& columns, double unit) {
-  TimeChart c{.title = title, .y_label = label, .x = e.overview->time, .names = {"x", "y", "z"}, .y = {}, .group = e.recording};
+  TimeChart c{
+      .title = title, .y_label = label, .start = e.overview->first_s, .x = e.overview->time, .names = {"x", "y", "z"}, .y = {}, .group = e.recording};
   for (const auto& column : columns) {
     c.y.push_back(column);
     for (double& v : c.y.back()) v /= unit;

@@ -36,13 +36,13 @@ Verdict inspection_verdict(const Inspection& inspection) {
 
 TimeChart signal_chart(const Inspection& inspection, const Overview& overview, const Columns3& columns, const std::string& title,
                        const std::string& label, double unit) {
-  TimeChart chart{.title = title, .y_label = label, .x = overview.time, .names = {"x", "y", "z"}, .y = {}};
+  TimeChart chart{.title = title, .y_label = label, .start = overview.first_s, .x = overview.time, .names = {"x", "y", "z"}, .y = {}};
   for (const auto& column : columns) {
     chart.y.push_back(column);
     for (double& value : chart.y.back()) value /= unit;
   }
-  const double begin = overview.time.empty() ? 0 : overview.time.front();
-  for (const auto& [rest_begin, rest_end] : inspection.rests_s) chart.marks.push_back({begin + rest_begin, begin + rest_end, Mark::rest});
+  for (const auto& [rest_begin, rest_end] : inspection.rests_s)
+    chart.marks.push_back({overview.first_s + rest_begin, overview.first_s + rest_end, Mark::rest});
   return chart;
 }
 

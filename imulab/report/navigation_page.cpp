@@ -4,6 +4,7 @@
 #include "imulab/report/budget_page.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/page.hpp"
+#include "imulab/report/start.hpp"
 #include "imulab/report/track.hpp"
 
 #include <fmt/format.h>
@@ -21,7 +22,7 @@ std::string end_table(const NavigationErrors& errors) {
   const auto row = [](const std::string& name, const Eigen::Vector3d& v) {
     return std::vector<std::string>{name, number_text(v.x(), 4), number_text(v.y(), 4), number_text(v.z(), 4), number_text(v.head<2>().norm(), 4)};
   };
-  Table t{.head = {fmt::format("at {} s", number_text(e.time, 7)), "east", "north", "up", "horizontal"}, .rows = {}};
+  Table t{.head = {"at " + stamp_and_date(e.time), "east", "north", "up", "horizontal"}, .rows = {}};
   t.rows = {row("position [m]", e.position), row("velocity [m/s]", e.velocity), row("attitude [arcsec]", e.attitude / unit::arcsec)};
   return table(t);
 }
@@ -29,16 +30,17 @@ std::string end_table(const NavigationErrors& errors) {
 std::string alignment_text(const AlignedOn& aligned) {
   const EulerAngles angles = euler_angles(aligned.alignment.attitude.C_nb);
   const Eigen::Vector3d sigma = angle_sigmas(aligned.alignment.attitude) / unit::deg;
-  return fmt::format("Aligned on the rest from {} s to {} s: roll {} ± {} deg, pitch {} ± {} deg, heading {} ± {} deg.",
-                     number_text(aligned.begin, 6), number_text(aligned.end, 6), rounded_to(angles.roll / unit::deg, sigma.x()),
-                     uncertainty_text(sigma.x()), rounded_to(angles.pitch / unit::deg, sigma.y()), uncertainty_text(sigma.y()),
-                     rounded_to(angles.heading / unit::deg, sigma.z()), uncertainty_text(sigma.z()));
+  return fmt::format("Aligned on the rest from {} to {}: roll {} ± {} deg, pitch {} ± {} deg, heading {} ± {} deg.", stamp_and_date(aligned.begin),
+                     stamp_and_date(aligned.end), rounded_to(angles.roll / unit::deg, sigma.x()), uncertainty_text(sigma.x()),
+                     rounded_to(angles.pitch / unit::deg, sigma.y()), uncertainty_text(sigma.y()), rounded_to(angles.heading / unit::deg, sigma.z()),
+                     uncertainty_text(sigma.z()));
 }
 
 /// At most about a thousand of the errors.
 ErrorBands bands_of(const NavigatedSession& s) {
   ErrorBands bands;
   bands.budget = s.explained ? &*s.explained : nullptr;
+  bands.start = s.navigated.solution.time.front();
   if (!s.errors || s.errors->history.size() < 2) return bands;
   const auto& history = s.errors->history;
   const std::size_t step = std::max<std::size_t>(1, history.size() / 500);
@@ -53,8 +55,8 @@ ErrorBands bands_of(const NavigatedSession& s) {
 
 std::string session_sections(const NavigatedSession& s, bool only_one) {
   const Solution& solution = s.navigated.solution;
-  std::string content = paragraph(fmt::format("Navigated from {} s to {} s, vertical channel {}. {}", number_text(solution.time.front(), 7),
-                                              number_text(solution.time.back(), 7), to_string(s.navigated.vertical),
+  std::string content = paragraph(fmt::format("Navigated from {} to {}, vertical channel {}. {}", stamp_and_date(solution.time.front()),
+                                              stamp_and_date(solution.time.back()), to_string(s.navigated.vertical),
                                               s.navigated.aligned ? alignment_text(*s.navigated.aligned) : "Started as the session says."));
   if (s.errors) content += end_table(*s.errors);
   content += list(s.navigated.warnings);
@@ -68,7 +70,8 @@ std::string session_sections(const NavigatedSession& s, bool only_one) {
                          "how the IMU changed since is not in it."
                        : "",
                    bands);
-  if (s.explained) out += section("shares", "Shares over time", "", shares_over_time(*s.explained)) + sources_section(*s.explained);
+  if (s.explained)
+    out += section("shares", "Shares over time", "", shares_over_time(*s.explained, solution.time.front())) + sources_section(*s.explained);
   return out;
 }
 

@@ -174,6 +174,7 @@ std::string signal_section(const NoiseAnalysis& analysis, const RecordingView& r
                     .y_label = counts ? "counts"
                                : gyro ? "deg/s"
                                       : "m/s²",
+                    .start = shown.first_s,
                     .x = shown.time,
                     .names = {"x", "y", "z"},
                     .y = {}};

@@ -1,5 +1,6 @@
 #include "imulab/report/pictures.hpp"
 
+#include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/time_chart.hpp"
 
 #include <gmock/gmock.h>
@@ -82,6 +83,54 @@ TEST(TimeChart, TheStillPictureOfManyPointsIsSmall) {
   const std::string html = time_chart(chart), still = html.substr(0, html.find("<script"));
   EXPECT_LT(still.size(), 30'000u);
   EXPECT_THAT(still, HasSubstr("1000")) << "the spike is on the axis";
+}
+
+TEST(TimeChart, CountsFromItsStartAndSaysWhenThatWas) {
+  const auto chart = [](double first) {
+    return time_chart({.title = "t",
+                       .y_label = "y",
+                       .start = first,
+                       .x = {first + 0.25, first + 0.5, first + 60},
+                       .names = {"a"},
+                       .y = {{1, 2, 3}},
+                       .marks = {{first + 10, first + 20, Mark::rest}}});
+  };
+  for (const auto& [first, label] : {std::pair{1700000000.01, "time [s] from 2023-11-14T22:13:20.010Z"},
+                                     {946684800.0, "time [s] from 2000-01-01T00:00:00Z"},
+                                     {946684799.0, "time [s] from the start, at 946684799 s"},  // counts from something else
+                                     {5012.5, "time [s] from the start, at 5012.5 s"},
+                                     {-3.0, "time [s] from the start, at -3 s"},
+                                     {0.0, "time [s]"}}) {
+    const std::string html = chart(first);
+    EXPECT_THAT(html, HasSubstr("\"x\":[0.25,0.5,60]"));
+    EXPECT_THAT(html, HasSubstr("[10,20,\"rest\"]"));
+    EXPECT_THAT(html, HasSubstr("\"xlabel\":\"" + std::string(label) + "\""));
+    EXPECT_THAT(html, HasSubstr(">" + std::string(label) + "</text>"));
+    EXPECT_THAT(html, HasSubstr(">30</text>")) << "a tick of the picture without scripts";
+  }
+}
+
+TEST(TimeChart, MayHaveMinutes) {
+  const std::string html =
+      time_chart({.title = "t", .y_label = "y", .start = 1.7e9, .x = {1.7e9, 1.7e9 + 90}, .names = {"a"}, .y = {{1, 2}}, .minutes = true});
+  EXPECT_THAT(html, HasSubstr("\"x\":[0,1.5]"));
+  EXPECT_THAT(html, HasSubstr("\"xlabel\":\"time [min] from 2023-11-14T22:13:20Z\""));
+}
+
+TEST(Convergence, IsDrawnFromTheRecordingsFirstStamp) {
+  const auto section_of = [](double first) {
+    CalibrationResult result;
+    result.calibration.sources = {{.file = "r.csv", .first_s = first}};
+    ConvergenceCurve curve{.name = "gyro.offset.x", .residual = {}, .sigma = {}};
+    for (int i = 1; i <= 100; ++i) {
+      result.curve_time.push_back(first + 6 * i);
+      curve.residual.push_back(1e-6 / i), curve.sigma.push_back(1e-6 / i);
+    }
+    result.curves = {curve};
+    return convergence_section(result);
+  };
+  EXPECT_EQ(section_of(1.7e9), section_of(0)) << "whatever the clock counts from";
+  EXPECT_THAT(section_of(1.7e9), HasSubstr(">7.5</text>")) << "ten minutes";
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "imulab/report/html.hpp"
 #include "imulab/report/plot.hpp"
+#include "imulab/report/start.hpp"
 
 #include <fmt/format.h>
 
@@ -58,12 +59,22 @@ std::pair<std::vector<double>, std::vector<double>> thinned(const std::vector<do
   return out;
 }
 
-std::string still(const TimeChart& chart, const std::vector<std::string>& colors) {
+/// The chart with times from its start, in the unit of its axis.
+TimeChart from_its_start(TimeChart chart) {
+  const double unit = chart.minutes ? 60 : 1;
+  const auto move = [&](double& time) { time = (time - chart.start) / unit; };
+  std::for_each(chart.x.begin(), chart.x.end(), move);
+  for (MarkedTime& mark : chart.marks) move(mark.begin), move(mark.end);
+  return chart;
+}
+
+std::string still(const TimeChart& chart, const std::string& x_label, const std::vector<std::string>& colors) {
   constexpr std::size_t parts = 450;
   std::vector<double> all;
   for (const auto& series : chart.y) all.insert(all.end(), series.begin(), series.end());
-  const double first = chart.x.empty() ? 0 : chart.x.front(), last = chart.x.empty() || chart.x.back() <= first ? first + 1 : chart.x.back();
-  Plot plot({chart.x_label, first, last}, axis_over(chart.y_label, all, chart.logarithmic), chart.title, wide_plot);
+  const double first = chart.x.empty() ? 0 : std::min(0.0, chart.x.front()),
+               last = chart.x.empty() || chart.x.back() <= first ? first + 1 : chart.x.back();
+  Plot plot({x_label, first, last}, axis_over(chart.y_label, all, chart.logarithmic), chart.title, wide_plot);
   for (const auto& [mark, shade] : {std::pair{Mark::rest, color::sky}, {Mark::dropped, color::vermilion}, {Mark::gap, color::ink}}) {
     std::vector<std::pair<double, double>> spans;
     for (const MarkedTime& m : chart.marks)
@@ -81,19 +92,21 @@ std::string still(const TimeChart& chart, const std::vector<std::string>& colors
 
 }  // namespace
 
-std::string time_chart(const TimeChart& chart) {
+std::string time_chart(const TimeChart& given) {
+  const TimeChart chart = from_its_start(given);
+  const std::string x_label = time_label(given.start, given.minutes ? "min" : "s");
   const std::vector<std::string> colors = colors_of(chart);
   std::string data =
       fmt::format("{{\"x\":{},\"y\":{},\"labels\":{},\"colors\":{},\"xlabel\":{},\"ylabel\":{},\"log\":{},\"group\":{},\"marks\":{}}}",
                   json_list(chart.x, json_time), json_list(chart.y, [](const std::vector<double>& series) { return json_list(series, json_number); }),
-                  json_list(chart.names, json_string), json_list(colors, json_string), json_string(chart.x_label), json_string(chart.y_label),
+                  json_list(chart.names, json_string), json_list(colors, json_string), json_string(x_label), json_string(chart.y_label),
                   chart.logarithmic, json_string(chart.group), json_list(chart.marks, [](const MarkedTime& m) {
                     return fmt::format("[{},{},\"{}\"]", json_time(m.begin), json_time(m.end), name_of(m.mark));
                   }));
   return fmt::format(
       "<div class=\"chart\"><div class=\"title\">{}</div><div class=\"legend\"></div><div class=\"live\"></div><div class=\"still\">{}</div>"
       "<script type=\"application/json\">{}</script></div>\n",
-      escaped(chart.title), still(chart, colors), data);
+      escaped(chart.title), still(chart, x_label, colors), data);
 }
 
 }  // namespace imulab::report

@@ -12,15 +12,18 @@ struct MarkedTime {
   Mark mark = Mark::rest;
 };
 
+/// Counts time from its start on; the label of the axis says when that was.
 struct TimeChart {
-  std::string title, x_label = "time [s]", y_label;
-  std::vector<double> x;
+  std::string title, y_label;
+  double start = 0;                      ///< stamp of the recording's first sample [s]
+  std::vector<double> x;                 ///< s of the same clock, as are the marks
   std::vector<std::string> names;        ///< of the series
   std::vector<std::vector<double>> y;    ///< each as long as x; what is not finite is a hole
   std::vector<std::string> colors = {};  ///< absent: those of series
   std::vector<MarkedTime> marks = {};
   std::string group = "time";  ///< charts of one group zoom together
   bool logarithmic = false;
+  bool minutes = false;  ///< the axis has them, in place of seconds
 };
 
 /// HTML.

@@ -3,6 +3,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/plot.hpp"
+#include "imulab/report/start.hpp"
 #include "imulab/report/time_chart.hpp"
 
 #include <fmt/format.h>
@@ -27,9 +28,10 @@ void equalize(Axis& x, Axis& y, const PlotSize& size) {
   narrow.low -= 0.5 * more, narrow.high += 0.5 * more;
 }
 
-std::vector<double> minutes_of(const std::vector<double>& seconds) {
+/// From the start [s] on.
+std::vector<double> minutes_of(const std::vector<double>& seconds, double start) {
   std::vector<double> out = seconds;
-  for (double& t : out) t /= 60;
+  for (double& t : out) t = (t - start) / 60;
   return out;
 }
 
@@ -43,7 +45,7 @@ std::string band_figure(const ErrorBands& b, int q) {
   const ErrorQuantity& quantity = error_quantities()[static_cast<std::size_t>(q)];
   std::vector<double> all{0}, time, low, high, mean;
   if (b.budget != nullptr) {
-    time = minutes_of(b.budget->time);
+    time = minutes_of(b.budget->time, b.start);
     for (std::size_t i = 0; i < time.size(); ++i) {
       const double sigma = std::sqrt(std::max(0.0, b.budget->covariance[i](q, q))) / quantity.size;
       mean.push_back(b.budget->mean(q, static_cast<Eigen::Index>(i)) / quantity.size);
@@ -53,12 +55,12 @@ std::string band_figure(const ErrorBands& b, int q) {
   const std::vector<double> errors = b.errors.cols() > 0 ? row_of(b.errors, q, quantity.size) : std::vector<double>{};
   std::vector<double> sampled_time, sampled_low, sampled_high;
   if (b.monte_carlo != nullptr) {
-    sampled_time = minutes_of(b.monte_carlo->time);
+    sampled_time = minutes_of(b.monte_carlo->time, b.start);
     sampled_low = row_of(b.monte_carlo->low, q, quantity.size), sampled_high = row_of(b.monte_carlo->high, q, quantity.size);
   }
   for (const std::vector<double>* part : std::initializer_list<const std::vector<double>*>{&low, &high, &errors, &sampled_low, &sampled_high})
     all.insert(all.end(), part->begin(), part->end());
-  const std::vector<double> error_time = minutes_of(b.error_time);
+  const std::vector<double> error_time = minutes_of(b.error_time, b.start);
   const double first = !time.empty() ? time.front() : error_time.front(), last = !time.empty() ? time.back() : error_time.back();
   Plot plot({"", first, last > first ? last : first + 1}, axis_over("", all), std::string(quantity.name), small_plot);
   plot.band(time, low, high, color::sky);
@@ -120,7 +122,7 @@ std::string error_bands(const ErrorBands& bands) {
   if (bands.budget != nullptr && bands.error_time.empty()) names.emplace_back("mean", color::blue);
   if (bands.monte_carlo != nullptr) names.emplace_back("Monte Carlo, 5 % and 95 %", color::gray);
   if (!bands.error_time.empty()) names.emplace_back("error", color::vermilion);
-  return "<div class=\"small three\">" + out + "</div>\n" + key(names) + paragraph("Horizontal axes: minutes.");
+  return "<div class=\"small three\">" + out + "</div>\n" + key(names) + paragraph("Horizontal axes: " + time_label(bands.start, "min") + ".");
 }
 
 Eigen::MatrixXd horizontal_shares(const ErrorBudget& b) {
@@ -132,7 +134,7 @@ Eigen::MatrixXd horizontal_shares(const ErrorBudget& b) {
   return out;
 }
 
-std::string shares_over_time(const ErrorBudget& b) {
+std::string shares_over_time(const ErrorBudget& b, double start) {
   if (b.time.size() < 2 || b.groups.empty()) return {};
   const Eigen::MatrixXd shares = horizontal_shares(b);
   std::vector<Eigen::Index> order(static_cast<std::size_t>(shares.cols()));
@@ -141,12 +143,13 @@ std::string shares_over_time(const ErrorBudget& b) {
             [&](Eigen::Index i, Eigen::Index j) { return shares.col(i).cwiseAbs().maxCoeff() > shares.col(j).cwiseAbs().maxCoeff(); });
   constexpr std::size_t most = 6;
   TimeChart chart{.title = "Shares of the mean square horizontal position error",
-                  .x_label = "time [min]",
                   .y_label = "%",
-                  .x = minutes_of(b.time),
+                  .start = start,
+                  .x = b.time,
                   .names = {},
                   .y = {},
-                  .group = "shares"};
+                  .group = "shares",
+                  .minutes = true};
   for (std::size_t k = 0; k < std::min(most, order.size()); ++k) {
     const auto g = static_cast<std::size_t>(order[k]);
     chart.names.push_back(g < b.groups.size() ? b.groups[g].name : "correlation between groups");

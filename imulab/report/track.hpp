@@ -32,12 +32,13 @@ struct ErrorBands {
   const ErrorDistribution* monte_carlo = nullptr;
   std::vector<double> error_time;  ///< s
   BudgetRows errors;
+  double start = 0;  ///< s: from which the pictures count
 };
 std::string error_bands(const ErrorBands& bands);
 
 /// Shares of the mean square horizontal position error: a row an output time, a column each source and last the correlation between groups.
 Eigen::MatrixXd horizontal_shares(const ErrorBudget& budget);
-/// Of the sources with the largest shares, over time.
-std::string shares_over_time(const ErrorBudget& budget);
+/// Of the sources with the largest shares, over time from `start` [s] on.
+std::string shares_over_time(const ErrorBudget& budget, double start = 0);
 
 }  // namespace imulab::report

@@ -14,6 +14,7 @@ namespace {
 using namespace result_io;
 
 constexpr std::size_t most_times = 200, most_errors = 500, most_places = 800;
+constexpr int stamp_digits = 16;  // of a clock that counts from 1970 to the microsecond
 
 Json to_json(const Eigen::Vector3d& v, double unit = 1) { return {v.x() / unit, v.y() / unit, v.z() / unit}; }
 
@@ -63,7 +64,7 @@ Json history_json(const ErrorBudget& b, const std::optional<ErrorDistribution>& 
   constexpr Eigen::Index horizontal = 2;
   const std::vector<std::size_t> at = thinned(b.time.size(), most_times);
   Json out{{"time_s", picture_list(
-                          at.size(), [&](std::size_t i) { return b.time[at[i]]; }, 10)}};
+                          at.size(), [&](std::size_t i) { return b.time[at[i]]; }, stamp_digits)}};
   out["total"] = quantities_over_time(b.mean, total_sigma(b), budget_quantities, at);
   out["sources"] = Json::object();
   for (const Contribution& c : b.groups) out["sources"][c.name] = quantities_over_time(c.fixed, c.sigma, horizontal, at);
@@ -134,7 +135,7 @@ Json errors_over_time(const std::vector<NavigationError>& history) {
     for (Eigen::Index k = 0; k < 3; ++k) out.push_back(list([&](const NavigationError& e) { return value(e)[k] / unit; }));
     return out;
   };
-  return {{"time_s", list([](const NavigationError& e) { return e.time; }, 10)},
+  return {{"time_s", list([](const NavigationError& e) { return e.time; }, stamp_digits)},
           {"position_m", vector([](const NavigationError& e) { return e.position; }, 1)},
           {"velocity_mps", vector([](const NavigationError& e) { return e.velocity; }, 1)},
           {"attitude_arcsec", vector([](const NavigationError& e) { return e.attitude; }, unit::arcsec)}};
@@ -191,8 +192,9 @@ Json to_json(const CompensatedFile& f) {
   out["rate_hz"] = f.rate_hz;
   out["gaps"] = f.gaps;
   out["overview"] = {{"samples_per_interval", o.samples_per_interval},
+                     {"first_s", o.first_s},
                      {"time_s", picture_list(
-                                    o.time.size(), [&](std::size_t i) { return o.time[i]; }, 10)},
+                                    o.time.size(), [&](std::size_t i) { return o.time[i]; }, stamp_digits)},
                      {"rate_deg_per_s", columns_json(o.rate, unit::deg)},
                      {"force_mps2", columns_json(o.force, 1)}};
   if (!o.temperature[0].empty()) out["overview"]["temperature"] = columns_json(o.temperature, 1);

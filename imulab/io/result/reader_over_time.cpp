@@ -154,6 +154,7 @@ Overview overview_at(const Field& f) {
   Overview o;
   o.samples_per_interval = f["samples_per_interval"].size_in_bytes();
   o.time = numbers_at(f["time_s"]);
+  o.first_s = f.has("first_s") ? f["first_s"].number() : o.time.empty() ? 0 : o.time.front();
   const auto columns = [&](const char* key, double unit) {
     Columns3 out;
     for (std::size_t k = 0; k < 3; ++k) out[k] = numbers_at(f[key].item(k, 3, "lists of numbers"), o.time.size(), unit);

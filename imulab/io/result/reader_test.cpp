@@ -130,9 +130,10 @@ TEST(SavedResult, NavigationComesBack) {
   for (int i = 0; i <= 3000; ++i) {
     NavigationState state;
     state.latitude = 0.8 + 1e-6 * i, state.longitude = -3 + 2e-6 * i, state.height = 400;
-    s.navigated.solution.time.push_back(i);
+    const double time = 1.7e9 + 0.5 * i;  // a clock from 1970
+    s.navigated.solution.time.push_back(time);
     s.navigated.track.push_back(state);
-    s.errors->history.push_back({static_cast<double>(i), {1e-3 * i, -2e-3 * i, 0.5}, {1e-4, 2e-4, 3e-4}, {1e-6, 2e-6, 3e-6 * i}});
+    s.errors->history.push_back({time, {1e-3 * i, -2e-3 * i, 0.5}, {1e-4, 2e-4, 3e-4}, {1e-6, 2e-6, 3e-6 * i}});
   }
   s.errors->rate = 2;
   s.navigated.aligned.emplace();
@@ -145,14 +146,14 @@ TEST(SavedResult, NavigationComesBack) {
   const NavigatedSession& back = all.front();
   ASSERT_TRUE(back.errors && back.explained && back.navigated.aligned);
   EXPECT_EQ(back.explained->time.size(), 30u);
-  EXPECT_EQ(back.navigated.solution.time, (std::vector<double>{0, 3000}));
+  EXPECT_EQ(back.navigated.solution.time, (std::vector<double>{1.7e9, 1.7e9 + 1500}));
   EXPECT_GT(back.navigated.track.size(), 400u);
   EXPECT_LT(back.navigated.track.size(), 1000u);
   EXPECT_NEAR(back.navigated.track.back().longitude, s.navigated.track.back().longitude, 1e-9);  // ten digits of degrees
   EXPECT_GT(back.errors->history.size(), 300u);
-  EXPECT_EQ(back.errors->history.back().time, 3000);
+  EXPECT_EQ(back.errors->history.back().time, 1.7e9 + 1500);
   EXPECT_EQ(back.errors->history.back().position, s.errors->history.back().position);
-  EXPECT_NEAR(back.errors->history[10].position.x(), 1e-3 * back.errors->history[10].time, 1e-6);
+  EXPECT_NEAR(back.errors->history[11].position.x(), 1e-3 * (back.errors->history[11].time - 1.7e9) / 0.5, 1e-6);
   EXPECT_TRUE(back.navigated.aligned->alignment.attitude.C_nb.isApprox(s.navigated.aligned->alignment.attitude.C_nb, 1e-12));
 }
 
@@ -160,8 +161,9 @@ TEST(SavedResult, CompensatedRecordingsComeBack) {
   CompensatedFile f{.file = "out.csv", .samples = 3000, .saturated = 2, .out_of_range = 1, .recording = "log.csv", .rate_hz = 100, .gaps = 4};
   f.overview.emplace();
   f.overview->samples_per_interval = 10;
+  f.overview->first_s = 1.7e9 - 0.125;
   for (int i = 0; i < 40; ++i) {
-    f.overview->time.push_back(0.25 * i);
+    f.overview->time.push_back(1.7e9 + 0.25 * i);  // a clock from 1970
     for (std::size_t k = 0; k < 3; ++k) f.overview->rate[k].push_back(0.01 * i), f.overview->force[k].push_back(9.8125);
   }
   CompensationSummary summary{.calibration_file = "c.json", .imu = "unit", .quality = {}, .files = {f}};
@@ -173,6 +175,7 @@ TEST(SavedResult, CompensatedRecordingsComeBack) {
   EXPECT_EQ(back.files[0].gaps, 4u);
   ASSERT_TRUE(back.files[0].overview);
   EXPECT_EQ(back.files[0].overview->time, f.overview->time);
+  EXPECT_EQ(back.files[0].overview->first_s, f.overview->first_s);
   EXPECT_EQ(back.files[0].overview->force[2], f.overview->force[2]);
   EXPECT_NEAR(back.files[0].overview->rate[1].back(), 0.39, 1e-6);
   EXPECT_EQ(compensation_json(back), compensation_json(summary));

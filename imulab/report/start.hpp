@@ -1,0 +1,20 @@
+// Where the time of a picture begins. Pictures count from the first sample: a clock that counts from 1970 would leave no digits for what happens.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace imulab::report {
+
+/// The date of a stamp [s] as seconds since 1970, in UTC to the millisecond ("2023-11-14T22:13:20.010Z"); empty where that is not from 2000 to 2099:
+/// such a clock counts from something else.
+std::string date_text(double stamp);
+
+/// A stamp in a sentence: "12.5 s", "1700000000.01 s (2023-11-14T22:13:20.010Z)".
+std::string stamp_and_date(double stamp);
+
+/// The label of an axis of time from this stamp: "time [s]" of zero, else "time [s] from 2023-11-14T22:13:20.010Z" or "time [s] from the start,
+/// at 12.5 s".
+std::string time_label(double first, std::string_view unit);
+
+}  // namespace imulab::report
