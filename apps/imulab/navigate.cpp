@@ -42,7 +42,8 @@ const std::map<std::string, VerticalChannel> vertical_channels{
 Calibration calibration_of(const std::string& name, bool allow_undetermined) {
   if (name != "none") {
     Calibration calibration = read_usable(name, allow_undetermined);
-    if (calibration.method == "import") warn(name + ": an imported calibration has no uncertainties; those of the solution take it as exact");
+    if (calibration.estimated.empty() && calibration.method != "truth")
+      warn(name + ": states no uncertainties; those of the solution take it as exact");
     return calibration;
   }
   return no_calibration();

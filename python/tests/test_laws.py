@@ -36,6 +36,29 @@ def test_other_numbers_are_converted(calibration, kind):
     assert (calibration.apply(gyro, gyro)[0] == expected[0]).all()
 
 
+def test_calibration_written_by_hand(calibration, tmp_path):
+    file = tmp_path / "hand.json"
+    file.write_text("""{"format": "imulab.calibration/1", "model": {
+        "accel": {"matrix": [[2, 0, 0], [0, 1, 0], [0, 0, 1]]}, "gyro": {"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, 3]]}}}""")
+    c = imulab.read_calibration(file)
+    assert set(c.sigma.values()) == {None} and c.covariance.shape == (0, 0) and c.estimated == []
+    assert c.values["gyro.matrix.zz"] == 3 and c.values["gyro.offset.x"] == 0 and c.verdict == "" and c.imu == ""
+    rate, force = c.apply([1, 1, 1], [1, 1, 1])
+    assert rate.tolist() == [1, 1, 3] and force.tolist() == [2, 1, 1]
+    c.save(tmp_path / "saved.json")
+    assert imulab.read_calibration(tmp_path / "saved.json").values == c.values
+    c.report(tmp_path / "page.html")
+    assert "nothing to judge" in (tmp_path / "page.html").read_text() and str(c) and repr(c) and c.details
+    assert pickle.loads(pickle.dumps(c)).values == c.values
+    assert imulab.compare(calibration, c).data["coefficients"]["gyro.matrix.zz"]["b"] == 3
+    assert c.to("csv").startswith("# Calibration of an unnamed IMU")
+
+
+def test_headers_of_several_units(calibration):
+    assert "left_compensate" in calibration.to("c-header", prefix="left")
+    assert calibration.to("c-header", prefix="imulab") == calibration.to("c-header")
+
+
 def test_compensation_is_that_of_recordings(calibration, by_hand):
     raw = by_hand.recordings[0]
     rate, force = calibration.apply(raw.gyro, raw.accel)

@@ -156,7 +156,10 @@ TEST(CalibrationFile, DamageIsRefusedByNameAndPlace) {
       {"/frame", "\"body\"", "calibration.json: frame: expected \"accelerometers\" or \"rig\", found \"body\""},
       {"/model", "", "calibration.json: model: is missing"},
       {"/model", "3", "calibration.json: model: expected an object, found 3"},
-      {"/model/gyro/g_sensitivity", "", "calibration.json: model.gyro.g_sensitivity: is missing"},
+      {"/model/gyro", "", "calibration.json: model.gyro: is missing"},
+      {"/model/gyro/matrix", "", "calibration.json: model.gyro.matrix: is missing"},
+      {"/model/gyro/temperature", "", "calibration.json: model.gyro: temperature: is missing; expected a reading"},
+      {"/model/gyro/temperature/reference", "", "calibration.json: model.gyro.temperature.reference: is missing"},
       {"/model/accel/matrix/1", "[1, 2]", "calibration.json: model.accel.matrix[1]: expected 3 numbers"},
       {"/model/accel/matrix", "[1, 2, 3]", "calibration.json: model.accel.matrix[0]: expected 3 numbers"},
       {"/model/accel/matrix", "[[1, 2, 3]]", "calibration.json: model.accel.matrix: expected 3 rows of 3 numbers"},
@@ -167,7 +170,8 @@ TEST(CalibrationFile, DamageIsRefusedByNameAndPlace) {
       {"/model/gyro/temperature", "null", "calibration.json: model.gyro.temperature: expected a reading"},
       {"/model/gyro/temperature/unit", "\"F\"", "calibration.json: model.gyro.temperature.unit: expected degC, K or raw, found \"F\""},
       {"/model/gyro/temperature/range", "[70, 0]", "calibration.json: model.gyro.temperature.range: expected [lowest, highest]"},
-      {"/covariance", "", "calibration.json: covariance: is missing"},
+      {"/covariance", "", "calibration.json: standard_uncertainty.accel.offset[0]: expected null: the covariance does not hold accel.offset.x"},
+      {"/covariance/matrix", "", "calibration.json: covariance.matrix: is missing"},
       {"/covariance/coefficients/1", "\"accel.ofset.x\"", "calibration.json: covariance.coefficients[1]: unknown coefficient \"accel.ofset.x\""},
       {"/covariance/coefficients/1", "\"gyro.matrix.xy\"", "calibration.json: covariance.coefficients[1]: gyro.matrix.xy is listed twice"},
       {"/covariance/matrix", "[[1, 0], [0, 1]]", "calibration.json: covariance.matrix: expected 3 rows"},
@@ -197,6 +201,87 @@ TEST(CalibrationFile, DamageIsRefusedByNameAndPlace) {
       EXPECT_THAT(e.what(), StartsWith(damage.message)) << damage.pointer << " = " << damage.value;
     }
   }
+}
+
+TEST(CalibrationFile, WrittenByHandNeedsTheMatricesAlone) {
+  const Calibration c = parse_calibration(R"({"format": "imulab.calibration/1", "model": {
+      "accel": {"matrix": [[1.01, 0, 0], [0.002, 0.99, 0], [0, 0, 1]]}, "gyro": {"matrix": [[2, 0, 0], [0, 2, 0], [0, 0, 2]]}}})",
+                                          "hand.json");
+  Calibration expected;
+  expected.frame = "rig";
+  expected.covariance.resize(0, 0);
+  expected.model.accel.matrix << 1.01, 0, 0, 0.002, 0.99, 0, 0, 0, 1;
+  expected.model.gyro.matrix = 2 * Matrix3d::Identity();
+  expect_equal(c, expected);
+  const Json json = Json::parse(calibration_text(c));
+  for (const auto& triad : json["standard_uncertainty"])
+    for (const auto& term : triad)
+      for (const auto& row : term)
+        for (const auto& element : row.is_array() ? row : Json::array({row})) EXPECT_TRUE(element.is_null());
+  expect_equal(parse_calibration(json.dump(), "again.json"), expected);
+}
+
+TEST(CalibrationFile, EveryPartIsOptionalButTheMatrices) {
+  const Json whole = Json::parse(calibration_text(any_calibration()));
+  Json without_uncertainties = whole;
+  without_uncertainties["standard_uncertainty"] = without_uncertainties["covariance"] = nullptr;
+  EXPECT_NO_THROW(parse_calibration(without_uncertainties.dump(), "calibration.json"));
+  const auto expect_optional = [&](const std::string& pointer) {
+    Json json = without_uncertainties;
+    const Json::json_pointer at(pointer);
+    if (at.empty() || !json.contains(at)) return ADD_FAILURE() << pointer;
+    json[at.parent_pointer()].erase(at.back());
+    EXPECT_NO_THROW(parse_calibration(json.dump(), "calibration.json")) << pointer;
+  };
+  for (const auto& item : whole.items())
+    if (item.key() != "format" && item.key() != "model") expect_optional("/" + item.key());
+  for (const char* term : {"accel/offset", "accel/quadratic", "accel/cubic", "accel/lever_arm", "accel/raw", "gyro/offset", "gyro/quadratic",
+                           "gyro/cubic", "gyro/g_sensitivity", "gyro/temperature/range"})
+    expect_optional("/model/" + std::string(term));
+  for (const auto& item : whole["quality"].items()) expect_optional("/quality/" + item.key());
+}
+
+std::string problems_of(const std::string& text) {
+  try {
+    parse_calibration(text, "c.json");
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(CalibrationFile, AllProblemsAreReportedAtOnce) {
+  EXPECT_EQ(problems_of(R"({"format": "imulab.calibration/1", "imu": 5, "frame": "body", "model": {
+      "accel": {"matrix": [[1, 2], [3, 4]], "offset": [0, "0", null]}, "gyro": {}}, "covariance": {"coefficients": ["x"], "matrix": []},
+      "quality": {"verdict": 1}})"),
+            "c.json: imu: expected a text, found 5\n"
+            "c.json: frame: expected \"accelerometers\" or \"rig\", found \"body\"\n"
+            "c.json: model.accel.offset[1]: expected a number, found \"0\"\n"
+            "c.json: model.accel.matrix: expected 3 rows of 3 numbers\n"
+            "c.json: model.gyro.matrix: is missing\n"
+            "c.json: covariance.coefficients[0]: unknown coefficient \"x\": expected triad.term.element such as gyro.matrix.xy, a term such as "
+            "accel.offset, or gyro.matrix.diagonal, gyro.matrix.off_diagonal\n"
+            "c.json: quality.verdict: expected a text, found 1");
+  EXPECT_EQ(problems_of(R"({"format": "imulab.calibration/1", "model": 3})"), "c.json: model: expected an object, found 3");
+  std::string many = R"({"format": "imulab.calibration/1", "model": {"accel": {"matrix": [])";
+  for (int i = 0; i < 100; ++i) many += ", \"k" + std::to_string(i) + "\": 0";
+  EXPECT_THAT(problems_of(many + "}, \"gyro\": {}}}"), ::testing::EndsWith("\nand 82 more"));
+}
+
+TEST(CalibrationFile, AMistypedKeyIsNotZero) {
+  const auto with = [](const std::string& top, const std::string& model, const std::string& accel) {
+    return problems_of(R"({"format": "imulab.calibration/1", )" + top + R"("model": {)" + model +
+                       R"("gyro": {"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}, "accel": {)" + accel +
+                       R"("matrix": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}}})");
+  };
+  EXPECT_EQ(with("", "", ""), "");
+  EXPECT_EQ(with("", "", R"("ofset": [1, 2, 3], )"), "c.json: model.accel.ofset: is unknown; expected offset");
+  EXPECT_EQ(with("", "", R"("g_sensitivity": [[0, 0, 0], [0, 0, 0], [0, 0, 0]], )"),
+            "c.json: model.accel.g_sensitivity: is unknown; expected one of temperature, raw, offset, matrix, quadratic, cubic, thermal, lever_arm");
+  EXPECT_EQ(with("", R"("rate": {}, )", ""), "c.json: model.rate: is unknown; expected one of accel, gyro");
+  EXPECT_EQ(with(R"("Frame": "accelerometers", )", "", ""), "c.json: Frame: is unknown; expected frame");
+  EXPECT_EQ(with(R"("covarience": {}, )", "", ""), "c.json: covarience: is unknown; expected covariance");
+  EXPECT_EQ(with(R"("comment": "by hand", "name": "an IMU", "rig": {}, "": 0, )", "", ""), "");
 }
 
 TEST(CalibrationFile, ACovarianceItsVariancesDoNotAllowIsRefused) {

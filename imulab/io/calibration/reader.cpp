@@ -6,7 +6,7 @@
 #include "imulab/model/coefficient.hpp"
 #include "imulab/recording/unit_names.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,11 +18,9 @@ namespace imulab {
 
 namespace {
 
-using json_text::Field, json_text::Json, json_text::parse_json;
+using json_text::expect_known_keys, json_text::Field, json_text::Json, json_text::parse_json, json_text::Problems;
 
 constexpr std::string_view format_family = "imulab.calibration/", format_name = "imulab.calibration/1";
-
-// ---- reading
 
 /// Where a coefficient sits in `model` and in `standard_uncertainty`.
 Field element(const Field& shaped, Triad triad, Term term, int row, int column) {
@@ -32,35 +30,55 @@ Field element(const Field& shaped, Triad triad, Term term, int row, int column) 
 }
 
 std::optional<ThermalReading> read_temperature(const Field& triad, const Matrix3d& thermal) {
-  const Field field = triad["temperature"];
-  if (field.is_null()) {
-    if (!thermal.isZero(0)) field.fail("expected a reading with its reference, because the thermal terms are not zero");
+  if (!triad.has("temperature") || triad["temperature"].is_null()) {
+    constexpr const char* why = "expected a reading with its reference, because the thermal terms are not zero";
+    if (!thermal.isZero(0)) triad.has("temperature") ? triad["temperature"].fail(why) : triad.fail(std::string("temperature: is missing; ") + why);
     return std::nullopt;
   }
+  const Field field = triad["temperature"];
   ThermalReading out;
   out.unit = field["unit"].text();
   if (out.unit != "degC" && out.unit != "K" && out.unit != "raw") field["unit"].expected("degC, K or raw");
   out.reference = field["reference"].number();
+  if (!field.has("range")) return out;  // not known
   for (std::size_t i = 0; i < 2; ++i) out.range[i] = field["range"].item(i, 2, "numbers").number();
   if (out.range[0] > out.range[1]) field["range"].expected("[lowest, highest]");
   return out;
 }
 
-SensorModel read_model(const Field& field) {
-  SensorModel model;
+bool has_term(const Field& shaped, const Coefficient& c) {
+  return shaped.has(to_string(c.triad)) && shaped[to_string(c.triad)].has(to_string(c.term));
+}
+
+/// A triad's terms, of which the matrix is required; one that is missing is zero.
+void read_triad(const Field& field, Triad triad, SensorModel& model, Problems& problems) {
+  std::vector<std::string_view> known{"temperature", "raw"};
+  TriadModel& m = triad == Triad::accel ? model.accel : model.gyro;
+  std::optional<Term> wrong;  // one problem a term
   for (const CoefficientIndex i : coefficient_indices()) {
     const Coefficient& c = coefficient(i);
-    set_coefficient(model, i, element(field, c.triad, c.term, c.row, c.column).number());
-  }
-  for (const Triad triad : {Triad::accel, Triad::gyro}) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const Field constant = element(field, triad, Term::thermal, axis, 0);
+    if (c.triad != triad) continue;
+    if (std::find(known.begin(), known.end(), to_string(c.term)) == known.end()) known.push_back(to_string(c.term));
+    if (wrong == c.term || (c.term != Term::matrix && !has_term(field, c))) continue;
+    const bool good = problems.none_in([&] {
+      set_coefficient(model, i, element(field, triad, c.term, c.row, c.column).number());
+      if (c.term != Term::thermal) return;
+      const Field constant = element(field, triad, Term::thermal, c.row, 0);
       if (constant.number() != 0) constant.expected("0: the constant of the thermal polynomial is zero by definition (it belongs in the offset)");
-    }
-    TriadModel& m = triad == Triad::accel ? model.accel : model.gyro;
-    m.raw_unit = field[to_string(triad)].text_or_empty("raw");
-    m.temperature = read_temperature(field[to_string(triad)], m.thermal);
+    });
+    if (!good) wrong = c.term;
   }
+  const Field terms = field[to_string(triad)];
+  problems.none_in([&] { m.raw_unit = terms.text_or_empty("raw"); });
+  problems.none_in([&] { m.temperature = read_temperature(terms, m.thermal); });
+  expect_known_keys(terms, known, false, problems);
+}
+
+SensorModel read_model(const Field& field, Problems& problems) {
+  SensorModel model;
+  for (const Triad triad : {Triad::accel, Triad::gyro})
+    if (problems.none_in([&] { field[to_string(triad)].keys(); })) read_triad(field, triad, model, problems);
+  expect_known_keys(field, {"accel", "gyro"}, false, problems);
   return model;
 }
 
@@ -104,6 +122,7 @@ Eigen::MatrixXd read_covariance(const Field& field, std::size_t n) {
 void check_uncertainties(const Field& field, const Calibration& calibration) {
   for (const CoefficientIndex i : coefficient_indices()) {
     const Coefficient& c = coefficient(i);
+    if (!has_term(field, c)) continue;
     const Field stated = element(field, c.triad, c.term, c.row, c.column);
     const auto computed = standard_uncertainty(calibration, i);
     if (!computed && !stated.is_null()) stated.expected("null: the covariance does not hold " + std::string(c.name));
@@ -120,11 +139,11 @@ RequirementResult read_requirement(const Field& f) {
 
 Quality read_quality(const Field& field) {
   Quality q;
-  q.chi2_per_dof = field["chi2_per_dof"].number_or_nan();
-  q.condition = field["condition"].number_or_nan();
-  q.unobservable = field["unobservable"].texts();
-  q.warnings = field["warnings"].texts();
-  q.verdict = field["verdict"].text();
+  if (field.has("chi2_per_dof")) q.chi2_per_dof = field["chi2_per_dof"].number_or_nan();
+  if (field.has("condition")) q.condition = field["condition"].number_or_nan();
+  q.unobservable = field.texts("unobservable");
+  q.warnings = field.texts("warnings");
+  q.verdict = field.text_or_empty("verdict");
   q.because = field.texts("because");
   q.considered = field.texts("considered");
   if (field.has("converged")) q.converged = field["converged"].truth();
@@ -186,6 +205,88 @@ RecordedAs read_recorded(const Field& f, Quantity quantity, const std::string& r
   return out;
 }
 
+/// The IMU, the recordings and what was used.
+void read_origin(const Field& root, Calibration& c, Problems& problems) {
+  for (const auto& [key, value] : {std::pair{"imu", &c.imu},
+                                   {"method", &c.method},
+                                   {"created", &c.created},
+                                   {"software", &c.software},
+                                   {"serial", &c.serial},
+                                   {"operator", &c.operated_by},
+                                   {"station", &c.station},
+                                   {"measured", &c.measured},
+                                   {"firmware", &c.firmware},
+                                   {"filter", &c.filter},
+                                   {"valid_until", &c.valid_until},
+                                   {"warm_up", &c.warm_up},
+                                   {"power_cycles", &c.power_cycles}})
+    problems.none_in([&root, key = key, value = value] { *value = root.text_or_empty(key); });
+  problems.none_in([&] {
+    if (!root.has("session")) return;
+    c.session_file = root["session"].text_or_empty("file");
+    c.session_sha256 = root["session"].text_or_empty("sha256");
+  });
+  problems.none_in([&] {
+    c.references = root.list("references", [](const Field& f) {
+      return Reference{f["quantity"].text(), f["instrument"].text(), f["certificate"].text(), f.text_or_empty("date"), f.text_or_empty("statement")};
+    });
+  });
+  problems.none_in([&] { c.sources = root.list("sources", read_source); });
+  problems.none_in([&] { c.options = root.text_map("options"); });
+}
+
+void read_recorded(const Field& root, Calibration& c, Problems& problems) {
+  if (!root.has("recorded")) return;
+  const Field recorded = root["recorded"];
+  problems.none_in([&] {
+    if (recorded.has("accel")) c.recorded_accel = read_recorded(recorded["accel"], Quantity::accel, c.model.accel.raw_unit);
+  });
+  problems.none_in([&] {
+    if (recorded.has("gyro")) c.recorded_gyro = read_recorded(recorded["gyro"], Quantity::gyro, c.model.gyro.raw_unit);
+  });
+}
+
+/// Without a covariance none is known.
+void read_uncertainties(const Field& root, Calibration& c, Problems& problems) {
+  const auto given = [&root](const char* key) { return root.has(key) && !root[key].is_null(); };
+  const bool read = problems.none_in([&] {
+    if (given("covariance")) c.estimated = read_estimated(root["covariance"]["coefficients"]);
+    c.covariance = given("covariance") ? read_covariance(root["covariance"]["matrix"], c.estimated.size()) : Eigen::MatrixXd(0, 0);
+  });
+  problems.none_in([&] {
+    if (read && given("standard_uncertainty")) check_uncertainties(root["standard_uncertainty"], c);
+  });
+}
+
+const std::vector<std::string_view>& known_keys() {
+  static const std::vector<std::string_view> keys{"format",
+                                                  "imu",
+                                                  "method",
+                                                  "created",
+                                                  "software",
+                                                  "serial",
+                                                  "operator",
+                                                  "station",
+                                                  "measured",
+                                                  "firmware",
+                                                  "filter",
+                                                  "valid_until",
+                                                  "warm_up",
+                                                  "power_cycles",
+                                                  "references",
+                                                  "session",
+                                                  "sources",
+                                                  "options",
+                                                  "frame",
+                                                  "model",
+                                                  "recorded",
+                                                  "covariance",
+                                                  "standard_uncertainty",
+                                                  "quality",
+                                                  "rig"};
+  return keys;
+}
+
 void check_format(const Field& root) {
   if (!root.has("format")) root.fail(fmt::format("format: is missing; expected \"{}\"", format_name));
   const std::string format = root["format"].text();
@@ -202,40 +303,20 @@ Calibration parse_calibration(std::string_view text, const std::string& file) {
   const Field root(json, file, "");
   check_format(root);
   Calibration c;
-  c.imu = root.text_or_empty("imu");
-  c.method = root.text_or_empty("method");
-  c.created = root.text_or_empty("created");
-  c.software = root.text_or_empty("software");
-  if (root.has("session")) {
-    c.session_file = root["session"].text_or_empty("file");
-    c.session_sha256 = root["session"].text_or_empty("sha256");
-  }
-  c.serial = root.text_or_empty("serial");
-  c.operated_by = root.text_or_empty("operator");
-  c.station = root.text_or_empty("station");
-  c.measured = root.text_or_empty("measured");
-  c.firmware = root.text_or_empty("firmware");
-  c.filter = root.text_or_empty("filter");
-  c.valid_until = root.text_or_empty("valid_until");
-  c.warm_up = root.text_or_empty("warm_up");
-  c.power_cycles = root.text_or_empty("power_cycles");
-  c.references = root.list("references", [](const Field& f) {
-    return Reference{f["quantity"].text(), f["instrument"].text(), f["certificate"].text(), f.text_or_empty("date"), f.text_or_empty("statement")};
+  Problems problems;
+  read_origin(root, c, problems);
+  problems.none_in([&] {
+    c.frame = root.has("frame") ? root["frame"].text() : "rig";
+    if (c.frame != "accelerometers" && c.frame != "rig") root["frame"].expected("\"accelerometers\" or \"rig\"");
   });
-  c.sources = root.list("sources", read_source);
-  c.options = root.text_map("options");
-  c.frame = root["frame"].text();
-  if (c.frame != "accelerometers" && c.frame != "rig") root["frame"].expected("\"accelerometers\" or \"rig\"");
-  c.model = read_model(root["model"]);
-  if (root.has("recorded")) {
-    const Field recorded = root["recorded"];
-    if (recorded.has("accel")) c.recorded_accel = read_recorded(recorded["accel"], Quantity::accel, c.model.accel.raw_unit);
-    if (recorded.has("gyro")) c.recorded_gyro = read_recorded(recorded["gyro"], Quantity::gyro, c.model.gyro.raw_unit);
-  }
-  c.estimated = read_estimated(root["covariance"]["coefficients"]);
-  c.covariance = read_covariance(root["covariance"]["matrix"], c.estimated.size());
-  if (root.has("standard_uncertainty")) check_uncertainties(root["standard_uncertainty"], c);
-  if (root.has("quality")) c.quality = read_quality(root["quality"]);
+  problems.none_in([&] { c.model = read_model(root["model"], problems); });
+  read_recorded(root, c, problems);
+  read_uncertainties(root, c, problems);
+  problems.none_in([&] {
+    if (root.has("quality")) c.quality = read_quality(root["quality"]);
+  });
+  expect_known_keys(root, known_keys(), true, problems);
+  problems.expect_none();
   return c;
 }
 

@@ -137,6 +137,8 @@ ErrorSourcesReading read_error_sources(const ErrorSpecification& given, const st
   return errors_at(mission.string() + ": [errors]", [&]() -> ErrorSourcesReading {
     if (!specification.calibration) return {error_sources(specification), {}};
     const Calibration calibration = read_calibration(mission.parent_path() / *specification.calibration);
+    if (calibration.estimated.empty())  // its errors would be none
+      throw Error(fmt::format("{}: has no uncertainties; expected a calibration with its covariance", *specification.calibration));
     ErrorSourcesReading reading{error_sources(specification, &calibration), {}};
     if (const std::size_t count = calibration.quality.unobservable.size(); count > 0)
       reading.warnings.push_back(

@@ -3,12 +3,14 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/io/text/json_dump.hpp"
+#include "imulab/io/text/names.hpp"
 #include "imulab/io/text/printable.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -113,6 +115,52 @@ class Field {
   const Json& value_;
   std::string file_, path_;
 };
+
+/// What is wrong with a file, part after part: all of it is one Error, a line each.
+class Problems {
+ public:
+  /// Whether `read` found none in its part.
+  template <class Read>
+  bool none_in(const Read& read) {
+    try {
+      read();
+      return true;
+    } catch (const Error& e) {
+      add(e.what());
+      return false;
+    }
+  }
+  void expect_none() const {
+    if (texts_.empty()) return;
+    throw Error(fmt::format("{}{}", fmt::join(texts_, "\n"), more_ > 0 ? fmt::format("\nand {} more", more_) : ""));
+  }
+
+ private:
+  void add(const std::string& text) {
+    constexpr std::size_t most = 20;
+    if (std::find(texts_.begin(), texts_.end(), text) != texts_.end()) return;
+    texts_.size() < most ? texts_.push_back(text) : void(++more_);
+  }
+
+  std::vector<std::string> texts_;
+  std::size_t more_ = 0;
+};
+
+/// A key that is not of the format is refused; where others are allowed only one that is nearly, from its first letter on, a key that is missing: it
+/// would be left out without a word.
+inline void expect_known_keys(const Field& field, const std::vector<std::string_view>& known, bool others_allowed, Problems& problems) {
+  std::vector<std::string_view> missing;
+  for (const std::string_view key : known)
+    if (!field.has(key)) missing.push_back(key);
+  for (const std::string& key : field.keys()) {
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    const std::string_view meant = text::nearest_name(key, missing);
+    const auto small = [](std::string_view name) { return std::tolower(static_cast<unsigned char>(name[0])); };
+    if (others_allowed && (meant.empty() || small(meant) != small(key))) continue;
+    problems.none_in(
+        [&] { field[key].fail(fmt::format("is unknown; expected {}", meant.empty() ? "one of " + text::listed(known) : std::string(meant))); });
+  }
+}
 
 /// Throws Error where the text is no JSON, or nested deeper than any result; `what` is expected: "a calibration".
 inline Json parse_json(std::string_view text, const std::string& file, const std::string& what) {
