@@ -1,10 +1,10 @@
 // Reading a bag. Target: half the speed of copying what its chunks hold, so that a bag costs little more than its bytes.
-#include "imulab/io/recording/bag/bytes.hpp"
-#include "imulab/io/recording/bag/compression.hpp"
-#include "imulab/io/recording/bag/mcap.hpp"
-#include "imulab/io/recording/crc32.hpp"
-#include "imulab/io/recording/format.hpp"
-#include "imulab/io/text/file.hpp"
+#include "imulab/formats/recording/bag/bytes.hpp"
+#include "imulab/formats/recording/bag/compression.hpp"
+#include "imulab/formats/recording/bag/mcap.hpp"
+#include "imulab/formats/recording/crc32.hpp"
+#include "imulab/formats/recording/format.hpp"
+#include "imulab/formats/text/file.hpp"
 
 #include <benchmark/benchmark.h>
 

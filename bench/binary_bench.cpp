@@ -1,8 +1,8 @@
 // Reading binary recordings whose bytes are the numbers. Target: half the speed of copying the file.
-#include "imulab/io/recording/bag/bytes.hpp"
-#include "imulab/io/recording/format.hpp"
-#include "imulab/io/recording/raw_table.hpp"
-#include "imulab/io/text/file.hpp"
+#include "imulab/formats/recording/bag/bytes.hpp"
+#include "imulab/formats/recording/format.hpp"
+#include "imulab/formats/recording/raw_table.hpp"
+#include "imulab/formats/text/file.hpp"
 
 #include <benchmark/benchmark.h>
 

@@ -1,5 +1,5 @@
 // Reading recordings. Target: 250 MB/s of text on one core, so that an hour at 1 kHz (0.4 GB) opens in two seconds.
-#include "imulab/io/recording/file.hpp"
+#include "imulab/formats/recording/file.hpp"
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>

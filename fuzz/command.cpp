@@ -2,7 +2,7 @@
 #include "apps/imulab/command.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/io/calibration/file.hpp"
+#include "imulab/formats/calibration/file.hpp"
 
 #include "fuzz/fuzzed_file.hpp"
 #include "fuzz/targets.hpp"

@@ -1,8 +1,8 @@
 // Text as a number: the reader of stamps against arithmetic on the digits themselves, the readers of readings against the C library.
-#include "imulab/io/text/decimal.hpp"
+#include "imulab/formats/text/decimal.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/io/recording/csv.hpp"
+#include "imulab/formats/recording/csv.hpp"
 
 #include "fuzz/fuzzed_file.hpp"
 #include "fuzz/targets.hpp"

@@ -1,10 +1,10 @@
 // Recordings on their way: a stream against the same bytes as a file, the inspection of a file of which nothing is known, and a bag that is copied
 // with its readings replaced.
 #include "imulab/core/error.hpp"
-#include "imulab/io/recording/compensated_bag.hpp"
-#include "imulab/io/recording/csv.hpp"
-#include "imulab/io/recording/file.hpp"
-#include "imulab/io/recording/stream.hpp"
+#include "imulab/formats/recording/compensated_bag.hpp"
+#include "imulab/formats/recording/csv.hpp"
+#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/stream.hpp"
 #include "imulab/recording/compensate_recording.hpp"
 #include "imulab/recording/make_recording.hpp"
 #include "imulab/tasks/inspect.hpp"

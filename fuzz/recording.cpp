@@ -1,7 +1,7 @@
 // Any bytes as a recording of one format.
 #include "imulab/core/error.hpp"
-#include "imulab/io/recording/format.hpp"
-#include "imulab/io/recording/solution.hpp"
+#include "imulab/formats/recording/format.hpp"
+#include "imulab/formats/recording/solution.hpp"
 #include "imulab/navigation/navigate.hpp"
 
 #include "fuzz/fuzzed_file.hpp"

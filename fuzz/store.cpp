@@ -1,12 +1,12 @@
 // Any bytes where a program keeps what it goes on from: a fleet's store, the folder of a shared work.
-#include "imulab/fleet/store.hpp"
+#include "imulab/fleet/store/store.hpp"
 
 #include "imulab/core/checkpoint_folder.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/shared_work.hpp"
-#include "imulab/fleet/numbers_of_all.hpp"
-#include "imulab/fleet/sample.hpp"
-#include "imulab/io/text/file.hpp"
+#include "imulab/fleet/store/numbers_of_all.hpp"
+#include "imulab/fleet/store/sample.hpp"
+#include "imulab/formats/text/file.hpp"
 
 #include "fuzz/fuzzed_file.hpp"
 #include "fuzz/targets.hpp"

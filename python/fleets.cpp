@@ -1,8 +1,8 @@
 // Fleets: each call opens the store, and closes it again.
-#include "imulab/fleet/sample.hpp"
-#include "imulab/io/result/fleet.hpp"
-#include "imulab/io/text/time.hpp"
+#include "imulab/fleet/store/sample.hpp"
+#include "imulab/formats/text/time.hpp"
 #include "imulab/report/fleet_page.hpp"
+#include "imulab/results/fleet.hpp"
 #include "imulab/tasks/fleet.hpp"
 
 #include "python/bindings.hpp"

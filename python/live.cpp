@@ -3,7 +3,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/stamp_text.hpp"
-#include "imulab/io/calibration/file.hpp"
+#include "imulab/formats/calibration/file.hpp"
 #include "imulab/recording/make_recording.hpp"
 #include "imulab/recording/stamps.hpp"
 #include "imulab/recording/validate.hpp"

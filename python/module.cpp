@@ -1,7 +1,7 @@
 // The extension under the package imulab: it converts arguments and results, and computes nothing itself. python/imulab has the interface.
 #include "imulab/core/error.hpp"
-#include "imulab/io/calibration/file.hpp"
-#include "imulab/io/text/file.hpp"
+#include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/text/file.hpp"
 
 #include "python/bindings.hpp"
 #include "python/work.hpp"

@@ -1,7 +1,7 @@
 #include "imulab/recording/recording.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/io/recording/file.hpp"
+#include "imulab/formats/recording/file.hpp"
 #include "imulab/recording/make_recording.hpp"
 #include "imulab/recording/validate.hpp"
 

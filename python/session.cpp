@@ -2,10 +2,10 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/io/result/inspection.hpp"
-#include "imulab/io/session/file.hpp"
+#include "imulab/formats/session/file.hpp"
 #include "imulab/recording/overview.hpp"
 #include "imulab/report/inspection_page.hpp"
+#include "imulab/results/inspection.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/tasks/inspect.hpp"
 

@@ -1,7 +1,7 @@
 // For tests: what the bags in tests/recordings hold (bag_data.py there), which other programs wrote.
 #pragma once
 
-#include "imulab/io/recording/format.hpp"
+#include "imulab/formats/recording/format.hpp"
 
 #include <array>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include "imulab/core/random.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/io/export/target.hpp"
+#include "imulab/export/target.hpp"
 #include "imulab/model/compensate.hpp"
 
 #include <Eigen/LU>

@@ -3,9 +3,9 @@
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/method.hpp"
-#include "imulab/io/export/target.hpp"
-#include "imulab/io/recording/file.hpp"
-#include "imulab/io/text/file.hpp"
+#include "imulab/export/target.hpp"
+#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/text/file.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>
@@ -40,7 +40,7 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
 
 }  // namespace zeros
 
-// imulab/io/recording/imu7.cpp
+// imulab/formats/recording/imu7.cpp
 namespace recording_io {
 
 /// Rows of seven doubles after the four bytes "IMU7".
@@ -68,7 +68,7 @@ RawTable imu7_columns(const TableRequest& request, const std::vector<Column>& co
 
 }  // namespace recording_io
 
-// imulab/io/export/offsets.cpp
+// imulab/export/offsets.cpp
 namespace export_io {
 
 std::string offsets_text(const ExportInput& input) {

@@ -1,6 +1,6 @@
 // A real Ferraris session (imucal, MIT): six faces by hand against a box, then three turns of 360 deg.
 #include "imulab/core/units.hpp"
-#include "imulab/io/calibration/file.hpp"
+#include "imulab/formats/calibration/file.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <fmt/core.h>

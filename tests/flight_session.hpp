@@ -3,9 +3,9 @@
 
 #include "imulab/core/random.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/io/recording/file.hpp"
-#include "imulab/io/recording/solution.hpp"
-#include "imulab/io/session/file.hpp"
+#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/solution.hpp"
+#include "imulab/formats/session/file.hpp"
 #include "imulab/navigation/motion/flight.hpp"
 
 #include "tests/temporary_folder.hpp"

@@ -18,9 +18,11 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-const std::map<std::string, int> ranks{{"core", 0},   {"model", 1},    {"earth", 1},    {"recording", 2},  {"navigation", 3},
-                                       {"rig", 4},    {"simulate", 5}, {"estimate", 5}, {"inspection", 6}, {"io", 7},
-                                       {"report", 7}, {"fleet", 7},    {"tasks", 8},    {"apps", 9},       {"python", 9}};
+const std::map<std::string, int> ranks{{"core", 0},     {"model", 1},    {"earth", 1},   {"recording", 2},  {"navigation", 3}, {"rig", 4},
+                                       {"simulate", 5}, {"estimate", 5}, {"noise", 5},   {"inspection", 6}, {"formats", 7},    {"fleet", 8},
+                                       {"results", 9},  {"export", 10},  {"report", 10}, {"tasks", 11},     {"apps", 12},      {"python", 12}};
+
+const std::set<std::string> rooms_of_files{"formats", "results", "export"};
 
 /// The room of a path: imulab/ROOM/..., apps/... or python/...; none for anything else.
 std::optional<std::string> room_of(const std::string& path) {
@@ -49,7 +51,7 @@ std::string method_folder(const std::string& file) {
 /// What is wrong with one include of a file in `room`, and `folder` of estimate/; empty where nothing is.
 std::string problem(const std::string& room, const std::string& folder, char quote, const std::string& included) {
   static const std::regex json_or_toml("^(nlohmann|toml\\+\\+|toml)(/|\\.|$)"), cli("^CLI/");
-  if (std::regex_search(included, json_or_toml) && room != "io") return "only io knows TOML and JSON";
+  if (std::regex_search(included, json_or_toml) && !rooms_of_files.contains(room)) return "only formats, results and export know TOML and JSON";
   if (std::regex_search(included, cli) && room != "apps") return "only apps knows the command line";
   const bool own = included.starts_with("imulab/") || included.starts_with("apps/") || included.starts_with("python/");
   if (!own) return quote == '"' ? "expected a path from the root, imulab/ROOM/NAME.hpp" : "";
@@ -57,7 +59,6 @@ std::string problem(const std::string& room, const std::string& folder, char quo
   if (!target) return "no such room";
   if (room == "estimate" && *target == room) return between_methods(folder, included);
   if (*target == room || ranks.at(*target) < ranks.at(room)) return "";
-  if (*target == "io" && (room == "report" || room == "fleet")) return "";
   return room + " may not know " + *target;
 }
 
@@ -93,24 +94,24 @@ TEST(IncludeDirections, EveryFileKeepsThem) {
       EXPECT_THAT(violations(file, text.str()), IsEmpty());
       if (const auto room = room_of(file)) rooms.insert(*room);
     }
-  EXPECT_THAT(rooms, ::testing::IsSupersetOf({"core", "model", "earth", "recording", "estimate", "io", "tasks", "apps", "python"}))
+  EXPECT_THAT(rooms, ::testing::IsSupersetOf({"core", "model", "earth", "recording", "estimate", "formats", "results", "tasks", "apps", "python"}))
       << "not all files were found";
 }
 
 TEST(IncludeDirections, AStepDownOrInsideTheRoomIsFine) {
-  EXPECT_THAT(violations("imulab/io/x.cpp",
-                         "#include \"imulab/io/file.hpp\"\n#include \"imulab/model/compare.hpp\"\n#include <nlohmann/json.hpp>\n"
+  EXPECT_THAT(violations("imulab/formats/x.cpp",
+                         "#include \"imulab/formats/file.hpp\"\n#include \"imulab/model/compare.hpp\"\n#include <nlohmann/json.hpp>\n"
                          "#include <vector>\n#include <toml++/toml.h>\n"),
               IsEmpty());
-  EXPECT_THAT(violations("apps/imulab/x.cpp", "#include \"apps/imulab/command.hpp\"\n#include \"imulab/io/file.hpp\"\n#include <CLI/CLI.hpp>\n"),
+  EXPECT_THAT(violations("apps/imulab/x.cpp", "#include \"apps/imulab/command.hpp\"\n#include \"imulab/formats/file.hpp\"\n#include <CLI/CLI.hpp>\n"),
               IsEmpty());
 }
 
 TEST(IncludeDirections, AStepUpIsCaught) {
   EXPECT_THAT(violations("imulab/model/x.cpp", "#include \"imulab/core/error.hpp\"\n  #  include \"imulab/recording/session.hpp\"\n"),
               ElementsAre("imulab/model/x.cpp:2: imulab/recording/session.hpp: model may not know recording"));
-  EXPECT_THAT(violations("imulab/io/x.hpp", "#include \"apps/imulab/command.hpp\""), ElementsAre(HasSubstr("io may not know apps")));
-  EXPECT_THAT(violations("imulab/estimate/x.hpp", "#include <imulab/io/file.hpp>"), ElementsAre(HasSubstr("estimate may not know io")));
+  EXPECT_THAT(violations("imulab/formats/x.hpp", "#include \"apps/imulab/command.hpp\""), ElementsAre(HasSubstr("formats may not know apps")));
+  EXPECT_THAT(violations("imulab/estimate/x.hpp", "#include <imulab/formats/file.hpp>"), ElementsAre(HasSubstr("estimate may not know formats")));
 }
 
 TEST(IncludeDirections, RoomsOfOneRankDoNotKnowEachOther) {
@@ -129,9 +130,9 @@ TEST(IncludeDirections, MethodsDoNotKnowEachOther) {
 }
 
 TEST(IncludeDirections, FileFormatsAndTheCommandLineStayInTheirRooms) {
-  EXPECT_THAT(violations("imulab/model/x.cpp", "#include <nlohmann/json.hpp>"), ElementsAre(HasSubstr("only io")));
-  EXPECT_THAT(violations("apps/imulab/x.cpp", "#include <toml++/toml.hpp>"), ElementsAre(HasSubstr("only io")));
-  EXPECT_THAT(violations("imulab/io/x.cpp", "#include <CLI/App.hpp>"), ElementsAre(HasSubstr("only apps")));
+  EXPECT_THAT(violations("imulab/model/x.cpp", "#include <nlohmann/json.hpp>"), ElementsAre(HasSubstr("only formats")));
+  EXPECT_THAT(violations("apps/imulab/x.cpp", "#include <toml++/toml.hpp>"), ElementsAre(HasSubstr("only formats")));
+  EXPECT_THAT(violations("imulab/formats/x.cpp", "#include <CLI/App.hpp>"), ElementsAre(HasSubstr("only apps")));
 }
 
 TEST(IncludeDirections, UnknownRoomsAndRelativePathsAreCaught) {

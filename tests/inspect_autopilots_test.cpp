@@ -1,10 +1,10 @@
 // Logs of autopilots as they are in the field: beside the readings they hold averages, biases and health of the sensors, and old ones name no units.
 #include "imulab/core/error.hpp"
+#include "imulab/formats/recording/format.hpp"
+#include "imulab/formats/recording/signals.hpp"
 #include "imulab/inspection/inspection.hpp"
 #include "imulab/inspection/join.hpp"
 #include "imulab/inspection/names.hpp"
-#include "imulab/io/recording/format.hpp"
-#include "imulab/io/recording/signals.hpp"
 
 #include <gmock/gmock.h>
 

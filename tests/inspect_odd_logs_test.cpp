@@ -1,8 +1,8 @@
 // Logs that mislead: each is asked about, or right; none is understood wrongly.
 #include "imulab/core/units.hpp"
+#include "imulab/formats/recording/signals.hpp"
 #include "imulab/inspection/inspection.hpp"
 #include "imulab/inspection/join.hpp"
-#include "imulab/io/recording/signals.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

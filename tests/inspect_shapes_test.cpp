@@ -1,8 +1,8 @@
 // Logs as people have them: units, clocks, delimiters, orders of columns. Each is understood, or asked about; never understood wrongly.
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/formats/recording/signals.hpp"
 #include "imulab/inspection/inspection.hpp"
-#include "imulab/io/recording/signals.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

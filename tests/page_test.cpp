@@ -1,5 +1,5 @@
 // Reports in a browser: every chart draws, nothing is requested, no text runs, and the print is a certificate. Chromium without a window; two starts.
-#include "imulab/io/calibration/file.hpp"
+#include "imulab/formats/calibration/file.hpp"
 
 #include <gmock/gmock.h>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "imulab/core/error.hpp"
-#include "imulab/io/recording/format.hpp"
+#include "imulab/formats/recording/format.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // For tests of recording files: a recording's text, read as the file that a session names.
 #pragma once
 
-#include "imulab/io/recording/file.hpp"
+#include "imulab/formats/recording/file.hpp"
 
 #include "tests/temporary_folder.hpp"
 #include <string>

@@ -1,7 +1,7 @@
 // A folder for a test's files, removed at its end.
 #pragma once
 
-#include "imulab/io/text/file.hpp"
+#include "imulab/formats/text/file.hpp"
 
 #include <filesystem>
 #include <random>

@@ -1,6 +1,6 @@
 // The traffic pattern of Xu 2024, section 3, against an independent simulation of the same setting (1000 noise draws): medians and 5..95 % bands.
 #include "imulab/core/statistics.hpp"
-#include "imulab/io/session/mission.hpp"
+#include "imulab/formats/session/mission.hpp"
 #include "imulab/navigation/budget/monte_carlo.hpp"
 
 #include <gtest/gtest.h>

@@ -7,11 +7,11 @@
 #include "apps/imulab/report.hpp"
 #include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/io/calibration/file.hpp"
-#include "imulab/io/result/grades.hpp"
-#include "imulab/io/session/mission.hpp"
-#include "imulab/io/text/file.hpp"
-#include "imulab/io/text/terminal.hpp"
+#include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/session/mission.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/terminal.hpp"
+#include "imulab/results/grades.hpp"
 
 #include <fmt/core.h>
 

@@ -7,11 +7,11 @@
 #include "apps/imulab/report.hpp"
 #include "apps/imulab/session_recording.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/io/calibration/file.hpp"
-#include "imulab/io/result/calibration.hpp"
-#include "imulab/io/text/file.hpp"
-#include "imulab/io/text/terminal.hpp"
+#include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/terminal.hpp"
 #include "imulab/model/requirement.hpp"
+#include "imulab/results/calibration.hpp"
 
 #include <fmt/core.h>
 

@@ -1,6 +1,6 @@
 // Verbs whose work several processes share, as a user types them.
-#include "imulab/fleet/numbers_of_all.hpp"
-#include "imulab/fleet/store.hpp"
+#include "imulab/fleet/store/numbers_of_all.hpp"
+#include "imulab/fleet/store/store.hpp"
 
 #include <gmock/gmock.h>
 

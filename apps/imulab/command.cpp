@@ -6,10 +6,10 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/memory.hpp"
 #include "imulab/core/parallel.hpp"
-#include "imulab/io/text/decimal.hpp"
-#include "imulab/io/text/file.hpp"
-#include "imulab/io/text/printable.hpp"
-#include "imulab/io/text/unfinished.hpp"
+#include "imulab/formats/text/decimal.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/printable.hpp"
+#include "imulab/formats/text/unfinished.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>

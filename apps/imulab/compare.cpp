@@ -4,8 +4,8 @@
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/report.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/io/calibration/file.hpp"
-#include "imulab/io/text/file.hpp"
+#include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/text/file.hpp"
 #include "imulab/report/comparison_page.hpp"
 
 #include <fmt/core.h>

@@ -1,5 +1,5 @@
 #include "imulab/core/units.hpp"
-#include "imulab/io/calibration/file.hpp"
+#include "imulab/formats/calibration/file.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <gmock/gmock.h>

@@ -1,10 +1,10 @@
 // Common to the compensation of files and of a stream.
 #pragma once
 
-#include "imulab/io/result/compensation.hpp"
 #include "imulab/model/calibration.hpp"
 #include "imulab/recording/compensate_recording.hpp"
 #include "imulab/recording/session.hpp"
+#include "imulab/results/compensation.hpp"
 
 #include <string>
 #include <vector>

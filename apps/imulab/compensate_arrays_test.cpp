@@ -1,5 +1,5 @@
 // Compensated readings as arrays for NumPy.
-#include "imulab/io/recording/file.hpp"
+#include "imulab/formats/recording/file.hpp"
 #include "imulab/recording/session.hpp"
 
 #include <gmock/gmock.h>

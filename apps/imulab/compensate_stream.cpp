@@ -5,8 +5,8 @@
 #include "apps/imulab/session_recording.hpp"
 #include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/io/recording/file.hpp"
-#include "imulab/io/recording/stream.hpp"
+#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/stream.hpp"
 #include "imulab/recording/compensator.hpp"
 #include "imulab/tasks/recordings.hpp"
 

@@ -1,6 +1,6 @@
 // imulab compensate CALIBRATION - --session SESSION: the same rows as of a file, as they come, in memory that does not grow.
 #include "imulab/core/random.hpp"
-#include "imulab/io/calibration/file.hpp"
+#include "imulab/formats/calibration/file.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "imulab/io/calibration/file.hpp"
+#include "imulab/formats/calibration/file.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>

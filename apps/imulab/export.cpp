@@ -4,11 +4,11 @@
 #include "apps/imulab/files.hpp"
 #include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/io/export/target.hpp"
-#include "imulab/io/result/fields.hpp"
-#include "imulab/io/result/noise_reader.hpp"
-#include "imulab/io/text/file.hpp"
-#include "imulab/io/text/names.hpp"
+#include "imulab/export/target.hpp"
+#include "imulab/formats/noise/noise_reader.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/names.hpp"
+#include "imulab/results/fields.hpp"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "apps/imulab/command.hpp"
-#include "imulab/io/export/c_header.hpp"
+#include "imulab/export/c_header.hpp"
 
 #include <optional>
 #include <string>

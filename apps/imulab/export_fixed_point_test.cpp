@@ -1,8 +1,8 @@
 // The exported compensation in integers is as exact as the header says.
 #include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/io/export/c_header.hpp"
-#include "imulab/io/export/c_header_samples.hpp"
+#include "imulab/export/c_header.hpp"
+#include "imulab/export/c_header_samples.hpp"
 #include "imulab/model/outlier_filter.hpp"
 
 #include <fmt/core.h>

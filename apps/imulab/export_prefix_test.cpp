@@ -1,9 +1,9 @@
 // Headers of several IMUs in one program.
 #include "imulab/core/error.hpp"
-#include "imulab/io/calibration/file.hpp"
-#include "imulab/io/export/c_header.hpp"
-#include "imulab/io/export/c_header_names.hpp"
-#include "imulab/io/export/target.hpp"
+#include "imulab/export/c_header.hpp"
+#include "imulab/export/c_header_names.hpp"
+#include "imulab/export/target.hpp"
+#include "imulab/formats/calibration/file.hpp"
 
 #include <gmock/gmock.h>
 
@@ -40,7 +40,6 @@ CHeaderOptions all_parts(const std::string& prefix) {
 constexpr const char* two_units_program = R"(
 #define IMU1_REAL double
 #define RIGHT_2_REAL float
-#include "left.h"
 #include "right.h"
 #include "left.h"
 #include "plain.h"

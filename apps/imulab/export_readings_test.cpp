@@ -1,8 +1,8 @@
 // The exported header takes readings as the driver gives them.
 #include "imulab/core/error.hpp"
-#include "imulab/io/calibration/file.hpp"
-#include "imulab/io/export/c_header.hpp"
-#include "imulab/io/text/file.hpp"
+#include "imulab/export/c_header.hpp"
+#include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/text/file.hpp"
 #include "imulab/recording/unit_names.hpp"
 
 #include <fmt/core.h>

@@ -1,9 +1,9 @@
 // `imulab export` to every target: what it writes, says and refuses.
 #include "imulab/core/random.hpp"
-#include "imulab/io/calibration/file.hpp"
-#include "imulab/io/export/target.hpp"
-#include "imulab/io/result/noise.hpp"
-#include "imulab/io/text/file.hpp"
+#include "imulab/export/target.hpp"
+#include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/results/noise.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>

@@ -1,7 +1,7 @@
 // The exported header compiles as C99 and as C++ without a warning and does what the library does.
 #include "imulab/core/random.hpp"
-#include "imulab/io/calibration/file.hpp"
-#include "imulab/io/export/c_header.hpp"
+#include "imulab/export/c_header.hpp"
+#include "imulab/formats/calibration/file.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/compensate.hpp"
 #include "imulab/model/outlier_filter.hpp"

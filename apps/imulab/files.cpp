@@ -1,9 +1,9 @@
 #include "apps/imulab/files.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/io/session/file.hpp"
-#include "imulab/io/text/file.hpp"
-#include "imulab/io/text/kept.hpp"
+#include "imulab/formats/session/file.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/kept.hpp"
 
 #include <fmt/core.h>
 

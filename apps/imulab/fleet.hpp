@@ -2,7 +2,7 @@
 #pragma once
 
 #include "apps/imulab/command.hpp"
-#include "imulab/fleet/store.hpp"
+#include "imulab/fleet/store/store.hpp"
 
 #include <string>
 

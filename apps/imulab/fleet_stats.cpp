@@ -5,13 +5,13 @@
 #include "apps/imulab/report.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/method.hpp"
-#include "imulab/fleet/sample.hpp"
-#include "imulab/io/calibration/file.hpp"
-#include "imulab/io/result/fleet.hpp"
-#include "imulab/io/text/file.hpp"
+#include "imulab/fleet/store/sample.hpp"
+#include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/text/file.hpp"
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/report/fleet_page.hpp"
 #include "imulab/report/html.hpp"
+#include "imulab/results/fleet.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #include "imulab/core/units.hpp"
-#include "imulab/fleet/numbers_of_all.hpp"
-#include "imulab/fleet/store.hpp"
-#include "imulab/io/calibration/file.hpp"
+#include "imulab/fleet/store/numbers_of_all.hpp"
+#include "imulab/fleet/store/store.hpp"
+#include "imulab/formats/calibration/file.hpp"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

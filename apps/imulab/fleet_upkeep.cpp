@@ -3,11 +3,11 @@
 #include "apps/imulab/files.hpp"
 #include "apps/imulab/fleet.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/fleet/numbers_of_all.hpp"
-#include "imulab/io/result/fields.hpp"
-#include "imulab/io/text/figures.hpp"
-#include "imulab/io/text/file.hpp"
-#include "imulab/io/text/terminal.hpp"
+#include "imulab/fleet/store/numbers_of_all.hpp"
+#include "imulab/formats/text/figures.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/terminal.hpp"
+#include "imulab/results/fields.hpp"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 #include "apps/imulab/help.hpp"
 
-#include "imulab/io/text/figures.hpp"
+#include "imulab/formats/text/figures.hpp"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,9 @@
 // imulab import FILE -o calibration.json
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
-#include "imulab/io/calibration/file.hpp"
-#include "imulab/io/import/calibration.hpp"
-#include "imulab/io/result/fields.hpp"
+#include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/import/calibration.hpp"
+#include "imulab/results/fields.hpp"
 
 #include <fmt/format.h>
 

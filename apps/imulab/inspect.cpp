@@ -6,10 +6,10 @@
 #include "apps/imulab/inspected.hpp"
 #include "apps/imulab/report.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/io/result/inspection.hpp"
-#include "imulab/io/text/file.hpp"
-#include "imulab/io/text/terminal.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/terminal.hpp"
 #include "imulab/report/inspection_page.hpp"
+#include "imulab/results/inspection.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // A recording without a session: what the command makes of it.
+#include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/session/file.hpp"
 #include "imulab/inspection/inspection.hpp"
-#include "imulab/io/calibration/file.hpp"
-#include "imulab/io/session/file.hpp"
 #include "imulab/model/compare.hpp"
 
 #include <gmock/gmock.h>

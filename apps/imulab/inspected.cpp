@@ -2,11 +2,11 @@
 
 #include "apps/imulab/files.hpp"
 #include "imulab/core/error.hpp"
+#include "imulab/formats/session/file.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/kept.hpp"
+#include "imulab/formats/text/terminal.hpp"
 #include "imulab/inspection/declared.hpp"
-#include "imulab/io/session/file.hpp"
-#include "imulab/io/text/file.hpp"
-#include "imulab/io/text/kept.hpp"
-#include "imulab/io/text/terminal.hpp"
 #include "imulab/tasks/inspect.hpp"
 
 #include <fmt/format.h>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "apps/imulab/command.hpp"
+#include "imulab/formats/recording/signals.hpp"
 #include "imulab/inspection/inspection.hpp"
-#include "imulab/io/recording/signals.hpp"
 
 #include <filesystem>
 #include <string>

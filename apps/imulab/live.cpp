@@ -5,13 +5,13 @@
 #include "apps/imulab/files.hpp"
 #include "apps/imulab/session_recording.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/io/calibration/file.hpp"
-#include "imulab/io/recording/stream.hpp"
-#include "imulab/io/result/fields.hpp"
-#include "imulab/io/session/file.hpp"
-#include "imulab/io/text/file.hpp"
-#include "imulab/io/text/terminal.hpp"
+#include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/recording/stream.hpp"
+#include "imulab/formats/session/file.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/terminal.hpp"
 #include "imulab/recording/stamps.hpp"
+#include "imulab/results/fields.hpp"
 
 #include <fmt/core.h>
 

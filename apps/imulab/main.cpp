@@ -1,5 +1,5 @@
 #include "apps/imulab/command.hpp"
-#include "imulab/io/text/unfinished.hpp"
+#include "imulab/formats/text/unfinished.hpp"
 
 #ifdef __GLIBC__
 #include <malloc.h>

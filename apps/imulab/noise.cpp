@@ -1,5 +1,5 @@
 // imulab noise RECORDING|SESSION
-#include "imulab/io/result/noise.hpp"
+#include "imulab/results/noise.hpp"
 
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
@@ -7,10 +7,10 @@
 #include "apps/imulab/report.hpp"
 #include "apps/imulab/session_recording.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/io/recording/file.hpp"
-#include "imulab/io/recording/stored.hpp"
-#include "imulab/io/text/file.hpp"
-#include "imulab/io/text/terminal.hpp"
+#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/stored.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/terminal.hpp"
 #include "imulab/report/noise_page.hpp"
 
 #include <fmt/format.h>

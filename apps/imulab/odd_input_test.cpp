@@ -1,6 +1,6 @@
 // Odd but legal recordings give the calibration that the plain one gives.
 #include "imulab/core/units.hpp"
-#include "imulab/io/calibration/file.hpp"
+#include "imulab/formats/calibration/file.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "imulab/io/session/file.hpp"
+#include "imulab/formats/session/file.hpp"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

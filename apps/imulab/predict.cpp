@@ -7,8 +7,8 @@
 #include "apps/imulab/report.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/method.hpp"
-#include "imulab/io/text/file.hpp"
-#include "imulab/io/text/terminal.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/terminal.hpp"
 #include "imulab/tasks/calibrate.hpp"
 
 #include <fmt/core.h>

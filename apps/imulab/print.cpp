@@ -1,7 +1,7 @@
 // The one way of text to people: what would steer a terminal is shown.
 #include "apps/imulab/command.hpp"
-#include "imulab/io/text/printable.hpp"
-#include "imulab/io/text/terminal.hpp"
+#include "imulab/formats/text/printable.hpp"
+#include "imulab/formats/text/terminal.hpp"
 
 #include <fmt/core.h>
 

@@ -3,7 +3,7 @@
 
 #include "apps/imulab/command.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/fleet/sample.hpp"
+#include "imulab/fleet/store/sample.hpp"
 
 #include <string>
 

@@ -2,9 +2,9 @@
 
 #include "apps/imulab/command.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/io/session/file.hpp"
-#include "imulab/io/text/file.hpp"
-#include "imulab/io/text/toml_fields.hpp"
+#include "imulab/formats/session/file.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/toml_fields.hpp"
 
 #include <fmt/core.h>
 

@@ -3,12 +3,10 @@
 
 #include "apps/imulab/files.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/io/calibration/file.hpp"
-#include "imulab/io/recording/file.hpp"
-#include "imulab/io/result/fields.hpp"
-#include "imulab/io/result/summary.hpp"
-#include "imulab/io/session/file.hpp"
-#include "imulab/io/text/file.hpp"
+#include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/session/file.hpp"
+#include "imulab/formats/text/file.hpp"
 #include "imulab/report/budget_page.hpp"
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/report/comparison_page.hpp"
@@ -16,6 +14,8 @@
 #include "imulab/report/navigation_page.hpp"
 #include "imulab/report/plan_page.hpp"
 #include "imulab/report/prediction_page.hpp"
+#include "imulab/results/fields.hpp"
+#include "imulab/results/summary.hpp"
 #include "imulab/tasks/verify.hpp"
 
 #include <fmt/core.h>

@@ -2,9 +2,9 @@
 
 #include "apps/imulab/command.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/io/recording/file.hpp"
-#include "imulab/io/session/file.hpp"
-#include "imulab/io/text/terminal.hpp"
+#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/session/file.hpp"
+#include "imulab/formats/text/terminal.hpp"
 #include "imulab/tasks/recordings.hpp"
 
 #include <fmt/core.h>

@@ -4,9 +4,9 @@
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/io/calibration/file.hpp"
-#include "imulab/io/result/fields.hpp"
-#include "imulab/io/text/terminal.hpp"
+#include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/text/terminal.hpp"
+#include "imulab/results/fields.hpp"
 
 #include <fmt/core.h>
 

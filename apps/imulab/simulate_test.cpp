@@ -2,9 +2,9 @@
 #include "imulab/simulate/simulate.hpp"
 
 #include "imulab/core/units.hpp"
-#include "imulab/io/calibration/file.hpp"
-#include "imulab/io/recording/file.hpp"
-#include "imulab/io/session/file.hpp"
+#include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/session/file.hpp"
 
 #include <gmock/gmock.h>
 

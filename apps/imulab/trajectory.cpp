@@ -3,11 +3,11 @@
 
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
-#include "imulab/io/calibration/file.hpp"
-#include "imulab/io/result/fields.hpp"
-#include "imulab/io/result/motion.hpp"
-#include "imulab/io/session/mission.hpp"
-#include "imulab/io/text/terminal.hpp"
+#include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/session/mission.hpp"
+#include "imulab/formats/text/terminal.hpp"
+#include "imulab/results/fields.hpp"
+#include "imulab/results/motion.hpp"
 
 #include <fmt/core.h>
 

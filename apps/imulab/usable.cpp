@@ -1,7 +1,7 @@
 #include "apps/imulab/usable.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/io/calibration/file.hpp"
+#include "imulab/formats/calibration/file.hpp"
 #include "imulab/tasks/usable.hpp"
 
 namespace imulab::command {

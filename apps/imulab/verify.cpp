@@ -3,7 +3,7 @@
 
 #include "apps/imulab/command.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/io/text/terminal.hpp"
+#include "imulab/formats/text/terminal.hpp"
 
 #include <memory>
 #include <string>

@@ -1,5 +1,5 @@
 // Where a calibration comes from, and whether that is still there.
-#include "imulab/io/calibration/file.hpp"
+#include "imulab/formats/calibration/file.hpp"
 
 #include <gmock/gmock.h>
 

@@ -57,7 +57,7 @@ struct Runs {
   std::size_t between = 0, repeating = 0;
 
   /// A sensor without noise, or with steps far above it: it repeats itself wherever the motion does, not only at a limit.
-  bool repeat_everywhere() const { return 10 * repeating > 9 * between; }
+  bool repeat_everywhere() const { return 2 * repeating > between; }
 };
 
 Runs longest_runs(const Channel& channel, double value, double least, double most) {

@@ -48,6 +48,17 @@ TEST(Clipping, FindsALimitThatOnlyNoiseReaches) {
   EXPECT_LT(found.size(), 1700u);
 }
 
+/// A table without noise: one axis stays down through several rests and turns about it, longer than in any other attitude.
+TEST(Clipping, AnAxisThatStaysDownDoesNotClip) {
+  std::vector<double> channel;
+  const auto hold = [&](double value, int samples) { channel.insert(channel.end(), static_cast<std::size_t>(samples), value); };
+  const auto turn = [&](double from, double to) {
+    for (int i = 1; i < 900; ++i) channel.push_back(1e-6 * std::round(1e6 * (from + (to - from) * i / 900)));
+  };
+  hold(0.1, 6000), turn(0.1, -9.8), hold(-9.8, 50000), turn(-9.8, 0.1), hold(0.1, 6000), turn(0.1, 9.8), hold(9.8, 6000);
+  EXPECT_TRUE(clipped_samples(channel).empty());
+}
+
 TEST(Clipping, AStuckChannelDoesNotClip) { EXPECT_TRUE(clipped_samples(std::vector<double>(1000, 3.0)).empty()); }
 
 }  // namespace

@@ -94,15 +94,18 @@ std::string refusal_of(const Session& session) {
 
 TEST(Validate, ASessionInMemoryHasTheRangesOfAFile) {
   Session good;
-  good.site = {.latitude = 90 * unit::deg, .longitude = -180 * unit::deg, .height = 50};  // the ends of the ranges, in radians
-  good.rigs.push_back({.kind = RigKind::turntable, .angle = {20 * unit::arcsec}});
-  good.steps.push_back({.start = 0, .end = 60});
-  good.steps.push_back({.kind = StepKind::rotate, .start = 60, .end = 69, .angle = 1.5, .rate = 0.2});
+  good.site.latitude = 90 * unit::deg, good.site.longitude = -180 * unit::deg, good.site.height = 50;  // the ends of the ranges, in radians
+  good.rigs.emplace_back().kind = RigKind::turntable;
+  good.rigs[0].angle.value = 20 * unit::arcsec;
+  Step hold, turn;
+  hold.end = 60;
+  turn.kind = StepKind::rotate, turn.start = 60, turn.end = 69, turn.angle = 1.5, turn.rate = 0.2;
+  good.steps = {hold, turn};
   EXPECT_EQ(refusal_of(good), "");
   const std::vector<std::pair<std::function<void(Session&)>, std::string>> cases{
       {[](Session& s) { s.site.latitude = 45; },
        "the session: site.latitude_deg: 2578.3100780887044 is out of range; expected -90 to 90 (in memory it is in SI units and radians: 45)"},
-      {[](Session& s) { s.site.latitude = nan; },
+      {[](Session& s) { s.site.latitude = std::numeric_limits<double>::quiet_NaN(); },
        "the session: site.latitude_deg: nan is not finite; expected a finite number (in memory it is in SI units and radians: nan)"},
       {[](Session& s) { s.site.given_gravity = -9.8; }, "the session: site.gravity_mps2: -9.8 is out of range; expected 9 to 10.5"},
       {[](Session& s) { s.imu.gyro_noise_density = -1e-4; }, "the session: imu.gyro_noise_density: -0.0001 is out of range; expected at least 0"},

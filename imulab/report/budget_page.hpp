@@ -1,7 +1,7 @@
 // An error budget as a page.
 #pragma once
 
-#include "imulab/io/result/summary.hpp"
+#include "imulab/results/summary.hpp"
 
 #include <string>
 #include <vector>

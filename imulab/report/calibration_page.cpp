@@ -1,12 +1,12 @@
 #include "imulab/report/calibration_page.hpp"
 
-#include "imulab/io/result/live.hpp"
-#include "imulab/io/result/reached.hpp"
 #include "imulab/model/user_unit.hpp"
 #include "imulab/recording/coverage.hpp"
 #include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/key_figures.hpp"
+#include "imulab/results/live.hpp"
+#include "imulab/results/reached.hpp"
 
 #include <fmt/format.h>
 

@@ -1,12 +1,12 @@
 // Pictures from the recordings, and the residuals.
 #include "imulab/core/units.hpp"
-#include "imulab/io/result/live.hpp"
 #include "imulab/recording/coverage.hpp"
 #include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/pictures.hpp"
 #include "imulab/report/plot.hpp"
 #include "imulab/report/time_chart.hpp"
+#include "imulab/results/live.hpp"
 
 #include <fmt/format.h>
 

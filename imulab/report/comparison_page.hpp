@@ -1,7 +1,7 @@
 // A comparison of calibrations as a page.
 #pragma once
 
-#include "imulab/io/result/summary.hpp"
+#include "imulab/results/summary.hpp"
 
 #include <string>
 

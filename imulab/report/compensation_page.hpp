@@ -1,7 +1,7 @@
 // Compensated recordings as a page.
 #pragma once
 
-#include "imulab/io/result/compensation.hpp"
+#include "imulab/results/compensation.hpp"
 
 #include <string>
 #include <vector>

@@ -1,7 +1,7 @@
 // A fleet as a page.
 #pragma once
 
-#include "imulab/estimate/fleet/statistics.hpp"
+#include "imulab/fleet/statistics/statistics.hpp"
 
 #include <string>
 #include <vector>

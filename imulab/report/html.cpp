@@ -1,6 +1,6 @@
 #include "imulab/report/html.hpp"
 
-#include "imulab/io/text/figures.hpp"
+#include "imulab/formats/text/figures.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #include "imulab/report/key_figures.hpp"
 
-#include "imulab/io/result/reached.hpp"
 #include "imulab/report/html.hpp"
+#include "imulab/results/reached.hpp"
 
 #include <utility>
 

@@ -1,7 +1,7 @@
 // Navigated sessions as a page.
 #pragma once
 
-#include "imulab/io/result/summary.hpp"
+#include "imulab/results/summary.hpp"
 
 #include <string>
 #include <vector>

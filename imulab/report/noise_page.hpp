@@ -1,7 +1,7 @@
 // The page of a noise analysis.
 #pragma once
 
-#include "imulab/estimate/noise/noise_analysis.hpp"
+#include "imulab/noise/noise_analysis.hpp"
 
 #include <string>
 

@@ -1,7 +1,7 @@
 #include "imulab/report/page.hpp"
 
-#include "imulab/io/calibration/file.hpp"
-#include "imulab/io/text/file.hpp"
+#include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/text/file.hpp"
 #include "imulab/report/assets.hpp"
 #include "imulab/report/html.hpp"
 

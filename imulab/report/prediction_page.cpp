@@ -1,11 +1,11 @@
 #include "imulab/report/prediction_page.hpp"
 
-#include "imulab/io/result/prediction.hpp"
 #include "imulab/model/user_unit.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/key_figures.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/pictures.hpp"
+#include "imulab/results/prediction.hpp"
 
 #include <fmt/format.h>
 

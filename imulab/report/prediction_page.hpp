@@ -1,7 +1,7 @@
 // A prediction as a page: the uncertainty of each coefficient, and what limits it.
 #pragma once
 
-#include "imulab/io/result/summary.hpp"
+#include "imulab/results/summary.hpp"
 
 #include <string>
 

@@ -1,7 +1,7 @@
 #include "imulab/tasks/budget.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/io/text/file.hpp"
+#include "imulab/formats/text/file.hpp"
 #include "imulab/report/budget_page.hpp"
 #include "imulab/report/track.hpp"
 #include "imulab/tasks/content.hpp"

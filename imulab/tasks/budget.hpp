@@ -1,10 +1,10 @@
 // The error budget of a mission, with its Monte Carlo.
 #pragma once
 
-#include "imulab/io/result/budget.hpp"
-#include "imulab/io/session/mission.hpp"
+#include "imulab/formats/session/mission.hpp"
 #include "imulab/navigation/budget/monte_carlo.hpp"
 #include "imulab/navigation/motion/trajectory.hpp"
+#include "imulab/results/budget.hpp"
 
 #include <cstdint>
 #include <functional>

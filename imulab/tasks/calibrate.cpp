@@ -1,12 +1,12 @@
 #include "imulab/tasks/calibrate.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/io/calibration/file.hpp"
-#include "imulab/io/recording/file.hpp"
-#include "imulab/io/result/live.hpp"
-#include "imulab/io/text/names.hpp"
+#include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/text/names.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/report/calibration_page.hpp"
+#include "imulab/results/live.hpp"
 #include "imulab/tasks/recordings.hpp"
 
 #include <fmt/format.h>

@@ -1,8 +1,8 @@
 // Calibrates a session: reads its recordings, runs the method, and fills in the origin of the result. Shared by the command and the Python module.
 #pragma once
 
-#include "imulab/estimate/fleet/prior.hpp"
 #include "imulab/estimate/method.hpp"
+#include "imulab/fleet/statistics/prior.hpp"
 
 #include <functional>
 #include <optional>

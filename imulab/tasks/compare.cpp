@@ -1,7 +1,7 @@
 #include "imulab/tasks/compare.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/io/text/printable.hpp"
+#include "imulab/formats/text/printable.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/compare.hpp"
 #include "imulab/tasks/usable.hpp"

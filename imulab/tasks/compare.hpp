@@ -1,8 +1,8 @@
 // Calibrations that may be compared, and their comparison.
 #pragma once
 
-#include "imulab/io/result/comparison.hpp"
-#include "imulab/io/result/summary.hpp"
+#include "imulab/results/comparison.hpp"
+#include "imulab/results/summary.hpp"
 
 #include <string>
 #include <vector>

@@ -1,7 +1,7 @@
 #include "imulab/tasks/content.hpp"
 
-#include "imulab/io/session/file.hpp"
-#include "imulab/io/text/file.hpp"
+#include "imulab/formats/session/file.hpp"
+#include "imulab/formats/text/file.hpp"
 
 namespace imulab {
 

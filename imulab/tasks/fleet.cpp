@@ -1,11 +1,11 @@
 #include "imulab/tasks/fleet.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/io/calibration/file.hpp"
-#include "imulab/io/result/noise_reader.hpp"
-#include "imulab/io/session/file.hpp"
-#include "imulab/io/text/file.hpp"
-#include "imulab/io/text/time.hpp"
+#include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/noise/noise_reader.hpp"
+#include "imulab/formats/session/file.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/time.hpp"
 #include "imulab/tasks/calibrate.hpp"
 #include "imulab/tasks/content.hpp"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "imulab/core/shared_work.hpp"
-#include "imulab/fleet/store.hpp"
+#include "imulab/fleet/store/store.hpp"
 #include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"
 

@@ -2,10 +2,10 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/memory.hpp"
+#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/text/file.hpp"
 #include "imulab/inspection/declared.hpp"
 #include "imulab/inspection/join.hpp"
-#include "imulab/io/recording/file.hpp"
-#include "imulab/io/text/file.hpp"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // A recording inspected: what it holds, the session for it, and the recording as that session declares it.
 #pragma once
 
+#include "imulab/formats/recording/signals.hpp"
 #include "imulab/inspection/inspection.hpp"
-#include "imulab/io/recording/signals.hpp"
 #include "imulab/recording/recording.hpp"
 
 #include <cstddef>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "imulab/estimate/method.hpp"
-#include "imulab/io/result/live.hpp"
 #include "imulab/recording/make_recording.hpp"
+#include "imulab/results/live.hpp"
 
 #include <optional>
 #include <string>

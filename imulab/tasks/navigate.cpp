@@ -1,8 +1,8 @@
 #include "imulab/tasks/navigate.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/io/recording/solution.hpp"
-#include "imulab/io/session/file.hpp"
+#include "imulab/formats/recording/solution.hpp"
+#include "imulab/formats/session/file.hpp"
 #include "imulab/navigation/budget/navigated.hpp"
 #include "imulab/navigation/navigation_error.hpp"
 

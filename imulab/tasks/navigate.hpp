@@ -1,8 +1,8 @@
 // Navigates a session: the solution, its errors against a reference, and the part of them that the calibration explains.
 #pragma once
 
-#include "imulab/io/result/navigation.hpp"
 #include "imulab/model/calibration.hpp"
+#include "imulab/results/navigation.hpp"
 
 #include <filesystem>
 #include <optional>

@@ -3,7 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/parallel.hpp"
 #include "imulab/estimate/turntable/tolerance.hpp"
-#include "imulab/io/text/figures.hpp"
+#include "imulab/formats/text/figures.hpp"
 #include "imulab/report/prediction_page.hpp"
 #include "imulab/tasks/content.hpp"
 

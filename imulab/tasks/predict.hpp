@@ -1,12 +1,12 @@
 // Evaluates a procedure before any data: the uncertainty of each coefficient, what limits it, and the shortest path that meets requirements.
 #pragma once
 
-#include "imulab/estimate/fleet/prior.hpp"
 #include "imulab/estimate/hybrid/path_design.hpp"
 #include "imulab/estimate/hybrid/prediction.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
-#include "imulab/io/result/prediction.hpp"
-#include "imulab/io/result/summary.hpp"
+#include "imulab/fleet/statistics/prior.hpp"
+#include "imulab/results/prediction.hpp"
+#include "imulab/results/summary.hpp"
 
 #include <cstdint>
 #include <functional>

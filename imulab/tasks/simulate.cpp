@@ -2,9 +2,9 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/io/recording/file.hpp"
-#include "imulab/io/session/file.hpp"
-#include "imulab/io/text/file.hpp"
+#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/session/file.hpp"
+#include "imulab/formats/text/file.hpp"
 #include "imulab/model/grade.hpp"
 #include "imulab/simulate/simulate.hpp"
 

@@ -1,7 +1,7 @@
 // A procedure carried out by a virtual rig on a virtual IMU: a session with recordings, and the truth that a calibration should find.
 #pragma once
 
-#include "imulab/io/calibration/file.hpp"
+#include "imulab/formats/calibration/file.hpp"
 #include "imulab/model/calibration.hpp"
 #include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"

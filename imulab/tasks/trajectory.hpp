@@ -1,7 +1,7 @@
 // Flies a mission: the truth, and the readings of an IMU on it.
 #pragma once
 
-#include "imulab/io/session/mission.hpp"
+#include "imulab/formats/session/mission.hpp"
 #include "imulab/model/calibration.hpp"
 #include "imulab/navigation/integration/solution.hpp"
 #include "imulab/recording/recording.hpp"

@@ -1,7 +1,7 @@
 // Whether the files of a calibration are still those that it was made from. Shared by the command and the Python module.
 #pragma once
 
-#include "imulab/io/calibration/file.hpp"
+#include "imulab/formats/calibration/file.hpp"
 
 #include <filesystem>
 #include <string>

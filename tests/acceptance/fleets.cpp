@@ -4,7 +4,7 @@
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/fleet/sample.hpp"
+#include "imulab/fleet/store/sample.hpp"
 
 #include <fmt/core.h>
 

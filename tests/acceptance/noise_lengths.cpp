@@ -1,9 +1,9 @@
 // How long a log must be for its random walk to be seen beside its flicker: the table of docs/noise.md.
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/estimate/noise/deviation.hpp"
-#include "imulab/estimate/noise/noise_fit.hpp"
 #include "imulab/model/sensor_noise.hpp"
+#include "imulab/noise/deviation.hpp"
+#include "imulab/noise/noise_fit.hpp"
 
 #include <fmt/core.h>
 

@@ -2,9 +2,9 @@
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/estimate/noise/likelihood.hpp"
-#include "imulab/estimate/noise/noise_fit.hpp"
 #include "imulab/model/sensor_noise.hpp"
+#include "imulab/noise/likelihood.hpp"
+#include "imulab/noise/noise_fit.hpp"
 
 #include <Eigen/Cholesky>
 #include <fmt/core.h>

@@ -4,7 +4,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/shared_work.hpp"
-#include "imulab/io/text/file.hpp"
+#include "imulab/formats/text/file.hpp"
 
 #include <Eigen/Core>
 

@@ -108,6 +108,12 @@ Noise noise_of(const SampleNoise& raw, const SensorModel& coarse, const Recordin
                             recording.interval_s * static_cast<double>(recording.size()));
 }
 
+/// Do the rests show no noise, in a triad without a declared one? What the integration from samples leaves is then larger, and takes its place.
+bool shows_no_noise(const Noise& noise, const ImuDeclaration& imu) {
+  return (!imu.accel_noise_density && noise.accel.minCoeff() <= least_accel_density) ||
+         (!imu.gyro_noise_density && noise.gyro.minCoeff() <= least_gyro_density);
+}
+
 void warn_of_short_rests(const std::vector<Range>& rests, const std::vector<Range>& still, kernel::Findings& findings) {
   const auto n = std::inner_product(rests.begin(), rests.end(), still.begin(), std::size_t{0}, std::plus<>(), std::equal_to<>());
   if (2 * n > rests.size())
@@ -208,7 +214,12 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
   constexpr double of_any_unit = 0.05;  // of scales that are not calibrated
   std::optional<kernel::SeenLatitude> seen;
   if (!corrected) seen = seen_latitude(data, start.rests, coarse, of_any_unit);
-  const Converged result = seen ? Converged{first_iterate(data), {}, {}, {}} : converge(data, options.significance);
+  Converged result = seen ? Converged{first_iterate(data), {}, {}, {}} : converge(data, options.significance);
+  if (!seen && shows_no_noise(data.noise, session.imu)) {
+    const double scatter = scatter_of(data, result.last);
+    data.noise.accel *= std::max(1.0, scatter), data.noise.gyro *= std::max(1.0, scatter);
+    if (scatter > 1) result = converge(data, options.significance);
+  }
   if (!corrected && !seen && result.last.converged) seen = seen_latitude(data, start.rests, result.last);
   if (seen) {  // it replaces the site's and is estimated jointly
     Session there = session;

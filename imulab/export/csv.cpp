@@ -1,0 +1,104 @@
+// A table for spreadsheets and scripts: imulab's own coefficients, one a row, with their standard uncertainties.
+#include "imulab/export/consumer_model.hpp"
+#include "imulab/export/noise_values.hpp"
+#include "imulab/export/targets.hpp"
+#include "imulab/export/write.hpp"
+#include "imulab/model/coefficient.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace imulab::export_io {
+
+namespace {
+
+/// Every coefficient of an axis: where it is determined with uncertainty and interval, else its bound.
+std::string coefficient_rows(const std::string& name, const NoiseCoefficient& c, const char* unit) {
+  std::string text;
+  if (c.determined)
+    text = fmt::format("{0},{1},{2},{5}\n{0}.lower,{3},,{5}\n{0}.upper,{4},,{5}\n", name, number_text(c.value), number_text(c.standard_uncertainty),
+                       number_text(c.lower), number_text(c.upper), unit);
+  else if (std::isfinite(c.upper) && c.upper > 0)
+    text = fmt::format("{}.upper,{},,{}\n", name, number_text(c.upper), unit);
+  return text;
+}
+
+std::string axis_noise_rows(const ImuNoise& noise) {
+  std::string text = "# Of each axis; lower, upper: the interval of 95 %; a term with upper alone is not determined.\n";
+  for (const bool accel : {true, false})
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::optional<NoiseCoefficients>& c = accel ? noise.accel[i] : noise.gyro[i];
+      if (!c) continue;
+      const std::string axis = fmt::format("noise.{}.{}.", accel ? "accel" : "gyro", "xyz"[i]);
+      for (const NoiseTerm& term : noise_terms())
+        text += coefficient_rows(axis + term.name, (*c).*(term.coefficient), accel ? term.accel_unit : term.gyro_unit);
+      for (std::size_t k = 0; k < c->markov.size(); ++k) {
+        text += coefficient_rows(fmt::format("{}markov{}.sigma", axis, k + 1), c->markov[k].sigma, accel ? "m/s^2" : "rad/s");
+        text += coefficient_rows(fmt::format("{}markov{}.time", axis, k + 1), c->markov[k].time, "s");
+      }
+    }
+  return text;
+}
+
+/// How the recording had the readings, for programs that take them so.
+std::string recorded_rows(const std::optional<RecordedAs>& recorded, const char* triad) {
+  if (!recorded) return {};
+  std::string text = fmt::format("# {}: recorded in {}, columns along {}, {}, {} of the body\n", triad, plain(recorded->unit),
+                                 plain(recorded->axes[0]), plain(recorded->axes[1]), plain(recorded->axes[2]));
+  if (recorded->counts_per_unit != 1) text += fmt::format("# {}: {} counts to one {}\n", triad, recorded->counts_per_unit, plain(recorded->unit));
+  if (recorded->interval_s > 0) text += fmt::format("# {}: increments over {} s\n", triad, recorded->interval_s);
+  return text;
+}
+
+std::string noise_rows(const NoiseValues& n) {
+  std::string text = fmt::format("noise.rate,{},,Hz\n", number_text(n.rate_hz));
+  for (const auto& [name, value, unit] :
+       {std::tuple{"noise.accel.N", &n.accel_N, "m/s^2/sqrt(Hz)"}, std::tuple{"noise.accel.K", &n.accel_K, "m/s^3/sqrt(Hz)"},
+        std::tuple{"noise.gyro.N", &n.gyro_N, "rad/s/sqrt(Hz)"}, std::tuple{"noise.gyro.K", &n.gyro_K, "rad/s^2/sqrt(Hz)"}}) {
+    text += fmt::format("# {}: {}\n", name, value->comment);
+    text += fmt::format("{},{},,{}\n", name, number_text(value->value), unit);
+  }
+  return text;
+}
+
+std::string temperature_rows(const TriadModel& m, const char* triad) {
+  if (!m.temperature) return {};
+  const std::string unit = plain(m.temperature->unit) == "degC" || m.temperature->unit == "K" ? m.temperature->unit : "raw";
+  return fmt::format("{0}.temperature.reference,{1},,{4}\n{0}.temperature.lowest,{2},,{4}\n{0}.temperature.highest,{3},,{4}\n", triad,
+                     number_text(m.temperature->reference), number_text(m.temperature->range[0]), number_text(m.temperature->range[1]), unit);
+}
+
+}  // namespace
+
+std::string csv_text(const ExportInput& input) {
+  const Calibration& c = input.calibration;
+  const std::vector<std::string> undetermined = not_determined(c);
+  consumer_model(c.model);  // finite and with an inverse
+  const auto raw = [](const TriadModel& m, const char* si) { return m.raw_unit.empty() ? std::string(si) : plain(m.raw_unit); };
+  std::string text = comment_head(
+      input, "tables",
+      {"Holds: every coefficient of the model with its standard uncertainty (inf: not determined by the data), noise with intervals.",
+       "V = u - (thermal.1 tau + thermal.2 tau^2), tau = T - reference: u a reading, V of its own axis",
+       "force = offset + matrix V + quadratic V^2 + cubic V^3      rate = offset + matrix V + quadratic V^2 + cubic V^3 + g_sensitivity force",
+       "so offsets are added to the output. Readings: accelerometers in " + raw(c.model.accel, "m/s^2") + ", gyros in " + raw(c.model.gyro, "rad/s") +
+           ".",
+       fmt::format("u: along x, y, z of the body. Frame of the body: {}.", plain(c.frame))},
+      left_out_of_matrices(input));
+  text += "name,value,standard_uncertainty,unit\n";
+  for (const CoefficientIndex index : coefficient_indices()) {
+    auto sigma = standard_uncertainty(c, index);
+    if (std::find(undetermined.begin(), undetermined.end(), coefficient(index).name) != undetermined.end())
+      sigma = std::numeric_limits<double>::infinity();
+    text += fmt::format("{},{},{},{}\n", coefficient(index).name, number_text(coefficient_value(c.model, index)),
+                        sigma ? (std::isfinite(*sigma) ? number_text(*sigma) : "inf") : "", coefficient(index).unit);
+  }
+  text += fmt::format("accel.readings,{},,\ngyro.readings,{},,\n", raw(c.model.accel, "m/s^2"), raw(c.model.gyro, "rad/s"));
+  text += recorded_rows(c.recorded_accel, "accel") + recorded_rows(c.recorded_gyro, "gyro");
+  text += temperature_rows(c.model.accel, "accel") + temperature_rows(c.model.gyro, "gyro");
+  return input.noise == nullptr ? text : text + noise_rows(noise_values(input, "csv")) + axis_noise_rows(*input.noise);
+}
+
+}  // namespace imulab::export_io

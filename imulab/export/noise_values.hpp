@@ -1,0 +1,44 @@
+// The noise of an IMU as other programs take it: white noise N and random walk K, one number for a triad or one an axis.
+#pragma once
+
+#include "imulab/export/input.hpp"
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace imulab::export_io {
+
+/// A coefficient of a triad. Where the log does not determine it, the upper bound (95 %): programs that take it refuse zero, or trust the sensor
+/// blindly.
+struct NoiseValue {
+  double value = 0;              ///< of the axis chosen, or the mean
+  std::array<double, 3> axes{};  ///< NaN: the axis has no noise
+  std::string comment;           ///< the axes' values, and which are bounds
+};
+
+struct NoiseValues {
+  NoiseValue accel_N, accel_K, gyro_N, gyro_K;  ///< m/s^2/sqrt(Hz), m/s^3/sqrt(Hz), rad/s/sqrt(Hz), rad/s^2/sqrt(Hz)
+  double rate_hz = 0;
+  std::vector<std::string> facts;  ///< for the head of a file: which log; then which axis
+};
+
+/// Throws Error where there is no noise (`program` needs it: the message says to give --noise), where it is in counts, or where a coefficient has
+/// neither value nor bound.
+NoiseValues noise_values(const ExportInput& input, const std::string& program);
+
+/// A term of the noise as a table has it: its name, what it is, and its unit for each triad.
+struct NoiseTerm {
+  const char* name;
+  NoiseCoefficient NoiseCoefficients::*coefficient;
+  const char *what, *accel_unit, *gyro_unit;
+};
+const std::array<NoiseTerm, 5>& noise_terms();
+
+/// A sentence for each term of a triad that the log determines and a target with N (and K) leaves out, with its values. Empty without noise.
+std::vector<std::string> noise_left_out(const ExportInput& input, bool holds_random_walk);
+
+/// "KEY: VALUE  # UNIT; the axes' values" as a line of YAML.
+std::string noise_line(const std::string& key, const NoiseValue& value, const char* unit);
+
+}  // namespace imulab::export_io

@@ -1,0 +1,45 @@
+#include "imulab/export/target.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/export/c_header.hpp"
+#include "imulab/export/targets.hpp"
+#include "imulab/formats/text/names.hpp"
+
+#include <fmt/core.h>
+
+namespace imulab {
+
+const std::vector<ExportTarget>& export_targets() {
+  namespace to = export_io;
+  static const std::vector<ExportTarget> targets{
+      {"c-header", "compensation for firmware, one header without a library", "imu_calibration.h",
+       [](const ExportInput& input) { return c_header(input.calibration, {.prefix = input.options.prefix}); },
+       [](const ExportInput& input) { return left_out_of_c_header(input.calibration); }},
+      {"kalibr-imu", "Kalibr's imu.yaml: noise", "kalibr_imu.yaml", to::kalibr_imu_text, to::left_out_of_noise_files, nullptr, true},
+      {"kalibr", "Kalibr's result form: matrices, g-sensitivity, noise", "kalibr_result.yaml", to::kalibr_text, to::left_out_of_kalibr, nullptr,
+       true},
+      {"openvins", "OpenVINS' kalibr_imu_chain.yaml", "kalibr_imu_chain.yaml", to::openvins_text, to::left_out_of_openvins, nullptr, true},
+      {"vins", "VINS-Fusion and VINS-Mono: noise of a sample", "vins.yaml", to::vins_text, to::left_out_of_noise_files, nullptr, true},
+      {"euroc", "EuRoC's sensor.yaml: noise", "sensor.yaml", to::euroc_text, to::left_out_of_noise_files, nullptr, true},
+      {"ros", "covariances of ROS' sensor_msgs/Imu", "ros_covariance.yaml", to::ros_text, to::left_out_of_ros, nullptr, true},
+      {"ros-filter", "parameters of ROS' imu_filter_madgwick and imu_complementary_filter", "imu_filter.yaml", to::ros_filter_text,
+       to::left_out_of_ros, nullptr, true},
+      {"px4", "parameters of PX4", "px4.params", to::px4_text, to::left_out_of_px4, to::px4_warnings},
+      {"ardupilot", "parameters of ArduPilot", "ardupilot.param", to::ardupilot_text, to::left_out_of_ardupilot, to::ardupilot_warnings},
+      {"vectornav", "commands for VectorNav's registers", "vectornav.txt", to::vectornav_text, to::left_out_of_vectornav},
+      {"json-matrix", "matrices and biases as JSON", "matrix.json", to::json_matrix_text, to::left_out_of_matrices},
+      {"csv", "coefficients as a table", "calibration.csv", to::csv_text, to::left_out_of_matrices},
+  };
+  return targets;
+}
+
+const ExportTarget& export_target(std::string_view name, const std::vector<ExportTarget>& targets) {
+  std::vector<std::string_view> names;
+  for (const ExportTarget& target : targets) {
+    if (target.name == name) return target;
+    names.push_back(target.name);
+  }
+  throw Error(fmt::format("{} is not an export target; expected one of {}", name, text::listed(names)));
+}
+
+}  // namespace imulab

@@ -1,0 +1,38 @@
+// The targets' functions, one source each: for the table in target.cpp.
+#pragma once
+
+#include "imulab/export/input.hpp"
+
+#include <string>
+#include <vector>
+
+namespace imulab::export_io {
+
+using Sentences = std::vector<std::string>;
+
+std::string kalibr_imu_text(const ExportInput& input);
+std::string kalibr_text(const ExportInput& input);
+std::string openvins_text(const ExportInput& input);
+std::string vins_text(const ExportInput& input);
+std::string euroc_text(const ExportInput& input);
+std::string ros_text(const ExportInput& input);
+std::string ros_filter_text(const ExportInput& input);
+std::string px4_text(const ExportInput& input);
+std::string ardupilot_text(const ExportInput& input);
+std::string vectornav_text(const ExportInput& input);
+std::string json_matrix_text(const ExportInput& input);
+std::string csv_text(const ExportInput& input);
+
+Sentences left_out_of_kalibr(const ExportInput& input);
+Sentences left_out_of_openvins(const ExportInput& input);
+Sentences left_out_of_noise_files(const ExportInput& input);  ///< kalibr-imu, vins, euroc: noise alone
+Sentences left_out_of_ros(const ExportInput& input);          ///< also of the filters' parameters
+Sentences left_out_of_px4(const ExportInput& input);
+Sentences left_out_of_ardupilot(const ExportInput& input);
+Sentences left_out_of_vectornav(const ExportInput& input);
+Sentences left_out_of_matrices(const ExportInput& input);  ///< json-matrix, csv: correlations, and the noise where it is not known
+
+Sentences px4_warnings(const ExportInput& input);
+Sentences ardupilot_warnings(const ExportInput& input);
+
+}  // namespace imulab::export_io

@@ -1,0 +1,76 @@
+#include "imulab/export/write.hpp"
+
+#include "imulab/core/error.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace imulab::export_io {
+
+namespace {
+
+std::string with_point(std::string text) {
+  if (text.find('.') != std::string::npos) return text;
+  const std::size_t exponent = text.find('e');
+  text.insert(exponent == std::string::npos ? text.size() : exponent, ".0");
+  return text;
+}
+
+}  // namespace
+
+std::string number_text(double value) { return with_point(fmt::format("{}", value + 0.0)); }  // no -0
+std::string float_text(double value) {
+  const auto single = static_cast<float>(value);
+  if (!std::isfinite(single)) throw Error(fmt::format("{:g} is too large for single precision, which this target has; expected an IMU in SI", value));
+  return with_point(fmt::format("{}", single + 0.0f));
+}
+
+std::string row_text(const Vector3d& row) { return fmt::format("[{}, {}, {}]", number_text(row[0]), number_text(row[1]), number_text(row[2])); }
+
+std::string matrix_text(std::string_view indent, std::string_view key, const Matrix3d& m) {
+  std::string text = fmt::format("{}{}:\n", indent, key);
+  for (int i = 0; i < 3; ++i) text += fmt::format("{}  - {}\n", indent, row_text(m.row(i).transpose()));
+  return text;
+}
+
+std::string plain(std::string_view text) {
+  constexpr std::size_t longest = 120;
+  std::string out;
+  for (const char c : text.substr(0, longest)) out += c >= ' ' && c <= '~' ? c : ' ';
+  return out;
+}
+
+std::string calibration_of_text(const Calibration& c, std::string (*clean)(std::string_view)) {
+  std::string text = "Calibration of " + (c.imu.empty() ? "an unnamed IMU" : "\"" + clean(c.imu) + "\"") + ", ";
+  if (!c.method.empty()) text += "method " + clean(c.method) + ", ";
+  return c.created.empty() ? text : text + clean(c.created) + ", ";
+}
+
+std::vector<std::string> not_determined(const Calibration& calibration) {
+  std::vector<std::string> names = calibration.quality.unobservable;
+  for (const std::string& name : unusable(calibration))
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  for (std::string& name : names) name = plain(name);
+  return names;
+}
+
+std::string comment_head(const ExportInput& input, std::string_view program, const std::vector<std::string>& facts,
+                         const std::vector<std::string>& lost) {
+  const Calibration& c = input.calibration;
+  std::string text =
+      fmt::format("# {}for {}.\n# Written by {}.\n#\n", calibration_of_text(c), program, plain(c.software.empty() ? "imulab" : c.software));
+  for (const std::string& fact : facts) text += "# " + fact + "\n";
+  const std::vector<std::string> undetermined = not_determined(c);
+  if (!undetermined.empty()) text += "# NOT DETERMINED by the data, starting values that compensate nothing:\n";
+  for (std::size_t i = 0; i < undetermined.size(); i += 5)
+    text += fmt::format("#   {}\n", fmt::join(undetermined.begin() + static_cast<std::ptrdiff_t>(i),
+                                              undetermined.begin() + static_cast<std::ptrdiff_t>(std::min(i + 5, undetermined.size())), ", "));
+  text += lost.empty() ? "# Nothing of this calibration is lost.\n" : "# Not held by this file, with its largest effect for this calibration:\n";
+  for (const std::string& sentence : lost) text += "# - " + sentence + "\n";
+  return text + "#\n";
+}
+
+}  // namespace imulab::export_io

@@ -1,0 +1,111 @@
+#include "imulab/fleet/statistics/outliers.hpp"
+
+#include "imulab/core/random.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstdio>
+
+namespace imulab {
+namespace {
+
+/// Units with correlated spreads 1, each measured with a covariance of its own.
+struct DrawnFleet {
+  OutlierInput input;
+  std::vector<Eigen::MatrixXd> covariances;
+  DrawnFleet(std::uint64_t seed, Eigen::Index units, Eigen::Index p, double least_u, double most_u) {
+    const RandomStream between(seed, "between"), error(seed, "error"), size(seed, "size");
+    input.values.resize(units, p);
+    input.mean_covariance.setZero(p, p);
+    for (Eigen::Index i = 0; i < units; ++i) {
+      const double u = least_u + (most_u - least_u) * size.uniform(static_cast<std::uint64_t>(i));
+      const auto draw = [&](const RandomStream& stream, double common) {  // variance 1, correlation common^2
+        Eigen::VectorXd x(p);
+        for (Eigen::Index j = 0; j < p; ++j)
+          x[j] = common * stream.normal(static_cast<std::uint64_t>(i * (p + 1) + p)) +
+                 std::sqrt(1 - common * common) * stream.normal(static_cast<std::uint64_t>(i * (p + 1) + j));
+        return x;
+      };
+      input.values.row(i) = (draw(between, 0.5) + u * draw(error, 0.8)).transpose();
+      covariances.push_back(u * u * (Eigen::MatrixXd::Constant(p, p, 0.64) + 0.36 * Eigen::MatrixXd::Identity(p, p)));
+      input.mean_covariance += covariances.back() / static_cast<double>(units);
+    }
+    input.covariance = [this](Eigen::Index i) { return covariances[static_cast<std::size_t>(i)]; };
+  }
+  DrawnFleet(const DrawnFleet&) = delete;
+};
+
+TEST(Outliers, AFleetWithoutThemHasThemAtTheStatedRate) {
+  // 1200 fleets at a rate of 5 %: 60 expected, with a standard deviation of 7.5; four of them are allowed.
+  int equal = 0, different = 0;
+  constexpr int fleets = 1200;
+  for (std::uint64_t seed = 1; seed <= fleets; ++seed) {
+    equal += !find_outliers(DrawnFleet(seed, 60, 6, 0.5, 0.5).input, 0.05).outliers.empty();
+    different += !find_outliers(DrawnFleet(seed, 60, 6, 0.3, 1.0).input, 0.05).outliers.empty();
+  }
+  std::printf("fleets with a false alarm, stated 5 %%: %.2f %% measured equally well, %.2f %% not\n", 100.0 * equal / fleets,
+              100.0 * different / fleets);
+  EXPECT_NEAR(equal, 0.05 * fleets, 30);
+  EXPECT_NEAR(different, 0.05 * fleets, 30);
+}
+
+TEST(Outliers, AreFound) {
+  // Three of 60, each eight times the spread off in one direction, which is far beyond the limit of about 5.5: all are found, and nobody else.
+  int found = 0, others = 0;
+  constexpr int fleets = 200;
+  for (std::uint64_t seed = 1; seed <= fleets; ++seed) {
+    DrawnFleet d(seed, 60, 6, 0.3, 1.0);
+    for (const Eigen::Index unit : {5, 17, 40}) d.input.values(unit, 2) += 8 * std::sqrt(1 + d.covariances[static_cast<std::size_t>(unit)](2, 2));
+    for (const FleetOutlier& o : find_outliers(d.input, 0.01).outliers) {
+      const bool meant = o.unit == 5 || o.unit == 17 || o.unit == 40;
+      found += meant && o.worst == 2;
+      others += !meant;
+    }
+  }
+  EXPECT_GE(found, 0.99 * 3 * fleets);
+  EXPECT_LE(others, 10);  // 2 expected at 1 % of 200
+}
+
+TEST(Outliers, AUnitMeasuredBadlyIsNoOutlier) {
+  DrawnFleet d(1, 60, 3, 0.1, 0.1);
+  d.input.values(7, 0) += 6;
+  EXPECT_EQ(find_outliers(d.input).outliers.size(), 1u);
+  d.covariances[7] *= 1e4;  // it was measured to 10 times the spread
+  EXPECT_TRUE(find_outliers(d.input).outliers.empty());
+}
+
+TEST(Outliers, ACoefficientThatIsTheSameInAllUnitsHidesNone) {
+  DrawnFleet d(1, 60, 4, 0.1, 0.5);
+  d.input.values.col(3).setZero();  // as a prior sets it: apart from all else
+  const auto set_apart = [](Eigen::MatrixXd& covariance) {
+    const double own = covariance(3, 3);
+    covariance.row(3).setZero(), covariance.col(3).setZero();
+    covariance(3, 3) = own;
+  };
+  set_apart(d.input.mean_covariance);
+  for (Eigen::MatrixXd& covariance : d.covariances) set_apart(covariance);
+  EXPECT_TRUE(find_outliers(d.input).outliers.empty());
+  d.input.values(7, 0) += 20;
+  const OutlierSearch search = find_outliers(d.input);
+  EXPECT_TRUE(search.possible);
+  ASSERT_EQ(search.outliers.size(), 1u);
+  EXPECT_EQ(search.outliers[0].unit, 7);
+  EXPECT_EQ(search.spread(3, 3), 0);
+}
+
+TEST(Outliers, MissingCoefficientsAndSmallFleets) {
+  DrawnFleet d(1, 60, 3, 0.1, 0.5);
+  d.input.values(7, 0) = std::nan("");
+  d.input.values(8, 0) = std::nan("");
+  d.input.values(8, 1) += 20;
+  const OutlierSearch search = find_outliers(d.input);
+  ASSERT_EQ(search.outliers.size(), 1u);
+  EXPECT_EQ(search.outliers[0].unit, 8);
+  EXPECT_EQ(search.outliers[0].coefficients, 2);
+  EXPECT_FALSE(find_outliers(DrawnFleet(1, 8, 6, 0.5, 0.5).input).possible);
+  EXPECT_FALSE(find_outliers({Eigen::MatrixXd(0, 0), Eigen::MatrixXd(0, 0), {}}).possible);
+}
+
+}  // namespace
+}  // namespace imulab

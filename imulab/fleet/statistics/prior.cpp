@@ -1,0 +1,163 @@
+#include "imulab/fleet/statistics/prior.hpp"
+
+#include "imulab/core/decomposition.hpp"
+#include "imulab/core/error.hpp"
+#include "imulab/core/statistics.hpp"
+#include "imulab/fleet/statistics/outliers.hpp"
+#include "imulab/model/frame.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace imulab {
+
+namespace {
+
+using Eigen::Index;
+using Places = std::vector<Index>;
+
+Index place_in(const std::vector<CoefficientIndex>& all, CoefficientIndex index) {
+  const auto found = std::find(all.begin(), all.end(), index);
+  return found == all.end() ? -1 : found - all.begin();
+}
+
+/// Of the prior's coefficients: where those are that a calibration estimated, there and in the prior, and which it left open.
+struct Matched {
+  Places in_calibration, in_prior, open;
+};
+Matched matched(const std::vector<CoefficientIndex>& estimated, const FleetPrior& prior) {
+  Matched m;
+  for (std::size_t k = 0; k < prior.coefficients.size(); ++k) {
+    const Index at = place_in(estimated, prior.coefficients[k]), own = static_cast<Index>(k);
+    if (at < 0) {
+      m.open.push_back(own);
+    } else {
+      m.in_calibration.push_back(at);
+      m.in_prior.push_back(own);
+    }
+  }
+  return m;
+}
+
+/// Values x with covariance P and the prior m, C of the elements `at`: one observation more.
+///   K = P_:a (P_aa + C)^-1,  x += K (m - x_a),  P -= K P_a:
+void observe(Eigen::VectorXd& x, Eigen::MatrixXd& P, const Places& at, const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance) {
+  // In units of the prior's own sigmas: coefficients differ by many powers of ten.
+  const Eigen::VectorXd size = covariance.diagonal().cwiseSqrt();
+  const Eigen::MatrixXd across = size.cwiseInverse().asDiagonal() * P(at, Eigen::all);
+  const Eigen::MatrixXd sum = size.cwiseInverse().asDiagonal() * (P(at, at) + covariance) * size.cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd gain = solve_semidefinite(sum, across).transpose();
+  x += gain * ((mean - x(at)).array() / size.array()).matrix();
+  P -= gain * across;
+  P = (0.5 * (P + P.transpose())).eval();
+}
+
+/// What is open, by the prior given the others: m_o + B (x - m_e), B = C_oe C_ee^-1, with the covariance that those then have.
+void fill(Eigen::VectorXd& x, Eigen::MatrixXd& P, const Matched& m, const FleetPrior& prior) {
+  const Eigen::VectorXd size = prior.covariance.diagonal().cwiseSqrt();
+  const Eigen::MatrixXd C = size.cwiseInverse().asDiagonal() * prior.covariance * size.cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd B = size(m.open).asDiagonal() *
+                            solve_semidefinite(C(m.in_prior, m.in_prior), Eigen::MatrixXd(C(m.in_prior, m.open))).transpose() *
+                            size(m.in_prior).cwiseInverse().asDiagonal();
+  const Index known = x.size(), more = std::ssize(m.open);
+  const Eigen::VectorXd values = prior.mean(m.open) + B * (x(m.in_calibration) - prior.mean(m.in_prior));
+  const Eigen::MatrixXd cross = B * P(m.in_calibration, Eigen::all);
+  const Eigen::MatrixXd own =
+      prior.covariance(m.open, m.open) - B * prior.covariance(m.in_prior, m.open) + B * P(m.in_calibration, m.in_calibration) * B.transpose();
+  x.conservativeResize(known + more);
+  x.tail(more) = values;
+  P.conservativeResize(known + more, known + more);
+  P.bottomLeftCorner(more, known) = cross;
+  P.topRightCorner(known, more) = cross.transpose();
+  P.bottomRightCorner(more, more) = 0.5 * (own + own.transpose());
+}
+
+}  // namespace
+
+FleetPrior fleet_prior(const FleetSample& s, const std::function<Eigen::MatrixXd(Eigen::Index row)>& covariance) {
+  FleetPrior out;
+  Places columns, among_common;
+  for (std::size_t k = 0; k < s.common.size(); ++k) {
+    const CoefficientIndex index = s.coefficients[static_cast<std::size_t>(s.common[k])];
+    if (const Term term = coefficient(index).term; term != Term::offset && term != Term::matrix) continue;
+    out.coefficients.push_back(index);
+    columns.push_back(s.common[k]);
+    among_common.push_back(static_cast<Index>(k));
+  }
+  if (columns.empty()) throw Error("most units' calibrations have no offset and no matrix in common; expected some, for a prior of them");
+  OutlierInput input{.values = s.values(s.last, columns), .mean_covariance = s.mean_covariance(among_common, among_common), .covariance = {}};
+  input.covariance = [&](Index unit) -> Eigen::MatrixXd { return covariance(s.last[static_cast<std::size_t>(unit)])(among_common, among_common); };
+  constexpr double false_alarm = 0.01, enough = 6;  // units more than coefficients: then the factor is known to a half
+  const OutlierSearch search = find_outliers(input, false_alarm);
+  for (Index unit = 0; unit < input.values.rows(); ++unit) {
+    const bool outlier = std::any_of(search.outliers.begin(), search.outliers.end(), [&](const FleetOutlier& o) { return o.unit == unit; });
+    if (!outlier && input.values.row(unit).allFinite()) out.units += 1;
+  }
+  const double n = out.units;
+  const auto p = static_cast<double>(columns.size());
+  if (!search.possible || n < p + enough)
+    throw Error(
+        fmt::format("{:.0f} units that belong together are too few for a prior of {:.0f} coefficients; expected at least {:.0f}", n, p, p + enough));
+  out.mean = search.mean;
+  out.covariance = (1 + 1 / n) * (n - 1) / (n - p - 2) * (search.spread + input.mean_covariance);
+  return out;
+}
+
+PriorUse take_prior(Calibration& calibration, const FleetPrior& prior) {
+  const SensorModel& given = calibration.model;
+  if (given.accel.raw_unit != prior.accel_unit || given.gyro.raw_unit != prior.gyro_unit)
+    throw Error(fmt::format("{}: its units give readings in {} and {}, this one in {} and {}; expected one kind of unit", prior.fleet,
+                            prior.accel_unit, prior.gyro_unit, given.accel.raw_unit, given.gyro.raw_unit));
+  PriorUse use;
+  Calibration c = in_accelerometer_frame(calibration);
+  Eigen::VectorXd x = coefficient_values(c.model, c.estimated);
+  const Matched m = matched(c.estimated, prior);
+  if (m.in_prior.empty())
+    throw Error(fmt::format("{}: the calibration estimates no offset and no matrix that its units have; expected some", prior.fleet));
+  const Eigen::MatrixXd own = prior.covariance(m.in_prior, m.in_prior);
+  const double square = squared_norm_in(Eigen::MatrixXd(c.covariance(m.in_calibration, m.in_calibration) + own),
+                                        Eigen::VectorXd(x(m.in_calibration) - prior.mean(m.in_prior)));
+  use.distance = std::sqrt(square);
+  use.p_value = chi_square_tail(square, static_cast<double>(m.in_prior.size()));
+  constexpr double implausible = 1e-3;
+  if (!(use.p_value >= implausible)) return use;
+  use.taken = true;
+  observe(x, c.covariance, m.in_calibration, prior.mean(m.in_prior), own);
+  if (!m.open.empty()) fill(x, c.covariance, m, prior);
+  for (const Index k : m.open) use.filled.push_back(prior.coefficients[static_cast<std::size_t>(k)]);
+  c.estimated.insert(c.estimated.end(), use.filled.begin(), use.filled.end());
+  for (std::size_t k = 0; k < c.estimated.size(); ++k) set_coefficient(c.model, c.estimated[k], x[static_cast<Index>(k)]);
+  calibration = std::move(c);
+  return use;
+}
+
+double relative_sigma(const FleetPrior& prior, CoefficientIndex index) {
+  const Index at = place_in(prior.coefficients, index);
+  if (at < 0) return std::numeric_limits<double>::infinity();
+  const Coefficient& c = coefficient(index);
+  const double sigma = std::sqrt(prior.covariance(at, at));
+  if (c.term != Term::matrix) return sigma;
+  const Index scale = place_in(prior.coefficients, coefficient_index(c.triad, Term::matrix, c.row, c.row));
+  return scale < 0 ? std::numeric_limits<double>::infinity() : sigma / std::abs(prior.mean[scale]);
+}
+
+std::vector<Requirement> left_to_reach(const std::vector<Requirement>& requirements, const FleetPrior& prior) {
+  std::vector<Requirement> left;
+  for (const Requirement& r : requirements)
+    for (const CoefficientIndex index : r.coefficients) {
+      const double sigma = relative_sigma(prior, index);
+      if (sigma <= r.limit) continue;
+      Requirement alone = r;
+      alone.coefficients = {index};
+      const double part = r.limit / sigma;  // zero without a prior
+      alone.limit = r.limit / std::sqrt(1 - part * part);
+      left.push_back(std::move(alone));
+    }
+  return left;
+}
+
+}  // namespace imulab

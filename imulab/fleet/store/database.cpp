@@ -1,0 +1,173 @@
+#include "imulab/fleet/store/database.hpp"
+
+#include "imulab/core/error.hpp"
+
+#include <fmt/format.h>
+
+#ifdef IMULAB_WITH_SQLITE
+
+#include <chrono>
+#include <sqlite3.h>
+#include <thread>
+
+namespace imulab::fleet {
+
+namespace {
+
+constexpr int wait_ms = 60'000;  // for another process that writes: longer than any one transaction but a merge's
+
+/// Two processes that open a new file at once: one of them changes its journal, the other is refused without waiting.
+void write_ahead(sqlite3* handle) {
+  constexpr int tries = 200;
+  for (int k = 0; k < tries; ++k) {
+    if (sqlite3_exec(handle, "PRAGMA journal_mode = WAL", nullptr, nullptr, nullptr) != SQLITE_BUSY) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(25));
+  }
+}
+
+int open(const std::string& file, Access access, sqlite3** handle) {
+  // Readers of a write-ahead log write its index, so reading opens for writing where the folder allows it.
+  const int create = access == Access::write ? SQLITE_OPEN_CREATE : 0;
+  int opened = sqlite3_open_v2(file.c_str(), handle, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | create, nullptr);
+  if (opened != SQLITE_OK && access == Access::read) {
+    sqlite3_close(*handle);
+    opened = sqlite3_open_v2(file.c_str(), handle, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, nullptr);
+  }
+  return opened;
+}
+
+}  // namespace
+
+Database::Database(const std::filesystem::path& path, Access access) : file_(path.string()) {
+  int opened = open(file_, access, &handle_);
+  if (opened == SQLITE_OK) {
+    sqlite3_busy_timeout(handle_, wait_ms);
+    opened = sqlite3_exec(handle_, "PRAGMA schema_version", nullptr, nullptr, nullptr);  // reads the first page
+  }
+  if (opened != SQLITE_OK) {
+    const std::string why = sqlite3_errmsg(handle_);
+    sqlite3_close(handle_);
+    throw DatabaseError(fmt::format("{}: {}; expected a fleet store", file_, why));
+  }
+  // The file may be somebody else's: its schema may do nothing but hold tables, and its pages are checked.
+  sqlite3_db_config(handle_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+  sqlite3_db_config(handle_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+  sqlite3_db_config(handle_, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
+  sqlite3_db_config(handle_, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
+  sqlite3_exec(handle_, "PRAGMA cell_size_check = ON; PRAGMA foreign_keys = ON; PRAGMA synchronous = FULL; PRAGMA mmap_size = 4294967296", nullptr,
+               nullptr, nullptr);
+  if (access == Access::write) write_ahead(handle_);
+}
+
+Database::~Database() { sqlite3_close(handle_); }
+
+void Database::fail() const {
+  const int code = sqlite3_errcode(handle_) & 255;
+  const char* const expected = code == SQLITE_FULL || code == SQLITE_IOERR ? "expected room to write; the store is as it was before"
+                               : code == SQLITE_BUSY                       ? "expected it within a minute from the other program that writes"
+                               : code == SQLITE_READONLY                   ? "expected a store that can be written"
+                                                                           : "expected a whole fleet store";
+  throw DatabaseError(fmt::format("{}: SQLite: {}; {}", file_, sqlite3_errmsg(handle_), expected));
+}
+
+void Database::run(const std::string& statements) {
+  if (sqlite3_exec(handle_, statements.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) fail();
+}
+
+std::int64_t Database::number(const std::string& query) {
+  Statement statement(*this, query);
+  return statement.next() ? statement.integer(0) : 0;
+}
+
+std::int64_t Database::last_id() const { return sqlite3_last_insert_rowid(handle_); }
+std::int64_t Database::changes() const { return sqlite3_changes(handle_); }
+
+Statement::Statement(Database& database, const std::string& text) : database_(database) {
+  if (sqlite3_prepare_v2(database.handle(), text.c_str(), static_cast<int>(text.size()) + 1, &statement_, nullptr) != SQLITE_OK) database.fail();
+}
+Statement::~Statement() { sqlite3_finalize(statement_); }
+
+bool Statement::next() {
+  const int result = sqlite3_step(statement_);
+  if (result != SQLITE_ROW && result != SQLITE_DONE) database_.fail();
+  return result == SQLITE_ROW;
+}
+void Statement::run() {
+  while (next()) {
+  }
+  reset();
+}
+void Statement::reset() { sqlite3_reset(statement_); }
+
+std::int64_t Statement::integer(int column) const { return sqlite3_column_int64(statement_, column); }
+double Statement::real(int column) const { return sqlite3_column_double(statement_, column); }
+bool Statement::is_null(int column) const { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
+std::string_view Statement::bytes(int column) const {
+  const void* data = sqlite3_column_blob(statement_, column);
+  const int size = sqlite3_column_bytes(statement_, column);
+  return data != nullptr ? std::string_view(static_cast<const char*>(data), static_cast<std::size_t>(size)) : std::string_view();
+}
+
+void Statement::bind(int parameter, std::int64_t value) {
+  if (sqlite3_bind_int64(statement_, parameter, value) != SQLITE_OK) database_.fail();
+}
+void Statement::bind(int parameter, double value) {
+  if (sqlite3_bind_double(statement_, parameter, value) != SQLITE_OK) database_.fail();
+}
+void Statement::bind(int parameter, std::string_view text) {
+  const char* const data = text.empty() ? "" : text.data();
+  if (sqlite3_bind_text64(statement_, parameter, data, text.size(), SQLITE_TRANSIENT, SQLITE_UTF8) != SQLITE_OK) database_.fail();
+}
+void Statement::bind(int parameter, const Blob& blob) {
+  if (sqlite3_bind_blob64(statement_, parameter, blob.bytes.data(), blob.bytes.size(), SQLITE_TRANSIENT) != SQLITE_OK) database_.fail();
+}
+void Statement::bind(int parameter, Nothing) {
+  if (sqlite3_bind_null(statement_, parameter) != SQLITE_OK) database_.fail();
+}
+
+Transaction::Transaction(Database& database) : database_(database) { database.run("BEGIN IMMEDIATE"); }
+Transaction::~Transaction() {
+  if (open_ && sqlite3_get_autocommit(database_.handle()) == 0) sqlite3_exec(database_.handle(), "ROLLBACK", nullptr, nullptr, nullptr);
+}
+void Transaction::commit() {
+  database_.run("COMMIT");
+  open_ = false;
+}
+
+}  // namespace imulab::fleet
+
+#else
+
+namespace imulab::fleet {
+
+Database::Database(const std::filesystem::path& path, Access) : file_(path.string()) {
+  throw DatabaseError(file_ + ": this imulab was built without SQLite; expected a build with libsqlite3");
+}
+// Nothing else is called without a database.
+Database::~Database() = default;
+void Database::fail() const { throw DatabaseError(file_ + ": no SQLite"); }
+void Database::run(const std::string&) { fail(); }
+std::int64_t Database::number(const std::string&) { fail(); }
+std::int64_t Database::last_id() const { fail(); }
+std::int64_t Database::changes() const { fail(); }
+Statement::Statement(Database& database, const std::string&) : database_(database) { database.fail(); }
+Statement::~Statement() = default;
+bool Statement::next() { database_.fail(); }
+void Statement::run() { database_.fail(); }
+void Statement::reset() { database_.fail(); }
+std::int64_t Statement::integer(int) const { database_.fail(); }
+double Statement::real(int) const { database_.fail(); }
+bool Statement::is_null(int) const { database_.fail(); }
+std::string_view Statement::bytes(int) const { database_.fail(); }
+void Statement::bind(int, std::int64_t) { database_.fail(); }
+void Statement::bind(int, double) { database_.fail(); }
+void Statement::bind(int, std::string_view) { database_.fail(); }
+void Statement::bind(int, const Blob&) { database_.fail(); }
+void Statement::bind(int, Nothing) { database_.fail(); }
+Transaction::Transaction(Database& database) : database_(database) { database.fail(); }
+Transaction::~Transaction() = default;
+void Transaction::commit() { database_.fail(); }
+
+}  // namespace imulab::fleet
+
+#endif

@@ -1,0 +1,66 @@
+#include "imulab/formats/recording/arrays.hpp"
+
+#include <algorithm>
+
+namespace imulab::recording_io {
+
+ArrayShape table_shape(const std::vector<std::size_t>& dimensions, bool last_runs_fastest) {
+  if (dimensions.size() == 1) return {dimensions[0], 1, false};
+  const bool lying = dimensions[0] < dimensions[1];  // 3 x N
+  return {std::max(dimensions[0], dimensions[1]), std::min(dimensions[0], dimensions[1]), lying == last_runs_fastest};
+}
+
+std::vector<ColumnDescription> column_names(const std::string& name, std::size_t columns, const std::string& unit) {
+  std::vector<ColumnDescription> names;
+  names.reserve(columns);
+  const std::string before = name.empty() ? "" : name + ".";
+  if (columns == 1 && !name.empty()) return {{name, unit}};
+  for (std::size_t i = 1; i <= columns; ++i) names.push_back({before + std::to_string(i), unit});
+  return names;
+}
+
+std::vector<ArrayTable> tables_of(const std::vector<NumberArray>& arrays) {
+  const bool has_samples = std::any_of(arrays.begin(), arrays.end(), [](const NumberArray& a) { return a.rows > 1; });
+  std::vector<ArrayTable> tables;
+  for (std::size_t a = 0; a < arrays.size(); ++a) {
+    const NumberArray& array = arrays[a];
+    if (array.rows == 0 || (has_samples && array.rows == 1)) continue;
+    auto table = std::find_if(tables.begin(), tables.end(), [&](const ArrayTable& t) { return t.description.rows == array.rows; });
+    if (table == tables.end()) {
+      table = tables.insert(tables.end(), ArrayTable{});
+      table->description.name = array.name;
+      table->description.rows = array.rows;
+    }
+    for (std::size_t c = 0; c < array.columns.size(); ++c) {
+      table->description.columns.push_back(array.columns[c]);
+      table->places.push_back({a, c});
+    }
+  }
+  if (tables.size() == 1) tables.front().description.name.clear();
+  return tables;
+}
+
+std::vector<TableDescription> descriptions_of(const std::vector<NumberArray>& arrays) {
+  std::vector<TableDescription> descriptions;
+  for (ArrayTable& table : tables_of(arrays)) descriptions.push_back(std::move(table.description));
+  return descriptions;
+}
+
+std::vector<ArrayColumn> find_array_columns(const std::vector<NumberArray>& arrays, const std::string& topic, const std::vector<Column>& columns,
+                                            const std::string& file) {
+  const std::vector<ArrayTable> tables = tables_of(arrays);
+  const auto has_topic = [&](const ArrayTable& table) {
+    return !topic.empty() &&
+           std::any_of(table.places.begin(), table.places.end(), [&](const ArrayColumn& p) { return arrays[p.array].name == topic; });
+  };
+  auto table = std::find_if(tables.begin(), tables.end(), has_topic);
+  if (table == tables.end()) {
+    const std::vector<TableDescription> descriptions = descriptions_of(arrays);
+    table = tables.begin() + (&find_table(descriptions, topic, file) - descriptions.data());
+  }
+  std::vector<ArrayColumn> places;
+  for (const Column& column : columns) places.push_back(table->places[find_column(table->description, column, file)]);
+  return places;
+}
+
+}  // namespace imulab::recording_io

@@ -1,0 +1,117 @@
+#include "imulab/formats/recording/child_tables.hpp"
+
+#include "imulab/formats/text/reading_meter.hpp"
+
+#include <optional>
+#include <string>
+
+namespace imulab::recording_io {
+namespace {
+
+void send_tables(ToParent& to, const std::vector<TableDescription>& tables) {
+  to.next();
+  to.number(tables.size());
+  for (const TableDescription& table : tables) {
+    to.text(table.name);
+    to.text(table.type);
+    to.number(table.rows);
+    to.number(table.columns.size());
+    for (const ColumnDescription& column : table.columns) to.text(column.name), to.text(column.unit);
+  }
+}
+
+void receive_tables(FromChild& from, std::vector<TableDescription>& tables) {
+  tables.resize(from.count(sizeof(TableDescription)));
+  for (TableDescription& table : tables) {
+    table.name = from.text();
+    table.type = from.text();
+    table.rows = static_cast<std::size_t>(from.number());
+    table.columns.resize(from.count(sizeof(ColumnDescription)));
+    for (ColumnDescription& column : table.columns) column.name = from.text(), column.unit = from.text();
+  }
+}
+
+template <class Number>
+void send_numbers(ToParent& to, const std::vector<Number>& numbers) {
+  to.number(numbers.size());
+  to.bytes(numbers.data(), numbers.size() * sizeof(Number));
+}
+
+template <class Number>
+std::size_t receive_numbers(FromChild& from, std::vector<Number>& numbers, std::size_t all) {
+  if (numbers.empty()) numbers.reserve(all);
+  const std::size_t more = from.count(sizeof(Number));
+  from.parts(more * sizeof(Number), [&](const char* part, std::size_t bytes) {
+    const auto* const first = reinterpret_cast<const Number*>(part);
+    numbers.insert(numbers.end(), first, first + bytes / sizeof(Number));
+  });
+  return more;
+}
+
+/// The rows of one column that came, and how many it has in all.
+struct Received {
+  std::size_t rows, all;
+};
+
+/// Rows of one column; the columns of integers with numbers too large for them become numbers.
+Received receive_rows(FromChild& from, RawColumn& column) {
+  const auto as_numbers = [&] {
+    column.numbers.insert(column.numbers.end(), column.integers.begin(), column.integers.end());
+    column.integers = {};
+  };
+  const bool integers = from.number() == 0;
+  const std::size_t all = from.most(sizeof(double)), before = column.size();
+  if (integers) {
+    if (receive_numbers(from, column.integers, all) > 0 && !column.numbers.empty()) as_numbers();
+  } else {
+    if (!column.integers.empty()) as_numbers();
+    receive_numbers(from, column.numbers, all);
+  }
+  return {column.size() - before, all};
+}
+
+}  // namespace
+
+std::vector<TableDescription> describe_in_child(const ChildTask& task, const std::function<std::vector<TableDescription>()>& work) {
+  std::vector<TableDescription> tables;
+  run_in_child(
+      task, [&](ToParent& to) { send_tables(to, work()); }, [&](FromChild& from) { receive_tables(from, tables); });
+  return tables;
+}
+
+RawTable columns_in_child(const ChildTask& task, std::size_t columns, const std::function<void(const SendColumn&)>& work) {
+  RawTable table;
+  table.columns.resize(columns);
+  std::optional<ReadingMeter> meter;
+  run_in_child(
+      task,
+      [&](ToParent& to) {
+        work([&](std::size_t index, const RawColumn& rows, std::size_t all) {
+          to.next();
+          to.number(index);
+          to.number(rows.numbers.empty() ? 0 : 1);
+          to.number(all);
+          if (rows.numbers.empty())
+            send_numbers(to, rows.integers);
+          else
+            send_numbers(to, rows.numbers);
+        });
+      },
+      [&](FromChild& from) {
+        const std::uint64_t index = from.number();
+        if (index >= columns) from.reject();
+        const Received received = receive_rows(from, table.columns[index]);
+        if (!meter) meter.emplace(columns * received.all);
+        meter->add(received.rows);
+      });
+  return table;
+}
+
+void send_rows(const std::vector<NumberField>& fields, const char* first, std::size_t stride, std::size_t count, const SendRows& send) {
+  ColumnBuilder builder(fields, count);
+  builder.add(first, stride, count);
+  const std::vector<RawColumn> columns = builder.take();
+  for (std::size_t k = 0; k < columns.size(); ++k) send.column(send.to[k], columns[k], send.rows);
+}
+
+}  // namespace imulab::recording_io

@@ -1,0 +1,26 @@
+// CSV and plain columns of numbers, as docs/formats.md says: the text format of recordings, solutions and heights.
+#pragma once
+
+#include "imulab/formats/recording/timed_table.hpp"
+#include "imulab/recording/session.hpp"
+
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace imulab::recording_io {
+
+/// Reads the time column and `columns`, each a header name or a 1-based number. The delimiter (comma, semicolon, tab, blanks) and the header
+/// are found in the file; lines that begin with # are comments. Throws Error with file, line and column for a ragged row, a field that is not a
+/// finite number, time that runs backwards or does not advance between different rows, a missing column, and a file without rows.
+/// `rate_hz`: of rows without stamps in seconds.
+TimedTable read_csv(const std::filesystem::path& path, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns);
+
+/// Whether the first bytes of a file can be text.
+bool is_text(std::string_view head);
+
+/// For how many rows a table reserves memory before it reads a text: by its first lines, and some more.
+std::size_t rows_to_reserve(std::string_view rows);
+
+}  // namespace imulab::recording_io

@@ -1,0 +1,181 @@
+#include "imulab/formats/recording/parts.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/statistics.hpp"
+#include "imulab/formats/session/file.hpp"
+#include "imulab/formats/text/decimal.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/names.hpp"
+#include "imulab/recording/resample.hpp"
+#include "imulab/recording/stamps.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace imulab::recording_io {
+namespace {
+
+constexpr auto none = static_cast<std::size_t>(-1);
+
+/// A triad or thermometer, which may name a file, topic and clock of its own.
+template <class Source>
+PartColumns request(std::vector<PartRequest>& requests, const RecordingSource& recording, const Source& source) {
+  const PartRequest own{
+      source.file.value_or(recording.file), source.topic.value_or(source.file ? "" : recording.topic), source.time.value_or(recording.time), {}};
+  auto part = std::find_if(requests.begin(), requests.end(),
+                           [&](const PartRequest& r) { return r.file == own.file && r.topic == own.topic && r.time == own.time; });
+  if (part == requests.end()) part = requests.insert(requests.end(), own);
+  PartColumns which{static_cast<std::size_t>(part - requests.begin()), {}};
+  for (const Column& column : source.columns) {
+    which.columns.push_back(part->columns.size());
+    part->columns.push_back(column);
+  }
+  return which;
+}
+
+/// For each row of `a` the row of `b` with the nearest stamp, where it is at most `reach` away and `a`'s row is the nearest to it as well.
+std::vector<std::size_t> partners(const std::vector<std::int64_t>& a, const std::vector<std::int64_t>& b, std::int64_t reach) {
+  std::vector<std::size_t> partner(a.size(), none);
+  std::size_t j = 0;
+  for (std::size_t i = 0; i < a.size() && j < b.size(); ++i) {
+    const auto away = [&](std::size_t row_a, std::size_t row_b) { return std::abs(a[row_a] - b[row_b]); };
+    while (j + 1 < b.size() && away(i, j + 1) < away(i, j)) ++j;
+    if (away(i, j) > reach || (i + 1 < a.size() && away(i + 1, j) < away(i, j))) continue;
+    partner[i] = j++;
+  }
+  return partner;
+}
+
+template <class T>
+void gather(std::vector<T>& column, const std::vector<std::size_t>& rows) {  // rows ascend, so a row never moves down
+  for (std::size_t k = 0; k < rows.size(); ++k) column[k] = column[rows[k]];
+  column.resize(rows.size());
+}
+
+void keep_rows(TimedTable& table, const std::vector<std::size_t>& rows) {
+  if (rows.size() == table.time_ns.size()) return;
+  LineNumbers lines;
+  for (std::size_t k = 0; k < rows.size(); ++k) lines.add(k, table.lines[rows[k]]);
+  table.lines = std::move(lines);
+  gather(table.time_ns, rows);
+  for (auto& column : table.values) gather(column, rows);
+}
+
+}  // namespace
+
+PartRequests part_requests(const RecordingSource& source) {
+  PartRequests parts;
+  parts.gyro = request(parts.tables, source, source.gyro);
+  parts.accel = request(parts.tables, source, source.accel);
+  if (source.gyro_temperature) parts.gyro_temperature = request(parts.tables, source, *source.gyro_temperature);
+  if (source.accel_temperature) parts.accel_temperature = request(parts.tables, source, *source.accel_temperature);
+  return parts;
+}
+
+RecordingParts read_parts(const Session& session, const RecordingSource& source, const std::vector<RecordingFormat>& formats) {
+  const PartRequests requests = part_requests(source);
+  RecordingParts parts{{}, requests.gyro, requests.accel, requests.gyro_temperature, requests.accel_temperature};
+  for (const PartRequest& part : requests.tables)
+    parts.tables.push_back(
+        read_table({session_path(session, part.file), part.topic, source.layout}, part.time, source.rate_hz, part.columns, formats));
+  return parts;
+}
+
+namespace {
+
+/// Whether most rows of two tables of one rate are stamped together: a tenth of an interval is as a computer stamps what it reads one after the
+/// other.
+bool stamped_together(const TimedTable& a, const TimedTable& b, double interval_s) {
+  std::vector<double> apart;
+  const std::vector<std::size_t> partner = partners(a.time_ns, b.time_ns, static_cast<std::int64_t>(0.5e9 * interval_s));
+  for (std::size_t i = 0; i < partner.size(); ++i)
+    if (partner[i] != none) apart.push_back(std::abs(static_cast<double>(a.time_ns[i] - b.time_ns[partner[i]])));
+  return !apart.empty() && median(apart) <= 0.1e9 * interval_s;
+}
+
+/// A table at the stamps of another one; rows that it does not cover are left out.
+void bring_to(TimedTable& table, const TimedTable& reference, const std::vector<std::size_t>& sensor_columns, bool increment, double own_interval_s,
+              double interval_s) {
+  std::vector<std::vector<double>> sensor, slow;
+  std::vector<char> is_sensor(table.values.size(), 0);
+  for (const std::size_t c : sensor_columns) is_sensor[c] = 1;
+  for (std::size_t c = 0; c < table.values.size(); ++c) (is_sensor[c] ? sensor : slow).push_back(std::move(table.values[c]));
+  Resampled means;
+  means.covered.assign(reference.time_ns.size(), 1);
+  if (!sensor.empty()) means = resample_means(table.time_ns, own_interval_s, sensor, increment, reference.time_ns, interval_s);
+  slow = interpolate(table.time_ns, slow, reference.time_ns);
+  for (std::size_t c = 0, s = 0, l = 0; c < table.values.size(); ++c) table.values[c] = std::move(is_sensor[c] ? means.columns[s++] : slow[l++]);
+  table.time_ns = reference.time_ns;
+  table.lines = reference.lines;
+  std::vector<std::size_t> covered;
+  for (std::size_t i = 0; i < means.covered.size(); ++i)
+    if (means.covered[i]) covered.push_back(i);
+  keep_rows(table, covered);
+}
+
+}  // namespace
+
+void join_by_time(RecordingParts& parts, double interval_s, bool accel_increment, std::vector<std::string>& warnings) {
+  const TimedTable& reference = parts.tables[parts.gyro.table];
+  for (std::size_t t = 0; t < parts.tables.size(); ++t) {
+    TimedTable& table = parts.tables[t];
+    if (t == parts.gyro.table || table.time_ns == reference.time_ns) continue;
+    const bool has_accel = t == parts.accel.table;
+    const double own = table.time_ns.size() < 2 ? interval_s : stamp_intervals(table.time_ns).median;
+    if (has_accel && same_interval(own, interval_s) && stamped_together(reference, table, interval_s)) continue;  // rows are matched
+    if (table.time_ns.front() > reference.time_ns.back() || table.time_ns.back() < reference.time_ns.front())
+      throw Error(fmt::format("{}: no time in common with {}; expected the same clock ({} to {} s here, {} to {} s there)", table.file,
+                              reference.file, text::seconds_text(table.time_ns.front()), text::seconds_text(table.time_ns.back()),
+                              text::seconds_text(reference.time_ns.front()), text::seconds_text(reference.time_ns.back())));
+    bring_to(table, reference, has_accel ? parts.accel.columns : std::vector<std::size_t>{}, accel_increment, own, interval_s);
+    if (has_accel)
+      warnings.push_back(
+          fmt::format("{}: accelerometers every {:.6g} s, gyros every {:.6g} s, or at other instants: their readings are taken as means "
+                      "over the gyros' intervals",
+                      table.file, own, interval_s));
+  }
+}
+
+void match_rows(RecordingParts& parts, double interval_s, std::vector<std::string>& warnings) {
+  TimedTable& reference = parts.tables[parts.gyro.table];
+  const std::size_t rows = reference.time_ns.size();
+  if (parts.tables.size() == 1) return;
+  std::vector<std::vector<std::size_t>> partner(parts.tables.size());
+  for (std::size_t t = 0; t < parts.tables.size(); ++t)
+    if (t != parts.gyro.table) partner[t] = partners(reference.time_ns, parts.tables[t].time_ns, static_cast<std::int64_t>(0.5e9 * interval_s));
+  const auto matched = [&](std::size_t row) {
+    return std::all_of(partner.begin(), partner.end(), [row](const auto& p) { return p.empty() || p[row] != none; });
+  };
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < rows; ++i)
+    if (matched(i)) kept.push_back(i);
+
+  for (std::size_t t = 0; t < parts.tables.size(); ++t) {
+    TimedTable& table = parts.tables[t];
+    if (kept.empty() && t != parts.gyro.table)
+      throw Error(fmt::format("{}: no row within half an interval of a row of {}; expected the same clock ({} to {} s here, {} to {} s there)",
+                              table.file, reference.file, text::seconds_text(table.time_ns.front()), text::seconds_text(table.time_ns.back()),
+                              text::seconds_text(reference.time_ns.front()), text::seconds_text(reference.time_ns.back())));
+    if (const std::size_t dropped = table.time_ns.size() - kept.size(); dropped > 0)
+      warnings.push_back(fmt::format("{}: {} of {} rows dropped, without a row of the recording's other file within half an interval", table.file,
+                                     dropped, table.time_ns.size()));
+  }
+  for (std::size_t t = 0; t < parts.tables.size(); ++t) {
+    if (t == parts.gyro.table) continue;
+    std::vector<std::size_t> own;
+    own.reserve(kept.size());
+    for (const std::size_t row : kept) own.push_back(partner[t][row]);
+    keep_rows(parts.tables[t], own);
+  }
+  keep_rows(reference, kept);
+}
+
+std::vector<std::vector<double>> take_columns(RecordingParts& parts, const PartColumns& which) {
+  std::vector<std::vector<double>> columns;
+  for (const std::size_t c : which.columns) columns.push_back(std::move(parts.tables[which.table].values[c]));
+  return columns;
+}
+
+}  // namespace imulab::recording_io

@@ -1,0 +1,51 @@
+// The files of one recording: a triad may have one of its own, whose rows are matched by time to the gyro's rows.
+#pragma once
+
+#include "imulab/formats/recording/format.hpp"
+#include "imulab/recording/session.hpp"
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace imulab::recording_io {
+
+/// Some columns of one of the tables.
+struct PartColumns {
+  std::size_t table = 0;
+  std::vector<std::size_t> columns;
+};
+
+struct RecordingParts {
+  std::vector<TimedTable> tables;  ///< one a file
+  PartColumns gyro, accel, gyro_temperature, accel_temperature;
+};
+
+/// What is read of one table.
+struct PartRequest {
+  std::string file, topic;
+  TimeSource time;
+  std::vector<Column> columns;
+};
+
+/// The tables of a recording, not yet read.
+struct PartRequests {
+  std::vector<PartRequest> tables;
+  PartColumns gyro, accel, gyro_temperature, accel_temperature;
+};
+PartRequests part_requests(const RecordingSource& source);
+
+RecordingParts read_parts(const Session& session, const RecordingSource& source, const std::vector<RecordingFormat>& formats);
+
+/// Brings tables of another rate, or stamped at other instants, to the gyro's stamps: accelerometers as means over the gyro's intervals (said in a
+/// warning), temperatures on straight lines. Throws Error where a table has no time in common with the gyro's.
+void join_by_time(RecordingParts& parts, double interval_s, bool accel_increment, std::vector<std::string>& warnings);
+
+/// Keeps the gyro's rows that have a partner in every other table: mutually nearest stamps at most half an interval apart. The others are
+/// dropped with a warning. Throws Error where nothing matches.
+void match_rows(RecordingParts& parts, double interval_s, std::vector<std::string>& warnings);
+
+/// Moves columns out of their table.
+std::vector<std::vector<double>> take_columns(RecordingParts& parts, const PartColumns& which);
+
+}  // namespace imulab::recording_io

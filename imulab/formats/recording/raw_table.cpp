@@ -1,0 +1,49 @@
+#include "imulab/formats/recording/raw_table.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/formats/text/names.hpp"
+#include "imulab/formats/text/printable.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <string_view>
+#include <variant>
+
+namespace imulab::recording_io {
+namespace {
+
+std::string table_names(const std::vector<TableDescription>& tables) {
+  std::vector<std::string_view> names;
+  for (const TableDescription& table : tables) names.push_back(table.name);
+  return text::listed(names);
+}
+
+}  // namespace
+
+const TableDescription& find_table(const std::vector<TableDescription>& tables, const std::string& topic, const std::string& file) {
+  if (tables.empty()) throw Error(fmt::format("{}: has no table of numbers; expected samples", file));
+  if (topic.empty()) {
+    if (tables.size() == 1) return tables.front();
+    throw Error(fmt::format("{}: has several topics and the session names none; expected topic = one of {}", file, table_names(tables)));
+  }
+  const auto found = std::find_if(tables.begin(), tables.end(), [&](const TableDescription& t) { return t.name == topic; });
+  if (found == tables.end()) throw Error(fmt::format("{}: topic {} is not there; expected one of {}", file, topic, table_names(tables)));
+  return *found;
+}
+
+std::size_t find_column(const TableDescription& table, const Column& column, const std::string& file) {
+  const std::string where = table.name.empty() ? file : fmt::format("{}: {}", file, table.name);
+  if (const int* number = std::get_if<int>(&column)) {
+    if (*number >= 1 && static_cast<std::size_t>(*number) <= table.columns.size()) return static_cast<std::size_t>(*number) - 1;
+    throw Error(fmt::format("{}: column {} is not there; expected 1 to {}", where, *number, table.columns.size()));
+  }
+  const std::string& name = std::get<std::string>(column);
+  const auto found = std::find_if(table.columns.begin(), table.columns.end(), [&](const ColumnDescription& c) { return c.name == name; });
+  if (found != table.columns.end()) return static_cast<std::size_t>(found - table.columns.begin());
+  std::vector<std::string> names;
+  for (const ColumnDescription& c : table.columns) names.push_back(c.name);
+  throw Error(fmt::format("{}: column {} is not there; expected one of {}", where, excerpt(name), text::listed_excerpts(names)));
+}
+
+}  // namespace imulab::recording_io

@@ -1,0 +1,46 @@
+// Navigation solutions and heights over time as CSV (docs/formats.md).
+#pragma once
+
+#include "imulab/formats/recording/column_file.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/navigation/integration/solution.hpp"
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+struct HeightRecord;
+
+/// A solution has the columns t,latitude_deg,longitude_deg,height_m,ve,vn,vu,roll_deg,pitch_deg,heading_deg: s, m above the ellipsoid, m/s east,
+/// north and up, Euler angles of the body axes. Reads them in any order. Throws Error with file, line and column as read_recording does, and for a
+/// latitude beyond 90 deg.
+Solution read_solution(const std::filesystem::path& path);
+
+/// A solution's file as its states are reached. It appears whole at commit(), or not at all: states for a stream wait until then, in a temporary file
+/// where they are many. The heading is written from 0 to 360 deg. Throws Error where it cannot be written.
+class SolutionFile {
+ public:
+  explicit SolutionFile(const std::filesystem::path& path);
+  void add(double time, const NavigationState& state);
+  void commit();
+  std::size_t states() const { return states_; }
+
+ private:
+  void write(double time, const NavigationState& state);
+
+  WholeFile file_;
+  std::string text_;
+  std::vector<double> waiting_;  // states, before they are in the temporary file
+  std::optional<recording_io::ColumnFile> waiting_file_;
+  std::size_t states_ = 0;
+};
+void write_solution(const std::filesystem::path& path, const Solution& solution);
+
+/// Reads the columns t,height_m (s, m), as a barometer gives them. Throws Error with file, line and column.
+HeightRecord read_heights(const std::filesystem::path& path);
+
+}  // namespace imulab

@@ -1,0 +1,155 @@
+#include "imulab/formats/recording/stream.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/recording/make_recording.hpp"
+
+#include <fmt/core.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <unistd.h>
+#include <utility>
+
+namespace imulab {
+
+using namespace recording_io;
+
+namespace {
+
+constexpr std::size_t block_bytes = 1 << 16, longest_bytes = 1 << 20;  // read at once; of one line, or of what stands before the first row
+
+std::vector<Column> temperature_columns(const std::optional<ThermalSource>& source) { return source ? source->columns : std::vector<Column>{}; }
+
+}  // namespace
+
+struct RecordingStream::Block {
+  std::vector<std::int64_t> time_ns;
+  std::vector<std::vector<double>> values;  // one column for each asked
+};
+
+RecordingStream::RecordingStream(int descriptor, std::string name, const RecordingSource& source, std::function<void(std::string_view)> copy,
+                                 bool interruptible)
+    : descriptor_(descriptor), name_(std::move(name)), source_(source), copy_(std::move(copy)), interruptible_(interruptible) {
+  for (const auto* triad : {&source.gyro, &source.accel}) {
+    if (triad->file && *triad->file != source.file)
+      throw Error(fmt::format("{}: the session has a triad in a file of its own ({}); expected all columns in one text", name_, *triad->file));
+    if (triad->output == Output::increment && !source.rate_hz)
+      throw Error(fmt::format("{}: increments need rate_hz; expected it in the session, since the median interval is known only at the end", name_));
+  }
+  for (const auto& columns :
+       {source.gyro.columns, source.accel.columns, temperature_columns(source.gyro_temperature), temperature_columns(source.accel_temperature)})
+    columns_.insert(columns_.end(), columns.begin(), columns.end());
+  source_.file = name_;
+}
+
+/// Reads on, waiting for something; false at the end.
+bool RecordingStream::fill() {
+  if (text_.size() > longest_bytes)
+    throw Error(
+        fmt::format("{}:{}: more than {} bytes without a row; expected lines of numbers", name_, reader_ ? reader_->line() + 1 : 1, longest_bytes));
+  const std::size_t held = text_.size();
+  text_.resize(held + block_bytes);
+  ssize_t count = 0;
+  do {
+    count = ::read(descriptor_, text_.data() + held, block_bytes);
+  } while (count < 0 && errno == EINTR);
+  text_.resize(held + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+  if (count < 0) throw Error(fmt::format("{}: cannot be read: {}", name_, std::strerror(errno)));
+  if (copy_) copy_(std::string_view(text_).substr(held));
+  return count > 0;
+}
+
+/// Finds the layout, where the first row has come.
+bool RecordingStream::start() {
+  if (reader_) return true;
+  const std::string_view lines(text_.data(), ended_ ? text_.size() : text_.rfind('\n') + 1);
+  const bool named = names_a_column(source_.time, columns_);
+  auto layout = ended_ ? table_layout(name_, lines, named) : find_layout(name_, lines, named, false);
+  if (!layout) return false;
+  const std::size_t offset = layout->offset;
+  const bool settled = layout->settled;
+  try {
+    reader_.emplace(*std::move(layout), source_.time, source_.rate_hz, columns_);
+  } catch (const Error&) {
+    if (settled) throw;
+    return false;  // what has come so far may be a device's greeting
+  }
+  text_.erase(0, offset);
+  return true;
+}
+
+/// The rows that stand in whole lines; a wrong one ends them, and is kept for the next call.
+RecordingStream::Block RecordingStream::read_rows() {
+  Block block;
+  block.values.resize(reader_->places().size());
+  std::string_view lines(text_.data(), ended_ ? text_.size() : text_.rfind('\n') + 1);
+  const std::size_t whole = lines.size();
+  try {
+    while (reader_->next(lines)) {
+      block.time_ns.push_back(reader_->row().time_ns);
+      for (std::size_t k = 0; k < block.values.size(); ++k) block.values[k].push_back(reader_->row().values[reader_->places()[k]]);
+    }
+  } catch (const Error&) {
+    failure_ = std::current_exception();
+  }
+  text_.erase(0, whole);
+  return block;
+}
+
+std::optional<Recording> RecordingStream::next() {
+  while (true) {
+    if (failure_) std::rethrow_exception(failure_);
+    if (start()) {
+      Block block = read_rows();
+      if (!block.time_ns.empty()) {
+        auto column = block.values.begin();
+        const auto take = [&column](std::size_t n) {
+          std::vector<std::vector<double>> taken(std::make_move_iterator(column), std::make_move_iterator(column + static_cast<std::ptrdiff_t>(n)));
+          column += static_cast<std::ptrdiff_t>(n);
+          return taken;
+        };
+        Columns3 gyro = three_columns(take(3)), accel = three_columns(take(3));
+        RecordingOptions options = recording_options(source_);
+        options.gyro.temperature = take(temperature_columns(source_.gyro_temperature).size());
+        options.accel.temperature = take(temperature_columns(source_.accel_temperature).size());
+        Recording recording = convert_readings(std::move(gyro), std::move(accel), std::move(options));
+        recording.time_ns = std::move(block.time_ns);
+        count(recording);
+        return recording;
+      }
+    }
+    if (failure_) continue;
+    if (ended_) return std::nullopt;
+    ended_ = !fill();
+    if (ended_ && interruptible_ && reader_) cut_ = !text_.empty(), text_.clear();
+  }
+}
+
+void RecordingStream::count(const Recording& block) {
+  rows_ += block.size();
+  saturated_ += block.saturated.size();
+  for (const std::int64_t time_ns : block.time_ns) {
+    const double step_s = last_ns_ ? 1e-9 * static_cast<double>(time_ns - *last_ns_) : 0;
+    if (step_s > 0 && step_s <= 1.5 * block.interval_s) step_sum_s_ += step_s, ++steps_;
+    last_ns_ = time_ns;
+  }
+}
+
+std::vector<std::string> RecordingStream::warnings() const {
+  std::vector<std::string> warnings;
+  const auto samples = [](std::size_t n) { return fmt::format("{} {}", n, n == 1 ? "sample" : "samples"); };
+  if (reader_ && reader_->repeated() > 0)
+    warnings.push_back(fmt::format("{}: {} row{} equal to the row before dropped", name_, reader_->repeated(), reader_->repeated() == 1 ? "" : "s"));
+  if (cut_) warnings.push_back(fmt::format("{}: the last line has no end and was not used", name_));
+  if (saturated_ > 0) warnings.push_back(fmt::format("{}: {} at a limit: the true reading lies beyond", name_, samples(saturated_)));
+  if (!source_.rate_hz || rows_ < 2) return warnings;
+  const bool increments = source_.gyro.output == Output::increment || source_.accel.output == Output::increment;
+  const double declared = 1 / *source_.rate_hz, mean = steps_ > 0 ? step_sum_s_ / static_cast<double>(steps_) : 0;
+  if (std::abs(mean - declared) > 0.02 * declared || 2 * steps_ < rows_)
+    warnings.push_back(fmt::format("{}: rate_hz = {} is declared, but the stamps do not say so{}", name_, *source_.rate_hz,
+                                   increments ? fmt::format(": increments were divided by {:.6g} s", declared) : ""));
+  return warnings;
+}
+
+}  // namespace imulab

@@ -1,0 +1,140 @@
+#include "imulab/formats/recording/zip.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/formats/recording/crc32.hpp"
+#include "imulab/formats/recording/number_bytes.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <zlib.h>
+
+namespace imulab::recording_io {
+namespace {
+
+[[noreturn]] void fail_zip(const std::string& place, const std::string& what) { throw Error(place + ": " + what + "; expected a zip archive"); }
+
+struct ZipDirectory {
+  std::uint64_t offset = 0, entries = 0;
+};
+
+/// The archive ends with the place of its directory; a comment may follow.
+ZipDirectory zip_directory(std::string_view archive, const std::string& file) {
+  const std::size_t end = archive.rfind("PK\5\6");
+  if (end == std::string_view::npos || archive.size() - end < 22) fail_zip(file, "has no directory at its end (is it truncated?)");
+  const char* p = archive.data() + end;
+  ZipDirectory directory{load<std::uint32_t>(p + 16), load<std::uint16_t>(p + 10)};
+  if (end >= 20 && archive.substr(end - 20, 4) == "PK\6\7") {
+    const auto large = load<std::uint64_t>(p - 20 + 8);
+    if (large > archive.size() || archive.size() - large < 56 || archive.substr(large, 4) != "PK\6\6") fail_zip(file, "its directory is damaged");
+    directory = {load<std::uint64_t>(archive.data() + large + 48), load<std::uint64_t>(archive.data() + large + 32)};
+  }
+  return directory;
+}
+
+/// Sizes that do not fit 32 bits stand in a field of their own.
+void read_large_sizes(std::string_view extra, std::uint64_t& bytes, std::uint64_t& stored, std::uint64_t& offset) {
+  constexpr std::uint64_t elsewhere = std::numeric_limits<std::uint32_t>::max();
+  while (extra.size() >= 4) {
+    const auto id = load<std::uint16_t>(extra.data());
+    std::string_view field = extra.substr(4, load<std::uint16_t>(extra.data() + 2));
+    for (std::uint64_t* value : {&bytes, &stored, &offset})
+      if (id == 1 && *value == elsewhere && field.size() >= 8) {
+        *value = load<std::uint64_t>(field.data());
+        field.remove_prefix(8);
+      }
+    extra.remove_prefix(std::min<std::size_t>(extra.size(), 4 + std::size_t{load<std::uint16_t>(extra.data() + 2)}));
+  }
+}
+
+/// Reads the entry at `at` and moves on to the next; nothing for a member that is neither stored nor deflated.
+std::optional<ZipMember> zip_entry(std::string_view archive, std::size_t& at, const std::string& file) {
+  if (at > archive.size() || archive.size() - at < 46 || archive.substr(at, 4) != "PK\1\2") fail_zip(file, "its directory is damaged");
+  const char* p = archive.data() + at;
+  const std::size_t name = load<std::uint16_t>(p + 28), extra = load<std::uint16_t>(p + 30), comment = load<std::uint16_t>(p + 32);
+  if (archive.size() - at - 46 < name + extra + comment) fail_zip(file, "its directory is damaged");
+  std::uint64_t stored = load<std::uint32_t>(p + 20), bytes = load<std::uint32_t>(p + 24), offset = load<std::uint32_t>(p + 42);
+  read_large_sizes({p + 46 + name, extra}, bytes, stored, offset);
+  at += 46 + name + extra + comment;
+
+  ZipMember member;
+  member.name.assign(p + 46, name);
+  const auto method = load<std::uint16_t>(p + 10);
+  if ((method != 0 && method != 8) || (load<std::uint16_t>(p + 8) & 1) != 0) return std::nullopt;  // other methods, encrypted
+  if (offset > archive.size() || archive.size() - offset < 30 || archive.substr(offset, 4) != "PK\3\4")
+    fail_zip(file, fmt::format("{} is not where the directory says", member.name));
+  const char* local = archive.data() + offset;
+  const std::size_t begin = offset + 30 + load<std::uint16_t>(local + 26) + load<std::uint16_t>(local + 28);
+  if (begin > archive.size() || archive.size() - begin < stored) fail_zip(file, fmt::format("{} reaches beyond the end of the file", member.name));
+  member.deflated = method == 8;
+  member.stored = archive.substr(begin, stored);
+  member.check = load<std::uint32_t>(p + 16);
+  if (!std::in_range<std::size_t>(bytes))
+    throw Error(fmt::format("{}: {} has {} bytes; expected less than 4 GiB on a 32-bit system", file, member.name, bytes));
+  member.bytes = static_cast<std::size_t>(bytes);
+  constexpr std::uint64_t best_ratio = 1032;  // of deflate
+  if (member.deflated ? bytes / best_ratio > stored : bytes != stored) fail_zip(file, fmt::format("{} has impossible sizes", member.name));
+  return member;
+}
+
+}  // namespace
+
+std::vector<ZipMember> zip_members(std::string_view archive, const std::string& file) {
+  const ZipDirectory directory = zip_directory(archive, file);
+  std::vector<ZipMember> members;
+  if (directory.offset > archive.size()) fail_zip(file, "its directory is damaged");
+  auto at = static_cast<std::size_t>(directory.offset);
+  for (std::uint64_t i = 0; i < directory.entries; ++i)
+    if (auto member = zip_entry(archive, at, file)) members.push_back(std::move(*member));
+  return members;
+}
+
+struct ZipReader::Inflater {
+  z_stream stream{};
+  ~Inflater() { inflateEnd(&stream); }
+};
+
+ZipReader::ZipReader(const ZipMember& member, std::string place) : member_(member), place_(std::move(place)) {
+  if (!member.deflated) return;
+  inflater_ = std::make_unique<Inflater>();
+  if (inflateInit2(&inflater_->stream, -MAX_WBITS) != Z_OK) throw Error(place_ + ": cannot be read: no memory");
+}
+
+ZipReader::~ZipReader() = default;
+
+void ZipReader::read(char* to, std::size_t size) {
+  if (!member_.deflated) {
+    if (member_.stored.size() - at_ < size) fail_zip(place_, "ends too early");
+    std::memcpy(to, member_.stored.data() + at_, size);
+    at_ += size;
+    return;
+  }
+  constexpr std::size_t piece = 1 << 24;  // zlib counts in 32 bits
+  z_stream& stream = inflater_->stream;
+  while (size > 0) {
+    const std::size_t in = std::min(piece, member_.stored.size() - at_), out = std::min(piece, size);
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(member_.stored.data() + at_));
+    stream.avail_in = static_cast<uInt>(in);
+    stream.next_out = reinterpret_cast<Bytef*>(to);
+    stream.avail_out = static_cast<uInt>(out);
+    const int state = inflate(&stream, Z_NO_FLUSH);
+    const std::size_t got = out - stream.avail_out;
+    at_ += in - stream.avail_in;
+    check_ = recording_io::crc32({to, got}, check_);
+    to += got;
+    size -= got;
+    if (size == 0) return;
+    if (state != Z_OK || (got == 0 && in == stream.avail_in))
+      fail_zip(place_, state == Z_STREAM_END ? "ends too early" : "its compressed data are damaged");
+  }
+}
+
+void ZipReader::expect_intact() const {
+  if (member_.deflated && check_ != member_.check) fail_zip(place_, "its check sum is wrong: the data are damaged");
+}
+
+}  // namespace imulab::recording_io

@@ -1,0 +1,120 @@
+#include "imulab/core/error.hpp"
+#include "imulab/formats/noise/noise_reader.hpp"
+#include "imulab/formats/session/fields.hpp"
+#include "imulab/formats/session/file.hpp"
+#include "imulab/formats/session/step_layout.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/names.hpp"
+#include "imulab/formats/text/time.hpp"
+#include "imulab/formats/text/toml_fields.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+namespace imulab {
+namespace {
+
+using namespace session_io;
+
+void read_rig(TomlFields& f, Session& session) {
+  RigDeclaration rig;
+  transfer(f, rig, !session.rigs.empty());
+  f.check(std::none_of(session.rigs.begin(), session.rigs.end(), [&](const RigDeclaration& r) { return r.name == rig.name; }), "name",
+          "repeats the name of an earlier rig; expected different names");
+  session.rigs.push_back(rig);
+}
+
+void read_reference(TomlFields& f, Session& session) {
+  Reference reference;
+  transfer(f, reference);
+  f.check(std::none_of(session.references.begin(), session.references.end(), [&](const Reference& r) { return r.quantity == reference.quantity; }),
+          "quantity", "repeats the quantity of an earlier reference; expected each once");
+  f.check(!reference.instrument.empty(), "instrument", "is empty; expected make, type and serial number");
+  f.check(!reference.certificate.empty(), "certificate", "is empty; expected its number");
+  f.check(reference.date.empty() || (reference.date.size() == 10 && time_of(reference.date)), "date",
+          "is no date; expected one as in \"2026-03-31\"");
+  session.references.push_back(reference);
+}
+
+void read_recording_source(TomlFields& f, Session& session) {
+  RecordingSource recording;
+  transfer(f, recording);
+  std::vector<std::string_view> rigs;
+  for (const RigDeclaration& rig : session.rigs) rigs.push_back(rig.name);
+  f.check(rigs.size() < 2 || !recording.rig.empty(), "rig", "is missing; expected one of " + listed(rigs));
+  f.check(recording.rig.empty() || std::find(rigs.begin(), rigs.end(), recording.rig) != rigs.end(), "rig",
+          fmt::format("\"{}\" is not a rig of this session; expected {}", recording.rig, rigs.empty() ? "[[rig]] of that name" : listed(rigs)));
+  f.check(std::none_of(session.recordings.begin(), session.recordings.end(), [&](const RecordingSource& r) { return r.file == recording.file; }),
+          "file", "repeats the file of an earlier recording; expected each file once");
+  session.recordings.push_back(recording);
+}
+
+void read_step(TomlFields& f, Session& session, StepLayout& layout) {
+  StepText text;
+  transfer(f, text);
+  std::vector<std::string_view> files;
+  for (const RecordingSource& recording : session.recordings) files.push_back(recording.file);
+  f.check(files.size() < 2 || text.recording, "recording", "is missing; expected one of " + listed(files));
+  std::string recording = text.recording.value_or(files.size() == 1 ? std::string(files[0]) : "");
+  f.check(files.empty() || std::find(files.begin(), files.end(), recording) != files.end(), "recording",
+          fmt::format("\"{}\" is not a recording of this session; expected {}", recording, listed(files)));
+  Step step;
+  if (const auto problem = layout.place(text, recording, step)) f.check(false, problem->key, problem->message);
+  session.steps.push_back(step);
+}
+
+}  // namespace
+
+void take_noise(ImuDeclaration& imu, const std::string& file) {
+  const ImuNoise noise = read_noise(file);
+  NoiseModels sizes = errors_at(file, [&] { return noise_sizes(noise); });
+  if (!imu.gyro_noise_density) imu.gyro_noise_density = sizes.gyro.N;
+  if (!imu.accel_noise_density) imu.accel_noise_density = sizes.accel.N;
+  sizes.gyro.N = sizes.accel.N = 0;  // which have keys of their own
+  if (!imu.gyro_noise) imu.gyro_noise = sizes.gyro;
+  if (!imu.accel_noise) imu.accel_noise = sizes.accel;
+  imu.noise_file.reset();
+}
+
+Session read_session(const std::filesystem::path& path) {
+  const std::filesystem::path file = std::filesystem::is_directory(path) ? path / "session.toml" : path;
+  const MappedFile mapped(file, Content::settings);
+  return parse_session(mapped.text(), input_name(file));
+}
+
+Session parse_session(std::string_view text, const std::string& file) {
+  Session session;
+  session.file = file;
+  session.sha256 = sha256(text);
+  TomlFields f(session.file, text);
+  StepLayout layout;
+  f.format(session_format);
+  f.text("operator", session.operated_by);
+  f.text("station", session.station);
+  f.text("measured", session.measured);
+  f.text("valid_until", session.valid_until);
+  f.check(!session.valid_until || (session.valid_until->size() == 10 && time_of(*session.valid_until)), "valid_until",
+          "is no date; expected one as in \"2026-03-31\"");
+  f.check(!session.measured || time_of(*session.measured), "measured", "is no time; expected UTC as in \"2026-03-31\" or \"2026-03-31T12:00:00Z\"");
+  f.text("warm_up", session.warm_up);
+  f.text("power_cycles", session.power_cycles);
+  f.table("imu", Presence::optional, [&](TomlFields& t) { transfer(t, session.imu); });
+  f.table("site", Presence::optional, [&](TomlFields& t) { transfer(t, session.site); });
+  f.tables("reference", [&](TomlFields& t) { read_reference(t, session); });
+  f.tables("rig", [&](TomlFields& t) { read_rig(t, session); });
+  f.tables("recording", [&](TomlFields& t) { read_recording_source(t, session); });
+  f.tables("step", [&](TomlFields& t) { read_step(t, session, layout); });
+  f.table_of<InitialState>("initial", session.initial, [](TomlFields& t, InitialState& initial) { transfer(t, initial); });
+  f.table("truth", Presence::optional, [&](TomlFields& t) { t.text("file", session.truth_file.emplace()); });
+  f.done();
+  session.noise_taken = session.imu.noise_file;
+  if (session.imu.noise_file) take_noise(session.imu, session_path(session, *session.imu.noise_file).string());
+  return session;
+}
+
+std::filesystem::path session_path(const Session& session, const std::string& file) {
+  return std::filesystem::path(session.file).parent_path() / file;
+}
+
+}  // namespace imulab

@@ -1,0 +1,111 @@
+#include "imulab/formats/text/file.hpp"
+
+#include "imulab/core/error.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/temporary_folder.hpp"
+#include <fcntl.h>
+#include <fstream>
+#include <string>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace imulab {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(File, HashesThePublishedVectors) {  // FIPS 180-4 examples and the empty message
+  EXPECT_EQ(sha256(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+  EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(sha256("abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"), "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1");
+  EXPECT_EQ(sha256("abcdefghbcdefghicdefghijdefghijkefghijklfghijklmghijklmnhijklmnoijklmnopjklmnopqklmnopqrlmnopqrsmnopqrstnopqrstu"),
+            "cf5b16a778af8380036ce59e7b0492370b249b11e8f07a51afac45037afee9d1");
+  EXPECT_EQ(sha256(std::string(1'000'000, 'a')), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+}
+
+TEST(File, HashesAlikeWithAndWithoutTheProcessorsInstructions) {
+  std::string text;
+  for (int i = 0; i < 200; ++i) {
+    EXPECT_EQ(sha256(text), sha256(text, false)) << text.size();
+    text += static_cast<char>(37 * i);
+  }
+}
+
+TEST(File, HashesFilesPieceByPiece) {
+  const TemporaryFolder folder;
+  for (const std::size_t size : {0, 1, 1 << 22, (1 << 22) + 63, 3 << 22, 10'000'001}) {
+    std::string text(size, 'a');
+    if (size > 0) text.back() = 'b';
+    write_whole(folder / "x", text);
+    const FileSum sum = file_sum(folder / "x");
+    EXPECT_EQ(sum.sha256, sha256(text, false)) << size;
+    EXPECT_EQ(sum.bytes, size);
+  }
+  EXPECT_THROW(file_sum(folder / "none"), Error);
+}
+
+TEST(File, ReadsWhatWasWritten) {
+  const TemporaryFolder folder;
+  const std::string text("a\0b\n", 4);
+  write_whole(folder / "x", text);
+  EXPECT_EQ(MappedFile(folder / "x").text(), text);
+  write_whole(folder / "x", "");  // replaces, and an empty file cannot be mapped but can be read
+  EXPECT_EQ(MappedFile(folder / "x").text(), "");
+}
+
+TEST(File, AppearsWholeOrNotAtAll) {
+  const TemporaryFolder folder;
+  write_whole(folder / "kept", "old");
+  {
+    WholeFile file(folder / "kept");
+    file.write("half of the new");
+  }
+  EXPECT_EQ(MappedFile(folder / "kept").text(), "old");
+  std::filesystem::create_directory(folder / "directory");
+  EXPECT_THROW(write_whole(folder / "directory", "x"), Error);  // the rename fails
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) files += entry.is_regular_file();
+  EXPECT_EQ(files, 1) << "a temporary file was left behind";
+}
+
+/// As -o /dev/null: the rename that makes files whole would put a file in the device's place.
+TEST(File, APipeOrDeviceStaysWhatItIs) {
+  const TemporaryFolder folder;
+  const std::string pipe = (folder / "pipe").string();
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  write_whole(pipe, "abc");
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  char text[4] = {};
+  EXPECT_EQ(::read(reader, text, sizeof text), 3);
+  EXPECT_STREQ(text, "abc");
+  ::close(reader);
+}
+
+TEST(File, NamesWhatCannotBeRead) {
+  const TemporaryFolder folder;
+  EXPECT_THAT([&] { MappedFile(folder / "missing"); }, testing::ThrowsMessage<Error>(HasSubstr("missing: cannot be opened: No such file")));
+  EXPECT_THAT([&] { MappedFile(folder.path()); }, testing::ThrowsMessage<Error>(HasSubstr("is a folder; expected a file")));
+  EXPECT_THAT([&] { write_whole(folder / "no" / "x", "x"); }, testing::ThrowsMessage<Error>(HasSubstr("cannot be written: No such file")));
+}
+
+TEST(File, FollowsLinksAndKeepsModes) {
+  const TemporaryFolder folder;
+  write_whole(folder / "real", "a");
+  ASSERT_EQ(::chmod((folder / "real").c_str(), 0600), 0);
+  std::filesystem::create_symlink("real", folder / "link");
+  write_whole(folder / "link", "b");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
+  EXPECT_EQ(MappedFile(folder / "real").text(), "b");
+  EXPECT_EQ(std::filesystem::status(folder / "real").permissions(), std::filesystem::perms(0600));
+  std::filesystem::create_symlink("later", folder / "dangling");
+  write_whole(folder / "dangling", "c");
+  EXPECT_EQ(MappedFile(folder / "later").text(), "c");
+}
+
+}  // namespace
+}  // namespace imulab

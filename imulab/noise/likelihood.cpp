@@ -1,0 +1,201 @@
+#include "imulab/noise/likelihood.hpp"
+
+#include "imulab/core/decomposition.hpp"
+#include "imulab/core/statistics.hpp"
+#include "imulab/noise/spectral_terms.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace imulab::noise {
+
+namespace {
+
+using Eigen::ArrayXd, Eigen::Index, Eigen::MatrixXd, Eigen::VectorXd;
+
+constexpr double largest_step = 3;  // of a logarithm
+/// A process faster than two samples is white, one slower than a tenth of the record a walk.
+constexpr double fewest_intervals = 2, fewest_times = 10;
+
+}  // namespace
+
+Problem::Problem(const Spectrum& spectrum, double highest_hz, double resolution, Terms terms) : terms_(terms) {
+  for (const SpectrumBin& bin : spectrum.bins)
+    if (bin.high_hz() <= highest_hz) bins_.push_back(bin), shortest_interval_ = std::min(shortest_interval_, bin.interval);
+  const auto size = static_cast<Index>(bins_.size());
+  unit_.resize(size, 4), counts_.resize(size), power_.resize(size), cosine_.resize(size);
+  for (Index i = 0; i < size; ++i) {
+    const SpectrumBin& bin = bins_[static_cast<std::size_t>(i)];
+    const Densities d = unit_densities(bin);
+    unit_.row(i) << d.Q, 1, d.B, d.K;
+    counts_[i] = bin.count, power_[i] = bin.power, cosine_[i] = cosine_over_interval(bin);
+    rounding_ = resolution * resolution / 12 * bin.interval / static_cast<double>(bin.averaged);
+  }
+  if (size > 0) Q_scale_ = (power_ / unit_.col(Terms::Q)).minCoeff();
+  filter_ = FilterShares(bins_, terms.low_pass);
+  longest_time_ = spectrum.record_s / fewest_times;
+}
+
+Problem Problem::with(Terms terms) const {
+  Problem other = *this;
+  other.terms_ = terms;
+  if (terms.low_pass != terms_.low_pass) other.filter_ = FilterShares(bins_, terms.low_pass);
+  return other;
+}
+
+Modeled Problem::modeled(const Parameters& at) const {
+  Modeled out;
+  ArrayXd& S = out.density = unit_.rightCols<3>().matrix() * at.segment(Terms::N, 3).exp().matrix();
+  const double white = std::exp(at[Terms::N]);
+  for (int m = 0; m < terms_.markov; ++m)
+    if (const double power = std::exp(at[Terms::sigma(m)]); power > 0) {
+      MarkovDensity process(std::exp(at[Terms::time(m)]));
+      for (Index i = 0; i < S.size(); ++i) S[i] += power * process.at(bins_[static_cast<std::size_t>(i)].interval, cosine_[i]);
+    }
+  if (terms_.low_pass.order > 0) {
+    out.filter = filter_.at(std::exp(at[terms_.cutoff()]));
+    for (std::size_t i = 0; i < bins_.size(); ++i) {
+      double& density = S[static_cast<Index>(i)];
+      density = (density - white) * out.filter.red[i].share + white * out.filter.white[i].share;
+    }
+  }
+  S = S + at[Terms::Q] * Q_scale_ * unit_.col(Terms::Q) + rounding_;
+  return out;
+}
+
+MatrixXd Problem::sensitivity(const Parameters& at, const Modeled& modeled) const {
+  const auto& [density, shares] = modeled;
+  MatrixXd D(density.size(), terms_.count());
+  const double white = std::exp(at[Terms::N]), flicker = std::exp(at[Terms::B]), walk = std::exp(at[Terms::K]);
+  const bool filtered = terms_.low_pass.order > 0;
+  constexpr double step = 1e-3;  // of the logarithm of a correlation time
+  std::vector<std::array<MarkovDensity, 3>> processes;
+  for (int m = 0; m < terms_.markov; ++m) {
+    const double time = std::exp(at[Terms::time(m)]);
+    processes.push_back({MarkovDensity(time), MarkovDensity(time * (1 + step)), MarkovDensity(time * (1 - step))});
+  }
+  for (Index i = 0; i < density.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const Passed of_red = filtered ? shares.red[k] : Passed{}, of_white = filtered ? shares.white[k] : Passed{};
+    double red = flicker * unit_(i, Terms::B) + walk * unit_(i, Terms::K);
+    D(i, Terms::Q) = Q_scale_ * unit_(i, Terms::Q);
+    D(i, Terms::N) = white * of_white.share;
+    D(i, Terms::B) = flicker * unit_(i, Terms::B) * of_red.share;
+    D(i, Terms::K) = walk * unit_(i, Terms::K) * of_red.share;
+    for (int m = 0; m < terms_.markov; ++m) {
+      const double power = std::exp(at[Terms::sigma(m)]);
+      auto& [process, longer, shorter] = processes[static_cast<std::size_t>(m)];
+      const double T = bins_[k].interval, value = process.at(T, cosine_[i]);
+      D(i, Terms::sigma(m)) = power * value * of_red.share;
+      D(i, Terms::time(m)) = power * (longer.at(T, cosine_[i]) - shorter.at(T, cosine_[i])) / (2 * step) * of_red.share;
+      red += power * value;
+    }
+    if (filtered) D(i, terms_.cutoff()) = white * of_white.by_log_cutoff + red * of_red.by_log_cutoff;
+  }
+  D.array().colwise() /= density;
+  return D;
+}
+
+ArrayXd Problem::ramp_information(const ArrayXd& density) const {
+  ArrayXd information(density.size());
+  for (Index i = 0; i < density.size(); ++i) information[i] = std::pow(bins_[static_cast<std::size_t>(i)].ramp, 2) / density[i];
+  return information;
+}
+
+ArrayXd Problem::power(double ramp) const {
+  ArrayXd power = power_;
+  for (std::size_t i = 0; i < bins_.size() && bins_[i].ramp != 0; ++i)
+    power[static_cast<Index>(i)] = std::pow(bins_[i].amplitude - ramp * bins_[i].ramp, 2);
+  return power;
+}
+
+/// Sets ramp and misfit of a point, and returns the model there, nothing where it is not possible. A fitted ramp takes power from the lowest
+/// ordinates, which the restricted likelihood allows for.
+Modeled Problem::judge(Point& point, const Fixed& fixed) const {
+  point.misfit = std::numeric_limits<double>::infinity();
+  if (!possible(point.at)) return {};
+  Modeled at_point = modeled(point.at);
+  const ArrayXd& S = at_point.density;
+  if (!(S.minCoeff() > 0)) return at_point;
+  double sum = 0;
+  for (std::size_t i = 0; i < bins_.size(); ++i) sum += bins_[i].ramp * bins_[i].amplitude / S[static_cast<Index>(i)];
+  const double information = ramp_information(S).sum();
+  point.ramp = fixed.ramp ? *fixed.ramp : sum / information;
+  point.misfit = (counts_ * (S.log() + power(point.ramp) / S)).sum();
+  if (!fixed.ramp) point.misfit += std::log(information);
+  return at_point;
+}
+
+/// Whether correlation times and cutoff are where they can be told from the other terms.
+bool Problem::possible(const Parameters& at) const {
+  for (int m = 0; m < terms_.markov; ++m)
+    if (at[Terms::time(m)] < std::log(fewest_intervals * shortest_interval_) || at[Terms::time(m)] > std::log(longest_time_)) return false;
+  return terms_.low_pass.order == 0 || at[terms_.cutoff()] <= std::log((terms_.low_pass.digital ? 0.49 : 1.0) / shortest_interval_);
+}
+
+Point Problem::start(double below_hz) const {
+  Point start;
+  start.at = Parameters::Constant(terms_.count(), absent);
+  const ArrayXd ones = ArrayXd::Ones(counts_.size());
+  double sum = 0;
+  for (const SpectrumBin& bin : bins_) sum += bin.ramp * bin.amplitude;
+  const ArrayXd P = power(sum / ramp_information(ones).sum());
+  for (int j = 0; j < 4; ++j) {
+    std::vector<double> ratios;
+    for (Index i = 0; i < P.size(); ++i)
+      if (counts_[i] >= 3 && bins_[static_cast<std::size_t>(i)].middle_hz() < below_hz) ratios.push_back(P[i] / unit_(i, j));
+    if (ratios.empty()) ratios.push_back(P.mean() / unit_.col(j).mean());
+    const double size = std::max(quantile(ratios, 0.05), 1e-290);
+    start.at[j] = j == Terms::Q ? size / Q_scale_ : std::log(size);
+  }
+  return start;
+}
+
+Point Problem::revived(Point point) const {
+  const ArrayXd S = density(point.at);
+  for (const int j : {Terms::N, Terms::B, Terms::K}) point.at[j] = std::max(point.at[j], std::log(1e-3 / (unit_.col(j) / S).maxCoeff()));
+  return point;
+}
+
+Point Problem::fitted(Point point, const Fixed& fixed, double precision, int iterations) const {
+  Modeled now = judge(point, fixed);
+  if (now.density.size() == 0) now = modeled(point.at);
+  double damping = 1e-3;
+  for (int iteration = 0; iteration < iterations; ++iteration) {
+    const ArrayXd& S = now.density;
+    MatrixXd D = sensitivity(point.at, now);
+    if (fixed.parameter >= 0) D.col(fixed.parameter).setZero();
+    VectorXd gradient = D.transpose() * (counts_ * (1 - power(point.ramp) / S)).matrix();
+    if (!fixed.ramp) {
+      const ArrayXd ramp = ramp_information(S);
+      gradient -= D.transpose() * (ramp / ramp.sum()).matrix();
+    }
+    const MatrixXd information = D.transpose() * counts_.matrix().asDiagonal() * D;
+    Point next;
+    Modeled then;
+    bool better = false;
+    for (; !better && damping < 1e12; damping *= 10) {
+      MatrixXd damped = information;
+      damped.diagonal() += damping * (information.diagonal().array() + 1e-9).matrix();
+      const ArrayXd step = solve_semidefinite(damped, gradient).array();
+      next = point;
+      next.at[Terms::Q] -= step[Terms::Q];
+      next.at.tail(next.at.size() - 1) -= step.tail(step.size() - 1).max(-largest_step).min(largest_step);
+      next.at = next.at.max(absent).min(700.0);
+      then = judge(next, fixed);
+      better = std::isfinite(next.misfit) && next.misfit <= point.misfit;
+    }
+    if (!better) return point;
+    const double gain = point.misfit - next.misfit;
+    point = next, now = std::move(then);
+    const bool full_step = damping < 1e-1;  // a damped one gains little wherever it is
+    damping = std::max(1e-9, damping * 1e-2);
+    if (gain < precision && full_step) return point;
+  }
+  return point;
+}
+
+}  // namespace imulab::noise

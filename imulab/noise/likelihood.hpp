@@ -1,0 +1,94 @@
+// Whittle's likelihood of a spectrum: the model's density against the measured power of every bin, and its maximum.
+//
+//   S(f) = L(f) (N^2 + B^2 b(f) + K^2 k(f) + sum of sigma^2 m(f; time)) + Q^2 q(f) + r^2 T / 12,   L = 1 / (1 + (f / cutoff)^2n)
+//   -2 ln likelihood = sum of count (ln S + power / S)
+//
+// Rounding to steps r and quantization come after the sensor's low-pass.
+#pragma once
+
+#include "imulab/noise/spectral_terms.hpp"
+#include "imulab/noise/spectrum.hpp"
+
+#include <Eigen/Core>
+
+#include <limits>
+#include <optional>
+#include <vector>
+
+namespace imulab::noise {
+
+/// Which terms the model has besides Q, N, B, K and the ramp.
+struct Terms {
+  int markov = 0;  ///< processes, at most two
+  LowPassShape low_pass{};
+  /// Places in Point::at.
+  static constexpr int Q = 0, N = 1, B = 2, K = 3;
+  static int sigma(int process) { return 4 + 2 * process; }
+  static int time(int process) { return 5 + 2 * process; }
+  int cutoff() const { return 4 + 2 * markov; }
+  int count() const { return 4 + 2 * markov + (low_pass.order > 0 ? 1 : 0); }
+};
+
+inline constexpr double absent = -1e300;  ///< logarithm of a term that is not there
+using Parameters = Eigen::Array<double, Eigen::Dynamic, 1, 0, 9, 1>;
+
+/// Parameters: Q^2 as a part of Problem::Q_scale, which may be negative while it is fitted, so that what is absent does not bias N; of the others the
+/// logarithm: of N^2, B^2, K^2, and of each process sigma^2 and time, then of the cutoff frequency.
+struct Point {
+  Parameters at = Parameters::Constant(4, absent);
+  double ramp = 0;                                          ///< beyond the line that was removed
+  double misfit = std::numeric_limits<double>::infinity();  ///< -2 ln likelihood
+};
+
+/// What is kept fixed while the rest is fitted.
+struct Fixed {
+  int parameter = -1;
+  std::optional<double> ramp;
+};
+
+/// The model at one point: of each bin the density, and what the filter passes of it.
+struct Modeled {
+  Eigen::ArrayXd density;
+  FilterShares::Shares filter;  ///< empty without one
+};
+
+class Problem {
+ public:
+  /// The bins of a spectrum up to a frequency; `resolution` r of the readings, 0 where they are not rounded.
+  Problem(const Spectrum& spectrum, double highest_hz, double resolution, Terms terms);
+
+  const std::vector<SpectrumBin>& bins() const { return bins_; }
+  const Terms& terms() const { return terms_; }
+  double Q_scale() const { return Q_scale_; }
+  Problem with(Terms terms) const;
+
+  Modeled modeled(const Parameters& at) const;
+  Eigen::ArrayXd density(const Parameters& at) const { return modeled(at).density; }
+  /// Power without the ramp, where an ordinate has its amplitude.
+  Eigen::ArrayXd power(double ramp) const;
+  /// Of each ordinate, the ramp's squared amplitude over the noise's power: their sum is the information on the ramp.
+  Eigen::ArrayXd ramp_information(const Eigen::ArrayXd& density) const;
+  /// Derivatives of the logarithm of the density, bins by parameters.
+  Eigen::MatrixXd sensitivity(const Parameters& at, const Modeled& modeled) const;
+  const Eigen::ArrayXd& counts() const { return counts_; }
+
+  /// Each of Q, N, B, K as large as the spectrum below a frequency admits anywhere, over several of them; of the terms besides, nothing.
+  Point start(double below_hz = std::numeric_limits<double>::infinity()) const;
+  /// The same point with N, B and K at least a thousandth of the density somewhere: a fit does not find back what has vanished.
+  Point revived(Point point) const;
+  /// Fisher scoring, damped (Levenberg and Marquardt), until the misfit falls by less than `precision`, at most `iterations` times.
+  Point fitted(Point from, const Fixed& fixed = {}, double precision = 1e-5, int iterations = 200) const;
+
+ private:
+  Modeled judge(Point& point, const Fixed& fixed) const;
+  bool possible(const Parameters& at) const;
+
+  Terms terms_;
+  std::vector<SpectrumBin> bins_;
+  Eigen::ArrayXXd unit_;  // columns Q, N, B, K
+  Eigen::ArrayXd counts_, power_, cosine_;
+  FilterShares filter_;
+  double Q_scale_ = 1, rounding_ = 0, shortest_interval_ = std::numeric_limits<double>::infinity(), longest_time_;
+};
+
+}  // namespace imulab::noise

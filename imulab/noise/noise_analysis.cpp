@@ -1,0 +1,164 @@
+#include "imulab/noise/noise_analysis.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
+
+#include <Eigen/Cholesky>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <span>
+#include <utility>
+
+namespace imulab {
+namespace {
+
+/// The largest less the least.
+double temperature_change(const RecordingView& recording, std::size_t column, const Range& range) {
+  double least = HUGE_VAL, most = -HUGE_VAL;
+  for_each_block(recording, column, range, usual_block, [&](std::span<const double> samples) {
+    const auto [low, high] = std::minmax_element(samples.begin(), samples.end());
+    least = std::min(least, *low), most = std::max(most, *high);
+  });
+  return most - least;
+}
+
+void warn_of_temperature(NoiseAnalysis& analysis, const RecordingView& recording, std::size_t column, const Range& range, const char* triad) {
+  if (!recording.has(column)) return;
+  if (const double change = temperature_change(recording, column, range); change > 1)
+    analysis.warnings.push_back(fmt::format(
+        "the {} temperature changed by {:.3g} during the rest: R, K and B contain its effect unless its slope is removed", triad, change));
+}
+
+/// A thermometer's own noise would weaken the slope: means over 10 s, and straight lines between their middles; of a short record its readings.
+class SmoothTemperature {
+ public:
+  SmoothTemperature(const RecordingView& recording, std::size_t column, const Range& range)
+      : block_(std::max<std::size_t>(1, static_cast<std::size_t>(10 / recording.interval_s))) {
+    const std::size_t blocks = std::max<std::size_t>(1, range.size() / block_);
+    if (blocks < 2) {
+      block_ = 0;
+      std::vector<double> buffer;
+      const std::span<const double> samples = recording.samples(column, range, buffer);
+      means_.assign(samples.begin(), samples.end());
+      return;
+    }
+    for_each_block(recording, column, {range.begin, range.begin + blocks * block_}, block_, [&](std::span<const double> samples) {
+      means_.push_back(std::accumulate(samples.begin(), samples.end(), 0.0) / static_cast<double>(block_));
+    });
+  }
+  double operator()(std::size_t k) const {
+    if (block_ == 0) return means_[k];
+    const double at = (static_cast<double>(k) + 0.5) / static_cast<double>(block_) - 0.5;  // in blocks' middles; beyond the last two along their line
+    const auto b = static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(means_.size() - 2)));
+    return means_[b] + (at - static_cast<double>(b)) * (means_[b + 1] - means_[b]);
+  }
+
+ private:
+  std::size_t block_;  // 0: means_ are the readings
+  std::vector<double> means_;
+};
+
+/// Takes a parabola of the temperature off the readings; returns the slope per unit of the temperature, at its mean.
+double remove_parabola(std::vector<double>& readings, const SmoothTemperature& smooth) {
+  const std::size_t n = readings.size();
+  double sum = 0, least = HUGE_VAL, most = -HUGE_VAL;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double T = smooth(k);
+    sum += T, least = std::min(least, T), most = std::max(most, T);
+  }
+  const double center = sum / static_cast<double>(n), half = 0.5 * (most - least), origin = readings[0];
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  const auto row = [&](double T) { return Eigen::Vector3d(1, (T - center) / half, std::pow((T - center) / half, 2)); };
+  for (std::size_t k = 0; k < n; ++k) {
+    const Eigen::Vector3d at = row(smooth(k));
+    normal += at * at.transpose(), right += at * (readings[k] - origin);
+  }
+  const Eigen::Vector3d fitted = normal.ldlt().solve(right);
+  for (std::size_t k = 0; k < n; ++k) readings[k] -= row(smooth(k)).tail<2>().dot(fitted.tail<2>());
+  return fitted[1] / half;
+}
+
+void expect_temperature(const RecordingView& r, const Range& range, std::size_t column, const char* triad) {
+  if (!r.has(column))
+    throw Unsupported(fmt::format("{}: has no {} temperature to remove; expected a column declared as {}_temperature", r.name, triad, triad));
+  if (!(temperature_change(r, column, range) > 0))
+    throw Unsupported(fmt::format("{}: the {} temperature does not change: nothing to remove", r.name, triad));
+}
+
+void warn_of_fit(NoiseAnalysis& analysis, const NoiseAxis& axis) {
+  if (!axis.problem.empty()) analysis.warnings.push_back(fmt::format("{}: {}: no coefficients", axis.name, axis.problem));
+  if (!axis.fit) return;
+  if (axis.fit->cut)
+    analysis.warnings.push_back(fmt::format("{}: the spectrum above {:.3g} Hz is not the model's (a filter of another kind, or rounding): not used",
+                                            axis.name, axis.fit->highest_hz));
+  for (const NoiseMisfit& m : axis.fit->misfits)
+    analysis.warnings.push_back(fmt::format("{}: {:.2f} times the model's power at {:.3g} to {:.3g} Hz: all intervals are widened, and may not hold",
+                                            axis.name, m.ratio, m.low_hz, m.high_hz));
+}
+
+/// One axis: of a column on disk in the memory of `n` numbers.
+void analyze_axis(NoiseAxis& axis, const RecordingView& r, std::size_t column, const Range& range, const NoiseOptions& options, double& slope) {
+  axis.name = axis_name(column);
+  axis.unit = column < accel_columns ? r.gyro_unit : r.accel_unit;
+  std::vector<double> buffer;
+  if (r.on_disk != nullptr) buffer.reserve(range.size() + 1);  // for the phase in its place
+  std::span<const double> readings = r.samples(column, range, buffer);
+  if (std::all_of(readings.begin(), readings.end(), [&](double reading) { return reading == readings[0]; })) {
+    axis.problem = "all readings are equal";
+    return;
+  }
+  const double step = resolution_of(readings);
+  if (options.remove_temperature) {
+    if (buffer.empty()) buffer.assign(readings.begin(), readings.end());
+    slope = remove_parabola(buffer, SmoothTemperature(r, column + gyro_temperature_columns, range));
+    readings = buffer;
+  }
+  const std::vector<std::size_t> factors = averaging_factors(readings.size());
+  axis.fit = fit_noise(readings, r.interval_s, step);
+  axis.deviation = buffer.empty() ? deviation(readings, r.interval_s, factors, options.kind)
+                                  : deviation_in_place(std::move(buffer), r.interval_s, factors, options.kind);
+}
+
+}  // namespace
+
+NoiseAnalysis analyze_noise(const RecordingView& recording, const StillRange& still, const NoiseOptions& options) {
+  RecordingView r = recording;
+  r.interval_s = still.interval_s;
+  if (options.remove_temperature) {
+    expect_temperature(r, still.range, gyro_temperature_columns, "gyro");
+    expect_temperature(r, still.range, accel_temperature_columns, "accel");
+  }
+  NoiseAnalysis analysis;
+  analysis.recording = r.name;
+  analysis.kind = options.kind;
+  analysis.interval_s = r.interval_s;
+  analysis.samples = still.range.size();
+  analysis.begin_s = r.time_s(still.range.begin) - r.interval_s;
+  analysis.end_s = r.time_s(still.range.end - 1);
+  analysis.notes = still.notes;
+  analysis.axes.resize(6);
+  std::array<double, 6> slopes{};
+  const auto analyze = [&](std::size_t k) { analyze_axis(analysis.axes[k], r, k, still.range, options, slopes[k]); };
+  if (r.on_disk != nullptr)
+    for (std::size_t k = 0; k < 6; ++k) analyze(k);
+  else
+    parallel_for(std::size_t{6}, analyze);
+  if (options.remove_temperature)
+    for (std::size_t k = 0; k < 6; ++k)
+      if (analysis.axes[k].fit)
+        analysis.notes.push_back(
+            fmt::format("{}: a parabola of the temperature was removed, {:.3g} {} per degree at the mean: it may take some of K and B along",
+                        analysis.axes[k].name, slopes[k], analysis.axes[k].unit));
+  for (const NoiseAxis& axis : analysis.axes) warn_of_fit(analysis, axis);
+  if (options.remove_temperature) return analysis;
+  warn_of_temperature(analysis, r, gyro_temperature_columns, still.range, "gyro");
+  warn_of_temperature(analysis, r, accel_temperature_columns, still.range, "accelerometer");
+  return analysis;
+}
+
+}  // namespace imulab

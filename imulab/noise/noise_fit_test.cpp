@@ -1,0 +1,201 @@
+// Simulated rates with known coefficients: by imulab's own simulation, and by another construction of every term.
+#include "imulab/noise/noise_fit.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
+#include "imulab/core/random.hpp"
+#include "imulab/core/statistics.hpp"
+#include "imulab/model/sensor_noise.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/flicker_log.hpp"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace imulab {
+namespace {
+
+constexpr double interval = 0.1;
+
+std::vector<double> simulated(const NoiseModel& m, std::size_t n, std::uint64_t seed) {
+  std::vector<double> rate(n);
+  const AxisNoise noise(m, interval, seed, "noise of a test");
+  noise.add_slow(rate);
+  noise.add_fast(0, rate);
+  return rate;
+}
+
+std::vector<double> constructed(const NoiseModel& m, std::size_t n, std::uint64_t seed) {
+  const RandomStream stream(seed, "constructed");
+  std::vector<double> rate(n);
+  add_flicker(rate, m.B, interval, seed);
+  double before = stream.normal(4 * n), walk = 0;
+  const double step = m.K * std::sqrt(interval);
+  std::array<double, 4> z{};
+  for (std::size_t k = 0; k < n; ++k) {
+    stream.normals(4 * k, z);
+    rate[k] += m.N / std::sqrt(interval) * z[0] + m.Q / interval * (z[1] - before) + m.R.value * interval * static_cast<double>(k);
+    rate[k] += walk + step * (0.5 * z[2] + z[3] / std::sqrt(12.0));  // the walk's exact mean over the interval
+    walk += step * z[2];
+    before = z[1];
+  }
+  return rate;
+}
+
+struct Held {
+  int determined = 0, held = 0;
+  double error2 = 0, stated2 = 0;
+};
+
+std::array<Held, 5> count(const NoiseModel& truth, std::size_t logs) {
+  std::vector<NoiseFit> fits(logs);
+  parallel_for(logs,
+               [&](std::size_t k) { fits[k] = fit_noise(k % 2 == 0 ? simulated(truth, 12000, 1 + k) : constructed(truth, 12000, 1 + k), interval); });
+  std::array<Held, 5> out;
+  for (const NoiseFit& f : fits) {
+    const std::array<const NoiseCoefficient*, 5> found{&f.Q, &f.N, &f.B, &f.K, &f.R};
+    const std::array<double, 5> value{truth.Q, truth.N, truth.B, truth.K, truth.R.value};
+    for (std::size_t j = 0; j < 5; ++j) {
+      out[j].determined += found[j]->determined;
+      out[j].held += found[j]->lower <= value[j] && value[j] <= found[j]->upper;
+      if (!found[j]->determined) continue;
+      out[j].error2 += std::pow(found[j]->value - value[j], 2);
+      out[j].stated2 += std::pow(found[j]->standard_uncertainty, 2);
+    }
+  }
+  return out;
+}
+
+/// 100 logs of 20 minutes with each of two IMUs; the binomial bands of 99.9 % for intervals of 95 %. Bounds of what is absent, or hardly seen, may
+/// hold more often.
+TEST(NoiseFit, IntervalsHoldAsOftenAsTheySay) {
+  constexpr int logs = 100;
+  const double least = binomial_quantile(0.0005, logs, 0.95);
+  const auto rich = count({.Q = 0.5, .N = 1, .B = 0.5, .K = 0.03}, logs);
+  const auto walk = count({.N = 1, .K = 0.1, .R = {0.01, true}}, logs);
+  for (const auto& held : {rich, walk})
+    for (std::size_t j = 0; j < 5; ++j) EXPECT_GE(held[j].held, least) << "QNBKR"[j];
+  for (const Held& h : {rich[0], rich[1], walk[1]}) EXPECT_GE(h.determined, 0.9 * logs);
+  EXPECT_GE(rich[2].determined, 0.5 * logs) << "in twenty minutes a process often explains flicker better";
+  for (const Held& h : {rich[0], rich[1], rich[2], walk[1]})  // the mean of n squares scatters by sqrt(2 / n): three of them
+    EXPECT_NEAR(h.error2 / h.stated2, 1, 3 * std::sqrt(2.0 / h.determined));
+  // What is absent is not stated: 2.5 % by chance, where a bound at zero lets only one side err.
+  for (const Held& h : {rich[4], walk[0], walk[2]}) EXPECT_LE(h.determined, logs - least);
+}
+
+/// y += 0.5 (x - y): a first-order filter, though not Butterworth's by the bilinear transform.
+void smooth(std::vector<double>& rate) {
+  double state = 0;
+  for (double& r : rate) r = state += 0.5 * (r - state);  // half the power is lost at 1.1 Hz
+}
+
+TEST(NoiseFit, LeavesOutWhatAnUnknownFilterTook) {
+  std::vector<double> rate = constructed({.N = 1, .B = 0.5}, 50000, 3);
+  smooth(rate);
+  smooth(rate);
+  const NoiseFit fit = fit_noise(rate, interval);
+  EXPECT_TRUE(fit.low_pass || fit.cut);
+  EXPECT_NEAR(fit.N.value, 1, 0.1) << "what remains of the filter below the cut";
+}
+
+TEST(NoiseFit, KnowsAButterworthFilter) {
+  // Bilinear, first order, cutoff tan(pi f T) = 1/3: half the power at 1.024 Hz.
+  std::vector<double> rate = constructed({.N = 1}, 50000, 3);
+  double x = 0, y = 0;
+  for (double& r : rate) {
+    y = 0.25 * (r + x) + 0.5 * y;
+    x = r;
+    r = y;
+  }
+  const NoiseFit fit = fit_noise(rate, interval);
+  ASSERT_TRUE(fit.low_pass);
+  EXPECT_EQ(fit.low_pass->order, 1);
+  EXPECT_TRUE(fit.low_pass->digital);
+  EXPECT_FALSE(fit.cut);
+  EXPECT_LT(fit.low_pass->cutoff_hz.lower, 1.0242);
+  EXPECT_GT(fit.low_pass->cutoff_hz.upper, 1.0242);
+  EXPECT_LT(fit.N.lower, 1);
+  EXPECT_GT(fit.N.upper, 1);
+}
+
+TEST(NoiseFit, FindsLinesAndTakesThemOut) {
+  std::vector<double> rate = constructed({.N = 1}, 20000, 4);
+  const auto sine = [](double hz, std::size_t k) { return std::sin(2 * std::numbers::pi * hz * static_cast<double>(k) * interval); };
+  for (std::size_t k = 0; k < rate.size(); ++k) rate[k] += 0.5 * sine(1 / 80.0, k) + 2 * sine(3.21, k);
+  const NoiseFit fit = fit_noise(rate, interval);
+  ASSERT_EQ(fit.lines.size(), 2u);
+  EXPECT_NEAR(fit.lines[0].hz, 1 / 80.0, 5e-5) << "a tenth of one over the record";
+  EXPECT_NEAR(fit.lines[1].hz, 3.21, 5e-5);
+  for (const auto& [line, truth] : {std::pair{fit.lines[0], 0.5}, std::pair{fit.lines[1], 2.0}}) {
+    // White noise of density 1 in 2000 s: sqrt(2 / 2000); what the lines leak into the ordinates about them makes it larger.
+    EXPECT_GT(line.amplitude.standard_uncertainty, 0.8 * std::sqrt(1e-3));
+    EXPECT_LT(line.amplitude.standard_uncertainty, 1.6 * std::sqrt(1e-3));
+    EXPECT_NEAR(line.amplitude.value, truth, 4 * std::sqrt(1e-3));
+  }
+  EXPECT_TRUE(fit.accepted());
+  EXPECT_LT(fit.N.lower, 1);
+  EXPECT_GT(fit.N.upper, 1);
+}
+
+TEST(NoiseFit, FindsAMarkovProcess) {
+  std::vector<double> rate = constructed({.N = 1}, 50000, 5);
+  add_process(rate, 1, 5, interval, RandomStream(5, "process"));
+  const NoiseFit fit = fit_noise(rate, interval);
+  ASSERT_EQ(fit.markov.size(), 1u);
+  for (const auto& [found, truth] : {std::pair{fit.markov[0].sigma, 1.0}, std::pair{fit.markov[0].time, 5.0}, std::pair{fit.N, 1.0}}) {
+    EXPECT_LT(found.lower, truth);
+    EXPECT_GT(found.upper, truth);
+  }
+}
+
+TEST(NoiseFit, KnowsTheStepOfRoundedReadings) {
+  std::vector<double> rate = constructed({.N = 1}, 20000, 6);
+  EXPECT_EQ(resolution_of(rate), 0);
+  const double step = 2;  // of a scatter of 3.2
+  for (double& r : rate) r = 9.8 + step * std::round(r / step);
+  EXPECT_NEAR(resolution_of(rate), step, 1e-9);
+  const NoiseFit fit = fit_noise(rate, interval);
+  EXPECT_LT(fit.N.lower, 1) << "without the rounding's own noise, a 33rd of the power";
+  EXPECT_GT(fit.N.upper, 1);
+}
+
+TEST(NoiseFit, SaysWhatTheModelDoesNotHave) {
+  // A broad resonance: no line, no process without oscillation.
+  std::vector<double> rate = constructed({.N = 1}, 50000, 7);
+  std::vector<double> z(rate.size());
+  RandomStream(7, "resonance").normals(0, z);
+  double a = 0, b = 0;
+  for (std::size_t k = 0; k < rate.size(); ++k) {
+    const double y = 1.6 * a - 0.95 * b + 2 * z[k];
+    b = a, a = y;
+    rate[k] += y;
+  }
+  const NoiseFit fit = fit_noise(rate, interval);
+  EXPECT_TRUE(!fit.accepted() || fit.highest_hz < 1);
+}
+
+TEST(NoiseFit, ScalesWithUnitsAndIgnoresTheMean) {
+  std::vector<double> rate = constructed({.N = 1, .B = 0.3, .R = {0.01, true}}, 8192, 5);
+  const NoiseFit fit = fit_noise(rate, interval);
+  for (double& r : rate) r = 1e-6 * r + 9.8;
+  const NoiseFit small = fit_noise(rate, interval);
+  EXPECT_NEAR(small.N.value, 1e-6 * fit.N.value, 1e-10);  // readings near 9.8 are rounded to 2e-15
+  EXPECT_NEAR(small.R.value, 1e-6 * fit.R.value, 1e-12);
+  EXPECT_EQ(small.B.determined, fit.B.determined);
+}
+
+TEST(NoiseFit, RefusesWhatSaysNothing) {
+  EXPECT_THROW(fit_noise(std::vector<double>(1000, 2.0), 0.1), Unsupported);
+  EXPECT_THROW(fit_noise(std::vector<double>(63, 2.0), 0.1), Error);
+  std::vector<double> rate = constructed({.N = 1}, 100, 6);
+  EXPECT_THROW(fit_noise(rate, -1), Error);
+  EXPECT_NO_THROW(fit_noise(rate, 1));
+  rate[7] = INFINITY;
+  EXPECT_THROW(fit_noise(rate, 1), Error);
+}
+
+}  // namespace
+}  // namespace imulab

@@ -1,0 +1,154 @@
+#include "imulab/noise/noise_interval.hpp"
+
+#include "imulab/core/decomposition.hpp"
+#include "imulab/core/statistics.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace imulab::noise {
+
+namespace {
+
+constexpr int most_halvings = 24;   // of an interval that holds a bound
+constexpr double precision = 0.01;  // of a bound, as a part of its distance from the value
+/// Chi-square of one degree, 95 %: also for the bound of what is not determined. With less for it (2.71, 95 % on one side), intervals would be left
+/// too short as well as too long by the very logs that decide which of the two is stated, and hold in 92.5 % of them.
+constexpr double rise_of_95 = 3.841458820694124;
+constexpr double profile_precision = 1e-3;  // of the 3.84 that the misfit rises
+constexpr double farthest = 0.5;            // that another logarithm is expected to follow: one that hardly matters would run away
+constexpr double widest_log = 60;           // of an interval, in the logarithm of a square
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// A parameter as the logarithm of a square, also Q's.
+double log_square(const Problem& problem, const Point& point, int parameter) {
+  if (parameter != Terms::Q) return point.at[parameter];
+  return point.at[parameter] > 0 ? std::log(point.at[parameter] * problem.Q_scale()) : absent;
+}
+
+void set_log_square(const Problem& problem, Point& point, int parameter, double log) {
+  point.at[parameter] = parameter == Terms::Q ? std::exp(log) / problem.Q_scale() : log;
+}
+
+/// How the other parameters follow one near the maximum, per unit of it, and its own standard deviation: from the information matrix.
+struct Following {
+  Parameters slope;
+  double sigma = 0;
+};
+
+Following following(const Problem& problem, const Point& best, int parameter) {
+  const Eigen::MatrixXd D = problem.sensitivity(best.at, problem.modeled(best.at));
+  Eigen::MatrixXd information = 0.5 * (D.transpose() * problem.counts().matrix().asDiagonal() * D);
+  information.diagonal().array() += 1e-9;  // of a term that is absent: nothing
+  const Eigen::VectorXd column = solve_semidefinite(information, Eigen::VectorXd(Eigen::VectorXd::Unit(information.rows(), parameter)));
+  return {(column / column[parameter]).array(), std::sqrt(column[parameter])};
+}
+
+/// From a parameter outward by `direction` until the misfit has risen by `rise`; NaN where it does not within e^60.
+double crossing(const Problem& problem, const Point& best, int parameter, double from, double direction, double rise) {
+  const Following others = following(problem, best, parameter);
+  Point last = best;
+  const auto risen = [&](double log) {
+    // From where the others are expected; if the model does not admit that, from where the fit before ended.
+    Point start = last;
+    set_log_square(problem, start, parameter, log);
+    const Parameters step = others.slope * (start.at[parameter] - last.at[parameter]);
+    start.at += step.max(-farthest).min(farthest);
+    start = problem.revived(start);
+    set_log_square(problem, start, parameter, log);
+    Point found = problem.fitted(start, {parameter, {}}, profile_precision);
+    if (!std::isfinite(found.misfit)) {
+      start.at = last.at;
+      set_log_square(problem, start, parameter, log);
+      found = problem.fitted(start, {parameter, {}}, profile_precision);
+    }
+    if (!std::isfinite(found.misfit)) return 1.0;  // beyond what the model admits
+    last = found;
+    return last.misfit - best.misfit - rise;
+  };
+  // Of Q the parameter is the square itself, relative to which its logarithm changes.
+  const double sigma = parameter == Terms::Q ? others.sigma / std::max(best.at[parameter], others.sigma) : others.sigma;
+  double inside = from, step = std::clamp(sigma, 1e-6, 1.0), outside = inside + direction * step;
+  while (risen(outside) < 0) {
+    inside = outside;
+    outside = inside + direction * (step *= 2);
+    if (step > widest_log) return nan;
+  }
+  for (int i = 0; i < most_halvings && std::abs(outside - inside) > precision * std::abs(outside - from); ++i) {
+    const double middle = 0.5 * (inside + outside);
+    (risen(middle) < 0 ? inside : outside) = middle;
+  }
+  return 0.5 * (inside + outside);
+}
+
+/// On how many degrees of freedom the power rests that a ramp has to stand out of: by the fit's variance of its logarithm, 2 / degrees.
+double degrees_below_ramp(const Problem& problem, const Point& best) {
+  const Modeled modeled = problem.modeled(best.at);
+  const Eigen::ArrayXd ramp = problem.ramp_information(modeled.density);
+  const Eigen::MatrixXd D = problem.sensitivity(best.at, modeled);
+  Eigen::MatrixXd information = 0.5 * (D.transpose() * problem.counts().matrix().asDiagonal() * D);
+  information.diagonal().array() += 1e-6;  // of a term that is absent: nothing
+  const Eigen::VectorXd direction = D.transpose() * (ramp / ramp.sum()).matrix();
+  return std::max(1.0, 2 / squared_norm_in(information, direction));
+}
+
+}  // namespace
+
+NoiseCoefficient size_of(const Problem& problem, const Point& best, int parameter, double widening) {
+  Point without = problem.revived(best);
+  without.at[parameter] = parameter == Terms::Q ? 0 : absent;
+  NoiseCoefficient c;
+  double from = log_square(problem, best, parameter);
+  c.determined = from != absent && problem.fitted(without, {parameter, {}}).misfit - best.misfit > rise_of_95 * widening;
+  if (!c.determined) {  // from where the term is a thousandth of the spectrum, if it is less
+    Point unit = best;
+    set_log_square(problem, unit, parameter, 0);
+    const Eigen::ArrayXd density = problem.density(best.at);
+    const double share = ((problem.density(unit.at) - problem.density(without.at)) / density).maxCoeff();
+    from = std::max(from, std::log(1e-3 / share));
+  }
+  const double upper = crossing(problem, best, parameter, from, 1, rise_of_95 * widening);
+  c.upper = std::exp(0.5 * upper);
+  if (!c.determined) return undetermined_below(c.upper);
+  c.value = std::exp(0.5 * from);
+  const double lower = crossing(problem, best, parameter, from, -1, rise_of_95 * widening);
+  c.lower = std::isnan(lower) ? 0 : std::exp(0.5 * lower);
+  c.standard_uncertainty = (c.upper - c.lower) / (2 * std::sqrt(rise_of_95));
+  return c;
+}
+
+NoiseCoefficient scale_of(const Problem& problem, const Point& best, int parameter, double widening) {
+  const double from = best.at[parameter];
+  const double lower = crossing(problem, best, parameter, from, -1, rise_of_95 * widening),
+               upper = crossing(problem, best, parameter, from, 1, rise_of_95 * widening);
+  NoiseCoefficient c{std::exp(from), 0, std::isnan(lower) ? 0 : std::exp(lower), std::exp(upper), true};
+  if (std::isnan(upper)) c.upper = std::numeric_limits<double>::infinity();
+  c.standard_uncertainty = (c.upper - c.lower) / (2 * std::sqrt(rise_of_95));
+  return c;
+}
+
+NoiseCoefficient ramp_of(const Problem& problem, const Point& best, double slope, double widening) {
+  const double degrees = degrees_below_ramp(problem, best), quantile = student_quantile(0.975, degrees);
+  const double rise = (degrees + 1) * std::log1p(quantile * quantile / degrees) * widening;
+  const Point base = problem.fitted(problem.revived(best), {-1, best.ramp});
+  const auto risen = [&](double ramp) { return problem.fitted(base, {-1, ramp}).misfit - base.misfit - rise; };
+  const double sigma = 1 / std::sqrt(problem.ramp_information(problem.density(best.at)).sum());
+  const auto edge = [&](double direction) {
+    double inside = best.ramp, step = sigma, outside = inside + direction * step;
+    while (risen(outside) < 0 && step < 1e6 * sigma) inside = outside, outside += direction * (step *= 2);
+    for (int i = 0; i < most_halvings && std::abs(outside - inside) > precision * std::abs(outside - best.ramp); ++i) {
+      const double middle = 0.5 * (inside + outside);
+      (risen(middle) < 0 ? inside : outside) = middle;
+    }
+    return slope + outside;
+  };
+  NoiseCoefficient c;
+  c.lower = edge(-1), c.upper = edge(1);
+  c.determined = c.lower > 0 || c.upper < 0;
+  if (!c.determined) return undetermined_below(std::max(-c.lower, c.upper));
+  c.value = slope + best.ramp;
+  c.standard_uncertainty = (c.upper - c.lower) / (2 * quantile);
+  return c;
+}
+
+}  // namespace imulab::noise

@@ -1,0 +1,178 @@
+#include "imulab/noise/noise_terms.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/core/statistics.hpp"
+#include "imulab/noise/spectral_terms.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+namespace imulab::noise {
+
+namespace {
+
+/// Of -2 ln likelihood, for a term of one or two parameters that is looked for at some dozens of places: by chance in about 1 log of 1000.
+constexpr double least_gain = 18;
+constexpr int most_processes = 2, coarse_iterations = 15;
+constexpr double coarse_precision = 0.5;
+constexpr std::size_t fewest_bins = 12;
+constexpr LowPassShape low_passes[] = {{1, false}, {1, true}, {2, false}, {2, true}, {4, false}, {4, true}};
+
+/// A negative Q^2 only keeps the other terms unbiased: it must not stand for a low-pass.
+double misfit_of(const Problem& problem, const Point& best) {
+  if (best.at[Terms::Q] >= 0) return best.misfit;
+  Point at_bound = best;
+  at_bound.at[Terms::Q] = 0;
+  return problem.fitted(at_bound, {Terms::Q, {}}, coarse_precision).misfit;
+}
+
+double density_near(const Problem& problem, const Eigen::ArrayXd& density, double hz) {
+  std::size_t nearest = 0;
+  for (std::size_t i = 0; i < problem.bins().size(); ++i)
+    if (std::abs(std::log(problem.bins()[i].middle_hz() / hz)) < std::abs(std::log(problem.bins()[nearest].middle_hz() / hz))) nearest = i;
+  return density[static_cast<Eigen::Index>(nearest)];
+}
+
+/// The point with other terms: its processes and cutoff stay where they are.
+Point moved(const Point& from, const Terms& old, const Terms& terms) {
+  Point out = from;
+  out.at.resize(terms.count());
+  out.at.head(4 + 2 * old.markov) = from.at.head(4 + 2 * old.markov);
+  if (old.low_pass.order > 0 && terms.low_pass.order > 0) out.at[terms.cutoff()] = from.at[old.cutoff()];
+  return out;
+}
+
+std::optional<Model> best_of(const Problem& problem, const std::vector<Point>& starts) {
+  std::optional<Point> best;
+  for (const Point& start : starts)
+    if (const Point p = problem.fitted(start, {}, coarse_precision, coarse_iterations); std::isfinite(p.misfit) && (!best || p.misfit < best->misfit))
+      best = p;
+  if (!best) return {};
+  *best = problem.fitted(problem.revived(*best));
+  return Model{problem, *best, misfit_of(problem, *best)};
+}
+
+/// White noise through a filter looks like a process that is all there is at the highest frequencies.
+bool stands_for_a_filter(const Model& model) {
+  const Terms& terms = model.problem.terms();
+  const Eigen::ArrayXd density = model.problem.density(model.best.at);
+  const SpectrumBin& highest = model.problem.bins().back();
+  for (int m = 0; m < terms.markov; ++m)
+    if (std::exp(model.best.at[Terms::sigma(m)]) *
+            MarkovDensity(std::exp(model.best.at[Terms::time(m)])).at(highest.interval, cosine_over_interval(highest)) >
+        0.5 * density[density.size() - 1])
+      return true;
+  return false;
+}
+
+/// Another process, tried at correlation times a factor of 3 apart with a third of the power about its corner.
+std::optional<Model> with_process(const Model& model, double shortest_s, double record_s) {
+  Terms terms = model.problem.terms();
+  const int place = terms.markov++;
+  const Problem problem = model.problem.with(terms);
+  const Eigen::ArrayXd density = model.problem.density(model.best.at);
+  std::vector<Point> starts;
+  const Point base = moved(model.problem.revived(model.best), model.problem.terms(), terms);
+  for (double time = 3 * shortest_s; time < record_s / 11; time *= 3) {
+    Point start = base;
+    const double corner = 1 / (2 * std::numbers::pi * time);
+    start.at[Terms::time(place)] = std::log(time);
+    start.at[Terms::sigma(place)] = std::log(density_near(problem, density, corner) / (3 * time));  // its density there is sigma^2 time
+    starts.push_back(start);
+  }
+  std::optional<Model> found = best_of(problem, starts);
+  if (found && stands_for_a_filter(*found)) return {};
+  return found;
+}
+
+std::optional<Model> with_low_pass(const Model& model, const LowPassShape& shape, double highest_hz) {
+  Terms terms = model.problem.terms();
+  const bool other = terms.low_pass.order > 0;
+  terms.low_pass = shape;
+  std::vector<Point> starts;
+  const Problem problem = model.problem.with(terms);
+  const Point base = moved(model.problem.revived(model.best), model.problem.terms(), terms);
+  if (other) starts.push_back(base);
+  for (double cutoff = 0.95 * highest_hz; !other && cutoff > highest_hz / 64; cutoff /= 1.6) {
+    Point start = base;
+    start.at.head(4) = problem.start(cutoff / 2).at.head(4);
+    start.at[Terms::Q] = 0;
+    start.at[terms.cutoff()] = std::log(cutoff);
+    starts.push_back(start);
+  }
+  return best_of(problem, starts);
+}
+
+/// `agreement` and `highest_hz` are left to the caller.
+ChosenModel choose(const Problem& simple, double shortest_s, double record_s, double highest_hz, bool filters) {
+  const Point best = simple.fitted(simple.revived(simple.fitted(simple.start())));
+  Model model{simple, best, misfit_of(simple, best)};
+  for (;;) {
+    std::optional<Model> chosen;
+    double most = 0;
+    const auto offer = [&](std::optional<Model> found, double price) {
+      if (!found || model.misfit - found->misfit - price < most) return;
+      most = model.misfit - found->misfit - price;
+      chosen = std::move(found);
+    };
+    const Terms& terms = model.problem.terms();
+    for (const LowPassShape& shape : low_passes)
+      if (filters && shape != terms.low_pass) offer(with_low_pass(model, shape, highest_hz), terms.low_pass.order > 0 ? 1 : least_gain);
+    std::optional<Model> wider;
+    if (terms.markov < most_processes) wider = with_process(model, shortest_s, record_s);
+    if (wider && model.best.misfit - wider->best.misfit >= least_gain) offer(wider, least_gain + 2);
+    if (!chosen) return {std::move(model), std::move(wider), 0, {}};
+    model = std::move(*chosen);
+  }
+}
+
+/// Measured over modeled power in ranges of at least 20 degrees of freedom and a third of an octave.
+Agreement agreement_of(const Model& model) {
+  const Problem& problem = model.problem;
+  const Eigen::ArrayXd ratio = problem.power(model.best.ramp) / problem.density(model.best.at);
+  struct Group {
+    double low, high, count, sum;
+  };
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < problem.bins().size(); ++i) {
+    const SpectrumBin& bin = problem.bins()[i];
+    if (groups.empty() || (groups.back().count >= 20 && groups.back().high > 1.25 * groups.back().low)) groups.push_back({bin.low_hz(), 0, 0, 0});
+    groups.back().high = bin.high_hz();
+    groups.back().count += bin.count;
+    groups.back().sum += bin.count * ratio[static_cast<Eigen::Index>(i)];
+  }
+  Agreement out;
+  const double by_chance = 0.001 / static_cast<double>(groups.size());
+  for (const Group& g : groups) {
+    const double tail = chi_square_tail(g.sum, g.count);
+    if (std::min(tail, 1 - tail) < 0.5 * by_chance) out.misfits.push_back({g.low, g.high, g.sum / g.count});
+    out.chi2_per_dof += std::pow(g.sum / g.count - 1, 2) * g.count / 2;
+  }
+  out.chi2_per_dof /= std::max(1.0, static_cast<double>(groups.size()) - problem.terms().count() - 1);
+  return out;
+}
+
+}  // namespace
+
+ChosenModel choose_terms(const Spectrum& spectrum, double half_rate_hz, double resolution) {
+  const double shortest = 0.5 / half_rate_hz;
+  std::optional<ChosenModel> chosen;
+  for (double highest = 2 * half_rate_hz; highest > half_rate_hz / 32; highest = std::min(highest, half_rate_hz) * 0.8) {
+    const Problem simple(spectrum, highest, resolution, {});
+    if (simple.bins().size() < fewest_bins) break;
+    ChosenModel found = choose(simple, shortest, spectrum.record_s, std::min(highest, half_rate_hz), highest > half_rate_hz);
+    found.highest_hz = highest;
+    found.agreement = agreement_of(found);
+    // A quantization that is negative beyond chance (three sigma) stands for a filter.
+    const bool holds = found.agreement.misfits.empty() && found.misfit - found.best.misfit < 9;
+    if (!chosen || holds || found.agreement.chi2_per_dof < chosen->agreement.chi2_per_dof) chosen = std::move(found);
+    if (holds) break;
+  }
+  if (!chosen) throw Unsupported("too few frequencies are left to see noise; expected a longer record");
+  return *chosen;
+}
+
+}  // namespace imulab::noise

@@ -1,0 +1,197 @@
+#include "imulab/results/budget.hpp"
+
+#include "imulab/core/units.hpp"
+#include "imulab/formats/text/figures.hpp"
+#include "imulab/results/budget_quantities.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <string_view>
+#include <utility>
+
+namespace imulab {
+namespace {
+
+using namespace result_io;
+
+std::string header(std::string start, Eigen::Index quantities, std::initializer_list<std::string_view> columns) {
+  for (Eigen::Index q = 0; q < quantities; ++q)
+    for (const std::string_view column : columns) start += fmt::format(",{}_{}", quantity_names[static_cast<std::size_t>(q)], column);
+  return start + "\n";
+}
+
+void add_row(std::string& text, const BudgetRows& fixed, const BudgetRows& sigma, Eigen::Index at) {
+  for (Eigen::Index q = 0; q < budget_quantities; ++q) text += fmt::format(",{:.8g},{:.8g}", fixed(q, at) / unit_of(q), sigma(q, at) / unit_of(q));
+  text += '\n';
+}
+
+std::string vertical_text(VerticalChannel vertical) {
+  switch (vertical) {
+    case VerticalChannel::free:
+      return "vertical channel free";
+    case VerticalChannel::fixed:
+      return "height fixed";
+    case VerticalChannel::aided:
+      return "height aided by a barometer";
+    case VerticalChannel::held:
+      break;
+  }
+  return "height held by a barometer, vertical velocity free";
+}
+
+/// East, north and up of one quantity.
+struct ErrorRows {
+  const char* title;
+  Eigen::Index first;  ///< of its rows
+};
+constexpr std::array<ErrorRows, 3> blocks{{{"position, m", 0}, {"velocity, m/s", 3}, {"attitude, arcsec", 6}}};
+
+template <class Value>
+std::string row_text(const ErrorRows& block, const Value& value) {
+  std::string text;
+  for (Eigen::Index q = block.first; q < block.first + 3; ++q) text += fmt::format(" {:>10}", text::number(value(q) / unit_of(q)));
+  return text;
+}
+
+constexpr std::size_t name_width = 26;
+
+std::string line_text(std::string_view name, const char* what, const std::string& row) {
+  return fmt::format("{:<{}} {:<5}{}\n", name, name_width, what, row);
+}
+
+std::string total_rows(const ErrorRows& block, const ErrorBudget& b) {
+  const auto end = static_cast<Eigen::Index>(b.time.size()) - 1;
+  return line_text("all together", "fixed", row_text(block, b.mean.col(end))) + line_text("", "sigma", row_text(block, total_sigma(b).col(end)));
+}
+
+std::vector<std::size_t> by_share(const std::vector<double>& shares, std::size_t groups) {
+  std::vector<std::size_t> order(groups);
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t x, std::size_t y) { return shares[x] > shares[y]; });
+  return order;
+}
+
+std::string percent(double share) { return fmt::format("{:.1f} %", std::round(1000 * share) / 10 + 0.0); }
+
+/// Sources by their share, the largest first.
+std::string source_rows(const ErrorRows& block, const ErrorBudget& b) {
+  const auto end = static_cast<Eigen::Index>(b.time.size()) - 1;
+  const std::vector<double> shares = b.horizontal_shares(b.time.size() - 1);
+  const bool shown = block.first == 0;  // shares are of the position
+  std::string text;
+  for (const std::size_t k : by_share(shares, b.groups.size())) {
+    const Contribution& c = b.groups[k];
+    const bool drawn = !c.sigma.col(end).isZero(0), fixed = !c.fixed.col(end).isZero(0);
+    std::string share = shown ? fmt::format(" {:>9}", percent(shares[k])) : "";
+    if (fixed || !drawn) text += line_text(c.name, "fixed", row_text(block, c.fixed.col(end)) + std::exchange(share, ""));
+    if (drawn) text += line_text(fixed ? "" : c.name, "sigma", row_text(block, c.sigma.col(end)) + share);
+  }
+  if (shown && std::abs(shares.back()) > 5e-4) text += fmt::format("{:<65} {:>9}\n", "correlation between groups", percent(shares.back()));
+  return text;
+}
+
+std::string block_text(const ErrorRows& block, const ErrorBudget& b) {
+  std::string text = fmt::format("\n{:<32} {:>10} {:>10} {:>10}{}\n", block.title, "east", "north", "up", block.first == 0 ? "     share" : "");
+  return text + source_rows(block, b) + total_rows(block, b);
+}
+
+/// Horizontal position, and what causes most of it.
+std::string headline(const ErrorBudget& b) {
+  const auto end = static_cast<Eigen::Index>(b.time.size()) - 1;
+  const Eigen::VectorXd sigma = total_sigma(b).col(end);
+  const double rms = std::sqrt(b.mean.col(end).head<2>().squaredNorm() + sigma.head<2>().squaredNorm());
+  const std::vector<double> shares = b.horizontal_shares(b.time.size() - 1);
+  std::string largest;
+  for (const std::size_t k : by_share(shares, b.groups.size())) {
+    if (shares[k] < 0.05 || std::count(largest.begin(), largest.end(), '%') == 3) break;
+    largest += fmt::format("{}{} {:.0f} %", largest.empty() ? "" : ", ", b.groups[k].name, 100 * shares[k]);
+  }
+  return text::wrapped(
+             "", fmt::format("after {:g} s: horizontal position error {} m RMS, {}", b.time.back(), text::number(rms), vertical_text(b.vertical))) +
+         (largest.empty() ? "" : text::wrapped("  most of it from: ", largest));
+}
+
+std::string monte_carlo_line(const ErrorDistribution& d) {
+  const auto end = static_cast<Eigen::Index>(d.time.size()) - 1;
+  return text::wrapped("  ",
+                       fmt::format("Monte Carlo, {} runs: horizontal position median {:.4g} m, 5..95 % {:.4g}..{:.4g} m; pure-inertial rate {:.3g} "
+                                   "nmi/h RMS, CEP {:.3g} nmi/h, 95 % {:.3g} nmi/h",
+                                   d.drift.size(), d.median(budget_quantities, end), d.low(budget_quantities, end), d.high(budget_quantities, end),
+                                   d.drift_rms / unit::nmi_per_h, d.drift_cep / unit::nmi_per_h, d.drift_95 / unit::nmi_per_h));
+}
+
+std::string monte_carlo_rows(const ErrorRows& block, const ErrorDistribution& d) {
+  const auto end = static_cast<Eigen::Index>(d.time.size()) - 1;
+  return line_text("Monte Carlo", "mean", row_text(block, d.mean.col(end))) + line_text("", "sigma", row_text(block, d.sigma.col(end))) +
+         line_text("", "5 %", row_text(block, d.low.col(end))) + line_text("", "50 %", row_text(block, d.median.col(end))) +
+         line_text("", "95 %", row_text(block, d.high.col(end)));
+}
+
+}  // namespace
+
+std::string total_csv(const ErrorBudget& b) {
+  const BudgetRows sigma = total_sigma(b);
+  std::string text = header("t", budget_quantities, {"fixed", "sigma"});
+  for (std::size_t i = 0; i < b.time.size(); ++i) {
+    text += fmt::format("{:.10g}", b.time[i]);
+    add_row(text, b.mean, sigma, static_cast<Eigen::Index>(i));
+  }
+  return text;
+}
+
+std::string sources_csv(const ErrorBudget& b) {
+  std::string text = header("source,t", budget_quantities, {"fixed", "sigma", "share"});
+  for (std::size_t i = 0; i < b.time.size(); ++i) {
+    std::array<std::vector<double>, budget_quantities> shares;
+    for (int q = 0; q < budget_quantities; ++q) shares[static_cast<std::size_t>(q)] = b.shares(q, i);
+    for (std::size_t k = 0; k <= b.groups.size(); ++k) {  // the last: the correlation
+      const bool group = k < b.groups.size();
+      text += fmt::format("{},{:.10g}", group ? b.groups[k].name : "correlation between groups", b.time[i]);
+      for (Eigen::Index q = 0; q < budget_quantities; ++q) {
+        const auto at = static_cast<Eigen::Index>(i);
+        const double unit = unit_of(q), fixed = group ? b.groups[k].fixed(q, at) / unit : 0, sigma = group ? b.groups[k].sigma(q, at) / unit : 0;
+        text += fmt::format(",{:.8g},{:.8g},{:.6g}", fixed, sigma, shares[static_cast<std::size_t>(q)][k]);
+      }
+      text += '\n';
+    }
+  }
+  return text;
+}
+
+std::string runs_csv(const ErrorDistribution& d) {
+  std::string text = header("run", budget_quantities, {"end", "peak"});
+  for (Eigen::Index k = 0; k < d.end.cols(); ++k) {
+    text += fmt::format("{}", k);
+    add_row(text, d.end, d.peak, k);
+  }
+  return text;
+}
+
+std::string distribution_csv(const ErrorDistribution& d) {
+  std::string text = header("t", budget_quantities + 1, {"low", "median", "high"});
+  for (std::size_t i = 0; i < d.time.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    text += fmt::format("{:.10g}", d.time[i]);
+    for (Eigen::Index q = 0; q <= budget_quantities; ++q)
+      text += fmt::format(",{:.8g},{:.8g},{:.8g}", d.low(q, at) / unit_of(q), d.median(q, at) / unit_of(q), d.high(q, at) / unit_of(q));
+    text += '\n';
+  }
+  return text;
+}
+
+std::string budget_table(const ErrorBudget& b, const std::optional<ErrorDistribution>& monte_carlo, bool details) {
+  std::string text = headline(b);
+  if (monte_carlo) text += monte_carlo_line(*monte_carlo);
+  for (const ErrorRows& block : blocks) {
+    if (block.first > 0 && !details) break;
+    text += block_text(block, b);
+    if (monte_carlo && details) text += monte_carlo_rows(block, *monte_carlo);
+  }
+  return text;
+}
+
+}  // namespace imulab

@@ -1,0 +1,141 @@
+#include "imulab/results/calibration.hpp"
+
+#include "imulab/estimate/method.hpp"
+#include "imulab/formats/text/figures.hpp"
+#include "imulab/formats/text/printable.hpp"
+#include "imulab/model/coefficient.hpp"
+#include "imulab/model/requirement.hpp"
+#include "imulab/model/user_unit.hpp"
+#include "imulab/model/user_value.hpp"
+#include "imulab/results/reached.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace imulab {
+namespace {
+
+using text::to_digits_of;
+using text::two_digits;
+using text::wrapped;
+
+std::string detail_rows(const Calibration& calibration) {
+  std::string text = fmt::format("  {:<21} {:>13} {:>8} {:>11} {:>7} {}\n", "coefficient", "value (SI)", "+/-", "user unit", "+/-", "unit");
+  for (const CoefficientIndex index : calibration.estimated) {
+    const double value = coefficient_value(calibration.model, index), sigma = *standard_uncertainty(calibration, index);
+    const UserValue user = user_value(calibration, index);
+    text += fmt::format("  {:<21} {:>13.7g} {:>8.2g} {:>11} {:>7} {}\n", coefficient(index).name, value, sigma,
+                        to_digits_of(user.uncertainty, user.value), two_digits(user.uncertainty), user.unit);
+  }
+  return text;
+}
+
+/// Cheng's table 1, in user units.
+std::string correction_rows(const Calibration& calibration, const SensorModel& coarse) {
+  std::string text = fmt::format("  {:<21} {:>13} {:>12} {:>13} {}\n", "coefficient", "coarse", "correction", "value", "unit");
+  for (const CoefficientIndex index : calibration.estimated) {
+    const UserValue before = user_value(calibration, index, coarse), after = user_value(calibration, index);
+    const auto digits = [&](double value) { return to_digits_of(after.uncertainty, value); };
+    text += fmt::format("  {:<21} {:>13} {:>12} {:>13} {}\n", coefficient(index).name, digits(before.value), digits(after.value - before.value),
+                        digits(after.value), after.unit);
+  }
+  return text;
+}
+
+/// Optional terms that the data did not show: tested and not kept.
+bool is_hidden(const Calibration& calibration, const Coefficient& c) {
+  const std::vector<TermTest>& tests = calibration.quality.term_tests;
+  const std::string name = fmt::format("{}.{}", to_string(c.triad), to_string(c.term));
+  return std::any_of(tests.begin(), tests.end(), [&](const TermTest& test) { return test.term == name && !test.kept; });
+}
+
+std::string coefficient_rows(const Calibration& calibration) {
+  std::string text = fmt::format("  {:<21} {:>14} {:>12}  {}\n", "coefficient", "value", "+/-", "unit");
+  for (const CoefficientIndex index : calibration.estimated) {
+    if (is_hidden(calibration, coefficient(index))) continue;
+    const UserValue user = user_value(calibration, index);
+    text += fmt::format("  {:<21} {:>14} {:>12}  {}\n", coefficient(index).name, to_digits_of(user.uncertainty, user.value),
+                        two_digits(user.uncertainty), user.unit);
+  }
+  return text;
+}
+
+/// The optional terms whose priors alone count.
+std::string hidden_text(const Calibration& calibration) {
+  std::string names;
+  for (const TermTest& test : calibration.quality.term_tests)
+    if (!test.kept) names += (names.empty() ? "" : ", ") + test.term;
+  return names.empty() ? "" : wrapped("  ", "not seen, but included in the uncertainties (see docs/priors.md): " + names);
+}
+
+std::string term_test_text(const TermTest& test) {
+  if (test.degrees_of_freedom == 0) return wrapped("  ", test.term + ": the data do not show it; its prior enters the uncertainties");
+  std::string validation;
+  if (test.cross_validation_with > 0)
+    validation = fmt::format("; left-out points are missed by {:.3g} sigma with it, {:.3g} without", test.cross_validation_with,
+                             test.cross_validation_without);
+  return wrapped("  ", fmt::format("{}: {} (chi2 {:.4g} with {} degree{} of freedom, probability by chance {:.2g}{})", test.term,
+                                   test.kept ? "seen" : "not seen; its prior counts in the uncertainties", test.statistic, test.degrees_of_freedom,
+                                   test.degrees_of_freedom == 1 ? "" : "s", test.p_value, validation));
+}
+
+std::string requirements_text(const Calibration& calibration) {
+  std::string text;
+  for (const RequirementResult& r : calibration.quality.requirements) {
+    const CoefficientIndex index = coefficient_index(r.coefficient);
+    const UserUnit unit = user_unit(coefficient(index), r.limit);
+    const std::string reached = std::isfinite(r.reached) ? fmt::format("{:.3g} {}", r.reached / unit.size, unit.name) : "not determined";
+    text += wrapped(text.empty() ? "  required        " : "                  ",
+                    fmt::format("{}: {} ({}: {})", r.text, r.met ? "reached" : "not reached", r.coefficient, reached));
+  }
+  return text;
+}
+
+std::string fit_text(const Calibration& calibration) {
+  const Quality& quality = calibration.quality;
+  const bool rig = calibration.method == "turntable" || calibration.frame == "rig";
+  std::string text =
+      wrapped("  fit             ", fmt::format("chi2 per degree of freedom {:.3g} against {} ({} degrees of freedom)", quality.chi2_per_dof,
+                                                rig ? "the noise and the declared rig errors" : "the noise alone", quality.degrees_of_freedom));
+  if (quality.rotation_residual_deg)
+    text += fmt::format("  check           rotations left out of the fit are predicted to {} deg RMS\n", two_digits(*quality.rotation_residual_deg));
+  return text;
+}
+
+}  // namespace
+
+std::string curves_csv(const CalibrationResult& result) {
+  std::string text = "t";
+  for (const ConvergenceCurve& curve : result.curves) text += fmt::format(",{0},{0}.sigma", curve.name);
+  text += "\n";
+  for (std::size_t i = 0; i < result.curve_time.size(); ++i) {
+    text += fmt::format("{:.3f}", result.curve_time[i]);
+    for (const ConvergenceCurve& curve : result.curves) text += fmt::format(",{:.9g},{:.4g}", curve.residual[i], curve.sigma[i]);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string calibration_summary(const Calibration& calibration) {
+  std::string text = wrapped("", verdict_text(calibration.quality)) + "\n";
+  text += reached_text([&](CoefficientIndex index) { return judged_uncertainty(calibration, index); }) + fit_text(calibration) +
+          requirements_text(calibration);
+  text += "\n" + wrapped("", fmt::format("{}{}method {}, frame: {}", excerpt(calibration.imu), calibration.imu.empty() ? "" : ", ",
+                                         excerpt(calibration.method), calibration.frame));
+  return text + "\n" + coefficient_rows(calibration) + hidden_text(calibration);
+}
+
+std::string calibration_details(const Calibration& calibration, const SensorModel* coarse) {
+  const Quality& quality = calibration.quality;
+  std::string text = detail_rows(calibration) + "\n";
+  if (coarse) text += correction_rows(calibration, *coarse) + "\n";
+  for (const std::string& note : quality.notes) text += wrapped("  ", note);
+  for (const UncertaintySource& source : quality.sources) text += wrapped("  ", source.consequence);
+  for (const TermTest& test : quality.term_tests) text += term_test_text(test);
+  return text + fmt::format("  condition of the scaled normal equations {:.3g}\n", quality.condition);
+}
+
+}  // namespace imulab

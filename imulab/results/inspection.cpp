@@ -1,0 +1,89 @@
+#include "imulab/results/inspection.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/formats/session/file.hpp"
+#include "imulab/formats/text/figures.hpp"
+#include "imulab/results/fields.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace imulab {
+namespace {
+
+std::vector<std::string> supported_methods(const Inspection& inspection) {
+  std::vector<std::string> names;
+  for (const MethodFinding& method : inspection.methods)
+    if (method.supported) names.push_back(method.name);
+  return names;
+}
+
+std::string verdict(const Inspection& inspection) {
+  if (!inspection.problems.empty()) return text::wrapped("not usable: ", "the file has to be fixed first");
+  if (!inspection.complete())
+    return text::wrapped("open: ", fmt::format("{} question{} that the data do not answer; declare with --set KEY=VALUE", inspection.ambiguous.size(),
+                                               inspection.ambiguous.size() == 1 ? "" : "s"));
+  const std::vector<std::string> methods = supported_methods(inspection);
+  if (methods.empty()) return text::wrapped("understood: ", "but the data support no calibration by rests alone (see below)");
+  return text::wrapped("understood: ", fmt::format("calibrate with --method {}", fmt::join(methods, " or --method ")));
+}
+
+}  // namespace
+
+std::string inspection_text(const Inspection& inspection) {
+  std::string out = verdict(inspection);
+  for (const std::string& problem : inspection.problems) out += text::wrapped("  ! ", problem);
+  for (const std::string& question : inspection.ambiguous) out += text::wrapped("  ? ", question);
+  out += fmt::format("\n{}\n", inspection.file);
+  out += text::wrapped("  ", fmt::format("{}; {} rows{}", inspection.format, inspection.rows,
+                                         inspection.rate_hz ? fmt::format(", {:.6g} s", inspection.duration_s) : ""));
+  for (const std::string& line : inspection.evidence) out += text::wrapped("  ", line);
+  std::string unused;
+  for (const ColumnFinding& column : inspection.columns)
+    if (column.role == "unused") unused += (unused.empty() ? "" : ", ") + column.name;
+  if (!unused.empty()) out += text::wrapped("  ", "not used: " + unused);
+  if (!inspection.methods.empty()) out += "\nmethods\n";
+  for (const MethodFinding& method : inspection.methods)
+    out += text::wrapped(fmt::format("  {:<11}{:<5}", method.name, method.supported ? "yes" : "no"), method.why);
+  return out;
+}
+
+std::string inspection_json(const Inspection& inspection) {
+  std::vector<JsonFields> columns;
+  for (const ColumnFinding& c : inspection.columns)
+    columns.push_back({{{"name", c.name}, {"role", c.role}, {"unit", c.unit}, {"evidence", c.evidence}}});
+  const JsonObject time{{{{{"unit", inspection.source.time.unit},
+                           {"rate_hz", inspection.rate_hz.value_or(std::numeric_limits<double>::quiet_NaN())},
+                           {"jitter_s", inspection.jitter_s},
+                           {"gaps", std::uint64_t{inspection.gaps}}}}}};
+  return fields_json({{{"file", inspection.file},
+                       {"topic", inspection.topic},
+                       {"format", inspection.format},
+                       {"rows", std::uint64_t{inspection.rows}},
+                       {"columns", columns},
+                       {"time", time},
+                       {"evidence", inspection.evidence},
+                       {"ambiguous", inspection.ambiguous},
+                       {"problems", inspection.problems},
+                       {"methods", supported_methods(inspection)}}});
+}
+
+std::string inspected_session_text(const Inspection& inspection, const Session& session) {
+  if (!inspection.complete())
+    throw Error(fmt::format("{}: no session can be written: {}", inspection.file,
+                            fmt::join(inspection.problems.empty() ? inspection.ambiguous : inspection.problems, "; ")));
+  std::string out = "# Written by imulab inspect, which found in the recording:\n";
+  for (std::string line : inspection.evidence) {
+    std::replace_if(
+        line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; }, '?');  // a name may hold anything
+    out += "# - " + line + "\n";
+  }
+  if (session.site.given_gravity_sigma && !session.site.latitude)
+    out += fmt::format("# The place is not declared: gravity is as anywhere on Earth, which leaves the accelerometers' scale open by {:.2g} %.\n",
+                       100 * *session.site.given_gravity_sigma / *session.site.given_gravity);
+  return out + session_text(session);
+}
+
+}  // namespace imulab

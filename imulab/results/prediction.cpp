@@ -1,0 +1,249 @@
+#include "imulab/results/prediction.hpp"
+
+#include "imulab/estimate/hybrid/path_design.hpp"
+#include "imulab/formats/text/figures.hpp"
+#include "imulab/formats/text/terminal.hpp"
+#include "imulab/model/coefficient.hpp"
+#include "imulab/model/user_unit.hpp"
+#include "imulab/results/reached.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace imulab {
+namespace {
+
+/// One unit for all coefficients of a term, by the largest of them; the readings are those of an ideal IMU, in SI.
+UserUnit unit_of(CoefficientIndex index, const std::vector<CoefficientIndex>& coefficients, const Eigen::VectorXd& sigma) {
+  const Coefficient& c = coefficient(index);
+  double largest = 0;
+  for (std::size_t k = 0; k < coefficients.size(); ++k)
+    if (coefficient(coefficients[k]).triad == c.triad && coefficient(coefficients[k]).term == c.term)
+      largest = std::max(largest, sigma[static_cast<Eigen::Index>(k)]);
+  return user_unit(c, largest, TriadModel{});
+}
+
+/// A source's name as the two lines of a narrow column's head.
+std::array<std::string, 2> heading(const std::string& source) {
+  if (source == "orthogonality") return {"", "orth."};
+  if (source == "gravity") return {"", "g"};
+  if (source == "latitude") return {"", "lat."};
+  if (source == "earth rate") return {"Earth", "rate"};
+  if (source == "gyro noise") return {"gyro", "noise"};
+  if (source == "accelerometer noise") return {"acc.", "noise"};
+  if (source == "gyro turn-on") return {"gyro", "on"};
+  if (source == "accelerometer turn-on") return {"acc.", "on"};
+  if (source == "timing") return {"", "time"};
+  if (source == turntable::undetermined_source) return {"not", "det."};
+  if (source == "gyro.g_sensitivity") return {"gyro", "g"};
+  if (const auto dot = source.find('.'); dot != std::string::npos)  // a term: "accel.quadratic"
+    return {source.starts_with("accel") ? "acc." : "gyro", source.substr(dot + 1) == "quadratic" ? "quad." : source.substr(dot + 1)};
+  return {"", source};
+}
+
+/// The sampled sigmas in sigmas of the closed form, less what the Monte Carlo does not draw.
+Eigen::ArrayXd sampled_ratio(const turntable::Prediction& p, const turntable::MonteCarloResult& monte_carlo) {
+  Eigen::ArrayXd variance = p.sigma.array().square();
+  for (std::size_t k = 0; k < p.sources.size(); ++k)
+    if (p.sources[k] == turntable::undetermined_source) variance -= p.variance.col(static_cast<Eigen::Index>(k)).array();
+  return monte_carlo.sigma.array() / variance.sqrt();
+}
+
+/// Percent of the variance by source, a row a coefficient.
+struct Shares {
+  std::vector<std::string> sources;
+  Eigen::ArrayXXd percent;
+};
+constexpr std::size_t share_columns = 6;  // in 80 columns
+
+Shares all_shares(const turntable::Prediction& p) { return {p.sources, 100 * (p.variance.array().colwise() / p.first_order().array().square())}; }
+
+Shares part_of(const Shares& all, const std::vector<std::size_t>& columns) {
+  Shares part{{}, all.percent(Eigen::all, columns)};
+  for (const std::size_t k : columns) part.sources.push_back(all.sources[k]);
+  return part;
+}
+
+/// Sources without a share that a person reads are left out, and where the others do not fit, the least become one.
+Shares visible(const Shares& all) {
+  std::vector<std::size_t> columns, small;
+  for (std::size_t k = 0; k < all.sources.size(); ++k)
+    if ((all.percent.col(static_cast<Eigen::Index>(k)) >= 0.5).any()) columns.push_back(k);
+  const auto total = [&](std::size_t k) { return all.percent.col(static_cast<Eigen::Index>(k)).sum(); };
+  while (columns.size() + (small.empty() ? 0 : 1) > share_columns) {
+    const auto least = std::min_element(columns.begin(), columns.end(), [&](std::size_t a, std::size_t b) { return total(a) < total(b); });
+    small.push_back(*least);
+    columns.erase(least);
+  }
+  Shares shares = part_of(all, columns);
+  if (small.empty()) return shares;
+  shares.sources.emplace_back("others");
+  shares.percent.conservativeResize(Eigen::NoChange, shares.percent.cols() + 1);
+  shares.percent.rightCols<1>() = part_of(all, small).percent.rowwise().sum();
+  return shares;
+}
+
+/// Every source, as many tables as they need.
+std::vector<Shares> in_columns(const Shares& all) {
+  std::vector<Shares> tables;
+  for (std::size_t begin = 0; begin < all.sources.size(); begin += share_columns) {
+    std::vector<std::size_t> columns;
+    for (std::size_t k = begin; k < std::min(begin + share_columns, all.sources.size()); ++k) columns.push_back(k);
+    tables.push_back(part_of(all, columns));
+  }
+  return tables;
+}
+
+std::string share_rows(const turntable::Prediction& p, const Shares& shares) {
+  std::string text;
+  for (const std::size_t line : {0u, 1u}) {
+    text += fmt::format("{:<21} {:<13} {:>7}", line == 0 ? "" : "coefficient", line == 0 ? "" : "unit", line == 0 ? "" : "sigma");
+    for (const std::string& source : shares.sources) text += fmt::format(" {:>5}", heading(source)[line]);
+    text += "\n";
+  }
+  for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    const UserUnit unit = unit_of(p.coefficients[i], p.coefficients, p.sigma);
+    text += fmt::format("{:<21} {:<13} {:>7}", coefficient(p.coefficients[i]).name, unit.name, text::two_digits(p.sigma[row] / unit.size));
+    for (Eigen::Index k = 0; k < shares.percent.cols(); ++k) text += fmt::format(" {:>5.0f}", shares.percent(row, k));
+    text += "\n";
+  }
+  return text;
+}
+
+/// What the IMU may have, and how large that may be.
+std::string term_rows(const turntable::Prediction& p) {
+  std::string text;
+  for (const turntable::TermSource& term : p.terms) {
+    const Coefficient& c = coefficient(term.first);
+    const UserUnit unit = user_unit(c, term.prior, TriadModel{});
+    const bool unseen = std::find(p.considered.begin(), p.considered.end(), term.first) != p.considered.end();
+    text += fmt::format("  {:<18} prior {} {}{}\n", term.name, text::two_digits(term.prior / unit.size), unit.name,
+                        unseen ? "; the procedure does not show it" : "");
+  }
+  return text.empty() ? "" : "\nTerms that the IMU may have, one sigma before the data:\n" + text;
+}
+
+/// First and second order, closed form and Monte Carlo, with all digits.
+std::string sigma_rows(const turntable::Prediction& p, const std::optional<turntable::MonteCarloResult>& monte_carlo) {
+  const Eigen::VectorXd first = p.first_order();
+  std::string text = fmt::format("\n{:<21} {:<13} {:>10} {:>12} {:>12}", "coefficient", "unit", "1st order", "2nd order", "closed form");
+  text += monte_carlo ? fmt::format(" {:>11}\n", "Monte Carlo") : "\n";
+  for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    const UserUnit unit = unit_of(p.coefficients[i], p.coefficients, p.sigma);
+    text += fmt::format("{:<21} {:<13} {:>10.4g} {:>12.2g} {:>12.4g}", coefficient(p.coefficients[i]).name, unit.name, first[row] / unit.size,
+                        p.second_order[row] / unit.size, p.sigma[row] / unit.size);
+    text += monte_carlo ? fmt::format(" {:>11.4g}\n", monte_carlo->sigma[row] / unit.size) : "\n";
+  }
+  return text;
+}
+
+/// Of a coefficient; not a number where it is not among the predicted.
+template <class Prediction>
+double sigma_of(const Prediction& p, CoefficientIndex index) {
+  const auto at = std::find(p.coefficients.begin(), p.coefficients.end(), index) - p.coefficients.begin();
+  return at < p.sigma.size() ? p.sigma[at] : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::string monte_carlo_text(const turntable::Prediction& p, const turntable::MonteCarloResult& monte_carlo, bool undetermined) {
+  const Eigen::ArrayXd off = (sampled_ratio(p, monte_carlo) - 1).abs();
+  Eigen::Index worst;
+  const double most = off.maxCoeff(&worst);
+  return "\n" +
+         text::wrapped("",
+                       fmt::format("Monte Carlo: {} procedures{}. At most {:.1f} % from the closed form ({}), where one sigma of chance is {:.1f} %.",
+                                   monte_carlo.runs, undetermined ? ", without what is not determined" : "", 100 * most,
+                                   coefficient(p.coefficients[static_cast<std::size_t>(worst)]).name, 100 * monte_carlo.sampling_sigma[worst]));
+}
+
+/// The least that any of the requirements allows it; none: 0.
+double limit_of(CoefficientIndex index, const std::vector<Requirement>& requirements) {
+  double limit = 0;
+  for (const Requirement& r : requirements)
+    if (std::find(r.coefficients.begin(), r.coefficients.end(), index) != r.coefficients.end())
+      limit = limit > 0 ? std::min(limit, r.limit) : r.limit;
+  return limit;
+}
+
+}  // namespace
+
+std::string prediction_table(const turntable::Prediction& p, const std::optional<turntable::MonteCarloResult>& monte_carlo, bool details) {
+  if (p.coefficients.empty()) return {};
+  std::string text = reached_text([&](CoefficientIndex index) { return sigma_of(p, index); });
+  text += "\nStandard uncertainty of every coefficient, and shares of its variance in percent\n\n" + share_rows(p, visible(all_shares(p)));
+  if (details)
+    for (const Shares& part : in_columns(all_shares(p))) text += "\n" + share_rows(p, part);
+  if (details) text += sigma_rows(p, monte_carlo);
+  text += term_rows(p);
+  if ((p.second_order.array() > 0.03 * p.first_order().array()).any())  // below, it changes nothing a person reads
+    text +=
+        "\n" + text::wrapped("", "The uncertainty contains products of errors (second order), the shares do not; calibrate subtracts their mean.");
+  const bool undetermined = std::find(p.sources.begin(), p.sources.end(), turntable::undetermined_source) != p.sources.end();
+  if (undetermined)
+    text += "\n" + text::wrapped("", "not det.: effect of coefficients that the procedure does not determine and that keep their starting values");
+  return monte_carlo ? text + monte_carlo_text(p, *monte_carlo, undetermined) : text;
+}
+
+std::string prediction_table(const Prediction& p, const std::vector<Requirement>& requirements) {
+  std::string text = reached_text([&](CoefficientIndex index) { return sigma_of(p, index); });
+  text += fmt::format("\n{:<21} {:<13} {:>9}{}\n", "coefficient", "unit", "sigma", requirements.empty() ? "" : "  required   ratio");
+  for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
+    const UserUnit unit = unit_of(p.coefficients[i], p.coefficients, p.sigma);
+    const double sigma = p.sigma[static_cast<Eigen::Index>(i)], limit = limit_of(p.coefficients[i], requirements);
+    text += fmt::format("{:<21} {:<13} {:>9}", coefficient(p.coefficients[i]).name, unit.name, text::two_digits(sigma / unit.size));
+    if (limit > 0) text += fmt::format("  {:>8.4g} {:>7.3f}", limit / unit.size, sigma / limit);
+    text += std::find(p.considered.begin(), p.considered.end(), p.coefficients[i]) == p.considered.end() ? "\n" : "  its prior\n";
+  }
+  for (std::size_t i = 0; i < p.undetermined.size(); ++i) {
+    const Coefficient& c = coefficient(p.undetermined[i]);
+    const UserUnit unit = user_unit(c, 0, TriadModel{});
+    const std::string remaining = p.remaining.size() > 0 ? fmt::format("{:.4g}", p.remaining[static_cast<Eigen::Index>(i)] / unit.size) : "";
+    text += fmt::format("{:<21} {:<13} {:>9}  not determined\n", c.name, unit.name, remaining);
+  }
+  if (!p.considered.empty())
+    text += "\n" + text::wrapped("", "Its prior: the procedure does not show the term; its prior enters the other uncertainties.");
+  for (const std::string& note : p.notes) text += "\n" + text::wrapped("", note);
+  return text;
+}
+
+std::string turns_text(const hybrid::Advice& advice) {
+  std::string text;
+  for (const std::string& turn : advice.turns) text += (text.empty() ? "" : ", then ") + turn;
+  return text + ", and rest";
+}
+
+std::string advice_text(const hybrid::Advice& advice) {
+  std::string worst;
+  for (const CoefficientIndex index : advice.coefficients) worst += fmt::format(" {}", coefficient(index).name);
+  return text::wrapped("", "Worst determined:" + worst) + text::wrapped("", "What helps most after the procedure: " + turns_text(advice));
+}
+
+std::string shortfall_text(const Shortfall& s) {
+  const auto name = coefficient(s.coefficient).name;
+  if (!std::isfinite(s.sigma)) return fmt::format("{} is not determined", name);
+  const UserUnit& unit = s.requirement.unit;
+  return fmt::format("{} has {:.4g} {} where {:g} {} is required", name, s.sigma / unit.size, unit.name, s.requirement.limit / unit.size, unit.name);
+}
+
+std::string prior_text(const PriorEffect& prior) {
+  std::string text = fmt::format("with what {:.0f} units of {} say of it", prior.units, prior.fleet);
+  if (std::isfinite(prior.duration_without)) text += "; without: " + text::minutes(prior.duration_without);
+  return text;
+}
+
+std::string path_table(const hybrid::Path& path) {
+  const std::vector<std::string> words = rig::in_words(path.turns);
+  std::string table = fmt::format("rest {:g} s\n", path.first_rest);
+  for (std::size_t k = 0; k < path.turns.size(); ++k)
+    table += text::wrapped(
+        fmt::format("{:>3}  {:<6} {:>+5g} deg  rest {:>3g} s   ", k + 1, to_string(path.turns[k].axis), path.turns[k].angle_deg, path.turns[k].rest),
+        words[k]);
+  return table;
+}
+
+}  // namespace imulab
