@@ -1,4 +1,4 @@
-# What the library links, for its own build and for every consumer of the package. The Debian packages are in dependencies.txt.
+# Libraries that imulab links, for its own build and for every consumer of the package. The Debian packages are in dependencies.txt.
 find_package(Eigen3 3.4 REQUIRED)
 find_package(fmt REQUIRED)
 find_package(tomlplusplus REQUIRED)
@@ -6,4 +6,3 @@ find_package(ZLIB REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(libdeflate REQUIRED IMPORTED_TARGET libdeflate)
 find_package(yaml-cpp REQUIRED)
-pkg_check_modules(GeographicLib REQUIRED IMPORTED_TARGET geographiclib) # its Find module gives no target in Debian 12

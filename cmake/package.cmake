@@ -1,4 +1,4 @@
-# What is installed, in three parts: the command, what programs of your own need (dev), and the Python module (python/CMakeLists.txt); and the Debian
+# Installed files, in three parts: the command, the library for programs of your own (dev), and the Python module (python/CMakeLists.txt); and the Debian
 # packages of them, which `./dev package` makes.
 include(CMakePackageConfigHelpers)
 set(IMULAB_HELP ${CMAKE_BINARY_DIR}/help)
@@ -17,7 +17,7 @@ install(FILES ${IMULAB_HELP}/_imulab DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/si
 install(FILES ${IMULAB_HELP}/imulab.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/imulab RENAME copyright)
 install(FILES CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/imulab)
-foreach(package libeigen3-dev libceres-dev libboost1.74-dev librandom123-dev libcli11-dev nlohmann-json3-dev libjs-dygraphs) # their code is in the command's
+foreach(package libeigen3-dev libboost1.74-dev librandom123-dev libcli11-dev nlohmann-json3-dev libjs-dygraphs) # their code is in the command's
   install(FILES /usr/share/doc/${package}/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/imulab/licenses RENAME ${package} OPTIONAL)
 endforeach()
 
@@ -53,9 +53,11 @@ set(CPACK_DEBIAN_COMMAND_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_COMMAND_DESCRIPTION "calibrates inertial measurement units, with the uncertainty of every coefficient")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libimulab-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
-list(JOIN IMULAB_OPTIONAL_PACKAGES ", " IMULAB_OPTIONAL_PACKAGES)
-set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "pkg-config, libeigen3-dev, libfmt-dev, libtomlplusplus-dev, libgeographiclib-dev, zlib1g-dev, libdeflate-dev, \
-libyaml-cpp-dev, ${IMULAB_OPTIONAL_PACKAGES}")
+set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS dependencies.txt)
+file(STRINGS dependencies.txt IMULAB_LINKED_PACKAGES REGEX "# linked: ")
+list(TRANSFORM IMULAB_LINKED_PACKAGES REPLACE " .*" "")
+list(APPEND IMULAB_LINKED_PACKAGES ${IMULAB_OPTIONAL_PACKAGES})
+list(JOIN IMULAB_LINKED_PACKAGES ", " CPACK_DEBIAN_DEV_PACKAGE_DEPENDS)
 set(CPACK_DEBIAN_DEV_DESCRIPTION "imulab as a C++ library: static library, headers, CMake and pkg-config files")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-imulab)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)

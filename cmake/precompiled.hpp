@@ -6,8 +6,8 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <Eigen/SVD>
-#include <ceres/jet.h>
 #include <fmt/format.h>
+#include <unsupported/Eigen/AutoDiff>
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-# How the sources are compiled quickly. Two things cost: parsing the headers of Eigen, fmt and the standard library, and instantiating their templates.
+# Quick compilation of the sources. Two things cost time: parsing the headers of Eigen, fmt and the standard library, and instantiating their templates.
 # Both are done once: the headers in a precompiled header, the templates in one unit a folder (CMAKE_UNITY_BUILD, which the presets switch on).
 
 # The precompiled header without anything else, for all that needs no more.

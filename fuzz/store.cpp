@@ -4,7 +4,6 @@
 #include "imulab/core/checkpoint_folder.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/shared_work.hpp"
-#include "imulab/fleet/store/numbers_of_all.hpp"
 #include "imulab/fleet/store/sample.hpp"
 #include "imulab/formats/text/file.hpp"
 

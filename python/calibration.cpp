@@ -1,7 +1,7 @@
 #include "imulab/model/calibration.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/export/c_header_names.hpp"
+#include "imulab/export/c_header_parts.hpp"
 #include "imulab/export/target.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/import/calibration.hpp"

@@ -1,6 +1,6 @@
 // Fleets: each call opens the store, and closes it again.
 #include "imulab/fleet/store/sample.hpp"
-#include "imulab/formats/text/time.hpp"
+#include "imulab/formats/text/decimal.hpp"
 #include "imulab/report/fleet_page.hpp"
 #include "imulab/results/fleet.hpp"
 #include "imulab/tasks/fleet.hpp"

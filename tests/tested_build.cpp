@@ -1,6 +1,6 @@
 #include "tests/tested_build.hpp"
 
-#include "imulab/core/address_sanitizer.hpp"
+#include "imulab/core/memory.hpp"
 
 namespace imulab {
 

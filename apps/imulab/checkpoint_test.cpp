@@ -1,5 +1,5 @@
 // Verbs whose work several processes share, as a user types them.
-#include "imulab/fleet/store/numbers_of_all.hpp"
+#include "imulab/fleet/store/sample.hpp"
 #include "imulab/fleet/store/store.hpp"
 
 #include <gmock/gmock.h>
@@ -105,7 +105,8 @@ TEST_F(SharedRuns, OfOtherNumbersOfRunsAreRefused) {
     return result.errors;
   };
   // 129 runs are two parts, and so are 256; the first one is the same.
-  EXPECT_THAT(error("predict procedure.toml --runs 256 --checkpoint here"), HasSubstr("here: is the checkpoint of another run (its \"runs\" differs)"));
+  EXPECT_THAT(error("predict procedure.toml --runs 256 --checkpoint here"),
+              HasSubstr("here: is the checkpoint of another run (its \"runs\" differs)"));
   EXPECT_THAT(error("predict procedure.toml --runs 256 --checkpoint new --merge here"), HasSubstr("here: is the checkpoint of another run"));
   EXPECT_THAT(error("predict procedure.toml --runs 129 --classical --checkpoint here"), HasSubstr("(its \"classical\" differs)"));
   run_shell(folder, "sed 's/^format/# a word\\nformat/' procedure.toml > more.toml && mv more.toml procedure.toml");
@@ -124,7 +125,8 @@ TEST_F(SharedRuns, OfABudgetDependOnAllItsInputs) {
   run(budget + " --checkpoint here");
   run(budget + " --checkpoint here");
   const auto error = [&](const std::string& arguments) { return run_imulab(folder, arguments).errors; };
-  EXPECT_THAT(error("budget mission.toml --calibration c.json --allow-undetermined --runs 21 --checkpoint here"), HasSubstr("(its \"runs\" differs)"));
+  EXPECT_THAT(error("budget mission.toml --calibration c.json --allow-undetermined --runs 21 --checkpoint here"),
+              HasSubstr("(its \"runs\" differs)"));
   EXPECT_THAT(error("budget mission.toml --grade tactical --runs 20 --checkpoint here"), HasSubstr("(its \"grade\" differs)"));
   EXPECT_THAT(error(budget + " --every 9 --checkpoint here"), HasSubstr("(its \"every\" differs)"));
   run("calibrate one --method static -o c.json --force");

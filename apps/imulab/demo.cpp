@@ -10,7 +10,7 @@
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/model/requirement.hpp"
-#include "imulab/navigation/city_drive.hpp"
+#include "imulab/navigation/motion/mission.hpp"
 #include "imulab/navigation/navigate.hpp"
 #include "imulab/navigation/navigation_error.hpp"
 #include "imulab/report/drives_page.hpp"

@@ -7,7 +7,7 @@
 #include "imulab/export/target.hpp"
 #include "imulab/formats/noise/noise_reader.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/formats/text/names.hpp"
+#include "imulab/formats/text/printable.hpp"
 #include "imulab/results/fields.hpp"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 #include "apps/imulab/export_c_header.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/export/c_header_names.hpp"
+#include "imulab/export/c_header_parts.hpp"
 #include "imulab/recording/unit_names.hpp"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 // The exported header on microcontrollers, in QEMU: what a computer computes, bit by bit. And in the examples for Arduino and Zephyr, compiled
 // against stand-ins that declare only the names they use.
 #include "imulab/export/c_header.hpp"
-#include "imulab/export/c_header_samples.hpp"
+#include "imulab/export/c_header_parts.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>

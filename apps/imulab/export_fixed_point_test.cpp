@@ -2,7 +2,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/export/c_header.hpp"
-#include "imulab/export/c_header_samples.hpp"
+#include "imulab/export/c_header_parts.hpp"
 #include "imulab/model/outlier_filter.hpp"
 
 #include <fmt/core.h>
@@ -250,8 +250,6 @@ TEST(ExportFixedPoint, TheUsualRangeSuitsTheCounts) {
 }
 
 constexpr const char* fixed_point_filter_program = R"(
-#include "calibration.h"
-#include <stdio.h>
 static void show(int replaced, const int32_t* x) {
   int k;
   printf("%d", replaced);

@@ -1,7 +1,7 @@
 // Headers of several IMUs in one program.
 #include "imulab/core/error.hpp"
 #include "imulab/export/c_header.hpp"
-#include "imulab/export/c_header_names.hpp"
+#include "imulab/export/c_header_parts.hpp"
 #include "imulab/export/target.hpp"
 #include "imulab/formats/calibration/file.hpp"
 

@@ -3,7 +3,6 @@
 #include "imulab/core/error.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/formats/text/kept.hpp"
 
 #include <fmt/core.h>
 

@@ -1,5 +1,5 @@
 #include "imulab/core/units.hpp"
-#include "imulab/fleet/store/numbers_of_all.hpp"
+#include "imulab/fleet/store/sample.hpp"
 #include "imulab/fleet/store/store.hpp"
 #include "imulab/formats/calibration/file.hpp"
 

@@ -3,7 +3,7 @@
 #include "apps/imulab/files.hpp"
 #include "apps/imulab/fleet.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/fleet/store/numbers_of_all.hpp"
+#include "imulab/fleet/store/sample.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/terminal.hpp"

@@ -4,7 +4,6 @@
 #include "imulab/core/error.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/formats/text/kept.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/inspection/declared.hpp"
 #include "imulab/tasks/inspect.hpp"

@@ -1,5 +1,4 @@
-#include "imulab/core/block_tridiagonal.hpp"
-
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/random.hpp"
 
 #include <Eigen/Cholesky>

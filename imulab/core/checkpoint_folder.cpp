@@ -87,13 +87,13 @@ void expect_identity(const fs::path& folder, const std::string& identity, const 
   if (!fs::exists(file)) throw Error(fmt::format("{}: is no checkpoint; expected {}", folder.string(), expected));
   const std::string wanted = identity_file(identity), there = text_of(file);
   if (there == wanted) return;
-  throw Error(
-      fmt::format("{}: is the checkpoint of another run (its \"{}\" differs); expected {}", folder.string(), differing_field(wanted, there), expected));
+  throw Error(fmt::format("{}: is the checkpoint of another run (its \"{}\" differs); expected {}", folder.string(), differing_field(wanted, there),
+                          expected));
 }
 
 using RecordHead = std::array<std::uint64_t, 3>;  // part, size, checksum
 
-/// Of part, size and bytes: damage to any of them is seen.
+/// The checksum of part, size and bytes: it shows damage to any of them.
 std::uint64_t record_checksum(std::uint64_t part, std::string_view result) {
   const std::array<std::uint64_t, 2> head{part, result.size()};
   return checksum(result, checksum({reinterpret_cast<const char*>(head.data()), sizeof head}));

@@ -32,7 +32,7 @@ class CheckpointFolder {
   CheckpointFolder(const CheckpointFolder&) = delete;
   CheckpointFolder& operator=(const CheckpointFolder&) = delete;
 
-  /// Whether nobody has begun this chunk in this round before.
+  /// True if no process has begun this chunk in this round before.
   bool claim(std::size_t chunk, int round);
   /// Throws Error where it cannot be written.
   void append(std::size_t part, const std::string& result);

@@ -6,6 +6,9 @@
 #include <Eigen/QR>
 #include <Eigen/SVD>
 
+#include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace imulab {
@@ -90,6 +93,90 @@ std::optional<MatrixXd> reverse_cholesky(const MatrixXd& a) {
   const Cholesky factor(a.reverse());  // rows and columns
   if (!factor.positive_definite()) return {};
   return MatrixXd(factor.lower().transpose().reverse());
+}
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+namespace {
+
+double element(const BlockTridiagonal& blocks, Index a, Index b) {
+  if (a < b) std::swap(a, b);
+  const auto after = std::upper_bound(blocks.begin(), blocks.end(), a, [](Index i, const CovarianceBlock& block) { return i < block.first; });
+  if (after == blocks.begin()) return 0;
+  const CovarianceBlock& block = *std::prev(after);
+  if (a >= block.first + block.size) return 0;
+  if (b >= block.first) return block.covariance(a - block.first, b - block.first);
+  if (block.coupling.size() == 0) return 0;
+  const CovarianceBlock& before = *std::prev(after, 2);
+  return b >= before.first ? block.coupling(a - block.first, b - before.first) : 0;
+}
+
+}  // namespace
+
+Eigen::VectorXd variances(const BlockTridiagonal& blocks) {
+  Eigen::VectorXd out(blocks.empty() ? 0 : blocks.back().first + blocks.back().size);
+  for (const CovarianceBlock& block : blocks) out.segment(block.first, block.size) = block.covariance.diagonal();
+  return out;
+}
+
+MatrixXd part_of(const BlockTridiagonal& blocks, const std::vector<Index>& rows) {
+  const auto n = static_cast<Index>(rows.size());
+  const auto place = [&](Index i) { return rows[static_cast<std::size_t>(i)]; };
+  return MatrixXd::NullaryExpr(n, n, [&](Index a, Index b) { return element(blocks, place(a), place(b)); });
+}
+
+MatrixXd whitened(const BlockTridiagonal& blocks, MatrixXd x) {
+  MatrixXd factor;  // of the block before
+  Index first = 0, size = 0;
+  for (const CovarianceBlock& block : blocks) {
+    MatrixXd own = block.covariance;
+    MatrixXd right = x.middleRows(block.first, block.size);
+    if (block.coupling.size() > 0) {
+      const MatrixXd coupled = factor.triangularView<Eigen::Lower>().solve(block.coupling.transpose()).transpose();
+      own -= coupled * coupled.transpose();
+      right -= coupled * x.middleRows(first, size);
+    }
+    factor = own.llt().matrixL();
+    first = block.first, size = block.size;
+    x.middleRows(first, size) = factor.triangularView<Eigen::Lower>().solve(right);
+  }
+  return x;
+}
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+void SquareRootEstimate::observe(Index state, double value, double sigma) {
+  const Index n = x.size();
+  const VectorXd f = factor.row(state).transpose();
+  VectorXd sum = VectorXd::Zero(n);  // of f_k L_k over the columns done
+  double before = sigma * sigma;
+  for (Index j = state; j >= 0; --j) {
+    const double after = before + f[j] * f[j];
+    if (after > 0) {
+      const Index m = n - j;
+      const VectorXd column = factor.col(j).tail(m);
+      const double shrink = std::sqrt(before / after), taken = before > 0 ? f[j] / std::sqrt(before * after) : 0;
+      factor.col(j).tail(m) = shrink * column - taken * sum.tail(m);
+      sum.tail(m) += f[j] * column;
+    }
+    before = after;
+  }
+  if (before > 0) x += sum * ((value - x[state]) / before);
+}
+
+void SquareRootEstimate::add_variance(Index state, double variance) {
+  VectorXd v = VectorXd::Zero(x.size());
+  v[state] = std::sqrt(variance);
+  for (Index j = state; j < v.size(); ++j) {
+    if (v[j] == 0) continue;
+    const double a = factor(j, j), r = std::hypot(a, v[j]), c = a / r, s = v[j] / r;
+    const Index m = v.size() - j;
+    const VectorXd column = factor.col(j).tail(m);
+    factor.col(j).tail(m) = c * column + s * v.tail(m);
+    v.tail(m) = (c * v.tail(m) - s * column).eval();
+  }
 }
 
 }  // namespace imulab

@@ -2,13 +2,16 @@
 // hot loops on matrices of a few rows use Eigen's own, whose size is fixed.
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/QR>
 
 #include <optional>
+#include <vector>
 
 namespace imulab {
 
-/// What a system with the right side B solves to: a vector for a vector, else a matrix.
+/// Type of the solution for a right side B: a vector for a vector, else a matrix.
 template <class B>
 using LikeRightSide = Eigen::Matrix<double, Eigen::Dynamic, B::ColsAtCompileTime == 1 ? 1 : Eigen::Dynamic>;
 
@@ -16,7 +19,7 @@ using LikeRightSide = Eigen::Matrix<double, Eigen::Dynamic, B::ColsAtCompileTime
 class Cholesky {
  public:
   explicit Cholesky(const Eigen::MatrixXd& a);
-  /// Of A = L L^T whose L is known.
+  /// The decomposition of A = L L^T with known L.
   static Cholesky of_lower(Eigen::MatrixXd lower);
   bool positive_definite() const { return positive_definite_; }  ///< false: the results mean nothing
   const Eigen::MatrixXd& lower() const { return lower_; }        ///< L, with zeros above the diagonal
@@ -98,5 +101,55 @@ std::optional<Eigen::VectorXd> solve_full_rank(const Eigen::MatrixXd& a, const E
 
 /// L lower triangular with A = L^T L: the Cholesky factor taken from the last row upwards. Empty where A is not positive definite.
 std::optional<Eigen::MatrixXd> reverse_cholesky(const Eigen::MatrixXd& a);
+
+// Covariance matrices that couple neighboring blocks only.
+
+/// Rows first .. first + size - 1 of the matrix; `covariance` of them, `coupling` with the rows of the block before (empty for none).
+struct CovarianceBlock {
+  Eigen::Index first = 0, size = 0;
+  Eigen::MatrixXd covariance, coupling;
+};
+/// Blocks in the order of their rows, without gaps.
+using BlockTridiagonal = std::vector<CovarianceBlock>;
+
+/// The diagonal.
+Eigen::VectorXd variances(const BlockTridiagonal& covariance);
+
+/// These rows and columns.
+Eigen::MatrixXd part_of(const BlockTridiagonal& covariance, const std::vector<Eigen::Index>& rows);
+
+/// L^-1 x for the covariance L L^T: of errors, uncorrelated ones of unit variance.
+Eigen::MatrixXd whitened(const BlockTridiagonal& covariance, Eigen::MatrixXd x);
+
+// An estimate with the Cholesky factor of its covariance, for Kalman filters: exactly known observations after wide priors destroy a covariance
+// numerically, not its factor.
+
+struct SquareRootEstimate {
+  Eigen::VectorXd x;
+  Eigen::MatrixXd factor;  ///< lower triangular; the covariance is factor * factor^T
+
+  /// Zero, known exactly.
+  explicit SquareRootEstimate(Eigen::Index size) : x(Eigen::VectorXd::Zero(size)), factor(Eigen::MatrixXd::Zero(size, size)) {}
+
+  /// The last N states become `transition` times all states, plus noise of this positive definite covariance. The others, constants, keep their rows;
+  /// the last columns take up the noise.
+  template <int N>
+  void predict(const Eigen::Matrix<double, N, Eigen::Dynamic>& transition, const Eigen::Matrix<double, N, N>& noise) {
+    using Square = Eigen::Matrix<double, N, N>;
+    x.tail<N>() = (transition * x).eval();
+    const Eigen::MatrixXd rows = transition * factor.triangularView<Eigen::Lower>();
+    factor.bottomLeftCorner(N, x.size() - N) = rows.leftCols(x.size() - N);
+    Eigen::Matrix<double, 2 * N, N> both;
+    both << rows.rightCols<N>().transpose(), Square(noise.llt().matrixL()).transpose();
+    const Eigen::HouseholderQR<Eigen::Matrix<double, 2 * N, N>> qr(both);
+    factor.bottomRightCorner<N, N>() = Square(qr.matrixQR().template topRows<N>().template triangularView<Eigen::Upper>()).transpose();
+  }
+
+  /// Observes one state, with a standard deviation that may be zero: Carlson's (1973) update of the factor, from the last column to the first.
+  void observe(Eigen::Index state, double value, double sigma);
+
+  /// Adds variance to one state: a factor's update by one vector.
+  void add_variance(Eigen::Index state, double variance);
+};
 
 }  // namespace imulab

@@ -30,8 +30,8 @@ class Unsupported : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What `f` returns. The message of an Error that it throws gets "PLACE: " in front: algorithms name values, their callers know the file, key or
-/// flag.
+/// Returns the result of `f`. The message of an Error that it throws gets "PLACE: " in front: algorithms name values, their callers know the file,
+/// key or flag.
 template <class F>
 decltype(auto) errors_at(const std::string& place, const F& f) {
   try {

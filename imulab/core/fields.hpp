@@ -1,4 +1,4 @@
-// What a field of a table is: its presence, and a number's unit and range.
+// Declaration of a table's field: its presence, and a number's unit and range.
 #pragma once
 
 #include <limits>
@@ -25,7 +25,7 @@ inline Number or_default(Number number) {
   return number;
 }
 
-/// Whether a number in the file's unit is in its range.
+/// True for a number in the file's unit that is in its range.
 bool in_range(double value, const Number& kind);
 /// "100 is out of range; expected -90 to 90"
 std::string out_of_range(double value, const Number& kind);

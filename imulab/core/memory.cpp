@@ -22,9 +22,17 @@ constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
 
 std::uint64_t of_machine() {
   const long pages = ::sysconf(_SC_PHYS_PAGES), page = ::sysconf(_SC_PAGESIZE);
-  std::uint64_t bytes = pages > 0 && page > 0 ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page) : unlimited;
-  if (std::uint64_t group = 0; std::ifstream("/sys/fs/cgroup/memory.max") >> group && group > 0) bytes = std::min(bytes, group);
-  return bytes;
+  const std::uint64_t bytes = pages > 0 && page > 0 ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page) : unlimited;
+  return std::min(bytes, control_group_limit());
+}
+
+/// The smallest limit in the file `name` of the folder `base`/`group` and of the folders above it up to `base`. A file that holds "max" has none.
+std::uint64_t limit_up_to(const std::filesystem::path& base, std::filesystem::path group, const char* name) {
+  std::uint64_t bytes = unlimited;
+  for (;; group = group.parent_path()) {
+    if (std::uint64_t limit = 0; std::ifstream(base / group / name) >> limit && limit > 0) bytes = std::min(bytes, limit);
+    if (group.empty()) return bytes;
+  }
 }
 
 std::atomic<std::uint64_t> limit_in_force = 0;  // 0: the machine's
@@ -38,6 +46,20 @@ std::uint64_t memory_limit() {
   static const std::uint64_t machine = of_machine();
   const std::uint64_t set = limit_in_force;
   return set > 0 ? set : machine;
+}
+
+std::uint64_t control_group_limit(const std::filesystem::path& root) {
+  std::uint64_t bytes = unlimited;
+  std::ifstream groups(root / "proc/self/cgroup");
+  for (std::string line; std::getline(groups, line);) {  // "0::/user.slice" in version 2, "4:memory:/docker/1f" in version 1
+    const std::size_t first = line.find(':'), second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
+    const std::filesystem::path group = std::filesystem::path(line.substr(second + 1)).relative_path(), base = root / "sys/fs/cgroup";
+    if (controllers == ",,") bytes = std::min(bytes, limit_up_to(base, group, "memory.max"));
+    if (controllers.find(",memory,") != std::string::npos) bytes = std::min(bytes, limit_up_to(base / "memory", group, "memory.limit_in_bytes"));
+  }
+  return bytes;
 }
 
 void expect_memory(double bytes, std::string_view work) {

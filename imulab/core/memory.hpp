@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string_view>
 
 namespace imulab {
@@ -21,6 +22,10 @@ class MemoryLimit {
 /// The limit in force [bytes].
 std::uint64_t memory_limit();
 
+/// The limit of the control group of this process (proc/self/cgroup; versions 1 and 2) and of the groups that contain it, with the files of /proc
+/// and /sys below `root` [bytes]; the largest number if there is none.
+std::uint64_t control_group_limit(const std::filesystem::path& root = "/");
+
 /// Throws MemoryError "WORK takes about 6.8 GB of memory; expected at most 4.0 GB" beyond the limit.
 void expect_memory(double bytes, std::string_view work);
 
@@ -28,3 +33,12 @@ void expect_memory(double bytes, std::string_view work);
 void give_back_freed_memory();
 
 }  // namespace imulab
+
+// IMULAB_ADDRESS_SANITIZER: defined where the code is under it. GCC and clang each say so in a way of their own.
+#if defined(__SANITIZE_ADDRESS__)
+#define IMULAB_ADDRESS_SANITIZER
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define IMULAB_ADDRESS_SANITIZER
+#endif
+#endif

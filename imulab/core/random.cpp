@@ -38,7 +38,7 @@ const Ziggurat& ziggurat() {
   return table;
 }
 
-/// What a word proposes: a layer (8 bits) and a place in it (53 others, signed).
+/// The proposal of a word: a layer (8 bits) and a place in it (53 others, signed).
 struct Candidate {
   std::size_t layer;
   double x;

@@ -38,10 +38,10 @@ struct Checkpoint {
 /// Throws what a part throws; Error where the folder is another work's, and where it cannot be written.
 void for_each(const SharedWork& work, const Checkpoint* checkpoint = nullptr);
 
-/// Of processes that mpirun or srun started together the first one: it says what came out. True where this process is alone.
+/// True for the first of the processes that mpirun or srun started together, which reports the result, and for a process that is alone.
 bool leads_processes();
 
-/// Whether this process is in a task of a Slurm array. Such tasks do not know of each other: in each of them a process leads.
+/// True if this process is in a task of a Slurm array. Such tasks do not know of each other: in each of them a process leads.
 bool in_job_array();
 
 /// Numbers as bytes, and back.

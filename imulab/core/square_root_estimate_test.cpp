@@ -1,4 +1,4 @@
-#include "imulab/core/square_root_estimate.hpp"
+#include "imulab/core/decomposition.hpp"
 
 #include <gtest/gtest.h>
 

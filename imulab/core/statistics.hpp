@@ -1,4 +1,7 @@
 // Small statistics: robust location and scale, distributions' quantiles and tails (Boost.Math behind a light header).
+//
+//   chi_square_tail(11.07, 5)                                     // 0.05: P(X > 11.07)
+//   student_quantile(0.975, 10)                                   // 2.228
 #pragma once
 
 #include <vector>

@@ -1,4 +1,7 @@
-// Customary units as factors to SI: `5 * unit::deg_per_h` is rad/s. Inside the library everything is SI and radians.
+// Customary units as factors to SI. Inside the library everything is SI and radians.
+//
+//   const double bias = 5 * unit::deg_per_h;         // rad/s
+//   const double shown = bias / unit::deg_per_h;     // 5
 #pragma once
 
 #include <numbers>

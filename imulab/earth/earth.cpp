@@ -1,9 +1,5 @@
 #include "imulab/earth/earth.hpp"
 
-#include "imulab/core/units.hpp"
-
-#include <GeographicLib/NormalGravity.hpp>
-
 #include <cmath>
 
 namespace imulab {
@@ -28,11 +24,7 @@ constexpr double harmonic = omega2 * a * a / q0_over_e3;  // omega^2 a^2 E^3 / q
 
 }  // namespace
 
-double normal_gravity(double latitude, double height) {
-  double gamma_y, gamma_z;
-  GeographicLib::NormalGravity::WGS84().Gravity(latitude / unit::deg, height, gamma_y, gamma_z);
-  return std::hypot(gamma_y, gamma_z);
-}
+double normal_gravity(double latitude, double height) { return local_earth(latitude, height).gravity.norm(); }
 
 Eigen::Vector3d earth_rate_enu(double latitude) { return {0, earth_rate * std::cos(latitude), earth_rate * std::sin(latitude)}; }
 

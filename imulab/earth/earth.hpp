@@ -7,7 +7,9 @@ namespace imulab {
 
 inline constexpr double earth_rate = 7.292115e-5;  // rad/s, WGS-84
 
-/// Magnitude of WGS-84 normal gravity [m/s^2] at latitude [rad] and height [m] (GeographicLib).
+/// Magnitude of WGS-84 normal gravity [m/s^2] at geodetic latitude [rad] and height above the ellipsoid [m], in closed form as in local_earth:
+///
+///   normal_gravity(52 * unit::deg, 100)   // 9.8122 m/s^2
 double normal_gravity(double latitude, double height);
 
 /// Earth's rotation rate in east-north-up axes [rad/s].

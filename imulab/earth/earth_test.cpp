@@ -20,6 +20,7 @@ TEST(Earth, GravityIsTheLevelEllipsoidsInBothComponents) {
       // 1e-12 m/s^2 is stated by the interface; rounding of 9.8 in some ten operations is 1e-14.
       EXPECT_NEAR(gravity.y(), north, 1e-12) << latitude << " " << height;
       EXPECT_NEAR(gravity.z(), up, 1e-12) << latitude << " " << height;
+      EXPECT_NEAR(normal_gravity(0.1 * latitude * unit::deg, height), std::hypot(north, up), 1e-12) << latitude << " " << height;
     }
   for (double latitude : {-90., 90.}) {
     double north, up;

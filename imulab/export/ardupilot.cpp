@@ -49,7 +49,8 @@ AutopilotParameters autopilot_parameters(const SensorModel& model, const Consume
   return p;
 }
 
-/// What the one range of both triads leaves uncorrected of this triad's own, in the output: beyond it ArduPilot keeps the drift of the nearer end.
+/// The part of this triad's drift that the one range of both triads leaves uncorrected, in the output: beyond it ArduPilot keeps the drift of the
+/// nearer end.
 double drift_outside(const CelsiusDrift& drift, const Matrix3d& correction, const std::array<double, 2>& range) {
   constexpr int steps = 100;
   const auto at = [&](double T) {

@@ -1,4 +1,5 @@
-// What PX4 and ArduPilot share: parameters in single precision, a diagonal scale for accelerometers alone, offsets with a polynomial of temperature.
+// The common model of PX4 and ArduPilot: parameters in single precision, a diagonal scale for accelerometers alone, offsets with a polynomial of
+// temperature.
 #pragma once
 
 #include "imulab/export/loss.hpp"
@@ -19,7 +20,7 @@ struct CelsiusDrift {
 /// Empty where the calibration has no thermal terms, where its thermal readings are no temperatures, and where their range is not known.
 std::optional<CelsiusDrift> celsius_drift(const TriadModel& m, double about);
 
-/// What both hold of this calibration.
+/// The part of this calibration that both hold.
 Held autopilot_holds(const SensorModel& model);
 
 /// The largest difference [SI of the readings] over the range between the drift and its polynomial in single precision.

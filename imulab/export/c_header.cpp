@@ -2,9 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/export/c_header_fixed.hpp"
-#include "imulab/export/c_header_names.hpp"
 #include "imulab/export/c_header_parts.hpp"
-#include "imulab/export/c_header_text.hpp"
 #include "imulab/export/loss.hpp"
 #include "imulab/export/write.hpp"
 #include "imulab/formats/calibration/file.hpp"

@@ -9,13 +9,13 @@
 
 namespace imulab {
 
-/// What the readings of the firmware are, and what the header has.
+/// The readings of the firmware, and the contents of the header.
 struct CHeaderOptions {
   /// Readings as the driver gives them. Absent: as the calibration's recording had them, or, where it does not say, the model's raw readings.
   std::optional<RecordedAs> accel{}, gyro{};
   bool fixed_point = false;  ///< also imulab_compensate_fixed and imulab_filter_fixed, in integers
   bool q15 = false;          ///< also imulab_compensate_q15, in integers of 16 bits, and imulab_filter_fixed
-  /// Of the integers: the largest readings, in their unit. 0: 32768 counts where that is at least 1.5 g or 50 deg/s,
+  /// The largest readings that the integers hold, in the readings' unit. 0: 32768 counts where that is at least 1.5 g or 50 deg/s,
   /// else 16 g and 2000 deg/s by the calibration's scale.
   double accel_range = 0, gyro_range = 0;
   /// All names begin with it and an underscore, macros with its capitals: a program with several IMUs gives each header its own.

@@ -6,7 +6,7 @@
 //   out = (a0 + sum a_j V_j + a2 V2 + a3 V3 + sum c_j f_j) >> s      every >> rounds to nearest; a and c have up to 31 bits
 #pragma once
 
-#include "imulab/export/c_header_input.hpp"
+#include "imulab/export/c_header_parts.hpp"
 
 #include <array>
 #include <cstdint>

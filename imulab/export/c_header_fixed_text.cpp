@@ -2,8 +2,6 @@
 // have 64.
 #include "imulab/export/c_header_fixed.hpp"
 #include "imulab/export/c_header_parts.hpp"
-#include "imulab/export/c_header_samples.hpp"
-#include "imulab/export/c_header_text.hpp"
 
 #include <fmt/format.h>
 
@@ -185,7 +183,7 @@ std::string fixed_text(const SensorModel& model, const Input& accel, const Input
       "                                           const {3} gyro_temperature[3], {3} force[3], {3} rate[3]) {{\n",
       accel.parameter, gyro.parameter, w.prefix, w.data);
   text += raw_text(a, accel) + polynomial_text(a, "accel", "f") + raw_text(g, gyro) + polynomial_text(g, "gyro", "w");
-  // Of 16 bits the outputs may be at the end of their range but for the error.
+  // 16-bit outputs may be at the end of their range, less the error.
   const char* const out = w.data_bits == 16 ? "(int16_t)imulab_q15_limit({}_{}, -32767, 32767)" : "{}_{}";
   for (int i = 0; i < 3; ++i) {
     const char* const axis = axis_names[static_cast<std::size_t>(i)];

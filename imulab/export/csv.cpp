@@ -19,10 +19,10 @@ namespace {
 std::string coefficient_rows(const std::string& name, const NoiseCoefficient& c, const char* unit) {
   std::string text;
   if (c.determined)
-    text = fmt::format("{0},{1},{2},{5}\n{0}.lower,{3},,{5}\n{0}.upper,{4},,{5}\n", name, number_text(c.value), number_text(c.standard_uncertainty),
-                       number_text(c.lower), number_text(c.upper), unit);
+    text = fmt::format("{0},{1},{2},{5}\n{0}.lower,{3},,{5}\n{0}.upper,{4},,{5}\n", name, exact_number(c.value), exact_number(c.standard_uncertainty),
+                       exact_number(c.lower), exact_number(c.upper), unit);
   else if (std::isfinite(c.upper) && c.upper > 0)
-    text = fmt::format("{}.upper,{},,{}\n", name, number_text(c.upper), unit);
+    text = fmt::format("{}.upper,{},,{}\n", name, exact_number(c.upper), unit);
   return text;
 }
 
@@ -43,7 +43,7 @@ std::string axis_noise_rows(const ImuNoise& noise) {
   return text;
 }
 
-/// How the recording had the readings, for programs that take them so.
+/// The form of the recording's readings, for programs that take them in this form.
 std::string recorded_rows(const std::optional<RecordedAs>& recorded, const char* triad) {
   if (!recorded) return {};
   std::string text = fmt::format("# {}: recorded in {}, columns along {}, {}, {} of the body\n", triad, plain(recorded->unit),
@@ -54,12 +54,12 @@ std::string recorded_rows(const std::optional<RecordedAs>& recorded, const char*
 }
 
 std::string noise_rows(const NoiseValues& n) {
-  std::string text = fmt::format("noise.rate,{},,Hz\n", number_text(n.rate_hz));
+  std::string text = fmt::format("noise.rate,{},,Hz\n", exact_number(n.rate_hz));
   for (const auto& [name, value, unit] :
        {std::tuple{"noise.accel.N", &n.accel_N, "m/s^2/sqrt(Hz)"}, std::tuple{"noise.accel.K", &n.accel_K, "m/s^3/sqrt(Hz)"},
         std::tuple{"noise.gyro.N", &n.gyro_N, "rad/s/sqrt(Hz)"}, std::tuple{"noise.gyro.K", &n.gyro_K, "rad/s^2/sqrt(Hz)"}}) {
     text += fmt::format("# {}: {}\n", name, value->comment);
-    text += fmt::format("{},{},,{}\n", name, number_text(value->value), unit);
+    text += fmt::format("{},{},,{}\n", name, exact_number(value->value), unit);
   }
   return text;
 }
@@ -68,7 +68,7 @@ std::string temperature_rows(const TriadModel& m, const char* triad) {
   if (!m.temperature) return {};
   const std::string unit = plain(m.temperature->unit) == "degC" || m.temperature->unit == "K" ? m.temperature->unit : "raw";
   return fmt::format("{0}.temperature.reference,{1},,{4}\n{0}.temperature.lowest,{2},,{4}\n{0}.temperature.highest,{3},,{4}\n", triad,
-                     number_text(m.temperature->reference), number_text(m.temperature->range[0]), number_text(m.temperature->range[1]), unit);
+                     exact_number(m.temperature->reference), exact_number(m.temperature->range[0]), exact_number(m.temperature->range[1]), unit);
 }
 
 }  // namespace
@@ -92,8 +92,8 @@ std::string csv_text(const ExportInput& input) {
     auto sigma = standard_uncertainty(c, index);
     if (std::find(undetermined.begin(), undetermined.end(), coefficient(index).name) != undetermined.end())
       sigma = std::numeric_limits<double>::infinity();
-    text += fmt::format("{},{},{},{}\n", coefficient(index).name, number_text(coefficient_value(c.model, index)),
-                        sigma ? (std::isfinite(*sigma) ? number_text(*sigma) : "inf") : "", coefficient(index).unit);
+    text += fmt::format("{},{},{},{}\n", coefficient(index).name, exact_number(coefficient_value(c.model, index)),
+                        sigma ? (std::isfinite(*sigma) ? exact_number(*sigma) : "inf") : "", coefficient(index).unit);
   }
   text += fmt::format("accel.readings,{},,\ngyro.readings,{},,\n", raw(c.model.accel, "m/s^2"), raw(c.model.gyro, "rad/s"));
   text += recorded_rows(c.recorded_accel, "accel") + recorded_rows(c.recorded_gyro, "gyro");

@@ -15,7 +15,7 @@ std::string euroc_text(const ExportInput& input) {
   return comment_head(input, "the EuRoC / ASL form (sensor.yaml)", facts, left_out_of_noise_files(input)) +
          "sensor_type: imu\ncomment: IMU\nT_BS:\n  cols: 4\n  rows: 4\n"
          "  data: [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]\n" +
-         fmt::format("rate_hz: {}\n", number_text(n.rate_hz)) + noise_line("gyroscope_noise_density", n.gyro_N, "rad/s/sqrt(Hz)") +
+         fmt::format("rate_hz: {}\n", exact_number(n.rate_hz)) + noise_line("gyroscope_noise_density", n.gyro_N, "rad/s/sqrt(Hz)") +
          noise_line("gyroscope_random_walk", n.gyro_K, "rad/s^2/sqrt(Hz)") + noise_line("accelerometer_noise_density", n.accel_N, "m/s^2/sqrt(Hz)") +
          noise_line("accelerometer_random_walk", n.accel_K, "m/s^3/sqrt(Hz)");
 }

@@ -16,7 +16,7 @@ constexpr Held kalibr_holds{.g_sensitivity = true, .accel_matrix = true, .gyro_m
 
 /// Keys of the noise, which all of Kalibr's files and those after its pattern share.
 std::string noise_keys(const std::string& indent, const NoiseValues& n, const char* topic) {
-  return fmt::format("{}rostopic: {}\n{}update_rate: {}  # Hz\n", indent, topic, indent, number_text(n.rate_hz)) +
+  return fmt::format("{}rostopic: {}\n{}update_rate: {}  # Hz\n", indent, topic, indent, exact_number(n.rate_hz)) +
          noise_line(indent + "accelerometer_noise_density", n.accel_N, "m/s^2/sqrt(Hz)") +
          noise_line(indent + "accelerometer_random_walk", n.accel_K, "m/s^3/sqrt(Hz)") +
          noise_line(indent + "gyroscope_noise_density", n.gyro_N, "rad/s/sqrt(Hz)") +
@@ -52,7 +52,7 @@ std::string kalibr_text(const ExportInput& input) {
   std::string text = comment_head(input, "Kalibr (result form)", facts, left_out_of_kalibr(input));
   text += "imu0:\n  T_i_b:\n";
   for (int i = 0; i < 3; ++i)
-    text += fmt::format("    - [{}, {}, {}, 0.0]\n", number_text(a.Q(i, 0)), number_text(a.Q(i, 1)), number_text(a.Q(i, 2)));
+    text += fmt::format("    - [{}, {}, {}, 0.0]\n", exact_number(a.Q(i, 0)), exact_number(a.Q(i, 1)), exact_number(a.Q(i, 2)));
   text += "    - [0.0, 0.0, 0.0, 1.0]\n  time_offset: 0.0\n" + noise_keys("  ", n, "/imu0") + "  model: scale-misalignment\n  accelerometers:\n" +
           matrix_text("    ", "M", a.triangle) + "  gyroscopes:\n" + matrix_text("    ", "M", g.triangle) + matrix_text("    ", "A", A) +
           matrix_text("    ", "C_gyro_i", C_gyro_i);

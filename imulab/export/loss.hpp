@@ -1,4 +1,4 @@
-// What a target cannot hold of a calibration, and how large that is in the output, in user units.
+// The parts of a calibration that a target cannot hold, and their size in the output, in user units.
 #pragma once
 
 #include "imulab/export/input.hpp"

@@ -1,9 +1,9 @@
-// What a target is said to lose is what it loses.
+// The stated loss of a target is its actual loss.
 #include "imulab/export/loss.hpp"
 
 #include "imulab/export/consumer_model.hpp"
 #include "imulab/model/coefficient.hpp"
-#include "imulab/model/lever_arm.hpp"
+#include "imulab/model/compensate.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -115,7 +115,7 @@ NoiseValues noise_values(const ExportInput& input, const std::string& program) {
 }
 
 std::string noise_line(const std::string& key, const NoiseValue& value, const char* unit) {
-  return fmt::format("{}: {}  # {}; {}\n", key, number_text(value.value), unit, value.comment);
+  return fmt::format("{}: {}  # {}; {}\n", key, exact_number(value.value), unit, value.comment);
 }
 
 }  // namespace imulab::export_io

@@ -1,15 +1,115 @@
 // OpenVINS: kalibr_imu_chain.yaml (rpng/open_vins, commit 6948812: core/VioManagerOptions.h, state/State.h and State.cpp, state/Propagator.cpp).
 #include "imulab/core/error.hpp"
+#include "imulab/export/consumer_model.hpp"
 #include "imulab/export/device_axes.hpp"
 #include "imulab/export/loss.hpp"
 #include "imulab/export/noise_values.hpp"
-#include "imulab/export/openvins_prior.hpp"
 #include "imulab/export/targets.hpp"
 #include "imulab/export/write.hpp"
+#include "imulab/model/coefficient.hpp"
 
+#include <Eigen/LU>
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
 namespace imulab::export_io {
+
+struct OpenVinsModel {
+  Matrix3d Tw, R_IMUtoGYRO, Ta, R_IMUtoACC, Tg;
+  Matrix3d C_I_b;  ///< from the calibration's body frame to the IMU frame
+};
+OpenVinsModel openvins_model(const ConsumerModel& m, const std::string& model);
+
+namespace {
+
+constexpr int state_count = 24;  // vec_dw 6, vec_da 6, vec_tg 9, rotation 3
+using OpenVinsStates = Eigen::Matrix<double, state_count, 1>;
+
+void put_triangle(const Matrix3d& D, bool upper, int first, OpenVinsStates& out) {
+  int k = first;
+  for (int j = 0; j < 3; ++j)
+    for (int i = upper ? 0 : j; upper ? i <= j : i < 3; ++i) out[k++] = D(i, j);
+}
+
+/// The rotation that OpenVINS estimates, R_GYROtoIMU or R_ACCtoIMU.
+Matrix3d estimated_rotation(const OpenVinsModel& v, const std::string& which) { return (which == "rpng" ? v.R_IMUtoACC : v.R_IMUtoGYRO).transpose(); }
+
+/// The states of a model. JPLQuat::update multiplies the correction from the left, R = (1 - [theta x]) R_start, so that the error of R_GYROtoIMU (or
+/// R_ACCtoIMU) is a rotation vector in the IMU frame.
+OpenVinsStates openvins_states(const SensorModel& model, const DeviceAxes& axes, const std::string& which, const Matrix3d& start) {
+  const OpenVinsModel v = openvins_model(device_model(model, axes), which);
+  OpenVinsStates out;
+  put_triangle(v.Tw.inverse(), which == "rpng", 0, out);
+  put_triangle(v.Ta.inverse(), which == "rpng", 6, out);
+  for (int k = 0; k < 9; ++k) out[12 + k] = v.Tg(k % 3, k / 3);
+  out.tail<3>() = -rotation_log(estimated_rotation(v, which) * start.transpose());
+  return out;
+}
+
+/// Zero by the choice of the frame, and so exactly known.
+bool fixed_by_frame(const Calibration& c, CoefficientIndex index) {
+  const Coefficient& k = coefficient(index);
+  return c.frame == "accelerometers" && k.triad == Triad::accel && k.term == Term::matrix && k.row < k.column &&
+         coefficient_value(c.model, index) == 0;
+}
+
+bool is_estimated(const Calibration& c, CoefficientIndex index) {
+  const auto& undetermined = c.quality.unobservable;
+  return contains(c.estimated, index) && std::find(undetermined.begin(), undetermined.end(), coefficient(index).name) == undetermined.end();
+}
+
+/// Standard uncertainties; NaN where a state depends on a coefficient that was not estimated.
+OpenVinsStates state_uncertainties(const Calibration& c, const std::string& which) {
+  const DeviceAxes axes = device_axes(c);
+  const Matrix3d start = estimated_rotation(openvins_model(device_model(c.model, axes), which), which);
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(state_count, static_cast<Eigen::Index>(c.estimated.size()));
+  OpenVinsStates unknown = OpenVinsStates::Zero();
+  for (const CoefficientIndex index : select_each({"accel.matrix", "gyro.matrix", "gyro.g_sensitivity"})) {
+    // Central differences, with a step that rounding and curvature allow for coefficients near one.
+    constexpr double step = 1e-6, rounding = 1e-8;
+    SensorModel more = c.model, less = c.model;
+    set_coefficient(more, index, coefficient_value(more, index) + step);
+    set_coefficient(less, index, coefficient_value(less, index) - step);
+    const OpenVinsStates slope = (openvins_states(more, axes, which, start) - openvins_states(less, axes, which, start)) / (2 * step);
+    if (is_estimated(c, index))
+      jacobian.col(std::find(c.estimated.begin(), c.estimated.end(), index) - c.estimated.begin()) = slope;
+    else if (!fixed_by_frame(c, index))
+      unknown = unknown.cwiseMax((slope.array().abs() > rounding).cast<double>().matrix());
+  }
+  OpenVinsStates sigma = (jacobian * c.covariance * jacobian.transpose()).diagonal().cwiseMax(0).cwiseSqrt();
+  for (int k = 0; k < state_count; ++k)
+    if (unknown[k] != 0) sigma[k] = std::numeric_limits<double>::quiet_NaN();
+  return sigma;
+}
+
+}  // namespace
+
+/// Lines with the standard uncertainties of its states vec_dw, vec_da (the triangles of T^-1, column by column), vec_tg (column by column) and of
+/// the rotation it estimates, in the IMU frame: for the prior that state/State.cpp sets as constants (no key of its files does). NaN where a state
+/// depends on coefficients that were not estimated. One line that says so where none was.
+std::vector<std::string> openvins_prior(const Calibration& calibration, const std::string& model) {
+  if (calibration.estimated.empty()) return {"Prior: the calibration states no uncertainties."};
+  const OpenVinsStates sigma = state_uncertainties(calibration, model);
+  std::vector<std::string> out{
+      "Prior: standard uncertainties of this calibration in OpenVINS' states. No key of its files takes them: state/State.cpp has constants",
+      "(0.005 vec_dw, 0.008 vec_da, 0.005 vec_tg, 0.005 rad). nan: depends on a coefficient that was not estimated. The rotation's: about the axes",
+      "of the IMU frame."};
+  const auto line = [&](const char* name, int first, int count) {
+    std::string text = fmt::format("  {}:", name);
+    for (int k = first; k < first + count; ++k) text += fmt::format(" {:.2g}", sigma[k]);
+    out.push_back(text);
+  };
+  line("vec_dw", 0, 6);
+  line("vec_da", 6, 6);
+  line("vec_tg", 12, 9);
+  line(model == "rpng" ? "R_ACCtoIMU [rad]" : "R_GYROtoIMU [rad]", 21, 3);
+  return out;
+}
 
 namespace {
 
@@ -59,7 +159,7 @@ std::string openvins_text(const ExportInput& input) {
   text += noise_line("  accelerometer_noise_density", n.accel_N, "m/s^2/sqrt(Hz)") +
           noise_line("  accelerometer_random_walk", n.accel_K, "m/s^3/sqrt(Hz)") +
           noise_line("  gyroscope_noise_density", n.gyro_N, "rad/s/sqrt(Hz)") + noise_line("  gyroscope_random_walk", n.gyro_K, "rad/s^2/sqrt(Hz)");
-  text += fmt::format("  rostopic: /imu0\n  time_offset: 0.0\n  update_rate: {}  # Hz\n  model: \"{}\"\n", number_text(n.rate_hz),
+  text += fmt::format("  rostopic: /imu0\n  time_offset: 0.0\n  update_rate: {}  # Hz\n  model: \"{}\"\n", exact_number(n.rate_hz),
                       input.options.imu_model);
   return text + matrix_text("  ", "Tw", v.Tw) + matrix_text("  ", "R_IMUtoGYRO", v.R_IMUtoGYRO) + matrix_text("  ", "Ta", v.Ta) +
          matrix_text("  ", "R_IMUtoACC", v.R_IMUtoACC) + matrix_text("  ", "Tg", v.Tg);

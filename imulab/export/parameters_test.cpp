@@ -89,7 +89,7 @@ Motion ardupilot_correct(const Parameters& p, const RawSample& raw, double tempe
   return {a.cast<double>(), (tcal_correct(p, "GYR", t, raw.gyro.cast<float>()) - xyz("INS_GYROFFS")).cast<double>()};
 }
 
-/// What an autopilot holds: diagonal accelerometers, gyros without scale.
+/// The model of an autopilot: diagonal accelerometers, gyros without scale.
 SensorModel autopilot_model(SensorModel m) {
   const Vector3d b_a = bias_of(m.accel), b_g = bias_of(m.gyro);
   m.accel.matrix = Matrix3d(m.accel.matrix.diagonal().asDiagonal());

@@ -120,7 +120,7 @@ TEST(ExportWarning, NumbersOutsideATargetsRangeAreNamed) {
   EXPECT_THAT(export_target("px4").warnings({si_unit()}), IsEmpty());
 }
 
-/// What a program reads of a file: all but comments.
+/// The text that a program reads: all but comments.
 std::string without_comments(const std::string& text) {
   std::istringstream lines(text);
   std::string out;

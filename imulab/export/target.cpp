@@ -3,7 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/export/c_header.hpp"
 #include "imulab/export/targets.hpp"
-#include "imulab/formats/text/names.hpp"
+#include "imulab/formats/text/printable.hpp"
 
 #include <fmt/core.h>
 

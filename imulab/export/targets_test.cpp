@@ -240,7 +240,7 @@ TEST(ExportTargets, OpenVinsPriorNamesWhatWasNotEstimated) {
   c.covariance = Eigen::MatrixXd::Identity(24, 24) * 1e-10;
   for (const char* name : {"vec_dw", "vec_da", "vec_tg", "R_GYROtoIMU [rad]"})
     for (const double sigma : prior_line(exported("openvins", {c, &noise}), name)) EXPECT_NEAR(sigma, 1e-5, 6e-6) << name;
-  // What the data did not determine is not known, whatever the covariance says.
+  // Coefficients that the data did not determine are not known, whatever the covariance says.
   c.quality.unobservable = {"gyro.g_sensitivity.xx"};
   const std::vector<double> tg = prior_line(exported("openvins", {c, &noise}), "vec_tg");
   EXPECT_TRUE(std::isnan(tg[0]));

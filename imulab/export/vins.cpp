@@ -28,12 +28,12 @@ std::string vins_text(const ExportInput& input) {
       "Correct the readings with `imulab compensate` before: no key holds a matrix."};
   facts.insert(facts.end(), n.facts.begin(), n.facts.end());
   const auto line = [](const char* key, const NoiseValue& value, double factor, const char* unit, const char* density) {
-    return fmt::format("{}: {}  # {}; densities [{}]: {}\n", key, number_text(value.value * factor), unit, density, value.comment);
+    return fmt::format("{}: {}  # {}; densities [{}]: {}\n", key, exact_number(value.value * factor), unit, density, value.comment);
   };
   return "%YAML:1.0\n" + comment_head(input, "VINS-Fusion and VINS-Mono", facts, left_out_of_noise_files(input)) +
          line("acc_n", n.accel_N, white, "m/s^2", "m/s^2/sqrt(Hz)") + line("gyr_n", n.gyro_N, white, "rad/s", "rad/s/sqrt(Hz)") +
          line("acc_w", n.accel_K, root_rate, "m/s^3", "m/s^3/sqrt(Hz)") + line("gyr_w", n.gyro_K, root_rate, "rad/s^2", "rad/s^2/sqrt(Hz)") +
-         fmt::format("g_norm: {}  # m/s^2, the standard acceleration of free fall: put in the local one\n", number_text(unit::g));
+         fmt::format("g_norm: {}  # m/s^2, the standard acceleration of free fall: put in the local one\n", exact_number(unit::g));
 }
 
 }  // namespace imulab::export_io

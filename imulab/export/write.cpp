@@ -21,14 +21,14 @@ std::string with_point(std::string text) {
 
 }  // namespace
 
-std::string number_text(double value) { return with_point(fmt::format("{}", value + 0.0)); }  // no -0
+std::string exact_number(double value) { return with_point(fmt::format("{}", value + 0.0)); }  // no -0
 std::string float_text(double value) {
   const auto single = static_cast<float>(value);
   if (!std::isfinite(single)) throw Error(fmt::format("{:g} is too large for single precision, which this target has; expected an IMU in SI", value));
   return with_point(fmt::format("{}", single + 0.0f));
 }
 
-std::string row_text(const Vector3d& row) { return fmt::format("[{}, {}, {}]", number_text(row[0]), number_text(row[1]), number_text(row[2])); }
+std::string row_text(const Vector3d& row) { return fmt::format("[{}, {}, {}]", exact_number(row[0]), exact_number(row[1]), exact_number(row[2])); }
 
 std::string matrix_text(std::string_view indent, std::string_view key, const Matrix3d& m) {
   std::string text = fmt::format("{}{}:\n", indent, key);

@@ -1,4 +1,4 @@
-// What all targets write in one way: numbers, matrices, the comment at the head of a file.
+// The common form of all targets: numbers, matrices, the comment at the head of a file.
 #pragma once
 
 #include "imulab/export/input.hpp"
@@ -10,8 +10,9 @@
 namespace imulab::export_io {
 
 /// The shortest text that reads back to the same double, always with a point: YAML 1.1 takes "1e-05" for a text, "1.0e-05" for a number.
-std::string number_text(double value);
-/// The same of a float, for programs that keep their parameters in single precision. Throws Error for a number that a float cannot hold.
+std::string exact_number(double value);
+/// The shortest text of a float likewise, for programs that keep their parameters in single precision. Throws Error for a number that a float cannot
+/// hold.
 std::string float_text(double value);
 
 /// "[a, b, c]", and three such rows on lines of their own after "KEY:", as YAML.

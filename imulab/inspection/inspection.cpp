@@ -9,7 +9,7 @@
 #include "imulab/inspection/support.hpp"
 #include "imulab/inspection/time.hpp"
 #include "imulab/inspection/units.hpp"
-#include "imulab/model/triad_axes.hpp"
+#include "imulab/model/frame.hpp"
 
 #include <fmt/format.h>
 

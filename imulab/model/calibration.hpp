@@ -2,8 +2,6 @@
 #pragma once
 
 #include "imulab/model/coefficient.hpp"
-#include "imulab/model/recorded_as.hpp"
-#include "imulab/model/reference.hpp"
 #include "imulab/model/sensor_model.hpp"
 
 #include <array>
@@ -14,6 +12,30 @@
 #include <vector>
 
 namespace imulab {
+
+// The origin of a calibration's scales, as far as it is declared: no data show it.
+
+/// The instrument behind a quantity, and its certificate. None of this is checked.
+struct Reference {
+  std::string quantity;    ///< acceleration, rotation, time or temperature
+  std::string instrument;  ///< make, type, serial number
+  std::string certificate;
+  std::string date;       ///< of the certificate, YYYY-MM-DD; may be empty
+  std::string statement;  ///< of the certificate: "U = 2 arcsec, k = 2"; may be empty
+  bool operator==(const Reference&) const = default;
+};
+
+// The form of a triad's readings in the calibration's recording: a program that takes the same readings must convert them.
+
+/// Reading of column j, as the driver gives it, times `si_factor(unit) / counts_per_unit` (of increments also divided by `interval_s`) is the raw
+/// reading of the calibration's model along the body axis `axes[j]`.
+struct RecordedAs {
+  std::string unit;                                   ///< as a session names it: "g", "deg/s", "count"; of increments "deg", "g*s"
+  double counts_per_unit = 1;                         ///< number of the recording's counts in one `unit`; 1: the recording has the unit itself
+  double interval_s = 0;                              ///< of increments: the nominal interval that they were divided by; 0: the readings are rates
+  std::array<std::string, 3> axes{"+x", "+y", "+z"};  ///< along which body axis each column measures, with its sign
+  bool operator==(const RecordedAs&) const = default;
+};
 
 /// One contribution to the stated uncertainty that is common to many coefficients, for example the declared uncertainty of g.
 struct UncertaintySource {

@@ -41,12 +41,12 @@ CoefficientIndex coefficient_index(Triad triad, Term term, int row, int column);
 CoefficientIndex coefficient_index(std::string_view name);
 /// Places of a selector: a name ("gyro.matrix.xy"), a term ("accel.offset") or a group ("gyro.matrix.diagonal", "gyro.matrix.off_diagonal").
 std::vector<CoefficientIndex> select_coefficients(std::string_view selector);
-/// Of several selectors, in their order.
+/// Places of several selectors, in their order.
 std::vector<CoefficientIndex> select_each(std::initializer_list<std::string_view> selectors);
 
-/// Whether it is a scale: on the diagonal of a matrix.
+/// True for a scale: on the diagonal of a matrix.
 bool is_scale(const Coefficient& coefficient);
-/// Whether an IMU may do without this term: all but offsets and matrices.
+/// True for a term that an IMU may do without: all but offsets and matrices.
 bool is_optional(Term term);
 
 bool contains(const std::vector<CoefficientIndex>& indices, CoefficientIndex index);

@@ -7,7 +7,7 @@
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/frame.hpp"
 #include "imulab/model/gauge.hpp"
-#include "imulab/model/user_unit.hpp"
+#include "imulab/model/user_value.hpp"
 
 #include <Eigen/LU>
 

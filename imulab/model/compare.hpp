@@ -1,5 +1,9 @@
 // Calibrations of one IMU, or calibrations and the truth, coefficient by coefficient: in sigmas and in user units.
 //
+//   const Comparison c = compare(spring, autumn);
+//   c.consistency.p_value                                         // below 0.01: the IMU, or a stated uncertainty, has changed
+//   c.coefficients.front().sigmas()                               // difference over its standard uncertainty
+//
 // Their errors are taken as independent: errors that calibrations share (the same declared g, the same table) are not removed.
 #pragma once
 
@@ -19,7 +23,7 @@ struct CoefficientDifference {
   double a = 0, b = 0;
   double difference = 0;              ///< b - a
   std::optional<double> uncertainty;  ///< standard uncertainty of the difference; absent where one of the two did not determine the coefficient
-  /// The same in user units. For matrices this is an element of D = M_b M_a^-1 - I, which does not depend on the raw unit: the difference of a
+  /// The difference in user units. For matrices this is an element of D = M_b M_a^-1 - I, which does not depend on the raw unit: the difference of a
   /// scale factor in ppm on the diagonal, of a misalignment in arcsec off it.
   double user_difference = 0;
   std::optional<double> user_uncertainty;
@@ -47,7 +51,7 @@ Comparison compare(const Calibration& a, const Calibration& b);
 /// Compares each of the others with a: the same coefficients in the same user units in every comparison.
 std::vector<Comparison> compare(const Calibration& a, const std::vector<Calibration>& others);
 
-/// Of many tests of coefficients that do not differ, this is the probability that any is called significant (Bonferroni: for any correlation).
+/// The probability that any of many tests of equal coefficients is called significant (Bonferroni: for any correlation).
 inline constexpr double table_significance = 0.01;
 double significant_sigmas(std::size_t tests);  ///< a difference beyond this many sigmas is significant among this number of tests
 

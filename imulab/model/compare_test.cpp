@@ -160,7 +160,7 @@ TEST(Compare, TestsOnlyWhatBothEstimated) {
   EXPECT_EQ(comparison.coefficients.size(), 30u + 6);
 }
 
-/// The same calibration stated in a rig's frame: a' = F a with a fixed F.
+/// The calibration stated in a rig's frame: a' = F a with a fixed F.
 Calibration in_frame(const Calibration& c, const Matrix3d& f) {
   const auto turned = [&](SensorModel m) {
     m.accel.offset = f * m.accel.offset;

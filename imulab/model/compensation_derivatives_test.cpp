@@ -1,6 +1,5 @@
-#include "imulab/model/compensation_derivatives.hpp"
-
 #include "imulab/core/random.hpp"
+#include "imulab/model/compensate.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,6 @@
-#include "imulab/model/expanded_uncertainty.hpp"
-
 #include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/model/user_value.hpp"
 
 #include <gtest/gtest.h>
 

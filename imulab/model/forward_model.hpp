@@ -30,4 +30,10 @@ Eigen::MatrixXd backward_derivatives(const SensorModel& at, const std::vector<Co
 std::vector<Eigen::MatrixXd> backward_curvatures(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients,
                                                  const Eigen::VectorXd& scale);
 
+// A sensor model whose output has an error that is a model itself.
+
+/// The model whose output is that of `model` less df = ba + Ma f + q f^2, dw = bg + Mg w + C f of `error`, to first order: A0 <- (I - Ma) A0 - ba,
+/// A1 <- (I - Ma) A1, gyros likewise. The error of a lever arm is added. Cubic and thermal terms of `error` do not count.
+SensorModel without_error(const SensorModel& model, const SensorModel& error);
+
 }  // namespace imulab

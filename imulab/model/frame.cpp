@@ -5,7 +5,8 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <ceres/jet.h>
+#include <fmt/core.h>
+#include <unsupported/Eigen/AutoDiff>
 
 #include <algorithm>
 #include <array>
@@ -22,7 +23,7 @@ using Vector3 = Eigen::Matrix<T, 3, 1>;
 template <class T>
 using Coefficients = std::array<T, coefficient_count>;
 
-using Jet = ceres::Jet<double, coefficient_count>;
+using Jet = Eigen::AutoDiffScalar<Eigen::Vector<double, coefficient_count>>;
 
 /// The accelerometers sense A1^-1 a: its rows are their sensitive axes. With the cross products of A1's columns in their place (det A1 times
 /// the rows) there is no division: the rows of R are these, orthonormalized in order.
@@ -78,10 +79,10 @@ Coefficients<T> rotated(Coefficients<T> c) {
 /// d rotated / d coefficients.
 Eigen::MatrixXd rotation_jacobian(const SensorModel& model) {
   Coefficients<Jet> x;
-  for (const CoefficientIndex i : coefficient_indices()) x[static_cast<std::size_t>(i)] = Jet(coefficient_value(model, i), i);
+  for (const CoefficientIndex i : coefficient_indices()) x[static_cast<std::size_t>(i)] = Jet(coefficient_value(model, i), coefficient_count, i);
   const Coefficients<Jet> y = rotated(x);
   Eigen::MatrixXd jacobian(coefficient_count, coefficient_count);
-  for (const CoefficientIndex i : coefficient_indices()) jacobian.row(i) = y[static_cast<std::size_t>(i)].v.transpose();
+  for (const CoefficientIndex i : coefficient_indices()) jacobian.row(i) = y[static_cast<std::size_t>(i)].derivatives().transpose();
   return jacobian;
 }
 
@@ -111,6 +112,32 @@ Calibration in_accelerometer_frame(const Calibration& calibration) {
   const Eigen::MatrixXd jacobian = rotation_jacobian(calibration.model)(out.estimated, calibration.estimated);
   out.covariance = jacobian * calibration.covariance * jacobian.transpose();
   return out;
+}
+
+std::string wrong_axes(const Matrix3d& gyro) {
+  const Matrix3d m = gyro / std::cbrt(std::abs(gyro.determinant()));
+  std::array<Eigen::Index, 3> source;
+  for (Eigen::Index r = 0; r < 3; ++r) {
+    m.row(r).cwiseAbs().maxCoeff(&source[static_cast<std::size_t>(r)]);
+    if (std::abs(m(r, source[static_cast<std::size_t>(r)])) < 0.7) return {};  // mounted at an angle: undecided
+  }
+  if (source[0] == source[1] || source[0] == source[2] || source[1] == source[2]) return {};
+  std::string swapped, reversed;
+  int negative = 0;
+  for (Eigen::Index r = 0; r < 3; ++r) {
+    const Eigen::Index from = source[static_cast<std::size_t>(r)];
+    if (from != r) swapped += fmt::format("{}{} reads about {}", swapped.empty() ? "" : ", ", "xyz"[from], "xyz"[r]);
+    if (m(r, from) > 0) continue;
+    ++negative;
+    reversed += fmt::format("{}{}", reversed.empty() ? "" : " and ", "xyz"[from]);
+  }
+  if (swapped.empty() && negative == 0) return {};
+  if (!swapped.empty()) return "the gyros' axes are not those of the accelerometers: gyro " + swapped + (negative ? "; reversed: " + reversed : "");
+  if (negative == 3) return "the triads are left-handed: both have one axis reversed (or all three gyros are)";
+  if (negative == 1) return "gyro " + reversed + " has the wrong sign";
+  for (Eigen::Index r = 0; r < 3; ++r)
+    if (m(r, r) > 0) return fmt::format("accelerometer {} (or the gyros {}) has the wrong sign", "xyz"[r], reversed);
+  return {};
 }
 
 }  // namespace imulab

@@ -4,7 +4,10 @@
 // lower triangular with a positive diagonal. (For a left-handed triad, det A1 < 0, no rotation can do that: there its last element is negative.)
 #pragma once
 
+#include "imulab/core/rotation.hpp"
 #include "imulab/model/calibration.hpp"
+
+#include <string>
 
 namespace imulab {
 
@@ -19,5 +22,11 @@ bool zero_by_frame(CoefficientIndex index);
 /// The covariance follows, R's own dependence on A1 included; the three elements of accel.matrix above the diagonal are zero by definition and
 /// are no longer among the estimated.
 Calibration in_accelerometer_frame(const Calibration& calibration);
+
+// The axes of the gyros against those of the accelerometers.
+
+/// Axes that are swapped, reversed or left-handed, in words; empty where the gyros turn as gravity does. `gyro`: the matrix from the gyros' readings
+/// to the rate at which gravity turns in the accelerometers' axes.
+std::string wrong_axes(const Matrix3d& gyro);
 
 }  // namespace imulab

@@ -12,7 +12,7 @@
 
 namespace imulab {
 
-/// The same IMU described in another way: by other readings, about another point.
+/// A change of an IMU's description: to other readings, or about another point.
 using ModelChange = std::function<SensorModel(const SensorModel&)>;
 
 /// Covariance of the table coefficients `indices` (in SI and raw units) after a change that is linear in them, such as another zero or scale of the
@@ -23,7 +23,7 @@ Eigen::MatrixXd covariance_after(const ModelChange& linear_change, const std::ve
 TriadModel of_shifted_readings(TriadModel model, const Vector3d& shift);
 SensorModel of_shifted_readings(SensorModel model, const Vector3d& accel_shift, const Vector3d& gyro_shift);
 
-/// The same compensation with other reference temperatures, in the units of the thermal readings. A triad without a reading stays as it is.
+/// An equivalent model with other reference temperatures, in the units of the thermal readings. A triad without a reading stays as it is.
 SensorModel with_references(const SensorModel& model, double accel_reference, double gyro_reference);
 /// With its covariance.
 Calibration with_references(const Calibration& calibration, double accel_reference, double gyro_reference);

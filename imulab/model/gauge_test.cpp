@@ -2,7 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
-#include "imulab/model/compensation_derivatives.hpp"
+#include "imulab/model/compensate.hpp"
 
 #include <gtest/gtest.h>
 

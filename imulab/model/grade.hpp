@@ -1,7 +1,7 @@
 // Grades of IMUs: how far an IMU of a grade departs from the ideal before calibration, as one sigma of a draw.
 #pragma once
 
-#include "imulab/model/noise.hpp"
+#include "imulab/model/imu_noise.hpp"
 
 #include <array>
 #include <optional>

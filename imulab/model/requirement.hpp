@@ -3,7 +3,7 @@
 
 #include "imulab/model/calibration.hpp"
 #include "imulab/model/coefficient.hpp"
-#include "imulab/model/user_unit.hpp"
+#include "imulab/model/user_value.hpp"
 
 #include <string>
 #include <string_view>
@@ -28,7 +28,7 @@ std::vector<Requirement> parse_requirements(std::string_view text);
 /// Standard uncertainty of a coefficient, SI; of matrices relative to the row's scale; infinite where it was not estimated.
 double relative_uncertainty(const Calibration& calibration, CoefficientIndex index);
 
-/// How far a calibration meets a requirement: the standard uncertainty of the worst coefficient, for matrices relative to the row's scale. A
+/// Compares a calibration with a requirement: the standard uncertainty of the worst coefficient, for matrices relative to the row's scale. A
 /// coefficient that was not estimated has infinite uncertainty; coefficients fixed by the frame are left out.
 RequirementResult assess(const Calibration& calibration, const Requirement& requirement);
 

@@ -100,7 +100,7 @@ TEST(SensorNoise, TurnOnBiasAndRampAreDrawnOnceOrFixed) {
 }
 
 TEST(SensorNoise, FlickerIsStationaryFromTheStart) {
-  // The same variance in the first sample and much later, from many starts.
+  // The variance is the same in the first sample and much later, from many starts.
   double first = 0, later = 0;
   const int n = 4000;
   for (std::uint64_t seed = 1; seed <= n; ++seed) {

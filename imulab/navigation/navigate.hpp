@@ -5,7 +5,7 @@
 #include "imulab/model/calibration.hpp"
 #include "imulab/navigation/alignment/alignment.hpp"
 #include "imulab/navigation/inertial_samples.hpp"
-#include "imulab/navigation/integration/solution.hpp"
+#include "imulab/navigation/integration/strapdown.hpp"
 #include "imulab/recording/session.hpp"
 
 #include <functional>
@@ -27,7 +27,7 @@ struct AlignedOn {
   double begin = 0, end = 0;  // of the rest [s]
 };
 
-/// What a navigation begins with, and how far it goes.
+/// The start of a navigation, and its end.
 struct NavigationStart {
   const NavigationState& state;
   const std::optional<AlignedOn>& aligned;

@@ -1,7 +1,7 @@
 // A navigation solution compared with a reference solution.
 #pragma once
 
-#include "imulab/navigation/integration/solution.hpp"
+#include "imulab/navigation/integration/strapdown.hpp"
 
 #include <cstddef>
 #include <string>
@@ -29,8 +29,8 @@ struct NavigationErrors {
 /// h^4/384 of the fourth derivative), attitude by the shortest rotation. Throws Error where the times do not overlap.
 NavigationErrors navigation_errors(const Solution& solution, const Solution& truth);
 
-/// Of a solution's states, as they are reached, those that its comparison with a truth needs: on both sides of each of the truth's times, the first,
-/// and the last two.
+/// Keeps those of a solution's states, as they are reached, that its comparison with a truth needs: on both sides of each of the truth's times, the
+/// first, and the last two.
 class ComparedStates {
  public:
   explicit ComparedStates(const Solution& truth) : truth_(truth) {}

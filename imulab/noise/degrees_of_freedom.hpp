@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 namespace imulab::noise {
 
@@ -17,7 +18,16 @@ struct Variance {
 /// For noise of spectrum f^alpha, alpha from 2 to 1 - 2 order + 1 (order 2: -2; order 3: -4). At least one term is expected: points > order m.
 double degrees_of_freedom(const Variance& variance, int alpha);
 
-/// Of the total variance over a time `ratio` averaging times long (Howe 2000; SP 1065): b ratio - c, alpha 0 to -2.
+/// Degrees of freedom of the total variance over a time `ratio` averaging times long (Howe 2000; SP 1065): b ratio - c, alpha 0 to -2.
 double total_degrees_of_freedom(double ratio, int alpha);
+
+// Which power law the noise follows at an averaging time.
+
+/// The exponent alpha of the rate's spectrum f^alpha, between 2 and `least`, from the averages over m samples: by the lag-1 autocorrelation of the
+/// averages, differenced until they are stationary (Riley and Greenhall 2004), of at most 8192 averages, spread over the record in runs of 1024.
+/// Fewer than 30 averages tell little: the smaller exponent of the one at the longest time with 30 and of that by the ratio of standard to Allan
+/// variance (Barnes's B1), which gives the wider bounds. A longer m than a third of the record is taken for that; a record has at least three
+/// samples.
+int noise_type(const std::vector<double>& phase, std::size_t m, int least);
 
 }  // namespace imulab::noise

@@ -3,7 +3,6 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/noise/degrees_of_freedom.hpp"
-#include "imulab/noise/noise_type.hpp"
 #include "imulab/noise/phase.hpp"
 
 #include <fmt/core.h>

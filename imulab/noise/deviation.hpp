@@ -40,7 +40,7 @@ std::vector<std::size_t> averaging_factors(std::size_t samples);
 /// factor 0.
 std::vector<DeviationPoint> deviation(std::span<const double> rate, double interval_s, const std::vector<std::size_t>& factors,
                                       DeviationKind kind = DeviationKind::overlapping_allan);
-/// The same, bit for bit, in the memory of the readings, if the vector has room for one more number.
+/// Computes the same deviations, bit for bit, in the memory of the readings, if the vector has room for one more number.
 std::vector<DeviationPoint> deviation_in_place(std::vector<double>&& rate, double interval_s, const std::vector<std::size_t>& factors,
                                                DeviationKind kind = DeviationKind::overlapping_allan);
 

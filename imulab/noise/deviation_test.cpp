@@ -193,7 +193,7 @@ std::vector<double> white(std::size_t n, std::uint64_t seed) {
   return rate;
 }
 
-/// Of 333 averages the exponent scatters by 0.11.
+/// The exponent of 333 averages scatters by 0.11.
 TEST(NoiseType, IsFoundAtEveryAveragingTime) {
   const std::vector<double> w = white(100'001, 1);
   std::vector<double> quantization(w.size() - 1), walk(w.size() - 1);

@@ -22,7 +22,7 @@ constexpr double fewest_intervals = 2, fewest_times = 10;
 
 }  // namespace
 
-Problem::Problem(const Spectrum& spectrum, double highest_hz, double resolution, Terms terms) : terms_(terms) {
+SpectrumLikelihood::SpectrumLikelihood(const Spectrum& spectrum, double highest_hz, double resolution, Terms terms) : terms_(terms) {
   for (const SpectrumBin& bin : spectrum.bins)
     if (bin.high_hz() <= highest_hz) bins_.push_back(bin), shortest_interval_ = std::min(shortest_interval_, bin.interval);
   const auto size = static_cast<Index>(bins_.size());
@@ -39,14 +39,14 @@ Problem::Problem(const Spectrum& spectrum, double highest_hz, double resolution,
   longest_time_ = spectrum.record_s / fewest_times;
 }
 
-Problem Problem::with(Terms terms) const {
-  Problem other = *this;
+SpectrumLikelihood SpectrumLikelihood::with(Terms terms) const {
+  SpectrumLikelihood other = *this;
   other.terms_ = terms;
   if (terms.low_pass != terms_.low_pass) other.filter_ = FilterShares(bins_, terms.low_pass);
   return other;
 }
 
-Modeled Problem::modeled(const Parameters& at) const {
+Modeled SpectrumLikelihood::modeled(const Parameters& at) const {
   Modeled out;
   ArrayXd& S = out.density = unit_.rightCols<3>().matrix() * at.segment(Terms::N, 3).exp().matrix();
   const double white = std::exp(at[Terms::N]);
@@ -66,7 +66,7 @@ Modeled Problem::modeled(const Parameters& at) const {
   return out;
 }
 
-MatrixXd Problem::sensitivity(const Parameters& at, const Modeled& modeled) const {
+MatrixXd SpectrumLikelihood::sensitivity(const Parameters& at, const Modeled& modeled) const {
   const auto& [density, shares] = modeled;
   MatrixXd D(density.size(), terms_.count());
   const double white = std::exp(at[Terms::N]), flicker = std::exp(at[Terms::B]), walk = std::exp(at[Terms::K]);
@@ -99,13 +99,13 @@ MatrixXd Problem::sensitivity(const Parameters& at, const Modeled& modeled) cons
   return D;
 }
 
-ArrayXd Problem::ramp_information(const ArrayXd& density) const {
+ArrayXd SpectrumLikelihood::ramp_information(const ArrayXd& density) const {
   ArrayXd information(density.size());
   for (Index i = 0; i < density.size(); ++i) information[i] = std::pow(bins_[static_cast<std::size_t>(i)].ramp, 2) / density[i];
   return information;
 }
 
-ArrayXd Problem::power(double ramp) const {
+ArrayXd SpectrumLikelihood::power(double ramp) const {
   ArrayXd power = power_;
   for (std::size_t i = 0; i < bins_.size() && bins_[i].ramp != 0; ++i)
     power[static_cast<Index>(i)] = std::pow(bins_[i].amplitude - ramp * bins_[i].ramp, 2);
@@ -114,7 +114,7 @@ ArrayXd Problem::power(double ramp) const {
 
 /// Sets ramp and misfit of a point, and returns the model there, nothing where it is not possible. A fitted ramp takes power from the lowest
 /// ordinates, which the restricted likelihood allows for.
-Modeled Problem::judge(Point& point, const Fixed& fixed) const {
+Modeled SpectrumLikelihood::judge(Point& point, const Fixed& fixed) const {
   point.misfit = std::numeric_limits<double>::infinity();
   if (!possible(point.at)) return {};
   Modeled at_point = modeled(point.at);
@@ -129,14 +129,14 @@ Modeled Problem::judge(Point& point, const Fixed& fixed) const {
   return at_point;
 }
 
-/// Whether correlation times and cutoff are where they can be told from the other terms.
-bool Problem::possible(const Parameters& at) const {
+/// True if correlation times and cutoff are distinguishable from the other terms.
+bool SpectrumLikelihood::possible(const Parameters& at) const {
   for (int m = 0; m < terms_.markov; ++m)
     if (at[Terms::time(m)] < std::log(fewest_intervals * shortest_interval_) || at[Terms::time(m)] > std::log(longest_time_)) return false;
   return terms_.low_pass.order == 0 || at[terms_.cutoff()] <= std::log((terms_.low_pass.digital ? 0.49 : 1.0) / shortest_interval_);
 }
 
-Point Problem::start(double below_hz) const {
+Point SpectrumLikelihood::start(double below_hz) const {
   Point start;
   start.at = Parameters::Constant(terms_.count(), absent);
   const ArrayXd ones = ArrayXd::Ones(counts_.size());
@@ -154,13 +154,13 @@ Point Problem::start(double below_hz) const {
   return start;
 }
 
-Point Problem::revived(Point point) const {
+Point SpectrumLikelihood::revived(Point point) const {
   const ArrayXd S = density(point.at);
   for (const int j : {Terms::N, Terms::B, Terms::K}) point.at[j] = std::max(point.at[j], std::log(1e-3 / (unit_.col(j) / S).maxCoeff()));
   return point;
 }
 
-Point Problem::fitted(Point point, const Fixed& fixed, double precision, int iterations) const {
+Point SpectrumLikelihood::fitted(Point point, const Fixed& fixed, double precision, int iterations) const {
   Modeled now = judge(point, fixed);
   if (now.density.size() == 0) now = modeled(point.at);
   double damping = 1e-3;

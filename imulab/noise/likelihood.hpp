@@ -32,15 +32,15 @@ struct Terms {
 inline constexpr double absent = -1e300;  ///< logarithm of a term that is not there
 using Parameters = Eigen::Array<double, Eigen::Dynamic, 1, 0, 9, 1>;
 
-/// Parameters: Q^2 as a part of Problem::Q_scale, which may be negative while it is fitted, so that what is absent does not bias N; of the others the
-/// logarithm: of N^2, B^2, K^2, and of each process sigma^2 and time, then of the cutoff frequency.
+/// Parameters: Q^2 as a part of SpectrumLikelihood::Q_scale, which may be negative while it is fitted, so that what is absent does not bias N; of the
+/// others the logarithm: of N^2, B^2, K^2, and of each process sigma^2 and time, then of the cutoff frequency.
 struct Point {
   Parameters at = Parameters::Constant(4, absent);
   double ramp = 0;                                          ///< beyond the line that was removed
   double misfit = std::numeric_limits<double>::infinity();  ///< -2 ln likelihood
 };
 
-/// What is kept fixed while the rest is fitted.
+/// The parameters that are fixed during a fit.
 struct Fixed {
   int parameter = -1;
   std::optional<double> ramp;
@@ -52,21 +52,21 @@ struct Modeled {
   FilterShares::Shares filter;  ///< empty without one
 };
 
-class Problem {
+class SpectrumLikelihood {
  public:
   /// The bins of a spectrum up to a frequency; `resolution` r of the readings, 0 where they are not rounded.
-  Problem(const Spectrum& spectrum, double highest_hz, double resolution, Terms terms);
+  SpectrumLikelihood(const Spectrum& spectrum, double highest_hz, double resolution, Terms terms);
 
   const std::vector<SpectrumBin>& bins() const { return bins_; }
   const Terms& terms() const { return terms_; }
   double Q_scale() const { return Q_scale_; }
-  Problem with(Terms terms) const;
+  SpectrumLikelihood with(Terms terms) const;
 
   Modeled modeled(const Parameters& at) const;
   Eigen::ArrayXd density(const Parameters& at) const { return modeled(at).density; }
   /// Power without the ramp, where an ordinate has its amplitude.
   Eigen::ArrayXd power(double ramp) const;
-  /// Of each ordinate, the ramp's squared amplitude over the noise's power: their sum is the information on the ramp.
+  /// For each ordinate the ramp's squared amplitude over the noise's power: their sum is the information on the ramp.
   Eigen::ArrayXd ramp_information(const Eigen::ArrayXd& density) const;
   /// Derivatives of the logarithm of the density, bins by parameters.
   Eigen::MatrixXd sensitivity(const Parameters& at, const Modeled& modeled) const;
@@ -74,7 +74,7 @@ class Problem {
 
   /// Each of Q, N, B, K as large as the spectrum below a frequency admits anywhere, over several of them; of the terms besides, nothing.
   Point start(double below_hz = std::numeric_limits<double>::infinity()) const;
-  /// The same point with N, B and K at least a thousandth of the density somewhere: a fit does not find back what has vanished.
+  /// This point with N, B and K at least a thousandth of the density somewhere: a fit does not recover a term that has vanished.
   Point revived(Point point) const;
   /// Fisher scoring, damped (Levenberg and Marquardt), until the misfit falls by less than `precision`, at most `iterations` times.
   Point fitted(Point from, const Fixed& fixed = {}, double precision = 1e-5, int iterations = 200) const;

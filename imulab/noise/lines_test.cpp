@@ -1,9 +1,8 @@
 // Lines in simulated rates: those that are there, and none where there is none.
-#include "imulab/noise/lines.hpp"
-
 #include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/model/sensor_noise.hpp"
+#include "imulab/noise/noise_terms.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,5 @@
-#include "imulab/noise/noise_batch.hpp"
-
 #include "imulab/core/error.hpp"
+#include "imulab/noise/noise_analysis.hpp"
 
 #include <gtest/gtest.h>
 

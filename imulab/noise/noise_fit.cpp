@@ -2,7 +2,6 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/noise/lines.hpp"
 #include "imulab/noise/noise_interval.hpp"
 #include "imulab/noise/noise_terms.hpp"
 
@@ -29,7 +28,7 @@ void check(std::span<const double> rate, double interval_s) {
 /// determined: the larger bound of the two ways then holds.
 NoiseCoefficient unless_a_process(const NoiseCoefficient& c, const noise::ChosenModel& model, int parameter, double widening) {
   if (!model.wider || model.problem.terms().markov > 0) return c;
-  const noise::Problem& problem = model.wider->problem;
+  const noise::SpectrumLikelihood& problem = model.wider->problem;
   noise::Point without = problem.revived(model.wider->best);
   without.at[parameter] = noise::absent;
   constexpr double price = 2;  // of a parameter more
@@ -62,7 +61,7 @@ NoiseFit fit_noise(std::span<const double> rate, double interval_s, std::optiona
   const double half_rate = 0.5 / interval_s;
   noise::WithoutLines found = noise::without_lines(rate, interval_s);
   const noise::ChosenModel model = noise::choose_terms(found.spectrum, half_rate, fit.resolution);
-  const noise::Problem& problem = model.problem;
+  const noise::SpectrumLikelihood& problem = model.problem;
   const noise::Point& best = model.best;
   fit.lines = std::move(found.lines);
   fit.chi2_per_dof = model.agreement.chi2_per_dof;

@@ -1,4 +1,11 @@
-// The noise coefficients of a rate at rest by maximum likelihood on its spectrum (Whittle), with intervals from the profile of the likelihood.
+// The noise coefficients of a rate at rest by maximum likelihood on its spectrum (Whittle), with intervals from the profile of the likelihood
+// (docs/noise.md; the terms of IEEE Std 952, doi:10.1109/IEEESTD.1998.86153).
+//
+//   const NoiseFit fit = fit_noise(rate, 0.01);                   // readings at rest [rad/s], interval [s]
+//   fit.N.value                                                   // angle random walk [rad/s/sqrt(Hz)]
+//   fit.B.determined ? fit.B.value : fit.B.upper                  // or a 95 % bound
+//
+// Valid for stationary noise of 64 readings and more. Slow terms (B, K) need records that are long against the times at which they dominate.
 #pragma once
 
 #include "imulab/model/imu_noise.hpp"

@@ -82,7 +82,7 @@ TEST(NoiseFit, IntervalsHoldAsOftenAsTheySay) {
   EXPECT_GE(rich[2].determined, 0.5 * logs) << "in twenty minutes a process often explains flicker better";
   for (const Held& h : {rich[0], rich[1], rich[2], walk[1]})  // the mean of n squares scatters by sqrt(2 / n): three of them
     EXPECT_NEAR(h.error2 / h.stated2, 1, 3 * std::sqrt(2.0 / h.determined));
-  // What is absent is not stated: 2.5 % by chance, where a bound at zero lets only one side err.
+  // Absent terms are not stated: 2.5 % by chance, where a bound at zero lets only one side err.
   for (const Held& h : {rich[4], walk[0], walk[2]}) EXPECT_LE(h.determined, logs - least);
 }
 

@@ -21,22 +21,22 @@ constexpr double widest_log = 60;           // of an interval, in the logarithm 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// A parameter as the logarithm of a square, also Q's.
-double log_square(const Problem& problem, const Point& point, int parameter) {
+double log_square(const SpectrumLikelihood& problem, const Point& point, int parameter) {
   if (parameter != Terms::Q) return point.at[parameter];
   return point.at[parameter] > 0 ? std::log(point.at[parameter] * problem.Q_scale()) : absent;
 }
 
-void set_log_square(const Problem& problem, Point& point, int parameter, double log) {
+void set_log_square(const SpectrumLikelihood& problem, Point& point, int parameter, double log) {
   point.at[parameter] = parameter == Terms::Q ? std::exp(log) / problem.Q_scale() : log;
 }
 
-/// How the other parameters follow one near the maximum, per unit of it, and its own standard deviation: from the information matrix.
+/// Derivatives of the other parameters by one near the maximum, and its own standard deviation: from the information matrix.
 struct Following {
   Parameters slope;
   double sigma = 0;
 };
 
-Following following(const Problem& problem, const Point& best, int parameter) {
+Following following(const SpectrumLikelihood& problem, const Point& best, int parameter) {
   const Eigen::MatrixXd D = problem.sensitivity(best.at, problem.modeled(best.at));
   Eigen::MatrixXd information = 0.5 * (D.transpose() * problem.counts().matrix().asDiagonal() * D);
   information.diagonal().array() += 1e-9;  // of a term that is absent: nothing
@@ -45,7 +45,7 @@ Following following(const Problem& problem, const Point& best, int parameter) {
 }
 
 /// From a parameter outward by `direction` until the misfit has risen by `rise`; NaN where it does not within e^60.
-double crossing(const Problem& problem, const Point& best, int parameter, double from, double direction, double rise) {
+double crossing(const SpectrumLikelihood& problem, const Point& best, int parameter, double from, double direction, double rise) {
   const Following others = following(problem, best, parameter);
   Point last = best;
   const auto risen = [&](double log) {
@@ -66,7 +66,7 @@ double crossing(const Problem& problem, const Point& best, int parameter, double
     last = found;
     return last.misfit - best.misfit - rise;
   };
-  // Of Q the parameter is the square itself, relative to which its logarithm changes.
+  // The parameter of Q is the square itself, relative to which its logarithm changes.
   const double sigma = parameter == Terms::Q ? others.sigma / std::max(best.at[parameter], others.sigma) : others.sigma;
   double inside = from, step = std::clamp(sigma, 1e-6, 1.0), outside = inside + direction * step;
   while (risen(outside) < 0) {
@@ -82,7 +82,7 @@ double crossing(const Problem& problem, const Point& best, int parameter, double
 }
 
 /// On how many degrees of freedom the power rests that a ramp has to stand out of: by the fit's variance of its logarithm, 2 / degrees.
-double degrees_below_ramp(const Problem& problem, const Point& best) {
+double degrees_below_ramp(const SpectrumLikelihood& problem, const Point& best) {
   const Modeled modeled = problem.modeled(best.at);
   const Eigen::ArrayXd ramp = problem.ramp_information(modeled.density);
   const Eigen::MatrixXd D = problem.sensitivity(best.at, modeled);
@@ -94,7 +94,7 @@ double degrees_below_ramp(const Problem& problem, const Point& best) {
 
 }  // namespace
 
-NoiseCoefficient size_of(const Problem& problem, const Point& best, int parameter, double widening) {
+NoiseCoefficient size_of(const SpectrumLikelihood& problem, const Point& best, int parameter, double widening) {
   Point without = problem.revived(best);
   without.at[parameter] = parameter == Terms::Q ? 0 : absent;
   NoiseCoefficient c;
@@ -117,7 +117,7 @@ NoiseCoefficient size_of(const Problem& problem, const Point& best, int paramete
   return c;
 }
 
-NoiseCoefficient scale_of(const Problem& problem, const Point& best, int parameter, double widening) {
+NoiseCoefficient scale_of(const SpectrumLikelihood& problem, const Point& best, int parameter, double widening) {
   const double from = best.at[parameter];
   const double lower = crossing(problem, best, parameter, from, -1, rise_of_95 * widening),
                upper = crossing(problem, best, parameter, from, 1, rise_of_95 * widening);
@@ -127,7 +127,7 @@ NoiseCoefficient scale_of(const Problem& problem, const Point& best, int paramet
   return c;
 }
 
-NoiseCoefficient ramp_of(const Problem& problem, const Point& best, double slope, double widening) {
+NoiseCoefficient ramp_of(const SpectrumLikelihood& problem, const Point& best, double slope, double widening) {
   const double degrees = degrees_below_ramp(problem, best), quantile = student_quantile(0.975, degrees);
   const double rise = (degrees + 1) * std::log1p(quantile * quantile / degrees) * widening;
   const Point base = problem.fitted(problem.revived(best), {-1, best.ramp});

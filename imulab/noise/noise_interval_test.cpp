@@ -12,8 +12,8 @@
 namespace imulab::noise {
 namespace {
 
-/// How far the misfit rises with a parameter at this size.
-double rise_at(const Problem& problem, const Point& best, int parameter, double size) {
+/// The rise of the misfit with a parameter at this size.
+double rise_at(const SpectrumLikelihood& problem, const Point& best, int parameter, double size) {
   Point start = problem.revived(best);
   start.at[parameter] = 2 * std::log(size);
   return problem.fitted(start, {parameter, {}}).misfit - best.misfit;
@@ -25,7 +25,7 @@ TEST(NoiseInterval, EndsWhereTheMisfitHasRisenByChiSquare) {
   noise.add_slow(rate);
   noise.add_fast(0, rate);
   const Spectrum spectrum = spectrum_of(rate, 0.1);
-  const Problem problem(spectrum, 10, 0, {});
+  const SpectrumLikelihood problem(spectrum, 10, 0, {});
   const Point best = problem.fitted(problem.revived(problem.fitted(problem.start())));
   const double rise = chi_square_quantile(0.95, 1);
   int determined = 0, bounded = 0;

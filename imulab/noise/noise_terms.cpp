@@ -14,7 +14,7 @@ namespace imulab::noise {
 
 namespace {
 
-/// Of -2 ln likelihood, for a term of one or two parameters that is looked for at some dozens of places: by chance in about 1 log of 1000.
+/// Required fall of -2 ln likelihood for a term of one or two parameters, sought at some dozens of places: p = 0.001.
 constexpr double least_gain = 18;
 constexpr int most_processes = 2, coarse_iterations = 15;
 constexpr double coarse_precision = 0.5;
@@ -22,14 +22,14 @@ constexpr std::size_t fewest_bins = 12;
 constexpr LowPassShape low_passes[] = {{1, false}, {1, true}, {2, false}, {2, true}, {4, false}, {4, true}};
 
 /// A negative Q^2 only keeps the other terms unbiased: it must not stand for a low-pass.
-double misfit_of(const Problem& problem, const Point& best) {
+double misfit_of(const SpectrumLikelihood& problem, const Point& best) {
   if (best.at[Terms::Q] >= 0) return best.misfit;
   Point at_bound = best;
   at_bound.at[Terms::Q] = 0;
   return problem.fitted(at_bound, {Terms::Q, {}}, coarse_precision).misfit;
 }
 
-double density_near(const Problem& problem, const Eigen::ArrayXd& density, double hz) {
+double density_near(const SpectrumLikelihood& problem, const Eigen::ArrayXd& density, double hz) {
   std::size_t nearest = 0;
   for (std::size_t i = 0; i < problem.bins().size(); ++i)
     if (std::abs(std::log(problem.bins()[i].middle_hz() / hz)) < std::abs(std::log(problem.bins()[nearest].middle_hz() / hz))) nearest = i;
@@ -45,7 +45,7 @@ Point moved(const Point& from, const Terms& old, const Terms& terms) {
   return out;
 }
 
-std::optional<Model> best_of(const Problem& problem, const std::vector<Point>& starts) {
+std::optional<Model> best_of(const SpectrumLikelihood& problem, const std::vector<Point>& starts) {
   std::optional<Point> best;
   for (const Point& start : starts)
     if (const Point p = problem.fitted(start, {}, coarse_precision, coarse_iterations); std::isfinite(p.misfit) && (!best || p.misfit < best->misfit))
@@ -72,7 +72,7 @@ bool stands_for_a_filter(const Model& model) {
 std::optional<Model> with_process(const Model& model, double shortest_s, double record_s) {
   Terms terms = model.problem.terms();
   const int place = terms.markov++;
-  const Problem problem = model.problem.with(terms);
+  const SpectrumLikelihood problem = model.problem.with(terms);
   const Eigen::ArrayXd density = model.problem.density(model.best.at);
   std::vector<Point> starts;
   const Point base = moved(model.problem.revived(model.best), model.problem.terms(), terms);
@@ -93,7 +93,7 @@ std::optional<Model> with_low_pass(const Model& model, const LowPassShape& shape
   const bool other = terms.low_pass.order > 0;
   terms.low_pass = shape;
   std::vector<Point> starts;
-  const Problem problem = model.problem.with(terms);
+  const SpectrumLikelihood problem = model.problem.with(terms);
   const Point base = moved(model.problem.revived(model.best), model.problem.terms(), terms);
   if (other) starts.push_back(base);
   for (double cutoff = 0.95 * highest_hz; !other && cutoff > highest_hz / 64; cutoff /= 1.6) {
@@ -107,7 +107,7 @@ std::optional<Model> with_low_pass(const Model& model, const LowPassShape& shape
 }
 
 /// `agreement` and `highest_hz` are left to the caller.
-ChosenModel choose(const Problem& simple, double shortest_s, double record_s, double highest_hz, bool filters) {
+ChosenModel choose(const SpectrumLikelihood& simple, double shortest_s, double record_s, double highest_hz, bool filters) {
   const Point best = simple.fitted(simple.revived(simple.fitted(simple.start())));
   Model model{simple, best, misfit_of(simple, best)};
   for (;;) {
@@ -131,7 +131,7 @@ ChosenModel choose(const Problem& simple, double shortest_s, double record_s, do
 
 /// Measured over modeled power in ranges of at least 20 degrees of freedom and a third of an octave.
 Agreement agreement_of(const Model& model) {
-  const Problem& problem = model.problem;
+  const SpectrumLikelihood& problem = model.problem;
   const Eigen::ArrayXd ratio = problem.power(model.best.ramp) / problem.density(model.best.at);
   struct Group {
     double low, high, count, sum;
@@ -161,7 +161,7 @@ ChosenModel choose_terms(const Spectrum& spectrum, double half_rate_hz, double r
   const double shortest = 0.5 / half_rate_hz;
   std::optional<ChosenModel> chosen;
   for (double highest = 2 * half_rate_hz; highest > half_rate_hz / 32; highest = std::min(highest, half_rate_hz) * 0.8) {
-    const Problem simple(spectrum, highest, resolution, {});
+    const SpectrumLikelihood simple(spectrum, highest, resolution, {});
     if (simple.bins().size() < fewest_bins) break;
     ChosenModel found = choose(simple, shortest, spectrum.record_s, std::min(highest, half_rate_hz), highest > half_rate_hz);
     found.highest_hz = highest;
@@ -173,6 +173,126 @@ ChosenModel choose_terms(const Spectrum& spectrum, double half_rate_hz, double r
   }
   if (!chosen) throw Unsupported("too few frequencies are left to see noise; expected a longer record");
   return *chosen;
+}
+
+namespace {
+
+constexpr std::size_t most_lines = 8, lowest_ordinate = 8, around = 5, shortest_block = 16, longest_block = 128;
+constexpr double chance = 1e-3;       // of a line in a log without one
+constexpr double left_at_most = 0.3;  // of the excess about a line, once it is taken out
+
+struct Peak {
+  std::size_t level = 0, ordinate = 0;
+  double hz = 0, noise = 0;  // density about it
+};
+
+/// Density, and on how many degrees of freedom it rests.
+struct Floor {
+  double noise = 0, degrees = 0;
+};
+
+/// The median of ordinates on `transforms` degrees of freedom each, as a mean. Its variance is 1 / (4 n density^2) at the median.
+class MedianFloor {
+ public:
+  explicit MedianFloor(double transforms) {
+    const double median = chi_square_quantile(0.5, transforms), step = 1e-4 * median;
+    const double density = (chi_square_tail(median - step, transforms) - chi_square_tail(median + step, transforms)) / (2 * step);
+    of_one_ = median / transforms;
+    degrees_of_one_ = 8 * std::pow(median * density, 2);
+  }
+  Floor operator()(const SpectrumLevel& level, std::size_t first, std::size_t end) const {
+    const auto at = [&](std::size_t k) { return level.power.begin() + static_cast<std::ptrdiff_t>(k); };
+    return {median({at(first), at(end)}) / of_one_, degrees_of_one_ * static_cast<double>(end - first)};
+  }
+
+ private:
+  double of_one_ = 1, degrees_of_one_ = 0;
+};
+
+/// The median power about each ordinate: in three blocks, longer at high frequency; below the third, as many ordinates on either side, since the
+/// median of a spectrum that falls is then what it is in their middle.
+std::vector<Floor> floors(const SpectrumLevel& level) {
+  const MedianFloor floor(level.transforms);
+  std::vector<Floor> out(level.end);
+  std::size_t k = std::max(level.first, lowest_ordinate);
+  for (; k < std::min(level.end, 3 * shortest_block); ++k) {
+    const std::size_t side = std::min({k - level.first, level.end - 1 - k, 3 * shortest_block / 2});
+    out[k] = floor(level, k - side, k + side + 1);
+  }
+  for (std::size_t length; k < level.end; k += length) {
+    length = std::clamp(k / 8, shortest_block, longest_block);
+    const Floor about = floor(level, std::max(level.first, k - length), std::min(level.end, k + 2 * length));
+    std::fill(out.begin() + static_cast<std::ptrdiff_t>(k), out.begin() + static_cast<std::ptrdiff_t>(std::min(level.end, k + length)), about);
+  }
+  return out;
+}
+
+/// Octaves of all levels, as logarithms: the chance of a false line is the same in each.
+double log_range(const Spectrum& spectrum) {
+  double sum = 0;
+  for (const SpectrumLevel& level : spectrum.levels)
+    if (const std::size_t first = std::max(level.first, lowest_ordinate); first < level.end)
+      sum += std::log(static_cast<double>(level.end) / static_cast<double>(first));
+  return sum;
+}
+
+std::optional<Peak> highest_peak(const Spectrum& spectrum, const std::vector<double>& known) {
+  const double range = log_range(spectrum);
+  double most = 0;
+  std::optional<Peak> best;
+  for (std::size_t l = 0; l < spectrum.levels.size(); ++l) {
+    const SpectrumLevel& level = spectrum.levels[l];
+    const std::vector<Floor> about = floors(level);
+    const double scatter = std::sqrt(2 / level.transforms), resolved = level.hz(3);
+    for (std::size_t k = std::max(level.first, lowest_ordinate); k < level.end; ++k) {
+      const double hz = level.hz(static_cast<double>(k)), ratio = level.power[k] / about[k].noise;
+      if (!(ratio > 1 + 4 * scatter) || (ratio - 1) / scatter <= most) continue;
+      if (std::any_of(known.begin(), known.end(), [&](double f) { return std::abs(f - hz) < resolved; })) continue;
+      if (f_tail(ratio, level.transforms, about[k].degrees) > chance / (range * static_cast<double>(k))) continue;
+      most = (ratio - 1) / scatter;
+      best = Peak{l, k, hz, about[k].noise};
+    }
+  }
+  return best;
+}
+
+/// Power above the noise about a peak.
+double excess(const Spectrum& spectrum, const Peak& peak) {
+  const SpectrumLevel& level = spectrum.levels[peak.level];
+  double sum = 0;
+  for (std::size_t k = peak.ordinate - std::min(peak.ordinate, around); k < std::min(level.end, peak.ordinate + around + 1); ++k)
+    sum += level.power[k] / peak.noise - 1;
+  return sum;
+}
+
+/// Power of the last sinusoid that was removed: its mean square less what the noise alone gives.
+NoiseCoefficient amplitude_of(const Spectrum& spectrum, const Peak& peak) {
+  constexpr double coverage = 1.96;
+  NoiseCoefficient c;
+  c.value = std::sqrt(std::max(0.0, spectrum.squares / spectrum.pieces - 4 * peak.noise / spectrum.piece_s));
+  c.standard_uncertainty = std::sqrt(2 * peak.noise / (spectrum.piece_s * spectrum.pieces));
+  c.lower = std::max(0.0, c.value - coverage * c.standard_uncertainty), c.upper = c.value + coverage * c.standard_uncertainty;
+  c.determined = c.lower > 0;
+  return c;
+}
+
+}  // namespace
+
+WithoutLines without_lines(std::span<const double> rate, double interval_s) {
+  WithoutLines out{spectrum_of(rate, interval_s), {}};
+  std::vector<double> taken;
+  while (taken.size() < most_lines) {
+    const std::optional<Peak> peak = highest_peak(out.spectrum, taken);
+    if (!peak) break;
+    const SpectrumLevel& level = out.spectrum.levels[peak->level];
+    taken.push_back(sharpened(rate, interval_s, peak->hz, level.interval * static_cast<double>(level.power.size())));
+    Spectrum less = spectrum_of(rate, interval_s, taken);
+    if (!(excess(less, *peak) < left_at_most * excess(out.spectrum, *peak))) break;  // not one frequency
+    out.spectrum = std::move(less);
+    out.lines.push_back({taken.back(), amplitude_of(out.spectrum, *peak)});
+  }
+  std::sort(out.lines.begin(), out.lines.end(), [](const NoiseLine& a, const NoiseLine& b) { return a.hz < b.hz; });
+  return out;
 }
 
 }  // namespace imulab::noise

@@ -3,8 +3,10 @@
 
 #include "imulab/noise/likelihood.hpp"
 #include "imulab/noise/noise_fit.hpp"
+#include "imulab/noise/spectrum.hpp"
 
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace imulab::noise {
@@ -15,7 +17,7 @@ struct Agreement {
 };
 
 struct Model {
-  Problem problem;
+  SpectrumLikelihood problem;
   Point best;
   double misfit = 0;  ///< with Q^2 not negative
 };
@@ -29,5 +31,16 @@ struct ChosenModel : Model {
 /// Processes and a low-pass as far as each raises the likelihood by more than chance does; where the model then does not hold at high frequency, that
 /// end is left out, at most down to a 32nd. Throws Unsupported where too little of the spectrum is left.
 ChosenModel choose_terms(const Spectrum& spectrum, double half_rate_hz, double resolution);
+
+// Periodic lines in a spectrum: found as ordinates that stand out of those about them, taken out as sinusoids.
+
+struct WithoutLines {
+  Spectrum spectrum;
+  std::vector<NoiseLine> lines;  ///< by frequency
+};
+
+/// At most eight. An ordinate whose power over the median about it, by chance, one log of a thousand has, begins one; it is a line if one frequency
+/// takes most of the power about it in every piece of the record.
+WithoutLines without_lines(std::span<const double> rate, double interval_s);
 
 }  // namespace imulab::noise

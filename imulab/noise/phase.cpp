@@ -50,7 +50,7 @@ double sum_of_third(const double* x, std::size_t m, std::size_t n) {
 
 constexpr std::size_t most_octaves = 4;  // together: their sums and points fit into the registers
 
-/// Of the factors m, 2m, 4m, ..., `octaves` of them, to the place of each: a point that two of them need is read once.
+/// Sums for the factors m, 2m, 4m, ..., `octaves` of them, to the place of each: a point that two of them need is read once.
 using OctaveSums = void (*)(const double* x, std::size_t m, std::size_t n, double* sums);
 
 template <std::size_t octaves>

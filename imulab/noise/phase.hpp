@@ -15,17 +15,17 @@ struct SquareSum {
   std::size_t terms = 0;
 };
 
-/// Of every second difference x[i + 2m] - 2 x[i + m] + x[i], for each factor m; in one pass over the phase, piece by piece, so that it stays in
-/// cache.
+/// Sum of squares of every second difference x[i + 2m] - 2 x[i + m] + x[i], for each factor m; in one pass over the phase, piece by piece, so that it
+/// stays in cache.
 std::vector<SquareSum> second_differences(const std::vector<double>& phase, const std::vector<std::size_t>& factors);
 /// Likewise of third differences.
 std::vector<SquareSum> third_differences(const std::vector<double>& phase, const std::vector<std::size_t>& factors);
 
-/// Of the differences of this order (2 or 3) at every m-th point only.
+/// Sum of squares of the differences of this order (2 or 3) at every m-th point only.
 SquareSum strided_differences(const std::vector<double>& phase, std::size_t m, int order);
-/// Of sums of m neighboring second differences.
+/// Sum of squares of sums of m neighboring second differences.
 SquareSum modified_differences(const std::vector<double>& phase, std::size_t m);
-/// Of second differences about every inner point of the phase, reflected at both ends.
+/// Sum of squares of second differences about every inner point of the phase, reflected at both ends.
 SquareSum total_differences(const std::vector<double>& phase, std::size_t m);
 
 }  // namespace imulab::noise

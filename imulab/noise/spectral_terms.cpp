@@ -107,7 +107,7 @@ void FilterShares::add_bin(const SpectrumBin& bin) {
   white_.begin.push_back(white_.weight.size());
 }
 
-/// Of each bin, its nodes' sum of weight / (1 + (x / cutoff)^2n); `steepness`: how the cutoff's place goes with the logarithm of the cutoff.
+/// For each bin its nodes' sum of weight / (1 + (x / cutoff)^2n); `steepness`: how the cutoff's place goes with the logarithm of the cutoff.
 std::vector<Passed> FilterShares::passed(const Nodes& nodes, double cutoff, double steepness) const {
   const auto count = static_cast<Eigen::Index>(nodes.weight.size());
   const Eigen::Map<const Eigen::ArrayXd> square(nodes.square.data(), count), weight(nodes.weight.data(), count);

@@ -8,7 +8,7 @@
 
 namespace imulab::noise {
 
-/// Of Q^2, B^2, K^2 = 1 (model/noise.hpp); that of N^2 is 1.
+/// Densities of Q^2, B^2, K^2 = 1 (model/imu_noise.hpp); the density of N^2 = 1 is 1.
 struct Densities {
   double Q = 0, B = 0, K = 0;
 };
@@ -17,7 +17,7 @@ Densities unit_densities(const SpectrumBin& bin);
 /// cos(2 pi f T) in the middle of a bin.
 double cosine_over_interval(const SpectrumBin& bin);
 
-/// Of a first-order Gauss-Markov process of unit variance. Fastest where bins of one interval follow each other.
+/// Density of a first-order Gauss-Markov process of unit variance. Fastest where bins of one interval follow each other.
 class MarkovDensity {
  public:
   explicit MarkovDensity(double time_s) : time_s_(time_s) {}
@@ -56,7 +56,7 @@ class FilterShares {
   struct Node {
     double x, weight;  // the frequency as the filter's slope goes with it
   };
-  /// Of all bins, those of bin i from begin[i] to begin[i + 1].
+  /// Nodes of all bins; those of bin i are from begin[i] to begin[i + 1].
   struct Nodes {
     void add(const Node& node) { square.push_back(node.x * node.x), weight.push_back(node.weight); }
     std::vector<double> square, weight;  // x^2 and weight of each node: columns, of which the processor takes several numbers at once

@@ -25,7 +25,7 @@ constexpr std::size_t fewest_samples = 1024;
 
 double seconds(const RecordingView& recording, const Range& range) { return static_cast<double>(range.size()) * recording.interval_s; }
 
-/// How often a channel that varies may stand at its end without being called saturated there.
+/// The share of readings at its limit up to which a varying channel does not count as saturated there.
 constexpr double seldom = 0.001;
 
 std::string clipped_axes(const RecordingView& recording, const Range& range) {

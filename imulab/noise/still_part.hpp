@@ -16,15 +16,16 @@ struct StillRange {
   double interval_s = 0;           ///< of its samples: nominal, or of the even clock of stamps that scatter
 };
 
-/// Of a recording in memory or on disk, which is valid and of whose lost samples so many were filled. Where the session has holds, they are the
-/// rests, else they are found. Throws Unsupported where no stretch is long enough: in motion, interrupted, saturated or short; Error as detect_rests.
+/// The part at rest of a recording in memory or on disk, which is valid and of whose lost samples so many were filled. Where the session has holds,
+/// they are the rests, else they are found. Throws Unsupported where no stretch is long enough: in motion, interrupted, saturated or short; Error as
+/// detect_rests.
 StillRange still_range(const RecordingView& recording, const Session& session, std::size_t filled = 0);
 
 struct StillPart : StillRange {
   Recording recording;  ///< the whole one; lost samples filled, one or two at a time; its interval that of the part
 };
 
-/// The same of any recording in memory.
+/// The part at rest of any recording in memory.
 StillPart still_part(Recording recording, const Session& session);
 
 }  // namespace imulab

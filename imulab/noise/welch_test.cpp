@@ -1,6 +1,5 @@
-#include "imulab/noise/welch.hpp"
-
 #include "imulab/core/error.hpp"
+#include "imulab/noise/spectrum.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,6 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/model/compensate.hpp"
-#include "imulab/model/lever_arm.hpp"
 #include "imulab/model/outlier_filter.hpp"
 
 #include <algorithm>

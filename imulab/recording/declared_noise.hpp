@@ -1,7 +1,7 @@
 // The sensor noise that an IMU declaration has: its own terms, or those of its grade.
 #pragma once
 
-#include "imulab/model/noise.hpp"
+#include "imulab/model/imu_noise.hpp"
 #include "imulab/recording/session.hpp"
 
 namespace imulab {

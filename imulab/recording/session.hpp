@@ -1,9 +1,9 @@
 // A session: recordings with their IMU, site, rig and steps. A procedure is a session without recordings.
 #pragma once
 
-#include "imulab/core/spread.hpp"
-#include "imulab/model/noise.hpp"
-#include "imulab/model/reference.hpp"
+#include "imulab/core/random.hpp"
+#include "imulab/model/calibration.hpp"
+#include "imulab/model/imu_noise.hpp"
 
 #include <array>
 #include <cstddef>

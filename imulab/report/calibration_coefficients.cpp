@@ -1,5 +1,4 @@
 // Values with their uncertainties, as a certificate states them; correlations; tests of terms.
-#include "imulab/model/expanded_uncertainty.hpp"
 #include "imulab/model/user_value.hpp"
 #include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/html.hpp"

@@ -1,6 +1,6 @@
 // Curves: convergence of the hybrid method, temperature and nonlinearity with their bands.
 #include "imulab/core/units.hpp"
-#include "imulab/model/user_unit.hpp"
+#include "imulab/model/user_value.hpp"
 #include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/plot.hpp"

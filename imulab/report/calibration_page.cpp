@@ -1,6 +1,6 @@
 #include "imulab/report/calibration_page.hpp"
 
-#include "imulab/model/user_unit.hpp"
+#include "imulab/model/user_value.hpp"
 #include "imulab/recording/coverage.hpp"
 #include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/html.hpp"

@@ -1,7 +1,7 @@
 #include "imulab/report/noise_page.hpp"
 
 #include "imulab/core/units.hpp"
-#include "imulab/noise/welch.hpp"
+#include "imulab/noise/spectrum.hpp"
 #include "imulab/recording/overview.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/page.hpp"

@@ -1,6 +1,6 @@
 #include "imulab/report/prediction_page.hpp"
 
-#include "imulab/model/user_unit.hpp"
+#include "imulab/model/user_value.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/key_figures.hpp"
 #include "imulab/report/page.hpp"

@@ -1,7 +1,7 @@
 #include "imulab/report/start.hpp"
 
 #include "imulab/core/stamp_text.hpp"
-#include "imulab/formats/text/time.hpp"
+#include "imulab/formats/text/decimal.hpp"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,6 @@
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/requirement.hpp"
-#include "imulab/model/user_unit.hpp"
 #include "imulab/model/user_value.hpp"
 #include "imulab/results/reached.hpp"
 

@@ -1,7 +1,7 @@
 #include "imulab/results/fleet.hpp"
 
+#include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/figures.hpp"
-#include "imulab/formats/text/time.hpp"
 #include "imulab/results/fields.hpp"
 
 #include <fmt/format.h>

@@ -4,7 +4,7 @@
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/model/coefficient.hpp"
-#include "imulab/model/user_unit.hpp"
+#include "imulab/model/user_value.hpp"
 #include "imulab/results/fields.hpp"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
 #include "imulab/results/motion.hpp"
 
 #include "imulab/core/units.hpp"
-#include "imulab/navigation/integration/attitude.hpp"
+#include "imulab/navigation/integration/strapdown.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // The rates and forces of a motion, as a table.
 #pragma once
 
-#include "imulab/navigation/integration/solution.hpp"
+#include "imulab/navigation/integration/strapdown.hpp"
 #include "imulab/recording/recording.hpp"
 
 #include <string>

@@ -1,7 +1,7 @@
 // The noise of an IMU, for people and for programs.
 #pragma once
 
-#include "imulab/noise/noise_batch.hpp"
+#include "imulab/noise/noise_analysis.hpp"
 
 #include <string>
 

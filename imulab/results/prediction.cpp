@@ -4,7 +4,7 @@
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/model/coefficient.hpp"
-#include "imulab/model/user_unit.hpp"
+#include "imulab/model/user_value.hpp"
 #include "imulab/results/reached.hpp"
 
 #include <fmt/format.h>
@@ -237,7 +237,7 @@ std::string prior_text(const PriorEffect& prior) {
 }
 
 std::string path_table(const hybrid::Path& path) {
-  const std::vector<std::string> words = rig::in_words(path.turns);
+  const std::vector<std::string> words = in_words(path.turns);
   std::string table = fmt::format("rest {:g} s\n", path.first_rest);
   for (std::size_t k = 0; k < path.turns.size(); ++k)
     table += text::wrapped(

@@ -2,7 +2,7 @@
 
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/model/requirement.hpp"
-#include "imulab/model/user_unit.hpp"
+#include "imulab/model/user_value.hpp"
 
 #include <fmt/format.h>
 

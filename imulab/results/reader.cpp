@@ -3,7 +3,7 @@
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json_field.hpp"
 #include "imulab/model/coefficient.hpp"
-#include "imulab/model/user_unit.hpp"
+#include "imulab/model/user_value.hpp"
 #include "imulab/results/reader_parts.hpp"
 #include "imulab/results/summary.hpp"
 

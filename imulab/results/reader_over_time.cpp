@@ -1,6 +1,6 @@
 // Navigation, error budgets and compensated recordings back from their JSON.
 #include "imulab/core/units.hpp"
-#include "imulab/navigation/integration/attitude.hpp"
+#include "imulab/navigation/integration/strapdown.hpp"
 #include "imulab/results/budget_quantities.hpp"
 #include "imulab/results/reader_parts.hpp"
 

@@ -1,7 +1,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/hybrid/path_design.hpp"
-#include "imulab/navigation/integration/attitude.hpp"
+#include "imulab/navigation/integration/strapdown.hpp"
 #include "imulab/results/budget.hpp"
 #include "imulab/results/comparison.hpp"
 #include "imulab/results/compensation.hpp"

@@ -20,7 +20,7 @@ struct EvenSignal {
   std::vector<double> value;
 };
 
-/// What a triad reads most of the time.
+/// The usual reading of a triad.
 Vector3d usual_rate(const Recording& r) {
   constexpr std::size_t enough = 1'000'000;  // samples, from all of the recording
   const std::size_t every = r.size() / enough + 1;
@@ -75,7 +75,7 @@ std::vector<Turn> turns_of(std::span<const Step> steps) {
   return out;
 }
 
-/// The same as commanded: a turn's mean rate from its start to its end.
+/// The commanded rate: a turn's mean rate from its start to its end.
 EvenSignal commanded(std::span<const Step> steps, double step_s) {
   EvenSignal out{steps.front().start, step_s, {}};
   out.value.assign(static_cast<std::size_t>(std::max(1.0, (steps.back().end - out.begin_s) / step_s)), 0);
@@ -113,7 +113,7 @@ double best_offset(const EvenSignal& a, const EvenSignal& b, double low, double 
   return best;
 }
 
-/// How late a turn begins and ends in the data, where |rate| passes half of its maximum.
+/// The delays of a turn's begin and end in the data, where |rate| passes half of its maximum.
 struct Late {
   double begin_s, end_s;
 };
@@ -201,7 +201,7 @@ std::optional<ClockOffset> clock_offset(const Recording& r, std::span<const Step
                after = correlation(sharp, sharp_plan, at + fine_s);
   const double curvature = (before - 2 * peak + after) / (fine_s * fine_s);
   if (!(curvature < 0) || !(peak > 0)) return std::nullopt;
-  // Of n values with residual variance 1 - peak^2: the correlation falls by peak (offset / sigma)^2 / (2 n) ...
+  // For n values with residual variance 1 - peak^2 the correlation falls by peak (offset / sigma)^2 / (2 n) ...
   const double n = static_cast<double>(sharp_plan.value.size());
   const ClockOffset found{at + 0.5 * fine_s * (before - after) / (before - 2 * peak + after), std::sqrt((1 - peak * peak) / (n * peak * -curvature)),
                           peak, correlation(sharp, sharp_plan, 0)};

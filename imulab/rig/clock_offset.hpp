@@ -9,14 +9,15 @@
 
 namespace imulab {
 
-/// What has to be added to the steps' times so that they are those of the recording's clock.
+/// The time to add to the steps' times to get times of the recording's clock.
 struct ClockOffset {
   double offset_s = 0, sigma_s = 0;
   double correlation = 0, uncorrected = 0;  ///< of the rate's size with the commanded one: with the offset, and without
 };
 
-/// The maximum of the correlation of |rate| with the commanded rates, refined by a parabola, its sigma from the curvature (methods section 10,
-/// clocks). Empty where the clocks agree, where fewer than three turns are commanded, and where the recording does not turn or has gaps.
+/// The maximum of the correlation of |rate| with the commanded rates, refined by a parabola, its sigma from the curvature (docs/formats.md,
+/// "steps that begin and end at other times than the motion"). Empty where the clocks agree, where fewer than three turns are commanded, and where
+/// the recording does not turn or has gaps.
 std::optional<ClockOffset> clock_offset(const Recording& recording, std::span<const Step> steps);
 
 /// By how much the recording's clock gains on that of the steps, as a fraction: also where samples were lost and have no stamps, which makes it lose.

@@ -3,7 +3,6 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/parallel.hpp"
 #include "imulab/rig/machine.hpp"
-#include "imulab/rig/machine_motion.hpp"
 #include "imulab/rig/mean_motion.hpp"
 
 #include <fmt/core.h>
@@ -12,11 +11,11 @@
 #include <cmath>
 #include <limits>
 
-namespace imulab::rig {
+namespace imulab {
 
 namespace {
 
-constexpr double most_samples = 1e8;  // ten columns of them are 8 GB
+constexpr double most_recorded = 1e8;  // ten columns of them are 8 GB
 
 /// A part of the samples that one task computes.
 struct Block {
@@ -79,8 +78,8 @@ std::vector<Range> recorded_samples(const RecordingSource& source, std::span<con
   if (samples.empty() || samples.back().end == 0) throw Error("the steps last less than one sample; expected at least one");
   double count = 0;
   for (const Samples& range : samples) count += range.end - range.begin;
-  if (count > most_samples)
-    throw Error(fmt::format("{:.3g} samples; expected at most {:.0e}: shorter steps or a lower sampling rate", count, most_samples));
+  if (count > most_recorded)
+    throw Error(fmt::format("{:.3g} samples; expected at most {:.0e}: shorter steps or a lower sampling rate", count, most_recorded));
   constexpr auto most_index = static_cast<double>(std::numeric_limits<std::size_t>::max());
   if (samples.back().end >= most_index)
     throw Error(fmt::format("the last sample is number {:.3g} from time 0; expected at most {:.3g}", samples.back().end, most_index));
@@ -128,4 +127,4 @@ Recording coarse_recording(const Session& procedure, const Surroundings& surroun
   }
 }
 
-}  // namespace imulab::rig
+}  // namespace imulab

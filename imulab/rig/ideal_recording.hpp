@@ -3,13 +3,13 @@
 
 #include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"
+#include "imulab/rig/motion.hpp"
 #include "imulab/rig/rig_errors.hpp"
-#include "imulab/rig/turntable.hpp"
 
 #include <span>
 #include <vector>
 
-namespace imulab::rig {
+namespace imulab {
 
 inline constexpr double default_sample_rate = 100;  ///< Hz, of a recording that declares none
 
@@ -29,8 +29,4 @@ Recording ideal_recording(const Session& procedure, const RecordingSource& sourc
 /// sixteen times at which no sample turns by more than 0.05 rad. Throws as ideal_recording.
 Recording coarse_recording(const Session& procedure, const Surroundings& surroundings, double slowest = 20);
 
-}  // namespace imulab::rig
-
-namespace imulab {
-using namespace rig;  // until all callers say rig::
 }  // namespace imulab

@@ -1,6 +1,7 @@
 #include "imulab/rig/machine.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/stamp_text.hpp"
 #include "imulab/earth/earth.hpp"
 
 #include <Eigen/Geometry>
@@ -10,7 +11,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace imulab::rig {
+namespace imulab {
 
 namespace {
 
@@ -89,7 +90,7 @@ void expect_possible(const RigDeclaration& rig, std::span<const Step> steps) {
   }
 }
 
-Place<double> place_of(const Site& site) { return {site.gravity(), site.latitude ? earth_rate_enu(*site.latitude) : Vector3d::Zero()}; }
+MachinePlace<double> place_of(const Site& site) { return {site.gravity(), site.latitude ? earth_rate_enu(*site.latitude) : Vector3d::Zero()}; }
 
 Motion steady_motion(const Step& step, const Site& site) {
   const SteadyMotion<double> m = steady_motion<double>(step, {}, place_of(site));
@@ -102,7 +103,7 @@ double horizontal_remainder(const Step& step) {
   return (half == 0 ? 1 : std::abs(std::sin(half) / half)) / std::numbers::sqrt2;
 }
 
-Eigen::Matrix<double, 6, 6> spin_noise(const Step& step, double tilt, const Place<double>& place) {
+Eigen::Matrix<double, 6, 6> spin_noise(const Step& step, double tilt, const MachinePlace<double>& place) {
   Eigen::Matrix<double, 6, 6> noise = Eigen::Matrix<double, 6, 6>::Zero();
   const double kept = horizontal_remainder(step);
   if (!(kept > 0)) return noise;
@@ -115,4 +116,96 @@ Eigen::Matrix<double, 6, 6> spin_noise(const Step& step, double tilt, const Plac
   return noise;
 }
 
-}  // namespace imulab::rig
+namespace {
+
+constexpr auto spun = static_cast<std::size_t>(RigAxis::outer);
+
+/// The polynomial in u in (0, 1) with a value and rate at either end, and no acceleration there.
+AnglePolynomial between(double angle_0, double rate_0, double angle_1, double rate_1) {
+  const double way = angle_1 - angle_0;
+  return {angle_0, rate_0, 0, 10 * way - 6 * rate_0 - 4 * rate_1, -15 * way + 8 * rate_0 + 7 * rate_1, 6 * way - 3 * rate_0 - 3 * rate_1};
+}
+
+/// The state of the machine at a time.
+struct State {
+  double time = 0, angle = 0, rate = 0;
+};
+
+/// The mount of the IMU in a step: C_tb, and the positions of its accelerometers.
+MotionPiece mounted(const Step& step, const RigErrors& errors) {
+  MotionPiece piece;
+  const Mount mount = mount_of(step);
+  const MachineErrors<double> error = errors_at(errors, mount);
+  const Matrix3d C_mount = mount_attitude(mount);
+  piece.C_tb = C_mount * rotation_exp(error.mount);
+  const Vector3d outward_b = piece.C_tb.transpose() * Vector3d::UnitY();  // north at zero angle
+  if (step.kind == StepKind::spin)
+    for (int i = 0; i < 3; ++i) piece.arm.row(i) = (step.radius[static_cast<std::size_t>(i)] + error.radius) * outward_b;
+  return piece;
+}
+
+double spin_rate(const Step& step, const RigErrors& errors) {
+  return step.kind == StepKind::spin ? step.rate * (1 + errors_at(errors, mount_of(step)).rate) : 0;
+}
+
+/// The state at the end of the gap before a step: a spin's angle follows from half the change of the rate, a hold's is the nearest to that.
+State reached(const State& from, const Step& step, double rate) {
+  const double natural = from.angle + 0.5 * (from.rate + rate) * (step.start - from.time);
+  const bool spins = step.kind == StepKind::spin;
+  return {step.start, spins ? natural : step.angles[spun] + 2 * std::numbers::pi * std::round((natural - step.angles[spun]) / (2 * std::numbers::pi)),
+          rate};
+}
+
+void expect_gap(const State& from, const State& to, bool mounted_anew, std::size_t index, const Step& step) {
+  if (to.time < from.time - same_time || step.end <= step.start)
+    throw Error(fmt::format("{}: wrong times; expected a start from {} s on and a later end", machine_step_name(step, index), stamp_text(from.time)));
+  if (to.time - from.time >= same_time) return;
+  const char* const what = mounted_anew ? "mount" : to.rate != from.rate ? "rate" : std::abs(to.angle - from.angle) >= same_angle ? "angle" : nullptr;
+  if (what != nullptr)
+    throw Error(fmt::format("{}: its {} differs from that of the previous step, without time to reach it; expected a start later than {} s",
+                            machine_step_name(step, index), what, stamp_text(from.time)));
+}
+
+}  // namespace
+
+RigMotion machine_motion(const RigDeclaration& rig, std::span<const Step> steps, const RigErrors& errors) {
+  if (steps.empty()) throw Error("no steps; expected at least one");
+  expect_possible(rig, steps);
+  const Vector3d tilt{errors_at(errors, {}).tilt[0], errors_at(errors, {}).tilt[1], 0};
+  RigMotion motion;
+  motion.C_nt = rotation_exp(tilt);
+  State now;
+  const Step& first = steps.front();
+  if (first.start < same_time) now = {0, first.kind == StepKind::hold ? first.angles[spun] : 0, spin_rate(first, errors)};
+  motion.rate_before = now.rate;
+  MotionPiece piece = mounted(first, errors);
+  const auto append = [&](const State& to) {
+    const double lasting = to.time - now.time;
+    piece.begin = now.time, piece.end = to.time;
+    piece.angle[spun] = between(now.angle, now.rate * lasting, to.angle, to.rate * lasting);
+    if (now.rate == to.rate && to.angle == now.angle + to.rate * lasting) piece.angle[spun] = {now.angle, to.rate * lasting};
+    if (lasting > 0) motion.pieces.push_back(piece);
+    now = {to.time, std::remainder(to.angle, 2 * std::numbers::pi), to.rate};
+  };
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    const Step& step = steps[k];
+    const State begin = reached(now, step, spin_rate(step, errors));
+    expect_gap(now, begin, k > 0 && mount_of(step) != mount_of(steps[k - 1]), k, step);
+    const MotionPiece own = mounted(step, errors);
+    if (k > 0 && step.kind == StepKind::spin && mount_of(step) == mount_of(steps[k - 1])) piece.arm = own.arm;  // a hold has none
+    piece.temperature = step.temperature;
+    append(begin);
+    piece = own;
+    piece.temperature = step.temperature;
+    append({step.end, now.angle + now.rate * (step.end - now.time), now.rate});
+  }
+  return motion;
+}
+
+RigMotion recorded_motion(const Session& session, const RecordingSource& source, const RigErrors& errors) {
+  const RigDeclaration* const rig = session.rig_of(source);
+  const std::vector<Step> steps = session.steps_of(source);
+  return rig != nullptr && is_machine(rig->kind) ? machine_motion(*rig, steps, errors) : rig_motion(steps, errors);
+}
+
+}  // namespace imulab

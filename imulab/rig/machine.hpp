@@ -10,6 +10,7 @@
 
 #include "imulab/core/rotation.hpp"
 #include "imulab/model/compensate.hpp"
+#include "imulab/rig/motion.hpp"
 #include "imulab/rig/rig_errors.hpp"
 
 #include <Eigen/Core>
@@ -18,7 +19,7 @@
 #include <string>
 #include <vector>
 
-namespace imulab::rig {
+namespace imulab {
 
 /// Rate table, centrifuge or chamber.
 bool is_machine(RigKind kind);
@@ -64,13 +65,13 @@ void expect_possible(const RigDeclaration& rig, std::span<const Step> steps);
 
 /// Surroundings of a machine.
 template <class T>
-struct Place {
+struct MachinePlace {
   T gravity;           ///< m/s^2
   Vector3d rate_ie_n;  ///< rad/s
 };
 
 /// Gravity and the Earth's rate there; no rate without a latitude.
-Place<double> place_of(const Site& site);
+MachinePlace<double> place_of(const Site& site);
 
 template <class T>
 struct SteadyMotion {
@@ -86,7 +87,7 @@ Eigen::Matrix3<T> small_rotation(const Eigen::Vector3<T>& r) {
 
 /// The mean motion of a hold or spin.
 template <class T>
-SteadyMotion<T> steady_motion(const Step& step, const MachineErrors<T>& errors, const Place<T>& place) {
+SteadyMotion<T> steady_motion(const Step& step, const MachineErrors<T>& errors, const MachinePlace<T>& place) {
   using Vector = Eigen::Vector3<T>;
   const Mount mount = mount_of(step);
   Matrix3d C_mount = mount_attitude(mount);
@@ -105,19 +106,28 @@ SteadyMotion<T> steady_motion(const Step& step, const MachineErrors<T>& errors, 
   return {force, axis_b * rate};
 }
 
-/// The same without errors.
+/// The mean motion on a machine without errors.
 Motion steady_motion(const Step& step, const Site& site);
 
-/// What remains of a horizontal vector in the mean over a spin, one sigma along each horizontal axis, if the angle at its begin is not known:
+/// The remainder of a horizontal vector in the mean over a spin, one sigma along each horizontal axis, if the angle at its begin is not known:
 /// |sin(W T / 2) / (W T / 2)| / sqrt(2). Zero for a hold.
 double horizontal_remainder(const Step& step);
 
-/// What such a remainder adds to the covariance of the means of force and rate over a spin, on an axis tilted by `tilt` [rad, one sigma about east
-/// and about north]; zero for a hold.
-Eigen::Matrix<double, 6, 6> spin_noise(const Step& step, double tilt, const Place<double>& place);
+/// The contribution of this remainder to the covariance of the means of force and rate over a spin, on an axis tilted by `tilt` [rad, one sigma about
+/// east and about north]; zero for a hold.
+Eigen::Matrix<double, 6, 6> spin_noise(const Step& step, double tilt, const MachinePlace<double>& place);
 
-}  // namespace imulab::rig
+// A machine's steps -> the angle of its one axis as a function of time, and the positions of the IMU's accelerometers.
 
-namespace imulab {
-using namespace rig;  // until all callers say rig::
+/// The motion of these steps (of one recording) on a rate table, centrifuge or chamber, as the outer axis of a table with one axis:
+/// - spin: at its rate from its start to its end. Accelerometer i is at the step's radius i along `outward`; the IMU's own lever arms do not count;
+/// - hold: at rest at its outer angle, modulo whole turns;
+/// - the gap before a step: the rate changes smoothly, without angular acceleration at its ends; the IMU is remounted at its end.
+/// The machine begins in the state of its first step if that begins at time 0, else at rest at zero angle. Throws Error where a step is impossible,
+/// or has no gap before it that its angle, rate or mount needs.
+RigMotion machine_motion(const RigDeclaration& rig, std::span<const Step> steps, const RigErrors& errors = {});
+
+/// The motion of a recording on its rig.
+RigMotion recorded_motion(const Session& session, const RecordingSource& source, const RigErrors& errors = {});
+
 }  // namespace imulab

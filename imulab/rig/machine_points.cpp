@@ -11,27 +11,25 @@
 #include <cmath>
 #include <limits>
 
-namespace imulab::rig {
-
-using Eigen::Index;
+namespace imulab {
 
 namespace {
 
-constexpr Index blocks = 10;  // of a point: nine degrees of freedom for the noise of its mean
+constexpr Eigen::Index point_blocks = 10;  // of a point: nine degrees of freedom for the noise of its mean
 
-struct Means {
+struct PointMeans {
   double mean;
   double sample_variance;  ///< from differences of neighbors, which slow changes do not reach
   double block_variance;   ///< of a block's mean times its length: larger than that of samples where their noise is correlated
 };
 
-Means means(std::span<const double> samples) {
+PointMeans means(std::span<const double> samples) {
   const Eigen::Map<const Eigen::VectorXd> x(samples.data(), std::ssize(samples));
-  const Index n = x.size(), length = n / blocks;
+  const Eigen::Index n = x.size(), length = n / point_blocks;
   const double sample_variance = n > 1 ? (x.tail(n - 1) - x.head(n - 1)).squaredNorm() / static_cast<double>(2 * (n - 1)) : 0;
   if (length == 0) return {x.mean(), sample_variance, sample_variance};
-  const Eigen::VectorXd block = x.head(blocks * length).reshaped(length, blocks).colwise().mean().transpose();
-  return {x.mean(), sample_variance, (block.array() - block.mean()).square().sum() / (blocks - 1) * static_cast<double>(length)};
+  const Eigen::VectorXd block = x.head(point_blocks * length).reshaped(length, point_blocks).colwise().mean().transpose();
+  return {x.mean(), sample_variance, (block.array() - block.mean()).square().sum() / (point_blocks - 1) * static_cast<double>(length)};
 }
 
 /// Noise of the six channels, summed over points.
@@ -44,7 +42,7 @@ struct NoiseSums {
 std::optional<double> drift_of(std::span<const double> x, double interval_s) {
   const std::size_t half = x.size() / 2;
   if (half < 20) return std::nullopt;  // of fewer the noise is not known well enough
-  const Means first = means(x.first(half)), last = means(x.last(half));
+  const PointMeans first = means(x.first(half)), last = means(x.last(half));
   const double change = last.mean - first.mean;
   const double sigma = std::sqrt((first.sample_variance + last.sample_variance) / static_cast<double>(half));
   if (std::abs(change) <= 5 * sigma) return std::nullopt;
@@ -83,12 +81,12 @@ std::vector<Step> machine_steps(const Session& session, const RecordingSource& s
   return steps;
 }
 
-/// Means and noise of the inertial readings, and of the thermal readings or the set point.
+/// PointMeans and noise of the inertial readings, and of the thermal readings or the set point.
 void read_samples(MachinePoint& point, const Recording& recording, const Range& range, NoiseSums& raw, NoiseSums& temperature) {
-  for (Index channel = 0; channel < 6; ++channel) {
+  for (Eigen::Index channel = 0; channel < 6; ++channel) {
     const auto axis = static_cast<std::size_t>(channel % 3);
     const auto samples = std::span(channel < 3 ? recording.accel[axis] : recording.gyro[axis]).subspan(range.begin, range.size());
-    const Means m = means(samples);
+    const PointMeans m = means(samples);
     point.raw[channel] = m.mean, point.variance[channel] = m.sample_variance;
     if (point.step.kind == StepKind::hold)  // while it turns, horizontal vectors come and go
       raw.sample[channel] += m.sample_variance, raw.block[channel] += m.block_variance;
@@ -96,7 +94,7 @@ void read_samples(MachinePoint& point, const Recording& recording, const Range& 
     point.temperature[channel] = point.step.temperature.value_or(std::numeric_limits<double>::quiet_NaN());
     if (thermal.empty()) continue;
     const auto readings = std::span(thermal).subspan(range.begin, range.size());
-    const Means t = means(readings);
+    const PointMeans t = means(readings);
     point.temperature[channel] = t.mean;
     temperature.sample[channel] += t.sample_variance;
     if (!point.drift) point.drift = drift_of(readings, recording.interval_s);
@@ -120,7 +118,7 @@ std::string obstacle(const MachinePoints& points, const MachinePoint& point, con
 void find_thermal_ranges(MachinePoints& points, const Session& session) {
   for (std::size_t triad = 0; triad < 2; ++triad) {
     ThermalRange& thermal = points.thermal[triad];
-    const auto channels = [&](const Vector6d& v) { return v.segment<3>(static_cast<Index>(3 * triad)); };
+    const auto channels = [&](const Vector6d& v) { return v.segment<3>(static_cast<Eigen::Index>(3 * triad)); };
     const auto unknown =
         std::count_if(points.all.begin(), points.all.end(), [&](const MachinePoint& p) { return !channels(p.temperature).allFinite(); });
     if (unknown == std::ssize(points.all)) continue;
@@ -143,14 +141,14 @@ void find_thermal_ranges(MachinePoints& points, const Session& session) {
 /// Where block means of holds scatter more than independent samples explain, theirs is the noise.
 void compare_blocks(MachinePoints& points, const NoiseSums& raw) {
   points.correlation.setOnes();
-  const double limit = 1 + 3 / std::sqrt(2.0 * (blocks - 1) * std::max(raw.points, 1.0)) + 0.1;
-  for (Index k = 0; k < 6; ++k) {
+  const double limit = 1 + 3 / std::sqrt(2.0 * (point_blocks - 1) * std::max(raw.points, 1.0)) + 0.1;
+  for (Eigen::Index k = 0; k < 6; ++k) {
     const double excess = raw.sample[k] > 0 ? std::sqrt(raw.block[k] / raw.sample[k]) : 1;
     if (excess <= limit) continue;
     points.correlation[k] = excess * excess;
     points.warnings.push_back(
         fmt::format("{} {}: means of {} samples scatter {:.2f} times as much as independent samples would; counted in the uncertainties",
-                    k < 3 ? "accel" : "gyro", "xyz"[k % 3], points.all.front().samples / static_cast<std::size_t>(blocks), excess));
+                    k < 3 ? "accel" : "gyro", "xyz"[k % 3], points.all.front().samples / static_cast<std::size_t>(point_blocks), excess));
   }
 }
 
@@ -238,4 +236,52 @@ std::string unsettled_points(const MachinePoints& points, const Session& session
   return fmt::format("{} of the chamber's points had not settled (up to {:.2g} {}/min; the first: {})", many, largest * 60, raw ? "raw" : "K", first);
 }
 
-}  // namespace imulab::rig
+namespace {
+
+/// Mean squared misfit of readings to a mount and a sense of rotation, in units of what uncalibrated sensors miss: a tenth of g and 5 %, 3 deg/s and
+/// 5 %.
+double misfit(std::span<const MachinePoint> points, std::span<const Motion> measured, const Session& session, const Mount& mount, double sign) {
+  double sum = 0;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    Step step = points[k].step;
+    step.mount = mount;
+    step.rate *= sign;
+    const Motion expected = steady_motion(step, session.site);
+    sum += std::pow((measured[k].force - expected.force).norm() / (0.1 * unit::g + 0.05 * expected.force.norm()), 2) +
+           std::pow((measured[k].rate - expected.rate).norm() / (3 * unit::deg + 0.05 * expected.rate.norm()), 2);
+  }
+  return sum / static_cast<double>(points.size());
+}
+
+std::vector<Mount> all_mounts() {
+  std::vector<Mount> mounts;
+  for (int u = 0; u < 3; ++u)
+    for (int o = 0; o < 3; ++o)
+      for (const int su : {1, -1})
+        for (const int so : {1, -1})
+          if (u != o) mounts.push_back({{u, su}, {o, so}});
+  return mounts;
+}
+
+}  // namespace
+
+void expect_declared_mount(std::span<const MachinePoint> points, std::span<const Motion> measured, const Session& session) {
+  constexpr double wrong = 25, right = 4;  // five sigma of what uncalibrated sensors miss, and two
+  const MachinePoint& first = points.front();
+  const Mount declared = mount_of(first.step);
+  Mount best = declared;
+  double best_sign = 1, least = misfit(points, measured, session, declared, 1);
+  if (least < wrong) return;
+  for (const Mount& mount : all_mounts())
+    for (const double sign : {1.0, -1.0})
+      if (const double m = misfit(points, measured, session, mount, sign); m < 0.999 * least) best = mount, best_sign = sign, least = m;
+  if (least > right) return;
+  const std::string where = fmt::format("{}: {} steps of {}, the first of them step {}", session.file, points.size(),
+                                        session.recordings[first.recording].file, first.number);
+  if (best == declared)
+    throw Error(where + ": the gyros read the opposite of the declared rate about the axis that points up; expected a sign right-handed about up");
+  throw Error(fmt::format("{}: mount {} (up, outward) is declared, but the readings are those of {}{}: was the IMU mounted otherwise?", where,
+                          mount_name(declared), mount_name(best), best_sign < 0 ? " turned the other way" : ""));
+}
+
+}  // namespace imulab

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace imulab::rig {
+namespace imulab {
 
 /// Accelerometers x y z, then gyros x y z.
 using Vector6d = Eigen::Matrix<double, 6, 1>;
@@ -67,8 +67,10 @@ MachinePoints planned_points(const Session& procedure, const Vector6d& variance)
 /// "3 of the chamber's points had not settled (up to 0.2 K/min; the first: NAME)"; empty where all had.
 std::string unsettled_points(const MachinePoints& points, const Session& session);
 
-}  // namespace imulab::rig
+// Was the IMU mounted on a machine as the session says? Another mount, or turning the other way, may explain its readings better.
 
-namespace imulab {
-using namespace rig;  // until all callers say rig::
+/// Points of one mounting, and what the IMU measured at each of them, to some percent. Throws Error where another mount or sense of rotation explains
+/// that and the declared one does not.
+void expect_declared_mount(std::span<const MachinePoint> points, std::span<const Motion> measured, const Session& session);
+
 }  // namespace imulab

@@ -1,6 +1,6 @@
 #include "imulab/rig/mean_motion.hpp"
 
-#include "imulab/model/lever_arm.hpp"
+#include "imulab/model/compensate.hpp"
 
 #include <Eigen/Geometry>
 
@@ -9,7 +9,7 @@
 #include <limits>
 #include <numbers>
 
-namespace imulab::rig {
+namespace imulab {
 
 namespace {
 
@@ -205,4 +205,4 @@ void MeanMotion::over(std::size_t begin, double interval_s, const MotionColumns&
   }
 }
 
-}  // namespace imulab::rig
+}  // namespace imulab

@@ -7,7 +7,7 @@
 #include <array>
 #include <vector>
 
-namespace imulab::rig {
+namespace imulab {
 
 /// Means over intervals, by Gauss-Legendre quadrature of the closed form; exact while the rig rests, or turns fast and steadily about one axis.
 class MeanMotion {
@@ -41,8 +41,4 @@ class MeanMotion {
   std::vector<Piece> pieces_;
 };
 
-}  // namespace imulab::rig
-
-namespace imulab {
-using namespace rig;  // until all callers say rig::
 }  // namespace imulab

@@ -10,7 +10,7 @@
 #include "tests/table_steps.hpp"
 #include <cmath>
 
-namespace imulab::rig {
+namespace imulab {
 namespace {
 
 using unit::deg;
@@ -127,4 +127,4 @@ TEST(MeanMotion, IntegratedForceIsTheVelocityOfTheLeverArm) {
 }
 
 }  // namespace
-}  // namespace imulab::rig
+}  // namespace imulab

@@ -3,15 +3,17 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/stamp_text.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/model/compensate.hpp"
 #include "imulab/rig/table_attitude.hpp"
 
+#include <Eigen/Geometry>
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-namespace imulab::rig {
+namespace imulab {
 
 namespace {
 
@@ -44,7 +46,7 @@ struct Builder {
 };
 
 /// The gap before a hold: rest, or the move to its angles.
-void reach(Builder& build, const Step& step, std::size_t index, const Command& command, const Angles& error_change) {
+void reach(Builder& build, const Step& step, std::size_t index, const AxisCommand& command, const Angles& error_change) {
   const double gap = step.start - build.commanded_time;
   const bool moves = std::any_of(command.moves.begin(), command.moves.end(), [](bool m) { return m; });
   if (moves && gap < same_time)
@@ -146,7 +148,7 @@ bool MotionPiece::at_rest() const {
 RigMotion rig_motion(std::span<const Step> steps, const RigErrors& errors) {
   if (steps.empty()) throw Error("no steps; expected at least one");
   const ActualRig rig = actual_rig(errors, steps.size());
-  const std::vector<Command> commands = commands_of(steps);
+  const std::vector<AxisCommand> commands = commands_of(steps);
   Builder build;
   for (std::size_t a = 0; a < 3; ++a) build.actual[a] = commands.front().before[a] + rig.error_before.front()[a];
   for (std::size_t k = 0; k < steps.size(); ++k) {
@@ -195,4 +197,28 @@ BodyState body_state(const RigMotion& motion, double t) {
   return body_state(motion, after == motion.pieces.end() ? motion.pieces.back() : *after, t);
 }
 
-}  // namespace imulab::rig
+RigAxes ideal_axes() { return {Vector3d::UnitZ(), Vector3d::UnitY(), Vector3d::UnitX()}; }
+
+BodyState turntable_state(const RigAxes& axes, const AxisStates& states, const Matrix3d& C_nt) {
+  const auto& [outer, middle, inner] = states;
+  const Matrix3d C_middle = rotation_about(axes[1], middle.angle), C_inner = rotation_about(axes[2], inner.angle);
+  // The axes as the body sees them: an axis is fixed in the frame it carries, and turned back by the axes inside it.
+  const Vector3d& l_inner = axes[2];
+  const Vector3d l_middle = C_inner.transpose() * axes[1];
+  const Vector3d l_outer = C_inner.transpose() * (C_middle.transpose() * axes[0]);
+  const Vector3d rate_inner = inner.rate * l_inner, rate_middle = middle.rate * l_middle, rate_outer = outer.rate * l_outer;
+  // l_middle turns in b with -rate_inner, l_outer with -(rate_middle + rate_inner).
+  const Vector3d turning_axes = -rate_inner.cross(rate_middle) - (rate_middle + rate_inner).cross(rate_outer);
+  return {C_nt * rotation_about(axes[0], outer.angle) * C_middle * C_inner, rate_outer + rate_middle + rate_inner,
+          outer.acceleration * l_outer + middle.acceleration * l_middle + inner.acceleration * l_inner + turning_axes};
+}
+
+Motion sensed_motion(const BodyState& body, const Surroundings& surroundings) {
+  const Vector3d rate_ie_b = body.C_nb.transpose() * surroundings.rate_ie_n;
+  const Vector3d w = body.rate_nb_b + rate_ie_b;                                            // w_ib_b
+  const Vector3d w_dot = body.angular_acceleration_nb_b - body.rate_nb_b.cross(rate_ie_b);  // Earth's rate turns in b with -w_nb_b
+  return {surroundings.gravity * body.C_nb.row(2).transpose() + size_effect(w, w_dot, surroundings.lever_arm),
+          w};  // C_bn (0, 0, g), and the size effect
+}
+
+}  // namespace imulab

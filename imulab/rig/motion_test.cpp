@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace imulab::rig {
+namespace imulab {
 namespace {
 
 using unit::deg;
@@ -152,4 +152,4 @@ TEST(Motion, StepsBelongToTheirRecordingAndRig) {
 }
 
 }  // namespace
-}  // namespace imulab::rig
+}  // namespace imulab

@@ -4,14 +4,13 @@
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/rig/machine.hpp"
-#include "imulab/rig/machine_motion.hpp"
 #include "imulab/rig/motion.hpp"
 
 #include <gtest/gtest.h>
 
 #include <numbers>
 
-namespace imulab::rig {
+namespace imulab {
 namespace {
 
 TEST(HandHeldProcedure, HasTheRestsAndTimesAskedFor) {
@@ -148,4 +147,4 @@ TEST(DaiUnitProcedure, HasThePapersPoints) {
 }
 
 }  // namespace
-}  // namespace imulab::rig
+}  // namespace imulab

@@ -1,5 +1,3 @@
-#include "imulab/rig/quarter_table.hpp"
-
 #include "imulab/core/units.hpp"
 #include "imulab/recording/turn.hpp"
 #include "imulab/rig/pose_on_table.hpp"
@@ -9,7 +7,7 @@
 
 #include <numbers>
 
-namespace imulab::rig {
+namespace imulab {
 namespace {
 
 using enum RigAxis;
@@ -62,4 +60,4 @@ TEST(TurnState, RampsCruisesAndArrives) {
 }
 
 }  // namespace
-}  // namespace imulab::rig
+}  // namespace imulab

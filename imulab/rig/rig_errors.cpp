@@ -1,6 +1,7 @@
 #include "imulab/rig/rig_errors.hpp"
 
 #include "imulab/core/random.hpp"
+#include "imulab/core/units.hpp"
 #include "imulab/rig/machine.hpp"
 
 #include <fmt/core.h>
@@ -11,8 +12,6 @@
 namespace imulab {
 
 namespace {
-
-constexpr double same_angle = 1e-9;  // rad: below what a decimal number of degrees in a file can mean
 
 RigErrorSource known(RigErrorKind kind, double value) {
   RigErrorSource source;
@@ -46,8 +45,8 @@ void add_table_errors(const RigDeclaration& rig, const std::array<bool, 3>& used
   }
 }
 
-void add_step_errors(const RigDeclaration& rig, std::span<const Step> steps, const std::vector<Command>& commands, const std::array<bool, 3>& used,
-                     std::vector<RigErrorSource>& sources) {
+void add_step_errors(const RigDeclaration& rig, std::span<const Step> steps, const std::vector<AxisCommand>& commands,
+                     const std::array<bool, 3>& used, std::vector<RigErrorSource>& sources) {
   const auto add_angle = [&](std::size_t axis, std::size_t step) {
     RigErrorSource source = declared(RigErrorKind::angle, rig.angle);
     source.axis = axis, source.step = step;
@@ -67,19 +66,19 @@ void add_step_errors(const RigDeclaration& rig, std::span<const Step> steps, con
 
 }  // namespace
 
-RigErrorSource rig::declared(RigErrorKind kind, const Spread& spread) {
+RigErrorSource declared(RigErrorKind kind, const Spread& spread) {
   RigErrorSource source;
   source.kind = kind;
   (spread.fixed ? source.known : source.sigma) = spread.value;
   return source;
 }
 
-std::vector<rig::Command> rig::commands_of(std::span<const Step> steps) {
-  std::vector<Command> commands;
+std::vector<AxisCommand> commands_of(std::span<const Step> steps) {
+  std::vector<AxisCommand> commands;
   std::array<double, 3> now{};
-  if (!steps.empty() && steps.front().kind == StepKind::hold && steps.front().start < rig::same_time) now = steps.front().angles;
+  if (!steps.empty() && steps.front().kind == StepKind::hold && steps.front().start < same_time) now = steps.front().angles;
   for (const Step& step : steps) {
-    Command command{.before = now, .after = now, .moves = {}};
+    AxisCommand command{.before = now, .after = now, .moves = {}};
     if (step.kind == StepKind::hold) {
       command.after = step.angles;
       for (std::size_t a = 0; a < 3; ++a) command.moves[a] = std::abs(std::remainder(step.angles[a] - now[a], 2 * std::numbers::pi)) >= same_angle;
@@ -117,12 +116,12 @@ std::string RigErrorSource::name() const {
   return fmt::format("timing.{}", step + 1);
 }
 
-std::vector<RigErrorSource> rig::table_error_sources(const RigDeclaration& rig, std::span<const Step> steps) {
-  const std::vector<Command> commands = commands_of(steps);
+std::vector<RigErrorSource> table_error_sources(const RigDeclaration& rig, std::span<const Step> steps) {
+  const std::vector<AxisCommand> commands = commands_of(steps);
   std::array<bool, 3> used{};
   for (std::size_t a = 0; a < 3; ++a) {
     used[a] = !commands.empty() && std::abs(commands.front().before[a]) >= same_angle;
-    for (const Command& command : commands) used[a] = used[a] || command.moves[a];
+    for (const AxisCommand& command : commands) used[a] = used[a] || command.moves[a];
   }
   std::vector<RigErrorSource> sources;
   add_table_errors(rig, used, sources);
@@ -137,7 +136,7 @@ std::vector<RigErrorSource> rig_error_sources(const Session& session, const Reco
   return is_machine(rig->kind) ? machine_error_sources(*rig, steps) : table_error_sources(*rig, steps);
 }
 
-rig::RigErrorIndex rig::index_of(std::span<const RigErrorSource> sources, std::size_t steps) {
+RigErrorIndex index_of(std::span<const RigErrorSource> sources, std::size_t steps) {
   RigErrorIndex index;
   index.angle_before.assign(steps, index.zero);  // none
   index.angle_after = index.angle_before;
@@ -183,6 +182,20 @@ RigErrors draw_rig_errors(const Session& session, const RecordingSource& source,
     errors.values.push_back(e.known + e.sigma * draws.normal(0));
   }
   return errors;
+}
+
+ErrorInWords in_words(const RigErrorSource& source) {
+  const std::string mount = "mount " + mount_name(source.place);
+  switch (source.kind) {
+    case RigErrorKind::rate:
+      return {"rate", 1e-2, "%", 0.1};
+    case RigErrorKind::radius:
+      return {"radius of " + mount, 1e-3, "mm", 1};
+    case RigErrorKind::mount:
+      return {fmt::format("{}, turned about {}", mount, "xyz"[source.axis]), unit::deg, "deg", 10 * unit::deg};
+    default:
+      return {fmt::format("its axis, towards {}", source.axis == 0 ? "south" : "east"), unit::deg, "deg", 10 * unit::deg};
+  }
 }
 
 }  // namespace imulab

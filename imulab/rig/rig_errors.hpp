@@ -53,18 +53,17 @@ struct RigErrors {
 /// One draw. Recordings on one rig share its table errors; each has its own angle and timing errors.
 RigErrors draw_rig_errors(const Session& session, const RecordingSource& source, std::uint64_t seed);
 
-namespace rig {
-
-inline constexpr double same_time = 1e-9;  ///< s: rounding of a time in a file
+inline constexpr double same_time = 1e-9;   ///< s: rounding of a time in a file
+inline constexpr double same_angle = 1e-9;  ///< rad: below what a decimal number of degrees in a file can mean
 
 /// The commands of a step to the axes, by RigAxis [rad].
-struct Command {
+struct AxisCommand {
   std::array<double, 3> before{}, after{};
   std::array<bool, 3> moves{};  ///< in a hold: the angles differ by more than whole turns
 };
 
 /// The commands of these steps (of one recording). The rig begins at zero angles, or at those of a hold that begins at time 0.
-std::vector<Command> commands_of(std::span<const Step> steps);
+std::vector<AxisCommand> commands_of(std::span<const Step> steps);
 
 /// A source with its declared spread: a sigma, or a known value.
 RigErrorSource declared(RigErrorKind kind, const Spread& spread);
@@ -83,8 +82,15 @@ struct RigErrorIndex {
 };
 RigErrorIndex index_of(std::span<const RigErrorSource> sources, std::size_t steps);
 
-}  // namespace rig
+// An error of a machine as a message names it.
 
-using namespace rig;  // until all callers say rig::
+struct ErrorInWords {
+  std::string name;  ///< "rate", "mount +z+x, turned about y", "its axis, towards south", "radius of mount +z+x"
+  double unit;       ///< in which it is stated, SI
+  const char* unit_name;
+  double largest;  ///< SI: beyond this its effect is not linear
+};
+/// A tilt, a rate, a mount or a radius in words.
+ErrorInWords in_words(const RigErrorSource& source);
 
 }  // namespace imulab

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace imulab::rig {
+namespace imulab {
 namespace {
 
 using unit::arcsec, unit::deg;
@@ -158,4 +158,4 @@ TEST(RigErrors, ARotationEndsAtItsAngleButLater) {
 }
 
 }  // namespace
-}  // namespace imulab::rig
+}  // namespace imulab

@@ -1,5 +1,5 @@
-// A three-axis table with its errors (methods section 3.1), for any scalar: with ceres::Jet every result comes with its derivatives.
-// At zero angles the body frame is east-north-up; the outer axis points up, the middle axis north, the inner axis east.
+// A three-axis table with its errors (Zhang 2010; docs/turntable.md), for any scalar: with AutoDiffScalar of Eigen every result comes with its
+// derivatives. At zero angles the body frame is east-north-up; the outer axis points up, the middle axis north, the inner axis east.
 #pragma once
 
 #include "imulab/core/rotation.hpp"
@@ -13,7 +13,7 @@
 #include <array>
 #include <cmath>
 
-namespace imulab::rig {
+namespace imulab {
 
 /// Six small angles by RigAxis: (o1, o2), (m1, m2), (i1, i2), rad.
 template <class T>
@@ -127,7 +127,7 @@ std::array<T, 2> turn_integrals(const T& angle, const T& duration, double ramp) 
     if constexpr (std::is_same_v<T, double>)
       turned_by = std::abs(angle) * part;
     else
-      turned_by = std::abs(angle.a) * part;
+      turned_by = std::abs(angle.value()) * part;
     const int panels = std::max(1, static_cast<int>(std::ceil(2 * turned_by / 0.5)));
     for (int k = 0; k < panels; ++k)
       for (std::size_t n = 0; n < node.size(); ++n) {
@@ -163,8 +163,4 @@ Eigen::Vector3<T> integral_in_body(const TurnInterval<T>& turn, const Eigen::Vec
   return at_start * turn.before + moving + turned<T>(turn.axis_b, cos(turn.angle), -sin(turn.angle), at_start) * turn.after;
 }
 
-}  // namespace imulab::rig
-
-namespace imulab {
-using namespace rig;  // until all callers say rig::
 }  // namespace imulab

@@ -7,7 +7,7 @@
 
 #include "tests/table_session.hpp"
 
-namespace imulab::rig {
+namespace imulab {
 namespace {
 
 using Eigen::Index;
@@ -107,4 +107,4 @@ TEST(TableMotion, AnAngleErrorStaysUntilTheAxisMovesAgain) {
 }
 
 }  // namespace
-}  // namespace imulab::rig
+}  // namespace imulab

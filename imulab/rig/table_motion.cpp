@@ -4,21 +4,20 @@
 #include "imulab/rig/rig_errors.hpp"
 #include "imulab/rig/table_attitude.hpp"
 
-#include <ceres/jet.h>
 #include <fmt/core.h>
+#include <unsupported/Eigen/AutoDiff>
 
 #include <algorithm>
 #include <cmath>
 
-namespace imulab::rig {
+namespace imulab {
 
-using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
 
-constexpr int none = RigErrorIndex::none;
+constexpr int no_source = RigErrorIndex::none;
 
 ErrorSource::Kind kind_of(RigErrorKind kind) {
   switch (kind) {
@@ -51,8 +50,8 @@ TableMotion::TableMotion(const TablePlan& plan, const RigDeclaration& rig, const
 
   const auto add = [&](std::size_t step, double begin, double end) {
     Part part{step, begin, end, {}, {}};
-    part.first.fill(none);
-    part.second.fill(none);
+    part.first.fill(no_source);
+    part.second.fill(no_source);
     const bool turns = steps_[step].kind == StepKind::rotate;
     for (std::size_t a = 0; a < 3; ++a) {
       for (std::size_t element = 0; element < 2; ++element) part.first[orthogonality + 2 * a + element] = index.orthogonality[a][element];
@@ -80,14 +79,14 @@ TableMotion::TableMotion(const TablePlan& plan, const RigDeclaration& rig, const
 }
 
 VectorXd TableMotion::nominal() const {
-  VectorXd v(static_cast<Index>(sources_.size()));
-  for (std::size_t k = 0; k < sources_.size(); ++k) v[static_cast<Index>(k)] = sources_[k].nominal;
+  VectorXd v(static_cast<Eigen::Index>(sources_.size()));
+  for (std::size_t k = 0; k < sources_.size(); ++k) v[static_cast<Eigen::Index>(k)] = sources_[k].nominal;
   return v;
 }
 
 VectorXd TableMotion::sigma() const {
-  VectorXd v(static_cast<Index>(sources_.size()));
-  for (std::size_t k = 0; k < sources_.size(); ++k) v[static_cast<Index>(k)] = sources_[k].sigma;
+  VectorXd v(static_cast<Eigen::Index>(sources_.size()));
+  for (std::size_t k = 0; k < sources_.size(); ++k) v[static_cast<Eigen::Index>(k)] = sources_[k].sigma;
   return v;
 }
 
@@ -148,31 +147,31 @@ std::array<double, TableMotion::locals> TableMotion::local(const Part& part, con
 }
 
 VectorXd TableMotion::truth(const VectorXd& errors) const {
-  VectorXd out(static_cast<Index>(6 * parts_.size()));
+  VectorXd out(static_cast<Eigen::Index>(6 * parts_.size()));
   if (parts_.empty()) return out;
   const auto surroundings = surroundings_of<double>(local(parts_.front(), errors));
   for (std::size_t k = 0; k < parts_.size(); ++k)
-    out.segment<6>(static_cast<Index>(6 * k)) = truth_of<double>(parts_[k], surroundings, local(parts_[k], errors));
+    out.segment<6>(static_cast<Eigen::Index>(6 * k)) = truth_of<double>(parts_[k], surroundings, local(parts_[k], errors));
   return out;
 }
 
 Eigen::Matrix<double, 6, TableMotion::locals> TableMotion::local_jacobian(const Part& part, const std::array<double, locals>& value) const {
-  using Jet = ceres::Jet<double, locals>;
+  using Jet = Eigen::AutoDiffScalar<Eigen::Vector<double, locals>>;
   std::array<Jet, locals> e;
-  for (std::size_t l = 0; l < locals; ++l) e[l] = Jet(value[l], static_cast<int>(l));
+  for (std::size_t l = 0; l < locals; ++l) e[l] = Jet(value[l], locals, static_cast<int>(l));
   const Eigen::Matrix<Jet, 6, 1> truth = truth_of<Jet>(part, surroundings_of<Jet>(e), e);
   Eigen::Matrix<double, 6, locals> out;
-  for (Index row = 0; row < 6; ++row) out.row(row) = truth[row].v;
+  for (Eigen::Index row = 0; row < 6; ++row) out.row(row) = truth[row].derivatives();
   return out;
 }
 
 MatrixXd TableMotion::jacobian(const VectorXd& errors) const {
-  MatrixXd out = MatrixXd::Zero(static_cast<Index>(6 * parts_.size()), errors.size());
+  MatrixXd out = MatrixXd::Zero(static_cast<Eigen::Index>(6 * parts_.size()), errors.size());
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     const auto derivatives = local_jacobian(parts_[k], local(parts_[k], errors));
     for (std::size_t l = 0; l < locals; ++l)
       for (const int source : {parts_[k].first[l], parts_[k].second[l]})
-        if (source != none) out.col(source).segment<6>(static_cast<Index>(6 * k)) += derivatives.col(static_cast<Index>(l));
+        if (source != no_source) out.col(source).segment<6>(static_cast<Eigen::Index>(6 * k)) += derivatives.col(static_cast<Eigen::Index>(l));
   }
   return out;
 }
@@ -183,20 +182,20 @@ std::vector<MatrixXd> TableMotion::curvatures(const VectorXd& errors, const Matr
   std::vector<MatrixXd> out(static_cast<std::size_t>(weights.rows()), MatrixXd::Zero(errors.size(), errors.size()));
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     const Part& part = parts_[k];
-    const auto weight = weights.middleCols<6>(static_cast<Index>(6 * k));
+    const auto weight = weights.middleCols<6>(static_cast<Eigen::Index>(6 * k));
     for (std::size_t l = 0; l < locals; ++l) {
-      if (part.first[l] == none && part.second[l] == none) continue;
+      if (part.first[l] == no_source && part.second[l] == no_source) continue;
       auto more = local(part, errors), less = more;
       more[l] += step, less[l] -= step;
       const MatrixXd second = weight * (local_jacobian(part, more) - local_jacobian(part, less)) / (2 * step);
       for (const int source : {part.first[l], part.second[l]})
-        for (std::size_t m = 0; m < locals && source != none; ++m)
+        for (std::size_t m = 0; m < locals && source != no_source; ++m)
           for (const int other : {part.first[m], part.second[m]})
-            for (std::size_t sum = 0; sum < out.size() && other != none; ++sum)
-              out[sum](source, other) += second(static_cast<Index>(sum), static_cast<Index>(m));
+            for (std::size_t sum = 0; sum < out.size() && other != no_source; ++sum)
+              out[sum](source, other) += second(static_cast<Eigen::Index>(sum), static_cast<Eigen::Index>(m));
     }
   }
   return out;
 }
 
-}  // namespace imulab::rig
+}  // namespace imulab

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace imulab::rig {
+namespace imulab {
 
 /// A quantity that the true motion depends on and that is not known exactly.
 struct ErrorSource {
@@ -41,11 +41,11 @@ class TableMotion {
   std::size_t turns() const { return parts() - holds_; }
   bool is_hold(std::size_t part) const { return part < holds_; }
   Eigen::Index rows() const { return row(parts()); }
-  /// Of a part among the readings: its first row, how many rows it has, and the first of its gyros.
+  /// The place of a part among the readings: its first row, its number of rows, and the first row of its gyros.
   Eigen::Index row(std::size_t part) const { return static_cast<Eigen::Index>(is_hold(part) ? 6 * part : 3 * (part + holds_)); }
   Eigen::Index size(std::size_t part) const { return is_hold(part) ? 6 : 3; }
   Eigen::Index gyro_row(std::size_t part) const { return row(part) + (is_hold(part) ? 3 : 0); }
-  /// What a constant input of 1 reads in a part: 1 in a hold's means, the duration in a turn's sums [s].
+  /// The reading of a constant input of 1 in a part: 1 in a hold's means, the duration in a turn's sums [s].
   double gain(std::size_t part) const { return is_hold(part) ? 1 : end(part) - begin(part); }
   /// Integral over a turn of a power of its rate, without Earth's.
   double rate_moment(std::size_t turn, int power) const;
@@ -63,7 +63,7 @@ class TableMotion {
     double begin, end;
     std::array<int, locals> first, second;  ///< the sources whose sum it is; RigErrorIndex::none
   };
-  /// What all parts share.
+  /// Values that all parts share.
   template <class T>
   struct Surroundings;
   template <class T>
@@ -80,8 +80,4 @@ class TableMotion {
   std::size_t holds_ = 0;
 };
 
-}  // namespace imulab::rig
-
-namespace imulab {
-using namespace rig;  // until all callers say rig::
 }  // namespace imulab

@@ -1,7 +1,6 @@
 // From a recording to the means and sums of its steps, and to a calibration.
-#include "imulab/rig/table_observations.hpp"
-
 #include "imulab/core/error.hpp"
+#include "imulab/rig/table_plan.hpp"
 #include "imulab/simulate/simulate.hpp"
 
 #include <gmock/gmock.h>

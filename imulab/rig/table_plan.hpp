@@ -1,13 +1,16 @@
 // The times of a turntable's steps that a calibration uses: the middle of each hold, and each turn with parts of the rests around it.
 #pragma once
 
+#include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"
+
+#include <Eigen/Core>
 
 #include <cstddef>
 #include <string>
 #include <vector>
 
-namespace imulab::rig {
+namespace imulab {
 
 /// An interval of the recording's clock, of one step. For a turn it reaches from the rest before it into the rest after it.
 struct TablePart {
@@ -35,8 +38,20 @@ const RigDeclaration& turntable_of(const Session& session, const std::string& re
 /// The parts of a recording on a turntable. Throws Error where its rig is none, or it has no steps.
 TablePlan table_plan(const Session& session, const std::string& recording);
 
-}  // namespace imulab::rig
+// Observations of a table's steps in a recording: the means of the holds and the sums of the turns.
 
-namespace imulab {
-using namespace rig;  // until all callers say rig::
+struct TableObservations {
+  TablePlan parts;  ///< those that were observed, with the times of their samples
+  /// Raw: of each hold the means of accelerometers and gyros (six rows), then of each turn the integral of the gyros (three).
+  Eigen::VectorXd readings;
+  Eigen::Vector3d accel_density = Eigen::Vector3d::Zero(), gyro_density = Eigen::Vector3d::Zero();  ///< raw / sqrt(Hz), from the samples of the holds
+  double interval_s = 0.01;                                                                         ///< of the samples
+  bool noise_measured = true;                                                                       ///< false: the holds are too short for that
+  std::string accel_unit = "m/s^2", gyro_unit = "rad/s";                                            ///< of the raw readings; "count" for raw counts
+  std::vector<std::string> notes, warnings;
+};
+
+/// Throws Error as table_plan does, Unsupported where no sample falls into the steps.
+TableObservations observe(const Recording& recording, const Session& session);
+
 }  // namespace imulab

@@ -8,9 +8,8 @@
 #include <algorithm>
 #include <utility>
 
-namespace imulab::rig {
+namespace imulab {
 
-using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
@@ -18,7 +17,7 @@ VectorXd readings(const TableMotion& motion, const SensorModel& model, const Vec
   const Matrix3d accel = model.accel.matrix.inverse(), gyro = model.gyro.matrix.inverse();
   VectorXd out(motion.rows());
   for (std::size_t k = 0; k < motion.parts(); ++k) {
-    const Vector3d force = truth.segment<3>(static_cast<Index>(6 * k)), rate = truth.segment<3>(static_cast<Index>(6 * k + 3));
+    const Vector3d force = truth.segment<3>(static_cast<Eigen::Index>(6 * k)), rate = truth.segment<3>(static_cast<Eigen::Index>(6 * k + 3));
     if (motion.is_hold(k)) out.segment<3>(motion.row(k)) = accel * (force - model.accel.offset);
     out.segment<3>(motion.gyro_row(k)) = gyro * (rate - model.gyro.offset * motion.gain(k) - model.g_sensitivity * force);
   }
@@ -31,14 +30,14 @@ namespace {
 void add_nonlinearity(MatrixXd& x, const TableMotion& motion, const SensorModel& nominal, const VectorXd& truth) {
   const Matrix3d accel = nominal.accel.matrix.inverse(), gyro = nominal.gyro.matrix.inverse();
   for (std::size_t k = 0; k < motion.parts(); ++k) {
-    const Vector3d force = truth.segment<3>(static_cast<Index>(6 * k)), turned = truth.segment<3>(static_cast<Index>(6 * k + 3));
+    const Vector3d force = truth.segment<3>(static_cast<Eigen::Index>(6 * k)), turned = truth.segment<3>(static_cast<Eigen::Index>(6 * k + 3));
     for (const int power : {2, 3}) {
       if (motion.is_hold(k)) {
-        const Index column = power == 2 ? Forward::accel_quadratic : Forward::accel_cubic;
+        const Eigen::Index column = power == 2 ? Forward::accel_quadratic : Forward::accel_cubic;
         const Vector3d size = Vector3d(accel * force).array().pow(power);
         x.block<3, 3>(motion.row(k), column) = -accel * size.asDiagonal();
       } else {
-        const Index column = power == 2 ? Forward::gyro_quadratic : Forward::gyro_cubic;
+        const Eigen::Index column = power == 2 ? Forward::gyro_quadratic : Forward::gyro_cubic;
         const Vector3d size = Vector3d(gyro * turned / motion.angle(k)).array().pow(power);
         x.block<3, 3>(motion.gyro_row(k), column) = -motion.rate_moment(k, power) * gyro * size.asDiagonal();
       }
@@ -52,9 +51,10 @@ MatrixXd by_forward_columns(const TableMotion& motion, const SensorModel& nomina
   MatrixXd x = MatrixXd::Zero(motion.rows(), Forward::all);
   add_nonlinearity(x, motion, nominal, truth);
   for (std::size_t k = 0; k < motion.parts(); ++k) {
-    const auto force = truth.segment<3>(static_cast<Index>(6 * k)).transpose(), rate = truth.segment<3>(static_cast<Index>(6 * k + 3)).transpose();
-    for (Index i = 0; i < 3; ++i) {
-      const Index row = motion.row(k) + i, gyro_row = motion.gyro_row(k) + i;
+    const auto force = truth.segment<3>(static_cast<Eigen::Index>(6 * k)).transpose(),
+               rate = truth.segment<3>(static_cast<Eigen::Index>(6 * k + 3)).transpose();
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      const Eigen::Index row = motion.row(k) + i, gyro_row = motion.gyro_row(k) + i;
       if (motion.is_hold(k)) {
         x(row, Forward::accel_offset + i) = 1;
         x.block<1, 3>(row, Forward::accel_matrix + 3 * i) = force;
@@ -74,7 +74,7 @@ MatrixXd reading_changes(const TableMotion& motion, const SensorModel& model, co
   linear.accel.offset.setZero();
   linear.gyro.offset.setZero();
   MatrixXd out(motion.rows(), truth_changes.cols());
-  for (Index c = 0; c < out.cols(); ++c) out.col(c) = readings(motion, linear, truth_changes.col(c));
+  for (Eigen::Index c = 0; c < out.cols(); ++c) out.col(c) = readings(motion, linear, truth_changes.col(c));
   return out;
 }
 
@@ -89,10 +89,10 @@ MatrixXd by_bias(const TableMotion& motion) {
 
 MatrixXd by_truth(const TableMotion& motion, const SensorModel& model, const MatrixXd& weights) {
   const Matrix3d accel = model.accel.matrix.inverse(), gyro = model.gyro.matrix.inverse(), force = gyro * model.g_sensitivity;
-  MatrixXd out(weights.rows(), static_cast<Index>(6 * motion.parts()));
+  MatrixXd out(weights.rows(), static_cast<Eigen::Index>(6 * motion.parts()));
   for (std::size_t k = 0; k < motion.parts(); ++k) {
     const auto of_gyro = weights.middleCols<3>(motion.gyro_row(k));
-    auto of_force = out.middleCols<3>(static_cast<Index>(6 * k)), of_rate = out.middleCols<3>(static_cast<Index>(6 * k + 3));
+    auto of_force = out.middleCols<3>(static_cast<Eigen::Index>(6 * k)), of_rate = out.middleCols<3>(static_cast<Eigen::Index>(6 * k + 3));
     of_rate = of_gyro * gyro;
     of_force = -of_gyro * force;
     if (motion.is_hold(k)) of_force += weights.middleCols<3>(motion.row(k)) * accel;
@@ -103,8 +103,9 @@ MatrixXd by_truth(const TableMotion& motion, const SensorModel& model, const Mat
 MatrixXd mixed_curvature(const TableMotion& motion, const MatrixXd& truth_jacobian, const Eigen::RowVectorXd& weights) {
   MatrixXd out = MatrixXd::Zero(Forward::all, truth_jacobian.cols());
   for (std::size_t k = 0; k < motion.parts(); ++k) {
-    const auto force = truth_jacobian.middleRows<3>(static_cast<Index>(6 * k)), rate = truth_jacobian.middleRows<3>(static_cast<Index>(6 * k + 3));
-    for (Index i = 0; i < 3; ++i) {
+    const auto force = truth_jacobian.middleRows<3>(static_cast<Eigen::Index>(6 * k)),
+               rate = truth_jacobian.middleRows<3>(static_cast<Eigen::Index>(6 * k + 3));
+    for (Eigen::Index i = 0; i < 3; ++i) {
       if (motion.is_hold(k)) out.middleRows<3>(Forward::accel_matrix + 3 * i) += weights[motion.row(k) + i] * force;
       out.middleRows<3>(Forward::gyro_matrix + 3 * i) += weights[motion.gyro_row(k) + i] * rate;
       out.middleRows<3>(Forward::gyro_force + 3 * i) -= weights[motion.gyro_row(k) + i] * force;
@@ -117,7 +118,7 @@ MatrixXd noise_covariance(const TableMotion& motion, const Matrix3d& accel_densi
   MatrixXd out = MatrixXd::Zero(motion.rows(), motion.rows());
   for (std::size_t k = 0; k < motion.parts(); ++k) {
     const double duration = motion.end(k) - motion.begin(k);
-    const Index row = motion.gyro_row(k);
+    const Eigen::Index row = motion.gyro_row(k);
     if (motion.is_hold(k)) {
       out.block<3, 3>(motion.row(k), motion.row(k)) = accel_density / duration;
       out.block<3, 3>(row, row) = gyro_density / duration;
@@ -128,7 +129,7 @@ MatrixXd noise_covariance(const TableMotion& motion, const Matrix3d& accel_densi
       const double shared = std::min(motion.end(k), motion.end(other)) - std::max(motion.begin(k), motion.begin(other));
       if (shared <= 0) continue;
       const double weight = motion.is_hold(other) ? shared / (motion.end(other) - motion.begin(other)) : shared;
-      const Index other_row = motion.gyro_row(other);
+      const Eigen::Index other_row = motion.gyro_row(other);
       out.block<3, 3>(row, other_row) = gyro_density * weight;
       out.block<3, 3>(other_row, row) = out.block<3, 3>(row, other_row).transpose();
     }
@@ -148,7 +149,7 @@ ReadingsSampler::ReadingsSampler(const TableMotion& motion, const std::array<Spr
       terms_(seed, "predict: terms"),
       column_sigma_(std::move(column_sigma)) {}
 
-MatrixXd ReadingsSampler::drawn_columns(std::uint64_t begin, Index procedures) const {
+MatrixXd ReadingsSampler::drawn_columns(std::uint64_t begin, Eigen::Index procedures) const {
   MatrixXd columns = forward({}).replicate(1, procedures);
   if (column_sigma_.size() == 0) return columns;
   MatrixXd drawn(Forward::all, procedures);
@@ -156,8 +157,8 @@ MatrixXd ReadingsSampler::drawn_columns(std::uint64_t begin, Index procedures) c
   return columns + column_sigma_.asDiagonal() * drawn;
 }
 
-MatrixXd ReadingsSampler::draw(std::uint64_t begin, Index procedures) const {
-  const auto normals = [&](const RandomStream& stream, Index rows) {
+MatrixXd ReadingsSampler::draw(std::uint64_t begin, Eigen::Index procedures) const {
+  const auto normals = [&](const RandomStream& stream, Eigen::Index rows) {
     MatrixXd out(rows, procedures);
     stream.normals(begin * static_cast<std::uint64_t>(rows), {out.data(), static_cast<std::size_t>(out.size())});
     return out;
@@ -165,7 +166,7 @@ MatrixXd ReadingsSampler::draw(std::uint64_t begin, Index procedures) const {
   const VectorXd sigma = motion_.sigma();
   const MatrixXd errors = (sigma.asDiagonal() * normals(table_, sigma.size())).colwise() + motion_.nominal();
   MatrixXd bias = normals(biases_, 6);
-  for (Index axis = 0; axis < 6; ++axis) {
+  for (Eigen::Index axis = 0; axis < 6; ++axis) {
     const Spread& spread = turn_on_[axis < 3 ? 0 : 1];
     if (spread.fixed) bias.row(axis).setOnes();
     bias.row(axis) *= spread.value;
@@ -173,12 +174,12 @@ MatrixXd ReadingsSampler::draw(std::uint64_t begin, Index procedures) const {
   MatrixXd seen = noise_factor_ * normals(noise_, motion_.rows());
   seen.noalias() += by_bias_ * bias;
   if (column_sigma_.size() == 0) {
-    for (Index k = 0; k < procedures; ++k) seen.col(k) += readings(motion_, {}, motion_.truth(errors.col(k)));
+    for (Eigen::Index k = 0; k < procedures; ++k) seen.col(k) += readings(motion_, {}, motion_.truth(errors.col(k)));
     return seen;
   }
   const MatrixXd columns = drawn_columns(begin, procedures);
-  for (Index k = 0; k < procedures; ++k) seen.col(k) += by_forward_columns(motion_, {}, motion_.truth(errors.col(k))) * columns.col(k);
+  for (Eigen::Index k = 0; k < procedures; ++k) seen.col(k) += by_forward_columns(motion_, {}, motion_.truth(errors.col(k))) * columns.col(k);
   return seen;
 }
 
-}  // namespace imulab::rig
+}  // namespace imulab

@@ -3,7 +3,6 @@
 #pragma once
 
 #include "imulab/core/random.hpp"
-#include "imulab/core/spread.hpp"
 #include "imulab/model/sensor_model.hpp"
 #include "imulab/rig/table_motion.hpp"
 
@@ -13,7 +12,7 @@
 #include <array>
 #include <cstdint>
 
-namespace imulab::rig {
+namespace imulab {
 
 /// Without noise. `truth` as TableMotion gives it.
 Eigen::VectorXd readings(const TableMotion& motion, const SensorModel& model, const Eigen::VectorXd& truth);
@@ -53,8 +52,4 @@ class ReadingsSampler {
   Eigen::VectorXd column_sigma_;
 };
 
-}  // namespace imulab::rig
-
-namespace imulab {
-using namespace rig;  // until all callers say rig::
 }  // namespace imulab

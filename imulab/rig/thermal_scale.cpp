@@ -2,7 +2,7 @@
 
 #include "imulab/core/error.hpp"
 
-namespace imulab::rig {
+namespace imulab {
 
 ThermalScale thermal_scale(const std::string& unit) { return {unit == "K" ? 298.15 : 25, 1}; }
 
@@ -13,4 +13,4 @@ ThermalScale thermal_scale(const ThermalSource& source) {
   return thermal_scale(source.unit);
 }
 
-}  // namespace imulab::rig
+}  // namespace imulab

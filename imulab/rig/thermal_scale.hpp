@@ -1,11 +1,13 @@
 // The readings of thermal sensors, as functions of the temperature.
+//
+//   thermal_scale("K").reading(25)   // 298.15
 #pragma once
 
 #include "imulab/recording/session.hpp"
 
 #include <string>
 
-namespace imulab::rig {
+namespace imulab {
 
 inline constexpr double room_temperature = 25;  ///< degC: of an IMU whose first step has no set point
 
@@ -17,11 +19,7 @@ struct ThermalScale {
 
 /// As a sensor declares it; else degC and K themselves. Throws Error for raw readings without a declaration.
 ThermalScale thermal_scale(const ThermalSource& source);
-/// Of readings in degC or K.
+/// The scale of readings in degC or K.
 ThermalScale thermal_scale(const std::string& unit);
 
-}  // namespace imulab::rig
-
-namespace imulab {
-using namespace rig;  // until all callers say rig::
 }  // namespace imulab

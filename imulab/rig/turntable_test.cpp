@@ -1,8 +1,7 @@
-#include "imulab/rig/turntable.hpp"
-
 #include "imulab/core/rotation.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
+#include "imulab/rig/motion.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -10,7 +9,7 @@
 
 #include <cmath>
 
-namespace imulab::rig {
+namespace imulab {
 namespace {
 
 double gen(double low, double high) { return low + (high - low) * (*rc::gen::inRange(0, 1000001)) * 1e-6; }
@@ -99,4 +98,4 @@ RC_GTEST_PROP(Turntable, AtRestOnlyGravityAndEarthAreSensed, ()) {
 }
 
 }  // namespace
-}  // namespace imulab::rig
+}  // namespace imulab

@@ -4,7 +4,6 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
-#include "imulab/rig/machine_motion.hpp"
 #include "imulab/simulate/simulate.hpp"
 
 #include <gmock/gmock.h>
@@ -73,7 +72,7 @@ std::vector<Mount> mounts() {
 }
 
 TEST(MachineMotion, TheMeanOverWholeTurnsIsTheClosedForm) {
-  const Place<double> place{gravity, earth_rate_enu(latitude)};
+  const MachinePlace<double> place{gravity, earth_rate_enu(latitude)};
   const double rate_error = 1e-3;
   for (const Mount& mount : mounts())
     for (const double turns : {3.0, -11.0}) {

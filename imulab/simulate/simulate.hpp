@@ -1,7 +1,12 @@
 // True motion, a true IMU and noise -> a recording. In memory, on values: the command, tests and Monte Carlo runs use the same call.
+//
+//   const Session procedure = dai_unit_procedure({});
+//   const Truth truth = draw_truth(procedure, 1);
+//   const RecordingSource& source = procedure.recordings.front();
+//   const Recording recording = simulate_recording(procedure, source, truth, 1, draw_rig_errors(procedure, source, 1));
 #pragma once
 
-#include "imulab/model/noise.hpp"
+#include "imulab/model/imu_noise.hpp"
 #include "imulab/model/sensor_model.hpp"
 #include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"

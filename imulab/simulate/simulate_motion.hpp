@@ -1,8 +1,11 @@
 // A true IMU on a motion -> a recording.
+//
+//   const motion::Trajectory flown = motion::flight(start, segments);
+//   const Recording recording = simulate_motion(motion::ideal_increments(flown, 0.01), 0.01, truth, seed);
 #pragma once
 
 #include "imulab/navigation/integration/increment.hpp"
-#include "imulab/navigation/motion/unit_temperature.hpp"
+#include "imulab/navigation/motion/mission.hpp"
 #include "imulab/simulate/simulate.hpp"
 
 #include <cstdint>

@@ -22,7 +22,8 @@ namespace imulab::simulate {
 /// Temperatures as functions of time, in closed form.
 class TemperatureProfile {
  public:
-  /// Of a motion's set points, each from the gap before its step on; the IMU begins at the first step's. Without a chamber it has them at once.
+  /// The profile of a motion's set points, each from the gap before its step on; the IMU begins at the first step's. Without a chamber it has them at
+  /// once.
   TemperatureProfile(const RigMotion& motion, const RigDeclaration* rig);
 
   struct State {
@@ -53,7 +54,7 @@ Columns3 thermal_readings(const std::optional<ThermalSource>& source, std::span<
 std::vector<double> followed_readings(const TriadModel& model, const std::optional<ThermalSource>& source,
                                       std::span<const TemperatureProfile::State> temperatures);
 
-/// The same drift as a function of another reading.
+/// This drift as a function of another reading.
 TriadModel with_readings(TriadModel model, const ThermalScale& from, const ThermalScale& to, const std::string& unit);
 
 }  // namespace imulab::simulate

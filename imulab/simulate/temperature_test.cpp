@@ -2,7 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/model/compensate.hpp"
-#include "imulab/rig/machine_motion.hpp"
+#include "imulab/rig/machine.hpp"
 #include "imulab/simulate/simulate.hpp"
 
 #include <gmock/gmock.h>
@@ -33,7 +33,7 @@ RigDeclaration chamber(double ramp, double time_constant, double hysteresis) {
 
 TemperatureProfile profile(const RigDeclaration& rig, const std::vector<Step>& steps) { return {machine_motion(rig, steps), &rig}; }
 
-/// The same by Euler's method in small steps: its error is of the order of the step.
+/// The temperatures by Euler's method in small steps: its error is of the order of the step.
 std::vector<TemperatureProfile::State> stepwise(const RigDeclaration& rig, const std::vector<Step>& steps, double step) {
   const RigMotion motion = machine_motion(rig, steps);
   double air = *steps[0].temperature, unit = air, zeros = air;
@@ -56,7 +56,7 @@ TEST(Temperature, FollowsItsEquations) {
     const TemperatureProfile exact = profile(rig, steps);
     const double step = 0.05;
     const auto numerical = stepwise(rig, steps, step);
-    // Of a step: a ramp of 0.2 K/s, or 50 K that relax in 100 s, 0.5 K/s; Euler lags by about one step of that, less than two.
+    // The error of a step: a ramp of 0.2 K/s, or 50 K that relax in 100 s, 0.5 K/s; Euler lags by about one step of that, less than two.
     for (std::size_t k = 0; k < numerical.size(); k += 40) {
       const TemperatureProfile::State at = exact.at(step * static_cast<double>(k));
       const double jump = rig.ramp == 0 || rig.time_constant == 0 ? 2 * step * 0.5 : 2 * step * rig.ramp;

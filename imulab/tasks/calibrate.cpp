@@ -3,7 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/recording/file.hpp"
-#include "imulab/formats/text/names.hpp"
+#include "imulab/formats/text/printable.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/results/live.hpp"

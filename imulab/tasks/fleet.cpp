@@ -4,8 +4,8 @@
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/noise/noise_reader.hpp"
 #include "imulab/formats/session/file.hpp"
+#include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/formats/text/time.hpp"
 #include "imulab/tasks/calibrate.hpp"
 #include "imulab/tasks/content.hpp"
 

@@ -1,7 +1,7 @@
 #include "imulab/tasks/recordings.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/formats/text/names.hpp"
+#include "imulab/formats/text/printable.hpp"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 
 #include "imulab/formats/session/mission.hpp"
 #include "imulab/model/calibration.hpp"
-#include "imulab/navigation/integration/solution.hpp"
+#include "imulab/navigation/integration/strapdown.hpp"
 #include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"
 

@@ -2,7 +2,7 @@
 // on the poor one; then an hour at 60 km/h after an alignment of 300 s, navigated with each, the same recording for all.
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/turntable/turntable.hpp"
-#include "imulab/navigation/city_drive.hpp"
+#include "imulab/navigation/motion/mission.hpp"
 #include "imulab/navigation/navigate.hpp"
 #include "imulab/navigation/navigation_error.hpp"
 #include "imulab/simulate/simulate_motion.hpp"

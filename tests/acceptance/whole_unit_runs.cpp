@@ -6,7 +6,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
 #include "imulab/model/coefficient.hpp"
-#include "imulab/model/compensation_derivatives.hpp"
+#include "imulab/model/compensate.hpp"
 #include "imulab/rig/machine.hpp"
 
 #include <fmt/core.h>

@@ -1,7 +1,7 @@
 #include "imulab/estimate/hybrid/filter.hpp"
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/rotation.hpp"
-#include "imulab/core/square_root_estimate.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
 #include "imulab/navigation/in_place/navigator.hpp"

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "imulab/estimate/hybrid/states.hpp"
-#include "imulab/navigation/in_place/blocks.hpp"
+#include "imulab/navigation/in_place/navigator.hpp"
 
 #include <algorithm>
 #include <cstddef>

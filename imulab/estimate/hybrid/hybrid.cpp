@@ -11,7 +11,7 @@
 #include "imulab/estimate/kernel/latitude_at_rest.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/estimate/kernel/rest_start.hpp"
-#include "imulab/model/triad_axes.hpp"
+#include "imulab/model/frame.hpp"
 #include "imulab/recording/quiet_noise.hpp"
 
 #include <Eigen/LU>

@@ -6,7 +6,7 @@
 #pragma once
 
 #include "imulab/estimate/hybrid/prediction.hpp"
-#include "imulab/navigation/in_place/blocks.hpp"
+#include "imulab/navigation/in_place/navigator.hpp"
 
 #include <Eigen/Core>
 

@@ -4,7 +4,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/recording/turn.hpp"
-#include "imulab/rig/turntable.hpp"
+#include "imulab/rig/motion.hpp"
 
 #include <gtest/gtest.h>
 

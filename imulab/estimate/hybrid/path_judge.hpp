@@ -3,7 +3,7 @@
 
 #include "imulab/estimate/hybrid/motion_information.hpp"
 #include "imulab/estimate/hybrid/path_design.hpp"
-#include "imulab/rig/quarter_table.hpp"
+#include "imulab/rig/pose_on_table.hpp"
 
 #include <array>
 #include <cmath>

@@ -45,7 +45,7 @@ Prediction predict(const Plan& plan) {
   // Readings that follow the motion: the rate does not matter as long as a sample turns by little.
   // Lever arms show in the ramps of turns, as far as the session's rate resolves them: they take a fifth of a second.
   const double slowest = plan.terms.optional.contains(Group::lever_arm) ? std::clamp(rate_of(plan.procedure), 20.0, 100.0) : 20;
-  const Recording recording = rig::coarse_recording(plan.procedure, {earth_rate_enu(plan.place.latitude), plan.place.gravity}, slowest);
+  const Recording recording = coarse_recording(plan.procedure, {earth_rate_enu(plan.place.latitude), plan.place.gravity}, slowest);
   const std::vector<Range> rests = in_place::still_parts(recording, rests_of(recording, plan.procedure).ranges);
   if (rests.empty()) throw Error(plan.procedure.file + no_hold);
   const Data data{recording, in_place::cut_into_blocks(recording, rests, plan.observe_motion).blocks, plan.place, plan.noise, SensorModel{},

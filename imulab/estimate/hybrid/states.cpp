@@ -5,8 +5,8 @@
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/optional_terms.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
+#include "imulab/model/forward_model.hpp"
 #include "imulab/model/frame.hpp"
-#include "imulab/model/output_error.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -114,7 +114,7 @@ class States {
 std::vector<CoefficientIndex> all_coefficients();
 Groups optional_groups(const std::vector<CoefficientIndex>& coefficients);
 
-/// The model whose output is that of `model` less the errors x (model/output_error.hpp).
+/// The model whose output is that of `model` less the errors x (model/forward_model.hpp).
 SensorModel corrected(const SensorModel& model, const Eigen::VectorXd& x, const States& states);
 
 /// The model with the mean of its offsets over the recording, where slow noise lets them change.

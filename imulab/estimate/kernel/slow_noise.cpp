@@ -1,6 +1,6 @@
 #include "imulab/estimate/kernel/slow_noise.hpp"
 
-#include "imulab/model/flicker.hpp"
+#include "imulab/model/sensor_noise.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // Declared noise that lasts longer than a sample, in means over times: bias instability, rate random walk and ramp.
 #pragma once
 
-#include "imulab/model/noise.hpp"
+#include "imulab/model/imu_noise.hpp"
 
 #include <Eigen/Core>
 

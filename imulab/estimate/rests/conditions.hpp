@@ -3,7 +3,7 @@
 // rests eliminated.
 #pragma once
 
-#include "imulab/core/block_tridiagonal.hpp"
+#include "imulab/core/decomposition.hpp"
 #include "imulab/estimate/kernel/information.hpp"
 #include "imulab/estimate/kernel/suspects.hpp"
 

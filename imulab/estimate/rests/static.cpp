@@ -5,7 +5,7 @@
 #include "imulab/estimate/rests/fit.hpp"
 #include "imulab/estimate/rests/rests.hpp"
 #include "imulab/estimate/rests/static_problem.hpp"
-#include "imulab/model/triad_axes.hpp"
+#include "imulab/model/frame.hpp"
 
 #include <Eigen/LU>
 #include <fmt/core.h>

@@ -39,16 +39,16 @@ std::vector<DeclaredTurn> declared_turns(const Session& session, const Recording
   const RigDeclaration* const rig = session.rig_of(source);
   if (rig == nullptr || !(rig->kind == RigKind::turntable || (rig->kind == RigKind::none && rig->angle.value > 0))) return turns;
   const std::vector<Step> steps = session.steps_of(source);
-  const std::vector<rig::Command> commands = rig::commands_of(steps);
-  const rig::TableAxes<double> axes = rig::table_axes<double>({});
+  const std::vector<AxisCommand> commands = commands_of(steps);
+  const TableAxes<double> axes = table_axes<double>({});
   for (std::size_t k = 0; k < steps.size(); ++k) {
     const Step& step = steps[k];
     if (step.kind != StepKind::rotate) continue;
-    const bool moves_on = k + 1 < steps.size() && steps[k + 1].kind == StepKind::hold && steps[k + 1].start > step.end + rig::same_time &&
+    const bool moves_on = k + 1 < steps.size() && steps[k + 1].kind == StepKind::hold && steps[k + 1].start > step.end + same_time &&
                           std::find(commands[k + 1].moves.begin(), commands[k + 1].moves.end(), true) != commands[k + 1].moves.end();
     const double sigma = rig->angle.fixed ? 0 : rig->angle.value;  // the same error at both rests cancels
     turns.push_back(
-        {step.start, step.end, step.axis, rig::axis_in_body(rig::table_pose(axes, commands[k].before), step.axis), step.angle, sigma, moves_on});
+        {step.start, step.end, step.axis, axis_in_body(table_pose(axes, commands[k].before), step.axis), step.angle, sigma, moves_on});
   }
   return turns;
 }

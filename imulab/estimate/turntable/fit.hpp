@@ -3,7 +3,7 @@
 
 #include "imulab/estimate/kernel/suspects.hpp"
 #include "imulab/estimate/turntable/estimator.hpp"
-#include "imulab/rig/table_observations.hpp"
+#include "imulab/rig/table_plan.hpp"
 
 #include <string>
 #include <vector>

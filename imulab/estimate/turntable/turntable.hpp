@@ -3,7 +3,7 @@
 #pragma once
 
 #include "imulab/estimate/method.hpp"
-#include "imulab/rig/table_observations.hpp"
+#include "imulab/rig/table_plan.hpp"
 
 namespace imulab::turntable {
 

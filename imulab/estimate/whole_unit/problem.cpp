@@ -2,12 +2,12 @@
 
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
-#include "imulab/model/compensation_derivatives.hpp"
+#include "imulab/model/compensate.hpp"
 #include "imulab/recording/declared_noise.hpp"
 
 #include <Eigen/Cholesky>
-#include <ceres/jet.h>
 #include <fmt/core.h>
+#include <unsupported/Eigen/AutoDiff>
 
 #include <algorithm>
 #include <cmath>
@@ -127,21 +127,22 @@ RawSample Problem::sample(const MachinePoint& point) const {
 }
 
 Motion Problem::motion(const MachinePoint& point, Rows* by_common) const {
-  using T = ceres::Jet<double, 8>;  // gravity, tilt, rate, mount, radius
-  std::vector<Index> index{0};      // of eta, by derivative
+  constexpr int variables = 8;  // gravity, tilt, rate, mount, radius
+  using T = Eigen::AutoDiffScalar<Eigen::Vector<double, variables>>;
+  std::vector<Index> index{0};  // of eta, by derivative
   MachineErrors<T> errors;
   for (const std::size_t i : acting_[point.recording])
     if (T* const element = element_of(errors, common[i].source, mount_of(point.step))) {
-      *element = T(common[i].source.known + common[i].value, static_cast<int>(index.size()));
+      *element = T(common[i].source.known + common[i].value, variables, static_cast<int>(index.size()));
       index.push_back(static_cast<Index>(i));
     }
-  const SteadyMotion<T> m = steady_motion<T>(point.step, errors, {place_.gravity + T(common[0].value, 0), place_.rate_ie_n});
+  const SteadyMotion<T> m = steady_motion<T>(point.step, errors, {place_.gravity + T(common[0].value, variables, 0), place_.rate_ie_n});
   Motion motion;
   if (by_common) *by_common = Rows::Zero(6, std::ssize(common));
   for (int i = 0; i < 3; ++i) {
-    motion.force[i] = m.force[i].a, motion.rate[i] = m.rate[i].a;
+    motion.force[i] = m.force[i].value(), motion.rate[i] = m.rate[i].value();
     for (int k = 0; const Index column : index) {
-      if (by_common) (*by_common)(i, column) = m.force[i].v[k], (*by_common)(3 + i, column) = m.rate[i].v[k];
+      if (by_common) (*by_common)(i, column) = m.force[i].derivatives()[k], (*by_common)(3 + i, column) = m.rate[i].derivatives()[k];
       ++k;
     }
   }

@@ -94,7 +94,7 @@ struct Problem {
   std::vector<Eigen::Index> acting_columns(std::size_t recording) const;
 
   std::vector<std::vector<std::size_t>> acting_;  ///< by recording: indices of eta that may act
-  Place<double> place_;
+  MachinePlace<double> place_;
 };
 
 struct Fit {

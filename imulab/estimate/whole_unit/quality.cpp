@@ -2,7 +2,7 @@
 
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/rig/error_in_words.hpp"
+#include "imulab/rig/rig_errors.hpp"
 
 #include <fmt/core.h>
 
@@ -147,14 +147,14 @@ bool warn_hysteresis(kernel::Findings& findings, const Problem& problem) {
 
 /// Errors of a machine that change together.
 struct Hypothesis {
-  rig::ErrorInWords error;
+  ErrorInWords error;
   VectorXd direction;  ///< among the parameters
 };
 
 std::vector<Hypothesis> hypotheses(const Problem& problem) {
   std::map<std::string, Hypothesis> by_name;
   for (std::size_t k = 0; k < problem.common.size(); ++k) {
-    const auto add = [&](rig::ErrorInWords error, const std::string& name) {
+    const auto add = [&](ErrorInWords error, const std::string& name) {
       error.name = name;
       Hypothesis& h = by_name.try_emplace(name, Hypothesis{error, VectorXd::Zero(problem.size())}).first->second;
       h.direction[static_cast<Index>(problem.coefficients.size() + k)] = 1;
@@ -162,7 +162,7 @@ std::vector<Hypothesis> hypotheses(const Problem& problem) {
     const CommonError& common = problem.common[k];
     if (common.drift) continue;
     const std::string machine = common.rig.empty() ? "the rig: " : common.rig + ": ";
-    const rig::ErrorInWords error = k == 0 ? rig::ErrorInWords{"gravity", 1e-3, "mm/s^2", 0.05} : rig::in_words(common.source);
+    const ErrorInWords error = k == 0 ? ErrorInWords{"gravity", 1e-3, "mm/s^2", 0.05} : in_words(common.source);
     add(error, k == 0 ? error.name : machine + error.name);
     if (common.source.kind == RigErrorKind::radius) add(error, machine + "every radius");
   }

@@ -3,7 +3,7 @@
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/recording/scaling.hpp"
-#include "imulab/rig/mount_check.hpp"
+#include "imulab/rig/machine_points.hpp"
 
 #include <fmt/core.h>
 

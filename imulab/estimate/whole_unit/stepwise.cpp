@@ -2,7 +2,7 @@
 
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/model/compensation_derivatives.hpp"
+#include "imulab/model/compensate.hpp"
 
 #include <Eigen/LU>
 

@@ -10,7 +10,7 @@ namespace {
 
 double upper_tail(double z) { return 0.5 * std::erfc(z / std::sqrt(2.0)); }
 
-/// How many of the scores from `begin` to `end` (not included) are so.
+/// The number of scores from `begin` to `end` (not included) for which the condition holds.
 template <class Is>
 int count_of(const Eigen::ArrayXd& scores, Eigen::Index begin, Eigen::Index end, const Is& is) {
   int n = 0;

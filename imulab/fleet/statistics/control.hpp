@@ -12,7 +12,7 @@
 
 namespace imulab {
 
-/// Of Nelson (1984): the rules that single values need.
+/// The rules of Nelson (1984) that apply to single values.
 struct RunRule {
   std::string_view name;
   double false_alarm;  ///< probability that it fires at one unit of a steady production
@@ -28,7 +28,7 @@ struct ControlChart {
 /// Values in the order of their times. Each has limits of its own: the spread between units and its own uncertainty, as in `fleet`.
 ControlChart control_chart(const Eigen::ArrayXd& values, const Eigen::ArrayXd& variances, const RandomEffects& fleet);
 
-/// Of the units themselves, without the uncertainty of measurement, for values that have to be within `limit` of `target`.
+/// Capability of the units themselves, without the measurement uncertainty, for values that have to be within `limit` of `target`.
 struct Capability {
   double target = 0, limit = 0;
   double cp = 0, cp_low = 0, cp_high = 0;  ///< limit / (3 spread); the interval is the spread's

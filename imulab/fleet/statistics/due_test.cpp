@@ -1,5 +1,3 @@
-#include "imulab/fleet/statistics/due.hpp"
-
 #include "imulab/core/random.hpp"
 #include "imulab/fleet/statistics/drift.hpp"
 #include "imulab/fleet/statistics/random_effects.hpp"

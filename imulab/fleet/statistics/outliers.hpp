@@ -8,7 +8,7 @@
 
 namespace imulab {
 
-/// What is known of the units: rows of values are units, columns coefficients; NaN where a unit has none.
+/// The units' data: rows of values are units, columns coefficients; NaN where a unit has none.
 struct OutlierInput {
   Eigen::MatrixXd values;
   Eigen::MatrixXd mean_covariance;                               ///< of the measurement, over the units

@@ -25,7 +25,7 @@ Index place_in(const std::vector<CoefficientIndex>& all, CoefficientIndex index)
   return found == all.end() ? -1 : found - all.begin();
 }
 
-/// Of the prior's coefficients: where those are that a calibration estimated, there and in the prior, and which it left open.
+/// The prior's coefficients in a calibration: places of the estimated ones, there and in the prior, and those not determined.
 struct Matched {
   Places in_calibration, in_prior, open;
 };
@@ -56,7 +56,7 @@ void observe(Eigen::VectorXd& x, Eigen::MatrixXd& P, const Places& at, const Eig
   P = (0.5 * (P + P.transpose())).eval();
 }
 
-/// What is open, by the prior given the others: m_o + B (x - m_e), B = C_oe C_ee^-1, with the covariance that those then have.
+/// The coefficients not determined, by the prior given the others: m_o + B (x - m_e), B = C_oe C_ee^-1, with the covariance that those then have.
 void fill(Eigen::VectorXd& x, Eigen::MatrixXd& P, const Matched& m, const FleetPrior& prior) {
   const Eigen::VectorXd size = prior.covariance.diagonal().cwiseSqrt();
   const Eigen::MatrixXd C = size.cwiseInverse().asDiagonal() * prior.covariance * size.cwiseInverse().asDiagonal();

@@ -1,4 +1,4 @@
-// What a fleet says of its next unit before it is measured, and a calibration together with that (docs/fleet.md).
+// The fleet's prediction of its next unit before it is measured, and a calibration combined with this prior (docs/fleet.md).
 #pragma once
 
 #include "imulab/fleet/statistics/sample.hpp"
@@ -30,7 +30,7 @@ struct FleetPrior {
 /// most have none of these coefficients in common.
 FleetPrior fleet_prior(const FleetSample& sample, const std::function<Eigen::MatrixXd(Eigen::Index row)>& covariance);
 
-/// What became of a prior.
+/// The use of a prior in a calibration.
 struct PriorUse {
   bool taken = false;                    ///< false: the unit contradicts the fleet, and its calibration stays as it is
   double distance = 0;                   ///< of the calibration from the fleet's mean: Mahalanobis
@@ -44,8 +44,8 @@ struct PriorUse {
 /// and where the calibration and the fleet have nothing in common.
 PriorUse take_prior(Calibration& calibration, const FleetPrior& prior);
 
-/// What a session alone has to reach for these requirements to be met together with the prior: 1/limit^2 = 1/session^2 + 1/prior^2, each coefficient
-/// by itself (the correlations of the prior only help). Those that the prior alone meets are not among them.
+/// The limits that a session has to reach so that session and prior together meet these requirements: 1/limit^2 = 1/session^2 + 1/prior^2, each
+/// coefficient by itself (the correlations of the prior only help). Those that the prior alone meets are not among them.
 std::vector<Requirement> left_to_reach(const std::vector<Requirement>& requirements, const FleetPrior& prior);
 /// Prior sigma of a coefficient, of matrices relative to the row's scale; infinite where there is none.
 double relative_sigma(const FleetPrior& prior, CoefficientIndex index);

@@ -17,7 +17,7 @@ using Eigen::Index;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
-/// Of a few coefficients of one calibration, correlated, about nominal values.
+/// A draw of a few coefficients of one calibration, correlated, about nominal values.
 FleetPrior drawn_prior(const std::vector<CoefficientIndex>& coefficients) {
   const RandomStream random(3, "prior");
   const Index n = std::ssize(coefficients);

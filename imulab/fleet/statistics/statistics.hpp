@@ -4,7 +4,6 @@
 
 #include "imulab/fleet/statistics/control.hpp"
 #include "imulab/fleet/statistics/drift.hpp"
-#include "imulab/fleet/statistics/due.hpp"
 #include "imulab/fleet/statistics/gauge.hpp"
 #include "imulab/fleet/statistics/outliers.hpp"
 #include "imulab/fleet/statistics/random_effects.hpp"

@@ -108,4 +108,9 @@ class Transaction {
   bool open_ = true;
 };
 
+// The tables of a fleet store.
+
+/// Makes the tables in a new file. Throws Error where the file is something else, newer, or without its tables.
+void expect_schema(Database& database, Access access);
+
 }  // namespace imulab::fleet

@@ -11,7 +11,7 @@
 
 namespace imulab::fleet {
 
-/// Of one calibration.
+/// The numbers of one calibration.
 struct Numbers {
   std::vector<CoefficientIndex> estimated;
   Eigen::VectorXd values;      ///< SI
@@ -26,7 +26,7 @@ std::string packed(const Numbers& numbers);
 /// The number of bytes for this number of coefficients.
 constexpr std::size_t packed_size(std::size_t n) { return sizeof(double) * (n + n * (n + 1) / 2); }
 double packed_number(std::string_view data, std::size_t place);
-/// Of packed bytes: as many as the coefficients say.
+/// The numbers in packed bytes, as many as the coefficients require.
 Numbers unpacked(std::string_view data, const std::vector<CoefficientIndex>& estimated);
 
 /// "accel.offset.x accel.offset.y"

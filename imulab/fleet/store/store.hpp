@@ -69,7 +69,7 @@ class FleetStore {
   explicit FleetStore(const std::filesystem::path& file, fleet::Access access = fleet::Access::read);
 
   // Writing.
-  /// Whether a session with this hash was calibrated with this request, or failed with it.
+  /// True if a session with this hash was calibrated with this request, or failed with it.
   enum class Known { no, calibrated, failed };
   Known known(const FleetSession& session, const FleetRequest& request);
   /// A session of a unit, calibrated or not; false: the store already had it.

@@ -3,7 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/fleet/store/numbers.hpp"
 #include "imulab/formats/calibration/file.hpp"
-#include "imulab/formats/text/time.hpp"
+#include "imulab/formats/text/decimal.hpp"
 
 #include <gmock/gmock.h>
 

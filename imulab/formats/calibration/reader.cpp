@@ -2,7 +2,7 @@
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json_field.hpp"
-#include "imulab/formats/text/names.hpp"
+#include "imulab/formats/text/printable.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/recording/unit_names.hpp"
 

@@ -27,7 +27,7 @@ struct Imported {
 
 /// Throws Error with file and line (or field) for a file of no known format, and for one that is damaged.
 Imported import_calibration(const std::filesystem::path& file, const ImportOptions& options = {});
-/// The same of texts; `name` is the file's name in messages.
+/// Imports texts instead of files; `name` is the file's name in messages.
 Imported import_calibration_text(std::string_view text, const std::string& name, const ImportOptions& options = {});
 
 }  // namespace imulab

@@ -1,4 +1,4 @@
-// What a file tells beside its numbers is kept or named: layout, units, axes, what was not determined, checksums, dialects.
+// The contents of a file beside its numbers are kept or named: layout, units, axes, what was not determined, checksums, dialects.
 #include "imulab/core/error.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/import/calibration.hpp"

@@ -1,7 +1,7 @@
 // The formats that `imulab import` reads, in one table.
 #pragma once
 
-#include "imulab/model/recorded_as.hpp"
+#include "imulab/model/calibration.hpp"
 #include "imulab/model/sensor_model.hpp"
 
 #include <optional>

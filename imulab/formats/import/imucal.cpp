@@ -63,7 +63,7 @@ void expect_single_keys(const Source& s) {
   [[maybe_unused]] const Json watched = Json::parse(s.text, watch, false);
 }
 
-/// How the recording had a triad's readings, as a calibration file has it.
+/// Reads `recorded` of a triad as a calibration file has it.
 std::optional<RecordedAs> recorded_field(const Field& triad, Quantity quantity, const std::string& raw) {
   if (!triad.has("recorded") || triad["recorded"].is_null()) return std::nullopt;
   const Field f = triad["recorded"];

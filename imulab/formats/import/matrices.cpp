@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t matrix_and_bias = 12, imu_tk_numbers = 21;
 
-/// How many numbers a text of numbers alone has; 0 where it has anything else, or more than two triads of imu_tk.
+/// The number of numbers in a text of numbers alone; 0 where it has anything else, or more than two triads of imu_tk.
 std::size_t count_of_numbers(std::string_view text) {
   std::size_t count = 0;
   for (const Line& line : lines_of(text))

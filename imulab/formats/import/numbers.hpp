@@ -23,7 +23,7 @@ std::vector<Line> lines_of(std::string_view text);
 /// Between any of `separators`.
 std::vector<std::string_view> words_of(std::string_view text, std::string_view separators = " \t\r,;");
 
-/// Whether some line has `key` with a colon as YAML and JSON have keys: at its beginning, in a list or in braces, with or without quotes.
+/// True if a line has `key` with a colon as YAML and JSON have keys: at its beginning, in a list or in braces, with or without quotes.
 bool has_key(std::string_view text, std::string_view key);
 
 struct Numbers {

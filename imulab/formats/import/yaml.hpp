@@ -27,7 +27,7 @@ struct YamlNode {
 /// twice, refers to anchors, is longer than 256 KiB or nested deeper than 20.
 YamlNode parse_yaml(const Source& source);
 
-/// Of a map; throws Error where it is missing. `path` is that of the map, for messages.
+/// The value of a key of a map; throws Error where it is missing. `path` is that of the map, for messages.
 const YamlNode& field_of(const Source& source, const YamlNode& map, const std::string& path, std::string_view key);
 double number_of(const Source& source, const YamlNode& node, const std::string& path);
 /// Rows of numbers, one list row by row, or OpenCV's matrix (rows, cols, data).

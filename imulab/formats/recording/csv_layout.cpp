@@ -2,7 +2,6 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/formats/text/decimal.hpp"
-#include "imulab/formats/text/names.hpp"
 #include "imulab/formats/text/printable.hpp"
 
 #include <fmt/core.h>

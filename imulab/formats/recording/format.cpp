@@ -8,8 +8,7 @@
 #include "imulab/formats/recording/formats.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/formats/text/kept.hpp"
-#include "imulab/formats/text/names.hpp"
+#include "imulab/formats/text/printable.hpp"
 #include "imulab/recording/clock.hpp"
 
 #include <fmt/core.h>

@@ -5,7 +5,7 @@
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/formats/text/names.hpp"
+#include "imulab/formats/text/printable.hpp"
 #include "imulab/recording/resample.hpp"
 #include "imulab/recording/stamps.hpp"
 

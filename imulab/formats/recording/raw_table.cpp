@@ -1,7 +1,6 @@
 #include "imulab/formats/recording/raw_table.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/formats/text/names.hpp"
 #include "imulab/formats/text/printable.hpp"
 
 #include <fmt/core.h>

@@ -6,7 +6,7 @@
 #include "imulab/formats/recording/csv_rows.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/formats/text/names.hpp"
+#include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/reading_meter.hpp"
 #include "imulab/inspection/names.hpp"
 

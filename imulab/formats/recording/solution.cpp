@@ -4,7 +4,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/formats/recording/csv.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/navigation/integration/attitude.hpp"
+#include "imulab/navigation/integration/strapdown.hpp"
 #include "imulab/navigation/navigate.hpp"
 
 #include <fmt/format.h>

@@ -3,7 +3,7 @@
 
 #include "imulab/formats/recording/column_file.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/navigation/integration/solution.hpp"
+#include "imulab/navigation/integration/strapdown.hpp"
 
 #include <cstddef>
 #include <filesystem>

@@ -2,7 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/navigation/integration/attitude.hpp"
+#include "imulab/navigation/integration/strapdown.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-// What a wrong session file is told.
+// Messages about wrong session files.
 #include "imulab/core/error.hpp"
 #include "imulab/formats/session/file.hpp"
 

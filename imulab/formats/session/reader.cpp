@@ -3,9 +3,9 @@
 #include "imulab/formats/session/fields.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/session/step_layout.hpp"
+#include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/formats/text/names.hpp"
-#include "imulab/formats/text/time.hpp"
+#include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/toml_fields.hpp"
 
 #include <fmt/core.h>

@@ -17,21 +17,21 @@ bool differ(const std::array<double, 3>& a, const std::array<double, 3>& b) {
   return false;
 }
 
-/// What is wrong with the times a step gives, start_s or end_s among them.
-std::optional<StepLayout::Problem> problem_of_times(const StepText& text, const RigState& rig) {
-  using Problem = StepLayout::Problem;
-  if (!text.start_s) return Problem{"end_s", "is given alone; expected start_s, too"};
-  if (!text.end_s) return Problem{"start_s", "is given alone; expected end_s, too"};
-  if (text.duration_s) return Problem{"duration_s", "cannot be combined with start_s and end_s; expected one or the other"};
-  if (text.move_s) return Problem{"move_s", "cannot be combined with start_s and end_s; expected one or the other"};
+/// The problem of a step's given times, start_s or end_s among them.
+std::optional<StepLayout::StepProblem> problem_of_times(const StepText& text, const RigState& rig) {
+  using StepProblem = StepLayout::StepProblem;
+  if (!text.start_s) return StepProblem{"end_s", "is given alone; expected start_s, too"};
+  if (!text.end_s) return StepProblem{"start_s", "is given alone; expected end_s, too"};
+  if (text.duration_s) return StepProblem{"duration_s", "cannot be combined with start_s and end_s; expected one or the other"};
+  if (text.move_s) return StepProblem{"move_s", "cannot be combined with start_s and end_s; expected one or the other"};
   if (*text.end_s <= *text.start_s)
-    return Problem{"end_s", fmt::format("{} is not after start_s; expected more than {}", *text.end_s, *text.start_s)};
+    return StepProblem{"end_s", fmt::format("{} is not after start_s; expected more than {}", *text.end_s, *text.start_s)};
   if (rig.begun && *text.start_s < rig.time)
-    return Problem{"start_s", fmt::format("{} is before the end of the previous step; expected at least {}", *text.start_s, rig.time)};
+    return StepProblem{"start_s", fmt::format("{} is before the end of the previous step; expected at least {}", *text.start_s, rig.time)};
   return std::nullopt;
 }
 
-/// Whether the rig moves between two holds or spins.
+/// True if the rig moves between two holds or spins.
 bool moves(const RigState& before, const RigState& after) {
   return differ(after.angles_deg, before.angles_deg) || after.spin_dps != before.spin_dps ||
          (before.begun && (after.mount.value_or(Mount{}) != before.mount.value_or(Mount{}) || after.temperature != before.temperature));
@@ -39,7 +39,7 @@ bool moves(const RigState& before, const RigState& after) {
 
 }  // namespace
 
-std::optional<StepLayout::Problem> StepLayout::place(const StepText& text, const std::string& recording, Step& step) {
+std::optional<StepLayout::StepProblem> StepLayout::place(const StepText& text, const std::string& recording, Step& step) {
   RigState& rig = rigs_[recording];
   RigState next = rig;
   next.begun = true;
@@ -60,14 +60,14 @@ std::optional<StepLayout::Problem> StepLayout::place(const StepText& text, const
     step.start = rig.time;
     step.end = step.start + turn_duration(text.angle_deg, text.rate_dps, acceleration);
   } else {
-    if (!text.duration_s) return Problem{"duration_s", "is missing; expected duration_s (a procedure) or start_s and end_s"};
+    if (!text.duration_s) return StepProblem{"duration_s", "is missing; expected duration_s (a procedure) or start_s and end_s"};
     step.start = rig.time + (moves(rig, next) ? text.move_s.value_or(default_move_s) : 0);
     step.end = step.start + *text.duration_s;
   }
 
   constexpr double latest = 4.6e9;  // s, as of start_s and end_s
   if (!(std::abs(step.end) <= latest))
-    return Problem{"kind", fmt::format("{} ends {:g} s after the begin; expected at most {:g}", to_string(text.kind), step.end, latest)};
+    return StepProblem{"kind", fmt::format("{} ends {:g} s after the begin; expected at most {:g}", to_string(text.kind), step.end, latest)};
 
   step.kind = text.kind;
   step.recording = recording;

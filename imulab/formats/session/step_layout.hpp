@@ -15,7 +15,7 @@ namespace imulab::session_io {
 /// Seconds in which a procedure reaches a hold or spin where it has no move_s.
 inline constexpr double default_move_s = 10;
 
-/// How a step leaves the rig; s, and deg so that sums of whole degrees stay exact.
+/// The state of the rig after a step; s, and deg so that sums of whole degrees stay exact.
 struct RigState {
   bool begun = false;  ///< by a first step
   double time = 0;
@@ -27,15 +27,15 @@ struct RigState {
 
 class StepLayout {
  public:
-  /// What is wrong with a step, and the key it is about.
-  struct Problem {
+  /// A problem of a step, and the key that has it.
+  struct StepProblem {
     std::string_view key;
     std::string message;
   };
 
   /// Places the next step of its recording: checks the times it gives, or puts it after the previous step. Where there is a problem, `step` is not
   /// usable.
-  std::optional<Problem> place(const StepText& text, const std::string& recording, Step& step);
+  std::optional<StepProblem> place(const StepText& text, const std::string& recording, Step& step);
 
  private:
   std::map<std::string, RigState> rigs_;

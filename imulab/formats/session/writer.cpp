@@ -138,7 +138,7 @@ std::string table_text(std::string_view title, Table table, Context... context) 
   return text.section(title);
 }
 
-/// What a step has as the one before it in its recording did is left out.
+/// Values that a step shares with the one before it in its recording are left out.
 StepText step_text(const Step& step, const Step& before, bool several_recordings) {
   StepText text;
   const auto degrees = [](double rad) { return std::stod(in_unit(rad, unit::deg)); };

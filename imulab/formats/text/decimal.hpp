@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -26,7 +27,20 @@ ScaledInteger scaled_integer(const char* first, const char* last, int exponent);
 
 /// Nanoseconds as seconds with as many decimals as they need: 1.000000001, -0.5, 3.
 std::string seconds_text(std::int64_t ns);
-/// The same into `out`, which has room for 24 characters; returns the end.
+/// Writes this text into `out`, which has room for 24 characters; returns the end.
 char* write_seconds(char* out, std::int64_t ns);
 
 }  // namespace imulab::text
+
+namespace imulab {
+
+// Dates and times of day, UTC. Times are seconds since 1970.
+
+/// "2026-03-31T12:00:00Z"; empty beyond the year 9999.
+std::string time_text(double time);
+/// The time of a text that is a date, or a date and time; none for any other text.
+std::optional<double> time_of(const std::string& text);
+/// The time of such a text; throws Error for any other.
+double parse_time(const std::string& text);
+
+}  // namespace imulab

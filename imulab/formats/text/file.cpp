@@ -36,15 +36,15 @@ fs::path behind_links(fs::path path) {
 
 namespace {
 
-/// What the user gives new files and folders.
+/// The permissions that the user gives new files and folders.
 mode_t usual_mode(mode_t all) {
   const mode_t mask = ::umask(0);
   ::umask(mask);
   return all & ~mask;
 }
 
-/// What was written is on the disk. The system may keep it in memory for half a minute: after a loss of power the new name would stand for an empty
-/// file.
+/// Waits until the written bytes are on the disk. The system may keep it in memory for half a minute: after a loss of power the new name would stand
+/// for an empty file.
 void put_on_disk(int descriptor, const fs::path& path) {
   while (::fsync(descriptor) != 0) {
     if (errno == EINVAL || errno == ENOTSUP || errno == EROFS) return;  // a file system that has no disk
@@ -52,7 +52,7 @@ void put_on_disk(int descriptor, const fs::path& path) {
   }
 }
 
-/// The same of the name that a file or a folder got.
+/// Waits until the name of a file or folder is on the disk.
 void put_name_on_disk(const fs::path& path) {
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);

@@ -16,7 +16,7 @@ enum class Content { readings, settings };
 
 /// A file in memory for reading: a long regular file is mapped; a short one, a pipe, a device or standard input ("-") is read to its end. Throws
 /// Error where it cannot be opened, is a folder, is a pipe to which nobody writes within seconds, is longer than it may be, or becomes shorter
-/// meanwhile (of a mapped file: see lost_pages.hpp). An empty file has an empty text.
+/// meanwhile (of a mapped file: see unfinished.hpp). An empty file has an empty text.
 class MappedFile {
  public:
   explicit MappedFile(const std::filesystem::path& path, Content content = Content::readings);
@@ -99,7 +99,15 @@ struct FileSum {
   std::string sha256;
   std::uint64_t bytes = 0;
 };
-/// Of a file of any size, in little memory. Throws Error as MappedFile does.
+/// The checksum of a file of any size, in little memory. Throws Error as MappedFile does.
 FileSum file_sum(const std::filesystem::path& path);
+
+// A text that is read as if it were a file: rows that came through a pipe, and are read more than once.
+
+/// From now on a file of this name is this text, for all that opens it as MappedFile does.
+void keep_as_file(const std::filesystem::path& name, std::string text);
+bool is_kept(const std::filesystem::path& path);
+/// When nothing reads them any more.
+void forget_kept();
 
 }  // namespace imulab

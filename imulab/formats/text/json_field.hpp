@@ -3,7 +3,6 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/formats/text/json_dump.hpp"
-#include "imulab/formats/text/names.hpp"
 #include "imulab/formats/text/printable.hpp"
 
 #include <fmt/format.h>

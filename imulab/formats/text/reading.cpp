@@ -1,9 +1,8 @@
 // Files and streams for reading.
 #include "imulab/core/error.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/formats/text/kept.hpp"
-#include "imulab/formats/text/lost_pages.hpp"
 #include "imulab/formats/text/printable.hpp"
+#include "imulab/formats/text/unfinished.hpp"
 
 #include <fmt/core.h>
 
@@ -44,7 +43,7 @@ struct Descriptor {
 
 using SteadyClock = std::chrono::steady_clock;
 
-/// Whether there is something to read, or the end, before this time.
+/// True if bytes, or the end, can be read before this time.
 bool wait_for_more(int descriptor, SteadyClock::time_point until) {
   while (true) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - SteadyClock::now()).count();

@@ -55,7 +55,7 @@ void compress(HashState& h, const char* blocks, std::size_t count) {
 
 #ifdef __x86_64__
 
-/// The same by the processor's own instructions: four steps of the schedule or two rounds each, on a, b, e, f and c, d, g, h.
+/// The compression by the processor's own instructions: four steps of the schedule or two rounds each, on a, b, e, f and c, d, g, h.
 __attribute__((target("sha,sse4.1"))) void compress_by_instructions(HashState& h, const char* blocks, std::size_t count) {
   const auto words = [](std::uint32_t lane3, std::uint32_t lane2, std::uint32_t lane1, std::uint32_t lane0) {
     return _mm_set_epi32(static_cast<int>(lane3), static_cast<int>(lane2), static_cast<int>(lane1), static_cast<int>(lane0));

@@ -1,4 +1,4 @@
-// What only a terminal shows: progress of long work, and color.
+// Output for terminals alone: progress of long work, and color.
 #pragma once
 
 #include "imulab/formats/text/reading_meter.hpp"
@@ -12,7 +12,7 @@ namespace imulab {
 
 enum class Color { red = 31, green = 32, yellow = 33 };
 
-/// Whether standard output and standard error are terminals that show colors (the environment variable NO_COLOR is absent or empty).
+/// True if standard output, or standard error, is a terminal that shows colors (the environment variable NO_COLOR is absent or empty).
 bool output_has_color();
 bool errors_have_color();
 /// The text between the terminal's marks for bold and for the color.

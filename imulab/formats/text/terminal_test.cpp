@@ -12,7 +12,7 @@
 namespace imulab {
 namespace {
 
-/// What `work` writes to standard error, where that is a terminal.
+/// The output of `work` on standard error, where that is a terminal.
 template <class Work>
 std::string on_terminal(const Work& work) {
   const int controller = ::posix_openpt(O_RDWR | O_NOCTTY);

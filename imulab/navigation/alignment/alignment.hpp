@@ -1,4 +1,10 @@
-// Attitude from a rest: gravity shows the vertical, the Earth's rotation shows north.
+// Attitude from a rest: gravity shows the vertical, the Earth's rotation shows north (docs/navigation.md).
+//
+//   const Alignment coarse = coarse_alignment(rest, {.latitude = 0.8, .gravity = 9.81}, sensors);
+//   std::sqrt(coarse.covariance(2, 2))                            // one sigma of the heading [rad]
+//
+// A constant gyro error e east leaves e / (w_ie cos L) of heading, a constant accelerometer error b leaves b / g of tilt: the covariance includes
+// both. Valid for rests of 10 s and more, within 89.9 deg of latitude.
 #pragma once
 
 #include "imulab/navigation/integration/increment.hpp"

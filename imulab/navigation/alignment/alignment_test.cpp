@@ -114,7 +114,7 @@ double normalized(const Alignment& a, const Matrix3d& truth) {
   return e.dot(a.covariance.llt().solve(e));
 }
 
-/// Whether a sum of squares of `count` normal numbers is one that chance gives but once in a million on either side.
+/// True for a sum of squares of `count` normal numbers within its two-sided interval of p = 2e-6.
 void expect_chi_square(double sum, int count) {
   EXPECT_GT(sum, chi_square_quantile(1e-6, count));
   EXPECT_LT(sum, chi_square_quantile(1 - 1e-6, count));

@@ -1,24 +1,62 @@
 // The effect of each source of error on an inertial solution over time: linear error dynamics along a motion.
 #pragma once
 
-#include "imulab/navigation/budget/sources.hpp"
+#include "imulab/core/random.hpp"
+#include "imulab/model/calibration.hpp"
+#include "imulab/model/coefficient.hpp"
+#include "imulab/model/imu_noise.hpp"
+#include "imulab/model/sensor_model.hpp"
 #include "imulab/navigation/integration/strapdown.hpp"
 #include "imulab/navigation/motion/trajectory.hpp"
 
 #include <Eigen/Core>
 
+#include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace imulab {
+
+// The sources of error of an inertial solution: the sensors, the start, the barometer. Every size is one sigma of a draw, or fixed.
+
+/// Errors of the start, in east-north-up axes: attitude [rad] (the computed attitude is (I - [error x]) C_nb), velocity [m/s], position [m].
+struct StartErrors {
+  std::array<Spread, 3> attitude{}, velocity{}, position{};
+  /// In place of `attitude`: that of an alignment at rest over this time [s], which the sensors' own errors cause (levels: accelerometers;
+  /// heading: gyros).
+  std::optional<double> aligned_over;
+};
+
+/// Height reads true height + bias + a first-order Markov process.
+struct BarometerErrors {
+  Spread bias{};              // m
+  double noise = 0;           // m, one sigma of the process
+  double time_constant = 10;  // s, of the process
+};
+
+struct ErrorSources {
+  SensorModel model;                                                   // what the navigator compensates with: the ideal unit, or a calibration
+  std::vector<CoefficientIndex> coefficients;                          // table indices of those with an error
+  Eigen::VectorXd fixed;                                               // the error of each [SI of the table]: exactly this,
+  Eigen::MatrixXd covariance;                                          // and a draw with this covariance
+  Vector3d accel_tau = Vector3d::Zero(), gyro_tau = Vector3d::Zero();  // thermal readings less their reference, throughout
+  NoiseModel gyro_noise, accel_noise;                                  // of the compensated output
+  StartErrors start;
+  BarometerErrors barometer;
+};
+
+/// The errors that remain after a calibration: its model and its whole covariance, without lever arms, which `compensate` does not know. The noise is
+/// zero: a calibration does not state it.
+ErrorSources error_sources(const Calibration& calibration);
 
 /// Rows: position [m], velocity [m/s], attitude [rad], each east, north, up.
 inline constexpr int budget_quantities = 9;
 using BudgetRows = Eigen::Matrix<double, budget_quantities, Eigen::Dynamic>;
 using BudgetMatrix = Eigen::Matrix<double, budget_quantities, budget_quantities>;
 
-/// Of one source, a column for each output time: the error from what is fixed, and one sigma of what is drawn.
+/// The contribution of one source, a column for each output time: the error from what is fixed, and one sigma of what is drawn.
 struct Contribution {
   std::string name;  // "gyro bias", or a coefficient's "gyro.offset.x"
   BudgetRows fixed, sigma;
@@ -34,7 +72,7 @@ struct ErrorBudget {
   /// Shares of the mean square error (mean^2 + variance) of a quantity: of each group, in their order, then of the correlation between groups. They
   /// add up to one; a source that partly cancels the others has a negative share.
   std::vector<double> shares(int quantity, std::size_t at) const;
-  /// The same of the horizontal position; all zero where its error is.
+  /// Shares of the horizontal position error; all zero where the error is zero.
   std::vector<double> horizontal_shares(std::size_t at) const;
 };
 

@@ -89,7 +89,7 @@ TEST(ErrorBudget, SensitivitiesAreTheDerivativesOfTheFullIntegration) {
     const ErrorColumns linear = error_sensitivities(motion, sources, options);
     const Flown flown{motion, sources, options.strapdown};
     const std::string channel = " of channel " + std::to_string(static_cast<int>(vertical));
-    // What limits: the sensors' errors act in the middle of a block of 0.5 s, and the rolling in lasts 4 s: (0.5/4)^2/12 = 0.13 % of the change,
+    // The limit: the sensors' errors act in the middle of a block of 0.5 s, and the rolling in lasts 4 s: (0.5/4)^2/12 = 0.13 % of the change,
     // and a few times that where an effect of the rolling in and one of the rolling out nearly cancel.
     const double tolerance = 5e-3;
     for (Eigen::Index k = 0; k < n; ++k) {

@@ -34,7 +34,7 @@ NavigationState with_error(const NavigationState& truth, const ErrorState& error
 
 namespace {
 
-/// What varies with place and velocity: w_in_n, and the acceleration without the specific force.
+/// The terms that vary with place and velocity: w_in_n, and the acceleration without the specific force.
 struct Slow {
   Vector3d turn, acceleration;
 };
@@ -77,15 +77,16 @@ ErrorDynamics error_dynamics(const NavigationState& s, const Vector3d& force_n, 
   ErrorDynamics d{ErrorMatrix::Zero(), ErrorState::Zero()};
   auto attitude = d.F.middleRows<3>(Index::attitude), velocity = d.F.middleRows<3>(Index::velocity), position = d.F.middleRows<3>(Index::position);
 
-  // phi' = -w_in x phi + dw_in,  dv' = f_n x phi + d(g - (2 w_ie + w_en) x v)
+  // Xu eq 1: phi' = -w_in x phi + dw_in - C_nb dw; the last term is added by ErrorGrowth.
   attitude.middleCols<3>(Index::attitude) = -skew<double>(earth.rate + transport);
+  // Xu eq 2: dv' = f_n x phi - (2 w_ie + w_en) x dv - (2 dw_ie + dw_en) x v + C_nb df, likewise without the last term.
   velocity.middleCols<3>(Index::attitude) = skew<double>(force_n);
   for (int k = 0; k < 3; ++k) {
     const Vector3d axis = Vector3d::Unit(k), turn = earth.transport_rate(axis);  // w_en is linear in v
     attitude.col(Index::velocity + k) = turn;
     velocity.col(Index::velocity + k) = -(2 * earth.rate + transport).cross(axis) - turn.cross(v);
   }
-  // By place: central differences, whose error is 1e-9 of them.
+  // dw_in and dw_ie of eqs 1 and 2 by place, and normal gravity, which Xu leaves out: central differences, whose error is 1e-9 of them.
   const double dL = 1e-5, dh = 10;
   const Slow north = slope(slow(s.latitude + dL, s.height, v, options), slow(s.latitude - dL, s.height, v, options), 2 * dL * earth.meridian_radius);
   const Slow up = slope(slow(s.latitude, s.height + dh, v, options), slow(s.latitude, s.height - dh, v, options), 2 * dh);
@@ -94,7 +95,8 @@ ErrorDynamics error_dynamics(const NavigationState& s, const Vector3d& force_n, 
   attitude.col(Index::up) = up.turn;
   velocity.col(Index::up) = up.acceleration;
 
-  // Derivatives of (RN+h) cos L dlon, (RM+h) dL, dh; those of the radii cancel, by RN' = (RN - RM) tan L.
+  // Xu eqs 3 (latitude), 4 (longitude) and 5 (height), in meters: derivatives of (RN+h) cos L dlon, (RM+h) dL, dh; those of the radii cancel, by
+  // RN' = (RN - RM) tan L.
   const double tangent = earth.sin_latitude / earth.cos_latitude, rm = earth.meridian_radius, rn = earth.transverse_radius;
   position.middleCols<3>(Index::velocity).setIdentity();
   position.middleCols<3>(Index::position) << (v.z() - v.y() * tangent) / rn, v.x() * tangent / rn, -v.x() / rn,  //

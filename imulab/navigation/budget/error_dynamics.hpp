@@ -1,5 +1,14 @@
-// Linear error dynamics of strapdown integration: how an error of attitude, velocity and position grows along a motion (Savage 1998; Groves 2013, in
-// east-north-up axes).
+// Linear error dynamics of strapdown integration: the growth of an error of attitude, velocity and position along a motion, in east-north-up axes
+// (Xu 2024, doi:10.20096/j.xhxb.1008-9233.2024.01.001, eqs 1 to 5; Savage 1998; Groves 2013).
+//
+//   phi'   = -w_in x phi + dw_in - C_nb dw                                             (1)
+//   dv'    = f_n x phi - (2 w_ie + w_en) x dv - (2 dw_ie + dw_en) x v + C_nb df + dg   (2), with gravity's change dg
+//   dL'    = dvN / (RM + h) - vN dh / (RM + h)^2                                       (3)
+//   dlon'  = sec L (dvE + vE tan L dL - vE dh / (RN + h)) / (RN + h)                   (4)
+//   dh'    = dvU                                                                       (5)
+//
+// Valid to first order in the errors: 1 deg of attitude error leaves up to 1 % of its effect, and position errors are small against the radii;
+// at latitudes within 89.9 deg. An example: 1 deg/h of gyro bias for 100 s at rest is |phi| = 4.8e-4 rad, which tilts gravity by 0.0048 m/s^2.
 #pragma once
 
 #include "imulab/navigation/integration/strapdown.hpp"

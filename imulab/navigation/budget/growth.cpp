@@ -38,7 +38,7 @@ void check_sources(const NavigationState& start, const ErrorSources& sources, co
   Strapdown(start, options.strapdown);  // whether this start can be integrated
 }
 
-/// The same motion, once it is known to have samples.
+/// Returns this motion after a check that it has samples.
 const NominalMotion& checked(const NominalMotion& motion) {
   check(motion);
   return motion;
@@ -161,6 +161,7 @@ void ErrorGrowth::end_block() {
   }
   const ErrorDynamics d = error_dynamics(block_.states[count / 2], pushed / length, options_);
   const ErrorMatrix half = error_transition(d.F, length / 2), whole = half * half;
+  // The sensors' terms of Xu's eqs 1 and 2, -C_nb dw and C_nb df, act in the middle of the block.
   const ErrorColumns by_rate = -half.middleCols<3>(At::attitude);
   ErrorColumns by_force = half.middleCols<3>(At::velocity);
   if (fixed(options_)) by_force.col(2).setZero();

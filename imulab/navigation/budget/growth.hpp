@@ -2,9 +2,8 @@
 #pragma once
 
 #include "imulab/navigation/budget/budget.hpp"
-#include "imulab/navigation/budget/coefficient_effects.hpp"
 #include "imulab/navigation/budget/error_dynamics.hpp"
-#include "imulab/navigation/budget/noise_growth.hpp"
+#include "imulab/navigation/budget/source_effects.hpp"
 
 #include <optional>
 #include <string>
@@ -31,7 +30,7 @@ class Outputs {
  public:
   /// Throws Error for an interval that is not above 0.
   Outputs(double begin, double interval);
-  /// Whether one is due at the next sample.
+  /// True if a result is due at the next sample.
   bool due(double time);
 
  private:
@@ -46,9 +45,9 @@ class ErrorGrowth {
   /// From the start of this motion.
   ErrorGrowth(const motion::NominalMotion& motion, const ErrorSources& sources, const BudgetOptions& options);
 
-  /// Whether a result is due here: the block has ended then. Throws Error for a time that is not after the one before.
+  /// Adds a sample; true if a result is due here: the block has ended then. Throws Error for a time that is not after the one before.
   bool add(double time, const NavigationState& state, const Increment& sample);
-  /// Ends the last block. Whether that has a result which was not due before. Throws Error where there was no sample.
+  /// Ends the last block; true if it has a result that was not due before. Throws Error where there was no sample.
   bool finish();
   double time() const { return block_.time.back(); }
 
@@ -89,8 +88,8 @@ ErrorColumns error_sensitivities(const motion::NominalMotion& motion, const Erro
 /// Numbers of the samples at which a result is due: the first at or after each multiple of `interval` [s] from the start, and the last.
 std::vector<std::size_t> output_samples(const motion::NominalMotion& motion, double interval);
 
-/// Of an alignment at rest: derivative of the attitude error at the start by errors of rate and force in east-north-up axes, [d phi / d rate, d phi /
-/// d force].
+/// The effect of an alignment at rest: derivative of the attitude error at the start by errors of rate and force in east-north-up axes, [d phi / d
+/// rate, d phi / d force].
 Eigen::Matrix<double, 3, 6> alignment_effect(const NavigationState& start, const StrapdownOptions& options);
 
 }  // namespace imulab::budget

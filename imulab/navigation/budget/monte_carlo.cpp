@@ -42,7 +42,7 @@ MotionColumns spans(Columns& columns) {
   return out;
 }
 
-/// What is the same in every run.
+/// Data that all runs share.
 struct Plan {
   const NominalMotion& motion;
   const ErrorSources& sources;

@@ -1,6 +1,5 @@
-#include "imulab/navigation/budget/sources.hpp"
-
 #include "imulab/model/coefficient.hpp"
+#include "imulab/navigation/budget/budget.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@ namespace imulab {
 
 namespace {
 
-/// What a term of the table is specified by.
+/// The specification of a term in the table.
 Spread size_of(const Coefficient& c, const TriadErrors& t) {
   const Spread none;
   switch (c.term) {

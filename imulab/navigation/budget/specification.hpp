@@ -2,7 +2,7 @@
 // airliner's system or a calibration.
 #pragma once
 
-#include "imulab/navigation/budget/sources.hpp"
+#include "imulab/navigation/budget/budget.hpp"
 #include "imulab/navigation/integration/strapdown.hpp"
 
 #include <optional>

@@ -1,7 +1,6 @@
-#include "imulab/navigation/integration/attitude.hpp"
-
 #include "imulab/core/rotation.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/navigation/integration/strapdown.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -1,4 +1,9 @@
 // The output of inertial sensors for navigation, and the effects inside a sampling interval: coning and sculling.
+//
+//   rotation = th + K th_i x th_j,   velocity = dv + (1 - cos t)/t^2 (th x dv) + (1 - sin t/t)/t^2 th x (th x dv) + K (th_i x dv_j + dv_i x th_j)
+//
+// th, dv: sums of the samples' increments, t = |th|; K by the number of samples. Savage 1998, doi:10.2514/2.4228 and 10.2514/2.4242; weights of
+// Ignagni 1996, doi:10.2514/3.21635. Valid for angles well below a radian within one interval.
 #pragma once
 
 #include <Eigen/Core>

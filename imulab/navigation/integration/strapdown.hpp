@@ -1,16 +1,43 @@
-// Strapdown integration on the WGS-84 ellipsoid in east-north-up axes: from increments to attitude, velocity and position.
+// Strapdown integration on the WGS-84 ellipsoid in east-north-up axes: from increments to attitude, velocity and position (docs/navigation.md).
+//
+//   C_nb' = C_nb [w_ib_b x] - [w_in_n x] C_nb,   v' = C_nb f_b + g(L, h) - (2 w_ie + w_en) x v,   L' = vN / (RM + h), ...
+//
+//   Strapdown navigator(start, {.vertical = VerticalChannel::fixed});
+//   for (const Increment& sample : increments) navigator.step(sample, 0.01);
+//   navigator.state().latitude                                    // rad
+//
+// Valid for latitudes within 89.9 deg. Savage 1998, doi:10.2514/2.4228 and 10.2514/2.4242.
 #pragma once
 
 #include "imulab/earth/earth.hpp"
-#include "imulab/navigation/integration/attitude.hpp"
 #include "imulab/navigation/integration/increment.hpp"
 
+#include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include <cstddef>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 namespace imulab {
+
+// Attitude angles: roll, pitch, heading of the body axes (right, forward, up) against east, north, up.
+
+struct EulerAngles {
+  double roll = 0;     // right side down [rad]
+  double pitch = 0;    // up [rad]
+  double heading = 0;  // clockwise from north [rad]
+};
+
+/// Body to east-north-up.
+Eigen::Matrix3d attitude_matrix(const EulerAngles& angles);
+
+/// The angles of an attitude: roll and heading in (-pi, pi], pitch in [-pi/2, pi/2]. At a pitch of 90 deg roll is zero.
+EulerAngles euler_angles(const Eigen::Matrix3d& C_nb);
+
+/// Rate of the body against east-north-up, in body axes (w_nb_b), from the angles and their time derivatives.
+Eigen::Vector3d attitude_rate(const EulerAngles& angles, const EulerAngles& derivative);
 
 struct NavigationState {
   Eigen::Quaterniond q_nb = Eigen::Quaterniond::Identity();  // body to east-north-up
@@ -69,6 +96,14 @@ class Strapdown {
   std::optional<Increment> previous_;  // the last single sample
   bool lacking_ = false;               // it was the first, integrated without one before it
   double barometer_integral_ = 0;      // of height minus barometer, times its gain [m/s^2]
+};
+
+// Attitude, velocity and position over time: the result of navigation, and the reference it is compared with.
+
+struct Solution {
+  std::vector<double> time;  // s, ascending
+  std::vector<NavigationState> states;
+  std::size_t size() const { return time.size(); }
 };
 
 }  // namespace imulab

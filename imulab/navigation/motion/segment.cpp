@@ -20,7 +20,7 @@ double step_integral(double x) { return x * x * x * x * (2.5 - x * (3 - x)); }
 double step_slope(double x) { return 30 * x * x * (1 - x) * (1 - x); }
 double step_curvature(double x) { return 60 * x * (1 - x) * (1 - 2 * x); }
 
-/// What a pulse has added after `t` from its segment's start.
+/// The integral of a pulse until `t` after its segment's start.
 Derivatives pulse_at(const Pulse& p, double t) {
   const double s = t - p.begin, rate = p.rate(), out = p.ramp + p.hold;
   if (s <= 0) return {};

@@ -60,7 +60,7 @@ Segment rotate(const Eigen::Vector3d& body_axis, double angle, double rate);
 /// Both at once: `second` begins `after` [s] after `first`. Throws Error for a rest, and for rotations of the unit about two axes.
 Segment together(const Segment& first, const Segment& second, double after);
 
-/// What carries the IMU: an aircraft banks into a turn (tan(bank) = speed x rate / g); a vehicle stays level, and its wheels resist the lateral
+/// The carrier of the IMU: an aircraft banks into a turn (tan(bank) = speed x rate / g); a vehicle stays level, and its wheels resist the lateral
 /// force.
 struct Carrier {
   bool banks = true;
@@ -77,11 +77,11 @@ struct Derivatives {
   double value = 0, first = 0, second = 0;
 };
 
-/// What a segment's pulses have added to a quantity at `t` after its start.
+/// The change of a quantity by a segment's pulses until `t` after its start.
 Derivatives pulses_at(const Segment& segment, Pulse::Of of, double t);
 /// A vibration's `phase` (0 to 2 thirds of a period) at `t` after the segment's start.
 Derivatives sway_at(double amplitude, double frequency, int phase, double duration, double t);
-/// How long the vibration's amplitude rises.
+/// The time over which the vibration's amplitude rises.
 double sway_ramp(double duration);
 
 }  // namespace imulab::motion

@@ -1,8 +1,7 @@
-#include "imulab/navigation/motion/track.hpp"
-
 #include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/rotation.hpp"
+#include "imulab/navigation/motion/flight.hpp"
 
 #include <gmock/gmock.h>
 

@@ -25,7 +25,7 @@ Increment smooth_increment(const Trajectory& trajectory, double begin, double en
   return sum;
 }
 
-/// The same over a longer time, in parts no longer than the trajectory is smooth over.
+/// The integrals over a longer time, in parts no longer than the trajectory is smooth over.
 Increment smooth_parts(const Trajectory& trajectory, double begin, double end) {
   const double parts = std::max(1., std::ceil((end - begin) / trajectory.smooth * (1 - 1e-12)));
   Increment sum;

@@ -1,7 +1,7 @@
 // A motion known in closed form, and the readings of an ideal IMU on it: the truth for simulation, error budgets and tests.
 #pragma once
 
-#include "imulab/navigation/integration/solution.hpp"
+#include "imulab/navigation/integration/strapdown.hpp"
 
 #include <cstdint>
 #include <functional>
@@ -26,7 +26,7 @@ struct Trajectory {
   double smooth = 0.1;                        // s, short against the fastest change: no quadrature panel is longer
 };
 
-/// What an ideal IMU measures: rate against inertial space [rad/s] and specific force [m/s^2], in body axes.
+/// The readings of an ideal IMU: rate against inertial space [rad/s] and specific force [m/s^2], in body axes.
 struct BodyMotion {
   Eigen::Vector3d rate_ib_b, force_b;
 };

@@ -1,4 +1,4 @@
-#include "imulab/navigation/motion/unit_temperature.hpp"
+#include "imulab/navigation/motion/mission.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #include "imulab/formats/recording/bag/folder.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/formats/text/kept.hpp"
+#include "imulab/formats/text/file.hpp"
 
 #include <fmt/core.h>
 
