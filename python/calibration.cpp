@@ -5,7 +5,7 @@
 #include "imulab/export/target.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/import/calibration.hpp"
-#include "imulab/formats/noise/noise_reader.hpp"
+#include "imulab/formats/noise/file.hpp"
 #include "imulab/model/compensate.hpp"
 #include "imulab/recording/compensate_recording.hpp"
 #include "imulab/report/calibration_page.hpp"

@@ -4,7 +4,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/recording/overview.hpp"
-#include "imulab/report/inspection_page.hpp"
+#include "imulab/report/recording_page.hpp"
 #include "imulab/results/inspection.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/tasks/inspect.hpp"

@@ -11,7 +11,7 @@
 #include "imulab/formats/session/mission.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/terminal.hpp"
-#include "imulab/results/grades.hpp"
+#include "imulab/results/budget.hpp"
 
 #include <fmt/core.h>
 

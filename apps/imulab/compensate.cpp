@@ -16,7 +16,7 @@
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/recording/compensate_recording.hpp"
-#include "imulab/report/compensation_page.hpp"
+#include "imulab/report/recording_page.hpp"
 
 #include <fmt/core.h>
 

@@ -14,7 +14,7 @@
 #include "imulab/navigation/navigate.hpp"
 #include "imulab/navigation/navigation_error.hpp"
 #include "imulab/report/drives_page.hpp"
-#include "imulab/results/fields.hpp"
+#include "imulab/formats/text/json.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/simulate/simulate_motion.hpp"
 

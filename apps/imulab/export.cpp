@@ -5,10 +5,10 @@
 #include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/export/target.hpp"
-#include "imulab/formats/noise/noise_reader.hpp"
+#include "imulab/formats/noise/file.hpp"
 #include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/printable.hpp"
-#include "imulab/results/fields.hpp"
 
 #include <fmt/format.h>
 
@@ -119,7 +119,7 @@ void write_all(const ExportInput& input, const Options& o) {
   if (written.empty()) throw Error(input_name(o.calibration) + ": no target could be written");
   if (o.json) print_json(fields_json({{{"files", written}}}));
   for (const JsonFields& file : written)
-    if (!o.json) print(std::get<std::string>(file.fields[1].second) + "\n");
+    if (!o.json) print(std::get<std::string>(file.fields[1].second.is) + "\n");
   if (!failed.empty())
     throw Unsupported(
         fmt::format("{}: {} of {} targets could not be written: {}", input_name(o.calibration), failed.size(), all.size(), fmt::join(failed, ", ")));

@@ -9,8 +9,8 @@
 #include "imulab/fleet/store/sample.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/terminal.hpp"
-#include "imulab/results/fields.hpp"
 #include "imulab/tasks/calibrate.hpp"
 #include "imulab/tasks/fleet.hpp"
 

@@ -7,7 +7,7 @@
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/terminal.hpp"
-#include "imulab/results/fields.hpp"
+#include "imulab/formats/text/json.hpp"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 #include "apps/imulab/files.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/import/calibration.hpp"
-#include "imulab/results/fields.hpp"
+#include "imulab/formats/text/json.hpp"
 
 #include <fmt/format.h>
 

@@ -8,7 +8,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/terminal.hpp"
-#include "imulab/report/inspection_page.hpp"
+#include "imulab/report/recording_page.hpp"
 #include "imulab/results/inspection.hpp"
 
 #include <fmt/format.h>

@@ -11,7 +11,7 @@
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/recording/stamps.hpp"
-#include "imulab/results/fields.hpp"
+#include "imulab/formats/text/json.hpp"
 
 #include <fmt/core.h>
 

@@ -7,14 +7,12 @@
 #include "imulab/formats/recording/file.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/report/budget_page.hpp"
+#include "imulab/formats/text/json.hpp"
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/report/comparison_page.hpp"
-#include "imulab/report/compensation_page.hpp"
 #include "imulab/report/navigation_page.hpp"
-#include "imulab/report/plan_page.hpp"
 #include "imulab/report/prediction_page.hpp"
-#include "imulab/results/fields.hpp"
+#include "imulab/report/recording_page.hpp"
 #include "imulab/results/summary.hpp"
 #include "imulab/tasks/verify.hpp"
 
@@ -103,7 +101,7 @@ CalibrationReport saved_calibration(Calibration calibration, const Options& o) {
   return report;
 }
 
-// What JSON of earlier versions, or of a stream, does not have.
+// Pages say what the JSON of an earlier version, or of a stream, lacks.
 
 std::string saved_budget(const std::string& name, BudgetSummary summary) {
   std::vector<std::string> missing;

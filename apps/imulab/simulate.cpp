@@ -6,7 +6,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/text/terminal.hpp"
-#include "imulab/results/fields.hpp"
+#include "imulab/formats/text/json.hpp"
 
 #include <fmt/core.h>
 

@@ -5,9 +5,9 @@
 #include "apps/imulab/files.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/session/mission.hpp"
+#include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/terminal.hpp"
-#include "imulab/results/fields.hpp"
-#include "imulab/results/motion.hpp"
+#include "imulab/results/navigation.hpp"
 
 #include <fmt/core.h>
 

@@ -3,7 +3,6 @@
 #include "imulab/export/noise_values.hpp"
 #include "imulab/export/targets.hpp"
 #include "imulab/export/write.hpp"
-#include "imulab/formats/text/json_dump.hpp"
 #include "imulab/model/coefficient.hpp"
 
 #include <fmt/format.h>
@@ -116,7 +115,7 @@ std::string json_matrix_text(const ExportInput& input) {
                     {"accelerometers", {{"N", noise_json(n.accel_N)}, {"K", noise_json(n.accel_K)}, {"axes", axes_json(input.noise->accel)}}},
                     {"gyros", {{"N", noise_json(n.gyro_N)}, {"K", noise_json(n.gyro_K)}, {"axes", axes_json(input.noise->gyro)}}}};
   }
-  return dump_json(out) + "\n";
+  return out.dump(2, ' ', false, MatrixJson::error_handler_t::replace) + "\n";  // a name may be any bytes
 }
 
 Sentences left_out_of_matrices(const ExportInput& input) {

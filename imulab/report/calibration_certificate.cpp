@@ -1,4 +1,4 @@
-// What a certificate states: what was calibrated and how, what it does not cover, where its scales come from, and the files behind it.
+// The certificate states what was calibrated and how, what it does not cover, where its scales come from, and the files behind it.
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
 #include "imulab/estimate/method.hpp"
@@ -102,7 +102,7 @@ std::string test_text(const Calibration& c, const CalibrationReport& report) {
   return text;
 }
 
-/// How many positions, and how long each was held.
+/// Counts the positions, and says how long each was held.
 std::string positions_text(const Quality& q) {
   double least = HUGE_VAL, most = 0, all = 0;
   std::size_t used = 0;
@@ -231,7 +231,7 @@ std::string certificate_text(const Reference& r, std::string_view unused) {
   return escaped(shortened(text, 1000)) + (unused.empty() ? "" : fmt::format(" ({})", unused));
 }
 
-/// What can be said at most: nobody has checked what is declared.
+/// The text claims no more than the session declares: nobody has checked it.
 std::string traceability_text(const std::string& with, const std::string& without, bool any) {
   if (with.empty() && any) return "Not traceable: no declared certificate is of what this calibration uses.";
   if (with.empty()) return "Not traceable: none of the references below has a certificate in the calibration or its session.";

@@ -5,7 +5,6 @@
 #include "imulab/report/html.hpp"
 #include "imulab/report/pictures.hpp"
 #include "imulab/report/plot.hpp"
-#include "imulab/report/time_chart.hpp"
 #include "imulab/results/live.hpp"
 
 #include <fmt/format.h>
@@ -52,7 +51,7 @@ std::vector<double> thinned(const std::vector<double>& values, std::size_t most)
 }
 
 constexpr std::size_t most_dots = 2000;
-/// What a caption says of that.
+/// The sentence of a caption about dots that were left out.
 std::string thinned_text(std::size_t parts) {
   return parts > most_dots ? fmt::format(" The worst of every {} is shown.", (parts + most_dots - 1) / most_dots) : "";
 }

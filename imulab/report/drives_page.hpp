@@ -1,4 +1,4 @@
-// What calibrations mean on the road: position errors of many drives, as a picture and as a page.
+// Calibrations compared on the road: position errors of many drives, as a picture and as a page.
 #pragma once
 
 #include <string>

@@ -81,7 +81,7 @@ std::string spread_section(const FleetStatistics& f) {
       table(t));
 }
 
-/// How many units are where, and the normal distribution with the fleet's spread and mean uncertainty.
+/// A histogram of the units, and the normal distribution with the fleet's spread and mean uncertainty.
 std::string histogram(const FleetStatistics& f, const CoefficientStatistics& c) {
   const Eigen::Index column = std::find(f.sample.coefficients.begin(), f.sample.coefficients.end(), c.index) - f.sample.coefficients.begin();
   const double sigma = std::hypot(c.fleet.spread, c.fleet.measurement) / c.size;

@@ -1,4 +1,4 @@
-// Navigated sessions as a page.
+// Navigation and error budgets as pages.
 #pragma once
 
 #include "imulab/results/summary.hpp"
@@ -15,5 +15,19 @@ struct NavigationReport {
 
 /// HTML, self-contained.
 std::string navigation_page(const NavigationReport& report);
+
+struct BudgetReport {
+  std::string mission;  ///< its name
+  BudgetSummary summary;
+  std::vector<std::string> missing = {};  ///< pictures that could not be drawn, and why
+};
+
+/// HTML, self-contained.
+std::string budget_page(const BudgetReport& report);
+
+namespace report {
+/// The error from each source at the end, the largest share first; then the coefficients one by one.
+std::string sources_section(const ErrorBudget& budget);
+}  // namespace report
 
 }  // namespace imulab

@@ -6,7 +6,6 @@
 #include "imulab/report/html.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/plot.hpp"
-#include "imulab/report/time_chart.hpp"
 
 #include <fmt/format.h>
 
@@ -49,7 +48,7 @@ Verdict noise_verdict(const NoiseAnalysis& analysis) {
   return v;
 }
 
-/// Of determined ones and of bounds.
+/// The interval of a determined coefficient, or the bound of one that is not.
 std::string interval_text(const NoiseCoefficient& c, double size) {
   if (!c.determined) return "below " + number_text(c.upper / size, 2);
   return fmt::format("{} to {}", rounded_to(c.lower / size, c.standard_uncertainty / size),

@@ -4,11 +4,13 @@
 #include "imulab/formats/text/file.hpp"
 #include "imulab/report/assets.hpp"
 #include "imulab/report/html.hpp"
+#include "imulab/results/calibration.hpp"
 
 #include <fmt/format.h>
 
 #include <array>
 #include <cstdint>
+#include <utility>
 
 namespace imulab::report {
 
@@ -68,6 +70,22 @@ std::string page_text(const Page& page) {
   out += banner(page.verdict) + figures(page.figures) + page.body;
   out += fmt::format("</main>\n<footer>{}. This page contains all it shows; it loads nothing.</footer>\n", escaped(software()));
   return out + fmt::format("<script>{}</script>\n<script>{}</script>\n</body></html>\n", assets::dygraph_js, assets::page_js);
+}
+
+std::vector<KeyFigure> key_figures(const std::function<double(CoefficientIndex)>& sigma) {
+  std::vector<KeyFigure> out;
+  for (const auto& [selector, name] : {std::pair{"accel.matrix.diagonal", "accelerometer scale"},
+                                       {"accel.matrix.off_diagonal", "accelerometer misalignment"},
+                                       {"accel.offset", "accelerometer offset"},
+                                       {"gyro.matrix.diagonal", "gyro scale"},
+                                       {"gyro.matrix.off_diagonal", "gyro misalignment"},
+                                       {"gyro.offset", "gyro offset"}})
+    if (const std::string worst = worst_text(selector, sigma); !worst.empty()) out.push_back({"± " + readable_unit(worst), name});
+  return out;
+}
+
+std::string worst_axis_note(const std::vector<KeyFigure>& figures) {
+  return figures.empty() ? "" : "<p class=\"note\">Standard uncertainty of the worst axis of each kind.</p>\n";
 }
 
 }  // namespace imulab::report

@@ -2,6 +2,9 @@
 // by their hashes and no others, so text can never run.
 #pragma once
 
+#include "imulab/model/coefficient.hpp"
+
+#include <functional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -34,5 +37,12 @@ struct Page {
 };
 
 std::string page_text(const Page& page);
+
+/// The worst standard uncertainty of scales, misalignments and offsets of each triad, where one is known. `sigma` gives a coefficient's [SI]; not
+/// finite where it is not known.
+std::vector<KeyFigure> key_figures(const std::function<double(CoefficientIndex)>& sigma);
+
+/// A paragraph that explains these figures; empty where there are none.
+std::string worst_axis_note(const std::vector<KeyFigure>& figures);
 
 }  // namespace imulab::report

@@ -1,7 +1,7 @@
 #include "imulab/report/pictures.hpp"
 
 #include "imulab/report/calibration_parts.hpp"
-#include "imulab/report/time_chart.hpp"
+#include "imulab/report/plot.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,5 @@
-// Static charts as SVG: axes, lines, bands, dots, bars.
+// Charts: static ones as SVG (axes, lines, bands, dots, bars), and curves over time, to zoom on a screen (dygraphs), still in print and without
+// scripts.
 #pragma once
 
 #include <string>
@@ -12,7 +13,7 @@ namespace imulab::report {
 namespace color {
 inline constexpr std::string_view blue = "#0072b2", vermilion = "#d55e00", green = "#009e73", orange = "#e69f00", sky = "#56b4e9", purple = "#cc79a7",
                                   gray = "#9aa1aa", ink = "#1d2733", grid = "#e3e6ea";
-/// Of the k-th series; they repeat.
+/// The color of the k-th series; colors repeat.
 std::string_view series(std::size_t k);
 }  // namespace color
 
@@ -67,5 +68,28 @@ std::string svg_text(double width, double height, std::string_view description, 
 std::string line_between(double x1, double y1, double x2, double y2, std::string_view stroke, double width = 1, bool dashed = false);
 enum class Anchor { start, middle, end };
 std::string text_at(double x, double y, std::string_view text, Anchor anchor = Anchor::start, std::string_view attributes = "");
+
+enum class Mark { rest, dropped, gap };
+struct MarkedTime {
+  double begin = 0, end = 0;
+  Mark mark = Mark::rest;
+};
+
+/// Counts time from its start on; the label of the axis says when that was.
+struct TimeChart {
+  std::string title, y_label;
+  double start = 0;                      ///< stamp of the recording's first sample [s]
+  std::vector<double> x;                 ///< s of the same clock, as are the marks
+  std::vector<std::string> names;        ///< of the series
+  std::vector<std::vector<double>> y;    ///< each as long as x; what is not finite is a hole
+  std::vector<std::string> colors = {};  ///< absent: those of series
+  std::vector<MarkedTime> marks = {};
+  std::string group = "time";  ///< charts of one group zoom together
+  bool logarithmic = false;
+  bool minutes = false;  ///< the axis has them, in place of seconds
+};
+
+/// HTML.
+std::string time_chart(const TimeChart& chart);
 
 }  // namespace imulab::report

@@ -1,4 +1,4 @@
-// A prediction as a page: the uncertainty of each coefficient, and what limits it.
+// A prediction as a page: the uncertainty of each coefficient, and what limits it; and a planned procedure.
 #pragma once
 
 #include "imulab/results/summary.hpp"
@@ -24,5 +24,8 @@ std::string shortfall_line(const Shortfall& shortfall);
 /// Text with its columns kept.
 std::string preformatted(const std::string& text);
 }  // namespace report
+
+/// HTML, self-contained.
+std::string plan_page(const PlanSummary& plan);
 
 }  // namespace imulab

@@ -4,7 +4,6 @@
 #include "imulab/report/html.hpp"
 #include "imulab/report/plot.hpp"
 #include "imulab/report/start.hpp"
-#include "imulab/report/time_chart.hpp"
 
 #include <fmt/format.h>
 

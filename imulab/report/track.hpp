@@ -38,7 +38,7 @@ std::string error_bands(const ErrorBands& bands);
 
 /// Shares of the mean square horizontal position error: a row an output time, a column each source and last the correlation between groups.
 Eigen::MatrixXd horizontal_shares(const ErrorBudget& budget);
-/// Of the sources with the largest shares, over time from `start` [s] on.
+/// The largest shares over time, from `start` [s] on.
 std::string shares_over_time(const ErrorBudget& budget, double start = 0);
 
 }  // namespace imulab::report

@@ -2,7 +2,8 @@
 
 #include "imulab/core/units.hpp"
 #include "imulab/formats/text/figures.hpp"
-#include "imulab/results/budget_quantities.hpp"
+#include "imulab/model/grade.hpp"
+#include "imulab/results/over_time.hpp"
 
 #include <fmt/format.h>
 
@@ -25,7 +26,8 @@ std::string header(std::string start, Eigen::Index quantities, std::initializer_
 }
 
 void add_row(std::string& text, const BudgetRows& fixed, const BudgetRows& sigma, Eigen::Index at) {
-  for (Eigen::Index q = 0; q < budget_quantities; ++q) text += fmt::format(",{:.8g},{:.8g}", fixed(q, at) / unit_of(q), sigma(q, at) / unit_of(q));
+  for (Eigen::Index q = 0; q < budget_quantities; ++q)
+    text += fmt::format(",{:.8g},{:.8g}", fixed(q, at) / quantity_size(q), sigma(q, at) / quantity_size(q));
   text += '\n';
 }
 
@@ -53,7 +55,7 @@ constexpr std::array<ErrorRows, 3> blocks{{{"position, m", 0}, {"velocity, m/s",
 template <class Value>
 std::string row_text(const ErrorRows& block, const Value& value) {
   std::string text;
-  for (Eigen::Index q = block.first; q < block.first + 3; ++q) text += fmt::format(" {:>10}", text::number(value(q) / unit_of(q)));
+  for (Eigen::Index q = block.first; q < block.first + 3; ++q) text += fmt::format(" {:>10}", text::number(value(q) / quantity_size(q)));
   return text;
 }
 
@@ -153,7 +155,8 @@ std::string sources_csv(const ErrorBudget& b) {
       text += fmt::format("{},{:.10g}", group ? b.groups[k].name : "correlation between groups", b.time[i]);
       for (Eigen::Index q = 0; q < budget_quantities; ++q) {
         const auto at = static_cast<Eigen::Index>(i);
-        const double unit = unit_of(q), fixed = group ? b.groups[k].fixed(q, at) / unit : 0, sigma = group ? b.groups[k].sigma(q, at) / unit : 0;
+        const double unit = quantity_size(q), fixed = group ? b.groups[k].fixed(q, at) / unit : 0,
+                     sigma = group ? b.groups[k].sigma(q, at) / unit : 0;
         text += fmt::format(",{:.8g},{:.8g},{:.6g}", fixed, sigma, shares[static_cast<std::size_t>(q)][k]);
       }
       text += '\n';
@@ -177,7 +180,8 @@ std::string distribution_csv(const ErrorDistribution& d) {
     const auto at = static_cast<Eigen::Index>(i);
     text += fmt::format("{:.10g}", d.time[i]);
     for (Eigen::Index q = 0; q <= budget_quantities; ++q)
-      text += fmt::format(",{:.8g},{:.8g},{:.8g}", d.low(q, at) / unit_of(q), d.median(q, at) / unit_of(q), d.high(q, at) / unit_of(q));
+      text +=
+          fmt::format(",{:.8g},{:.8g},{:.8g}", d.low(q, at) / quantity_size(q), d.median(q, at) / quantity_size(q), d.high(q, at) / quantity_size(q));
     text += '\n';
   }
   return text;
@@ -191,6 +195,38 @@ std::string budget_table(const ErrorBudget& b, const std::optional<ErrorDistribu
     text += block_text(block, b);
     if (monte_carlo && details) text += monte_carlo_rows(block, *monte_carlo);
   }
+  return text;
+}
+
+namespace {
+
+std::string range(const std::array<double, 2>& r, double unit) {
+  return r[0] == 0 ? fmt::format("below {:g}", r[1] / unit) : fmt::format("{:g}..{:g}", r[0] / unit, r[1] / unit);
+}
+
+}  // namespace
+
+std::string grade_catalogue() {
+  std::string text = "Grades as published (Xu 2024, table 1)\n\n";
+  text += fmt::format("  {:<12} {:>12} {:>13} {:>10} {:>13} {:>10}\n", "", "rate nmi/h", "gyro deg/h", "accel ug", "misal. arcsec", "scale ppm");
+  for (const PublishedGrade& g : published_grades())
+    text += fmt::format(
+        "  {:<12} {:>12} {:>13} {:>10} {:>13} {:>10}\n", g.name,
+        g.position_rate[0] == 0 ? fmt::format("{:.0f} m/h", g.position_rate[1] * unit::hour) : range(g.position_rate, unit::nmi_per_h),
+        range(g.gyro_bias, unit::deg_per_h), range(g.accel_bias, unit::ug), range(g.misalignment, unit::arcsec), range(g.scale, unit::ppm));
+  text += fmt::format("\nAirliners' systems as published (Xu 2024, table 2)\n\n  {:<12} {:<9} {:>10} {:>11}  {}\n", "", "gyro", "rate nmi/h",
+                      "gyro deg/h", "aircraft");
+  for (const AirlinerSystem& s : airliner_systems())
+    text += fmt::format("  {:<12} {:<9} {:>10.2g} {:>11.2g}  {}\n", s.name, s.gyro, s.position_rate / unit::nmi_per_h, s.gyro_bias / unit::deg_per_h,
+                        s.aircraft);
+  text += fmt::format(
+      "\nGrades to draw from (one sigma of each coefficient)\n\n  {:<12} {:>10} {:>8} {:>8} {:>9} {:>11} {:>10}\n  {:<12} {:>10} {:>8} {:>8} {:>9} "
+      "{:>11} {:>10}\n",
+      "", "gyro", "accel", "misal.", "scale", "ARW", "VRW", "", "deg/h", "ug", "arcsec", "ppm", "deg/sqrt(h)", "ug/sqrt(Hz)");
+  for (const Grade& g : grades())
+    text += fmt::format("  {:<12} {:>10.3g} {:>8.3g} {:>8.3g} {:>9.3g} {:>11.3g} {:>10.3g}\n", g.name, g.gyro_bias / unit::deg_per_h,
+                        g.accel_bias / unit::ug, g.gyro_misalignment / unit::arcsec, g.gyro_scale / unit::ppm, g.gyro_noise.N / unit::deg_per_sqrt_h,
+                        g.accel_noise.N / unit::ug_per_sqrt_hz);
   return text;
 }
 

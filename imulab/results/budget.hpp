@@ -13,12 +13,12 @@ namespace imulab {
 /// t, then for each of the nine quantities the fixed error and one sigma: pe_fixed,pe_sigma,... (p, v, a: position m, velocity m/s, attitude arcsec;
 /// e, n, u).
 std::string total_csv(const ErrorBudget& budget);
-/// The same by source with its share of each mean square, a row a source and time: source,t,pe_fixed,pe_sigma,pe_share,... The shares of a time add
-/// up to one with the source "correlation between groups".
+/// A row a source and time, with the source's share of each mean square: source,t,pe_fixed,pe_sigma,pe_share,... The shares of a time add up to one
+/// with the source "correlation between groups".
 std::string sources_csv(const ErrorBudget& budget);
 /// t, then for each quantity and for the horizontal position error (ph) its 5 %, median and 95 %: pe_low,pe_median,pe_high,...
 std::string distribution_csv(const ErrorDistribution& distribution);
-/// Of each run: error at the end and largest size at any output: run,pe_end,pe_peak,...
+/// A row a run has the error at the end and the largest size at any output: run,pe_end,pe_peak,...
 std::string runs_csv(const ErrorDistribution& distribution);
 /// The end: {"time_s", "vertical", "total", "sources", "coefficients", "shares", "monte_carlo"}, then for pictures "history" and "track" at some
 /// times; units are in the keys (docs/budget.md).
@@ -27,5 +27,8 @@ std::string budget_json(const ErrorBudget& budget, const std::optional<ErrorDist
 /// The end: the horizontal position error and its main causes, then a row a source, the largest share first. With `details` also velocity, attitude
 /// and the Monte Carlo.
 std::string budget_table(const ErrorBudget& budget, const std::optional<ErrorDistribution>& monte_carlo, bool details = false);
+
+/// Published grades and airliners' systems (Xu 2024), and the grades that a unit can be drawn from.
+std::string grade_catalogue();
 
 }  // namespace imulab

@@ -61,7 +61,7 @@ std::string value_rows(const std::vector<Comparison>& comparisons) {
   return text;
 }
 
-/// How a chi-square of differences stands to the stated uncertainties.
+/// A chi-square of differences, judged against the stated uncertainties.
 std::string verdict(const Consistency& c) {
   const char* size = c.p_value < 0.001 ? "larger than" : c.p_value > 0.999 ? "smaller than" : "as large as";
   return fmt::format("chi2 = {:.1f}, probability of more {:.2g}: the differences are {} the stated uncertainties say", c.chi2, c.p_value, size);

@@ -2,7 +2,7 @@
 
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/figures.hpp"
-#include "imulab/results/fields.hpp"
+#include "imulab/formats/text/json.hpp"
 
 #include <fmt/format.h>
 
@@ -21,34 +21,34 @@ std::vector<std::string> left_out_names(const FleetStatistics& f) {
   return names;
 }
 
-JsonObject effects_json(const RandomEffects& r) {
-  return {{{{{"units", static_cast<std::uint64_t>(r.units)},
-             {"mean", r.mean},
-             {"mean_interval", std::vector{r.mean_low, r.mean_high}},
-             {"spread", r.spread},
-             {"spread_interval", std::vector{r.spread_low, r.spread_high}},
-             {"measurement", r.measurement},
-             {"p_value", r.p_value}}}}};
+JsonFields effects_json(const RandomEffects& r) {
+  return {{{"units", r.units},
+           {"mean", r.mean},
+           {"mean_interval", std::vector{r.mean_low, r.mean_high}},
+           {"spread", r.spread},
+           {"spread_interval", std::vector{r.spread_low, r.spread_high}},
+           {"measurement", r.measurement},
+           {"p_value", r.p_value}}};
 }
 
-JsonObject gauge_json(const Gauge& g, const std::vector<std::string>& names) {
+JsonFields gauge_json(const Gauge& g, const std::vector<std::string>& names) {
   std::vector<JsonFields> levels;
   for (std::size_t k = 0; k < g.levels.size(); ++k)
     if (g.levels[k].calibrations > 0)
       levels.push_back({{{"name", names[k]},
-                         {"calibrations", static_cast<std::uint64_t>(g.levels[k].calibrations)},
+                         {"calibrations", g.levels[k].calibrations},
                          {"bias", g.levels[k].bias},
                          {"interval", std::vector{g.levels[k].low, g.levels[k].high}}}});
-  return {{{{{"levels", levels},
-             {"repeatability", g.repeatability},
-             {"reproducibility", g.reproducibility},
-             {"units_shared", g.units_shared},
-             {"p_value", g.p_value}}}}};
+  return {{{"levels", levels},
+           {"repeatability", g.repeatability},
+           {"reproducibility", g.reproducibility},
+           {"units_shared", g.units_shared},
+           {"p_value", g.p_value}}};
 }
 
 JsonFields drift_json(const UnitDrift& u, const std::string& unit) {
   return {{{"unit", unit},
-           {"calibrations", static_cast<std::uint64_t>(u.calibrations)},
+           {"calibrations", u.calibrations},
            {"span_years", u.span},
            {"per_year", u.slope},
            {"interval", std::vector{u.low, u.high}},
@@ -67,7 +67,7 @@ std::vector<JsonFields> rules_json(const CoefficientStatistics& c, const FleetSt
     for (const Eigen::Index at : c.chart.fired[k])
       if (first.size() < most) first.push_back(f.sample.unit_of_row(c.rows[static_cast<std::size_t>(at)]));
     out.push_back({{{"rule", std::string(run_rules()[k].name)},
-                    {"fired", static_cast<std::uint64_t>(c.chart.fired[k].size())},
+                    {"fired", c.chart.fired[k].size()},
                     {"expected", run_rules()[k].false_alarm * static_cast<double>(c.rows.size())},
                     {"first_units", first}}});
   }
@@ -78,23 +78,20 @@ JsonFields coefficient_json(const CoefficientStatistics& c, const FleetStatistic
   JsonFields out{
       {{"name", coefficient_name(c.index)},
        {"fleet", effects_json(c.fleet)},
-       {"user",
-        JsonObject{{{{{"unit", c.unit}, {"size", c.size}, {"spread", c.fleet.spread / c.size}, {"measurement", c.fleet.measurement / c.size}}}}}},
+       {"user", JsonFields{{{"unit", c.unit}, {"size", c.size}, {"spread", c.fleet.spread / c.size}, {"measurement", c.fleet.measurement / c.size}}}},
        {"control_limits", std::vector{c.fleet.mean - c.control, c.fleet.mean + c.control}},
        {"run_rules", rules_json(c, f)}}};
   if (c.capability)
-    out.fields.push_back({"capability", JsonObject{{{{{"target", c.capability->target},
-                                                      {"limit", c.capability->limit},
-                                                      {"cp", c.capability->cp},
-                                                      {"cp_interval", std::vector{c.capability->cp_low, c.capability->cp_high}},
-                                                      {"cpk", c.capability->cpk},
-                                                      {"outside", c.capability->outside}}}}}});
+    out.fields.push_back({"capability", JsonFields{{{"target", c.capability->target},
+                                                    {"limit", c.capability->limit},
+                                                    {"cp", c.capability->cp},
+                                                    {"cp_interval", std::vector{c.capability->cp_low, c.capability->cp_high}},
+                                                    {"cpk", c.capability->cpk},
+                                                    {"outside", c.capability->outside}}}});
   if (!c.drift.units.empty()) {
-    JsonFields drift{{{"units", static_cast<std::uint64_t>(c.drift.units.size())},
-                      {"repeatability", c.drift.repeatability},
-                      {"repeatability_p_value", c.drift.p_value}}};
+    JsonFields drift{{{"units", c.drift.units.size()}, {"repeatability", c.drift.repeatability}, {"repeatability_p_value", c.drift.p_value}}};
     if (c.mean_drift) drift.fields.push_back({"per_year", effects_json(*c.mean_drift)});
-    out.fields.push_back({"drift", JsonObject{{drift}}});
+    out.fields.push_back({"drift", std::move(drift)});
   }
   if (c.stations) out.fields.push_back({"stations", gauge_json(*c.stations, f.sample.stations)});
   if (c.operators) out.fields.push_back({"operators", gauge_json(*c.operators, f.sample.operators)});
@@ -116,7 +113,7 @@ std::string fleet_statistics_json(const FleetStatistics& f) {
     outliers.push_back(
         {{{"unit", outlier_name(f, o)},
           {"distance", o.distance},
-          {"coefficients", static_cast<std::uint64_t>(o.coefficients)},
+          {"coefficients", o.coefficients},
           {"p_value", o.p_value},
           {"farthest", coefficient_name(f.sample.coefficients[static_cast<std::size_t>(f.sample.common[static_cast<std::size_t>(o.worst)])])},
           {"sigmas", o.worst_sigmas}}});
@@ -131,8 +128,8 @@ std::string fleet_statistics_json(const FleetStatistics& f) {
     due.push_back({{{"unit", f.sample.units[static_cast<std::size_t>(d.unit)]},
                     {"coefficient", coefficient_name(d.coefficient)},
                     {"time", std::isfinite(d.time) ? time_text(d.time) : ""}}});
-  return fields_json({{{"units", static_cast<std::uint64_t>(f.sample.units.size())},
-                       {"calibrations", static_cast<std::uint64_t>(f.sample.calibration.size())},
+  return fields_json({{{"units", f.sample.units.size()},
+                       {"calibrations", f.sample.calibration.size()},
                        {"false_alarm", f.search.false_alarm},
                        {"coefficients", coefficients},
                        {"left_out", left_out_names(f)},

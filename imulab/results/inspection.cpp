@@ -3,12 +3,11 @@
 #include "imulab/core/error.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/figures.hpp"
-#include "imulab/results/fields.hpp"
+#include "imulab/formats/text/json.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 
 namespace imulab {
 namespace {
@@ -54,14 +53,12 @@ std::string inspection_json(const Inspection& inspection) {
   std::vector<JsonFields> columns;
   for (const ColumnFinding& c : inspection.columns)
     columns.push_back({{{"name", c.name}, {"role", c.role}, {"unit", c.unit}, {"evidence", c.evidence}}});
-  const JsonObject time{{{{{"unit", inspection.source.time.unit},
-                           {"rate_hz", inspection.rate_hz.value_or(std::numeric_limits<double>::quiet_NaN())},
-                           {"jitter_s", inspection.jitter_s},
-                           {"gaps", std::uint64_t{inspection.gaps}}}}}};
+  const JsonFields time{
+      {{"unit", inspection.source.time.unit}, {"rate_hz", inspection.rate_hz}, {"jitter_s", inspection.jitter_s}, {"gaps", inspection.gaps}}};
   return fields_json({{{"file", inspection.file},
                        {"topic", inspection.topic},
                        {"format", inspection.format},
-                       {"rows", std::uint64_t{inspection.rows}},
+                       {"rows", inspection.rows},
                        {"columns", columns},
                        {"time", time},
                        {"evidence", inspection.evidence},

@@ -1,11 +1,11 @@
 #include "imulab/results/live.hpp"
 
 #include "imulab/core/units.hpp"
+#include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/user_value.hpp"
-#include "imulab/results/fields.hpp"
 
 #include <fmt/format.h>
 
@@ -162,7 +162,7 @@ std::string live_json(const LiveView& view) {
   std::vector<JsonFields> requirements;
   for (const RequirementResult& r : view.requirements)
     requirements.push_back({{{"text", r.text}, {"coefficient", r.coefficient}, {"reached", r.reached}, {"met", r.met}}});
-  JsonFields event{{{"time_s", view.time_s}, {"rests", std::uint64_t{view.up.size()}}, {"requirements", requirements}, {"done", view.done}}};
+  JsonFields event{{{"time_s", view.time_s}, {"rests", view.up.size()}, {"requirements", requirements}, {"done", view.done}}};
   if (!view.up.empty()) event.fields.emplace_back("up", direction_text(view.up.back()));
   if (!view.problem.empty()) event.fields.emplace_back("problem", view.problem);
   if (view.next && !view.done) event.fields.emplace_back("next", turn_text(*view.next));

@@ -2,8 +2,10 @@
 #pragma once
 
 #include "imulab/navigation/budget/budget.hpp"
+#include "imulab/navigation/integration/strapdown.hpp"
 #include "imulab/navigation/navigate.hpp"
 #include "imulab/navigation/navigation_error.hpp"
+#include "imulab/recording/recording.hpp"
 
 #include <optional>
 #include <string>
@@ -26,5 +28,8 @@ std::string navigation_json(const std::vector<NavigatedSession>& sessions);
 
 /// One session: alignment, end, errors at the end. Several: a row each, and the pure-inertial rate of all.
 std::string navigation_table(const std::vector<NavigatedSession>& sessions);
+
+/// Distance, speed and bank of the motion; largest rate and force of its recording where that is in SI.
+std::string motion_table(const Recording& recording, const Solution& truth);
 
 }  // namespace imulab

@@ -2,7 +2,6 @@
 
 #include "imulab/core/units.hpp"
 #include "imulab/formats/text/figures.hpp"
-#include "imulab/results/fields.hpp"
 
 #include <fmt/format.h>
 
@@ -55,10 +54,10 @@ std::string term_row(const NoiseTerm& term, const NoiseAxis& axis) {
 /// Where the terms' rows are in BatchAxis::coefficients.
 constexpr std::size_t batch_place[] = {1, 2, 3, 0, 4};
 
-/// Of sigma and amplitudes: the unit of B.
+/// Sigmas and amplitudes have the unit of B.
 constexpr std::size_t rate_term = 1;
 
-/// What an axis has besides: processes, filter, lines, steps.
+/// Rows of processes, filter, lines and steps of an axis.
 std::string other_rows(const NoiseAxis& axis) {
   const SizedUnit rate = unit_of(noise_terms[rate_term], axis.unit);
   std::string out;
@@ -75,76 +74,6 @@ std::string other_rows(const NoiseAxis& axis) {
     out += fmt::format("  {:<8} {:<14} {:>10}  {:<21} {}\n", axis.name, "readings' step", text::number(axis.fit->resolution / rate.size, 3), "",
                        rate.name);
   return out;
-}
-
-JsonObject coefficient_fields(const NoiseCoefficient& c) {
-  return {{{{{"value", c.value},
-             {"standard_uncertainty", c.standard_uncertainty},
-             {"lower", c.lower},
-             {"upper", c.upper},
-             {"determined", c.determined}}}}};
-}
-
-JsonFields axis_fields(const NoiseAxis& axis) {
-  std::vector<double> tau, deviation, terms, noise_type, edf, lower, upper, lower_68, upper_68;
-  for (const DeviationPoint& p : axis.deviation) {
-    tau.push_back(p.tau), deviation.push_back(p.deviation), terms.push_back(static_cast<double>(p.terms));
-    noise_type.push_back(p.noise_type), edf.push_back(p.edf);
-    lower.push_back(p.lower_95), upper.push_back(p.upper_95), lower_68.push_back(p.lower_68), upper_68.push_back(p.upper_68);
-  }
-  JsonFields out{{{"name", axis.name},
-                  {"unit", axis.unit},
-                  {"tau", tau},
-                  {"deviation", deviation},
-                  {"terms", terms},
-                  {"noise_type", noise_type},
-                  {"edf", edf},
-                  {"lower", lower},
-                  {"upper", upper},
-                  {"lower_68", lower_68},
-                  {"upper_68", upper_68}}};
-  if (!axis.fit) {
-    out.fields.emplace_back("problem", axis.problem);
-    return out;
-  }
-  JsonFields coefficients;
-  for (const NoiseTerm& term : noise_terms) coefficients.fields.emplace_back(term.name, coefficient_fields((*axis.fit).*term.member));
-  std::vector<JsonFields> misfits;
-  for (const NoiseMisfit& m : axis.fit->misfits) misfits.push_back({{{"low_hz", m.low_hz}, {"high_hz", m.high_hz}, {"ratio", m.ratio}}});
-  out.fields.emplace_back("coefficients", JsonObject{{coefficients}});
-  std::vector<JsonFields> processes, lines;
-  for (const MarkovTerm& m : axis.fit->markov) processes.push_back({{{"sigma", coefficient_fields(m.sigma)}, {"time", coefficient_fields(m.time)}}});
-  for (const NoiseLine& line : axis.fit->lines) lines.push_back({{{"hz", line.hz}, {"amplitude", coefficient_fields(line.amplitude)}}});
-  out.fields.emplace_back("markov", processes);
-  out.fields.emplace_back("lines", lines);
-  if (const auto& filter = axis.fit->low_pass)
-    out.fields.emplace_back(
-        "low_pass",
-        JsonObject{
-            {{{{"order", std::uint64_t(filter->order)}, {"digital", filter->digital}, {"cutoff_hz", coefficient_fields(filter->cutoff_hz)}}}}});
-  out.fields.emplace_back("resolution", axis.fit->resolution);
-  std::vector<double> hz, density, model;
-  for (const SpectrumPoint& p : axis.fit->spectrum) hz.push_back(p.hz), density.push_back(p.density), model.push_back(p.model);
-  out.fields.emplace_back("spectrum", JsonObject{{{{{"hz", hz}, {"density", density}, {"model", model}}}}});
-  out.fields.emplace_back("fit", JsonObject{{{{{"chi2_per_dof", axis.fit->chi2_per_dof},
-                                               {"accepted", axis.fit->accepted()},
-                                               {"highest_hz", axis.fit->highest_hz},
-                                               {"misfits", misfits}}}}});
-  return out;
-}
-
-JsonFields analysis_fields(const NoiseAnalysis& analysis) {
-  std::vector<JsonFields> axes;
-  for (const NoiseAxis& axis : analysis.axes) axes.push_back(axis_fields(axis));
-  const JsonObject still{{{{{"begin_s", analysis.begin_s}, {"end_s", analysis.end_s}, {"samples", std::uint64_t{analysis.samples}}}}}};
-  return {{{"format", std::string("imulab.noise/1")},
-           {"recording", analysis.recording},
-           {"interval_s", analysis.interval_s},
-           {"still", still},
-           {"deviation", std::string(deviation_names[static_cast<std::size_t>(analysis.kind)])},
-           {"axes", axes},
-           {"notes", analysis.notes},
-           {"warnings", analysis.warnings}}};
 }
 
 }  // namespace
@@ -165,8 +94,6 @@ std::string noise_text(const NoiseAnalysis& analysis) {
   return out + text::wrapped("  ", "-  not determined by this log: zero is not excluded; the bound holds with 95 %");
 }
 
-std::string noise_json(const NoiseAnalysis& analysis) { return fields_json(analysis_fields(analysis)); }
-
 std::string noise_text(const NoiseBatch& batch) {
   std::string out = fmt::format("{} logs\n", batch.logs.size());
   for (const NoiseAnalysis& log : batch.logs) out += fmt::format("  {}: {:.6g} s at rest\n", log.recording, log.end_s - log.begin_s);
@@ -180,30 +107,6 @@ std::string noise_text(const NoiseBatch& batch) {
     }
   out += "\n" + text::wrapped("  ", "mean: of the logs that determine the term; -: no log does, and the largest bound holds");
   return out + text::wrapped("  ", "spread: from log to log, beyond what the uncertainties explain; worst: the largest value or bound");
-}
-
-std::string noise_json(const NoiseBatch& batch) {
-  std::vector<JsonFields> axes, logs;
-  for (const BatchAxis& axis : batch.axes) {
-    JsonFields coefficients;
-    for (std::size_t j = 0; j < noise_terms.size(); ++j) {
-      const BatchCoefficient& c = axis.coefficients[batch_place[j]];
-      JsonObject fields = coefficient_fields(c.mean);
-      for (const auto& [name, value] : {std::pair<const char*, JsonValue>{"logs", static_cast<std::uint64_t>(c.determined)},
-                                        {"spread", c.spread},
-                                        {"worst", c.worst},
-                                        {"worst_log", static_cast<std::uint64_t>(c.worst_log)}})
-        fields.one[0].fields.emplace_back(name, value);
-      coefficients.fields.emplace_back(noise_terms[j].name, fields);
-    }
-    axes.push_back({{{"name", axis.name}, {"unit", axis.unit}, {"coefficients", JsonObject{{coefficients}}}}});
-  }
-  for (const NoiseAnalysis& log : batch.logs) logs.push_back(analysis_fields(log));
-  return fields_json({{{"format", std::string("imulab.noise/1")},
-                       {"recording", fmt::format("{} logs", batch.logs.size())},
-                       {"interval_s", batch.logs.front().interval_s},
-                       {"axes", axes},
-                       {"logs", logs}}});
 }
 
 }  // namespace imulab

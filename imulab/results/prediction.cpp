@@ -1,11 +1,12 @@
 #include "imulab/results/prediction.hpp"
 
+#include "imulab/core/units.hpp"
 #include "imulab/estimate/hybrid/path_design.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/user_value.hpp"
-#include "imulab/results/reached.hpp"
+#include "imulab/results/calibration.hpp"
 
 #include <fmt/format.h>
 
@@ -13,11 +14,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace imulab {
-namespace {
 
-/// One unit for all coefficients of a term, by the largest of them; the readings are those of an ideal IMU, in SI.
 UserUnit unit_of(CoefficientIndex index, const std::vector<CoefficientIndex>& coefficients, const Eigen::VectorXd& sigma) {
   const Coefficient& c = coefficient(index);
   double largest = 0;
@@ -26,6 +26,8 @@ UserUnit unit_of(CoefficientIndex index, const std::vector<CoefficientIndex>& co
       largest = std::max(largest, sigma[static_cast<Eigen::Index>(k)]);
   return user_unit(c, largest, TriadModel{});
 }
+
+namespace {
 
 /// A source's name as the two lines of a narrow column's head.
 std::array<std::string, 2> heading(const std::string& source) {
@@ -115,7 +117,7 @@ std::string share_rows(const turntable::Prediction& p, const Shares& shares) {
   return text;
 }
 
-/// What the IMU may have, and how large that may be.
+/// Optional terms and the priors of their sizes.
 std::string term_rows(const turntable::Prediction& p) {
   std::string text;
   for (const turntable::TermSource& term : p.terms) {
@@ -143,13 +145,6 @@ std::string sigma_rows(const turntable::Prediction& p, const std::optional<turnt
   return text;
 }
 
-/// Of a coefficient; not a number where it is not among the predicted.
-template <class Prediction>
-double sigma_of(const Prediction& p, CoefficientIndex index) {
-  const auto at = std::find(p.coefficients.begin(), p.coefficients.end(), index) - p.coefficients.begin();
-  return at < p.sigma.size() ? p.sigma[at] : std::numeric_limits<double>::quiet_NaN();
-}
-
 std::string monte_carlo_text(const turntable::Prediction& p, const turntable::MonteCarloResult& monte_carlo, bool undetermined) {
   const Eigen::ArrayXd off = (sampled_ratio(p, monte_carlo) - 1).abs();
   Eigen::Index worst;
@@ -172,9 +167,14 @@ double limit_of(CoefficientIndex index, const std::vector<Requirement>& requirem
 
 }  // namespace
 
+double sigma_of(CoefficientIndex index, const std::vector<CoefficientIndex>& coefficients, const Eigen::VectorXd& sigma) {
+  const auto at = std::find(coefficients.begin(), coefficients.end(), index) - coefficients.begin();
+  return at < sigma.size() ? sigma[at] : std::numeric_limits<double>::quiet_NaN();
+}
+
 std::string prediction_table(const turntable::Prediction& p, const std::optional<turntable::MonteCarloResult>& monte_carlo, bool details) {
   if (p.coefficients.empty()) return {};
-  std::string text = reached_text([&](CoefficientIndex index) { return sigma_of(p, index); });
+  std::string text = reached_text([&](CoefficientIndex index) { return sigma_of(index, p.coefficients, p.sigma); });
   text += "\nStandard uncertainty of every coefficient, and shares of its variance in percent\n\n" + share_rows(p, visible(all_shares(p)));
   if (details)
     for (const Shares& part : in_columns(all_shares(p))) text += "\n" + share_rows(p, part);
@@ -190,7 +190,7 @@ std::string prediction_table(const turntable::Prediction& p, const std::optional
 }
 
 std::string prediction_table(const Prediction& p, const std::vector<Requirement>& requirements) {
-  std::string text = reached_text([&](CoefficientIndex index) { return sigma_of(p, index); });
+  std::string text = reached_text([&](CoefficientIndex index) { return sigma_of(index, p.coefficients, p.sigma); });
   text += fmt::format("\n{:<21} {:<13} {:>9}{}\n", "coefficient", "unit", "sigma", requirements.empty() ? "" : "  required   ratio");
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
     const UserUnit unit = unit_of(p.coefficients[i], p.coefficients, p.sigma);
@@ -244,6 +244,94 @@ std::string path_table(const hybrid::Path& path) {
         fmt::format("{:>3}  {:<6} {:>+5g} deg  rest {:>3g} s   ", k + 1, to_string(path.turns[k].axis), path.turns[k].angle_deg, path.turns[k].rest),
         words[k]);
   return table;
+}
+
+namespace {
+
+/// Three digits, the last rounded down: still within a limit.
+std::string rounded_down(double x) {
+  if (x <= 0) return "0";
+  const double step = std::pow(10, std::floor(std::log10(x)) - 2), rounded = step * std::floor(x / step + 1e-9);
+  return x >= 100 && x < 1e7 ? fmt::format("{:.0f}", rounded) : fmt::format("{:.3g}", rounded);
+}
+
+/// With the source that has the largest share.
+std::string requirement_text(const Shortfall& s) {
+  const UserUnit& unit = s.requirement.unit;
+  const std::string required = fmt::format("{} <= {:g} {}", s.requirement.selector, s.requirement.limit / unit.size, unit.name);
+  const auto name = coefficient(s.coefficient).name;
+  if (!std::isfinite(s.sigma)) return fmt::format("{}: the procedure does not determine {}", required, name);
+  return fmt::format("{}: {} has {:.3g} {}, most of it from {}", required, name, s.sigma / unit.size, unit.name, s.source);
+}
+
+std::string table_text(const turntable::ErrorSizes& s) {
+  const std::array<std::pair<const char*, double>, 3> parts{{{"angle", s.angle}, {"orthogonality", s.orthogonality}, {"zero", s.zero}}};
+  std::string text;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    if (parts[k].second == 0) continue;
+    const bool shared = k + 1 < parts.size() && parts[k + 1].second == parts[k].second;
+    text += parts[k].first + (shared ? std::string(", ") : fmt::format(" {} arcsec, ", rounded_down(parts[k].second / unit::arcsec)));
+  }
+  return text.substr(0, text.size() - 2);
+}
+
+std::string noise_text(const turntable::ErrorSizes& s) {
+  std::string text = fmt::format("noise {} deg/sqrt(h) and {} ug/sqrt(Hz)", rounded_down(s.gyro_noise / unit::deg_per_sqrt_h),
+                                 rounded_down(s.accel_noise / unit::ug_per_sqrt_hz));
+  if (s.gyro_turn_on > 0 || s.accel_turn_on > 0)
+    text += fmt::format(", turn-on {} deg/h and {} ug", rounded_down(s.gyro_turn_on / unit::deg_per_h), rounded_down(s.accel_turn_on / unit::ug));
+  return text;
+}
+
+std::string setting_text(turntable::Knob knob, const turntable::ErrorSizes& s) {
+  std::string timing = fmt::format("timing {} ms", rounded_down(1e3 * s.timing));
+  if (knob == turntable::Knob::table) return table_text(s);
+  if (knob == turntable::Knob::timing) return timing;
+  if (knob == turntable::Knob::imu) return noise_text(s);
+  return table_text(s) + "; " + timing + "; " + noise_text(s);
+}
+
+std::string title(turntable::Knob knob) {
+  if (knob == turntable::Knob::table) return "coarsest table";
+  if (knob == turntable::Knob::timing) return "longest timing error of a turn";
+  if (knob == turntable::Knob::imu) return "noisiest unit";
+  return "table, timing and unit together, all times one factor";
+}
+
+std::string answer(const char* first, turntable::Knob knob, const turntable::Tolerance& t) {
+  if (t.factor)
+    return text::wrapped(
+        first, fmt::format("{}{} x declared: {}", t.unlimited ? "any, tried up to " : "", rounded_down(*t.factor), setting_text(knob, t.sizes)));
+  std::string text = std::string(first) + "none: not even ";
+  if (knob == turntable::Knob::table) text += "a perfect table";
+  if (knob == turntable::Knob::timing) text += "perfect timing";
+  if (knob == turntable::Knob::imu) text += "a hundredth of the noise";
+  if (knob == turntable::Knob::all) text += "a hundredth of all";
+  text += "\n";
+  for (const Shortfall& s : t.shortfalls) text += text::wrapped("      ", requirement_text(s));
+  return text;
+}
+
+}  // namespace
+
+std::string tolerance_table(const turntable::Plan& plan, const std::vector<Shortfall>& missed, const std::vector<KnobAnswer>& answers) {
+  std::string text = fmt::format("As declared, {}\n", missed.empty() ? "every requirement is met." : "these requirements are not met:");
+  for (const Shortfall& s : missed) text += text::wrapped("  ", requirement_text(s));
+  text += "\nWhat meets every requirement:\n";
+  for (const KnobAnswer& a : answers) {
+    text += fmt::format("  {}\n", title(a.knob));
+    if (a.knob == turntable::Knob::timing && plan.parts.turns.empty()) {
+      text += "    the procedure has no turns\n";
+      continue;
+    }
+    if (a.alone) text += answer("    all else perfect      ", a.knob, *a.alone);
+    text += answer(a.alone ? "    all else as declared  " : "    ", a.knob, a.declared);
+  }
+  text += text::wrapped("", "Perfect: a millionth of the table's and the timing's errors, a hundredth of the noise, g and latitude exact.");
+  const turntable::ErrorSizes s = turntable::error_sizes(plan);
+  if ((s.angle == 0 && s.orthogonality == 0 && s.zero == 0) || s.timing == 0)
+    text += "Where no error is declared, factors are those of 1 arcsec and 1 ms.\n";
+  return text;
 }
 
 }  // namespace imulab

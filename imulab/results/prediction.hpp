@@ -1,4 +1,4 @@
-// Predicted uncertainties and tolerances of a procedure, as JSON and as tables.
+// Predicted uncertainties and tolerances of a procedure as tables.
 #pragma once
 
 #include "imulab/estimate/hybrid/prediction.hpp"
@@ -22,11 +22,10 @@ struct KnobAnswer {
   std::optional<turntable::Tolerance> alone;
 };
 
-/// Standard uncertainties in SI, the shares of their sources, and the answers to requirements where there are any (docs/predict.md).
-std::string prediction_json(const turntable::Prediction& prediction, const std::optional<turntable::MonteCarloResult>& monte_carlo,
-                            const std::vector<Shortfall>& shortfalls, const std::vector<KnobAnswer>& answers);
-/// Of the other methods; the hybrid method's advice where something is undetermined or not within its requirement.
-std::string prediction_json(const Prediction& prediction, const std::vector<Shortfall>& shortfalls, const std::optional<hybrid::Advice>& advice);
+/// One unit for all coefficients of a term, by the largest of them; the readings are those of an ideal IMU, in SI.
+UserUnit unit_of(CoefficientIndex index, const std::vector<CoefficientIndex>& coefficients, const Eigen::VectorXd& sigma);
+/// The sigma of a coefficient; NaN where it is not among the predicted ones.
+double sigma_of(CoefficientIndex index, const std::vector<CoefficientIndex>& coefficients, const Eigen::VectorXd& sigma);
 
 /// The worst of each group, then a row a coefficient: its uncertainty in user units, and the share of each source in its variance. With `details`
 /// also orders and Monte Carlo with more digits. Empty where no coefficient is determined.
@@ -51,10 +50,6 @@ struct PriorEffect {
   double units = 0, duration_without = 0;  ///< s
 };
 
-/// {"requirements", "duration_s", "first_rest_s", "turns": [{"axis", "angle_deg", "rest_s"}]}, "prior" where there is one, and the prediction's own
-/// keys.
-std::string path_json(const hybrid::Path& path, const std::vector<Requirement>& requirements, const Prediction& prediction,
-                      const std::vector<Shortfall>& missed, const std::optional<PriorEffect>& prior = {});
 /// "with what 60 units of fleet.db say of it; without: 14 min 05 s"
 std::string prior_text(const PriorEffect& prior);
 /// First rest, then a row a turn and the rest after it.

@@ -11,9 +11,11 @@
 #include "imulab/results/navigation.hpp"
 #include "imulab/results/prediction.hpp"
 
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -25,17 +27,33 @@ struct ComparisonSummary {
   std::optional<Agreement> agreement = {};
 };
 
-/// SI. Rows and elements in the order of `coefficients`.
-struct PredictionSummary {
-  std::vector<CoefficientIndex> coefficients, undetermined;
-  Eigen::VectorXd sigma, cramer_rao;  ///< the bound: NaN where it is not stated
-  std::optional<Eigen::VectorXd> monte_carlo = {};
-  std::uint64_t runs = 0;                 ///< of the Monte Carlo
-  std::vector<std::string> sources = {};  ///< columns of `variance`; none where the method does not tell them apart
-  Eigen::MatrixXd variance = {};
-  std::vector<Shortfall> missed = {};    ///< requirements
-  std::vector<std::string> advice = {};  ///< further turns
+/// A coefficient of a prediction. What only the method turntable predicts is optional. SI.
+struct PredictedCoefficient {
+  CoefficientIndex index{};
+  double sigma = 0, cramer_rao = NAN;  ///< the bound: NaN where it is not stated
+  std::optional<double> first_order = {}, second_order = {}, bias = {}, monte_carlo = {};
+  std::vector<std::pair<std::string, double>> budget = {};  ///< sigma by source, to first order
 };
+
+/// The prediction of any method, as its JSON has it.
+struct PredictionSummary {
+  std::vector<PredictedCoefficient> coefficients = {};
+  std::vector<CoefficientIndex> undetermined = {}, considered = {};
+  std::vector<std::pair<std::string, double>> priors = {};  ///< of terms that the IMU may have, by name
+  std::vector<std::string> notes = {};
+  std::optional<std::uint64_t> runs = {};                          ///< of the Monte Carlo
+  std::optional<std::vector<Shortfall>> missed = {};               ///< requirements
+  std::vector<std::pair<std::string, KnobAnswer>> tolerance = {};  ///< by knob; not read back
+  std::optional<hybrid::Advice> advice = {};                       ///< from JSON: without its ratios
+
+  std::vector<CoefficientIndex> indices() const;
+  Eigen::VectorXd sigma() const;
+};
+
+PredictionSummary summary_of(const turntable::Prediction& prediction, const std::optional<turntable::MonteCarloResult>& monte_carlo,
+                             const std::vector<Shortfall>& missed, const std::vector<KnobAnswer>& answers);
+/// The other methods have no sources of their own.
+PredictionSummary summary_of(const Prediction& prediction, const std::vector<Shortfall>& missed, const std::optional<hybrid::Advice>& advice);
 
 struct PlanSummary {
   std::vector<Requirement> requirements;
@@ -43,6 +61,12 @@ struct PlanSummary {
   PredictionSummary prediction;
   std::optional<PriorEffect> prior = {};
 };
+
+/// Standard uncertainties in SI, the shares of their sources, and the answers to requirements where there are any (docs/predict.md).
+std::string prediction_json(const PredictionSummary& prediction);
+/// {"requirements", "duration_s", "first_rest_s", "turns": [{"axis", "angle_deg", "rest_s"}]}, "prior" where there is one, and the prediction's own
+/// keys.
+std::string plan_json(const PlanSummary& plan);
 
 struct BudgetSummary {
   /// From JSON: some of the times, with a diagonal covariance; over time of single sources the horizontal position alone.
@@ -52,7 +76,7 @@ struct BudgetSummary {
   std::vector<NavigationState> track = {};  ///< of the motion, thinned
 };
 
-/// Of several sessions: those of one command. From JSON: begin and end in `solution.time`, track and errors thinned.
+/// The sessions of one command. From JSON: begin and end in `solution.time`, track and errors thinned.
 using NavigationSummary = std::vector<NavigatedSession>;
 
 using SavedResult =
@@ -61,7 +85,7 @@ using SavedResult =
 /// Reads calibration.json or what `compare`, `predict`, `plan`, `navigate`, `budget` or `compensate` print with --json. Throws Error that names the
 /// file and what was expected.
 SavedResult read_result(const std::filesystem::path& path);
-/// The same from text; `file` is its name in messages.
+/// Reads the text of such a file; `file` is its name in messages.
 SavedResult parse_result(std::string_view text, const std::string& file);
 
 }  // namespace imulab

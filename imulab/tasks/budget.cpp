@@ -2,7 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/report/budget_page.hpp"
+#include "imulab/report/navigation_page.hpp"
 #include "imulab/report/track.hpp"
 #include "imulab/tasks/content.hpp"
 

@@ -2,7 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/formats/calibration/file.hpp"
-#include "imulab/formats/noise/noise_reader.hpp"
+#include "imulab/formats/noise/file.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"

@@ -5,7 +5,7 @@
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/model/frame.hpp"
-#include "imulab/report/plan_page.hpp"
+#include "imulab/report/prediction_page.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/tasks/predict.hpp"
 
@@ -154,21 +154,20 @@ PlannedProcedure plan(const PlanTask& task) {
   return out;
 }
 
-std::string plan_json(const PlannedProcedure& p) { return path_json(p.path, p.requirements, p.prediction, p.missed, p.prior); }
+namespace {
+
+PlanSummary summary_of(const PlannedProcedure& p) { return {p.requirements, p.path, summary_of(p.prediction, p.missed, std::nullopt), p.prior}; }
+
+}  // namespace
+
+std::string plan_json(const PlannedProcedure& p) { return plan_json(summary_of(p)); }
 
 std::string plan_text(const PlannedProcedure& p) {
   return fmt::format("{} turns in {}{}\n\n{}\n{}", p.path.turns.size(), text::minutes(p.path.duration), p.prior ? ",\n" + prior_text(*p.prior) : "",
                      path_table(p.path), prediction_table(p.prediction, p.requirements));
 }
 
-std::string plan_page(const PlannedProcedure& p) {
-  PredictionSummary summary{.coefficients = p.prediction.coefficients,
-                            .undetermined = p.prediction.undetermined,
-                            .sigma = p.prediction.sigma,
-                            .cramer_rao = p.prediction.cramer_rao,
-                            .missed = p.missed};
-  return plan_page(PlanSummary{p.requirements, p.path, std::move(summary), p.prior});
-}
+std::string plan_page(const PlannedProcedure& p) { return plan_page(summary_of(p)); }
 
 std::string shortcomings(const PlannedProcedure& p) {
   const auto open = std::find_if(p.missed.begin(), p.missed.end(), [](const Shortfall& s) { return !std::isfinite(s.sigma); });

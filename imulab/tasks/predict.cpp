@@ -86,10 +86,16 @@ PredictedProcedure predict(const Session& procedure, const PredictionTask& task)
   return out;
 }
 
-std::string prediction_json(const PredictedProcedure& p) {
-  return p.on_turntable ? prediction_json(p.on_turntable->prediction, p.on_turntable->monte_carlo, p.missed, p.on_turntable->answers)
-                        : prediction_json(p.prediction, p.missed, p.advice);
+namespace {
+
+PredictionSummary summary_of(const PredictedProcedure& p) {
+  if (const auto& t = p.on_turntable) return summary_of(t->prediction, t->monte_carlo, p.missed, t->answers);
+  return summary_of(p.prediction, p.missed, p.advice);
 }
+
+}  // namespace
+
+std::string prediction_json(const PredictedProcedure& p) { return prediction_json(summary_of(p)); }
 
 std::string prediction_text(const PredictedProcedure& p, const std::vector<Requirement>& requirements, bool details) {
   if (const auto& t = p.on_turntable)
@@ -101,19 +107,8 @@ std::string prediction_text(const PredictedProcedure& p, const std::vector<Requi
 }
 
 std::string prediction_page(const PredictedProcedure& p, const std::string& procedure) {
-  PredictionSummary summary{.coefficients = p.prediction.coefficients,
-                            .undetermined = p.prediction.undetermined,
-                            .sigma = p.prediction.sigma,
-                            .cramer_rao = p.prediction.cramer_rao,
-                            .missed = p.missed};
-  if (p.advice) summary.advice = p.advice->turns;
-  PredictionReport report{.procedure = procedure, .summary = std::move(summary), .required = p.required};
-  if (const auto& t = p.on_turntable) {
-    report.summary.sources = t->prediction.sources;
-    report.summary.variance = t->prediction.variance;
-    if (t->monte_carlo) report.summary.monte_carlo = t->monte_carlo->sigma, report.summary.runs = t->monte_carlo->runs;
-    report.tables = {p.required ? tolerance_table(t->plan, p.missed, t->answers) : ""};
-  }
+  PredictionReport report{.procedure = procedure, .summary = summary_of(p), .required = p.required};
+  if (const auto& t = p.on_turntable) report.tables = {p.required ? tolerance_table(t->plan, p.missed, t->answers) : ""};
   return prediction_page(report);
 }
 

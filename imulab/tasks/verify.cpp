@@ -1,7 +1,7 @@
 #include "imulab/tasks/verify.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/results/fields.hpp"
+#include "imulab/formats/text/json.hpp"
 
 #include <fmt/core.h>
 

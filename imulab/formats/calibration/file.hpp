@@ -18,7 +18,7 @@ namespace imulab {
 /// its name. Top-level keys beyond the format (a truth's rig errors) are left alone.
 Calibration read_calibration(const std::filesystem::path& path);
 
-/// The same from text; `file` is its name in messages.
+/// Reads the text of such a file; `file` is its name in messages.
 Calibration parse_calibration(std::string_view text, const std::string& file);
 
 /// The calibration as JSON text that reads back to the same numbers. Throws Error where a coefficient is not finite.
@@ -33,7 +33,7 @@ void add_declared_origin(Calibration& calibration, const Session& session, std::
 /// That, and each recording's file with SHA-256, size, stamps and range of thermal readings. Throws Error where a file cannot be read.
 void add_provenance(Calibration& calibration, const Session& session, std::span<const Recording> recordings);
 
-/// Whether a file is still the one that a calibration was made from.
+/// A file is compared with its SHA-256 at the time of the calibration.
 enum class FileState { unchanged, changed, missing };
 struct VerifiedFile {
   std::filesystem::path file;

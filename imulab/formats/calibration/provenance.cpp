@@ -33,7 +33,7 @@ RecordedAs recorded_as(const TriadSource& source, double interval_s) {
   return out;
 }
 
-/// What all recordings have in common, or nothing: a program for the IMU has one kind of readings. A live stream is declared without being a
+/// The form that all recordings share, or nothing: a program for the IMU has one kind of readings. A live stream is declared without being a
 /// recording.
 std::optional<RecordedAs> recorded_as(const Session& session, std::span<const Recording> recordings, TriadSource RecordingSource::*triad) {
   std::optional<RecordedAs> common;

@@ -1,7 +1,7 @@
 // imucal's JSON (mad-lab-fau/imucal: imucal/calibration_info.py, ferraris_calibration_info.py) and imulab's own json-matrix.
 #include "imulab/core/units.hpp"
 #include "imulab/formats/import/numbers.hpp"
-#include "imulab/formats/text/json_field.hpp"
+#include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/recording/unit_names.hpp"
@@ -16,7 +16,7 @@ namespace imulab::import_io {
 
 namespace {
 
-using json_text::Field, json_text::Json, json_text::parse_json;
+using json_io::Field, json_io::Keys, json_io::parse_json;
 
 Vector3d vector_field(const Field& f) {
   Vector3d v;
@@ -44,23 +44,6 @@ UnitOfText imucal_unit(const Field& root, const char* key) {
   if (unit == "g") return {unit::g, false, true};
   if (unit == "a.u." || unit == "count" || unit == "counts" || unit == "LSB") return {1, true, true};
   root[key].expected("m/s^2, g, rad/s, deg/s or a.u.");
-}
-
-/// The keys of an object that come twice: the parser would keep the last.
-void expect_single_keys(const Source& s) {
-  std::vector<std::vector<std::string>> open;
-  const auto watch = [&](int, Json::parse_event_t event, Json& parsed) {
-    if (event == Json::parse_event_t::object_start) open.emplace_back();
-    if (event == Json::parse_event_t::object_end) open.pop_back();
-    if (event == Json::parse_event_t::key) {
-      const auto key = parsed.get<std::string>();
-      if (std::find(open.back().begin(), open.back().end(), key) != open.back().end())
-        fail_at(s, 0, excerpt(key) + ": is given twice; expected each key once");
-      open.back().push_back(key);
-    }
-    return true;
-  };
-  [[maybe_unused]] const Json watched = Json::parse(s.text, watch, false);
 }
 
 /// Reads `recorded` of a triad as a calibration file has it.
@@ -102,8 +85,7 @@ bool is_imucal(std::string_view text) {
 bool is_json_matrix(std::string_view text) { return text.find("\"imulab.matrix/") != std::string_view::npos; }
 
 ImportedModel read_imucal(const Source& s) {
-  const Json json = parse_json(s.text, s.file, "a calibration of imucal");
-  expect_single_keys(s);
+  const JsonValue json = parse_json(s.text, s.file, "a calibration of imucal", Keys::once);
   const Field root(json, s.file, "");
   const Matrix3d C_a = inverse_at(s, 0, "K_a R_a", matrix_field(root["K_a"]) * matrix_field(root["R_a"]));
   const Matrix3d C_g = inverse_at(s, 0, "K_g R_g", matrix_field(root["K_g"]) * matrix_field(root["R_g"]));
@@ -139,8 +121,7 @@ ImportedModel read_imucal(const Source& s) {
 }
 
 ImportedModel read_json_matrix(const Source& s) {
-  const Json json = parse_json(s.text, s.file, "matrices");
-  expect_single_keys(s);
+  const JsonValue json = parse_json(s.text, s.file, "matrices", Keys::once);
   const Field root(json, s.file, "");
   if (root["format"].text() != "imulab.matrix/1") root["format"].expected("\"imulab.matrix/1\"");
   ImportedModel out;

@@ -3,7 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/formats/calibration/file.hpp"
-#include "imulab/formats/noise/noise_reader.hpp"
+#include "imulab/formats/noise/file.hpp"
 #include "imulab/formats/recording/solution.hpp"
 #include "imulab/formats/session/mission_tables.hpp"
 #include "imulab/formats/text/file.hpp"

@@ -1,4 +1,4 @@
-#include "imulab/formats/noise/noise_reader.hpp"
+#include "imulab/formats/noise/file.hpp"
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"

@@ -1,0 +1,32 @@
+#include "imulab/formats/noise/file.hpp"
+
+#include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/json_fields.hpp"
+#include "imulab/noise/noise_fields.hpp"
+
+namespace imulab {
+
+std::string noise_json(const NoiseAnalysis& analysis) { return json_text(written(analysis)); }
+std::string noise_json(const NoiseBatch& batch) { return json_text(written(batch)); }
+
+ImuNoise read_noise(const std::string& path) {
+  const MappedFile file(path, Content::settings);
+  return parse_noise(file.text(), input_name(path));
+}
+
+ImuNoise parse_noise(std::string_view text, const std::string& file) {
+  const JsonValue json = json_io::parse_json(text, file, "noise.json as imulab noise writes it");
+  const json_io::Field root(json, file, "");
+  if (!root.has("format") || root["format"].text() != "imulab.noise/1") root.fail("expected \"format\": \"imulab.noise/1\"");
+  NoiseAnalysis analysis;
+  read_into(root, analysis);
+  ImuNoise out{.recording = analysis.recording, .interval_s = analysis.interval_s, .gyro_unit = {}, .accel_unit = {}, .gyro = {}, .accel = {}};
+  for (const NoiseAxis& axis : analysis.axes) {
+    const bool gyro = axis.name.starts_with("gyro.");
+    (gyro ? out.gyro_unit : out.accel_unit) = axis.unit;
+    if (axis.fit) (gyro ? out.gyro : out.accel)[static_cast<std::size_t>(axis.name.back() - 'x')] = *axis.fit;
+  }
+  return out;
+}
+
+}  // namespace imulab

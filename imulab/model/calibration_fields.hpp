@@ -1,0 +1,132 @@
+// The fields of a calibration in its file, each stated once (core/fields.hpp; docs/formats.md).
+#pragma once
+
+#include "imulab/core/fields.hpp"
+#include "imulab/model/calibration.hpp"
+
+namespace imulab {
+
+template <class Fields>
+void describe(Fields& f, Reference& r) {
+  f("quantity", r.quantity), f("instrument", r.instrument), f("certificate", r.certificate), f("date", r.date, fields::or_empty);
+  f("statement", r.statement, fields::or_empty);
+}
+
+template <class Fields>
+void describe(Fields& f, SourceFile& s) {
+  f("file", s.file), f("sha256", s.sha256), f("bytes", s.bytes), f("first_s", s.first_s), f("last_s", s.last_s);
+  f("accel_temperature", s.accel_temperature, fields::optional), f("gyro_temperature", s.gyro_temperature, fields::optional);
+}
+
+template <class Fields>
+void describe(Fields& f, RecordedAs& r) {
+  f("unit", r.unit), f("counts_per_unit", r.counts_per_unit), f("interval_s", r.interval_s, fields::or_empty);
+  f("axes", r.axes, {.things = "axes"});
+}
+
+template <class Fields>
+void describe(Fields& f, ThermalReading& t) {
+  f("unit", t.unit);
+  fields::expect(f, t.unit == "degC" || t.unit == "K" || t.unit == "raw", "unit", "degC, K or raw");
+  f("reference", t.reference), f("range", t.range, fields::optional);  // absent: not known
+  fields::expect(f, t.range[0] <= t.range[1], "range", "[lowest, highest]");
+}
+
+template <class Fields>
+void describe(Fields& f, RequirementResult& r) {
+  f("requirement", r.text), f("coefficient", r.coefficient), f("limit", r.limit), f("reached", r.reached, fields::or_infinity), f("met", r.met);
+}
+
+template <class Fields>
+void describe(Fields& f, TermTest& t) {
+  f("term", t.term), f("statistic", t.statistic, fields::or_nan), f("degrees_of_freedom", t.degrees_of_freedom);
+  f("p_value", t.p_value, fields::or_nan), f("kept", t.kept), f("cross_validation_with", t.cross_validation_with, fields::or_empty);
+  f("cross_validation_without", t.cross_validation_without, fields::or_empty);
+}
+
+template <class Fields>
+void describe(Fields& f, UncertaintySource& s) {
+  f("name", s.name), f("relative", s.relative, fields::or_nan), f("consequence", s.consequence);
+}
+
+template <class Fields>
+void describe(Fields& f, FitResidual& r) {
+  f("axis", r.axis), f("rms", r.rms, fields::or_nan), f("largest", r.largest, fields::or_nan), f("full_scale", r.full_scale, fields::or_nan);
+}
+
+template <class Fields>
+void describe(Fields& f, RigErrorEstimate& e) {
+  f("name", e.name), f("declared_sigma", e.declared_sigma, fields::or_nan), f("value", e.value, fields::or_nan);
+  f("standard_uncertainty", e.uncertainty, fields::or_nan);
+}
+
+template <class Fields>
+void describe(Fields& f, PartResidual& p) {
+  f("begin_s", p.begin_s), f("end_s", p.end_s), f("residual", p.residual, fields::or_nan), f("used", p.used);
+}
+
+/// Files of earlier versions, and those that people write, lack what is optional.
+template <class Fields>
+void describe(Fields& f, Quality& q) {
+  f("chi2_per_dof", q.chi2_per_dof, fields::if_known), f("degrees_of_freedom", q.degrees_of_freedom, fields::optional);
+  f("condition", q.condition, fields::if_known), f("converged", q.converged, fields::optional), f("unobservable", q.unobservable, fields::optional);
+  f("warnings", q.warnings, fields::optional), f("verdict", q.verdict, fields::optional), f("because", q.because, fields::optional);
+  f("requirements", q.requirements, fields::optional), f("considered", q.considered, fields::optional);
+  f("rotation_residual_deg", q.rotation_residual_deg, fields::optional), f("term_tests", q.term_tests, fields::optional);
+  f("sources", q.sources, fields::optional), f("fit_residuals", q.fit_residuals, fields::optional), f("rig_errors", q.rig_errors, fields::optional);
+  f("rests", q.rests, fields::optional), f("rotations", q.rotations, fields::optional), f("notes", q.notes, fields::optional);
+}
+
+/// Of the terms the matrix is required; one that is missing is zero. `coupling` is the lever arm of the accelerometers or the gyros' g-sensitivity.
+template <class Fields>
+void describe_triad(Fields& f, TriadModel& m, const char* coupling_key, Matrix3d& coupling) {
+  f("offset", m.offset, fields::optional), f("matrix", m.matrix), f("quadratic", m.quadratic, fields::optional);
+  f("cubic", m.cubic, fields::optional);
+  f("thermal", m.thermal, fields::optional);
+  if constexpr (Fields::reads)
+    for (std::size_t axis = 0; axis < 3 && f.at().has("thermal"); ++axis)
+      f.attempt([&] {
+        const auto constant = f.at()["thermal"].item(axis, 3, "rows of 3 numbers").item(0, 3, "numbers");
+        if (constant.number() != 0) constant.expected("0: the constant of the thermal polynomial is zero by definition (it belongs in the offset)");
+      });
+  f(coupling_key, coupling, fields::optional), f("raw", m.raw_unit, fields::if_any), f("temperature", m.temperature, fields::optional);
+  if constexpr (Fields::reads) {
+    const std::string why = "expected a reading with its reference, because the thermal terms are not zero";
+    const bool there = f.at().has("temperature"), wrong = !m.temperature && !m.thermal.isZero(0) && (!there || f.at()["temperature"].is_null());
+    fields::check(f, !wrong, there ? "temperature" : "", there ? why : "temperature: is missing; " + why);
+  }
+  fields::known_keys_only(f);
+}
+
+template <class Fields>
+void describe(Fields& f, SensorModel& model) {
+  f.table("accel", [&](auto& triad) { describe_triad(triad, model.accel, "lever_arm", model.lever_arm); });
+  f.table("gyro", [&](auto& triad) { describe_triad(triad, model.gyro, "g_sensitivity", model.g_sensitivity); });
+  fields::known_keys_only(f);
+}
+
+/// describe_uncertainties(fields, calibration), beside each visitor, has the uncertainties in the shape of the model, and the covariance.
+template <class Fields>
+void describe(Fields& f, Calibration& c) {
+  fields::derived(f, "format", "imulab.calibration/1");
+  f("imu", c.imu, fields::optional), f("serial", c.serial, fields::or_empty), f("operator", c.operated_by, fields::or_empty);
+  f("station", c.station, fields::or_empty), f("measured", c.measured, fields::or_empty), f("firmware", c.firmware, fields::or_empty);
+  f("filter", c.filter, fields::or_empty), f("valid_until", c.valid_until, fields::or_empty), f("warm_up", c.warm_up, fields::or_empty);
+  f("power_cycles", c.power_cycles, fields::or_empty), f("references", c.references, fields::optional), f("method", c.method, fields::optional);
+  f("created", c.created, fields::optional), f("software", c.software, fields::optional);
+  const auto session = [&](auto& t) { t("file", c.session_file, fields::optional), t("sha256", c.session_sha256, fields::optional); };
+  f.table("session", session, fields::optional);
+  f("sources", c.sources, fields::optional), f("options", c.options, fields::optional);
+  if (Fields::reads) c.frame = "rig";
+  f("frame", c.frame, fields::optional);
+  fields::expect(f, c.frame == "accelerometers" || c.frame == "rig", "frame", "\"accelerometers\" or \"rig\"");
+  f("model", c.model);
+  describe_uncertainties(f, c);
+  f("quality", c.quality, fields::optional);
+  const auto recorded = [&](auto& t) { t("accel", c.recorded_accel, fields::if_any), t("gyro", c.recorded_gyro, fields::if_any); };
+  if (Fields::reads || c.recorded_accel || c.recorded_gyro) f.table("recorded", recorded, fields::optional);
+  fields::derived(f, "rig", std::map<std::string, double>(), fields::if_any);  // of a simulation's truth
+  fields::known_keys_only(f, true);
+}
+
+}  // namespace imulab

@@ -1,0 +1,129 @@
+// The fields of noise.json, each stated once (core/fields.hpp): what one log or several say about an IMU's noise.
+#pragma once
+
+#include "imulab/core/fields.hpp"
+#include "imulab/noise/noise_analysis.hpp"
+
+#include <array>
+#include <cmath>
+
+namespace imulab {
+
+inline std::string_view to_string(DeviationKind kind) { return deviation_names[static_cast<std::size_t>(kind)]; }
+
+template <class Fields>
+void describe(Fields& f, NoiseCoefficient& c) {
+  f("value", c.value, fields::or_nan), f("standard_uncertainty", c.standard_uncertainty, fields::or_infinity);  // infinite: without an upper bound
+  f("lower", c.lower), f("upper", c.upper, fields::or_infinity), f("determined", c.determined);
+  if (Fields::reads && !c.determined && std::isinf(c.standard_uncertainty)) c.standard_uncertainty = NAN;
+  fields::check(f, !c.determined || (std::isfinite(c.value) && c.standard_uncertainty > 0), "",
+                "is determined without a value; expected value and a positive standard_uncertainty");
+  fields::check(f, c.lower <= c.upper, "", "expected an upper bound not below the lower one");
+}
+
+/// Sizes are not negative; a ramp has a sign.
+template <class Fields>
+void describe_size(Fields& f, const char* key, NoiseCoefficient& c) {
+  f(key, c);
+  fields::check(f, !(c.upper < 0 || (c.determined && c.value < 0)), key, "expected a size from 0 on");
+}
+
+template <class Fields>
+void describe(Fields& f, MarkovTerm& term) {
+  describe_size(f, "sigma", term.sigma), describe_size(f, "time", term.time);
+}
+
+template <class Fields>
+void describe(Fields& f, NoiseLine& line) {
+  f("hz", line.hz), f("amplitude", line.amplitude);
+}
+
+template <class Fields>
+void describe(Fields& f, LowPass& filter) {
+  f("order", filter.order), f("digital", filter.digital), f("cutoff_hz", filter.cutoff_hz);
+}
+
+template <class Fields>
+void describe(Fields& f, NoiseMisfit& misfit) {
+  f("low_hz", misfit.low_hz), f("high_hz", misfit.high_hz), f("ratio", misfit.ratio, fields::or_nan);
+}
+
+template <class Fields>
+void describe(Fields& f, NoiseFit& fit) {
+  using P = SpectrumPoint;
+  f.table("coefficients", [&](auto& t) {
+    describe_size(t, "N", fit.N), describe_size(t, "B", fit.B), describe_size(t, "K", fit.K), describe_size(t, "Q", fit.Q), t("R", fit.R);
+  });
+  f("markov", fit.markov, fields::optional), f("lines", fit.lines, fields::optional);
+  f("low_pass", fit.low_pass, fields::if_any), f("resolution", fit.resolution, fields::optional);
+  const auto spectrum = [&](auto& t) {
+    fields::column(t, "hz", fit.spectrum, true, {}, [](P& p) -> double& { return p.hz; });
+    fields::column(t, "density", fit.spectrum, false, fields::or_nan, [](P& p) -> double& { return p.density; });
+    fields::column(t, "model", fit.spectrum, false, fields::or_nan, [](P& p) -> double& { return p.model; });
+  };
+  f.table("spectrum", spectrum, fields::optional);
+  const auto quality = [&](auto& t) {
+    t("chi2_per_dof", fit.chi2_per_dof, fields::or_nan), fields::derived(t, "accepted", fit.accepted());
+    t("highest_hz", fit.highest_hz), t("misfits", fit.misfits);
+  };
+  f.table("fit", quality, fields::optional);
+}
+
+template <class Fields>
+void describe(Fields& f, NoiseAxis& axis) {
+  using P = DeviationPoint;
+  f("name", axis.name);
+  const std::size_t letter = axis.name.empty() ? 3 : std::string_view("xyz").find(axis.name.back());
+  const bool gyro = axis.name.starts_with("gyro."), named = (gyro || axis.name.starts_with("accel.")) && axis.name.size() == (gyro ? 6u : 7u);
+  fields::expect(f, named && letter < 3, "name", "gyro.x to accel.z");
+  f("unit", axis.unit);
+  const auto column = [&](const char* key, auto member) {
+    const bool first = key == std::string_view("tau");
+    fields::column(f, key, axis.deviation, first, fields::if_known, [member](P& p) -> decltype(auto) { return (p.*member); });
+  };
+  column("tau", &P::tau), column("deviation", &P::deviation), column("terms", &P::terms), column("noise_type", &P::noise_type),
+      column("edf", &P::edf);
+  column("lower", &P::lower_95), column("upper", &P::upper_95), column("lower_68", &P::lower_68), column("upper_68", &P::upper_68);
+  if constexpr (Fields::reads)
+    if (f.at().has("coefficients")) axis.fit.emplace();
+  if (axis.fit)
+    describe(f, *axis.fit);
+  else
+    f("problem", axis.problem, fields::optional);
+}
+
+template <class Fields>
+void describe(Fields& f, NoiseAnalysis& analysis) {
+  using enum DeviationKind;
+  fields::derived(f, "format", "imulab.noise/1");
+  f("recording", analysis.recording, fields::optional), f("interval_s", analysis.interval_s);
+  fields::expect(f, analysis.interval_s > 0, "interval_s", "a positive time");
+  const auto still = [&](auto& t) { t("begin_s", analysis.begin_s), t("end_s", analysis.end_s), t("samples", analysis.samples); };
+  f.table("still", still, fields::optional);
+  fields::choice(f, "deviation", analysis.kind, std::array{overlapping_allan, allan, modified_allan, hadamard, overlapping_hadamard, total},
+                 "the name of a deviation", fields::optional);
+  f("axes", analysis.axes), f("notes", analysis.notes, fields::optional), f("warnings", analysis.warnings, fields::optional);
+}
+
+/// A coefficient of several logs.
+template <class Fields>
+void describe(Fields& f, BatchCoefficient& c) {
+  describe(f, c.mean);
+  f("logs", c.determined), f("spread", c.spread, fields::or_nan), f("worst", c.worst), f("worst_log", c.worst_log);
+}
+
+template <class Fields>
+void describe(Fields& f, BatchAxis& axis) {
+  auto& [Q, N, B, K, R] = axis.coefficients;
+  f("name", axis.name), f("unit", axis.unit);
+  f.table("coefficients", [&, &q = Q, &n = N, &b = B, &k = K, &r = R](auto& t) { t("N", n), t("B", b), t("K", k), t("Q", q), t("R", r); });
+}
+
+template <class Fields>
+void describe(Fields& f, NoiseBatch& batch) {
+  fields::derived(f, "format", "imulab.noise/1"), fields::derived(f, "recording", std::to_string(batch.logs.size()) + " logs");
+  fields::derived(f, "interval_s", batch.logs.empty() ? 0 : batch.logs.front().interval_s);
+  f("axes", batch.axes), f("logs", batch.logs);
+}
+
+}  // namespace imulab

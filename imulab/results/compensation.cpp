@@ -1,0 +1,53 @@
+#include "imulab/results/compensation.hpp"
+
+#include "imulab/core/units.hpp"
+#include "imulab/formats/text/json_fields.hpp"
+#include "imulab/results/over_time.hpp"
+
+namespace imulab {
+
+using fields::Presence;
+
+template <class Fields>
+void describe(Fields& f, Overview& o) {
+  const auto columns = [&](const char* key, Columns3& lists, double size, Presence presence) {
+    f(key, lists, {.presence = presence, .size = size, .things = "lists of numbers", .digits = 6});
+    for (const auto& list : lists)
+      fields::check(f, list.size() == o.time.size() || (presence == Presence::optional && list.empty()), key,
+                    "expected lists of " + std::to_string(o.time.size()) + " numbers");
+  };
+  constexpr int stamp_digits = 16;  // of a clock that counts from 1970 to the microsecond
+  f("samples_per_interval", o.samples_per_interval), f("first_s", o.first_s, fields::optional), f("time_s", o.time, {.digits = stamp_digits});
+  if constexpr (Fields::reads)
+    if (!f.at().has("first_s") && !o.time.empty()) o.first_s = o.time.front();
+  columns("rate_deg_per_s", o.rate, unit::deg, Presence::required), columns("force_mps2", o.force, 1, Presence::required);
+  if (Fields::reads || !o.temperature[0].empty()) columns("temperature", o.temperature, 1, Presence::optional);
+}
+
+template <class Fields>
+void describe(Fields& f, CompensatedFile& c) {
+  f("file", c.file), f("samples", c.samples), f("saturated", c.saturated), f("outside_calibrated_temperatures", c.out_of_range);
+  f("outliers_replaced", c.replaced);
+  if constexpr (Fields::reads)
+    if (f.at().has("overview")) c.overview.emplace();
+  if (c.overview) f("recording", c.recording), f("rate_hz", c.rate_hz), f("gaps", c.gaps), f("overview", *c.overview);
+}
+
+template <class Fields>
+void describe(Fields& f, CompensationSummary& s) {
+  f("files", s.files);
+  fields::check(f, !s.files.empty(), "files", "is empty; expected at least one recording");
+  f.table("calibration", [&](auto& t) {
+    t("file", s.calibration_file), t("imu", s.imu), t("verdict", s.quality.verdict), t("because", s.quality.because, fields::optional);
+  });
+}
+
+std::string compensation_json(const CompensationSummary& summary) { return json_text(written(summary), JsonLayout::long_lists); }
+
+CompensationSummary result_io::compensation_of(const json_io::Field& root) {
+  CompensationSummary out;
+  read_into(root, out);
+  return out;
+}
+
+}  // namespace imulab

@@ -1,0 +1,155 @@
+#include "imulab/results/summary.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/json_fields.hpp"
+#include "imulab/results/comparison.hpp"
+#include "imulab/results/over_time.hpp"
+#include "imulab/results/result_fields.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace imulab {
+
+using json_io::Field;
+
+std::optional<std::string_view> stored_unit(CoefficientIndex index, const std::string& name) {
+  for (const UserUnit& unit : user_units(coefficient(index)))
+    if (unit.name == name) return unit.name;
+  if (name == coefficient(index).unit) return coefficient(index).unit;
+  TriadModel triad;
+  if (user_units(coefficient(index)).empty())
+    for (const char* temperature : {"K", "raw"}) {
+      triad.temperature = ThermalReading{.unit = temperature};
+      if (const UserUnit unit = unit_of_si_readings(coefficient(index), triad); unit.name == name) return unit.name;
+    }
+  static const std::set<std::string, std::less<>> others{"", "ppm", "arcsec"};
+  const auto at = others.find(name);
+  return at != others.end() ? std::optional<std::string_view>(*at) : std::nullopt;
+}
+
+// ---- written
+
+std::string comparison_json(const std::vector<NamedCalibration>& calibrations, const std::vector<Comparison>& comparisons,
+                            const std::optional<Agreement>& agreement) {
+  std::vector<JsonValue> list;
+  for (std::size_t k = 0; k < comparisons.size(); ++k)
+    list.push_back(written(NamedComparison{calibrations[0].name, calibrations[k + 1].name, comparisons[k]}));
+  return json_text(list.size() == 1 ? list.front() : JsonFields{{{"comparisons", list}, {"agreement", written(agreement)}}});
+}
+
+std::string prediction_json(const PredictionSummary& prediction) { return json_text(written(prediction)); }
+std::string plan_json(const PlanSummary& plan) { return json_text(written(plan)); }
+
+// ---- predictions
+
+std::vector<CoefficientIndex> PredictionSummary::indices() const {
+  std::vector<CoefficientIndex> out;
+  for (const PredictedCoefficient& c : coefficients) out.push_back(c.index);
+  return out;
+}
+
+Eigen::VectorXd PredictionSummary::sigma() const {
+  Eigen::VectorXd out(static_cast<Eigen::Index>(coefficients.size()));
+  for (Eigen::Index i = 0; i < out.size(); ++i) out[i] = coefficients[static_cast<std::size_t>(i)].sigma;
+  return out;
+}
+
+PredictionSummary summary_of(const Prediction& p, const std::vector<Shortfall>& missed, const std::optional<hybrid::Advice>& advice) {
+  PredictionSummary out{.undetermined = p.undetermined, .considered = p.considered, .notes = p.notes, .advice = advice};
+  for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    out.coefficients.push_back({.index = p.coefficients[i], .sigma = p.sigma[row], .cramer_rao = p.cramer_rao[row]});
+  }
+  if (!missed.empty()) out.missed = missed;
+  return out;
+}
+
+PredictionSummary summary_of(const turntable::Prediction& p, const std::optional<turntable::MonteCarloResult>& monte_carlo,
+                             const std::vector<Shortfall>& missed, const std::vector<KnobAnswer>& answers) {
+  PredictionSummary out = summary_of(static_cast<const Prediction&>(p), missed, std::nullopt);
+  out.notes.clear();
+  const Eigen::VectorXd first = p.first_order();
+  for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    PredictedCoefficient& c = out.coefficients[i];
+    c.first_order = first[row], c.second_order = p.second_order[row], c.bias = p.bias[row];
+    if (monte_carlo) c.monte_carlo = monte_carlo->sigma[row];
+    for (std::size_t k = 0; k < p.sources.size(); ++k) c.budget.emplace_back(p.sources[k], std::sqrt(p.variance(row, static_cast<Eigen::Index>(k))));
+  }
+  for (const turntable::TermSource& term : p.terms) out.priors.emplace_back(term.name, term.prior);
+  if (monte_carlo) out.runs = monte_carlo->runs;
+  if (!answers.empty()) out.missed = missed;
+  for (const KnobAnswer& answer : answers) out.tolerance.emplace_back(to_string(answer.knob), answer);
+  return out;
+}
+
+// ---- read
+
+namespace {
+
+constexpr const char* expected_result = "calibration.json, or what compare, predict, plan, navigate, budget or compensate print with --json";
+
+ComparisonSummary comparison_of(const Field& root) {
+  std::vector<NamedComparison> all(1);
+  ComparisonSummary out;
+  if (root.has("comparisons")) {
+    JsonReader reader(root);
+    reader("comparisons", all);
+    reader("agreement", out.agreement, fields::optional);
+    if (all.empty()) root["comparisons"].fail("is empty; expected at least one comparison");
+  } else {
+    read_into(root, all.front());
+  }
+  out.names.push_back(all.front().a);
+  for (NamedComparison& c : all) {
+    out.names.push_back(std::move(c.b));
+    out.comparisons.push_back(std::move(c.comparison));
+  }
+  return out;
+}
+
+/// Every coefficient has the sources of the first.
+PredictionSummary checked(PredictionSummary p, const Field& root) {
+  const auto same = [](const auto& x, const auto& y) { return x.first == y.first; };
+  for (const PredictedCoefficient& c : p.coefficients)
+    if (const auto& first = p.coefficients.front().budget; !std::equal(first.begin(), first.end(), c.budget.begin(), c.budget.end(), same))
+      root["coefficients"][coefficient(c.index).name].fail("expected a budget of the same sources as the first coefficient's");
+  return p;
+}
+
+template <class Summary>
+Summary read_summary(const Field& root) {
+  Summary out;
+  read_into(root, out);
+  return out;
+}
+
+}  // namespace
+
+SavedResult parse_result(std::string_view text, const std::string& file) {
+  if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) throw Error(file + ": is empty; expected " + expected_result);
+  const JsonValue json = json_io::parse_json(text, file, expected_result);
+  const Field root(json, file, "");
+  if (root.has("format")) return parse_calibration(text, file);
+  if (root.has("comparisons") || root.has("consistency")) return comparison_of(root);
+  if (root.has("sessions") || root.has("position_error")) return result_io::navigation_of(root);
+  if (root.has("total") && root.has("sources")) return result_io::budget_of(root);
+  if (root.has("files") && root.has("calibration")) return result_io::compensation_of(root);
+  if (root.has("turns") && root.has("first_rest_s")) {
+    auto plan = read_summary<PlanSummary>(root);
+    plan.prediction = checked(std::move(plan.prediction), root);
+    return plan;
+  }
+  if (root.has("coefficients") && root.has("undetermined")) return checked(read_summary<PredictionSummary>(root), root);
+  throw Error(fmt::format("{}: not a result; expected {}", file, expected_result));
+}
+
+SavedResult read_result(const std::filesystem::path& path) { return parse_result(MappedFile(path, Content::settings).text(), input_name(path)); }
+
+}  // namespace imulab

@@ -1,0 +1,144 @@
+// A field that is added to a description is written, read and listed; and the documentation names every field that the descriptions of results have.
+#include "imulab/core/error.hpp"
+#include "imulab/formats/text/json_fields.hpp"
+#include "imulab/model/calibration_fields.hpp"
+#include "imulab/noise/noise_fields.hpp"
+#include "imulab/results/result_fields.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+
+namespace imulab {
+namespace {
+
+/// The names of all fields, those of tables and lists inside them included.
+class FieldNames {
+ public:
+  static constexpr bool reads = false;
+  std::vector<std::string> names;
+
+  template <class Value>
+  void operator()(std::string_view key, const Value&, const fields::How& = {}) {
+    names.emplace_back(key);
+    list<Value>();
+  }
+  template <class Describe>
+  void table(std::string_view key, const Describe& describe_table, const fields::How& = {}) {
+    names.emplace_back(key);
+    describe_table(*this);
+  }
+  template <class Value>
+  void list() {
+    if constexpr (json_io::Described<FieldNames, Value>) {
+      Value value{};
+      describe(*this, value);
+    } else if constexpr (json_io::Keyed<Value>) {
+      list<std::decay_t<decltype(std::declval<Value>().begin()->second)>>();
+    } else if constexpr (json_io::Optional<Value> || (json_io::List<Value> && !json_io::Matrix<Value>)) {
+      list<typename Value::value_type>();
+    }
+  }
+};
+
+void describe_uncertainties(FieldNames& f, const Calibration&) {
+  for (const char* name : {"standard_uncertainty", "covariance", "coefficients"}) f.names.emplace_back(name);
+}
+
+struct Turn {
+  std::string axis;
+  double angle = 0;
+  int number = 0;
+  std::optional<double> sigma;
+  std::vector<double> rests;
+};
+struct Path {
+  std::vector<Turn> turns;
+  double length = 0;
+};
+
+template <class Fields>
+void describe(Fields& f, Turn& turn) {
+  f("axis", turn.axis), f("angle_deg", turn.angle, fields::in(0.5)), f("number", turn.number), f("sigma", turn.sigma, fields::if_any);
+  f("rests_s", turn.rests, fields::optional);
+}
+template <class Fields>
+void describe(Fields& f, Path& path) {
+  f("turns", path.turns), f("length_m", path.length, fields::or_infinity);
+  fields::check(f, path.length >= 0, "length_m", "is negative");
+}
+
+std::string message_of(const std::string& text) {
+  try {
+    const JsonValue json = json_io::parse_json(text, "path.json", "a path");
+    Path path;
+    read_into(json_io::Field(json, "path.json", ""), path);
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(DescribedFields, AreWrittenReadAndListed) {
+  const Path path{{{"x", 2, 7, {}, {1, NAN}}, {"y", 3, 8, 0.5, {}}}, INFINITY};
+  const std::string text = json_text(written(path), JsonLayout::one_line);
+  EXPECT_EQ(text,
+            "{\"turns\":[{\"axis\":\"x\",\"angle_deg\":4.0,\"number\":7,\"rests_s\":[1.0,null]},"
+            "{\"axis\":\"y\",\"angle_deg\":6.0,\"number\":8,\"sigma\":0.5,\"rests_s\":[]}],\"length_m\":null}\n");
+  const JsonValue json = json_io::parse_json("{\"turns\": [{\"axis\": \"y\", \"angle_deg\": 6, \"number\": 8, \"sigma\": 0.5}], \"length_m\": null}",
+                                             "path.json", "a path");
+  Path back;
+  read_into(json_io::Field(json, "path.json", ""), back);
+  ASSERT_EQ(back.turns.size(), 1u);
+  EXPECT_EQ(back.turns[0].angle, 3);
+  EXPECT_EQ(back.turns[0].sigma, 0.5);
+  EXPECT_TRUE(std::isinf(back.length));
+  FieldNames names;
+  names.list<Path>();
+  EXPECT_THAT(names.names, testing::ElementsAre("turns", "axis", "angle_deg", "number", "sigma", "rests_s", "length_m"));
+}
+
+TEST(DescribedFields, ErrorsNameFileAndField) {
+  EXPECT_EQ(message_of("{\"turns\": [{\"axis\": 1}], \"length_m\": 1}"), "path.json: turns[0].axis: expected a text, found 1");
+  EXPECT_EQ(message_of("{\"turns\": [{\"axis\": \"x\"}], \"length_m\": 1}"), "path.json: turns[0].angle_deg: is missing");
+  EXPECT_EQ(message_of("{\"turns\": {}, \"length_m\": 1}"), "path.json: turns: expected a list, found {}");
+  EXPECT_EQ(message_of("{\"turns\": [], \"length_m\": -1}"), "path.json: length_m: is negative");
+}
+
+/// Names that stand in no code of the page.
+template <class Value>
+std::vector<std::string> undocumented(const std::string& page) {
+  std::ostringstream text;
+  text << std::ifstream(std::string(IMULAB_SOURCE) + "/docs/" + page).rdbuf();
+  const std::string all = text.str();
+  static const std::regex code("`([^`\n]+)`"), word("[A-Za-z0-9_]+");
+  std::set<std::string> words;
+  for (std::sregex_iterator span(all.begin(), all.end(), code), end; span != end; ++span) {
+    const std::string inside = (*span)[1];
+    for (std::sregex_iterator at(inside.begin(), inside.end(), word); at != end; ++at) words.insert(at->str());
+  }
+  FieldNames names;
+  names.list<Value>();
+  std::erase_if(names.names, [&](const std::string& name) { return words.contains(name); });
+  return names.names;
+}
+
+TEST(DescribedFields, AreDocumented) {
+  using testing::IsEmpty;
+  EXPECT_THAT(undocumented<Calibration>("formats.md"), IsEmpty());
+  EXPECT_THAT(undocumented<NoiseAnalysis>("noise.md"), IsEmpty());
+  EXPECT_THAT(undocumented<NoiseFit>("noise.md"), IsEmpty());
+  EXPECT_THAT(undocumented<BatchCoefficient>("noise.md"), IsEmpty());
+  EXPECT_THAT(undocumented<CoefficientDifference>("formats.md"), IsEmpty());
+  EXPECT_THAT(undocumented<NamedComparison>("formats.md"), IsEmpty());
+  EXPECT_THAT(undocumented<Agreement>("formats.md"), IsEmpty());
+  EXPECT_THAT(undocumented<PredictedCoefficient>("formats.md"), IsEmpty());
+  EXPECT_THAT(undocumented<PlanSummary>("formats.md"), IsEmpty());
+}
+
+}  // namespace
+}  // namespace imulab
