@@ -7,7 +7,7 @@ using namespace imulab;
 
 int main() try {
   const Session procedure = zhang_24_procedure({.rest = 60, .table = 2 * unit::arcsec, .grade = "navigation"});
-  const turntable::Prediction prediction = turntable::predict(turntable::plan_of(procedure));
+  const Prediction prediction = turntable::predict(turntable::plan_of(procedure));
   for (Eigen::Index i = 0; i < prediction.sigma.size(); ++i) {
     const Coefficient& c = coefficient(prediction.coefficients[static_cast<std::size_t>(i)]);
     const UserUnit unit = user_unit(c, prediction.sigma[i]);

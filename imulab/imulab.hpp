@@ -10,6 +10,7 @@
 #include "imulab/estimate/hybrid/path_design.hpp"
 #include "imulab/estimate/hybrid/prediction.hpp"
 #include "imulab/estimate/method.hpp"
+#include "imulab/estimate/prediction.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
 #include "imulab/estimate/turntable/tolerance.hpp"
 #include "imulab/export/input.hpp"

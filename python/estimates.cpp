@@ -77,16 +77,16 @@ Outcome compared(const std::vector<std::pair<std::string, std::shared_ptr<Calibr
 
 Outcome predicted(std::shared_ptr<Session> procedure, const std::string& method, const std::string& terms, const std::string& require,
                   std::uint64_t runs, std::uint64_t seed, bool classical, const py::object& progress) {
-  PredictionTask task{.method = method, .terms = parse_terms(terms), .runs = runs, .seed = seed, .classical = classical};
-  if (!require.empty()) task.requirements = parse_requirements(require);
+  PredictionOptions asked{.terms = parse_terms(terms), .runs = runs, .seed = seed, .classical = classical};
+  if (!require.empty()) asked.requirements = parse_requirements(require);
   return run(progress, [=](const std::function<void(double)>& report) mutable {
-    task.progress = report;
-    const auto p = std::make_shared<PredictedProcedure>(predict(*procedure, task));
-    return Outcome{.json = prediction_json(*p),
-                   .text = prediction_text(*p, task.requirements),
+    asked.progress = report;
+    const auto p = std::make_shared<Prediction>(imulab::predicted(method, *procedure, asked));
+    return Outcome{.json = prediction_json(summary_of(*p)),
+                   .text = prediction_text(*p, asked.requirements),
                    .shortcomings = shortcomings(*p),
-                   .warnings = p->on_turntable ? p->on_turntable->plan.parts.warnings : std::vector<std::string>{},
-                   .page = [p, name = procedure->file] { return prediction_page(*p, name); }};
+                   .warnings = p->warnings,
+                   .page = [p, name = procedure->file, required = !asked.requirements.empty()] { return prediction_page(*p, name, required); }};
   });
 }
 

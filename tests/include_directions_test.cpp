@@ -33,11 +33,12 @@ std::optional<std::string> room_of(const std::string& path) {
   return ranks.contains(name) ? std::optional(name) : std::nullopt;
 }
 
-/// The folders of estimate/ know the kernel and the interface of a method, not each other; method.cpp itself, in no folder, knows all.
+/// The folders of estimate/ know the kernel, the coarse solutions and the interface of a method, not each other; method.cpp itself, in no folder,
+/// knows all.
 std::string between_methods(const std::string& folder, const std::string& included) {
-  const std::string own = "imulab/estimate/" + folder + "/";
-  if (folder.empty() || included.starts_with(own) || included.starts_with("imulab/estimate/kernel/") || included == "imulab/estimate/method.hpp")
-    return "";
+  for (const std::string& known :
+       {folder + "/", std::string("kernel/"), std::string("coarse/"), std::string("method.hpp"), std::string("prediction.hpp")})
+    if (folder.empty() || included.starts_with("imulab/estimate/" + known)) return "";
   return folder + " may not know another method";
 }
 

@@ -32,9 +32,12 @@ struct CalibrateArguments {
 
 /// Errors of the command are reported before anything is read.
 CalibrationTask task_of(const CalibrateArguments& arguments, const Method& method) {
-  if (arguments.stepwise && !method.takes_stepwise) throw Error("--stepwise: only the method whole-unit has steps");
-  if (!arguments.curves.empty() && !method.takes_curves) throw Error("--curves: only the method hybrid has convergence curves");
-  if (arguments.terms == "full" && !method.takes_full) throw Error("--terms full: only the method whole-unit takes it");
+  if (arguments.stepwise && !method.takes_stepwise)
+    throw Error(fmt::format("--stepwise: only the method {} has steps", names_of_methods(&Method::takes_stepwise)));
+  if (!arguments.curves.empty() && !method.takes_curves)
+    throw Error(fmt::format("--curves: only the method {} has convergence curves", names_of_methods(&Method::takes_curves)));
+  if (arguments.terms == "full" && !method.takes_full)
+    throw Error(fmt::format("--terms full: only the method {} takes it", names_of_methods(&Method::takes_full)));
   errors_at("--terms", [&] { parse_terms(arguments.terms); });
   CalibrationTask task{.method = arguments.method,
                        .terms = arguments.terms,
@@ -53,7 +56,7 @@ std::map<std::string, std::string> options_used(const CalibrateArguments& argume
   return used;
 }
 
-/// Calibrates a session and writes the files that are named. Throws as the estimators do. For a method other than hybrid the result is the
+/// Calibrates a session and writes the files that are named. Throws as the estimators do. For a method without curves the result is the
 /// calibration alone.
 CalibrationResult calibrate(const CalibrateArguments& arguments) {
   const Method& chosen = method(arguments.method);
@@ -103,20 +106,20 @@ void add_calibrate(Verb app) {
   add_declarations(verb, a->declarations);
   std::vector<std::string> names;
   for (const Method& m : methods()) names.emplace_back(m.name);
-  verb.option(
-          "--method METHOD", a->method,
-          "static: from rests alone; handheld: from rests and the rotations between them; turntable: from the table's angles; hybrid: from rests and "
-          "turns in one place, without a table's angles; whole-unit: from chamber, rate table and centrifuge, all recordings together")
-      .required()
-      .one_of(names);
+  std::string summaries;
+  for (const Method& m : methods_by_equipment()) summaries += fmt::format("{}{}: {}", summaries.empty() ? "" : "; ", m.name, m.summary);
+  verb.option("--method METHOD", a->method, summaries).required().one_of(names);
   verb.option("-o,--output FILE", a->output, "the calibration file to write; - for standard output").writes();
   verb.option("--terms TERMS", a->terms,
-              "coefficients to estimate, for example accel.offset,gyro.matrix.diagonal; auto: those that the data support; full (whole-unit): "
-              "all, significant or not")
+              fmt::format("coefficients to estimate, for example accel.offset,gyro.matrix.diagonal; auto: those that the data support; full ({}): "
+                          "all, significant or not",
+                          names_of_methods(&Method::takes_full)))
       .show_default();
   verb.option("--recording FILE", a->recording, "the recording to use, if the session has several");
-  verb.flag("--stepwise", a->stepwise, "whole-unit: Dai's three steps in sequence instead of the joint estimate");
-  verb.option("--curves FILE", a->curves, "hybrid: a CSV file with the convergence of each coefficient and its standard uncertainty").writes();
+  verb.flag("--stepwise", a->stepwise, names_of_methods(&Method::takes_stepwise) + ": Dai's three steps in sequence instead of the joint estimate");
+  verb.option("--curves FILE", a->curves,
+              names_of_methods(&Method::takes_curves) + ": a CSV file with the convergence of each coefficient and its standard uncertainty")
+      .writes();
   verb.option("--require LIMITS", a->require,
               "what the calibration is for, as in \"gyro.matrix.diagonal <= 100 ppm, accel.offset <= 200 ug\"; exit code 1 where it is not reached");
   add_prior_option(verb, a->prior);

@@ -250,6 +250,8 @@ TEST(ExportFixedPoint, TheUsualRangeSuitsTheCounts) {
 }
 
 constexpr const char* fixed_point_filter_program = R"(
+#include "calibration.h"
+#include <stdio.h>
 static void show(int replaced, const int32_t* x) {
   int k;
   printf("%d", replaced);

@@ -92,6 +92,8 @@ TEST(Export, TheHeaderCompilesAnywhereAndDoesWhatTheLibraryDoes) {
 }
 
 constexpr const char* filter_program = R"(
+#include "calibration.h"
+#include <stdio.h>
 int main(void) {
   imulab_filter filter;
   double v[6];
@@ -173,6 +175,7 @@ TEST(Export, TheHeaderKnowsTheCalibratedTemperatures) {
   folder.write("gyro.h", c_header(c));
   folder.write("program.c", R"(
 #include CALIBRATION
+#include <stdio.h>
 int main(void) {
   const imulab_real in[3] = {0, 35, 70}, hot[3] = {0, 35, 71}, f[3] = {4900, 5000, 5100}, low[3] = {4899, 5000, 5100};
   const imulab_real nan[3] = {0, 35, (imulab_real)(in[0] / in[0])};

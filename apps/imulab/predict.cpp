@@ -30,29 +30,30 @@ struct Options {
 };
 
 void run(const Options& options) {
-  PredictionTask task{.method = options.method,
-                      .terms = errors_at("--terms", [&] { return parse_terms(options.terms); }),
-                      .runs = options.runs,
-                      .seed = options.seed,
-                      .classical = options.classical};
-  task.checkpoint = options.shared.checkpoint();
-  if (options.require) task.requirements = errors_at("--require", [&] { return parse_requirements(*options.require); });
+  PredictionOptions asked{.terms = errors_at("--terms", [&] { return parse_terms(options.terms); }),
+                          .runs = options.runs,
+                          .seed = options.seed,
+                          .classical = options.classical,
+                          .checkpoint = options.shared.checkpoint()};
+  if (options.require) asked.requirements = errors_at("--require", [&] { return parse_requirements(*options.require); });
   const Session procedure = session_at(options.procedure);
-  const PredictedProcedure predicted = [&] {
+  const Prediction prediction = [&] {
     Progress progress("Monte Carlo");
-    task.progress = [&progress](double part) { progress.report(part); };
+    asked.progress = [&progress](double part) { progress.report(part); };
     try {
-      return predict(procedure, task);
+      return predicted(options.method, procedure, asked);
     } catch (const TermsError& e) {
       throw Error(fmt::format("--terms: {}", e.what()));
     }
   }();
   if (options.shared.silent()) return;
-  if (!options.report.empty()) write_whole(options.report, prediction_page(predicted, options.procedure));
-  options.json ? print_json(prediction_json(predicted)) : print(prediction_text(predicted, task.requirements, options.verbose));
-  if (predicted.on_turntable)
-    for (const std::string& text : predicted.on_turntable->plan.parts.warnings) warn(text);
-  if (const std::string missing = shortcomings(predicted); !missing.empty()) throw Unsupported(missing);
+  if (!options.report.empty()) write_whole(options.report, prediction_page(prediction, options.procedure, !asked.requirements.empty()));
+  if (options.json)
+    print_json(prediction_json(summary_of(prediction)));
+  else
+    print(prediction_text(prediction, asked.requirements, options.verbose));
+  for (const std::string& text : prediction.warnings) warn(text);
+  if (const std::string missing = shortcomings(prediction); !missing.empty()) throw Unsupported(missing);
 }
 
 /// No Monte Carlo, or one of a useful and finite size.
@@ -71,7 +72,8 @@ void add_predict(Verb app) {
   std::vector<std::string> names;
   for (const Method& m : methods())
     if (m.predict != nullptr) names.emplace_back(m.name);
-  verb.option("--method METHOD", options->method, "the method of the calibration; Monte Carlo and tolerances are of turntable alone")
+  const std::string with_runs = names_of_methods(&Method::takes_runs);
+  verb.option("--method METHOD", options->method, fmt::format("the method of the calibration; Monte Carlo and tolerances are of {} alone", with_runs))
       .one_of(names)
       .show_default();
   verb.option("--terms TERMS", options->terms, "as of imulab calibrate: the coefficients that it estimates; others are taken as exactly zero")
@@ -95,7 +97,7 @@ void add_predict(Verb app) {
                                        {"--seed", seed.given()},
                                        {"--classical", classical.given()},
                                        {"--checkpoint", !options->shared.folder.empty()}})
-      if (options->method != "turntable" && wanted) throw Error(fmt::format("{}: belongs to --method turntable", name));
+      if (wanted && !method(options->method).takes_runs) throw Error(fmt::format("{}: belongs to --method {}", name, with_runs));
     if (options->classical && options->terms != "auto") throw Error("--terms: Zhang's estimate is that of offsets and matrices");
     run(*options);
   });

@@ -3,6 +3,7 @@
 
 #include "apps/imulab/files.hpp"
 #include "imulab/core/error.hpp"
+#include "imulab/estimate/method.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/recording/file.hpp"
 #include "imulab/formats/session/file.hpp"
@@ -74,7 +75,7 @@ CalibrationReport saved_calibration(Calibration calibration, const Options& o) {
   CalibrationReport report;
   report.result.calibration = std::move(calibration);
   const Calibration& c = report.result.calibration;
-  if (c.method == "hybrid")
+  if (const Method* method = find_method(c.method); method != nullptr && method->takes_curves)
     report.missing.emplace_back("Convergence curves: the calibration file does not keep them; imulab calibrate --report draws them.");
   if (c.sources.empty() || c.session_file.empty()) {
     report.missing.push_back(fmt::format("{}: the file names no recordings with their hashes.", pictures));

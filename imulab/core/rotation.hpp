@@ -1,6 +1,12 @@
 // Rotations as 3x3 direction cosine matrices and rotation vectors. `C_ab` takes a vector from frame b to frame a.
 #pragma once
 
+// Eigen aligns matrices by the registers that a source is compiled for. They cross from programs to the library and back, so both need the same.
+#if defined(__AVX__) && !defined(IMULAB_WITH_AVX)
+#error \
+    "this imulab was compiled without AVX, and this source with it (-mavx, -mavx2, -march=native): the program would crash. Compile it without, or build imulab with the same flags"
+#endif
+
 #include <Eigen/Core>
 
 #include <cmath>
@@ -9,10 +15,6 @@ namespace imulab {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-static_assert(EIGEN_MAX_ALIGN_BYTES == 16,
-              "imulab and the programs that use it need one alignment of Eigen's matrices, whatever registers they are compiled for: compile with "
-              "-DEIGEN_MAX_ALIGN_BYTES=16, as the CMake target imulab::imulab and `pkg-config --cflags imulab` do");
 
 /// The matrix of the cross product: skew(a) b = a x b.
 template <class T>

@@ -10,7 +10,6 @@
 #include "imulab/estimate/turntable/prediction.hpp"
 #include "imulab/estimate/turntable/turntable.hpp"
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
-#include "imulab/model/frame.hpp"
 #include "imulab/recording/even_stamps.hpp"
 #include "imulab/recording/short_gaps.hpp"
 #include "imulab/recording/validate.hpp"
@@ -20,7 +19,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -28,25 +26,66 @@ namespace imulab {
 
 namespace {
 
+Session hand_held_example(const ExampleSize& size) { return hand_held_procedure(size.by_hand, size.seed); }
+
 constexpr std::array all{
     Method{.name = "handheld",
            .summary = "from rests and the rotations between them",
+           .reference = "Tedaldi 2014",
+           .needs = "rests in nine or more directions, and turns about all axes between them",
+           .equipment = 1,
+           .test = "multi-position (tumble) by hand, with the rotations between the positions",
+           .instrument = Method::Instrument::where_declared,
            .calibrate = rests::calibrate_handheld,
-           .predict = rests::predict_handheld},
+           .predict = rests::predict_handheld,
+           .support = rests::support_handheld,
+           .example = hand_held_example},
     Method{.name = "hybrid",
            .summary = "from rests and turns in one place, without a table's angles",
+           .reference = "Cheng 2014",
+           .needs = "gyros that resolve the Earth's rate: try it if yours do",
+           .equipment = 2,
            .takes_curves = true,
+           .test = "multi-position (tumble) with rotations in one place: zero velocity",
            .calibrate = hybrid::calibrate,
-           .predict = hybrid::predict},
-    Method{.name = "static", .summary = "from rests alone", .calibrate = rests::calibrate_static, .predict = rests::predict_static},
-    Method{.name = "turntable", .summary = "from the table's angles", .calibrate = turntable::calibrate, .predict = turntable::predict},
+           .predict = hybrid::predict,
+           .example = [](const ExampleSize& size) { return cheng_path_procedure(size.on_table); }},
+    Method{.name = "static",
+           .summary = "from rests alone",
+           .reference = "Cheng 2014",
+           .needs = "rests in nine or more directions",
+           .equipment = 0,
+           .test = "multi-position (tumble), static",
+           .angle_source = "the Earth's rate at the site's latitude",
+           .calibrate = rests::calibrate_static,
+           .predict = rests::predict_static,
+           .support = rests::support_static,
+           .example = hand_held_example},
+    Method{.name = "turntable",
+           .summary = "from the table's angles",
+           .reference = "Zhang 2010",
+           .needs = "the table's angles as [[step]]",
+           .equipment = 3,
+           .takes_runs = true,
+           .test = "multi-position (tumble) and rotations on a table: scale factors, misalignments",
+           .angle_source = "the table's angles, with their declared errors",
+           .instrument = Method::Instrument::always,
+           .calibrate = turntable::calibrate,
+           .predict = turntable::predict,
+           .example = [](const ExampleSize& size) { return zhang_24_procedure(size.on_table); }},
     Method{.name = "whole-unit",
            .summary = "from chamber, rate table and centrifuge, all recordings together",
+           .reference = "Dai 2011",
+           .needs = "the machines' points as [[step]]",
+           .equipment = 4,
            .takes_several = true,
            .takes_full = true,
            .takes_stepwise = true,
+           .angle_source = "the rate table's rate and the centrifuge's radius, with their declared errors",
+           .instrument = Method::Instrument::always,
            .calibrate = whole_unit::calibrate,
-           .predict = whole_unit::predict},
+           .predict = whole_unit::predict,
+           .example = [](const ExampleSize& size) { return dai_unit_procedure(size.on_machines); }},
 };
 
 /// The recordings with even stamps where theirs scatter, and with samples that were lost one or two at a time; empty where all are good as they are.
@@ -75,10 +114,10 @@ std::vector<Recording> corrected_recordings(const CalibrationInput& input, std::
 
 void validate(const CalibrationOptions& options) {
   for (const auto& [name, level] : {std::pair{"significance", options.significance}, std::pair{"outlier_level", options.outlier_level}})
-    if (!(level > 0 && level < 1)) throw Error(fmt::format("{}: {} is no probability; expected more than 0 and less than 1", name, level));
+    if (!(level >= 0 && level < 1)) throw Error(fmt::format("{}: {} is no probability; expected at least 0 and less than 1", name, level));
 }
 
-/// Given rests: of the only recording, inside it, one after the other.
+/// Given rests lie in the only recording, in time order. Those that were found in the data may share a few samples.
 void validate_rests(const CalibrationInput& input) {
   if (!input.rests) return;
   const std::size_t size = input.recordings.empty() ? 0 : input.recordings.front().size();
@@ -87,7 +126,7 @@ void validate_rests(const CalibrationInput& input) {
     if (rest.begin < least || rest.end <= rest.begin || rest.end > size)
       throw Error(
           fmt::format("rests: samples {} to {} are no rest; expected ranges in ascending order from {} to {}", rest.begin, rest.end, least, size));
-    least = rest.end;
+    least = rest.begin + 1;
   }
 }
 
@@ -95,40 +134,29 @@ void validate_rests(const CalibrationInput& input) {
 
 std::span<const Method> methods() { return all; }
 
-Prediction prediction_of(const Calibration& calibration) {
-  Prediction out{calibration.estimated, {}, calibration.covariance.diagonal().cwiseSqrt(), {}};
-  out.cramer_rao = out.sigma;
-  out.frame = calibration.frame;
-  for (const std::string& name : calibration.quality.unobservable) out.undetermined.push_back(coefficient_index(name));
-  for (const std::string& name : calibration.quality.considered)
-    if (const CoefficientIndex index = coefficient_index(name); contains(out.coefficients, index)) out.considered.push_back(index);
-  return out;
-}
-
-std::vector<Shortfall> shortfalls(const Prediction& p, const std::vector<Requirement>& requirements) {
-  constexpr double infinite = std::numeric_limits<double>::infinity();
-  std::vector<Shortfall> out;
-  std::vector<CoefficientIndex> named;
-  for (const Requirement& r : requirements)
-    for (const CoefficientIndex index : r.coefficients) {
-      if (contains(named, index)) continue;
-      const auto found = std::find(p.coefficients.begin(), p.coefficients.end(), index);
-      const bool fixed = p.frame == "accelerometers" && zero_by_frame(index);
-      const double sigma = found != p.coefficients.end() ? p.sigma[found - p.coefficients.begin()] : fixed ? 0 : infinite;
-      if (sigma <= r.limit) continue;
-      out.push_back({r, index, sigma, std::isinf(sigma) ? "the procedure does not determine it" : ""});
-      named.push_back(index);
-    }
-  return out;
+const Method* find_method(std::string_view name, std::span<const Method> table) {
+  const auto found = std::ranges::find(table, name, &Method::name);
+  return found == table.end() ? nullptr : &*found;
 }
 
 const Method& method(std::string_view name, std::span<const Method> table) {
+  if (const Method* found = find_method(name, table)) return *found;
   std::string names;
-  for (const Method& m : table) {
-    if (m.name == name) return m;
-    names += (names.empty() ? "" : ", ") + std::string(m.name);
-  }
+  for (const Method& m : table) names += (names.empty() ? "" : ", ") + std::string(m.name);
   throw Error("no method " + std::string(name) + "; expected one of " + names);
+}
+
+std::vector<Method> methods_by_equipment() {
+  std::vector<Method> out(all.begin(), all.end());
+  std::ranges::sort(out, {}, &Method::equipment);
+  return out;
+}
+
+std::string names_of_methods(bool Method::*capability) {
+  std::string names;
+  for (const Method& m : all)
+    if (m.*capability) names += (names.empty() ? "" : ", ") + std::string(m.name);
+  return names;
 }
 
 CalibrationResult calibrate(const Method& method, const CalibrationInput& input, const CalibrationOptions& options) {
@@ -155,6 +183,12 @@ CalibrationResult calibrate(const Method& method, const CalibrationInput& input,
 
 CalibrationResult calibrate(std::string_view name, const CalibrationInput& input, const CalibrationOptions& options) {
   return calibrate(method(name), input, options);
+}
+
+Prediction predict(const Method& method, const Session& procedure, const PredictionOptions& options) {
+  errors_at(procedure.file, [&] { procedure.site.gravity(); });
+  if (method.predict == nullptr) throw Error(fmt::format("the method {} has no prediction", method.name));
+  return method.predict(procedure, options);
 }
 
 }  // namespace imulab

@@ -1,10 +1,12 @@
 // Every calibration method: one signature, one result, one table. A new method is a folder beside these and one line in the table.
 #pragma once
 
+#include "imulab/estimate/prediction.hpp"
 #include "imulab/model/calibration.hpp"
 #include "imulab/model/requirement.hpp"
 #include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"
+#include "imulab/rig/procedure.hpp"
 
 #include <Eigen/Core>
 
@@ -69,44 +71,71 @@ struct CalibrationResult {
   std::vector<HandTurn> missing_turns = {};  ///< that would help most, in their order, each with a rest after it (handheld)
 };
 
-/// Predicted standard uncertainties, before any data. SI.
-struct Prediction {
-  std::vector<CoefficientIndex> coefficients, undetermined;
-  Eigen::VectorXd sigma;                          ///< of each of `coefficients`
-  Eigen::VectorXd cramer_rao;                     ///< Cramer-Rao bound
-  Eigen::VectorXd remaining = {};                 ///< sigma of each of `undetermined`; empty: not known
-  std::vector<CoefficientIndex> considered = {};  ///< of `coefficients`: the procedure does not show them; their prior enters the others
-  std::vector<std::string> notes = {};            ///< why something is not calibrated
-  std::string frame = "accelerometers";           ///< of the calibration to come: that, or "rig"
+/// The rests and turns that inspection has found in a recording.
+struct RestEvidence {
+  std::size_t rests = 0, turns = 0;
+  double determined = 0;   ///< of the nine accelerometer parameters, by the rests' directions
+  bool explained = false;  ///< the gyros explain the turns
+};
+struct MethodSupport {
+  bool supported = false;
+  std::string why;
 };
 
-/// Of a calibration of ideal readings.
-Prediction prediction_of(const Calibration& calibration);
+/// The session that `Method::example` makes. The defaults are a short one.
+struct ExampleSize {
+  HandHeldOptions by_hand = {.poses = 20};
+  TableProcedureOptions on_table = {.rest = 15, .rate_hz = 20};
+  DaiUnitOptions on_machines = {.record = 1};
+  std::uint64_t seed = 1;
+};
 
-/// In the order of the requirements: the coefficients that exceed them, each once; sigma is infinite where one is not determined. Those that the
-/// accelerometers' frame fixes at zero are left out.
-std::vector<Shortfall> shortfalls(const Prediction& prediction, const std::vector<Requirement>& requirements);
-
+/// A row of the table: everything that the rest of the program knows of a method.
 struct Method {
   std::string_view name;       ///< "handheld"
   std::string_view summary;    ///< one line
+  std::string_view reference;  ///< the paper, as docs/references.md has it
+  std::string_view needs;      ///< besides a recording: of steps, site and rig
+  int equipment = 0;           ///< by which methods are offered: the least first
+
   bool takes_several = false;  ///< recordings; else it throws Error for more than one
   bool takes_full = false, takes_stepwise = false, takes_curves = false;
+  bool takes_runs = false;  ///< predictions by Monte Carlo, and the classical ones
+
+  // Statements of a certificate.
+  std::string_view test = {};  ///< by its usual name; empty: those of the session's machines
+  std::string_view angle_source = "the angle between the directions of gravity before and after each turn";
+  /// The origin of angles and rates: an instrument or none.
+  enum class Instrument { none, where_declared, always } instrument = Instrument::none;
+
   /// Throws Error where declarations contradict each other or the data, Unsupported where nothing can be determined.
   CalibrationResult (*calibrate)(const CalibrationInput& input, const CalibrationOptions& options);
-  /// Of a procedure with one recording, of a calibration with these CalibrationOptions::terms; null where the method has no prediction. Throws Error
-  /// where the procedure lacks what the method needs, TermsError as calibrate does.
-  Prediction (*predict)(const Session& procedure, const std::vector<CoefficientIndex>& terms) = nullptr;
+  /// Predicts a procedure; null where the method has no prediction. Throws Error where the procedure lacks what the method needs, and for a
+  /// requirement on a coefficient that it does not estimate; TermsError as calibrate does.
+  Prediction (*predict)(const Session& procedure, const PredictionOptions& options) = nullptr;
+  /// Null: a recording alone is not enough.
+  MethodSupport (*support)(const RestEvidence& evidence) = nullptr;
+  /// A procedure that the method can work on, for tests.
+  Session (*example)(const ExampleSize& size) = nullptr;
 };
 
 /// All methods, by name.
 std::span<const Method> methods();
 /// Throws Error that lists the known ones.
 const Method& method(std::string_view name, std::span<const Method> table = methods());
+/// Null where there is none of this name.
+const Method* find_method(std::string_view name, std::span<const Method> table = methods());
+/// The least equipment first.
+std::vector<Method> methods_by_equipment();
+/// The methods with a capability: "hybrid", or several with commas.
+std::string names_of_methods(bool Method::*capability);
 
 /// Calibrates, and checks the result in the way that is common to all methods: are scales and axes as declared? Throws as the method does.
 CalibrationResult calibrate(const Method& method, const CalibrationInput& input, const CalibrationOptions& options = {});
 /// By a method's name.
 CalibrationResult calibrate(std::string_view method, const CalibrationInput& input, const CalibrationOptions& options = {});
+
+/// Throws Error where the method has no prediction, or neither gravity nor the latitude is known; and as the method does.
+Prediction predict(const Method& method, const Session& procedure, const PredictionOptions& options = {});
 
 }  // namespace imulab

@@ -1,6 +1,7 @@
 #include "imulab/inspection/support.hpp"
 
 #include "imulab/core/units.hpp"
+#include "imulab/estimate/method.hpp"
 #include "imulab/recording/clipping.hpp"
 #include "imulab/recording/coverage.hpp"
 
@@ -77,18 +78,11 @@ void add_support(const SignalTable& table, const TriadEvidence& triads, Inspecti
                                         rests > 0 ? fmt::format(", whose directions determine {:.0f} of 9 accelerometer parameters", determined) : "",
                                         counted(triads.turns, "turn"),
                                         triads.turning > 0 ? fmt::format("; {} quiet parts are steady turns", triads.turning) : ""));
-  const bool still = rests >= 9 && determined > 8.5;
-  const std::string directions = fmt::format("{}, {:.0f} of 9 parameters", counted(rests, "rest"), determined);
-  result.methods.push_back({"static", still, directions + (still ? "" : ": at least nine rests in different directions are needed")});
-  const bool turns = still && triads.explained();
-  result.methods.push_back(
-      {"handheld", turns,
-       fmt::format("{}, {}", directions, counted(triads.turns, "turn")) + (turns   ? ""
-                                                                           : still ? ": the gyros do not explain the turns"
-                                                                                   : ": as for static, and turns about all axes")});
-  result.methods.push_back({"hybrid", false, "needs gyros that resolve the Earth's rate: try it if yours do"});
-  result.methods.push_back({"turntable", false, "needs the table's angles as [[step]]"});
-  result.methods.push_back({"whole-unit", false, "needs the machines' points as [[step]]"});
+  const RestEvidence evidence{rests, triads.turns, determined, triads.explained()};
+  for (const Method& method : methods_by_equipment()) {
+    const MethodSupport support = method.support ? method.support(evidence) : MethodSupport{false, fmt::format("needs {}", method.needs)};
+    result.methods.push_back({std::string(method.name), support.supported, support.why});
+  }
 }
 
 void add_clock(const ClockQuality& clock, Inspection& result) {

@@ -1,7 +1,7 @@
 #include "imulab/inspection/triads.hpp"
 
 #include "imulab/core/statistics.hpp"
-#include "imulab/estimate/kernel/coarse.hpp"
+#include "imulab/estimate/coarse/coarse.hpp"
 #include "imulab/inspection/names.hpp"
 #include "imulab/recording/agreement_at_rest.hpp"
 #include "imulab/recording/make_recording.hpp"
@@ -68,7 +68,7 @@ std::optional<Vector3d> far_center(const std::vector<RestMeans>& rests) {
   if (rests.size() < 6 || center.norm() < 3 * reach || reach == 0) return std::nullopt;
   std::vector<Vector3d> readings;
   for (const RestMeans& rest : rests) readings.emplace_back((rest.accel - center) / reach);
-  const auto coarse = kernel::coarse_accel(readings, 1);
+  const auto coarse = coarse::coarse_accel(readings, 1);
   if (!coarse) return std::nullopt;
   const Vector3d bias = -coarse->matrix.inverse() * coarse->offset;
   return Vector3d(center + reach * bias);
@@ -206,7 +206,7 @@ TriadEvidence evidence_for(const SignalTable& table, const std::vector<std::int6
     evidence.error = std::sqrt(error / count);
     evidence.gyro_matrix = matrix / gyro_step;
   };
-  if (const auto matrix = kernel::coarse_gyro_in_motion(recording, rests, model, Scaling{})) judge(*matrix);
+  if (const auto matrix = coarse::coarse_gyro_in_motion(recording, rests, model, Scaling{})) judge(*matrix);
   if (!evidence.explained())  // few turns, or about one or two axes only: one scale, of those that units have
     for (const double scale : possible_scales) judge(Matrix3d::Identity() * (scale * gyro_step));
   return evidence;

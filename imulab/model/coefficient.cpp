@@ -25,7 +25,7 @@ std::string element_name(Term term, int row, int column) {
   return is_vector(term) ? letter(row) : letter(row) + letter(column);
 }
 
-std::string unit_of(Triad triad, Term term, int column) {
+std::string si_unit_text(Triad triad, Term term, int column) {
   std::string out = triad == Triad::accel ? "m/s^2" : "rad/s";
   switch (term) {
     case Term::offset:
@@ -58,7 +58,7 @@ struct CoefficientTable {
         for (int row = 0; row < 3; ++row)
           for (int column = columns_of(term, row)[0]; column < columns_of(term, row)[1]; ++column, ++at) {
             const std::string name = std::string(to_string(triad)) + "." + std::string(to_string(term)) + "." + element_name(term, row, column);
-            texts.at(at) = {name, unit_of(triad, term, column)};
+            texts.at(at) = {name, si_unit_text(triad, term, column)};
             rows.at(at) = {texts[at][0], triad, term, row, column, texts[at][1]};
           }
   }

@@ -20,7 +20,7 @@ std::string_view trimmed(std::string_view text) {
 }
 
 /// The unit of this name that all of the coefficients can have: a group may be of scales and misalignments. `stated`: the requirement's text.
-UserUnit unit_of(const Requirement& requirement, const std::string& stated, std::string_view name) {
+UserUnit required_unit(const Requirement& requirement, const std::string& stated, std::string_view name) {
   const auto has = [](CoefficientIndex index, std::string_view unit) {
     const auto units = user_units(coefficient(index));
     return std::any_of(units.begin(), units.end(), [&](const UserUnit& u) { return u.name == unit; });
@@ -50,7 +50,7 @@ Requirement parse_requirement(std::string_view text) {
   const char* const end = value.data() + value.size();
   const auto [after, failure] = std::from_chars(value.data(), end, out.limit);
   if (failure != std::errc() || !(out.limit > 0) || !std::isfinite(out.limit)) throw Error(stated + ": expected a number above 0");
-  out.unit = unit_of(out, stated, trimmed({after, end}));
+  out.unit = required_unit(out, stated, trimmed({after, end}));
   out.limit *= out.unit.size;
   return out;
 }

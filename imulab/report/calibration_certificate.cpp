@@ -87,11 +87,9 @@ std::string ranges_text(const CalibrationReport& report) {
 
 /// The tests by their usual names.
 std::string test_text(const Calibration& c, const CalibrationReport& report) {
-  if (c.method == "static") return "multi-position (tumble), static";
-  if (c.method == "handheld") return "multi-position (tumble) by hand, with the rotations between the positions";
-  if (c.method == "turntable") return "multi-position (tumble) and rotations on a table: scale factors, misalignments";
-  if (c.method == "hybrid") return "multi-position (tumble) with rotations in one place: zero velocity";
-  if (c.method != "whole-unit" || !report.session) return "";
+  const Method* method = find_method(c.method);
+  if (method == nullptr) return "";
+  if (!method->test.empty() || !report.session) return std::string(method->test);
   std::string text;
   for (const auto& [kind, name] : {std::pair{RigKind::chamber, "thermal soaks"},
                                    {RigKind::rate_table, "rate table: scale factor, nonlinearity, misalignment"},
@@ -124,11 +122,11 @@ std::string latitude_text(const Site& site) {
                      number_text(rate.y(), 5), number_text(rate.z(), 5));
 }
 
-std::string rotation_reference(const Calibration& c) {
-  if (c.method == "turntable") return "the table's angles, with their declared errors";
-  if (c.method == "whole-unit") return "the rate table's rate and the centrifuge's radius, with their declared errors";
-  if (c.method == "static") return "the Earth's rate at the site's latitude";
-  return "the angle between the directions of gravity before and after each turn";
+/// The row of the calibration's method; of one that is not known, a row without instruments.
+const Method& method_of(const Calibration& c) {
+  static constexpr Method unknown{};
+  const Method* found = find_method(c.method);
+  return found == nullptr ? unknown : *found;
 }
 
 /// One that imulab made: of others it is not known what they come from.
@@ -190,7 +188,7 @@ std::string not_covered_section(const CalibrationReport& report) {
   if (!has_estimated(c, Term::g_sensitivity, Triad::gyro)) out.emplace_back("The gyros' sensitivity to acceleration: not estimated.");
   out.emplace_back("Vibration, shock, magnetic fields, supply voltage, bandwidth and delay: not examined.");
   out.emplace_back("Noise and bias instability over time: an Allan deviation needs a long recording at rest.");
-  if (c.method == "handheld" || c.method == "static" || c.method == "hybrid")
+  if (find_method(c.method) != nullptr && c.frame == "accelerometers")
     out.emplace_back("The axes are the sensors' own: their orientation in the housing is not measured.");
   return section("not-covered", "What this does not cover", "", list(out));
 }
@@ -214,13 +212,15 @@ std::vector<Origin> origins_of(const CalibrationReport& report) {
   const auto stop = [](const RigDeclaration& rig) {
     return rig.kind == RigKind::none && rig.angle.value != 0;
   };  // for turns by hand of a known angle
-  const bool machine = c.method == "turntable" || c.method == "whole-unit" ||
-                       (c.method == "handheld" && report.session && std::any_of(report.session->rigs.begin(), report.session->rigs.end(), stop));
+  using Instrument = Method::Instrument;
+  const Instrument instrument = method_of(c).instrument;
+  const bool machine = instrument == Instrument::always ||
+                       (instrument == Instrument::where_declared && report.session && std::ranges::any_of(report.session->rigs, stop));
   const bool computed = report.session && !report.session->site.given_gravity;
   std::vector<Origin> out{
       {"acceleration", "acceleration", g.empty() ? "gravity at the site" : "gravity at the site: " + g,
        computed ? "not used: gravity was not declared but computed" : ""},
-      {"rotation", "angle and rate", rotation_reference(c), machine ? "" : "not used: the method takes no angle from an instrument"},
+      {"rotation", "angle and rate", std::string(method_of(c).angle_source), machine ? "" : "not used: the method takes no angle from an instrument"},
       {"time", "time", "the recorder's clock, as its stamps say", ""}};
   if (c.model.accel.temperature || c.model.gyro.temperature) out.push_back({"temperature", "temperature", "the recording's own readings", ""});
   return out;

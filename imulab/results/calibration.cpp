@@ -94,7 +94,7 @@ std::string requirements_text(const Calibration& calibration) {
 
 std::string fit_text(const Calibration& calibration) {
   const Quality& quality = calibration.quality;
-  const bool rig = calibration.method == "turntable" || calibration.frame == "rig";
+  const bool rig = calibration.frame == "rig";
   std::string text =
       wrapped("  fit             ", fmt::format("chi2 per degree of freedom {:.3g} against {} ({} degrees of freedom)", quality.chi2_per_dof,
                                                 rig ? "the noise and the declared rig errors" : "the noise alone", quality.degrees_of_freedom));

@@ -18,6 +18,11 @@
 
 namespace imulab {
 
+double sigma_of(CoefficientIndex index, const std::vector<CoefficientIndex>& coefficients, const Eigen::VectorXd& sigma) {
+  const auto at = std::find(coefficients.begin(), coefficients.end(), index) - coefficients.begin();
+  return at < sigma.size() ? sigma[at] : std::numeric_limits<double>::quiet_NaN();
+}
+
 UserUnit unit_of(CoefficientIndex index, const std::vector<CoefficientIndex>& coefficients, const Eigen::VectorXd& sigma) {
   const Coefficient& c = coefficient(index);
   double largest = 0;
@@ -40,7 +45,7 @@ std::array<std::string, 2> heading(const std::string& source) {
   if (source == "gyro turn-on") return {"gyro", "on"};
   if (source == "accelerometer turn-on") return {"acc.", "on"};
   if (source == "timing") return {"", "time"};
-  if (source == turntable::undetermined_source) return {"not", "det."};
+  if (source == undetermined_source) return {"not", "det."};
   if (source == "gyro.g_sensitivity") return {"gyro", "g"};
   if (const auto dot = source.find('.'); dot != std::string::npos)  // a term: "accel.quadratic"
     return {source.starts_with("accel") ? "acc." : "gyro", source.substr(dot + 1) == "quadratic" ? "quad." : source.substr(dot + 1)};
@@ -48,10 +53,10 @@ std::array<std::string, 2> heading(const std::string& source) {
 }
 
 /// The sampled sigmas in sigmas of the closed form, less what the Monte Carlo does not draw.
-Eigen::ArrayXd sampled_ratio(const turntable::Prediction& p, const turntable::MonteCarloResult& monte_carlo) {
+Eigen::ArrayXd sampled_ratio(const Prediction& p, const MonteCarloResult& monte_carlo) {
   Eigen::ArrayXd variance = p.sigma.array().square();
   for (std::size_t k = 0; k < p.sources.size(); ++k)
-    if (p.sources[k] == turntable::undetermined_source) variance -= p.variance.col(static_cast<Eigen::Index>(k)).array();
+    if (p.sources[k] == undetermined_source) variance -= p.variance.col(static_cast<Eigen::Index>(k)).array();
   return monte_carlo.sigma.array() / variance.sqrt();
 }
 
@@ -62,7 +67,7 @@ struct Shares {
 };
 constexpr std::size_t share_columns = 6;  // in 80 columns
 
-Shares all_shares(const turntable::Prediction& p) { return {p.sources, 100 * (p.variance.array().colwise() / p.first_order().array().square())}; }
+Shares all_shares(const Prediction& p) { return {p.sources, 100 * (p.variance.array().colwise() / p.first_order().array().square())}; }
 
 Shares part_of(const Shares& all, const std::vector<std::size_t>& columns) {
   Shares part{{}, all.percent(Eigen::all, columns)};
@@ -100,7 +105,7 @@ std::vector<Shares> in_columns(const Shares& all) {
   return tables;
 }
 
-std::string share_rows(const turntable::Prediction& p, const Shares& shares) {
+std::string share_rows(const Prediction& p, const Shares& shares) {
   std::string text;
   for (const std::size_t line : {0u, 1u}) {
     text += fmt::format("{:<21} {:<13} {:>7}", line == 0 ? "" : "coefficient", line == 0 ? "" : "unit", line == 0 ? "" : "sigma");
@@ -118,9 +123,9 @@ std::string share_rows(const turntable::Prediction& p, const Shares& shares) {
 }
 
 /// Optional terms and the priors of their sizes.
-std::string term_rows(const turntable::Prediction& p) {
+std::string term_rows(const Prediction& p) {
   std::string text;
-  for (const turntable::TermSource& term : p.terms) {
+  for (const TermSource& term : p.terms) {
     const Coefficient& c = coefficient(term.first);
     const UserUnit unit = user_unit(c, term.prior, TriadModel{});
     const bool unseen = std::find(p.considered.begin(), p.considered.end(), term.first) != p.considered.end();
@@ -131,21 +136,21 @@ std::string term_rows(const turntable::Prediction& p) {
 }
 
 /// First and second order, closed form and Monte Carlo, with all digits.
-std::string sigma_rows(const turntable::Prediction& p, const std::optional<turntable::MonteCarloResult>& monte_carlo) {
+std::string sigma_rows(const Prediction& p) {
   const Eigen::VectorXd first = p.first_order();
   std::string text = fmt::format("\n{:<21} {:<13} {:>10} {:>12} {:>12}", "coefficient", "unit", "1st order", "2nd order", "closed form");
-  text += monte_carlo ? fmt::format(" {:>11}\n", "Monte Carlo") : "\n";
+  text += p.monte_carlo ? fmt::format(" {:>11}\n", "Monte Carlo") : "\n";
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     const UserUnit unit = unit_of(p.coefficients[i], p.coefficients, p.sigma);
     text += fmt::format("{:<21} {:<13} {:>10.4g} {:>12.2g} {:>12.4g}", coefficient(p.coefficients[i]).name, unit.name, first[row] / unit.size,
                         p.second_order[row] / unit.size, p.sigma[row] / unit.size);
-    text += monte_carlo ? fmt::format(" {:>11.4g}\n", monte_carlo->sigma[row] / unit.size) : "\n";
+    text += p.monte_carlo ? fmt::format(" {:>11.4g}\n", p.monte_carlo->sigma[row] / unit.size) : "\n";
   }
   return text;
 }
 
-std::string monte_carlo_text(const turntable::Prediction& p, const turntable::MonteCarloResult& monte_carlo, bool undetermined) {
+std::string monte_carlo_text(const Prediction& p, const MonteCarloResult& monte_carlo, bool undetermined) {
   const Eigen::ArrayXd off = (sampled_ratio(p, monte_carlo) - 1).abs();
   Eigen::Index worst;
   const double most = off.maxCoeff(&worst);
@@ -165,31 +170,27 @@ double limit_of(CoefficientIndex index, const std::vector<Requirement>& requirem
   return limit;
 }
 
-}  // namespace
-
-double sigma_of(CoefficientIndex index, const std::vector<CoefficientIndex>& coefficients, const Eigen::VectorXd& sigma) {
-  const auto at = std::find(coefficients.begin(), coefficients.end(), index) - coefficients.begin();
-  return at < sigma.size() ? sigma[at] : std::numeric_limits<double>::quiet_NaN();
-}
-
-std::string prediction_table(const turntable::Prediction& p, const std::optional<turntable::MonteCarloResult>& monte_carlo, bool details) {
+std::string table_of_shares(const Prediction& p, bool details) {
   if (p.coefficients.empty()) return {};
   std::string text = reached_text([&](CoefficientIndex index) { return sigma_of(index, p.coefficients, p.sigma); });
   text += "\nStandard uncertainty of every coefficient, and shares of its variance in percent\n\n" + share_rows(p, visible(all_shares(p)));
   if (details)
     for (const Shares& part : in_columns(all_shares(p))) text += "\n" + share_rows(p, part);
-  if (details) text += sigma_rows(p, monte_carlo);
+  if (details) text += sigma_rows(p);
   text += term_rows(p);
   if ((p.second_order.array() > 0.03 * p.first_order().array()).any())  // below, it changes nothing a person reads
     text +=
         "\n" + text::wrapped("", "The uncertainty contains products of errors (second order), the shares do not; calibrate subtracts their mean.");
-  const bool undetermined = std::find(p.sources.begin(), p.sources.end(), turntable::undetermined_source) != p.sources.end();
+  const bool undetermined = std::find(p.sources.begin(), p.sources.end(), undetermined_source) != p.sources.end();
   if (undetermined)
     text += "\n" + text::wrapped("", "not det.: effect of coefficients that the procedure does not determine and that keep their starting values");
-  return monte_carlo ? text + monte_carlo_text(p, *monte_carlo, undetermined) : text;
+  return p.monte_carlo ? text + monte_carlo_text(p, *p.monte_carlo, undetermined) : text;
 }
 
-std::string prediction_table(const Prediction& p, const std::vector<Requirement>& requirements) {
+}  // namespace
+
+std::string prediction_table(const Prediction& p, const std::vector<Requirement>& requirements, bool details) {
+  if (!p.sources.empty()) return table_of_shares(p, details);
   std::string text = reached_text([&](CoefficientIndex index) { return sigma_of(index, p.coefficients, p.sigma); });
   text += fmt::format("\n{:<21} {:<13} {:>9}{}\n", "coefficient", "unit", "sigma", requirements.empty() ? "" : "  required   ratio");
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
@@ -211,13 +212,13 @@ std::string prediction_table(const Prediction& p, const std::vector<Requirement>
   return text;
 }
 
-std::string turns_text(const hybrid::Advice& advice) {
+std::string turns_text(const Advice& advice) {
   std::string text;
   for (const std::string& turn : advice.turns) text += (text.empty() ? "" : ", then ") + turn;
   return text + ", and rest";
 }
 
-std::string advice_text(const hybrid::Advice& advice) {
+std::string advice_text(const Advice& advice) {
   std::string worst;
   for (const CoefficientIndex index : advice.coefficients) worst += fmt::format(" {}", coefficient(index).name);
   return text::wrapped("", "Worst determined:" + worst) + text::wrapped("", "What helps most after the procedure: " + turns_text(advice));
@@ -264,7 +265,7 @@ std::string requirement_text(const Shortfall& s) {
   return fmt::format("{}: {} has {:.3g} {}, most of it from {}", required, name, s.sigma / unit.size, unit.name, s.source);
 }
 
-std::string table_text(const turntable::ErrorSizes& s) {
+std::string table_text(const ErrorSizes& s) {
   const std::array<std::pair<const char*, double>, 3> parts{{{"angle", s.angle}, {"orthogonality", s.orthogonality}, {"zero", s.zero}}};
   std::string text;
   for (std::size_t k = 0; k < parts.size(); ++k) {
@@ -275,7 +276,7 @@ std::string table_text(const turntable::ErrorSizes& s) {
   return text.substr(0, text.size() - 2);
 }
 
-std::string noise_text(const turntable::ErrorSizes& s) {
+std::string noise_text(const ErrorSizes& s) {
   std::string text = fmt::format("noise {} deg/sqrt(h) and {} ug/sqrt(Hz)", rounded_down(s.gyro_noise / unit::deg_per_sqrt_h),
                                  rounded_down(s.accel_noise / unit::ug_per_sqrt_hz));
   if (s.gyro_turn_on > 0 || s.accel_turn_on > 0)
@@ -283,30 +284,30 @@ std::string noise_text(const turntable::ErrorSizes& s) {
   return text;
 }
 
-std::string setting_text(turntable::Knob knob, const turntable::ErrorSizes& s) {
+std::string setting_text(Knob knob, const ErrorSizes& s) {
   std::string timing = fmt::format("timing {} ms", rounded_down(1e3 * s.timing));
-  if (knob == turntable::Knob::table) return table_text(s);
-  if (knob == turntable::Knob::timing) return timing;
-  if (knob == turntable::Knob::imu) return noise_text(s);
+  if (knob == Knob::table) return table_text(s);
+  if (knob == Knob::timing) return timing;
+  if (knob == Knob::imu) return noise_text(s);
   return table_text(s) + "; " + timing + "; " + noise_text(s);
 }
 
-std::string title(turntable::Knob knob) {
-  if (knob == turntable::Knob::table) return "coarsest table";
-  if (knob == turntable::Knob::timing) return "longest timing error of a turn";
-  if (knob == turntable::Knob::imu) return "noisiest unit";
+std::string title(Knob knob) {
+  if (knob == Knob::table) return "coarsest table";
+  if (knob == Knob::timing) return "longest timing error of a turn";
+  if (knob == Knob::imu) return "noisiest unit";
   return "table, timing and unit together, all times one factor";
 }
 
-std::string answer(const char* first, turntable::Knob knob, const turntable::Tolerance& t) {
+std::string answer(const char* first, Knob knob, const Tolerance& t) {
   if (t.factor)
     return text::wrapped(
         first, fmt::format("{}{} x declared: {}", t.unlimited ? "any, tried up to " : "", rounded_down(*t.factor), setting_text(knob, t.sizes)));
   std::string text = std::string(first) + "none: not even ";
-  if (knob == turntable::Knob::table) text += "a perfect table";
-  if (knob == turntable::Knob::timing) text += "perfect timing";
-  if (knob == turntable::Knob::imu) text += "a hundredth of the noise";
-  if (knob == turntable::Knob::all) text += "a hundredth of all";
+  if (knob == Knob::table) text += "a perfect table";
+  if (knob == Knob::timing) text += "perfect timing";
+  if (knob == Knob::imu) text += "a hundredth of the noise";
+  if (knob == Knob::all) text += "a hundredth of all";
   text += "\n";
   for (const Shortfall& s : t.shortfalls) text += text::wrapped("      ", requirement_text(s));
   return text;
@@ -314,13 +315,13 @@ std::string answer(const char* first, turntable::Knob knob, const turntable::Tol
 
 }  // namespace
 
-std::string tolerance_table(const turntable::Plan& plan, const std::vector<Shortfall>& missed, const std::vector<KnobAnswer>& answers) {
+std::string tolerance_table(const Tolerances& tolerances, const std::vector<Shortfall>& missed) {
   std::string text = fmt::format("As declared, {}\n", missed.empty() ? "every requirement is met." : "these requirements are not met:");
   for (const Shortfall& s : missed) text += text::wrapped("  ", requirement_text(s));
   text += "\nWhat meets every requirement:\n";
-  for (const KnobAnswer& a : answers) {
+  for (const Tolerances::Answer& a : tolerances.answers) {
     text += fmt::format("  {}\n", title(a.knob));
-    if (a.knob == turntable::Knob::timing && plan.parts.turns.empty()) {
+    if (a.knob == Knob::timing && !tolerances.has_turns) {
       text += "    the procedure has no turns\n";
       continue;
     }
@@ -328,7 +329,7 @@ std::string tolerance_table(const turntable::Plan& plan, const std::vector<Short
     text += answer(a.alone ? "    all else as declared  " : "    ", a.knob, a.declared);
   }
   text += text::wrapped("", "Perfect: a millionth of the table's and the timing's errors, a hundredth of the noise, g and latitude exact.");
-  const turntable::ErrorSizes s = turntable::error_sizes(plan);
+  const ErrorSizes& s = tolerances.declared;
   if ((s.angle == 0 && s.orthogonality == 0 && s.zero == 0) || s.timing == 0)
     text += "Where no error is declared, factors are those of 1 arcsec and 1 ms.\n";
   return text;

@@ -1,11 +1,8 @@
 // Predicted uncertainties and tolerances of a procedure as tables.
 #pragma once
 
-#include "imulab/estimate/hybrid/prediction.hpp"
-#include "imulab/estimate/turntable/prediction.hpp"
-#include "imulab/estimate/turntable/tolerance.hpp"
+#include "imulab/estimate/prediction.hpp"
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,32 +12,21 @@ namespace hybrid {
 struct Path;
 }
 
-/// The answer for one knob, with the others as declared and with all else perfect.
-struct KnobAnswer {
-  turntable::Knob knob;
-  turntable::Tolerance declared;
-  std::optional<turntable::Tolerance> alone;
-};
-
 /// One unit for all coefficients of a term, by the largest of them; the readings are those of an ideal IMU, in SI.
 UserUnit unit_of(CoefficientIndex index, const std::vector<CoefficientIndex>& coefficients, const Eigen::VectorXd& sigma);
 /// The sigma of a coefficient; NaN where it is not among the predicted ones.
 double sigma_of(CoefficientIndex index, const std::vector<CoefficientIndex>& coefficients, const Eigen::VectorXd& sigma);
 
-/// The worst of each group, then a row a coefficient: its uncertainty in user units, and the share of each source in its variance. With `details`
-/// also orders and Monte Carlo with more digits. Empty where no coefficient is determined.
-std::string prediction_table(const turntable::Prediction& prediction, const std::optional<turntable::MonteCarloResult>& monte_carlo,
-                             bool details = false);
-/// The worst of each group, then a row a coefficient: its uncertainty in user units, and beside it what is required, if anything is; then what is not
-/// determined.
-std::string prediction_table(const Prediction& prediction, const std::vector<Requirement>& requirements);
+/// The worst of each group, then a row a coefficient: its uncertainty in user units, and beside it the share of each source in its variance where the
+/// method tells them apart, else what is required. With `details` also orders and Monte Carlo with more digits.
+std::string prediction_table(const Prediction& prediction, const std::vector<Requirement>& requirements, bool details = false);
 
-/// Which requirements the plan does not meet as declared, and what table, timing and unit would meet them all.
-std::string tolerance_table(const turntable::Plan& plan, const std::vector<Shortfall>& missed, const std::vector<KnobAnswer>& answers);
+/// Which requirements the procedure does not meet as declared, and what table, timing and unit would meet them all.
+std::string tolerance_table(const Tolerances& tolerances, const std::vector<Shortfall>& missed);
 /// The worst determined coefficients, and the turns that help most.
-std::string advice_text(const hybrid::Advice& advice);
+std::string advice_text(const Advice& advice);
 /// The further turns of an advice: "turn by ..., then turn by ..., and rest".
-std::string turns_text(const hybrid::Advice& advice);
+std::string turns_text(const Advice& advice);
 /// "gyro.matrix.xx has 31.2 ppm where 10 ppm is required" or "gyro.matrix.xx is not determined".
 std::string shortfall_text(const Shortfall& shortfall);
 

@@ -38,13 +38,13 @@ TEST(SavedResult, AComparisonComesBack) {
 }
 
 TEST(SavedResult, APredictionComesBack) {
-  turntable::Prediction p;
+  Prediction p;
   p.coefficients = select_coefficients("gyro.offset");
   p.undetermined = select_coefficients("accel.offset.x");
   p.sigma = p.cramer_rao = p.second_order = p.bias = Eigen::Vector3d(1, 2, 3);
   p.sources = {"angle", "gyro noise"};
   p.variance = Eigen::MatrixXd::Constant(3, 2, 4);
-  const auto back = std::get<PredictionSummary>(parse_result(prediction_json(summary_of(p, {}, {}, {})), "p.json"));
+  const auto back = std::get<PredictionSummary>(parse_result(prediction_json(summary_of(p)), "p.json"));
   EXPECT_EQ(back.indices(), p.coefficients);
   EXPECT_EQ(back.undetermined, p.undetermined);
   EXPECT_EQ(back.sigma(), p.sigma);
@@ -58,7 +58,7 @@ TEST(SavedResult, APlanComesBack) {
   Prediction p;
   p.coefficients = select_coefficients("gyro.offset");
   p.sigma = p.cramer_rao = Eigen::Vector3d(1e-8, 2e-8, 3e-8);
-  const std::string text = plan_json({requirements, path, summary_of(p, {}, std::nullopt)});
+  const std::string text = plan_json({requirements, path, summary_of(p)});
   const auto back = std::get<PlanSummary>(parse_result(text, "plan.json"));
   ASSERT_EQ(back.requirements.size(), 2u);
   EXPECT_EQ(to_string(back.requirements[0]), to_string(requirements[0]));

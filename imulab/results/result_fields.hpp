@@ -92,8 +92,6 @@ void describe(Fields& f, PredictedCoefficient& c) {
   f("budget", c.budget, fields::if_any);
 }
 
-namespace turntable {
-
 template <class Fields>
 void describe(Fields& f, Tolerance& t) {
   f("factor", t.factor);
@@ -106,21 +104,15 @@ void describe(Fields& f, Tolerance& t) {
   f("gyro_turn_on", t.sizes.gyro_turn_on), f("accel_turn_on", t.sizes.accel_turn_on);
 }
 
-}  // namespace turntable
-
 template <class Fields>
-void describe(Fields& f, KnobAnswer& answer) {
+void describe(Fields& f, Tolerances::Answer& answer) {
   f("others_as_declared", answer.declared), f("others_perfect", answer.alone, fields::if_any);
 }
-
-namespace hybrid {
 
 template <class Fields>
 void describe(Fields& f, Advice& advice) {
   f("coefficients", advice.coefficients), f("advice", advice.turns);
 }
-
-}  // namespace hybrid
 
 template <class Fields>
 void describe(Fields& f, PredictionSummary& p) {

@@ -60,32 +60,23 @@ Eigen::VectorXd PredictionSummary::sigma() const {
   return out;
 }
 
-PredictionSummary summary_of(const Prediction& p, const std::vector<Shortfall>& missed, const std::optional<hybrid::Advice>& advice) {
-  PredictionSummary out{.undetermined = p.undetermined, .considered = p.considered, .notes = p.notes, .advice = advice};
-  for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    out.coefficients.push_back({.index = p.coefficients[i], .sigma = p.sigma[row], .cramer_rao = p.cramer_rao[row]});
-  }
-  if (!missed.empty()) out.missed = missed;
-  return out;
-}
-
-PredictionSummary summary_of(const turntable::Prediction& p, const std::optional<turntable::MonteCarloResult>& monte_carlo,
-                             const std::vector<Shortfall>& missed, const std::vector<KnobAnswer>& answers) {
-  PredictionSummary out = summary_of(static_cast<const Prediction&>(p), missed, std::nullopt);
-  out.notes.clear();
+PredictionSummary summary_of(const Prediction& p) {
+  PredictionSummary out{.undetermined = p.undetermined, .considered = p.considered, .notes = p.notes, .advice = p.advice};
   const Eigen::VectorXd first = p.first_order();
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
-    PredictedCoefficient& c = out.coefficients[i];
+    PredictedCoefficient& c = out.coefficients.emplace_back();
+    c.index = p.coefficients[i], c.sigma = p.sigma[row], c.cramer_rao = p.cramer_rao[row];
+    if (p.monte_carlo) c.monte_carlo = p.monte_carlo->sigma[row];
+    if (p.sources.empty()) continue;
     c.first_order = first[row], c.second_order = p.second_order[row], c.bias = p.bias[row];
-    if (monte_carlo) c.monte_carlo = monte_carlo->sigma[row];
     for (std::size_t k = 0; k < p.sources.size(); ++k) c.budget.emplace_back(p.sources[k], std::sqrt(p.variance(row, static_cast<Eigen::Index>(k))));
   }
-  for (const turntable::TermSource& term : p.terms) out.priors.emplace_back(term.name, term.prior);
-  if (monte_carlo) out.runs = monte_carlo->runs;
-  if (!answers.empty()) out.missed = missed;
-  for (const KnobAnswer& answer : answers) out.tolerance.emplace_back(to_string(answer.knob), answer);
+  for (const TermSource& term : p.terms) out.priors.emplace_back(term.name, term.prior);
+  if (p.monte_carlo) out.runs = p.monte_carlo->runs;
+  if (p.tolerances || !p.missed.empty()) out.missed = p.missed;
+  if (p.tolerances)
+    for (const Tolerances::Answer& answer : p.tolerances->answers) out.tolerance.emplace_back(to_string(answer.knob), answer);
   return out;
 }
 

@@ -27,7 +27,7 @@ struct ComparisonSummary {
   std::optional<Agreement> agreement = {};
 };
 
-/// A coefficient of a prediction. What only the method turntable predicts is optional. SI.
+/// A coefficient of a prediction. What not every method predicts is optional. SI.
 struct PredictedCoefficient {
   CoefficientIndex index{};
   double sigma = 0, cramer_rao = NAN;  ///< the bound: NaN where it is not stated
@@ -41,19 +41,16 @@ struct PredictionSummary {
   std::vector<CoefficientIndex> undetermined = {}, considered = {};
   std::vector<std::pair<std::string, double>> priors = {};  ///< of terms that the IMU may have, by name
   std::vector<std::string> notes = {};
-  std::optional<std::uint64_t> runs = {};                          ///< of the Monte Carlo
-  std::optional<std::vector<Shortfall>> missed = {};               ///< requirements
-  std::vector<std::pair<std::string, KnobAnswer>> tolerance = {};  ///< by knob; not read back
-  std::optional<hybrid::Advice> advice = {};                       ///< from JSON: without its ratios
+  std::optional<std::uint64_t> runs = {};                                  ///< of the Monte Carlo
+  std::optional<std::vector<Shortfall>> missed = {};                       ///< requirements
+  std::vector<std::pair<std::string, Tolerances::Answer>> tolerance = {};  ///< by knob; not read back
+  std::optional<Advice> advice = {};                                       ///< from JSON: without its ratios
 
   std::vector<CoefficientIndex> indices() const;
   Eigen::VectorXd sigma() const;
 };
 
-PredictionSummary summary_of(const turntable::Prediction& prediction, const std::optional<turntable::MonteCarloResult>& monte_carlo,
-                             const std::vector<Shortfall>& missed, const std::vector<KnobAnswer>& answers);
-/// The other methods have no sources of their own.
-PredictionSummary summary_of(const Prediction& prediction, const std::vector<Shortfall>& missed, const std::optional<hybrid::Advice>& advice);
+PredictionSummary summary_of(const Prediction& prediction);
 
 struct PlanSummary {
   std::vector<Requirement> requirements;

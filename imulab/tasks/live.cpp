@@ -3,7 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/memory.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/estimate/rests/advice.hpp"
+#include "imulab/estimate/rests/rests.hpp"
 #include "imulab/model/compensate.hpp"
 #include "imulab/recording/rest_detection.hpp"
 #include "imulab/recording/rest_means.hpp"

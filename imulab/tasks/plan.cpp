@@ -150,13 +150,13 @@ PlannedProcedure plan(const PlanTask& task) {
   }
   out.path = std::move(found.path), out.procedure = std::move(found.procedure), out.prediction = std::move(found.prediction);
   if (task.prior) add_prior(out.prediction, *task.prior);
-  out.missed = shortfalls(out.prediction, task.requirements);
+  out.prediction.missed = shortfalls(out.prediction, task.requirements);
   return out;
 }
 
 namespace {
 
-PlanSummary summary_of(const PlannedProcedure& p) { return {p.requirements, p.path, summary_of(p.prediction, p.missed, std::nullopt), p.prior}; }
+PlanSummary summary_of(const PlannedProcedure& p) { return {p.requirements, p.path, imulab::summary_of(p.prediction), p.prior}; }
 
 }  // namespace
 
@@ -170,11 +170,12 @@ std::string plan_text(const PlannedProcedure& p) {
 std::string plan_page(const PlannedProcedure& p) { return plan_page(summary_of(p)); }
 
 std::string shortcomings(const PlannedProcedure& p) {
-  const auto open = std::find_if(p.missed.begin(), p.missed.end(), [](const Shortfall& s) { return !std::isfinite(s.sigma); });
-  if (p.missed.empty() || (p.timed && open == p.missed.end())) return "";
+  const std::vector<Shortfall>& missed = p.prediction.missed;
+  const auto open = std::find_if(missed.begin(), missed.end(), [](const Shortfall& s) { return !std::isfinite(s.sigma); });
+  if (missed.empty() || (p.timed && open == missed.end())) return "";
   std::string text;
   const std::vector<CoefficientIndex>& undetermined = p.prediction.undetermined;
-  for (const Shortfall& s : p.missed) {
+  for (const Shortfall& s : missed) {
     text += (text.empty() ? "" : "; ") + shortfall_text(s);
     const auto at = std::find(undetermined.begin(), undetermined.end(), s.coefficient) - undetermined.begin();
     if (!std::isfinite(s.sigma))

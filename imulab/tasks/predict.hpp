@@ -2,56 +2,27 @@
 #pragma once
 
 #include "imulab/estimate/hybrid/path_design.hpp"
-#include "imulab/estimate/hybrid/prediction.hpp"
-#include "imulab/estimate/turntable/prediction.hpp"
+#include "imulab/estimate/method.hpp"
 #include "imulab/fleet/statistics/prior.hpp"
 #include "imulab/results/prediction.hpp"
 #include "imulab/results/summary.hpp"
 
-#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace imulab {
 
-struct PredictionTask {
-  std::string method = "turntable";
-  std::vector<CoefficientIndex> terms = {};  ///< as CalibrationOptions has them
-  std::vector<Requirement> requirements = {};
-  std::uint64_t runs = 20000;  ///< of the Monte Carlo (turntable); 0: none
-  std::uint64_t seed = 1;
-  bool classical = false;                     ///< turntable: as turntable::Plan has it
-  std::function<void(double)> progress = {};  ///< told about which part is done, 0 to 1; from any thread
-  std::optional<Checkpoint> checkpoint = {};  ///< of the Monte Carlo
-};
-
-struct PredictedProcedure {
-  Prediction prediction;
-  std::vector<Shortfall> missed;         ///< requirements
-  std::optional<hybrid::Advice> advice;  ///< hybrid: the turns that help most, where something is missed
-  /// Further results of the method turntable.
-  struct OnTurntable {
-    turntable::Plan plan;
-    turntable::Prediction prediction;
-    std::optional<turntable::MonteCarloResult> monte_carlo;
-    std::vector<KnobAnswer> answers;  ///< to the requirements
-  };
-  std::optional<OnTurntable> on_turntable;
-  std::uint64_t runs = 0;
-  bool required = false;
-};
-
-/// Throws Error as the method's prediction does, and where a requirement is of a coefficient that the method does not
-/// estimate.
-PredictedProcedure predict(const Session& procedure, const PredictionTask& task);
-std::string prediction_json(const PredictedProcedure& predicted);
-std::string prediction_text(const PredictedProcedure& predicted, const std::vector<Requirement>& requirements, bool details = false);
-/// HTML. `procedure`: its name.
-std::string prediction_page(const PredictedProcedure& predicted, const std::string& procedure);
+/// As the method predicts, with a checkpoint that names the procedure and the options.
+Prediction predicted(std::string_view method, const Session& procedure, PredictionOptions options);
+/// `details`: first and second order and the Monte Carlo, with more digits.
+std::string prediction_text(const Prediction& prediction, const std::vector<Requirement>& requirements, bool details = false);
+/// HTML. `procedure`: its name. `required`: there were requirements.
+std::string prediction_page(const Prediction& prediction, const std::string& procedure, bool required);
 /// Why the procedure is not enough. Empty: it is.
-std::string shortcomings(const PredictedProcedure& predicted);
+std::string shortcomings(const Prediction& prediction);
 
 struct PlanTask {
   std::vector<Requirement> requirements;
@@ -72,7 +43,6 @@ struct PlannedProcedure {
   hybrid::Path path;
   Session procedure;
   Prediction prediction;
-  std::vector<Shortfall> missed;
   std::optional<PriorEffect> prior;
   bool timed = false;
 };

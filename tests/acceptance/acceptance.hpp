@@ -59,6 +59,9 @@ std::vector<Check> whole_unit_outputs(int runs);
 
 /// Drawn fleets of 60 units with three calibrations each, through a store: coverage of spread, drift and station bias; rates of outliers.
 std::vector<Check> fleets(int count);
+/// Fleets of 86 units whose sessions by hand are simulated, written and calibrated as the documentation does: a unit 0.5 g off is named, and what only
+/// the prior sets is left out.
+std::vector<Check> fleets_by_hand(int count);
 
 /// What the acceptance test runs for a method. Every method of the table has at least one.
 struct Case {

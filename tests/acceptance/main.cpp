@@ -65,7 +65,11 @@ int run(int argc, char** argv) {
   if (chosen("error-growth")) passed &= report(fmt::format("error-growth: {} runs, seed 1", count(2000)), error_growth(count(2000)));
   if (chosen("whole-unit"))
     passed &= report(fmt::format("whole-unit outputs: {} sessions, seeds 1..{}", count(200), count(200)), whole_unit_outputs(count(200)));
-  if (chosen("fleet")) passed &= report(fmt::format("fleet: {} fleets, seeds 1..{}", count(600), count(600)), fleets(count(600)));
+  if (chosen("fleet")) {
+    const int by_hand = std::max(1, count(600) / 60);  // a session takes a thousand times as long as a drawn calibration
+    passed &= report(fmt::format("fleet: {} fleets, seeds 1..{}", count(600), count(600)), fleets(count(600)));
+    passed &= report(fmt::format("fleet by hand: {} fleets, seeds 1..{}", by_hand, by_hand), fleets_by_hand(by_hand));
+  }
   if (chosen("drives")) {
     const std::string rates = describe(drives(count(200)));
     if (tells()) fmt::print("drives: {} drives, seeds 1..{}\n{}", count(200), count(200), rates);

@@ -4,11 +4,10 @@
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/estimate/kernel/optional_terms.hpp"
+#include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/sensor_noise.hpp"
-#include "imulab/rig/procedure.hpp"
 #include "imulab/simulate/simulate.hpp"
 
 #include <fmt/core.h>
@@ -25,22 +24,6 @@ namespace imulab::acceptance {
 namespace {
 
 using Eigen::Index;
-
-Session procedure_of(std::string_view method, std::uint64_t seed) {
-  TableProcedureOptions table;
-  table.rest = 30, table.rate_hz = 50;
-  if (method == "handheld" || method == "static") {
-    HandHeldOptions hand;
-    hand.poses = 30;
-    return hand_held_procedure(hand, seed);
-  }
-  if (method == "whole-unit") {
-    DaiUnitOptions unit;
-    unit.record = 2;
-    return dai_unit_procedure(unit);
-  }
-  return method == "turntable" ? zhang_24_procedure(table) : cheng_path_procedure(table);
-}
 
 /// The optional terms by their prior, times a factor between 0.37 and 1.83, so that sizes spread about what the data can show. Its mean square is 1:
 /// the terms are as large as the prior says. All terms of a session have the same one; by the golden ratio it is spread evenly over any seeds in a
@@ -107,7 +90,7 @@ struct MisspecifiedRun {
 };
 
 MisspecifiedRun run(const Method& method, std::uint64_t seed) {
-  Session session = procedure_of(method.name, seed);
+  Session session = method.example({.by_hand = {.poses = 30}, .on_table = {.rest = 30, .rate_hz = 50}, .on_machines = {.record = 2}, .seed = seed});
   session.imu.noise = NoiseTerms::full;
   const RandomStream random(seed, "misspecified");
   Truth truth = draw_truth(session, seed);
@@ -126,7 +109,7 @@ MisspecifiedRun run(const Method& method, std::uint64_t seed) {
     }
     recordings.push_back(std::move(r));
   }
-  if (method.name == "handheld" || method.name == "static") session.steps.clear();
+  if (method.support) session.steps.clear();  // it finds the rests in the recording
   const Calibration c = calibrate(method, {session, recordings}).calibration;
   const SensorModel exact = method.takes_several ? truth.model : with_recorded_offsets(truth, recordings.front(), seed);
   MisspecifiedRun out{true, c.quality.verdict == "good", c.estimated, Eigen::VectorXd(c.estimated.size()), c.covariance};

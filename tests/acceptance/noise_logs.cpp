@@ -119,7 +119,7 @@ std::array<double, 4> bounds(const NoiseTruth& truth, const noise::Spectrum& spe
   noise::Terms terms;
   terms.markov = truth.sigma > 0 ? 1 : 0;
   if (truth.cutoff > 0) terms.low_pass = {2, truth.digital};
-  const noise::Problem problem(spectrum, 1 / interval, truth.step, terms);
+  const noise::SpectrumLikelihood problem(spectrum, 1 / interval, truth.step, terms);
   noise::Parameters at(terms.count());
   at.head(4) << truth.model.Q * truth.model.Q / problem.Q_scale(), 0, 2 * std::log(truth.model.B), 2 * std::log(truth.model.K);
   if (terms.markov > 0) at[terms.sigma(0)] = 2 * std::log(truth.sigma), at[terms.time(0)] = std::log(truth.time);

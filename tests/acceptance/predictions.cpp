@@ -2,7 +2,6 @@
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/model/grade.hpp"
-#include "imulab/rig/procedure.hpp"
 
 #include <fmt/core.h>
 
@@ -17,19 +16,12 @@ namespace imulab::acceptance {
 namespace {
 
 /// A short procedure for a method, with the unit's noise declared.
-Session predicted_case(std::string_view method) {
-  HandHeldOptions hand;
-  hand.poses = 25, hand.first_rest = 10;
-  TableProcedureOptions table;
-  table.rest = 30, table.rate_hz = 50;
-  DaiUnitOptions unit;
-  unit.record = 1;
-  if (method == "whole-unit") return dai_unit_procedure(unit);
-  if (method == "turntable") return zhang_24_procedure(table);
-  if (method == "hybrid") return cheng_path_procedure(table);
-  if (method == "static") hand.grade = "navigation";  // whose gyros resolve Earth's rate
-  Session s = hand_held_procedure(hand, 1);
-  s.imu.accel_noise_density = grade(hand.grade).accel_noise.N, s.imu.gyro_noise_density = grade(hand.grade).gyro_noise.N;
+Session predicted_case(const Method& method) {
+  ExampleSize size{.by_hand = {.poses = 25, .first_rest = 10}, .on_table = {.rest = 30, .rate_hz = 50}};
+  if (method.equipment == 0) size.by_hand.grade = "navigation";  // rests alone need gyros that resolve Earth's rate
+  Session s = method.example(size);
+  if (method.equipment >= 2) return s;
+  s.imu.accel_noise_density = grade(size.by_hand.grade).accel_noise.N, s.imu.gyro_noise_density = grade(size.by_hand.grade).gyro_noise.N;
   return s;
 }
 
@@ -85,7 +77,7 @@ Outcome session_of(const Method& method, const Session& of, const Prediction& p,
 }  // namespace
 
 std::vector<Check> predictions(const Method& method, int sessions) {
-  const Session of = predicted_case(method.name);
+  const Session of = predicted_case(method);
   const Prediction p = method.predict(of, {});
   auto all = runs_of<Outcome>(fmt::format("predictions {}", method.name), sessions, [&](std::size_t i) { return session_of(method, of, p, i + 1); });
   const auto widened = static_cast<double>(std::ranges::count_if(all, &Outcome::widened));

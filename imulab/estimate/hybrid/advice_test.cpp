@@ -22,7 +22,7 @@ Plan plan_with(const std::vector<TableTurn>& turns) {
 TEST(HybridAdvice, NamesTheAxisThatWasNeverTurned) {
   // Only about the middle axis, the IMU's y: the x gyro's scale needs a turn about x, the z gyro's one about z, each while it is horizontal.
   const Plan plan = plan_with({{middle, 90, 30}, {middle, 180, 30}, {middle, -90, 30}, {middle, -180, 30}});
-  const Prediction p = predict(plan);
+  const FilterPrediction p = predict(plan);
   ASSERT_THAT(p.undetermined, testing::Contains(coefficient_index("gyro.matrix.xx")));
   for (const char* name : {"gyro.matrix.xx", "gyro.matrix.zz"}) {
     const Advice advice = advise(plan, p, parse_requirements(std::string(name) + " <= 20 ppm"));
@@ -42,7 +42,7 @@ TEST(HybridAdvice, WhatItSaysHelps) {
   for (const RigAxis axis : {outer, middle, inner})
     for (const double angle : {90.0, 180.0, -90.0, -180.0}) {
       turns.push_back({axis, angle, 30});
-      const Prediction p = predict(plan_with(turns));
+      const FilterPrediction p = predict(plan_with(turns));
       for (std::size_t i = 0; i < p.coefficients.size(); ++i)
         if (p.coefficients[i] == coefficient_index("gyro.matrix.xx")) best = std::min(best, p.sigma[static_cast<Eigen::Index>(i)] / (20 * unit::ppm));
       turns.pop_back();
@@ -53,7 +53,7 @@ TEST(HybridAdvice, WhatItSaysHelps) {
 
 TEST(HybridAdvice, ShortfallsAreWhatIsNotMet) {
   const Plan plan = plan_with({{middle, 90, 30}, {middle, 180, 30}, {middle, -90, 30}});
-  const Prediction p = predict(plan);
+  const FilterPrediction p = predict(plan);
   const auto missed = shortfalls(p, parse_requirements("gyro.matrix.yy <= 1 %, gyro.matrix.zz <= 100 ppm, accel.offset <= 0.0001 ug"));
   ASSERT_EQ(missed.size(), 4u);
   EXPECT_EQ(missed[0].coefficient, coefficient_index("gyro.matrix.zz"));

@@ -26,7 +26,7 @@ Vector3d observe_velocity(SquareRootEstimate& e, const Vector3d& velocity, doubl
   return innovation;
 }
 
-/// Innovations of a filter whose model is right are white (Mehra 1970). What a model lacks lasts, and is in one after the other.
+/// Innovations of a filter whose model is right are white (Mehra 1970). An unmodeled effect lasts, so that consecutive innovations are correlated.
 class Whiteness {
  public:
   void add(const Vector3d& innovation) {
@@ -142,8 +142,12 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
   for (std::size_t k = 0; k < blocks.size(); ++k) {
     const Block& block = blocks[k];
     if (k == 0 || block.lost) {
-      k == 0 ? navigator.align(rest_from(blocks, k)) : align_anew(navigator, blocks[k - 1].samples.end, rest_from(blocks, k), data);
-      if (k == 0) out.start = navigator.C_nb = about.start.value_or(navigator.C_nb);
+      if (k > 0) {
+        align_anew(navigator, blocks[k - 1].samples.end, rest_from(blocks, k), data);
+      } else {
+        navigator.align(rest_from(blocks, k));
+        out.start = navigator.C_nb = about.start.value_or(navigator.C_nb);
+      }
       first = block.samples.begin;
       velocity.setZero();
       begin(e, states, k == 0 ? Vector3d(known.sigma.segment<3>(states.first(Group::start))) : alignment_sigma(), k == 0);
@@ -151,13 +155,16 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
     const Matrix3d before = navigator.C_nb;
     const BlockSums sums = navigator.over(block, first);
     velocity += sums.velocity;
+    // X' = F X + G W with the state X of Cheng 2014 eq 19, integrated over the block: F from eqs 22 and 23, G W as a covariance.
     e.predict<6>(transition(sums, states, about.place), sums.covariance(noise, 0.5 * (before + navigator.C_nb)));
     drift(e, states, noise, sums.duration, sums.duration / whole);
+    // Z = H X + v, H = [I 0] (sec 2.3): the computed velocity, less the lever arms' part, of a unit in one place is the velocity error.
     const Vector3d innovation = block.observed ? observe_velocity(e, velocity, noise.velocity, options.outlier) : Vector3d::Zero();
     out.chi2.push_back(innovation.squaredNorm());
     const bool used = block.observed && out.chi2.back() <= options.outlier;
-    used ? whiteness.add(innovation) : whiteness.interrupt();
+    if (!used) whiteness.interrupt();
     if (used) {  // the known velocity error goes into the solution
+      whiteness.add(innovation);
       velocity -= e.x.tail<3>();
       e.x.tail<3>().setZero();
     }

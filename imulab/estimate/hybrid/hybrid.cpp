@@ -4,13 +4,12 @@
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
+#include "imulab/estimate/coarse/coarse.hpp"
+#include "imulab/estimate/coarse/rest_start.hpp"
+#include "imulab/estimate/hybrid/latitude_at_rest.hpp"
 #include "imulab/estimate/hybrid/quality.hpp"
-#include "imulab/estimate/kernel/coarse.hpp"
-#include "imulab/estimate/kernel/common_turns.hpp"
 #include "imulab/estimate/kernel/input.hpp"
-#include "imulab/estimate/kernel/latitude_at_rest.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
-#include "imulab/estimate/kernel/rest_start.hpp"
 #include "imulab/model/frame.hpp"
 #include "imulab/recording/quiet_noise.hpp"
 
@@ -31,10 +30,10 @@ using Eigen::VectorXd;
 
 /// Coarse gyros: from the Earth's rate at rest where the rests allow it, else the declared unit or, for counts, the motion of gravity; offset from
 /// the rests.
-void start_gyro(kernel::RestStart& start, const Recording& recording, double latitude) {
+void start_gyro(coarse::RestStart& start, const Recording& recording, double latitude) {
   TriadModel& gyro = start.model.gyro;
   const bool counts = recording.gyro_unit == "count";
-  const auto at_rest = kernel::coarse_gyro_at_rest(start.rests, start.model, start.scaling, earth_rate * std::sin(latitude));
+  const auto at_rest = coarse::coarse_gyro_at_rest(start.rests, start.model, start.scaling, earth_rate * std::sin(latitude));
   if (at_rest && !counts && (at_rest->matrix - Matrix3d::Identity()).cwiseAbs().maxCoeff() < 0.05) {
     gyro.matrix = at_rest->matrix;
     gyro.offset = at_rest->offset;
@@ -42,7 +41,7 @@ void start_gyro(kernel::RestStart& start, const Recording& recording, double lat
     return;
   }
   if (counts) {
-    const auto in_motion = kernel::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
+    const auto in_motion = coarse::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
     if (!in_motion)
       throw Unsupported(recording.name + ": gyro: the motion does not turn the IMU about all its axes; readings in counts need that for their scale");
     gyro.matrix = *in_motion;
@@ -52,8 +51,8 @@ void start_gyro(kernel::RestStart& start, const Recording& recording, double lat
   start.findings.note(counts ? "gyros started from the motion of gravity between the rests" : "gyros started from the declared unit");
 }
 
-void check_axes(const Recording& recording, const kernel::RestStart& start) {
-  const auto in_motion = kernel::coarse_gyro_in_common_turns(recording, start);
+void check_axes(const Recording& recording, const coarse::RestStart& start) {
+  const auto in_motion = coarse::coarse_gyro_in_common_turns(recording, start);
   if (!in_motion || !(std::abs(in_motion->determinant()) > 0)) return;
   if (const std::string wrong = wrong_axes(*in_motion); !wrong.empty())
     throw Error(recording.name + ": " + wrong + ", as gravity turns in the IMU; expected right-handed axes, the same for both triads");
@@ -61,7 +60,7 @@ void check_axes(const Recording& recording, const kernel::RestStart& start) {
 }
 
 /// The noise of quiet seconds. Rounded readings without noise of their own err by the same throughout a rest, as the mean of such white noise does.
-void use_quiet_noise(kernel::RestStart& start, const Recording& recording, const std::vector<Range>& rests, const ImuDeclaration& imu) {
+void use_quiet_noise(coarse::RestStart& start, const Recording& recording, const std::vector<Range>& rests, const ImuDeclaration& imu) {
   std::vector<double> lengths;
   for (const Range& rest : rests) lengths.push_back(static_cast<double>(rest.size()));
   const double root_of_length = std::sqrt(median(std::move(lengths)));
@@ -74,17 +73,17 @@ void use_quiet_noise(kernel::RestStart& start, const Recording& recording, const
     if (!imu.accel_noise_density) start.noise.accel[axis] = quiet(start.noise.accel[axis], recording.accel[j], start.means.rounding.accel[axis]);
     start.noise.gyro[axis] = quiet(start.noise.gyro[axis], recording.gyro[j], start.means.rounding.gyro[axis]);
   }
-  kernel::limit_noise(start);
+  coarse::limit_noise(start);
 }
 
-/// Rests, their noise, and a coarse solution of both triads (Cheng 2014 sec 1.2). Throws as kernel::start_from_rests does, and Error for axes that
+/// Rests, their noise, and a coarse solution of both triads (Cheng 2014 sec 1.2). Throws as coarse::start_from_rests does, and Error for axes that
 /// are swapped, reversed or left-handed.
-kernel::RestStart coarse_start(const Recording& recording, const std::vector<Range>& rests, const ImuDeclaration& imu, double latitude,
+coarse::RestStart coarse_start(const Recording& recording, const std::vector<Range>& rests, const ImuDeclaration& imu, double latitude,
                                double gravity) {
-  kernel::RestStart start = kernel::start_from_rests(recording, rests, imu, gravity);
+  coarse::RestStart start = coarse::start_from_rests(recording, rests, imu, gravity);
   use_quiet_noise(start, recording, rests, imu);
   start_gyro(start, recording, latitude);
-  kernel::use_declared_gyro_noise(start, recording, imu);
+  coarse::use_declared_gyro_noise(start, recording, imu);
   check_axes(recording, start);
   return start;
 }
@@ -128,11 +127,11 @@ void warn_of_short_rests(const std::vector<Range>& rests, const std::vector<Rang
 struct LateAxis {
   std::size_t axis = 0;            ///< 0 to 2: gyros, 3 to 5: accelerometers
   int samples = 0;                 ///< late; -1: early
-  double scatter = 0, before = 0;  ///< of the velocities over what the noise explains, with the axis put right and as it is
+  double scatter = 0, before = 0;  ///< of the velocities over what the noise explains, with the axis shifted and as it is
 };
 
-/// The recording with that axis put right.
-Recording put_right(Recording recording, const LateAxis& late) {
+/// The recording with that axis shifted against its lateness.
+Recording shift_by_one_sample(Recording recording, const LateAxis& late) {
   std::vector<double>& readings = (late.axis < 3 ? recording.gyro : recording.accel)[late.axis % 3];
   if (readings.empty()) return recording;
   if (late.samples > 0)
@@ -149,7 +148,7 @@ std::optional<LateAxis> late_axis(const Data& data, const Iterate& converged) {
   if (!(best.before > fits && best.before < other_data)) return std::nullopt;
   for (std::size_t axis = 0; axis < 6; ++axis)
     for (const int samples : {1, -1}) {
-      const Recording moved = put_right(data.recording, {axis, samples});
+      const Recording moved = shift_by_one_sample(data.recording, {axis, samples});
       const Data trial{moved, data.blocks, data.place, data.noise, data.coarse, data.terms};
       if (const double scatter = scatter_of(trial, repeated(trial, converged)); scatter < best.scatter)
         best.axis = axis, best.samples = samples, best.scatter = scatter;
@@ -178,15 +177,15 @@ void add_curves(const Data& data, const Iterate& iterate, double interval, Calib
 
 /// The latitude that the gyros show at rest, if it contradicts the declared one, by this model, whose gyro scales have this relative standard
 /// deviation.
-std::optional<kernel::SeenLatitude> seen_latitude(const Data& data, const std::vector<RestMeans>& rests, const SensorModel& model, double scale) {
+std::optional<SeenLatitude> seen_latitude(const Data& data, const std::vector<RestMeans>& rests, const SensorModel& model, double scale) {
   // An equal g-sensitivity on all axes is as large as the mean of three.
   const double equal = data.terms.optional.contains(Group::g_sensitivity) ? data.terms.priors.sizes.g_sensitivity / std::sqrt(3) : 0;
-  return kernel::latitude_against(data.place.latitude, data.place.latitude_sigma, rests, model,
-                                  {data.noise.gyro.maxCoeff(), scale, equal, data.place.gravity});
+  return latitude_against(data.place.latitude, data.place.latitude_sigma, rests, model,
+                          {data.noise.gyro.maxCoeff(), scale, equal, data.place.gravity});
 }
 
 /// With the scales that converged.
-std::optional<kernel::SeenLatitude> seen_latitude(const Data& data, const std::vector<RestMeans>& rests, const Iterate& converged) {
+std::optional<SeenLatitude> seen_latitude(const Data& data, const std::vector<RestMeans>& rests, const Iterate& converged) {
   const Index scales = converged.states.first(Group::gyro_matrix);
   double variance = 0;
   for (Index i = 0; i < 9; i += 4) variance = std::max(variance, converged.pass.covariance(scales + i, scales + i));
@@ -200,7 +199,7 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
   const bool turntable = on_turntable(session);
   kernel::expect_alive(recording, Triad::gyro, "the method needs all gyros");
   const std::vector<Range> still = in_place::still_parts(recording, rests);
-  const kernel::RestStart start = coarse_start(recording, still, session.imu, place.latitude, place.gravity);
+  const coarse::RestStart start = coarse_start(recording, still, session.imu, place.latitude, place.gravity);
   in_place::Blocks cut = in_place::cut_into_blocks(recording, still, turntable);
   const SensorModel coarse = to_raw(start.model, start.scaling);
   Data data{.recording = recording,
@@ -212,7 +211,7 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
             .progress = options.progress};
   const bool corrected = std::find(last.doubts.begin(), last.doubts.end(), kernel::wrong_latitude) != last.doubts.end();
   constexpr double of_any_unit = 0.05;  // of scales that are not calibrated
-  std::optional<kernel::SeenLatitude> seen;
+  std::optional<SeenLatitude> seen;
   if (!corrected) seen = seen_latitude(data, start.rests, coarse, of_any_unit);
   Converged result = seen ? Converged{first_iterate(data), {}, {}, {}} : converge(data, options.significance);
   if (!seen && shows_no_noise(data.noise, session.imu)) {
@@ -243,7 +242,7 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
                     "column of this axis",
                     text_of(*late), late->before, late->scatter));
     instead.doubt(text_of(*late));
-    return calibrated(put_right(recording, *late), rests, session, options, std::move(findings), instead);
+    return calibrated(shift_by_one_sample(recording, *late), rests, session, options, std::move(findings), instead);
   }
   findings.add(start.findings);
   for (const std::string& warning : cut.warnings) findings.warn(warning);

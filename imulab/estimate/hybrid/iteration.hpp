@@ -33,7 +33,7 @@ struct Errors {
   Eigen::MatrixXd covariance;
   std::vector<Eigen::Index> undetermined;
   std::vector<CoefficientIndex> coefficients, open;  ///< determined, or optional; and not determined
-  std::vector<CoefficientIndex> considered;          ///< optional ones of which the data say nothing, among `coefficients`
+  std::vector<CoefficientIndex> considered;          ///< optional ones that the data do not show, among `coefficients`
 };
 Errors determined_errors(const Iterate& iterate);
 

@@ -95,7 +95,7 @@ Knowledge prior_knowledge(const InformationModel& model) {
   return sigma.cwiseAbs2().cwiseInverse().asDiagonal();
 }
 
-Knowledge knowledge_of(const InformationModel& model, const Prediction& prediction) {
+Knowledge knowledge_of(const InformationModel& model, const FilterPrediction& prediction) {
   std::vector<Index> states = model.constants;
   for (Index i = 0; i < 3; ++i) states.push_back(prediction.states.attitude() + i);
   const MatrixXd covariance = prediction.covariance(states, states);

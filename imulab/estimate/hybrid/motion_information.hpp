@@ -26,12 +26,13 @@ struct InformationModel {
   Eigen::Index size() const { return static_cast<Eigen::Index>(constants.size()); }
 };
 
-/// Of (constants, attitude error at the beginning, attitude error at the end).
+/// Information on (constants, attitude error at the beginning, attitude error at the end).
 using MotionInformation = Eigen::MatrixXd;
-/// Of (constants, attitude error now).
+/// Information on (constants, attitude error now).
 using Knowledge = Eigen::MatrixXd;
 
-/// Of the rests before and after a turn by hand, what belongs to it [s]: their settling, and the first second after which the velocity is seen again.
+/// The parts of the rests before and after a turn by hand that belong to the turn [s]: their settling, and the first second after which the velocity
+/// is seen again.
 inline constexpr int unseen_before = 1, unseen_after = 2;
 static_assert(unseen_before == in_place::settling_time && unseen_after == in_place::settling_time + 1);
 
@@ -47,8 +48,8 @@ MotionInformation joined(const MotionInformation& first, const MotionInformation
 
 /// Before anything is seen.
 Knowledge prior_knowledge(const InformationModel& model);
-/// What a prediction leaves.
-Knowledge knowledge_of(const InformationModel& model, const Prediction& prediction);
+/// The knowledge after a predicted procedure.
+Knowledge knowledge_of(const InformationModel& model, const FilterPrediction& prediction);
 Knowledge after(const Knowledge& before, const MotionInformation& motion);
 
 /// Standard uncertainties of the constants.

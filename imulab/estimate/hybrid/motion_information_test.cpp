@@ -42,7 +42,7 @@ Eigen::VectorXd by_parts(const Plan& plan, const InformationModel& model) {
 
 void expect_the_filters_sigmas(const Session& session, double tolerance) {
   const Plan plan = plan_of(session);
-  const Prediction p = predict(plan);
+  const FilterPrediction p = predict(plan);
   const InformationModel model(plan);
   const Eigen::VectorXd sigma = by_parts(plan, model);
   for (Eigen::Index i = 0; i < model.size(); ++i) {

@@ -2,7 +2,6 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/parallel.hpp"
-#include "imulab/estimate/hybrid/path_judge.hpp"
 #include "imulab/estimate/hybrid/path_search.hpp"
 
 #include <algorithm>

@@ -31,7 +31,7 @@ struct Path {
   CoefficientIndex worst_coefficient{-1};
 };
 
-/// Of all examined paths from zero angles, the shortest with a `worst` of at most 1, or the one with the smallest `worst` in the given time. Where
+/// Finds, among all examined paths from zero angles, the shortest with a `worst` of at most 1, or the one with the smallest `worst` in the given time. Where
 /// no path up to `longest_path` reaches 1, the one with the smallest. `progress`: percent done. `shared`: by processes that share the search.
 /// Bit-equal on any number of threads and processes.
 Path design_path(const PathQuestion& question, const std::function<void(int)>& progress = {}, const Checkpoint* shared = nullptr);

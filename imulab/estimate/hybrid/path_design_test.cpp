@@ -22,7 +22,7 @@ struct Standard {
     return s;
   }();
   Plan plan = plan_of(session, base_terms().terms);
-  Prediction prediction = predict(plan);
+  FilterPrediction prediction = predict(plan);
   PathQuestion question(double factor) const {
     PathQuestion q{{}, plan, {outer, middle, inner}, 10 * unit::deg, {}, {}};
     for (std::size_t i = 0; i < prediction.coefficients.size(); ++i)
@@ -31,7 +31,7 @@ struct Standard {
   }
 };
 
-Prediction predicted(const Path& path, const Plan& plan) {
+FilterPrediction predicted(const Path& path, const Plan& plan) {
   Session session = turns_procedure("path", path.first_rest, path.turns, {});
   session.imu = plan.procedure.imu;
   session.site = plan.procedure.site;
@@ -41,7 +41,7 @@ Prediction predicted(const Path& path, const Plan& plan) {
 }
 
 /// The largest ratio of the predicted sigmas to the requirements.
-double worst_ratio(const Prediction& p, const PathQuestion& q) {
+double worst_ratio(const FilterPrediction& p, const PathQuestion& q) {
   EXPECT_TRUE(p.undetermined.empty());
   double worst = 0;
   for (const Requirement& r : q.requirements)
@@ -99,7 +99,7 @@ TEST(PathDesign, CountsTheTermsThatAnImuMayHave) {
   const Path path = design_path(q);
   EXPECT_LE(path.worst, 1);
   double worst = 0;
-  const Prediction p = predicted(path, q.unit);
+  const FilterPrediction p = predicted(path, q.unit);
   for (const Requirement& r : q.requirements)
     for (std::size_t i = 0; i < p.coefficients.size(); ++i)
       if (contains(r.coefficients, p.coefficients[i])) worst = std::max(worst, p.sigma[static_cast<Eigen::Index>(i)] / r.limit);

@@ -1,18 +1,27 @@
 #include "imulab/estimate/hybrid/prediction.hpp"
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
+#include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
 #include "imulab/estimate/hybrid/iteration.hpp"
+#include "imulab/estimate/hybrid/motion_information.hpp"
 #include "imulab/estimate/hybrid/quality.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/model/frame.hpp"
 #include "imulab/recording/declared_noise.hpp"
 #include "imulab/recording/rests.hpp"
+#include "imulab/recording/turn.hpp"
 #include "imulab/rig/ideal_recording.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
 
 namespace imulab::hybrid {
 
@@ -41,7 +50,7 @@ Plan plan_of(const Session& procedure, const std::vector<CoefficientIndex>& term
           terms_of(procedure, terms, Vector3d::Zero(), Vector3d::Zero(), 1 / rate), on_turntable(procedure)};
 }
 
-Prediction predict(const Plan& plan) {
+FilterPrediction predict(const Plan& plan) {
   // Readings that follow the motion: the rate does not matter as long as a sample turns by little.
   // Lever arms show in the ramps of turns, as far as the session's rate resolves them: they take a fifth of a second.
   const double slowest = plan.terms.optional.contains(Group::lever_arm) ? std::clamp(rate_of(plan.procedure), 20.0, 100.0) : 20;
@@ -53,7 +62,7 @@ Prediction predict(const Plan& plan) {
   const Iterate pass = repeated(data, first_iterate(data));
   const Errors errors = determined_errors(pass);
 
-  Prediction out{prediction_of(calibration_of(data, pass)), pass.states, pass.pass.covariance, pose_at_end(plan.procedure.steps)};
+  FilterPrediction out{prediction_of(calibration_of(data, pass)), pass.states, pass.pass.covariance, pose_at_end(plan.procedure.steps)};
   const MatrixXd jacobian = correction_jacobian(SensorModel{}, errors.coefficients, out.states);
   const Index n = out.states.constants();
   const MatrixXd by_undetermined = errors.covariance - out.covariance.topLeftCorner(n, n);
@@ -67,7 +76,16 @@ Prediction predict(const Plan& plan) {
   return out;
 }
 
-imulab::Prediction predict(const Session& procedure, const std::vector<CoefficientIndex>& terms) { return predict(plan_of(procedure, terms)); }
+Prediction predict(const Session& procedure, const PredictionOptions& options) {
+  const Plan plan = plan_of(procedure, options.terms);
+  expect_estimated(options.requirements, plan);
+  const FilterPrediction filter = predict(plan);
+  Prediction out = filter;
+  out.missed = shortfalls(out, options.requirements);
+  if (!out.missed.empty() || !out.undetermined.empty())
+    out.advice = advise(plan, filter, out.missed.empty() ? std::vector<Requirement>{} : options.requirements);
+  return out;
+}
 
 void expect_estimated(const std::vector<Requirement>& requirements, const Plan& plan) {
   for (const Requirement& r : requirements) {
@@ -81,6 +99,88 @@ void expect_estimated(const std::vector<Requirement>& requirements, const Plan& 
       throw Error(
           fmt::format("{}: it is zero in the accelerometers' frame, which the method calibrates in: their matrix is lower triangular", r.selector));
   }
+}
+
+namespace {
+
+/// The limits of the model's constants; infinite: none.
+VectorXd targets(const InformationModel& model, const std::vector<Requirement>& requirements) {
+  VectorXd out = model.states.needed()(model.constants);
+  if (requirements.empty()) return out;
+  constexpr double unlimited = std::numeric_limits<double>::infinity();
+  for (Index i = 0; i < model.size(); ++i) {
+    double limit = unlimited;
+    for (const Requirement& r : requirements)
+      if (contains(r.coefficients, model.states.corrects(model.constants[static_cast<std::size_t>(i)]))) limit = std::min(limit, r.limit);
+    out[i] = limit < unlimited ? std::min(out[i], limit) : unlimited;
+  }
+  return out;
+}
+
+struct Outcome {
+  Knowledge knowledge;
+  double worst = 0, sum = 0;  ///< ratio; logarithms of those above 1
+  bool operator<(const Outcome& other) const { return std::pair(sum, worst) < std::pair(other.sum, other.worst); }
+};
+
+Outcome outcome(Knowledge knowledge, const VectorXd& target) {
+  const VectorXd ratio = sigma_of(knowledge).cwiseQuotient(target);
+  return {std::move(knowledge), ratio.maxCoeff(), ratio.cwiseMax(1).array().log().sum()};
+}
+
+/// The worst-determined direction.
+Advice worst_direction(const InformationModel& model, const Knowledge& now, const VectorXd& target) {
+  const Index n = model.size();
+  const VectorXd scale = target.cwiseInverse();
+  const SymmetricEigen eigen = symmetric_eigen(scale.asDiagonal() * inverse_of(now).topLeftCorner(n, n) * scale.asDiagonal());
+  const VectorXd direction = eigen.vectors.col(n - 1).cwiseAbs();
+  Advice out;
+  out.ratio = std::sqrt(eigen.values[n - 1]);
+  std::vector<Index> order(static_cast<std::size_t>(n));
+  std::iota(order.begin(), order.end(), Index{0});
+  std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return direction[a] > direction[b]; });
+  for (const Index i : order)
+    if (direction[i] > 0.3 * direction.maxCoeff()) out.coefficients.push_back(model.states.corrects(model.constants[static_cast<std::size_t>(i)]));
+  return out;
+}
+
+}  // namespace
+
+Advice advise(const Plan& plan, const FilterPrediction& prediction, const std::vector<Requirement>& requirements) {
+  const InformationModel model(plan);
+  const VectorXd target = targets(model, requirements);
+  const Knowledge now = knowledge_of(model, prediction);
+  double rate = 10 * unit::deg, acceleration = default_acceleration_dps2 * unit::deg, rest = 60;  // as the procedure's last ones
+  for (const Step& step : plan.procedure.steps) {
+    if (step.kind == StepKind::rotate) rate = step.rate, acceleration = step.acceleration.value_or(acceleration);
+    if (step.kind == StepKind::hold) rest = std::max(5.0, step.end - step.start);
+  }
+  const auto with = [&](const Knowledge& before, const PoseOnTable& pose, const TableTurn& turn) {
+    const Turn motion{pose.axis(turn), turn.angle_deg * unit::deg, rate, acceleration};
+    return outcome(after(after(before, turn_information(model, pose.C_nb, motion)),
+                         rest_information(model, turned(pose, turn).C_nb, static_cast<int>(std::lround(rest)))),
+                   target);
+  };
+  std::vector<TableTurn> turns;
+  for (const RigAxis axis : {RigAxis::outer, RigAxis::middle, RigAxis::inner})
+    for (const double angle : {90, 180, -90, -180}) turns.push_back({axis, angle, rest});
+  const PoseOnTable& here = prediction.end;
+  const std::size_t n = turns.size();
+  std::vector<Outcome> single(n), pair(n * n);
+  parallel_for(n, [&](std::size_t k) {
+    single[k] = with(now, here, turns[k]);
+    for (std::size_t j = 0; j < n; ++j) pair[n * k + j] = with(single[k].knowledge, turned(here, turns[k]), turns[j]);
+  });
+  const auto one = std::min_element(single.begin(), single.end()), two = std::min_element(pair.begin(), pair.end());
+  const double before = outcome(now, target).sum;
+  const bool enough = before - one->sum > 0.8 * (before - two->sum);
+  const auto best_pair = static_cast<std::size_t>(two - pair.begin());
+  const TableTurn& first = turns[enough ? static_cast<std::size_t>(one - single.begin()) : best_pair / n];
+  Advice out = worst_direction(model, now, target);
+  out.turns.push_back(in_words(here, first));
+  if (!enough) out.turns.push_back(in_words(turned(here, first), turns[best_pair % n]));
+  out.ratio_after = enough ? one->worst : two->worst;
+  return out;
 }
 
 }  // namespace imulab::hybrid

@@ -14,7 +14,7 @@
 namespace imulab::hybrid {
 namespace {
 
-double sigma_of(const Prediction& p, const char* name) {
+double sigma_of(const FilterPrediction& p, const char* name) {
   const auto found = std::find(p.coefficients.begin(), p.coefficients.end(), coefficient_index(name));
   return found == p.coefficients.end() ? INFINITY : p.sigma[found - p.coefficients.begin()];
 }
@@ -22,7 +22,7 @@ double sigma_of(const Prediction& p, const char* name) {
 TEST(HybridPrediction, IsWhatCalibrateStates) {
   const HybridSession s = hybrid_session(1);
   const Calibration c = calibrated(s, base_terms()).calibration;
-  const Prediction p = predict(plan_of(s.session, base_terms().terms));
+  const FilterPrediction p = predict(plan_of(s.session, base_terms().terms));
   ASSERT_EQ(p.coefficients, c.estimated);
   for (std::size_t i = 0; i < p.coefficients.size();
        ++i)  // the IMU's errors of 5e-4 and the table's of 1 arcmin change them by little more than that
@@ -33,7 +33,7 @@ TEST(HybridPrediction, IsWhatCalibrateStates) {
 TEST(HybridPrediction, IsWhatCalibrateStatesOfAUnitTurnedByHand) {
   const HybridSession s = hybrid_session(2, [](Session& session) { session.rigs.front() = {}; });
   const Calibration c = calibrated(s, base_terms()).calibration;
-  const Prediction p = predict(plan_of(s.session, base_terms().terms));
+  const FilterPrediction p = predict(plan_of(s.session, base_terms().terms));
   ASSERT_EQ(p.coefficients, c.estimated);
   for (std::size_t i = 0; i < p.coefficients.size(); ++i)
     EXPECT_NEAR(*standard_uncertainty(c, p.coefficients[i]), p.sigma[static_cast<Eigen::Index>(i)], 0.01 * p.sigma[static_cast<Eigen::Index>(i)])
@@ -43,9 +43,9 @@ TEST(HybridPrediction, IsWhatCalibrateStatesOfAUnitTurnedByHand) {
 TEST(HybridPrediction, RoundingDecidesNothing) {
   Session session = hybrid_session(3).session;
   session.imu.grade = "navigation";
-  const Prediction p = predict(plan_of(session));
+  const FilterPrediction p = predict(plan_of(session));
   session.site.latitude = *session.site.latitude + 1e-15;
-  const Prediction other = predict(plan_of(session));
+  const FilterPrediction other = predict(plan_of(session));
   ASSERT_EQ(p.coefficients, other.coefficients);
   for (Eigen::Index i = 0; i < p.sigma.size(); ++i)
     EXPECT_NEAR(other.sigma[i] / p.sigma[i], 1, 1e-10) << coefficient(p.coefficients[static_cast<std::size_t>(i)]).name;
@@ -59,7 +59,7 @@ TEST(HybridPrediction, HasTheTermsOfCalibrate) {
       if (by_hand) session.rigs.front() = {};
     });
     const Calibration c = calibrated(s).calibration;
-    const Prediction p = predict(plan_of(s.session));
+    const FilterPrediction p = predict(plan_of(s.session));
     ASSERT_EQ(p.coefficients, c.estimated);
     std::vector<std::string> considered;
     for (const CoefficientIndex index : p.considered) considered.emplace_back(coefficient(index).name);
@@ -77,7 +77,7 @@ TEST(HybridPrediction, HasTheTermsOfCalibrate) {
 TEST(HybridPrediction, GravityBoundsTheAccelerometersScales) {
   const Session session = hybrid_procedure(60, 100);
   const Plan plan = plan_of(session, base_terms().terms);
-  const Prediction p = predict(plan);
+  const FilterPrediction p = predict(plan);
   const double relative = plan.place.gravity_sigma / plan.place.gravity;
   for (const char* name : {"accel.matrix.xx", "accel.matrix.yy", "accel.matrix.zz"}) {
     EXPECT_GT(sigma_of(p, name), relative);
@@ -97,7 +97,7 @@ TEST(HybridPrediction, WhatIsNeverTurnedStaysOpen) {
     kept.push_back(step);
   }
   session.steps = kept;
-  const Prediction p = predict(plan_of(session));
+  const FilterPrediction p = predict(plan_of(session));
   EXPECT_THAT(p.undetermined, testing::Contains(coefficient_index("gyro.matrix.xx")));
   EXPECT_THAT(p.undetermined, testing::Not(testing::Contains(coefficient_index("gyro.matrix.yy"))));
   ASSERT_EQ(p.undetermined.size(), static_cast<std::size_t>(p.remaining.size()));

@@ -53,7 +53,7 @@ void judge_left_out(const Data& data, const std::vector<Disturbance>& found, ker
                   in_turns, n));
 }
 
-/// What was left out, with its times.
+/// Lists the blocks that were left out, with their times.
 void add_left_out(const Data& data, const std::vector<std::size_t>& left_out, kernel::Findings& findings) {
   if (left_out.empty()) return;
   constexpr std::size_t most_listed = 10;
@@ -113,7 +113,7 @@ double scatter_of_rests(const std::vector<RestMotion>& rests, const Vector3d& de
   return kernel::excess(chi2, static_cast<double>(rests.size()) - 1);
 }
 
-/// What scatters, and by how much more than the noise explains.
+/// Names the velocities that scatter, and their excess over the noise.
 struct Scatter {
   const char* what;
   double factor;
@@ -153,7 +153,7 @@ void enlarge(const Data& data, const Iterate& iterate, Calibration& calibration,
   calibration.covariance *= factor * factor;
 }
 
-/// Coefficients of which the data say nothing: cubic terms look like scales at the force and the rate that the data have, and quadratic terms of the
+/// Coefficients that are not observable: cubic terms look like scales at the force and the rate that the data have, and quadratic terms of the
 /// gyros, which turns in both directions tell from scales, like nothing that they can be told from. They count in the scales' covariance.
 void consider_nonlinearity(const Data& data, Calibration& c) {
   std::vector<double> rates;

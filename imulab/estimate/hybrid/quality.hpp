@@ -1,4 +1,4 @@
-// What a hybrid calibration says of itself: residuals, what was left out, scatter, doubts.
+// The quality of a hybrid calibration: residuals, blocks left out, scatter, doubts.
 #pragma once
 
 #include "imulab/estimate/hybrid/iteration.hpp"

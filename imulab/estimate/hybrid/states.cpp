@@ -3,7 +3,6 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/input.hpp"
-#include "imulab/estimate/kernel/optional_terms.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/model/forward_model.hpp"
 #include "imulab/model/frame.hpp"
@@ -16,28 +15,96 @@ namespace imulab::hybrid {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using in_place::Errors6;
 
 namespace {
 
+/// The inputs of a group's prior and presence.
+struct Setting {
+  const Terms& terms;
+  const Place& place;
+  const Noise& noise;
+  bool slow() const { return noise.accel_slow.any() || noise.gyro_slow.any(); }
+};
+
+/// Errors of attitude and velocity after a block by a state of a group, which is the k-th in it.
+struct Column {
+  const in_place::BlockSums& sums;
+  const States& states;
+  const Place& place;
+  Errors6 by_coefficient(Index constant) const { return sums.by_coefficient(coefficient(states.corrects(constant))); }
+};
+
+/// All about a group. Without a size its states correct the coefficients of that name, and prior and column are theirs.
 struct Row {
   Group group;
   std::string_view name;
-  Index size = 0;  ///< 0: the states correct the coefficients of that name
+  Index size = 0;
+  Linearity linearity = Linearity::corrected;
+  bool (*present)(const Setting&) = [](const Setting&) { return true; };
+  double (*prior)(const Setting&, Index k) = nullptr;   ///< one sigma of the k-th state
+  Errors6 (*column)(const Column&, Index k) = nullptr;  ///< null: none acts on a single block
 };
-constexpr std::array<Row, 14> table{{{Group::accel_offset, "accel.offset"},
-                                     {Group::accel_matrix, "accel.matrix"},
-                                     {Group::gyro_offset, "gyro.offset"},
-                                     {Group::gyro_matrix, "gyro.matrix"},
-                                     {Group::gravity, "gravity", 1},
-                                     {Group::start, "attitude at the start", 3},
-                                     {Group::latitude, "latitude", 1},
-                                     {Group::lever_arm, "accel.lever_arm"},
-                                     {Group::quadratic, "accel.quadratic"},
-                                     {Group::g_sensitivity, "gyro.g_sensitivity"},
-                                     {Group::delay, "delay of the accelerometers", 1},
-                                     {Group::smear, "mean square of the delay", 1},
-                                     {Group::flicker, "bias instability", 6 * in_place::SlowNoise::processes},
-                                     {Group::mean, "mean of the offsets", 6}}};
+
+template <Group group>
+bool asked(const Setting& s) {
+  return s.terms.optional.contains(group);
+}
+bool slow(const Setting& s) { return s.slow(); }
+constexpr int processes = in_place::SlowNoise::processes;
+
+constexpr std::array<Row, 14> table{
+    {{Group::accel_offset, "accel.offset"},
+     {Group::accel_matrix, "accel.matrix"},
+     {Group::gyro_offset, "gyro.offset"},
+     {Group::gyro_matrix, "gyro.matrix"},
+     {.group = Group::gravity,
+      .name = "gravity",
+      .size = 1,
+      .linearity = Linearity::whole,
+      .prior = [](const Setting& s, Index) { return s.place.gravity_sigma / s.place.gravity; },
+      .column = [](const Column& c, Index) { return c.sums.by_gravity(c.place.gravity); }},
+     {.group = Group::start,
+      .name = "attitude at the start",
+      .size = 3,
+      .linearity = Linearity::path,
+      .prior = [](const Setting&, Index k) { return alignment_sigma()[k]; }},
+     {.group = Group::latitude,
+      .name = "latitude",
+      .size = 1,
+      .present = [](const Setting& s) { return s.place.latitude_sigma > 0; },
+      .prior = [](const Setting& s, Index) { return s.place.latitude_sigma; },
+      .column = [](const Column& c, Index) { return c.sums.by_latitude(c.place.latitude); }},
+     {.group = Group::lever_arm, .name = "accel.lever_arm", .present = asked<Group::lever_arm>},
+     {.group = Group::quadratic, .name = "accel.quadratic", .present = asked<Group::quadratic>},
+     {.group = Group::g_sensitivity, .name = "gyro.g_sensitivity", .present = asked<Group::g_sensitivity>},
+     {.group = Group::delay,
+      .name = "delay of the accelerometers",
+      .size = 1,
+      .linearity = Linearity::whole,
+      .present = asked<Group::delay>,
+      .prior = [](const Setting& s, Index) { return s.terms.priors.delay; },
+      .column = [](const Column& c, Index) { return c.sums.by_delay(); }},
+     {.group = Group::smear,
+      .name = "mean square of the delay",
+      .size = 1,
+      .linearity = Linearity::whole,
+      .present = asked<Group::delay>,
+      .prior = [](const Setting& s, Index) { return s.terms.priors.smear; },
+      .column = [](const Column& c, Index) { return c.sums.by_smear(); }},
+     {.group = Group::flicker,
+      .name = "bias instability",
+      .size = 6 * processes,
+      .linearity = Linearity::path,
+      .present = slow,
+      .prior = [](const Setting& s, Index k) { return (k < 3 * processes ? s.noise.accel_slow : s.noise.gyro_slow).flicker; },
+      .column = [](const Column& c, Index k) { return c.by_coefficient(c.states.offset(k / processes)); }},
+     {.group = Group::mean,
+      .name = "mean of the offsets",
+      .size = 6,
+      .linearity = Linearity::path,
+      .present = slow,
+      .prior = [](const Setting&, Index) { return 0.0; }}}};
 
 /// Row by row; of the accelerometers' matrix the lower triangle, by the frame.
 std::vector<CoefficientIndex> coefficients_of(const Row& row) {
@@ -48,20 +115,12 @@ std::vector<CoefficientIndex> coefficients_of(const Row& row) {
 }
 
 /// About the coarse solution, which is good to some percent, and to the Earth's rate with the effect of acceleration.
-double prior_sigma(CoefficientIndex index, const Place& place, const OptionalPriors& priors) {
-  kernel::PriorSizes sizes = priors.sizes;
-  sizes.accel.offset = 0.02 * place.gravity, sizes.accel.scale = 0.05, sizes.accel.misalignment = 1e-2;
+double prior_of_coefficient(CoefficientIndex index, const Setting& s) {
+  kernel::PriorSizes sizes = s.terms.priors.sizes;
+  sizes.accel.offset = 0.02 * s.place.gravity, sizes.accel.scale = 0.05, sizes.accel.misalignment = 1e-2;
   sizes.gyro.offset = 3e-3, sizes.gyro.scale = 0.05, sizes.gyro.misalignment = 0.02;
-  return kernel::prior_sigma(sizes, coefficient(index), 1);
-}
-
-double prior_sigma(Group group, Index i, const Place& place, const OptionalPriors& priors, const Noise& noise) {
-  if (group == Group::mean) return 0;
-  if (group == Group::smear) return priors.smear;
-  if (group == Group::flicker) return (i < 3 * in_place::SlowNoise::processes ? noise.accel_slow : noise.gyro_slow).flicker;
-  if (group == Group::gravity) return place.gravity_sigma / place.gravity;
-  if (group == Group::start) return alignment_sigma()[i];
-  return group == Group::latitude ? place.latitude_sigma : priors.delay;
+  const bool fixed = !s.terms.wanted.empty() && !contains(s.terms.wanted, index);
+  return fixed ? 0 : kernel::prior_sigma(sizes, coefficient(index), 1);
 }
 
 }  // namespace
@@ -92,29 +151,24 @@ Terms terms_of(const Session& session, const std::vector<CoefficientIndex>& want
 
 std::string_view name(Group group) { return table[static_cast<std::size_t>(group)].name; }
 
+Linearity linearity(Group group) { return table[static_cast<std::size_t>(group)].linearity; }
+
 Eigen::Vector3d alignment_sigma() { return {3 * unit::deg, 3 * unit::deg, 90 * unit::deg}; }
 
 States::States(const Terms& terms, const Place& place, const Noise& noise) {
-  const bool slow = noise.accel_slow.any() || noise.gyro_slow.any();
-  const auto present = [&](Group group) {
-    if (group == Group::latitude) return place.latitude_sigma > 0;
-    if (group == Group::smear) return terms.optional.contains(Group::delay);
-    return group < Group::latitude || (group >= Group::flicker ? slow : terms.optional.contains(group));
-  };
+  const Setting setting{terms, place, noise};
   std::vector<double> sigma;
   for (const Row& row : table) {
-    if (!present(row.group)) continue;
-    const std::vector<CoefficientIndex> corrected = coefficients_of(row);
-    places_[static_cast<std::size_t>(row.group)] = {static_cast<Index>(sigma.size()), static_cast<Index>(corrected.size())};
-    for (std::size_t i = 0; i < corrected.size(); ++i) {
-      const bool held = corrected[i] >= 0 && !terms.wanted.empty() && !contains(terms.wanted, corrected[i]);
-      corrects_.push_back(corrected[i]);
-      sigma.push_back(held                ? 0
-                      : corrected[i] >= 0 ? prior_sigma(corrected[i], place, terms.priors)
-                                          : prior_sigma(row.group, static_cast<Index>(i), place, terms.priors, noise));
+    if (!row.present(setting)) continue;
+    const std::vector<CoefficientIndex> indices = coefficients_of(row);
+    places_[static_cast<std::size_t>(row.group)] = {std::ssize(sigma), std::ssize(indices)};
+    for (Index k = 0; k < std::ssize(indices); ++k) {
+      const CoefficientIndex index = indices[static_cast<std::size_t>(k)];
+      corrects_.push_back(index);
+      sigma.push_back(row.prior ? row.prior(setting, k) : prior_of_coefficient(index, setting));
     }
   }
-  prior = Eigen::Map<const VectorXd>(sigma.data(), static_cast<Index>(sigma.size()));
+  prior = Eigen::Map<const VectorXd>(sigma.data(), std::ssize(sigma));
 }
 
 Groups States::groups() const {
@@ -183,13 +237,12 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> transition(const in_place::BlockSums& s
   Eigen::Matrix<double, 6, Eigen::Dynamic> t(6, states.size());
   t.leftCols(states.constants()).setZero();
   t.rightCols<6>() = sums.by_errors_before(place.latitude);
-  for (Index k = 0; k < states.constants(); ++k)
-    if (states.corrects(k) >= 0) t.col(k) = sums.by_coefficient(coefficient(states.corrects(k)));
-  for (Index k = 0; k < states.size(Group::flicker); ++k)
-    t.col(states.first(Group::flicker) + k) = t.col(states.offset(k / in_place::SlowNoise::processes));
-  t.col(states.first(Group::gravity)) = sums.by_gravity(place.gravity);
-  if (states.has(Group::latitude)) t.col(states.first(Group::latitude)) = sums.by_latitude(place.latitude);
-  if (states.has(Group::delay)) t.col(states.first(Group::delay)) = sums.by_delay(), t.col(states.first(Group::smear)) = sums.by_smear();
+  const Column column{sums, states, place};
+  for (const Row& row : table)
+    for (Index k = 0, first = states.first(row.group); k < states.size(row.group); ++k) {
+      if (row.size == 0) t.col(first + k) = column.by_coefficient(first + k);
+      if (row.column) t.col(first + k) = row.column(column, k);
+    }
   return t;
 }
 

@@ -36,11 +36,11 @@ struct OptionalPriors {
 /// The IMU stays in one place while it turns, too.
 bool on_turntable(const Session& session);
 
-/// The constants in their order: errors ba, Ma, bg, Mg of the calibrated output df = ba + Ma f, dw = bg + Mg w (Ma lower triangular), relative error
-/// of gravity, attitude error at the start. From `latitude` on they are optional: error of the latitude [rad], lever arms [m], quadratic terms,
-/// g-sensitivity, delay of the accelerometers' output behind the gyros' [s], and its mean square `smear` where it is spread over a time, as by a
-/// filter [s^2]. With slow noise `flicker`, the processes of each axis, accelerometers first; and `mean`, of the offsets over the time so far, of
-/// which each block adds its part: the offsets that are stated.
+/// The constants in their order (Cheng 2014 eq 19, and more): errors ba, Ma, bg, Mg of the calibrated output df = ba + Ma f, dw = bg + Mg w (Ma lower
+/// triangular), relative error of gravity, attitude error at the start. From `latitude` on they are optional: error of the latitude [rad], lever arms
+/// [m], quadratic terms, g-sensitivity, delay of the accelerometers' output behind the gyros' [s], and its mean square `smear` where it is spread
+/// over a time, as by a filter [s^2]. With slow noise `flicker`, the processes of each axis, accelerometers first; and `mean`, of the offsets over
+/// the time so far, of which each block adds its part: the offsets that are stated.
 enum class Group {
   accel_offset,
   accel_matrix,
@@ -59,12 +59,20 @@ enum class Group {
 };
 using Groups = std::set<Group>;
 
+/// The relation of a group of states to the point of linearization.
+enum class Linearity {
+  corrected,  ///< the model or the place is corrected by it: the state is what remains
+  whole,      ///< one value that each pass estimates anew
+  path        ///< values along the motion, which each pass estimates anew
+};
+Linearity linearity(Group group);
+
 struct Terms {
   std::vector<CoefficientIndex> wanted = {};  ///< empty: all
   Groups optional = {};                       ///< estimated under their priors
   OptionalPriors priors = {};
 };
-/// What a calibration of this session estimates or considers, and what is known of it before the data: with the offsets that the IMU shows
+/// The terms that a calibration of this session estimates or considers, and their priors: with the offsets that the IMU shows
 /// [m/s^2, rad/s] and a sample's interval. `wanted` as CalibrationOptions::terms. Throws TermsError.
 Terms terms_of(const Session& session, const std::vector<CoefficientIndex>& wanted, const Vector3d& accel_offset, const Vector3d& gyro_offset,
                double interval_s);

@@ -49,7 +49,7 @@ void check_gyro_steps(Findings& findings, const MeanNoise& noise);
 /// By how much residuals are larger than their declared size, where chance explains that less than once in a thousand; else 1.
 double excess(double chi2, double degrees_of_freedom);
 
-/// Says that the uncertainties were enlarged by `factor`, the excess of `what`; more than one and a half is doubtful: no noise, but a wrong model.
+/// Warns that the uncertainties were enlarged by `factor`, the excess of `what`; more than one and a half is doubtful: no noise, but a wrong model.
 void add_scatter(Findings& findings, std::string_view what, double factor);
 
 /// The doubts common to all methods: no convergence, undetermined coefficients, few degrees of freedom, residuals of the wrong size, uncertain

@@ -9,7 +9,7 @@
 
 namespace imulab::kernel {
 
-/// How a parameter takes part in a fit.
+/// The role of a parameter in a fit.
 enum class Role : char {
   estimated,   ///< by the data, under its prior where it has one
   considered,  ///< stays at its prior value; its prior sigma counts in the covariance of the others
@@ -41,7 +41,7 @@ struct Information {
 
   Information() = default;
   explicit Information(Eigen::Index parameters);
-  /// Of whitened rows: residuals and their derivatives by the parameters.
+  /// Sums whitened rows: residuals and their derivatives by the parameters.
   Information(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residual);
   Information& operator+=(const Information& other);
   Information operator-(const Information& other) const;
@@ -59,11 +59,11 @@ struct Solution {
 /// determined.
 Solution solve(const Information& data, const Parameters& parameters, std::string_view what = "the data");
 
-/// The same of whitened residuals and their derivatives, without the normal equations, whose condition number is the square of the derivatives': for
-/// data that know some directions a million times better than others.
+/// Solves from whitened residuals and their derivatives, without the normal equations, whose condition number is the square of the derivatives': for
+/// data that determine some directions a million times better than others.
 Solution solve(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residual, const Parameters& parameters, std::string_view what = "the data");
 
-/// Of that solution without considered parameters: minus the derivatives of the correction by the residuals. Throws as `solve` does.
+/// The gain of that solution without considered parameters: minus the derivatives of the correction by the residuals. Throws as `solve` does.
 Eigen::MatrixXd gain(const Eigen::MatrixXd& jacobian, const Parameters& parameters, std::string_view what = "the data");
 
 /// The correction of `solve` alone, which takes a fraction of the time. The considered parameters are at their prior value.

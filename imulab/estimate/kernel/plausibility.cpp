@@ -37,7 +37,7 @@ constexpr std::array mistaken_units{MistakenUnit{Triad::gyro, unit::deg, "deg/s"
                                     MistakenUnit{Triad::accel, 1e-3 * unit::g, "mg"},
                                     MistakenUnit{Triad::accel, 1e3 / unit::g, "m/s^2"}};
 
-/// What in the session makes a scale come out as this.
+/// The declaration in the session that explains such a scale.
 std::string cause_of(Triad triad, double scale, const Recording& recording) {
   const std::string_view read = mistaken_unit(triad, scale);
   const std::string unit = read.empty() ? "" : fmt::format("the readings are in {}, not in the declared unit", read),

@@ -28,8 +28,8 @@ bool is_oblique(const Matrix3d& coarse);
 /// Throws Error with the reason of scale_contradiction for the gyros' coarse matrix of SI readings, unless it is oblique.
 void expect_gyro_scale(const Matrix3d& coarse, const Recording& recording);
 
-/// What speaks against the model, each with its likely cause and what to change in the session: a scale more than 20 % from its declared unit, axes
-/// that are exchanged or reversed. Empty where all is as declared; for readings in counts only the order of the axes is judged.
+/// Contradictions between model and declarations, each with its likely cause and the change that the session needs: a scale more than 20 % from its
+/// declared unit, axes that are exchanged or reversed. Empty where all is as declared; for readings in counts only the order of the axes is judged.
 std::vector<std::string> contradictions(const SensorModel& model, const Recording& recording);
 
 /// Adds to a verdict where the stamps contradict the nominal interval: increments were divided by it, which is doubtful. Rates are integrated over

@@ -11,7 +11,8 @@ using Eigen::Index;
 
 namespace {
 
-/// Of flicker and walk in the means over two times, by cells that are taken as their middles; far apart, one cell a time is exact enough.
+/// The covariance of flicker and walk in the means over two times, by cells that are taken as their middles; far apart, one cell a time is exact
+/// enough.
 double covariance(const FlickerCovariance& flicker, double K, const TimeSpan& a, const TimeSpan& b) {
   const double longer = std::max(a.end - a.begin, b.end - b.begin);
   const int cells = std::abs(a.middle() - b.middle()) > 4 * longer ? 1 : 8;

@@ -32,7 +32,7 @@ TermTest wald_without_prior(std::string name, const VectorXd& value, const Matri
   const VectorXd along = posterior.vectors.transpose() * (unit * value);
   for (Eigen::Index i = 0; i < value.size(); ++i) {
     const double variance = posterior.values[i];
-    if (variance < 1 - 1e-6) test.statistic += along[i] * along[i] / (variance * (1 - variance));  // else the data say nothing
+    if (variance < 1 - 1e-6) test.statistic += along[i] * along[i] / (variance * (1 - variance));  // else it is not observable
   }
   test.p_value = chi_square_tail(test.statistic, static_cast<double>(value.size()));
   test.kept = test.p_value <= significance;

@@ -21,7 +21,7 @@ struct TermGroup {
 /// Wald's test of a group against zero: value^T covariance^-1 value is chi-square distributed where the group is absent. `value` and `covariance` are
 /// of the group's members. An empty group is not kept.
 TermTest wald(std::string name, const Eigen::VectorXd& value, const Eigen::MatrixXd& covariance, double significance);
-/// The same of what the data alone say, for a group that was estimated under a prior of zero with these sigmas.
+/// Wald's test on the information of the data alone, for a group that was estimated under a prior of zero with these sigmas.
 TermTest wald_without_prior(std::string name, const Eigen::VectorXd& value, const Eigen::MatrixXd& covariance, const Eigen::VectorXd& prior_sigma,
                             double significance);
 

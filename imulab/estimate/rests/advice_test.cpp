@@ -1,6 +1,4 @@
 // A unit that is turned as the advice says reaches what is required in no more rests than one that is turned at random.
-#include "imulab/estimate/rests/advice.hpp"
-
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/rests/rests.hpp"
 

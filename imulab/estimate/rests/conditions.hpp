@@ -4,8 +4,8 @@
 #pragma once
 
 #include "imulab/core/decomposition.hpp"
+#include "imulab/estimate/kernel/fit.hpp"
 #include "imulab/estimate/kernel/information.hpp"
-#include "imulab/estimate/kernel/suspects.hpp"
 
 #include <Eigen/Core>
 
@@ -14,7 +14,7 @@
 
 namespace imulab::rests {
 
-/// What a condition compares; each kind but the last, whose spread is declared, may spread by more than the sample noise explains.
+/// The quantity that a condition compares; each kind but the last, whose spread is declared, may spread by more than the sample noise explains.
 enum class Kind { gravity, gyro_rest, rotation, turn };
 inline constexpr int kinds = 3;
 using Spreads = std::array<double, kinds>;  ///< additional standard deviation by kind: m/s^2, rad/s, rad
@@ -42,14 +42,14 @@ Adjustment adjust(const Conditions& conditions, kernel::Parameters parameters);
 /// Degrees of freedom that the residuals of one kind keep.
 double redundancy(const Conditions& conditions, const Adjustment& adjustment, Kind kind);
 
-/// Does a kind's spread exceed what the conditions' covariance explains, as far as chance does not do that once in six times?
+/// Does a kind's spread exceed the conditions' covariance at the 1/6 significance level?
 bool spread_is_significant(const Conditions& conditions, const Adjustment& adjustment, Kind kind);
 
 /// The additional spread of a kind with which its residuals have their expected size, larger where few degrees of freedom show it; zero where they
 /// are smaller without any. `current`: the one that is in the conditions' covariance.
 double estimate_spread(const Conditions& conditions, const Adjustment& adjustment, Kind kind, double current);
 
-/// How much rows deviate.
+/// The deviation of rows from the fit of the others.
 kernel::Deviation deviation_of(const Conditions& conditions, const Adjustment& adjustment, const std::vector<Eigen::Index>& rows);
 
 }  // namespace imulab::rests

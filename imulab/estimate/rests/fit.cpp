@@ -62,8 +62,8 @@ Stated stated(const RestProblem& problem, const Eigen::MatrixXd& covariance, std
   return result;
 }
 
-/// What the others become where those that are not stated go back to their prior: an offset was found with the scale that the readings at rest were
-/// multiplied by, and is as uncertain as the prior leaves that.
+/// Corrects the others for those that are not stated, which go back to their prior: an offset was estimated with the scale that multiplies the
+/// readings at rest, and is as uncertain as the prior leaves that scale.
 VectorXd with_unstated_at_prior(const RestProblem& problem, const std::vector<char>& kept, Eigen::MatrixXd& covariance) {
   kernel::Parameters parameters(covariance.rows());
   for (std::size_t i = 0; i < kept.size(); ++i) {
@@ -79,7 +79,7 @@ VectorXd with_unstated_at_prior(const RestProblem& problem, const std::vector<ch
   return correction;
 }
 
-/// Of a part that the fit used.
+/// The residual of a part that the fit used.
 PartResidual part_residual(const SuspectRows& part, const Fit& fit) {
   PartResidual out{part.begin_s, part.end_s, 0, true};
   int rows = 0;

@@ -1,12 +1,31 @@
-// Fit iteration, and the calibration that a fit gives: to convergence, with the spread that the residuals show beyond the sample noise; without
-// suspects that chance does not explain.
+// The problem. Nothing but gravity and the Earth's rate is known of a unit that was turned by hand, so there are no readings with known inputs. There
+// are conditions F(x, v) = 0 between the coefficients x and the mean readings v of rests, as |A1 v + A0| = g. A condition errs by the noise of its
+// readings, times its derivative by them, which depends on x. Two things are not known besides x: whether the noise of a mean is only that of its
+// samples (a hand trembles, an offset wanders from rest to rest), and which rests are bad.
+//
+// A small case. One axis points up, down and up again, and its means are v1 = 9.910, v2 = -9.710 and v3 = 9.930 m/s^2, each with a standard deviation
+// of 0.001 by the samples' noise, g = 9.810. The conditions are
+//
+//     k v1 + b - g = 0,   -(k v2 + b) - g = 0,   k v3 + b - g = 0.
+//
+// Least squares gives k = 2g / (9.920 + 9.710) = 0.99949 and b = -0.105. The second condition holds, the others miss by -0.010 and +0.010. With one
+// degree of freedom chi-square is 2 (0.010 / 0.001)^2 = 200: chance does not explain that. Either the means spread by more than the samples' noise,
+// by about 0.014, and b is uncertain by 0.009 instead of 0.0006. Or one rest is bad; but three rests cannot tell which. With twenty rests they can: a
+// bad rest stands alone, a spread is in all.
+//
+// So a fit has three loops, one in the other:
+// - `converge`: Gauss-Newton steps under the present spreads; then the spread of each kind of condition is estimated until both stand still.
+// - `converge_under_true_priors`: optional terms that contradict their prior get a wider one (kernel::refine).
+// - SuspectFit: the worst suspect is judged by the fit without it, since with it the spread would grow until the suspect fits; what it deviates is
+//   compared with a spread of few degrees of freedom (F distribution), and shared among all suspects.
+// `fit_determined` last leaves the optional terms that the data do not show at zero, considered.
 //
 // A Problem is a RestProblem with conditions(spreads), parameters(), longest_step(), correct(correction), suspects(conditions) and drop(suspect).
 #pragma once
 
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/estimate/kernel/suspects.hpp"
+#include "imulab/estimate/kernel/fit.hpp"
 #include "imulab/estimate/rests/problem.hpp"
 
 #include <algorithm>
@@ -43,7 +62,7 @@ struct Fit {
 Eigen::VectorXd weakest_matrix_direction(const RestProblem& problem, const Eigen::MatrixXd& covariance);
 
 /// Gauss-Newton until the correction is below a hundredth of its standard deviation everywhere; then, where residuals of a kind are significantly too
-/// large, with that kind's spread, until the spreads converge, or with the spreads that are `kept`. Longer steps than `longest_step` are shortened:
+/// large, with that kind's spread, until the spreads converge, or with the spreads that are `kept`. Steps longer than `longest_step` are shortened:
 /// poor data would be linearized far from the solution.
 template <class Problem>
 Fit converge(Problem& problem, const std::optional<Spreads>& kept = {}) {
@@ -51,30 +70,29 @@ Fit converge(Problem& problem, const std::optional<Spreads>& kept = {}) {
   Fit fit;
   fit.spreads = kept.value_or(Spreads{});
   bool decided = kept.has_value();
-  for (int iteration = 0; iteration < most_iterations && !fit.converged; ++iteration) {
+  fit.converged = kernel::iterate(most_iterations, [&](int iteration) {
     fit.conditions = problem.conditions(fit.spreads);
     fit.parameters = problem.parameters();
     fit.adjustment = adjust(fit.conditions, fit.parameters);
     const Eigen::VectorXd& x = fit.adjustment.solution.x;
     problem.correct(x / std::max(1.0, x.cwiseQuotient(problem.longest_step()).cwiseAbs().maxCoeff()));
-    const Eigen::VectorXd sigma = fit.adjustment.solution.covariance.diagonal().cwiseSqrt();
-    bool still = (sigma.array() > 0).select(x.cwiseAbs() - 0.01 * sigma, 0).maxCoeff() <= 0;  // fixed ones arrive at once
-    if (!decided && !still && iteration < most_before_spreads) continue;
+    bool small = kernel::is_small(x, fit.adjustment.solution.covariance.diagonal().cwiseSqrt());
+    if (!decided && !small && iteration < most_before_spreads) return kernel::Progress::moving;
     for (int k = 0; k < kinds && !kept; ++k) {
       const auto kind = static_cast<Kind>(k);
       double& spread = fit.spreads[static_cast<std::size_t>(k)];
       if (spread == 0 && (decided || !spread_is_significant(fit.conditions, fit.adjustment, kind))) continue;
       const double before = std::exchange(spread, estimate_spread(fit.conditions, fit.adjustment, kind, spread));
-      still = still && std::abs(spread - before) <= 0.02 * std::max(spread, before);
+      small = small && std::abs(spread - before) <= 0.02 * std::max(spread, before);
     }
     decided = true;
-    fit.converged = still;
-  }
+    return small ? kernel::Progress::converged : kernel::Progress::moving;
+  });
   return fit;
 }
 
-/// How far the solution moves, in chi-square, where it is linearized one standard deviation away, along what the data say least of among the
-/// matrices. Their products are linear in neither: with misalignments of 1e-3 open, combinations that are known to 1e-6 bend away.
+/// The change of the solution, in chi-square, when it is linearized one standard deviation away along the least determined combination of the
+/// matrices. Their products are linear in neither: where misalignments of 1e-3 are not determined, combinations known to 1e-6 bend away.
 template <class Problem>
 double curvature(Problem problem, const Fit& fit) {
   const Eigen::MatrixXd& covariance = fit.adjustment.solution.covariance;
@@ -83,28 +101,30 @@ double curvature(Problem problem, const Fit& fit) {
   away += adjust(problem.conditions(fit.spreads), problem.parameters()).solution.x;
   return squared_norm_in(covariance, away);
 }
-/// As much as one coefficient may be off: beyond it chi-square of all together is no longer what the covariance says.
+/// The deviation that one coefficient may have: beyond it, chi-square of all together no longer agrees with the covariance.
 inline constexpr double most_curvature = 1;
 
-/// The same, with the priors of optional terms that the data contradict widened. Where the equations are not linear within the uncertainties, a
-/// contradiction says nothing: what squares of the misalignments leave looks like such a term.
+/// Converges, and widens the priors of optional terms that the data contradict. Where the equations are not linear within the uncertainties, a
+/// contradiction means nothing: second-order misalignment residuals mimic such a term.
 template <class Problem>
 Fit converge_under_true_priors(Problem& problem) {
   constexpr int most_rounds = 10;
-  Fit fit = converge(problem);
-  for (int round = 0; round < most_rounds; ++round) {
-    Problem wider = problem;
-    if (!wider.widen_priors(fit.parameters, fit.adjustment.solution.covariance) || curvature(problem, fit) > most_curvature) break;
-    problem = std::move(wider);
-    fit = converge(problem);
-  }
+  Fit fit;
+  kernel::refine(
+      most_rounds, [&] { fit = converge(problem); },
+      [&] {
+        Problem wider = problem;
+        if (!wider.widen_priors(fit.parameters, fit.adjustment.solution.covariance) || curvature(problem, fit) > most_curvature) return false;
+        problem = std::move(wider);
+        return true;
+      });
   return fit;
 }
 
-/// Optional terms of which the data say nothing go back to zero, and the others are fitted again. The spreads are those of the fit with all of them.
-/// Other coefficients stay in the fit under their prior, determined or not: a weak one does not spoil those that it has little to do with. But a
-/// gyro's scale that ran away goes back to its prior, with all of the matrix; then rotations say nothing, since what the gyros read in one is beside
-/// the truth by their scales.
+/// Optional terms that the data do not show go back to zero, and the others are fitted again. The spreads are those of the fit with all terms. Other
+/// coefficients stay in the fit under their prior, determined or not: a weakly determined one does not bias those that hardly depend on it. But a
+/// gyro's scale that diverged goes back to its prior, with all of the matrix; then rotations carry no information, since the angle that the gyros
+/// measure in one is wrong by their scales.
 template <class Problem>
 Fit fit_determined(Problem& problem) {
   Fit fit = converge(problem);
@@ -123,7 +143,7 @@ Fit fit_determined(Problem& problem) {
   return fit;
 }
 
-/// The same before any data, at a problem of ideal readings: what the estimate will be where the residuals are the noise's.
+/// Foresees the fit before any data, at a problem of ideal readings: the estimate where the residuals are those of the noise.
 template <class Problem>
 Fit foreseen(Problem& problem) {
   Fit fit;
@@ -156,8 +176,8 @@ struct SuspectFit {
   SuspectFit(const Problem& p, std::size_t m, const std::vector<DroppedPart>& d) : problem(p), most(m), dropped(d) {}  ///< not yet fitted
   explicit SuspectFit(Problem p) : problem(std::move(p)), fit(converge_under_true_priors(problem)), most(problem.rests().size() / 3) {}
 
-  /// The suspect whose loss would save the most chi-square for its degrees of freedom is judged by a fit without it: its own deviation would hide it
-  /// in the spreads, which count with the degrees of freedom behind them.
+  /// The suspect whose removal would save the most chi-square for its degrees of freedom is judged by a fit without it: its own deviation would hide
+  /// it in the spreads, which count with the degrees of freedom behind them.
   std::vector<kernel::Suspect> suspects() {
     std::vector<kernel::Suspect> all;
     std::size_t worst = 0;
@@ -173,7 +193,7 @@ struct SuspectFit {
     next->problem.drop(worst);
     try {
       next->fit = converge(next->problem);
-    } catch (const Unsupported&) {  // the others say nothing of it
+    } catch (const Unsupported&) {  // the others do not determine it
       return all;
     }
     // With fewer degrees of freedom left nothing can be called an outlier.
@@ -196,10 +216,10 @@ Eigen::MatrixXd raw_covariance(const RestProblem& problem, Eigen::MatrixXd covar
 /// Model, covariance and quality of a fit: raw units, g's uncertainty added, undetermined coefficients named.
 Calibration calibration_of(std::string_view method, const RestProblem& problem, const Fit& fit, const Session& session);
 
-/// How each rest and each rotation agrees with the fit; those left out by what they deviate from the others.
+/// Adds the residual of each rest and each rotation; of those left out, the deviation from the others.
 void add_parts(Quality& quality, const std::vector<SuspectRows>& parts, const Fit& fit, const std::vector<DroppedPart>& dropped);
 
-/// Which optional terms do the data show? Wald's test of each term's coefficients, without those of which the data say nothing.
+/// Wald's test of each optional term's coefficients, without those that the data do not show.
 std::vector<TermTest> test_terms(const RestProblem& problem, const Fit& fit, double significance);
 
 /// The findings of a fit: widened priors, spreads, dropped parts of `all`, and what makes it doubtful.

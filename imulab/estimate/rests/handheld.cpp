@@ -1,26 +1,129 @@
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/estimate/kernel/common_turns.hpp"
+#include "imulab/estimate/coarse/rest_start.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
-#include "imulab/estimate/rests/advice.hpp"
 #include "imulab/estimate/rests/fit.hpp"
 #include "imulab/estimate/rests/handheld_problem.hpp"
 #include "imulab/estimate/rests/rests.hpp"
+#include "imulab/recording/turn.hpp"
 
+#include <Eigen/Geometry>
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <optional>
 
 namespace imulab::rests {
 
+using coarse::RestStart;
+using Eigen::Index;
+using Eigen::VectorXd;
+
 namespace {
 
-using Eigen::Index;
-using kernel::RestStart;
+constexpr double pi = std::numbers::pi;
+
+/// A turn and how willingly a hand does it: a part of its gain counts.
+struct Candidate {
+  HandTurn turn;
+  double handy;
+};
+
+/// From a pose with `up` up: to each face, edge and corner by the short and the long way; over to the other side about each axis.
+std::vector<Candidate> candidates(const Vector3d& up) {
+  constexpr double shortest = 40 * unit::deg, longest = 290 * unit::deg;  // an eighth to three quarters of a turn, from a pose that is not quite
+  constexpr double opposite = 160 * unit::deg;                            // as it was asked for
+  constexpr double rests[] = {1, 0.9, 0.8}, long_way = 0.9;               // a face needs no support
+  std::vector<Candidate> out;
+  for (int code = 0; code < 27; ++code) {
+    const Vector3d corner = Eigen::Vector3i(code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1).cast<double>();
+    if (corner.isZero()) continue;
+    const Vector3d to = corner.normalized();
+    const auto elements = static_cast<std::size_t>(std::lround(corner.squaredNorm()));
+    const double angle = std::acos(std::clamp(up.dot(to), -1.0, 1.0));
+    if (angle > shortest && angle < opposite) {
+      const Vector3d axis = to.cross(up).normalized();
+      out.push_back({{axis, to, angle}, rests[elements - 1]});
+      if (2 * pi - angle < longest) out.push_back({{-axis, to, 2 * pi - angle}, long_way * rests[elements - 1]});
+    }
+    if (const Vector3d level = to - up * up.dot(to); elements < 3 && level.norm() > -std::cos(opposite))  // both ways round: `to` and its opposite
+      out.push_back({{level.normalized(), -up, pi}, 1});
+    // About an edge by half a turn, or a corner by a third: one face takes the place of another, and two or three gyros turn.
+    if (elements > 1)
+      for (const double by : {pi, 2 * pi / 3})
+        if (const Vector3d then = rotation_exp(Vector3d(-by * to)) * up; (by == pi) == (elements == 2) && then.dot(up) < std::cos(shortest))
+          out.push_back({{to, then, by}, 0.9});
+  }
+  return out;
+}
+
+/// The distance of a covariance from the goal.
+class Ratios {
+ public:
+  Ratios(const HandheldProblem& problem, const std::vector<Requirement>& requirements)
+      : needed_(std::ssize(problem.indices())), limit_(needed_.size()) {
+    const SensorModel raw = to_raw(problem.model(), problem.scaling());
+    for (Index i = 0; i < needed_.size(); ++i) {
+      const CoefficientIndex index = problem.indices()[static_cast<std::size_t>(i)];
+      const Coefficient& c = coefficient(index);
+      constexpr double unlimited = std::numeric_limits<double>::infinity();
+      needed_[i] = is_optional(c.term) ? unlimited : kernel::needed_sigma(c, problem.prior_sigma(c));
+      limit_[i] = unlimited;
+      const double scale = c.term == Term::matrix ? std::abs(triad_model(raw, c.triad).matrix(c.row, c.row)) : 1;
+      for (const Requirement& r : requirements)
+        if (contains(r.coefficients, index)) limit_[i] = std::min(limit_[i], r.limit * scale);
+    }
+  }
+
+  /// The ratios of all coefficients, each at most one where the goal is reached.
+  VectorXd of(HandheldProblem& problem, const Fit& fit) const {
+    const Index n = needed_.size();
+    const Conditions conditions = problem.conditions(fit.spreads);
+    const Eigen::MatrixXd covariance =
+        fit.excess * fit.excess * kernel::solve(conditions.information(), problem.parameters(), "the rests").covariance.topLeftCorner(n, n);
+    const VectorXd raw = raw_covariance(problem, covariance).diagonal().cwiseSqrt();
+    return covariance.diagonal().cwiseSqrt().cwiseQuotient(needed_).cwiseMax(raw.cwiseQuotient(limit_));
+  }
+  /// Sum of the logarithms of the ratios above nearly one, and a little of the worst.
+  double distance(HandheldProblem& problem, const Fit& fit) const {
+    constexpr double nearly = 0.8, little = 0.01;
+    const VectorXd ratio = of(problem, fit);
+    return (ratio / nearly).cwiseMax(1).array().log().sum() + little * std::log(ratio.maxCoeff());
+  }
+
+ private:
+  VectorXd needed_, limit_;  ///< to be determined, of scaled readings; to meet the requirements, of raw ones
+};
+
+/// The turns that a calibration by hand needs next. Each is the one after which the sum of the logarithms of uncertainty over requirement (where that
+/// is not yet reached) is smallest, of turns about horizontal axes until a face, an edge or a corner of the unit points up, the short or the long
+/// way. The information of what was measured is that of the fit, with its spreads; future information is that of the same conditions. Ends where
+/// everything is reached: without requirements, where every coefficient that all IMUs have is determined.
+std::vector<HandTurn> next_turns(HandheldProblem problem, const Fit& fit, const CalibrationOptions::Handheld& goal) {
+  const Ratios ratios(problem, goal.requirements);
+  std::vector<HandTurn> out;
+  if (ratios.of(problem, fit).maxCoeff() <= 1) return out;
+  problem.release();  // terms that blur the others because the rests so far do not tell them from these
+  while (out.size() < goal.advised_turns && (out.empty() || ratios.of(problem, fit).maxCoeff() > 1)) {
+    const double distance = ratios.distance(problem, fit);
+    double best_gain = 0;
+    std::optional<HandTurn> best;
+    for (const Candidate& candidate : candidates(problem.last_up())) {
+      HandheldProblem then = problem;
+      then.extend(candidate.turn.axis, candidate.turn.angle, goal.rest_s);
+      const double gain = candidate.handy * (distance - ratios.distance(then, fit));
+      if (!best || gain > best_gain) best = candidate.turn, best_gain = gain;
+    }
+    problem.extend(best->axis, best->angle, goal.rest_s);
+    out.push_back(*best);
+  }
+  return out;
+}
 
 bool near_diagonal(const Matrix3d& matrix) {
   return (matrix.rowwise().norm() - matrix.diagonal().cwiseAbs()).cwiseQuotient(matrix.rowwise().norm()).maxCoeff() < 0.1;
@@ -36,7 +139,7 @@ bool possible(const Matrix3d& matrix) {
 /// whether it is as declared better than fast motion of a hand does.
 void start_gyro(RestStart& start, const Recording& recording, bool declared_turns) {
   const bool counts = recording.gyro_unit == "count";
-  std::optional<Matrix3d> coarse = kernel::coarse_gyro_in_common_turns(recording, start);
+  std::optional<Matrix3d> coarse = coarse::coarse_gyro_in_common_turns(recording, start);
   if (!counts && declared_turns) coarse.reset();
   TriadModel& gyro = start.model.gyro;
   if (coarse) gyro.matrix = *coarse;
@@ -50,7 +153,7 @@ void start_gyro(RestStart& start, const Recording& recording, bool declared_turn
   if (counts) {
     start.prior.gyro.offset = gyro.offset;
     start.prior.gyro.matrix = near_diagonal(gyro.matrix) ? Matrix3d(gyro.matrix.diagonal().asDiagonal()) : gyro.matrix;
-  } else if (!kernel::near_identity(gyro.matrix)) {
+  } else if (!coarse::near_identity(gyro.matrix)) {
     start.prior.gyro.matrix = gyro.matrix;
   }
 }
@@ -95,14 +198,21 @@ void add_turns(kernel::Findings& findings, const std::vector<Step>& steps, const
 
 }  // namespace
 
+HandTurn opening_turn(std::size_t rests) {
+  // Each time the axis that comes up was level, and the one about which the unit turns stays level.
+  const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();
+  const HandTurn turns[] = {{-y, x, pi / 2}, {-z, y, pi / 2}, {-x, z, pi / 2}, {y, -x, pi / 2}, {-z, -y, pi / 2}, {-x, -z, pi / 2}};
+  return turns[(rests + 5) % 6];
+}
+
 CalibrationResult calibrate_handheld(const CalibrationInput& input, const CalibrationOptions& options) {
-  RestStart start = kernel::start_from_rests(input, "handheld");
+  RestStart start = coarse::start_from_rests(input, "handheld");
   const Recording& recording = input.recordings.front();
   const Session& session = input.session;
   kernel::expect_alive(recording, Triad::gyro, "the method static calibrates the accelerometers alone");
   const std::vector<DeclaredTurn> turns = declared_turns(session, session.source_of(recording.name));
   start_gyro(start, recording, !turns.empty());
-  kernel::use_declared_gyro_noise(start, recording, session.imu);
+  coarse::use_declared_gyro_noise(start, recording, session.imu);
   const std::vector<CoefficientIndex> indices = choose_coefficients(start, session, options.terms, handheld_coefficients(), "handheld");
 
   HandheldProblem whole(recording, start, session.site, indices, turns);

@@ -2,6 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/earth/earth.hpp"
+#include "imulab/recording/turn.hpp"
 
 #include <fmt/core.h>
 
@@ -28,7 +29,7 @@ std::size_t integral_of(const Coefficient& c) {
 
 }  // namespace
 
-HandheldProblem::HandheldProblem(const Recording& recording, const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices,
+HandheldProblem::HandheldProblem(const Recording& recording, const coarse::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices,
                                  const std::vector<DeclaredTurn>& turns)
     : RestProblem(start, site, std::move(indices)), recording_(&recording), links_(rests_.empty() ? 0 : rests_.size() - 1) {
   if (latitude_) earth_up_ = earth_rate * std::sin(*latitude_);
@@ -162,36 +163,38 @@ HandheldProblem::Carried HandheldProblem::carried(std::size_t k) const {
   const Matrix3d C_next = rotation.C.transpose();
   const Vector3d turned_up = up + C_nb_[k].transpose() * (rotation_exp(rotation.duration_s * earth_rate_of(k)) * up_n - up_n);
   const Matrix23 basis = tangent_basis(next_up);
-  ByRotation by_rotation(rotation_rows_after(k), 3);
-  by_rotation.topRows<2>() = basis * C_next * skew<double>(turned_up);
-  if (turned(k)) by_rotation.row(2) = links_[k].turn->axis_b.transpose();
-  return {C_next * turned_up - next_up, basis, basis * C_next * direction_derivative(force), -basis * direction_derivative(next_force), by_rotation};
+  ByRotation rows_by_rotation(rotation_rows_after(k), 3);
+  rows_by_rotation.topRows<2>() = basis * C_next * skew<double>(turned_up);
+  if (turned(k)) rows_by_rotation.row(2) = links_[k].turn->axis_b.transpose();
+  return {C_next * turned_up - next_up, basis, basis * C_next * direction_derivative(force), -basis * direction_derivative(next_force),
+          rows_by_rotation};
 }
 
 /// The noise of a rest's rows: of its force, its rate and the rotation after it. Neighbors share the force of the rest between them.
 CovarianceBlock HandheldProblem::block_of(Index row, std::size_t k, const Spreads& spreads) const {
   CovarianceBlock block{row, 4 + rotation_rows_after(k), {}, {}};
   const Matrix3d p = force_covariance(rests_[k], spreads[0]);
-  MatrixXd by_force = MatrixXd::Zero(block.size, 3);
+  MatrixXd rows_by_force = MatrixXd::Zero(block.size, 3);
   const Vector3d up = force_at(rests_[k]).normalized();
-  by_force.row(0) = up.transpose();
+  rows_by_force.row(0) = up.transpose();
   block.covariance.setZero(block.size, block.size);
   block.covariance.block<3, 3>(1, 1) = rate_covariance(rests_[k], spreads[1]);
   if (linked(k)) {
     const Carried c = carried(k);
-    by_force.middleRows<2>(4) = c.by_force;
-    block.covariance.bottomRightCorner(c.by_rotation.rows(), c.by_rotation.rows()) =
-        c.by_rotation * (links_[k].now.covariance + spreads[2] * spreads[2] * Matrix3d::Identity()) * c.by_rotation.transpose();
-    block.covariance.block<2, 2>(4, 4) += c.by_next * force_covariance(rests_[k + 1], spreads[0]) * c.by_next.transpose();
+    rows_by_force.middleRows<2>(4) = c.difference_by_force;
+    block.covariance.bottomRightCorner(c.rows_by_rotation.rows(), c.rows_by_rotation.rows()) =
+        c.rows_by_rotation * (links_[k].now.covariance + spreads[2] * spreads[2] * Matrix3d::Identity()) * c.rows_by_rotation.transpose();
+    block.covariance.block<2, 2>(4, 4) +=
+        c.difference_by_next_force * force_covariance(rests_[k + 1], spreads[0]) * c.difference_by_next_force.transpose();
     if (turned(k)) {
       const double tilt = links_[k].turn->tilt_sigma(), angle = links_[k].turn->angle_sigma();
       block.covariance.diagonal().tail<3>() += Vector3d(tilt * tilt, tilt * tilt, angle * angle);
     }
   }
-  block.covariance += by_force * p * by_force.transpose();
+  block.covariance += rows_by_force * p * rows_by_force.transpose();
   if (k > 0 && linked(k - 1)) {
     block.coupling.setZero(block.size, 4 + rotation_rows_after(k - 1));
-    block.coupling.middleCols<2>(4) = by_force * p * carried(k - 1).by_next.transpose();
+    block.coupling.middleCols<2>(4) = rows_by_force * p * carried(k - 1).difference_by_next_force.transpose();
     if (turned(k) && turned(k - 1) && links_[k].turn->axis == links_[k - 1].turn->axis)  // one begins where the other ended
       block.coupling(6, 6) = -std::pow(links_[k].turn->sigma, 2);
   }
@@ -224,17 +227,17 @@ void HandheldProblem::add_rotation_rows(Conditions& c, Index row, std::size_t k)
     c.value[row + 2] = angle_beyond(*links_[k].turn, rotation_exp(-rotation.duration_s * earth_b) * rotation.C, swept(links_[k]));
     c.kind[static_cast<std::size_t>(row + 2)] = Kind::turn;
   }
-  add_derivatives(c, row, Triad::accel, rests_[k], up.by_force);
-  add_derivatives(c, row, Triad::accel, rests_[k + 1], up.by_next);
-  const Index rows = up.by_rotation.rows();
+  add_derivatives(c, row, Triad::accel, rests_[k], up.difference_by_force);
+  add_derivatives(c, row, Triad::accel, rests_[k + 1], up.difference_by_next_force);
+  const Index rows = up.rows_by_rotation.rows();
   for (std::size_t i = 0; i < indices_.size(); ++i) {
     const Coefficient& term = coefficient(indices_[i]);
     if (term.triad != Triad::gyro) continue;
-    c.jacobian.col(static_cast<Index>(i)).segment(row, rows) = up.by_rotation * rotation.phi[integral_of(term)].col(term.row);
+    c.jacobian.col(static_cast<Index>(i)).segment(row, rows) = up.rows_by_rotation * rotation.phi[integral_of(term)].col(term.row);
   }
-  const ByRotation by_earth = -rotation.duration_s * up.by_rotation * C_nb_[k].transpose();
-  if (!latitude_) c.jacobian.block(row, static_cast<Index>(indices_.size()), rows, 1) = by_earth.col(2);
-  c.jacobian.block(row, earth_column(stretch_[k]), rows, 2) = by_earth.leftCols<2>();
+  const ByRotation rows_by_earth_rate = -rotation.duration_s * up.rows_by_rotation * C_nb_[k].transpose();
+  if (!latitude_) c.jacobian.block(row, static_cast<Index>(indices_.size()), rows, 1) = rows_by_earth_rate.col(2);
+  c.jacobian.block(row, earth_column(stretch_[k]), rows, 2) = rows_by_earth_rate.leftCols<2>();
 }
 
 void HandheldProblem::correct(const Eigen::VectorXd& correction) {
@@ -242,6 +245,43 @@ void HandheldProblem::correct(const Eigen::VectorXd& correction) {
   if (!latitude_) earth_up_ += correction[static_cast<Index>(indices_.size())];
   for (std::size_t s = 0; s < earth_horizontal_.size(); ++s) earth_horizontal_[s] += correction.segment<2>(earth_column(s));
   rounding_ += correction.tail<3>();
+}
+
+void HandheldProblem::extend(const Vector3d& axis, double angle, double rest_s) {
+  constexpr int pieces = 40;                      // of the turn: of a few degrees each
+  constexpr double rate = 1.5, acceleration = 3;  // rad/s, rad/s^2: of a hand
+  const Vector3d force = gravity_ * last_up();
+  const Matrix3d to_accel = model_.accel.matrix.inverse(), to_gyro = model_.gyro.matrix.inverse();
+  const double duration = turn_duration(angle, rate, acceleration), dt = duration / pieces;
+  const auto turned = [&](double t) { return turn_state(angle, rate, acceleration, t).angle; };
+  const auto accel_of = [&](double by) { return Vector3d(to_accel * (rotation_exp(Vector3d(-by * axis)) * force - model_.accel.offset)); };
+  const auto reading_at = [&](const Vector3d& scaled, bool accel) {
+    return Vector3d(accel ? scaling_.accel_center + scaling_.accel_scale.cwiseProduct(scaled)
+                          : scaling_.gyro_center + scaling_.gyro_scale.cwiseProduct(scaled));
+  };
+  const auto gyro_of = [&](const Vector3d& rate_b, const Vector3d& accel) {
+    return Vector3d(to_gyro * (rate_b - model_.gyro.offset - model_.g_sensitivity * output(model_.accel, accel)));
+  };
+  Recording turn;
+  turn.interval_s = dt, turn.gyro_increment = true;  // every sample lasts dt
+  turn.time_ns.resize(pieces);
+  for (int i = 0; i < pieces; ++i) {
+    const double begin = turned(i * dt), end = turned((i + 1) * dt);
+    const Vector3d accel = accel_of(0.5 * (begin + end)), a = reading_at(accel, true),
+                   g = reading_at(gyro_of((end - begin) / dt * axis, accel), false);
+    for (std::size_t j = 0; j < 3; ++j) turn.accel[j].push_back(a[static_cast<Index>(j)]), turn.gyro[j].push_back(g[static_cast<Index>(j)]);
+  }
+  Link link;
+  link.usable = true;
+  link.rotation = link.now = integrate_rotation(turn, {0, pieces}, model_, scaling_, std::sqrt(recording_->interval_s / dt) * turning_sigma_);
+  link.at = model_;
+  const Vector3d accel = accel_of(angle);
+  RestMeans rest;
+  rest.range = {0, std::max<std::size_t>(1, static_cast<std::size_t>(rest_s / recording_->interval_s))};
+  rest.accel = reading_at(accel, true), rest.gyro = reading_at(gyro_of(Vector3d::Zero(), accel), false);
+  rests_.push_back(rest);
+  links_.push_back(link);
+  stretch_.push_back(stretch_.back());
 }
 
 std::vector<HandheldProblem::RotationRows> HandheldProblem::rotation_rows(const Conditions& conditions) const {

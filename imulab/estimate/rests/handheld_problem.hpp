@@ -16,7 +16,7 @@ namespace imulab::rests {
 class HandheldProblem : public RestProblem {
  public:
   /// A turn counts if it is the only one between two rests. Throws Error for one that the gyros of `start.model` contradict.
-  HandheldProblem(const Recording& recording, const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices,
+  HandheldProblem(const Recording& recording, const coarse::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices,
                   const std::vector<DeclaredTurn>& turns = {});
 
   Conditions conditions(const Spreads& spreads);
@@ -27,7 +27,7 @@ class HandheldProblem : public RestProblem {
   std::vector<SuspectRows> suspects(const Conditions& conditions) const;
   /// Leaves out a rest (the rotations before and after it become one) or a rotation.
   void drop(std::size_t suspect);
-  /// What the rests alone say is estimated, until release().
+  /// Estimates from the rests alone, until release().
   void leave_out_rotations();
   void release();
 
@@ -44,7 +44,7 @@ class HandheldProblem : public RestProblem {
     Eigen::Index first;  ///< of its rows: two of gravity, one of a declared angle; the last of the block
     double angle;        ///< by which the unit turned, rad
   };
-  /// Of each rotation in `conditions`, in time order.
+  /// The rows of each rotation in `conditions`, in time order.
   std::vector<RotationRows> rotation_rows(const Conditions& conditions) const;
 
  private:
@@ -57,12 +57,12 @@ class HandheldProblem : public RestProblem {
     IntegratedRotation now{};         ///< at the present model
   };
   using ByRotation = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::ColMajor, 3, 3>;
-  /// Up before a rotation, carried by the gyros, less up after it: in the plane of `basis`, across the latter. The derivatives are by the force
-  /// before and after it, and by the rotation: these with those of a turn's angle.
+  /// Up before a rotation, carried by the gyros, less up after it: in the plane of `basis`, across the latter. The derivatives of
+  /// that difference are by the force before and after the rotation; those by the rotation have a row more for a turn's declared angle.
   struct Carried {
     Vector3d difference;
-    Eigen::Matrix<double, 2, 3> basis, by_force, by_next;
-    ByRotation by_rotation;
+    Eigen::Matrix<double, 2, 3> basis, difference_by_force, difference_by_next_force;
+    ByRotation rows_by_rotation;
   };
   void relink();
   void add_turns(const std::vector<DeclaredTurn>& turns);

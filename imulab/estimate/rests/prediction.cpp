@@ -5,11 +5,13 @@
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/rests/fit.hpp"
 #include "imulab/estimate/rests/handheld_problem.hpp"
+#include "imulab/estimate/rests/problem.hpp"
 #include "imulab/estimate/rests/rests.hpp"
-#include "imulab/estimate/rests/static_problem.hpp"
 #include "imulab/recording/declared_noise.hpp"
 #include "imulab/recording/rests.hpp"
 #include "imulab/rig/ideal_recording.hpp"
+
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
@@ -18,14 +20,14 @@ namespace imulab::rests {
 
 namespace {
 
-/// What an ideal IMU with the declared noise reads on a procedure.
+/// The readings of an ideal IMU with the declared noise on a procedure.
 struct Foreseen {
   Session session;  ///< with the noise densities
   Recording recording;
-  kernel::RestStart start;
+  coarse::RestStart start;
 };
 
-/// Of the three axes of a triad: a sample's noise, and what the rounding of readings keeps from a mean.
+/// Sets the noise of a triad's three axes: of a sample, and the part of a mean that the rounding of readings hides.
 void set_noise(MeanNoise& means, Vector3d SampleNoise::*triad, const NoiseModel& noise, double interval_s) {
   const double sigma = noise.N / std::sqrt(interval_s);
   means.sample.*triad = Vector3d::Constant(sigma);
@@ -46,13 +48,13 @@ Foreseen foresee(const Session& procedure) {
   std::vector<Range> rests;  // of the holds: an ideal recording shows no others
   if (std::any_of(procedure.steps.begin(), procedure.steps.end(), is_hold)) rests = rests_of(out.recording, procedure).ranges;
   if (rests.empty()) throw Error(procedure.file + ": no hold among the steps; expected at least one, since the method needs rests");
-  kernel::RestStart& start = out.start;
+  coarse::RestStart& start = out.start;
   start.rests = summarize_rests(out.recording, rests);
   start.scaling = choose_scaling(out.recording, start.rests);
   set_noise(start.means, &SampleNoise::accel, noise.accel, out.recording.interval_s);
   set_noise(start.means, &SampleNoise::gyro, noise.gyro, out.recording.interval_s);
   start.noise = start.means.sample;
-  kernel::limit_noise(start);
+  coarse::limit_noise(start);
   SensorModel ideal;
   ideal.accel.raw_unit = out.recording.accel_unit, ideal.gyro.raw_unit = out.recording.gyro_unit;
   start.model = start.prior = to_scaled(ideal, start.scaling);
@@ -60,27 +62,49 @@ Foreseen foresee(const Session& procedure) {
 }
 
 template <class Problem>
-Prediction prediction(std::string_view method, const Foreseen& of, Problem problem) {
+Prediction prediction(std::string_view method, const Foreseen& of, const PredictionOptions& options, Problem problem) {
   const Fit fit = foreseen(problem);
   Prediction out = prediction_of(calibration_of(method, problem, fit, of.session));
   out.notes = of.start.findings.notes;
+  out.missed = shortfalls(out, options.requirements);
   return out;
 }
 
 }  // namespace
 
-Prediction predict_static(const Session& procedure, const std::vector<CoefficientIndex>& terms) {
+Prediction predict_static(const Session& procedure, const PredictionOptions& options) {
   Foreseen f = foresee(procedure);
   const bool with_gyros = start_gyros_at_rest(f.start, f.recording, f.session);
-  const std::vector<CoefficientIndex> indices = choose_coefficients(f.start, f.session, terms, static_coefficients(with_gyros), "static");
-  return prediction("static", f, StaticProblem(f.start, f.session.site, indices, with_gyros));
+  const std::vector<CoefficientIndex> indices = choose_coefficients(f.start, f.session, options.terms, static_coefficients(with_gyros), "static");
+  return prediction("static", f, options, StaticProblem(f.start, f.session.site, indices, with_gyros));
 }
 
-Prediction predict_handheld(const Session& procedure, const std::vector<CoefficientIndex>& terms) {
+Prediction predict_handheld(const Session& procedure, const PredictionOptions& options) {
   Foreseen f = foresee(procedure);
-  const std::vector<CoefficientIndex> indices = choose_coefficients(f.start, f.session, terms, handheld_coefficients(), "handheld");
-  return prediction("handheld", f,
+  const std::vector<CoefficientIndex> indices = choose_coefficients(f.start, f.session, options.terms, handheld_coefficients(), "handheld");
+  return prediction("handheld", f, options,
                     HandheldProblem(f.recording, f.start, f.session.site, indices, declared_turns(f.session, f.session.source_of(f.recording.name))));
+}
+
+namespace {
+
+bool enough_directions(const RestEvidence& e) { return e.rests >= 9 && e.determined > 8.5; }
+std::string counted(std::size_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
+std::string directions(const RestEvidence& e) { return fmt::format("{}, {:.0f} of 9 parameters", counted(e.rests, "rest"), e.determined); }
+
+}  // namespace
+
+MethodSupport support_static(const RestEvidence& e) {
+  const bool enough = enough_directions(e);
+  return {enough, directions(e) + (enough ? "" : ": at least nine rests in different directions are needed")};
+}
+
+MethodSupport support_handheld(const RestEvidence& e) {
+  const bool still = enough_directions(e), turns = still && e.explained;
+  return {turns, fmt::format("{}, {}{}", directions(e), counted(e.turns, "turn"),
+                             turns   ? ""
+                             : still ? ": the gyros do not explain the turns"
+                                     : ": as for static, and turns about all axes")};
 }
 
 }  // namespace imulab::rests

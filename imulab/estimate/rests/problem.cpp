@@ -2,8 +2,9 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/earth/earth.hpp"
 #include "imulab/estimate/kernel/input.hpp"
-#include "imulab/estimate/kernel/optional_terms.hpp"
+#include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/model/frame.hpp"
 
 #include <fmt/core.h>
@@ -37,7 +38,7 @@ SampleNoise scaled(const SampleNoise& raw, const Scaling& scaling) {
   return {raw.accel.cwiseQuotient(scaling.accel_scale), raw.gyro.cwiseQuotient(scaling.gyro_scale)};
 }
 
-/// What a coefficient is multiplied with.
+/// The factor of a coefficient in the sensor model.
 double input_of(const Coefficient& c, const Vector3d& reading, const Vector3d& force) {
   if (c.term == Term::g_sensitivity) return force[c.column];
   if (c.term == Term::matrix) return reading[c.column];
@@ -53,7 +54,7 @@ bool bends_far_from_zero(const Coefficient& c, const Scaling& scaling) {
 
 /// Priors of the optional terms by the declaration, or by the offsets at zero readings. Readings in counts may have their zero anywhere: offsets
 /// beyond those of any IMU are that, and tell nothing.
-kernel::PriorSizes expected_terms(const kernel::RestStart& start, const Session& session) {
+kernel::PriorSizes expected_terms(const coarse::RestStart& start, const Session& session) {
   const SensorModel raw = to_raw(start.model, start.scaling);
   // MEMS sensors, the least that counts can be of without a grade; the limits are those of the offsets' priors.
   const auto plausible = [](const Vector3d& offset, double limit, double usual) {
@@ -80,7 +81,7 @@ std::vector<CoefficientIndex> handheld_coefficients() {
   return out;
 }
 
-std::vector<CoefficientIndex> choose_coefficients(kernel::RestStart& start, const Session& session, const std::vector<CoefficientIndex>& wanted,
+std::vector<CoefficientIndex> choose_coefficients(coarse::RestStart& start, const Session& session, const std::vector<CoefficientIndex>& wanted,
                                                   const std::vector<CoefficientIndex>& supplied, std::string_view method) {
   const std::vector<CoefficientIndex> chosen = kernel::chosen_coefficients(wanted, supplied, method);
   start.terms = expected_terms(start, session);
@@ -96,7 +97,7 @@ std::vector<CoefficientIndex> choose_coefficients(kernel::RestStart& start, cons
   return chosen;
 }
 
-RestProblem::RestProblem(const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices)
+RestProblem::RestProblem(const coarse::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices)
     : rests_(start.rests),
       gravity_(site.gravity()),
       relative_gravity_sigma_(site.gravity_sigma() / gravity_),
@@ -221,6 +222,50 @@ std::vector<SuspectRows> RestProblem::suspects(const Conditions& conditions) con
     for (Index row = block.first; row < block.first + block.size; ++row) suspect.rows.push_back(row);
   }
   return all;
+}
+
+using Eigen::MatrixXd;
+
+StaticProblem::StaticProblem(const coarse::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices, bool with_gyros)
+    : RestProblem(start, site, std::move(indices)), with_gyros_(with_gyros) {}
+
+Conditions StaticProblem::conditions(const Spreads& spreads) const {
+  const Index per_rest = with_gyros_ ? 3 : 1, rests = static_cast<Index>(rests_.size());
+  Conditions c(per_rest * rests, static_cast<Index>(indices_.size()));
+  for (Index k = 0; k < rests; ++k) add_rest(c, per_rest * k, rests_[static_cast<std::size_t>(k)], spreads);
+  return c;
+}
+
+void StaticProblem::add_rest(Conditions& c, Index row, const RestMeans& rest, const Spreads& spreads) const {
+  const Index rows = with_gyros_ ? 3 : 1;
+  const Vector3d force = force_at(rest), up = force.normalized();
+  // The derivatives of the rest's rows by its force and by its rate.
+  MatrixXd rows_by_force = MatrixXd::Zero(rows, 3), rows_by_rate = MatrixXd::Zero(rows, 3);
+  rows_by_force.row(0) = up.transpose();
+  c.value[row] = force.norm() - gravity_;
+  Matrix3d rate_noise = Matrix3d::Zero();
+  if (with_gyros_) {
+    const Vector3d rate = rate_at(rest);
+    const double vertical = up.dot(rate);
+    const Vector3d across = rate - vertical * up, north = across.normalized(), east = north.cross(up);
+    const Matrix3d turn_up = direction_derivative(force);
+    rate_noise = rate_covariance(rest, spreads[1]);
+    rows_by_rate.row(1) = up.transpose();
+    rows_by_force.row(1) = rate.transpose() * turn_up;
+    rows_by_rate.row(2) = north.transpose();
+    rows_by_force.row(2) = -vertical * north.transpose() * turn_up;
+    c.value[row + 1] = vertical - earth_rate * std::sin(*latitude_);
+    // Noise across north lengthens the horizontal part by var / (2 |w|) on average.
+    c.value[row + 2] = across.norm() - east.dot(rate_noise * east) / (2 * across.norm()) - earth_rate * std::cos(*latitude_);
+    std::fill_n(c.kind.begin() + row + 1, 2, Kind::gyro_rest);
+  }
+  add_derivatives(c, row, Triad::accel, rest, rows_by_force);
+  add_derivatives(c, row, Triad::gyro, rest, rows_by_rate);
+  c.blocks.push_back(
+      {row,
+       rows,
+       rows_by_force * force_covariance(rest, spreads[0]) * rows_by_force.transpose() + rows_by_rate * rate_noise * rows_by_rate.transpose(),
+       {}});
 }
 
 }  // namespace imulab::rests

@@ -1,7 +1,7 @@
 // Common to the conditions of both methods on rests: the rests, the coefficients to estimate, and their priors.
 #pragma once
 
-#include "imulab/estimate/kernel/rest_start.hpp"
+#include "imulab/estimate/coarse/rest_start.hpp"
 #include "imulab/estimate/rests/conditions.hpp"
 
 #include <optional>
@@ -19,33 +19,33 @@ struct SuspectRows {
   bool rotation = false;
 };
 
-/// What the two methods estimate: all that gravity at rest shows, with the gyros at rest; and with the rotations between the rests.
+/// The coefficients that the two methods estimate: those observable in gravity at rest, with the gyros at rest; and with the rotations between rests.
 std::vector<CoefficientIndex> static_coefficients(bool with_gyros);
 std::vector<CoefficientIndex> handheld_coefficients();
 
 /// kernel::chosen_coefficients, once `start.model` has both triads; those of `supplied` that are not chosen are set to their prior. Sets
 /// `start.terms` and `start.named`. Throws TermsError for offsets and scales of counts that are not chosen, too.
-std::vector<CoefficientIndex> choose_coefficients(kernel::RestStart& start, const Session& session, const std::vector<CoefficientIndex>& wanted,
+std::vector<CoefficientIndex> choose_coefficients(coarse::RestStart& start, const Session& session, const std::vector<CoefficientIndex>& wanted,
                                                   const std::vector<CoefficientIndex>& supplied, std::string_view method);
 
-/// A method with unknowns or parts of its own hides what deals with them.
+/// A derived problem with unknowns or parts of its own shadows the functions that handle these.
 class RestProblem {
  public:
   /// The coefficients, then `nuisances` estimated without a prior.
   kernel::Parameters parameters(Eigen::Index nuisances = 0) const;
-  /// A correction's elements: up to the prior of those that all IMUs have; the equations are straight in the optional terms, which are small.
+  /// A correction's elements: up to the prior of those that all IMUs have; the equations are linear in the optional terms, which are small.
   Eigen::VectorXd longest_step(Eigen::Index nuisances = 0) const;
   void correct(const Eigen::VectorXd& correction);
   /// Every rest, with the rows of its own block.
   std::vector<SuspectRows> suspects(const Conditions& conditions) const;
   /// These terms go back to their prior value and stay there: considered.
   void hold(const std::vector<Eigen::Index>& unseen);
-  /// They are estimated again: rests to come may show them.
+  /// Estimates them again: future rests may show them.
   void release();
-  /// Nothing: of rests alone there are none.
+  /// Does nothing: rests alone have no rotations.
   void leave_out_rotations() {}
-  /// Of a coefficient of scaled readings: offsets 20 % of g and 1 rad/s, scales 20 %, misalignments 1e-2 (20 % where the row does not point along its
-  /// axis: axes swapped), which contain uncalibrated units; optional terms by kernel::optional_priors.
+  /// The prior of a coefficient of scaled readings: offsets 20 % of g and 1 rad/s, scales 20 %, misalignments 1e-2 (20 % where the row does not point
+  /// along its axis: axes swapped), which contain uncalibrated units; optional terms by kernel::optional_priors.
   double prior_sigma(const Coefficient& c) const;
   /// Widens the priors of optional terms that the fit contradicts; whether any was.
   bool widen_priors(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance);
@@ -55,7 +55,7 @@ class RestProblem {
   /// Optional terms that are estimated although the data do not show them.
   std::vector<Eigen::Index> unseen_terms(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const;
   /// All of the gyros' matrix, and their nonlinearity with it, where one of its scales is not determined and went far from its prior: few
-  /// rotations, perhaps wrong ones, do not hold it.
+  /// rotations, perhaps wrong ones, do not determine it.
   std::vector<Eigen::Index> runaway_gyro_matrix(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const;
 
   const std::vector<RestMeans>& rests() const { return rests_; }
@@ -67,7 +67,7 @@ class RestProblem {
   double relative_gravity_sigma() const { return relative_gravity_sigma_; }
 
  protected:
-  RestProblem(const kernel::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices);
+  RestProblem(const coarse::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices);
   /// Specific force and rate that the model gives at a rest.
   Vector3d force_at(const RestMeans& rest) const { return output(model_.accel, scaling_.accel(rest.accel)); }
   Vector3d rate_at(const RestMeans& rest) const;
@@ -87,6 +87,24 @@ class RestProblem {
   std::vector<kernel::Role> roles_;   ///< of the coefficients
   std::vector<std::string> widened_;  ///< names of terms
   std::vector<char> unstated_;        ///< considered, but not in the result: nonlinearity of counts
+};
+
+/// The gyros' start: Cheng's linear solution where they resolve Earth's rate, else as declared, with a note why. False: they are not calibrated.
+bool start_gyros_at_rest(coarse::RestStart& start, const Recording& recording, const Session& session);
+
+/// Each rest gives |f| = g and, with the gyros, the vertical and horizontal parts of Earth's rate:
+///   up . w = w_ie sin L          (Cheng 2014 eq 12)
+///   |w - up (up . w)| = w_ie cos L
+class StaticProblem : public RestProblem {
+ public:
+  StaticProblem(const coarse::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices, bool with_gyros);
+
+  Conditions conditions(const Spreads& spreads) const;
+  void drop(std::size_t suspect) { rests_.erase(rests_.begin() + static_cast<std::ptrdiff_t>(suspect)); }
+
+ private:
+  void add_rest(Conditions& c, Eigen::Index row, const RestMeans& rest, const Spreads& spreads) const;
+  bool with_gyros_;
 };
 
 }  // namespace imulab::rests

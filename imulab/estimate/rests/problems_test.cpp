@@ -1,7 +1,7 @@
 // The derivatives of both methods' conditions against differences of the conditions themselves.
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/rests/handheld_problem.hpp"
-#include "imulab/estimate/rests/static_problem.hpp"
+#include "imulab/estimate/rests/problem.hpp"
 #include "imulab/model/frame.hpp"
 
 #include <gtest/gtest.h>
@@ -17,8 +17,8 @@ std::vector<CoefficientIndex> all_coefficients() {
   return indices;
 }
 
-kernel::RestStart start_at_truth(const SimulatedSession& s) {
-  kernel::RestStart start;
+coarse::RestStart start_at_truth(const SimulatedSession& s) {
+  coarse::RestStart start;
   start.rests = summarize_rests(s.recording, s.rests);
   start.means = measure_mean_noise(s.recording, start.rests);
   start.model = s.truth.model;
@@ -48,7 +48,7 @@ TEST(HandheldProblem, DerivativesEqualDifferences) {
   options.poses = 8;
   options.first_rest = 4;
   const SimulatedSession s = simulate_session(options, 5);
-  const kernel::RestStart start = start_at_truth(s);
+  const coarse::RestStart start = start_at_truth(s);
   for (const bool latitude : {true, false}) {
     const auto make = [&] {
       Site site = s.site();
@@ -90,7 +90,7 @@ TEST(StaticProblem, DerivativesEqualDifferences) {
   options.first_rest = options.rest = 30;
   options.grade = "navigation";
   const SimulatedSession s = simulate_session(options, 5);
-  const kernel::RestStart start = start_at_truth(s);
+  const coarse::RestStart start = start_at_truth(s);
   std::vector<CoefficientIndex> indices = all_coefficients();
   std::erase_if(indices, [](CoefficientIndex index) { return coefficient(index).term == Term::g_sensitivity; });
   const auto make = [&] {

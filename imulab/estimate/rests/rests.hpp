@@ -14,9 +14,16 @@ CalibrationResult calibrate_static(const CalibrationInput& input, const Calibrat
 /// them, all jointly by maximum likelihood (after Tedaldi 2014). One recording. Throws as calibrate_static does.
 CalibrationResult calibrate_handheld(const CalibrationInput& input, const CalibrationOptions& options);
 
-/// Standard uncertainties that they will state of a procedure (docs/predict.md), of an ideal IMU with the declared noise. `terms` as
-/// CalibrationOptions has them. Throws Error for a procedure of several recordings, without a hold, or whose noise is not declared.
-Prediction predict_static(const Session& procedure, const std::vector<CoefficientIndex>& terms = {});
-Prediction predict_handheld(const Session& procedure, const std::vector<CoefficientIndex>& terms = {});
+/// The turn after that many rests, while the data are too few for a fit: the six faces in turn.
+HandTurn opening_turn(std::size_t rests);
+
+/// Standard uncertainties that they will state of a procedure (docs/predict.md), of an ideal IMU with the declared noise.
+/// Throws Error for a procedure of several recordings, without a hold, or whose noise is not declared.
+Prediction predict_static(const Session& procedure, const PredictionOptions& options = {});
+Prediction predict_handheld(const Session& procedure, const PredictionOptions& options = {});
+
+/// A recording supports the methods if its rests have enough directions; the hand-held method also needs turns that its gyros explain.
+MethodSupport support_static(const RestEvidence& evidence);
+MethodSupport support_handheld(const RestEvidence& evidence);
 
 }  // namespace imulab::rests

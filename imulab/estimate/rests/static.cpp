@@ -1,10 +1,10 @@
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
-#include "imulab/estimate/kernel/coarse.hpp"
+#include "imulab/estimate/coarse/coarse.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/estimate/rests/fit.hpp"
+#include "imulab/estimate/rests/problem.hpp"
 #include "imulab/estimate/rests/rests.hpp"
-#include "imulab/estimate/rests/static_problem.hpp"
 #include "imulab/model/frame.hpp"
 
 #include <Eigen/LU>
@@ -17,18 +17,18 @@ namespace imulab::rests {
 
 namespace {
 
-using kernel::RestStart;
+using coarse::RestStart;
 
 /// A gyro resolves Earth's rate if its rest means are good to a tenth of it.
 constexpr double resolvable_part = 0.1;
 
 /// Cheng's linear gyro solution where the gyros resolve Earth's rate; else why not.
 struct GyroStart {
-  std::optional<kernel::CoarseGyro> coarse;
+  std::optional<coarse::CoarseGyro> coarse;
   std::string reason;
 };
 
-/// How far the rests' means may be off through the samples' noise [rad/s], with a matrix of scaled readings.
+/// The error of the rests' means from the samples' noise [rad/s], with a matrix of scaled readings.
 double mean_noise(const RestStart& start, const Matrix3d& matrix) {
   double worst = 0;
   for (const RestMeans& rest : start.rests)
@@ -48,9 +48,9 @@ GyroStart start_gyro(const RestStart& start, const Recording& recording, const S
   if (const double noise = mean_noise(start, Matrix3d::Identity()); !counts && noise > resolvable_part * earth_rate) return not_resolved(noise);
   // The headings are found from the horizontal part, which vanishes at a pole.
   if (std::cos(*site.latitude) < resolvable_part) return {{}, "the latitude is too near a pole for the horizontal part of Earth's rate to be seen"};
-  const auto coarse = kernel::coarse_gyro_at_rest(start.rests, start.model, start.scaling, earth_rate * std::sin(*site.latitude));
+  const auto coarse = coarse::coarse_gyro_at_rest(start.rests, start.model, start.scaling, earth_rate * std::sin(*site.latitude));
   if (!coarse) return {{}, "twelve or more rests in different directions away from the equator are needed for the gyros"};
-  if (!counts && !kernel::near_identity(coarse->matrix))
+  if (!counts && !coarse::near_identity(coarse->matrix))
     return {{}, "their readings at rest do not agree with the Earth's rate in rad/s; check the latitude (and its sign), the axes and the unit"};
   double misfit = 0;  // mean square of what the solution misses of the size of Earth's rate
   for (const RestMeans& rest : start.rests)
@@ -67,7 +67,7 @@ bool start_gyros_at_rest(RestStart& start, const Recording& recording, const Ses
     start.model.gyro.offset = gyro.coarse->offset;
     start.model.gyro.matrix = gyro.coarse->matrix;
     if (recording.gyro_unit == "count") start.prior.gyro = start.model.gyro;
-    kernel::use_declared_gyro_noise(start, recording, session.imu);
+    coarse::use_declared_gyro_noise(start, recording, session.imu);
   } else {
     // The scaled model must give back the starting value, one, when it returns to raw readings.
     SensorModel unit;
@@ -82,7 +82,7 @@ namespace {
 
 /// Rests alone do not tell a reversed or swapped axis. The gyros do, where the motion between the rests shows theirs at right angles.
 void check_axes(RestStart& start, const Recording& recording) {
-  const auto in_motion = kernel::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
+  const auto in_motion = coarse::coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
   if (!in_motion || !(std::abs(in_motion->determinant()) > 0) || kernel::is_oblique(*in_motion)) return;
   if (const std::string wrong = wrong_axes(*in_motion); !wrong.empty())
     start.findings.doubt(wrong + ", as gravity turns in the IMU; check the order and the signs of both triads' columns");
@@ -91,7 +91,7 @@ void check_axes(RestStart& start, const Recording& recording) {
 }  // namespace
 
 CalibrationResult calibrate_static(const CalibrationInput& input, const CalibrationOptions& options) {
-  RestStart start = kernel::start_from_rests(input, "static");
+  RestStart start = coarse::start_from_rests(input, "static");
   const Recording& recording = input.recordings.front();
   const Session& session = input.session;
   const bool with_gyros = start_gyros_at_rest(start, recording, session);

@@ -19,8 +19,8 @@ struct DeclaredTurn {
   double middle() const { return 0.5 * (start_s + end_s); }
   /// Standard deviation of the turn's angle: both rests, and what a few degrees between the true and the nominal axis do, of second order.
   double angle_sigma() const;
-  /// What gravity leaves open of a turn, rad: an error of its angle tilts by its product with the angle between its axis and up. Where both are
-  /// uncertain the linear equations would know one of them too well: a box on a table turns about up exactly.
+  /// The angle that gravity does not determine of a turn, rad: an error of its angle tilts by its product with the angle between its axis and up.
+  /// Where both are uncertain the linear equations would know one of them too well: a box on a table turns about up exactly.
   double tilt_sigma() const;
 };
 

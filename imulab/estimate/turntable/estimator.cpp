@@ -1,7 +1,40 @@
+// The problem. A procedure gives readings y: the mean of each hold, the sum of each turn. In the forward model (calibrated -> raw) they are linear in
+// its columns v (offsets and matrices), and to first order in the table's errors e, which many readings share:
+//
+//     y = X v + T e + n,   e ~ (0, Sigma) as declared, n ~ (0, R) the sensors' noise.
+//
+// The best linear estimate weights by S = R + T Sigma T^T: v = (X^T S^-1 X)^-1 X^T S^-1 y. X, T and S belong to the procedure, so that everything but
+// the last product with y is computed once: a Monte Carlo run costs one product of a matrix with a vector.
+//
+// Zhang 2010 is the same estimate with equal weights, on his procedure, where X^T X is diagonal and the sums can be written down:
+// - eq 6: n turns forward and back about body axis j give the column j of the gyros' forward matrix, (N+ - N-) / (4 pi n). `backward` inverts the
+// matrix;
+// - eq 9: the gyros' offset is the mean over 24 positions;
+// - eq 10: a face up and the face down give the column (N_up - N_down) / 2g of the accelerometers' forward matrix, and the mean of six faces the
+// offset. His eqs 8, 12 and 13 are the errors of these estimates by the table. Here they are the product gain * T for any procedure (prediction.cpp);
+// the tests compare it with his expressions. S differs from equal weights where readings share an error: that is what the table's accuracy is about.
+//
+// A small case. One accelerometer with the forward model y = k f + b, held up and down, each mean with noise r, and g uncertain by the part s in
+// both:
+//
+//     y1 = k g + b + k g e + n1
+//     y2 = -k g + b - k g e + n2        S = r^2 I + s^2 k^2 g^2 [1 -1; -1 1]
+//
+// Two readings and two unknowns: k = (y1 - y2) / 2g and b = (y1 + y2) / 2 by any weights. But their variances differ: r^2 / 2g^2 + k^2 s^2 of k,
+// which is as uncertain as g, and r^2 / 2 of b, to which g adds nothing. With r = 1 ug and a table tilted by 2 arcsec (10 ug across it) a side hold
+// shows the other use of S: its reading is worth a hundredth of an upright one's for the offset.
+//
+// What makes it hard:
+// - T Sigma T^T may be 1e10 times R. Sums of squares would lose R, and with it what the data say beyond the table: orthogonal factors keep it
+// (set_weights).
+// - Readings are 1e6 times the differences that matter: the gain takes the differences from the expected readings (set_gains).
+// - Columns that a procedure does not determine stay at their start and are considered; optional terms have priors that act as observations.
+// - Products of table errors, and of these with the model's own errors, are of second order: `linearized` removes what the readings show of them,
+//   second_order.cpp states the rest.
 #include "imulab/estimate/turntable/estimator.hpp"
 
+#include "imulab/estimate/kernel/fit.hpp"
 #include "imulab/estimate/kernel/information.hpp"
-#include "imulab/estimate/kernel/suspects.hpp"
 #include "imulab/model/forward_model.hpp"
 #include "imulab/rig/table_readings.hpp"
 
@@ -18,14 +51,14 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// How far the coefficients may be from the start: so far that they say only what counts as determined, by half of it or better.
+/// One sigma of the coefficients about the start, so wide that it only defines which coefficients count as determined: those known to half of it.
 constexpr kernel::PriorSizes prior_sizes{
     .accel = {.offset = 10, .scale = 1, .misalignment = 1e-2}, .gyro = {.offset = 1, .scale = 1, .misalignment = 1e-2}, .g_sensitivity = 1e-3};
 constexpr double needed_part = 0.5;
-/// An optional term is estimated where its sigma is below this part of its prior's. Above, the data say nothing of it.
+/// An optional term is estimated where its sigma is below this part of its prior's. Above, the data do not show it.
 constexpr double needed_part_of_optional = 0.9;
 
-/// The same of the forward model's columns, raw.
+/// One sigma of the forward model's columns, raw.
 VectorXd prior_sigmas(const SensorModel& nominal, const std::optional<kernel::PriorSizes>& optional) {
   const auto raw_per_unit = [](const Matrix3d& matrix) { return 1 / std::cbrt(std::abs(matrix.determinant())); };
   const double accel = raw_per_unit(nominal.accel.matrix), gyro = raw_per_unit(nominal.gyro.matrix);
@@ -81,8 +114,8 @@ Estimator::Estimator(const TableMotion& motion, const SensorModel& nominal, cons
       nominal_errors_(motion.nominal()),
       around_(options.around.size() > 0 ? options.around : nominal_errors_),
       truth_(motion.truth(around_)),
-      truth_jacobian_(motion.jacobian(around_)),
-      table_jacobian_(reading_changes(motion, nominal, truth_jacobian_)),
+      truth_by_table_(motion.jacobian(around_)),
+      readings_by_table_(reading_changes(motion, nominal, truth_by_table_)),
       design_(by_forward_columns(motion, nominal, truth_)),
       noise_(noise_of(motion, noise, options.enlarged)) {
   for (const CoefficientIndex index : terms_) {
@@ -107,7 +140,7 @@ void Estimator::set_weights(const EstimatorOptions& options) {
   for (Index row = 0; row < weight_.size(); ++row)
     if (weight_[row] == 0) noise(row, row) = 1;
   MatrixXd root(sigma.size() + weight_.size(), weight_.size());
-  root << (weight_.asDiagonal() * table_jacobian_ * sigma.asDiagonal()).transpose(), Cholesky(noise).lower().transpose();
+  root << (weight_.asDiagonal() * readings_by_table_ * sigma.asDiagonal()).transpose(), Cholesky(noise).lower().transpose();
   const OrthogonalTriangular factors = orthogonal_triangular(root);
   factor_ = Cholesky::of_lower(factors.R.transpose());
   const MatrixXd of_table = factors.Q.topRows(sigma.size());
@@ -161,11 +194,11 @@ SensorModel Estimator::estimate(const VectorXd& readings) const { return backwar
 VectorXd Estimator::table_errors(const VectorXd& readings) const { return nominal_errors_ + error_gain_ * (readings - expected_); }
 
 MatrixXd Estimator::linearized(const MatrixXd& measured) const {
-  const VectorXd shift = table_jacobian_ * (around_ - nominal_errors_);
+  const VectorXd shift = readings_by_table_ * (around_ - nominal_errors_);
   const MatrixXd first_order = measured.colwise() + shift;
   const MatrixXd errors = (error_gain_ * (first_order.colwise() - expected_)).colwise() + nominal_errors_, columns = solve(first_order);
   MatrixXd out = measured;
-  out.noalias() += table_jacobian_ * (errors.colwise() - nominal_errors_);
+  out.noalias() += readings_by_table_ * (errors.colwise() - nominal_errors_);
   for (Index run = 0; run < measured.cols(); ++run)
     out.col(run) -= reading_changes(motion_, backward(columns.col(run)), motion_.truth(errors.col(run)) - truth_);
   return out;
@@ -258,7 +291,8 @@ Vector3d Estimator::variance_ratios(const VectorXd& readings) const {
   VectorXd of_table = table_sigma_;
   for (Index k = 0; k < of_table.size(); ++k)
     if (of_site(motion_.sources()[static_cast<std::size_t>(k)])) of_table[k] = 0;
-  const MatrixXd noise = weight_.asDiagonal() * noise_ * weight_.asDiagonal(), table = weight_.asDiagonal() * table_jacobian_ * of_table.asDiagonal();
+  const MatrixXd noise = weight_.asDiagonal() * noise_ * weight_.asDiagonal(),
+                 table = weight_.asDiagonal() * readings_by_table_ * of_table.asDiagonal();
   const auto ratio = [&](const MatrixXd& variance) { return u.z.dot(variance * u.z) / u.covariance.cwiseProduct(variance).sum(); };
   const VectorXd gyro = VectorXd::Ones(accel.size()) - accel;
   return {ratio(accel.asDiagonal() * noise * accel.asDiagonal()), ratio(gyro.asDiagonal() * noise * gyro.asDiagonal()),
@@ -266,7 +300,7 @@ Vector3d Estimator::variance_ratios(const VectorXd& readings) const {
 }
 
 std::vector<double> Estimator::part_residuals(const VectorXd& readings) const {
-  const MatrixXd table = table_jacobian_ * table_sigma_.asDiagonal();
+  const MatrixXd table = readings_by_table_ * table_sigma_.asDiagonal();
   const VectorXd variance = noise_.diagonal() + table.rowwise().squaredNorm();
   const VectorXd square = (readings - design_ * solve(readings)).cwiseAbs2().cwiseQuotient(variance);
   std::vector<double> out;

@@ -22,9 +22,9 @@ struct Enlargement {
 
 struct EstimatorOptions {
   std::vector<CoefficientIndex> terms;  ///< matrices whole or diagonal, the other terms whole or not at all; nonlinearity only with `optional`
-  /// Of terms that an IMU may not have (nonlinearity, g-sensitivity), about zero. Absent: g-sensitivity is estimated by the data alone.
+  /// The priors of terms that an IMU may not have (nonlinearity, g-sensitivity), about zero. Absent: g-sensitivity is estimated by the data alone.
   std::optional<kernel::PriorSizes> optional;
-  bool all_optional = false;        ///< estimate optional terms of which the readings say nothing, too
+  bool all_optional = false;        ///< estimate also optional terms that the readings do not show
   bool table_errors = true;         ///< false: weights from the sensors' noise alone
   bool bias_while_turning = false;  ///< true: the gyros' bias in turns is unknown by itself, so that W0 is that at rest, as Zhang estimates it
   Enlargement enlarged;
@@ -72,8 +72,8 @@ class Estimator {
   /// Prior sigmas of the optional terms, of the model's coefficients.
   Eigen::VectorXd prior_sigma(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const;
 
-  /// What remains of `linearized` readings beyond first order: products of the table errors that no reading shows and of the model's own errors. They
-  /// shift an estimate by `bias` (estimate less truth) and scatter it by `covariance` on top of the first order's.
+  /// The remainder of `linearized` readings beyond first order: products of the table errors that no reading shows and of the model's own errors.
+  /// They shift an estimate by `bias` (estimate less truth) and scatter it by `covariance` on top of the first order's.
   struct SecondOrder {
     Eigen::VectorXd bias;
     Eigen::MatrixXd covariance;
@@ -81,11 +81,11 @@ class Estimator {
   SecondOrder second_order(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const;
 
   /// d reading / d error of the table and the site.
-  const Eigen::MatrixXd& table_jacobian() const { return table_jacobian_; }
+  const Eigen::MatrixXd& readings_by_table() const { return readings_by_table_; }
   /// Covariance of the readings without the table's errors.
   const Eigen::MatrixXd& noise() const { return noise_; }
 
-  /// Of the residuals, and of the terms with a prior against it.
+  /// Chi-square of the residuals, and of the terms with a prior against it.
   double chi2(const Eigen::VectorXd& readings) const;
   int degrees_of_freedom() const;
   /// By accelerometers' noise, gyros' noise and table errors: the variance that the residuals show over the one they were given (restricted maximum
@@ -93,14 +93,14 @@ class Estimator {
   Vector3d variance_ratios(const Eigen::VectorXd& readings) const;
   /// By part, the RMS of its residuals in the standard deviations of noise and table errors.
   std::vector<double> part_residuals(const Eigen::VectorXd& readings) const;
-  /// Of the normal equations; 0 where nothing is determined.
+  /// The condition number of the normal equations; 0 where nothing is determined.
   double condition() const { return condition_; }
   /// By part, the natural logarithm of the probability that leaving it out lowers chi-square by as much as it does by chance.
   std::vector<double> log_probabilities(const Eigen::VectorXd& readings) const;
 
  private:
   void set_weights(const EstimatorOptions& options);
-  /// What the fit leaves of the readings, weighted.
+  /// The residuals of the readings, weighted.
   struct Unexplained {
     Eigen::VectorXd z;           ///< S^-1 residual
     Eigen::MatrixXd covariance;  ///< of z: B = S^-1 - S^-1 X P X^T S^-1
@@ -112,22 +112,22 @@ class Estimator {
 
   TableMotion motion_;
   std::vector<CoefficientIndex> terms_;
-  std::vector<Eigen::Index> columns_;                ///< of the forward model: those asked for
-  std::vector<Eigen::Index> optional_;               ///< of these: with a prior that counts
-  std::vector<Eigen::Index> known_;                  ///< of `columns_`: determined
-  Eigen::VectorXd start_, prior_;                    ///< values and prior sigmas of all columns
-  Eigen::VectorXd table_sigma_;                      ///< of the errors of the table and the site
-  Eigen::VectorXd nominal_errors_, around_, truth_;  ///< the latter at `around_`
-  Eigen::MatrixXd truth_jacobian_, table_jacobian_;  ///< truth and readings x sources, at `around_`
-  Eigen::MatrixXd design_;                           ///< rows x all columns
-  Eigen::MatrixXd noise_;                            ///< covariance of the readings without the table's errors
-  Eigen::VectorXd weight_;                           ///< by row: 1 / noise, 0 where left out
-  Cholesky factor_{Eigen::MatrixXd()};               ///< of the weighted covariance with the table's errors
-  Eigen::MatrixXd white_, free_covariance_;          ///< whitened design of known_, and the inverse of its normal equations
-  Eigen::MatrixXd gain_;                             ///< known_ x rows
-  Eigen::MatrixXd error_gain_;                       ///< sources x rows: table errors found beyond the nominal ones
-  Eigen::VectorXd expected_;                         ///< readings of the start; both gains take what readings differ by from them
-  Eigen::MatrixXd covariance_;                       ///< of all columns
+  std::vector<Eigen::Index> columns_;                   ///< of the forward model: those asked for
+  std::vector<Eigen::Index> optional_;                  ///< of these: with a prior that counts
+  std::vector<Eigen::Index> known_;                     ///< of `columns_`: determined
+  Eigen::VectorXd start_, prior_;                       ///< values and prior sigmas of all columns
+  Eigen::VectorXd table_sigma_;                         ///< of the errors of the table and the site
+  Eigen::VectorXd nominal_errors_, around_, truth_;     ///< the latter at `around_`
+  Eigen::MatrixXd truth_by_table_, readings_by_table_;  ///< truth and readings x sources, at `around_`
+  Eigen::MatrixXd design_;                              ///< rows x all columns
+  Eigen::MatrixXd noise_;                               ///< covariance of the readings without the table's errors
+  Eigen::VectorXd weight_;                              ///< by row: 1 / noise, 0 where left out
+  Cholesky factor_{Eigen::MatrixXd()};                  ///< of the weighted covariance with the table's errors
+  Eigen::MatrixXd white_, free_covariance_;             ///< whitened design of known_, and the inverse of its normal equations
+  Eigen::MatrixXd gain_;                                ///< known_ x rows
+  Eigen::MatrixXd error_gain_;                          ///< sources x rows: table errors found beyond the nominal ones
+  Eigen::VectorXd expected_;                            ///< readings of the start; both gains take what readings differ by from them
+  Eigen::MatrixXd covariance_;                          ///< of all columns
   double condition_ = 0;
 };
 

@@ -3,6 +3,8 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/estimate/kernel/input.hpp"
+#include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/kernel/slow_noise.hpp"
 #include "imulab/recording/declared_noise.hpp"
 
@@ -11,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 namespace imulab::turntable {
@@ -25,7 +28,7 @@ namespace {
 double spread(const MatrixXd& columns) { return columns.size() == 0 ? 0 : (columns.colwise() - columns.rowwise().mean().eval()).norm(); }
 
 /// Readings in counts start from the size of what they read; SI readings from themselves.
-SensorModel starting_model(const Problem& problem) {
+SensorModel starting_model(const TableProblem& problem) {
   const TableMotion& motion = problem.motion;
   const auto holds = static_cast<Index>(motion.holds()), turns = static_cast<Index>(motion.turns());
   const VectorXd truth = motion.truth(motion.nominal());
@@ -82,7 +85,7 @@ MatrixXd raw_slow_noise(const TableMotion& motion, const SensorModel& model, con
 
 /// The noise declared, or as the holds' samples show it; a stuck or coarsely quantized axis shows none, and a hundred-millionth of the scale keeps
 /// the weights finite.
-RawNoise raw_noise(const Problem& problem, const SensorModel& model) {
+RawNoise raw_noise(const TableProblem& problem, const SensorModel& model) {
   const auto noise = [](double declared, const Vector3d& measured, const Matrix3d& matrix, double size) -> Matrix3d {
     if (declared > 0) return raw_density(declared, matrix);
     return measured.cwiseMax(1e-8 * size / std::cbrt(std::abs(matrix.determinant()))).cwiseAbs2().asDiagonal();
@@ -95,7 +98,7 @@ RawNoise raw_noise(const Problem& problem, const SensorModel& model) {
 
 bool left_handed(const SensorModel& model) { return model.accel.matrix.determinant() < 0 || model.gyro.matrix.determinant() < 0; }
 
-/// Whether no stated coefficient changed by more than its uncertainty.
+/// True if no stated coefficient changed by more than its uncertainty.
 bool close(const Estimator& estimator, const SensorModel& before, const SensorModel& after) {
   const Estimator::Uncertainty uncertainty = estimator.uncertainty(after);
   const VectorXd change = coefficient_values(after, uncertainty.stated) - coefficient_values(before, uncertainty.stated);
@@ -103,7 +106,7 @@ bool close(const Estimator& estimator, const SensorModel& before, const SensorMo
 }
 
 /// The steps with the sense of one axis reversed.
-Problem reversed(const Problem& problem, std::size_t axis) {
+TableProblem reversed(const TableProblem& problem, std::size_t axis) {
   TableObservations seen = problem.seen;
   for (Step& step : seen.parts.steps) {
     step.angles[axis] = -step.angles[axis];
@@ -114,7 +117,7 @@ Problem reversed(const Problem& problem, std::size_t axis) {
 
 }  // namespace
 
-Problem::Problem(TableObservations observations, RigDeclaration table, ImuDeclaration unit, Site place)
+TableProblem::TableProblem(TableObservations observations, RigDeclaration table, ImuDeclaration unit, Site place)
     : seen(std::move(observations)), rig(std::move(table)), imu(std::move(unit)), site(place), motion(seen.parts, rig, site) {
   const NoiseModels noise = declared_terms(imu);
   accel_slow_noise = slow_noise(motion, noise.accel, seen.interval_s);
@@ -144,7 +147,7 @@ Fit Fit::without(std::size_t part) const {
   return fit(*problem, fewer);
 }
 
-Fit fit(const Problem& problem, const EstimatorOptions& options) {
+Fit fit(const TableProblem& problem, const EstimatorOptions& options) {
   SensorModel model = starting_model(problem);
   EstimatorOptions now = options;
   now.table_errors = false;
@@ -194,7 +197,7 @@ std::string reversed_axis(const Fit& declared) {
   std::string found;
   double best = declared.chi2 + (mirrored ? 30.0 : -30.0);  // a few sigmas of doubt where handedness speaks for it, against it where not
   for (const RigAxis axis : {RigAxis::outer, RigAxis::middle, RigAxis::inner}) {
-    const Problem problem = reversed(*declared.problem, static_cast<std::size_t>(axis));
+    const TableProblem problem = reversed(*declared.problem, static_cast<std::size_t>(axis));
     const Fit other = fit(problem, declared.options);
     if (left_handed(other.model) || other.chi2 >= best) continue;
     best = other.chi2;
@@ -211,6 +214,35 @@ kernel::Cleaned<Fit> without_outliers(const Fit& fit, double level) {
   if (cleaned.fit.log_probability() <= std::log(unlikely)) return {fit, {}, cleaned.worst, cleaned.clean};
   cleaned.worst.clear();
   return cleaned;
+}
+
+std::vector<CoefficientIndex> chosen_coefficients(const std::vector<CoefficientIndex>& wanted, std::string_view accel_unit,
+                                                  std::string_view gyro_unit) {
+  const std::vector<CoefficientIndex> chosen = kernel::chosen_coefficients(
+      wanted, select_each({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix", "gyro.g_sensitivity"}), "turntable");
+  enum class Share { none, some, all };
+  const auto share = [&](const std::string& selector) {
+    const std::vector<CoefficientIndex> whole = select_coefficients(selector);
+    const auto n = std::count_if(whole.begin(), whole.end(), [&](CoefficientIndex index) { return contains(chosen, index); });
+    return n == std::ssize(whole) ? Share::all : n > 0 ? Share::some : Share::none;
+  };
+  for (const auto& [triad, unit] : {std::pair{std::string("accel"), accel_unit}, {std::string("gyro"), gyro_unit}}) {
+    const Share diagonal = share(triad + ".matrix.diagonal"), others = share(triad + ".matrix.off_diagonal");
+    if (diagonal == Share::some || others == Share::some || (others == Share::all && diagonal == Share::none))
+      throw TermsError(fmt::format("{0}.matrix in parts: the method turntable estimates all of it, or {0}.matrix.diagonal, or none", triad));
+    if (unit == "count" && (share(triad + ".offset") == Share::none || diagonal == Share::none))
+      throw TermsError(fmt::format("without {0}.offset or {0}.matrix.diagonal: readings in counts have no offset and scale to start from", triad));
+  }
+  for (const char* term : {"accel.offset", "gyro.offset", "gyro.g_sensitivity"})
+    if (share(term) == Share::some) throw TermsError(fmt::format("{} in parts: the method turntable estimates all of it or none", term));
+  return chosen;
+}
+
+EstimatorOptions with_optional_terms(EstimatorOptions options, const ImuDeclaration& imu, const Vector3d& accel_offset, const Vector3d& gyro_offset) {
+  for (const CoefficientIndex index : select_each({"accel.quadratic", "accel.cubic", "gyro.quadratic", "gyro.cubic"})) options.terms.push_back(index);
+  std::sort(options.terms.begin(), options.terms.end());
+  options.optional = kernel::optional_priors(imu, accel_offset, gyro_offset);
+  return options;
 }
 
 }  // namespace imulab::turntable

@@ -1,11 +1,13 @@
 // A turntable fit: weights and linearization from the readings themselves, a reversed axis recognized, wrong steps left out.
 #pragma once
 
-#include "imulab/estimate/kernel/suspects.hpp"
+#include "imulab/estimate/kernel/fit.hpp"
 #include "imulab/estimate/turntable/estimator.hpp"
+#include "imulab/recording/session.hpp"
 #include "imulab/rig/table_plan.hpp"
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace imulab::turntable {
@@ -13,8 +15,8 @@ namespace imulab::turntable {
 inline constexpr double unlikely = 1e-3;  ///< probability below which a deviation is not chance
 
 /// The data to fit, and the declarations.
-struct Problem {
-  Problem(TableObservations seen, RigDeclaration rig, ImuDeclaration imu, Site site);
+struct TableProblem {
+  TableProblem(TableObservations seen, RigDeclaration rig, ImuDeclaration imu, Site site);
   TableObservations seen;
   RigDeclaration rig;
   ImuDeclaration imu;
@@ -25,7 +27,7 @@ struct Problem {
 
 /// A fit of a problem, which outlives it. Of its parts (holds, then turns) any may be wrong.
 struct Fit {
-  const Problem* problem;
+  const TableProblem* problem;
   EstimatorOptions options;
   Estimator estimator;
   Eigen::VectorXd readings;  ///< linearized
@@ -42,7 +44,7 @@ struct Fit {
 
 /// Sensors' noise alone sets the first weights; then the table's errors are brought to raw readings with the model found, and the motion is linear
 /// about the table errors found. Throws Unsupported where the readings do not follow the motion.
-Fit fit(const Problem& problem, const EstimatorOptions& options);
+Fit fit(const TableProblem& problem, const EstimatorOptions& options);
 
 /// With the noise and the table's errors so much larger that they explain the residuals, where chance does not (`unlikely`): the most likely factors,
 /// none below 1.
@@ -53,5 +55,13 @@ std::string reversed_axis(const Fit& fit);
 
 /// Leaves parts out if that makes the others agree, with an empty `worst`. If not, the noise or the table is worse than declared: all parts stay.
 kernel::Cleaned<Fit> without_outliers(const Fit& fit, double level);
+
+/// `wanted` as CalibrationOptions::terms; empty: offsets, matrices and g-sensitivity. The forward model keeps a matrix whole or diagonal, and the
+/// other terms whole. Throws TermsError.
+std::vector<CoefficientIndex> chosen_coefficients(const std::vector<CoefficientIndex>& wanted, std::string_view accel_unit,
+                                                  std::string_view gyro_unit);
+
+/// The options with every term that an IMU may have, under its prior: as it is declared, or with the offsets that the IMU shows [m/s^2, rad/s].
+EstimatorOptions with_optional_terms(EstimatorOptions options, const ImuDeclaration& imu, const Vector3d& accel_offset, const Vector3d& gyro_offset);
 
 }  // namespace imulab::turntable

@@ -2,7 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/kernel/input.hpp"
-#include "imulab/estimate/turntable/terms.hpp"
+#include "imulab/estimate/turntable/fit.hpp"
 #include "imulab/model/forward_model.hpp"
 #include "imulab/recording/declared_noise.hpp"
 #include "imulab/rig/table_readings.hpp"
@@ -84,7 +84,7 @@ void add_sources(Prediction& out, const Plan& plan, const TableMotion& motion, c
     out.variance.conservativeResize(variance.size(), out.variance.cols() + 1);
     out.variance.rightCols<1>() = variance;
   };
-  const MatrixXd by_source = sensitivity * estimator.table_jacobian() * motion.sigma().asDiagonal();
+  const MatrixXd by_source = sensitivity * estimator.readings_by_table() * motion.sigma().asDiagonal();
   for (const auto& [kind, name] : table_sources) {
     VectorXd variance = VectorXd::Zero(sensitivity.rows());
     for (std::size_t k = 0; k < motion.sources().size(); ++k)
@@ -108,8 +108,8 @@ void add_sources(Prediction& out, const Plan& plan, const TableMotion& motion, c
     add(term, variance);
     out.terms.push_back({term, members.front(), kernel::prior_sigma(*plan.optional, coefficient(members.front()), 1)});
   }
-  // What is asked for but not determined stays at its start, and may be off by its prior. Classical weights' stated covariance does not know the
-  // table.
+  // A coefficient that is asked for but not determined stays at its start, with an error as large as its prior. The covariance that the classical
+  // weights state does not include the table.
   if (out.undetermined.empty()) return;
   const VectorXd rest = stated - by_source.rowwise().squaredNorm() - noise_of(sensitivity) - of_terms;
   add(undetermined_source, plan.classical ? VectorXd::Zero(rest.size()) : VectorXd(rest.cwiseMax(0.0)));
@@ -171,8 +171,6 @@ Prediction predict(const Plan& plan) {
   out.cramer_rao = plan.classical ? VectorXd(with_best_weights(plan, motion, out.coefficients).cwiseSqrt()) : out.first_order();
   return out;
 }
-
-imulab::Prediction predict(const Session& procedure, const std::vector<CoefficientIndex>& terms) { return predict(plan_of(procedure, terms)); }
 
 MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t seed, const std::function<void(std::uint64_t)>& progress,
                              const Checkpoint* checkpoint) {

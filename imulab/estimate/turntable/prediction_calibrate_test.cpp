@@ -1,6 +1,6 @@
 // What a calibration states is what was predicted of it.
+#include "imulab/estimate/turntable/fit.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
-#include "imulab/estimate/turntable/terms.hpp"
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>

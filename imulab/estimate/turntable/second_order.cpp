@@ -21,7 +21,7 @@ Estimator::SecondOrder Estimator::second_order(const SensorModel& at, const std:
   // Covariance of z: its parts by the table's errors themselves and by the noise.
   const VectorXd& sigma = table_sigma_;
   MatrixXd by_errors(size, sources), by_noise(size, motion_.rows());
-  by_errors << MatrixXd::Identity(sources, sources), error_gain_ * table_jacobian_, column_gain * table_jacobian_;
+  by_errors << MatrixXd::Identity(sources, sources), error_gain_ * readings_by_table_, column_gain * readings_by_table_;
   by_noise << MatrixXd::Zero(sources, motion_.rows()), error_gain_, column_gain;
   by_errors *= sigma.asDiagonal();
   const MatrixXd covariance = by_errors * by_errors.transpose() + by_noise * noise_ * by_noise.transpose();
@@ -33,7 +33,7 @@ Estimator::SecondOrder Estimator::second_order(const SensorModel& at, const std:
   std::vector<MatrixXd> products;  // Q x covariance
   for (std::size_t c = 0; c < coefficients.size(); ++c) {
     const auto row = static_cast<Index>(c);
-    const MatrixXd mixed = -mixed_curvature(motion_, truth_jacobian_, weights.row(row));
+    const MatrixXd mixed = -mixed_curvature(motion_, truth_by_table_, weights.row(row));
     MatrixXd product(size, size);
     product.topRows(sources) = table[c] * covariance.topRows(sources);
     product.middleRows(sources, sources) =

@@ -1,14 +1,15 @@
 #include "imulab/estimate/turntable/tolerance.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/parallel.hpp"
 #include "imulab/core/units.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace imulab::turntable {
 
@@ -88,11 +89,6 @@ std::vector<Shortfall> shortfalls(const Plan& plan, const std::vector<Requiremen
   return out;
 }
 
-std::string_view to_string(Knob knob) {
-  constexpr std::array<std::string_view, 4> names{"table", "timing", "imu", "all"};
-  return names[static_cast<std::size_t>(knob)];
-}
-
 ErrorSizes error_sizes(const Plan& plan) {
   const RigDeclaration& rig = plan.rig;
   const auto all_known = [](const auto& given) { return std::all_of(given.begin(), given.end(), [](const auto& axis) { return axis.has_value(); }); };
@@ -125,7 +121,7 @@ Plan scaled(Plan plan, Knob knob, double factor) {
 
 double largest_factor(const Plan& plan, Knob knob) {
   const ErrorSizes s = error_sizes(with_something_to_scale(plan));
-  // What is declared is taken as it is, even beyond.
+  // A declared size is used as it is, even beyond.
   const double table = std::max(1.0, 600 * unit::arcsec / std::max({s.angle, s.orthogonality, s.zero}));
   const double timing = std::max(1.0, std::min(10.0, 0.05 * shortest_hold(plan)) / s.timing), imu = 1e6;
   if (knob == Knob::all) return std::min({table, timing, imu});
@@ -145,6 +141,40 @@ Tolerance tolerance_alone(const Plan& plan, Knob knob, const std::vector<Require
   alone.site.latitude_sigma = 0;
   if (!alone.site.latitude) alone.site.latitude = 45 * unit::deg;  // any: Earth's rate is then known
   return search(alone, knob, requirements);
+}
+
+namespace {
+
+Tolerances tolerances_of(const Plan& plan, const std::vector<Requirement>& requirements) {
+  Tolerances out{.declared = error_sizes(plan), .has_turns = !plan.parts.turns.empty(), .answers = {}};
+  for (const Knob knob : {Knob::table, Knob::timing, Knob::imu, Knob::all}) out.answers.push_back({knob, {}, {}});
+  parallel_for(2 * out.answers.size() - 1, [&](std::size_t k) {
+    Tolerances::Answer& a = out.answers[k / 2];
+    if (k % 2 == 0)
+      a.declared = tolerance(plan, a.knob, requirements);
+    else
+      a.alone = tolerance_alone(plan, a.knob, requirements);
+  });
+  return out;
+}
+
+}  // namespace
+
+Prediction predict(const Session& procedure, const PredictionOptions& options) {
+  Plan plan = plan_of(procedure, options.terms);
+  if (options.classical) plan = classical(std::move(plan));
+  expect_estimated(options.requirements, plan);
+  Prediction out = predict(plan);
+  out.warnings = plan.parts.warnings;
+  const auto progress = [&](std::uint64_t done) {
+    if (options.progress) options.progress(static_cast<double>(done) / static_cast<double>(options.runs));
+  };
+  if (options.runs > 0 && !out.coefficients.empty())
+    out.monte_carlo = monte_carlo(plan, options.runs, options.seed, progress, options.checkpoint ? &*options.checkpoint : nullptr);
+  if (options.requirements.empty()) return out;
+  out.missed = shortfalls(plan, options.requirements);
+  out.tolerances = tolerances_of(plan, options.requirements);
+  return out;
 }
 
 }  // namespace imulab::turntable

@@ -6,11 +6,10 @@
 #include "imulab/earth/earth.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/input.hpp"
-#include "imulab/estimate/kernel/optional_terms.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
+#include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/kernel/terms.hpp"
 #include "imulab/estimate/turntable/fit.hpp"
-#include "imulab/estimate/turntable/terms.hpp"
 
 #include <Eigen/LU>
 #include <fmt/core.h>
@@ -27,7 +26,7 @@ using kernel::Findings;
 
 namespace {
 
-/// What is declared and observed of a triad, and what was found.
+/// The declarations, observations and estimates of a triad.
 struct TriadView {
   Triad triad;
   std::string_view sensors;
@@ -40,7 +39,7 @@ struct TriadView {
   std::optional<double> scale() const { return unit == "count" ? std::nullopt : std::optional(std::cbrt(std::abs(matrix.determinant()))); }
 };
 
-std::array<TriadView, 2> triads(const Problem& problem, const SensorModel& model) {
+std::array<TriadView, 2> triads(const TableProblem& problem, const SensorModel& model) {
   const TableObservations& seen = problem.seen;
   const ImuDeclaration& imu = problem.imu;
   return {{{Triad::accel, "accelerometers", seen.accel_unit, imu.accel_noise_density, seen.accel_density, model.accel.matrix},
@@ -48,14 +47,14 @@ std::array<TriadView, 2> triads(const Problem& problem, const SensorModel& model
 }
 
 /// Throws Error where a declared unit was mistaken for another.
-void expect_units(const Problem& problem, const SensorModel& model) {
+void expect_units(const TableProblem& problem, const SensorModel& model) {
   for (const TriadView& view : triads(problem, model))
     if (const std::string_view looks = view.scale() ? kernel::mistaken_unit(view.triad, *view.scale()) : ""; !looks.empty())
       throw Error(fmt::format("{}: the table moved {:.3g} times as much as the readings show; they look like {}; correct their unit",
                               to_string(view.triad), *view.scale(), looks));
 }
 
-void check_noise(Findings& findings, const Problem& problem, const SensorModel& model) {
+void check_noise(Findings& findings, const TableProblem& problem, const SensorModel& model) {
   for (const TriadView& view : triads(problem, model))
     if (view.declared_density && view.density.norm() > 0)
       kernel::check_declared_noise(findings, view.sensors, view.density.norm() / std::sqrt(raw_density(*view.declared_density, view.matrix).trace()));
@@ -146,7 +145,7 @@ void judge_residuals(Findings& findings, const Fit& fit, const Fit& enlarged, co
 
 /// With wider priors of the optional terms where the readings contradict them, if they agree with those: `widened` names the terms. A wrong step or
 /// table contradicts the priors, too, but leaves residuals, or terms that nothing limits.
-std::optional<Fit> under_wider_priors(const Problem& problem, EstimatorOptions options, std::vector<std::string>& widened) try {
+std::optional<Fit> under_wider_priors(const TableProblem& problem, EstimatorOptions options, std::vector<std::string>& widened) try {
   constexpr int most_rounds = 10;
   options.all_optional = true;
   for (int round = 0; round < most_rounds; ++round) {
@@ -167,9 +166,9 @@ std::optional<Fit> under_wider_priors(const Problem& problem, EstimatorOptions o
   return {};
 }
 
-/// The same with all terms that an IMU may have, under their priors.
+/// The fit with all terms that an IMU may have, under their priors.
 Fit fit_with_optional_terms(const Fit& free, std::vector<std::string>& widened) {
-  const Problem& problem = *free.problem;
+  const TableProblem& problem = *free.problem;
   const EstimatorOptions options = with_optional_terms(free.options, problem.imu, sensor_offset(free.model.accel, problem.seen.accel_unit),
                                                        sensor_offset(free.model.gyro, problem.seen.gyro_unit));
   if (std::optional<Fit> wider = under_wider_priors(problem, options, widened)) return *std::move(wider);
@@ -179,7 +178,7 @@ Fit fit_with_optional_terms(const Fit& free, std::vector<std::string>& widened) 
 
 /// Model, covariance and residuals of a fit, with the bias of the second order taken out.
 Calibration calibration_of(const Fit& fit) {
-  const Problem& problem = *fit.problem;
+  const TableProblem& problem = *fit.problem;
   Calibration calibration;
   calibration.imu = problem.imu.name;
   calibration.method = "turntable";
@@ -219,7 +218,7 @@ Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, 
                       const CalibrationOptions& options) {
   if (!seen.noise_measured && !(imu.accel_noise_density && imu.gyro_noise_density))
     throw Unsupported("the holds are too short to measure the sensors' noise; declare the noise densities of accelerometers and gyros");
-  const Problem problem(seen, rig, imu, site);
+  const TableProblem problem(seen, rig, imu, site);
   EstimatorOptions asked;
   asked.terms = chosen_coefficients(options.terms, seen.accel_unit, seen.gyro_unit);
   asked.bias_while_turning = options.turntable.bias_while_turning;

@@ -10,7 +10,7 @@ namespace imulab::turntable {
 /// Offsets and matrices in the table's frame, and g-sensitivity where the data show it. Throws Error for several recordings, where the session
 /// declares no turntable, its steps are wrong, or readings are in another unit than declared; Unsupported where nothing can be determined.
 CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOptions& options = {});
-/// Of observations in memory.
+/// Calibrates observations in memory.
 Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, const ImuDeclaration& imu, const Site& site,
                       const CalibrationOptions& options = {});
 

@@ -25,7 +25,7 @@ TEST(WholeUnitPrediction, WithoutTheCentrifugeTheCubicTermsStayOpen) {
 }
 
 TEST(WholeUnitPrediction, OfATermThatIsLeftOutNothingIsMet) {
-  const Prediction p = predict(dai_unit_procedure({}), select_each({"accel.offset", "accel.matrix.diagonal"}));
+  const Prediction p = predict(dai_unit_procedure({}), {.terms = select_each({"accel.offset", "accel.matrix.diagonal"})});
   const std::vector<Shortfall> missed = shortfalls(p, parse_requirements("accel.offset.x <= 1 g, accel.matrix.xy <= 1 deg"));
   ASSERT_EQ(missed.size(), 1u) << "no frame makes it zero: the machines define the axes";
   EXPECT_EQ(missed.front().coefficient, coefficient_index("accel.matrix.xy"));

@@ -1,7 +1,10 @@
 #include "imulab/estimate/whole_unit/problem.hpp"
 
+#include "imulab/core/decomposition.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/estimate/kernel/fit.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
+#include "imulab/estimate/kernel/slow_noise.hpp"
 #include "imulab/model/compensate.hpp"
 #include "imulab/recording/declared_noise.hpp"
 
@@ -43,7 +46,7 @@ std::vector<CoefficientIndex> candidates(const MachinePoints& points) {
   return indices;
 }
 
-void set_priors(Problem& problem) {
+void set_priors(PointProblem& problem) {
   const auto [force, rate] = problem.full_scale();
   const kernel::PriorSizes sizes = prior_sizes(std::max(force, problem.session->site.gravity()), std::max(rate, 1 * unit::deg));
   for (Index i = 0; i < problem.prior_sigma.size(); ++i) {
@@ -66,7 +69,7 @@ std::string CommonError::name() const {
   return rig.empty() && source.kind == RigErrorKind::zero ? "gravity" : (rig.empty() ? "" : rig + ": ") + source.name();
 }
 
-Problem::Problem(MachinePoints used, const Session& declared, const SensorModel& starting_model, const Vector6d& reading_center)
+PointProblem::PointProblem(MachinePoints used, const Session& declared, const SensorModel& starting_model, const Vector6d& reading_center)
     : points(std::move(used)),
       session(&declared),
       start(starting_model),
@@ -92,7 +95,7 @@ Problem::Problem(MachinePoints used, const Session& declared, const SensorModel&
   set_priors(*this);
 }
 
-Vector6d Problem::measured_noise() const {
+Vector6d PointProblem::measured_noise() const {
   Vector6d variance = Vector6d::Zero();
   for (const MachinePoint& point : points.all) {
     const Matrix6 slope = compensation_derivatives(model, sample(point)).raw;
@@ -101,7 +104,7 @@ Vector6d Problem::measured_noise() const {
   return variance;
 }
 
-void Problem::update_noise() {
+void PointProblem::update_noise() {
   noise = measured_noise();
   const NoiseModels declared = declared_terms(session->imu);
   if (const double N = declared.accel.N; N > 0) noise.head<3>().setConstant(N * N / points.interval_s);
@@ -109,7 +112,7 @@ void Problem::update_noise() {
   noise = noise.cwiseProduct(points.correlation);
 }
 
-std::array<double, 2> Problem::full_scale() const {
+std::array<double, 2> PointProblem::full_scale() const {
   std::array<double, 2> full{};
   for (const MachinePoint& point : points.all) {
     const Motion m = motion(point);
@@ -119,14 +122,14 @@ std::array<double, 2> Problem::full_scale() const {
   return full;
 }
 
-RawSample Problem::sample(const MachinePoint& point) const {
+RawSample PointProblem::sample(const MachinePoint& point) const {
   RawSample raw{point.raw.head<3>() - center.head<3>(), point.raw.tail<3>() - center.tail<3>()};
   if (model.accel.temperature) raw.accel_tau = point.temperature.head<3>().array() - model.accel.temperature->reference;
   if (model.gyro.temperature) raw.gyro_tau = point.temperature.tail<3>().array() - model.gyro.temperature->reference;
   return raw;
 }
 
-Motion Problem::motion(const MachinePoint& point, Rows* by_common) const {
+Motion PointProblem::motion(const MachinePoint& point, Rows* motion_by_common) const {
   constexpr int variables = 8;  // gravity, tilt, rate, mount, radius
   using T = Eigen::AutoDiffScalar<Eigen::Vector<double, variables>>;
   std::vector<Index> index{0};  // of eta, by derivative
@@ -138,11 +141,12 @@ Motion Problem::motion(const MachinePoint& point, Rows* by_common) const {
     }
   const SteadyMotion<T> m = steady_motion<T>(point.step, errors, {place_.gravity + T(common[0].value, variables, 0), place_.rate_ie_n});
   Motion motion;
-  if (by_common) *by_common = Rows::Zero(6, std::ssize(common));
+  if (motion_by_common) *motion_by_common = Rows::Zero(6, std::ssize(common));
   for (int i = 0; i < 3; ++i) {
     motion.force[i] = m.force[i].value(), motion.rate[i] = m.rate[i].value();
     for (int k = 0; const Index column : index) {
-      if (by_common) (*by_common)(i, column) = m.force[i].derivatives()[k], (*by_common)(3 + i, column) = m.rate[i].derivatives()[k];
+      if (motion_by_common)
+        (*motion_by_common)(i, column) = m.force[i].derivatives()[k], (*motion_by_common)(3 + i, column) = m.rate[i].derivatives()[k];
       ++k;
     }
   }
@@ -151,17 +155,17 @@ Motion Problem::motion(const MachinePoint& point, Rows* by_common) const {
     const int channel = common[i].drift->channel;
     const double by = common[i].drift->at(point);
     (channel < 3 ? motion.force[channel] : motion.rate[channel - 3]) += by * common[i].value;
-    if (by_common) (*by_common)(channel, static_cast<Index>(i)) = by;
+    if (motion_by_common) (*motion_by_common)(channel, static_cast<Index>(i)) = by;
   }
   return motion;
 }
 
-PointEquations Problem::equations(const MachinePoint& point) const {
+PointEquations PointProblem::equations(const MachinePoint& point) const {
   const CompensationDerivatives d = compensation_derivatives(model, sample(point));
-  Rows by_common;
-  const Motion truth = motion(point, &by_common);
+  Rows motion_by_common;
+  const Motion truth = motion(point, &motion_by_common);
   PointEquations out;
-  out.residual << d.motion.force - truth.force, d.motion.rate - truth.rate;
+  out.residual << d.motion.force - truth.force, d.motion.rate - truth.rate;  // Dai 2011 eqs 1 to 4 less the machine's motion: his eqs 5, 7, 10
 
   const Matrix6 thermal = d.temperature * points.thermal_variance.asDiagonal() * d.temperature.transpose();
   Matrix6 variance = (thermal + Matrix6(noise.asDiagonal())) / static_cast<double>(point.samples);
@@ -171,13 +175,13 @@ PointEquations Problem::equations(const MachinePoint& point) const {
   variance += spin_noise(point.step, session->rig_of(session->recordings[point.recording])->zero.value, place_);
   const Eigen::LLT<Matrix6> factor(noise_factor * noise_factor * variance);
   out.jacobian.resize(6, size());
-  out.jacobian << d.coefficients(Eigen::all, coefficients), -by_common;
+  out.jacobian << d.coefficients(Eigen::all, coefficients), -motion_by_common;
   factor.matrixL().solveInPlace(out.jacobian);
   out.white = factor.matrixL().solve(out.residual);
   return out;
 }
 
-std::vector<Index> Problem::acting_columns(std::size_t recording) const {
+std::vector<Index> PointProblem::acting_columns(std::size_t recording) const {
   std::vector<Index> columns;
   for (Index i = 0; i < std::ssize(coefficients); ++i) columns.push_back(i);
   for (Index i = std::ssize(coefficients); const CommonError& error : common) {
@@ -187,7 +191,7 @@ std::vector<Index> Problem::acting_columns(std::size_t recording) const {
   return columns;
 }
 
-kernel::Information Problem::information(std::size_t part, std::size_t parts) const {
+kernel::Information PointProblem::information(std::size_t part, std::size_t parts) const {
   constexpr Index at_once = 32;  // points
   kernel::Information sum(size());
   for (std::size_t recording = 0; recording < session->recordings.size(); ++recording) {
@@ -214,7 +218,7 @@ kernel::Information Problem::information(std::size_t part, std::size_t parts) co
   return sum;
 }
 
-kernel::Parameters Problem::parameters(Priors priors) const {
+kernel::Parameters PointProblem::parameters(Priors priors) const {
   kernel::Parameters out(size());
   for (std::size_t k = 0; k < coefficients.size(); ++k) {
     const auto i = static_cast<Index>(k);
@@ -235,28 +239,69 @@ kernel::Parameters Problem::parameters(Priors priors) const {
   return out;
 }
 
-void Problem::correct(const VectorXd& x) {
+void PointProblem::correct(const VectorXd& x) {
   Index i = 0;
   for (const CoefficientIndex index : coefficients) set_coefficient(model, index, coefficient_value(model, index) + x[i++]);
   for (CommonError& error : common) error.value += x[i++];
 }
 
-Fit fit(Problem& problem, Priors priors) {
+Fit fit(PointProblem& problem, Priors priors) {
   constexpr int most_iterations = 20;
   constexpr double still = 0.01 * 0.01;  // of chi-square: no parameter moves by more than a hundredth of its standard deviation
   Fit out;
   kernel::Parameters parameters;
-  for (int iteration = 0; iteration < most_iterations && !out.converged; ++iteration) {
+  out.converged = kernel::iterate(most_iterations, [&](int) {
     out.data = problem.information();
     parameters = problem.parameters(priors);
     const VectorXd x = kernel::correction(out.data, parameters, "the points");
     problem.correct(x);
     const std::vector<Index> loose = parameters.with(Role::estimated);
     const VectorXd moved = x(loose);
-    out.converged = moved.dot(out.data.N(loose, loose) * moved) + moved.cwiseQuotient(parameters.sigma(loose)).squaredNorm() <= still;
-  }
+    const double chi2 = moved.dot(out.data.N(loose, loose) * moved) + moved.cwiseQuotient(parameters.sigma(loose)).squaredNorm();
+    return chi2 <= still ? kernel::Progress::converged : kernel::Progress::moving;
+  });
   out.solution = kernel::solve(out.data, parameters, "the points");
   return out;
+}
+
+double ChannelDrift::at(const MachinePoint& point) const { return point.recording == recording ? shape[static_cast<Index>(point.number)] : 0; }
+
+void PointProblem::add_drifts() {
+  constexpr double stands_out = 0.1;
+  const NoiseModels declared = declared_terms(session->imu);
+  point_variance.assign(session->recordings.size(), Vector6d::Zero());
+  for (std::size_t recording = 0; recording < point_variance.size(); ++recording) {
+    std::vector<const MachinePoint*> of_recording;
+    for (const MachinePoint& p : points.all)
+      if (p.recording == recording) of_recording.push_back(&p);
+    if (of_recording.empty()) continue;
+    const auto n = std::ssize(of_recording);
+    // Noise begins with the recording, whose clock begins with it unless it starts with more than the recording's own length.
+    const double first = of_recording.front()->step.start, origin = first < of_recording.back()->step.end - first ? 0 : first;
+    std::vector<kernel::TimeSpan> times;
+    for (const MachinePoint* p : of_recording) times.push_back({p->step.start - origin, p->step.end - origin});
+    Eigen::MatrixXd covariance;
+    SymmetricEigen shapes;
+    for (int channel = 0; channel < 6; ++channel) {
+      const NoiseModel& of_triad = channel < 3 ? declared.accel : declared.gyro;
+      if (channel % 3 == 0) covariance = kernel::slow_noise(times, of_triad, points.interval_s);
+      if (covariance.size() == 0) continue;
+      if (channel % 3 == 0) shapes = symmetric_eigen(covariance);
+      const double independent = std::max(0.0, shapes.values[0]), white = noise[channel] / static_cast<double>(of_recording.front()->samples);
+      double others = 0;
+      for (Index k = 0; k < n; ++k) {
+        const double variance = shapes.values[k] - independent;
+        if (!(variance > stands_out * (white + independent))) {
+          others += variance / static_cast<double>(n);
+          continue;
+        }
+        ChannelDrift drift{recording, channel, Eigen::VectorXd::Zero(static_cast<Index>(of_recording.back()->number) + 1)};
+        for (Index p = 0; p < n; ++p) drift.shape[static_cast<Index>(of_recording[static_cast<std::size_t>(p)]->number)] = shapes.vectors(p, k);
+        common.push_back({"", {}, std::sqrt(variance), 0, std::move(drift)});
+      }
+      point_variance[recording][channel] = independent + others;
+    }
+  }
 }
 
 }  // namespace imulab::whole_unit

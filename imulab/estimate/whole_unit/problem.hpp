@@ -25,7 +25,7 @@ struct ChannelDrift {
   std::size_t recording = 0;
   int channel = 0;
   Eigen::VectorXd shape;  ///< by number of the step
-  /// What it adds to the output of a point for each unit of it; 0 in other recordings.
+  /// The output of a point for one unit of the drift; 0 in other recordings.
   double at(const MachinePoint& point) const;
 };
 
@@ -54,16 +54,16 @@ enum class Priors {
   all,         ///< the estimated ones, too: for a start, and for what the data determine
 };
 
-struct Problem {
+struct PointProblem {
   /// `starting_model`: of readings less `reading_center`.
-  Problem(MachinePoints used, const Session& declared, const SensorModel& starting_model, const Vector6d& reading_center);
+  PointProblem(MachinePoints used, const Session& declared, const SensorModel& starting_model, const Vector6d& reading_center);
 
   MachinePoints points;
   const Session* session;
   SensorModel start, model;                    ///< of readings less `center`: the prior value, and the present one
   Vector6d center;                             ///< raw
   std::vector<CoefficientIndex> coefficients;  ///< theta
-  /// Of theta. Estimated: by the data alone. Considered: the data do not determine it. Fixed: left out.
+  /// The roles of theta. Estimated: by the data alone. Considered: the data do not determine it. Fixed: left out.
   std::vector<kernel::Role> role;
   Eigen::VectorXd prior_sigma, needed_sigma;  ///< of theta: before the data; below this they determine it
   std::vector<CommonError> common;            ///< eta, after theta in every vector of parameters
@@ -74,14 +74,14 @@ struct Problem {
   Eigen::Index size() const { return static_cast<Eigen::Index>(coefficients.size() + common.size()); }
   RawSample sample(const MachinePoint& point) const;
   /// The machine's motion at this point with the channels' drift, and its derivative by eta.
-  Motion motion(const MachinePoint& point, Eigen::Matrix<double, 6, Eigen::Dynamic>* by_common = nullptr) const;
+  Motion motion(const MachinePoint& point, Eigen::Matrix<double, 6, Eigen::Dynamic>* motion_by_common = nullptr) const;
   std::array<double, 2> full_scale() const;  ///< the largest force and rate along an axis that the machines made, m/s^2 and rad/s
   /// Variance of one sample of force and rate within the points, with the slopes of the present model.
   Vector6d measured_noise() const;
   /// Sets `noise`: the declared densities, else as measured; larger where the noise is correlated.
   void update_noise();
   PointEquations equations(const MachinePoint& point) const;
-  /// Of the points p with p % parts == part.
+  /// The information of the points p with p % parts == part.
   kernel::Information information(std::size_t part = 0, std::size_t parts = 1) const;
   kernel::Parameters parameters(Priors priors = Priors::offsets) const;
   void correct(const Eigen::VectorXd& x);
@@ -105,6 +105,6 @@ struct Fit {
 
 /// Gauss-Newton until the correction is below a hundredth of its standard deviation everywhere. Throws Unsupported where the normal equations are
 /// singular.
-Fit fit(Problem& problem, Priors priors = Priors::offsets);
+Fit fit(PointProblem& problem, Priors priors = Priors::offsets);
 
 }  // namespace imulab::whole_unit

@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 namespace {
 
 /// Why a coefficient is not determined, where counting levels tells.
-std::string count_of_levels(const Problem& problem, const Coefficient& c) {
+std::string count_of_levels(const PointProblem& problem, const Coefficient& c) {
   const int order = c.term == Term::quadratic ? 2 : c.term == Term::cubic ? 3 : 0;
   if (order == 0) return "";
   const bool accel = c.triad == Triad::accel;
@@ -33,7 +33,7 @@ std::string count_of_levels(const Problem& problem, const Coefficient& c) {
                      accel ? "accelerations" : "rates", "xyz"[c.row], order + 2);
 }
 
-std::vector<FitResidual> fit_residuals(const Problem& problem) {
+std::vector<FitResidual> fit_residuals(const PointProblem& problem) {
   std::vector<FitResidual> out;
   const std::array<double, 2> full_scale = problem.full_scale();
   for (int channel = 0; channel < 6; ++channel) {
@@ -51,7 +51,7 @@ std::vector<FitResidual> fit_residuals(const Problem& problem) {
   return out;
 }
 
-std::vector<RigErrorEstimate> rig_errors(const Problem& problem, const Eigen::MatrixXd& covariance) {
+std::vector<RigErrorEstimate> rig_errors(const PointProblem& problem, const Eigen::MatrixXd& covariance) {
   std::vector<RigErrorEstimate> out;
   for (auto i = std::ssize(problem.coefficients); const CommonError& error : problem.common) {
     if (error.sigma > 0 && !error.drift) out.push_back({error.name(), error.sigma, error.value, std::sqrt(covariance(i, i))});
@@ -60,7 +60,7 @@ std::vector<RigErrorEstimate> rig_errors(const Problem& problem, const Eigen::Ma
   return out;
 }
 
-void note_points(Quality& quality, const Problem& problem) {
+void note_points(Quality& quality, const PointProblem& problem) {
   const auto many = [&](RigKind kind) {
     return std::count_if(problem.points.all.begin(), problem.points.all.end(), [&](const MachinePoint& p) { return p.machine == kind; });
   };
@@ -108,7 +108,7 @@ struct Directions {
   int n[2] = {0, 0};
 };
 
-bool warn_hysteresis(kernel::Findings& findings, const Problem& problem) {
+bool warn_hysteresis(kernel::Findings& findings, const PointProblem& problem) {
   std::map<std::int64_t, Directions> by_temperature;
   const std::size_t triad = problem.points.thermometer();
   const auto reading = [&](const MachinePoint& p) { return p.temperature[static_cast<Index>(3 * triad)]; };
@@ -151,7 +151,7 @@ struct Hypothesis {
   VectorXd direction;  ///< among the parameters
 };
 
-std::vector<Hypothesis> hypotheses(const Problem& problem) {
+std::vector<Hypothesis> hypotheses(const PointProblem& problem) {
   std::map<std::string, Hypothesis> by_name;
   for (std::size_t k = 0; k < problem.common.size(); ++k) {
     const auto add = [&](ErrorInWords error, const std::string& name) {
@@ -173,7 +173,7 @@ std::vector<Hypothesis> hypotheses(const Problem& problem) {
 
 }  // namespace
 
-Quality quality_of(const Problem& problem, const JointEstimate& estimate) {
+Quality quality_of(const PointProblem& problem, const JointEstimate& estimate) {
   Quality quality;
   quality.term_tests = estimate.tests;
   quality.chi2_per_dof = estimate.solution.chi2 / std::max(1.0, estimate.solution.degrees_of_freedom);
@@ -197,7 +197,7 @@ Quality quality_of(const Problem& problem, const JointEstimate& estimate) {
   return quality;
 }
 
-std::string wrong_machine(const Problem& problem) {
+std::string wrong_machine(const PointProblem& problem) {
   const kernel::Information data = problem.information();
   const kernel::Solution s = kernel::solve(data, problem.parameters(), "the points");
   const VectorXd slope = data.g + data.N * s.x;  // half of that of the sum of squares, at the solution
@@ -208,7 +208,7 @@ std::string wrong_machine(const Problem& problem) {
     // One more direction to move in: its curvature less what the free parameters explain of it, whose own slope and that of their priors cancel.
     const VectorXd nd = data.N * h.direction;
     const double curvature = h.direction.dot(nd) - nd.dot(s.covariance * nd), gradient = h.direction.dot(slope);
-    // Directions that the estimate follows anyway say nothing.
+    // Directions that the estimate follows for any data carry no information.
     if (!(curvature > 1e-9 * h.direction.dot(nd)) || !(h.direction.dot(nd) > 0)) continue;
     const double saved = gradient * gradient / curvature;
     if (std::abs(gradient / curvature) > h.error.largest) continue;
@@ -223,7 +223,7 @@ std::string wrong_machine(const Problem& problem) {
       worst->error.name, by / worst->error.unit, worst->error.unit_name, most);
 }
 
-void check_chamber(kernel::Findings& findings, const Problem& problem) {
+void check_chamber(kernel::Findings& findings, const PointProblem& problem) {
   const std::string unsettled = unsettled_points(problem.points, *problem.session);
   if (!unsettled.empty())
     findings.warn(unsettled +

@@ -3,8 +3,11 @@
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/model/compensate.hpp"
+#include "imulab/recording/scaling.hpp"
+#include "imulab/rig/machine_points.hpp"
 
 #include <Eigen/LU>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,6 +22,90 @@ using Eigen::VectorXd;
 
 namespace {
 
+/// Reference temperature: the mean of the points outside of the chamber, where most of them are; the middle of the range where there is a chamber
+/// alone. A whole number.
+double reference_temperature(const MachinePoints& points, std::size_t triad) {
+  double sum = 0, n = 0;
+  for (const MachinePoint& p : points.all)
+    if (p.machine != RigKind::chamber) sum += p.temperature.segment<3>(static_cast<Index>(3 * triad)).mean(), n += 1;
+  return std::round(n > 0 ? sum / n : 0.5 * (points.thermal[triad].low + points.thermal[triad].high));
+}
+
+/// Offset and matrix for readings less `center`, by least squares of what the machines did, without some points; absent where they did not move
+/// each axis.
+std::optional<TriadModel> linear_fit(const std::vector<MachinePoint>& points, const Range& without, const Session& session, const Vector6d& center,
+                                     std::size_t triad) {
+  const auto rows = static_cast<Index>(points.size() - without.size());
+  MatrixXd x(rows, 4), y(rows, 3);
+  Index row = 0;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (k >= without.begin && k < without.end) continue;
+    const Motion m = steady_motion(points[k].step, session.site);
+    x.row(row) << 1, (points[k].raw - center).segment<3>(static_cast<Index>(3 * triad)).transpose();
+    y.row(row++) = triad == 0 ? m.force : m.rate;
+  }
+  if (rows < 4) return std::nullopt;
+  const Eigen::RowVectorXd scale = x.colwise().norm().cwiseMax(1e-300);
+  constexpr double threshold = 1e-3;  // what temperature and noise leave of a direction that was not excited is below this
+  const LeastSquares scaled = least_squares(x * scale.cwiseInverse().asDiagonal(), y, threshold);
+  if (scaled.rank < 4) return std::nullopt;
+  const MatrixXd fit = scale.cwiseInverse().asDiagonal() * scaled.x;
+  TriadModel out;
+  out.offset = fit.row(0), out.matrix = fit.bottomRows(3).transpose();
+  return out;
+}
+
+}  // namespace
+
+Vector6d reading_center(const MachinePoints& points) {
+  Vector6d low = points.all.front().raw, high = low;
+  for (const MachinePoint& p : points.all) low = low.cwiseMin(p.raw), high = high.cwiseMax(p.raw);
+  const Vector6d middle = 0.5 * (low + high), half = 0.5 * (high - low);
+  return (middle.array().abs() > half.array().max(1000)).select(middle.array().round(), 0);  // counts
+}
+
+SensorModel starting_model(const MachinePoints& points, const Session& session, const Vector6d& center) {
+  const RecordingSource& source = session.recordings.front();
+  SensorModel start;
+  for (std::size_t triad = 0; triad < 2; ++triad) {
+    TriadModel& m = triad == 0 ? start.accel : start.gyro;
+    const ThermalRange& thermal = points.thermal[triad];
+    const bool counts = (triad == 0 ? source.accel : source.gyro).unit == "count";
+    if (counts) {
+      const auto fit = linear_fit(points.all, {}, session, center, triad);
+      if (!fit)
+        throw Unsupported(fmt::format("{}: the {} read counts, and the machines do not move each axis; their scales cannot be determined",
+                                      session.file, triad == 0 ? "accelerometers" : "gyros"));
+      m = *fit;
+    }
+    m.raw_unit = counts ? "count" : triad == 0 ? "m/s^2" : "rad/s";
+    if (thermal.known) m.temperature = ThermalReading{thermal.unit, reference_temperature(points, triad), {thermal.low, thermal.high}};
+  }
+  return start;
+}
+
+void check_mounts(const MachinePoints& points, const Session& session, const SensorModel& start, const Vector6d& center) {
+  const std::vector<MachinePoint>& all = points.all;
+  const auto same_mounting = [](const MachinePoint& a, const MachinePoint& b) {
+    return a.recording == b.recording && mount_of(a.step) == mount_of(b.step);
+  };
+  for (Range here; here.begin < all.size(); here.begin = here.end) {  // a mounting: points one after the other
+    while (here.end < all.size() && same_mounting(all[here.begin], all[here.end])) ++here.end;
+    TriadModel accel = start.accel, gyro = start.gyro;
+    // Counts mean nothing without a fit; one of the other points is not bent by these.
+    if (accel.raw_unit == "count") accel = linear_fit(all, here, session, center, 0).value_or(accel);
+    if (gyro.raw_unit == "count") gyro = linear_fit(all, here, session, center, 1).value_or(gyro);
+    std::vector<Motion> measured;
+    for (std::size_t k = here.begin; k < here.end; ++k) {
+      const Vector6d raw = all[k].raw - center;
+      measured.push_back({linear_output(accel, raw.head<3>()), linear_output(gyro, raw.tail<3>())});
+    }
+    expect_declared_mount(std::span(all).subspan(here.begin, here.size()), measured, session);
+  }
+}
+
+namespace {
+
 constexpr std::initializer_list<Term> polynomial{Term::offset, Term::matrix, Term::quadratic, Term::cubic};
 
 /// Three misfits of force or rate, linear in the coefficients of their step, a column each of: the derivatives by the problem's coefficients (the
@@ -28,7 +115,7 @@ using Equations = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
 class Steps {
  public:
-  Steps(const Problem& problem, bool with_covariance)
+  Steps(const PointProblem& problem, bool with_covariance)
       : problem_(problem),
         points_(problem.points.all),
         model_(problem.model),
@@ -96,7 +183,7 @@ class Steps {
     }
   }
 
-  /// Step 3: A0, A1, A2, A3 (eq 7), then C from what the gyros' readings leave (eqs 9, 10).
+  /// Step 3: A0, A1, A2, A3 (eq 7), then C from the gyros' residuals (eqs 9, 10).
   void centrifuge(Triad triad, std::initializer_list<Term> terms, int passes) {
     for (int pass = 0; pass < passes; ++pass) {
       std::vector<Equations> all;
@@ -117,7 +204,7 @@ class Steps {
     return points;
   }
 
-  /// What a sigma of the mean's noise, which is one of force and rate, does to the raw means.
+  /// The change of the raw means by one sigma of the mean's noise, which is stated in force and rate.
   Eigen::Matrix<double, 6, 6> raw_by_noise(std::size_t p) const {
     const Vector6d sigma = (problem_.noise / static_cast<double>(points_[p].samples)).cwiseSqrt();
     return compensation_derivatives(problem_.model, problem_.sample(points_[p])).raw.inverse() * sigma.asDiagonal();
@@ -128,24 +215,24 @@ class Steps {
   /// e = compensate - motion at a point, with the coefficients so far.
   Equations equations(std::size_t p, Triad triad) const {
     const CompensationDerivatives d = compensation_derivatives(model_, problem_.sample(points_[p]));
-    Eigen::Matrix<double, 6, Eigen::Dynamic> by_common;
-    const Motion truth = problem_.motion(points_[p], &by_common);
+    Eigen::Matrix<double, 6, Eigen::Dynamic> motion_by_common;
+    const Motion truth = problem_.motion(points_[p], &motion_by_common);
     const Index row = triad == Triad::accel ? 0 : 3;
     Equations e = Equations::Zero(3, columns());
     e.leftCols(coefficients_) = d.coefficients(Eigen::seqN(row, 3), problem_.coefficients);
     e.col(coefficients_) = triad == Triad::accel ? d.motion.force - truth.force : d.motion.rate - truth.rate;
     if (!with_covariance_) return e;
-    auto by_noise = e.rightCols(sensitivity_.cols());
-    by_noise.middleCols<6>(static_cast<Index>(12 * p)) = d.raw.middleRows<3>(row) * raw_by_noise(p);
-    by_noise.middleCols<6>(static_cast<Index>(12 * p) + 6) = d.temperature.middleRows<3>(row) * thermal_sigma(p).asDiagonal();
+    auto misfit_by_noise = e.rightCols(sensitivity_.cols());
+    misfit_by_noise.middleCols<6>(static_cast<Index>(12 * p)) = d.raw.middleRows<3>(row) * raw_by_noise(p);
+    misfit_by_noise.middleCols<6>(static_cast<Index>(12 * p) + 6) = d.temperature.middleRows<3>(row) * thermal_sigma(p).asDiagonal();
     for (Index k = 0; const CommonError& error : problem_.common) {
-      by_noise.col(noises_ + k) = -error.sigma * by_common.col(k).segment<3>(row);
+      misfit_by_noise.col(noises_ + k) = -error.sigma * motion_by_common.col(k).segment<3>(row);
       ++k;
     }
     return e;
   }
 
-  /// Least squares for the step's own coefficients; what noise and the steps before do to the misfits goes on to them.
+  /// Least squares for the step's own coefficients; the effects of noise and of the steps before on the misfits propagate to them.
   void solve(const std::vector<Equations>& equations, Triad triad, std::initializer_list<Term> terms, std::string_view points) {
     std::vector<Index> own;
     for (Index k = 0; const CoefficientIndex index : problem_.coefficients) {
@@ -167,7 +254,7 @@ class Steps {
         -s.covariance * design.transpose() * (all.rightCols(sensitivity_.cols()) + all.leftCols(coefficients_) * sensitivity_);
   }
 
-  const Problem& problem_;
+  const PointProblem& problem_;
   const std::vector<MachinePoint>& points_;
   SensorModel model_;
   bool with_covariance_;
@@ -176,7 +263,7 @@ class Steps {
 };
 
 /// Has the session what the three steps need?
-bool has_three_steps(const Problem& problem) {
+bool has_three_steps(const PointProblem& problem) {
   std::map<RigKind, std::array<bool, 6>> seen;
   for (const MachinePoint& p : problem.points.all) {
     const Mount mount = mount_of(p.step);
@@ -189,12 +276,12 @@ bool has_three_steps(const Problem& problem) {
 
 }  // namespace
 
-StepwiseEstimate stepwise_estimate(const Problem& problem, bool with_covariance) {
+StepwiseEstimate stepwise_estimate(const PointProblem& problem, bool with_covariance) {
   if (!has_three_steps(problem))
     throw Unsupported(
         "the machines do not do all of Dai's three steps; expected a chamber, a rate table with each axis up and down, and a centrifuge "
         "with each axis outward both ways");
-  Problem declared = problem;
+  PointProblem declared = problem;
   for (CommonError& error : declared.common) error.value = 0;
   Steps steps(declared, with_covariance);
   steps.chamber();

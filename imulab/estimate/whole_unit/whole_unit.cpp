@@ -1,29 +1,208 @@
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/statistics.hpp"
+#include "imulab/estimate/kernel/fit.hpp"
+#include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
+#include "imulab/estimate/kernel/terms.hpp"
 #include "imulab/estimate/whole_unit/quality.hpp"
-#include "imulab/estimate/whole_unit/starting_model.hpp"
 #include "imulab/estimate/whole_unit/stepwise.hpp"
 #include "imulab/model/gauge.hpp"
 #include "imulab/recording/declared_noise.hpp"
 #include "imulab/recording/validate.hpp"
 #include "imulab/rig/ideal_recording.hpp"
 
+#include <Eigen/Cholesky>
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace imulab::whole_unit {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::VectorXd;
 using kernel::Role;
+using kernel::TermGroup;
 
 namespace {
 
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+constexpr std::size_t parts_of_validation = 10;
+constexpr double chance = 0.005;  // of the RMS of some 2000 residuals: twenty of chi-square, more than nine coefficients gain by chance
+
+/// The optional terms, of estimated coefficients.
+std::vector<TermGroup> optional_terms(const PointProblem& problem) {
+  std::vector<TermGroup> groups;
+  const auto add = [&](Triad triad, std::string_view name, Term term, int column = -1) {
+    TermGroup group{std::string(to_string(triad)) + "." + std::string(name), {}};
+    for (std::size_t k = 0; k < problem.role.size(); ++k) {
+      const Coefficient& c = coefficient(problem.coefficients[k]);
+      if (c.triad == triad && c.term == term && (column < 0 || c.column == column) && problem.role[k] == Role::estimated)
+        group.members.push_back(static_cast<Index>(k));
+    }
+    if (!group.members.empty()) groups.push_back(std::move(group));
+  };
+  for (const Triad triad : {Triad::accel, Triad::gyro}) {
+    add(triad, "cubic", Term::cubic);
+    add(triad, "quadratic", Term::quadratic);
+    add(triad, "thermal second order", Term::thermal, 2);
+  }
+  add(Triad::gyro, "g_sensitivity", Term::g_sensitivity);
+  return groups;
+}
+
+/// A fit whose suspects are its points.
+struct PointFit {
+  PointProblem problem;
+  std::size_t may_go;  ///< so many points more
+  Fit fit = whole_unit::fit(problem);
+
+  std::vector<kernel::Suspect> suspects() const {
+    std::vector<double> statistic;
+    for (const MachinePoint& point : problem.points.all) {
+      const PointEquations e = problem.equations(point);
+      // The misfit as the other points predict it: I - J P J^T is what the fit leaves of unit noise.
+      const Matrix6 remaining = Matrix6::Identity() - e.jacobian * fit.solution.covariance * e.jacobian.transpose();
+      statistic.push_back(e.white.dot(remaining.ldlt().solve(e.white)));
+    }
+    const double spread = std::max(1.0, median(statistic) / chi_square_quantile(0.5, 6));  // of good points, where their size is not the noise's
+    std::vector<kernel::Suspect> out;
+    for (std::size_t k = 0; k < statistic.size(); ++k)
+      out.push_back({problem.points.all[k].name(*problem.session), log_chi_square_tail(statistic[k] / spread, 6)});
+    return out;
+  }
+  bool may_drop(std::size_t) const { return may_go > 0; }
+  PointFit without(std::size_t suspect) const {
+    PointProblem rest = problem;
+    rest.points.all.erase(rest.points.all.begin() + static_cast<std::ptrdiff_t>(suspect));
+    return {std::move(rest), may_go - 1};
+  }
+};
+
+std::vector<TermTest> choose_terms(PointProblem& problem, double significance) {
+  std::vector<kernel::Information> parts;
+  kernel::Information all;
+  for (std::size_t k = 0; k < parts_of_validation; ++k) all += parts.emplace_back(problem.information(k, parts_of_validation));
+  const auto test = [&](const std::vector<TermGroup>& groups) {
+    const kernel::Parameters parameters = problem.parameters();
+    const kernel::Solution s = kernel::solve(all, parameters, "the points");
+    const VectorXd values = s.x - parameters.offset;  // less the starting values
+    const double with = kernel::cross_validation(parts, all, parameters);
+    std::vector<TermTest> tests;
+    for (const TermGroup& group : groups) {
+      TermTest& t = tests.emplace_back(kernel::wald(group.name, values(group.members), s.covariance(group.members, group.members), significance));
+      kernel::Parameters without = parameters;
+      for (const Index i : group.members) without.role[static_cast<std::size_t>(i)] = Role::fixed;
+      t.cross_validation_with = with;
+      t.cross_validation_without = kernel::cross_validation(parts, all, without);
+      t.kept = t.kept || t.cross_validation_without > (1 + chance) * with;
+    }
+    return tests;
+  };
+  return kernel::choose_terms(optional_terms(problem), test, [&](const TermGroup& group) {
+    for (const Index i : group.members) problem.role[static_cast<std::size_t>(i)] = Role::fixed;
+  });
+}
+
+std::vector<std::string> drop_bad_points(PointProblem& problem, double outlier_level) {
+  auto cleaned = kernel::drop_suspects(PointFit{problem, std::max<std::size_t>(2, problem.points.all.size() / 50)}, outlier_level);
+  if (!cleaned.clean) return {};
+  problem = std::move(cleaned.fit.problem);
+  return std::move(cleaned.dropped);
+}
+
+/// Holds the coefficients that are not asked for at their starting values.
+void hold_others(PointProblem& problem, const std::vector<CoefficientIndex>& terms) {
+  const std::vector<CoefficientIndex> chosen = kernel::chosen_coefficients(terms, problem.coefficients, "whole-unit");
+  for (std::size_t k = 0; k < problem.role.size(); ++k)
+    if (!contains(chosen, problem.coefficients[k])) problem.role[k] = Role::fixed;
+}
+
+/// Everything under its prior: from Dai's three steps where the machines did them, else from the linear model.
+void fit_under_priors(PointProblem& problem, const CalibrationOptions& options) {
+  if (options.terms.empty()) try {
+      problem.model = stepwise_estimate(problem, false).model;
+    } catch (const Unsupported&) {  // too few machines or rates for the steps are not too few for the joint estimate
+    }
+  fit(problem, Priors::all);
+}
+
+/// Fits the coefficients that the data determine, with the noise that the fitted slopes give.
+void fit_determined(PointProblem& problem) {
+  const kernel::Parameters parameters = problem.parameters(Priors::all);
+  const kernel::Solution s = kernel::solve(problem.information(), parameters, "the points");
+  for (const Index i : kernel::undetermined(s.covariance, parameters, problem.needed_sigma))
+    problem.role[static_cast<std::size_t>(i)] = Role::considered;
+  fit(problem);
+  problem.update_noise();
+  fit(problem);
+}
+
+void check_noise(kernel::Findings& findings, const PointProblem& problem) {
+  const Vector6d measured = problem.measured_noise();
+  const auto check = [&](const char* name, const std::optional<double>& density, const Vector3d& variance) {
+    if (density && *density > 0) kernel::check_declared_noise(findings, name, std::sqrt(variance.mean() * problem.points.interval_s) / *density);
+  };
+  check("accelerometers", problem.session->imu.accel_noise_density, measured.head<3>());
+  check("gyros", problem.session->imu.gyro_noise_density, measured.tail<3>());
+}
+
+/// Enlarges the noise until the residuals are as large as noise and declarations explain: by how much.
+double enlarge_noise(PointProblem& problem) {
+  double scatter = 1, more = 2;
+  for (int pass = 0; pass < 10 && more >= 1.01; ++pass) {
+    const kernel::Solution s = fit(problem).solution;
+    more = kernel::excess(s.chi2, s.degrees_of_freedom);
+    problem.noise_factor *= more;
+    scatter *= more;
+  }
+  return scatter;
+}
+
+/// Coefficients that the data do not determine become considered. Outliers are dropped point by point while chance explains them with less than
+/// `outlier_level` shared among all; where those are more than one in fifty they are no outliers, and all stay. An optional term (cubic, quadratic,
+/// second-order thermal, g-sensitivity, by triad) is fixed at its starting value if it is not significant and points left out (ten parts) are not
+/// predicted worse without it beyond chance.
+JointEstimate joint_estimate(PointProblem& problem, const CalibrationOptions& options) {
+  JointEstimate out;
+  hold_others(problem, options.terms);
+  fit_under_priors(problem, options);
+  fit_determined(problem);
+  check_noise(out.findings, problem);
+  std::string machine = wrong_machine(problem);  // before its points are dropped
+  const std::size_t points = problem.points.all.size();
+  kernel::add_dropped(out.findings, drop_bad_points(problem, options.outlier_level), points, "points");
+  fit_determined(problem);
+  out.scatter = enlarge_noise(problem);
+  // Terms that are left out for want of significance may still be there, within their uncertainty: they count in the others' covariance.
+  const kernel::Parameters counted = problem.parameters(Priors::considered);
+  if (options.terms.empty() && !options.whole_unit.full && !options.whole_unit.stepwise) out.tests = choose_terms(problem, options.significance);
+  if (!out.tests.empty()) out.scatter *= enlarge_noise(problem);  // of the points without the terms left out
+  const kernel::Parameters parameters = problem.parameters();
+  for (std::size_t k = 0; k < problem.role.size(); ++k)
+    if (problem.role[k] == Role::fixed && counted.role[k] == Role::estimated) out.left_out.push_back(k);
+  const Fit last = fit(problem);
+  out.converged = last.converged;
+  if (machine.empty()) machine = wrong_machine(problem);
+  out.solution = last.solution;
+  out.solution.covariance = kernel::solve(last.data, counted, "the points").covariance;
+  out.solution.chi2 *= out.scatter * out.scatter;
+  out.condition = kernel::condition_number(last.data, parameters);
+  if (out.scatter > 1) {
+    const std::string what = fmt::format("the points scatter {:.2f} times as much as noise and declared errors explain", out.scatter);
+    out.findings.warn(what + "; the uncertainties are enlarged by this factor");
+    out.findings.doubt(what);
+  }
+  if (!machine.empty()) out.findings.warn(machine), out.findings.doubt("a machine is not as declared");
+  return out;
+}
+
 /// Throws Error where a scale came out far from that of the declared unit.
-void check_units(const Problem& problem) {
+void check_units(const PointProblem& problem) {
   for (std::size_t k = 0; k < problem.role.size(); ++k) {
     const Coefficient& c = coefficient(problem.coefficients[k]);
     const TriadModel& m = triad_model(problem.model, c.triad);
@@ -43,7 +222,7 @@ void expect_latitude(const Session& session) {
 
 /// Coefficients and covariance of the readings, from those of readings less their center; the covariance may have more parameters after theirs. What
 /// is not estimated keeps its starting value; of that only the terms left out count in the covariance themselves.
-void set_estimate(Calibration& calibration, const Problem& problem, const std::vector<std::size_t>& left_out, SensorModel model,
+void set_estimate(Calibration& calibration, const PointProblem& problem, const std::vector<std::size_t>& left_out, SensorModel model,
                   MatrixXd covariance) {
   for (std::size_t k = 0; k < problem.role.size(); ++k) {
     if (problem.role[k] == Role::estimated) continue;
@@ -78,7 +257,7 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
   const SensorModel start = starting_model(points, session, center);
   check_mounts(points, session, start, center);
 
-  Problem problem(points, session, start, center);
+  PointProblem problem(points, session, start, center);
   JointEstimate joint = joint_estimate(problem, options);
   check_units(problem);
   CalibrationResult result;
@@ -99,7 +278,8 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
   return result;
 }
 
-Prediction predict(const Session& procedure, const std::vector<CoefficientIndex>& terms) {
+Prediction predict(const Session& procedure, const PredictionOptions& asked) {
+  validate(procedure);
   expect_latitude(procedure);
   const NoiseModels noise = errors_at(procedure.file, [&] { return declared_noise(procedure.imu); });
   const double rate = procedure.recordings.empty() ? 1 : procedure.recordings.front().rate_hz.value_or(default_sample_rate);
@@ -107,20 +287,22 @@ Prediction predict(const Session& procedure, const std::vector<CoefficientIndex>
   variance << Vector3d::Constant(noise.accel.N * noise.accel.N * rate), Vector3d::Constant(noise.gyro.N * noise.gyro.N * rate);
   const MachinePoints points = planned_points(procedure, variance);
   const Vector6d center = reading_center(points);
-  Problem problem(points, procedure, starting_model(points, procedure, center), center);
+  PointProblem problem(points, procedure, starting_model(points, procedure, center), center);
   for (MachinePoint& point : problem.points.all) {  // with the errors of the machines that are known exactly
     const Motion motion = problem.motion(point);
     point.raw << motion.force, motion.rate;
   }
   CalibrationOptions options;
-  options.terms = terms;
+  options.terms = asked.terms;
   options.whole_unit.full = true;  // a term that is left out counts in the covariance all the same
   const JointEstimate joint = joint_estimate(problem, options);
   Calibration calibration;
   calibration.frame = "rig";
   set_estimate(calibration, problem, joint.left_out, problem.model, joint.solution.covariance);
   calibration.quality = quality_of(problem, joint);
-  return prediction_of(calibration);
+  Prediction out = prediction_of(calibration);
+  out.missed = shortfalls(out, asked.requirements);
+  return out;
 }
 
 }  // namespace imulab::whole_unit

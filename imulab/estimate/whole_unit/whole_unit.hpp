@@ -12,6 +12,6 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
 
 /// The standard uncertainties that the joint estimate will state of a procedure of the machines, of an ideal IMU with the declared noise
 /// (docs/predict.md). Throws as calibrate does, and Error where the noise is not declared.
-Prediction predict(const Session& procedure, const std::vector<CoefficientIndex>& terms = {});
+Prediction predict(const Session& procedure, const PredictionOptions& options = {});
 
 }  // namespace imulab::whole_unit

@@ -24,6 +24,30 @@ BlockSums::BlockSums() {
   accel.fill(Matrix3d::Zero());
 }
 
+void BlockSums::add(const ErrorStep& s, const Matrix3d& across, const OptionalSums& optional) {
+  const std::array<double, 7> basis{1, s.rate.x(), s.rate.y(), s.rate.z(), s.force.x(), s.force.y(), s.force.z()};
+  const std::size_t used = optional.g_sensitivity ? 7 : 4;
+  for (std::size_t b = 0; b < used; ++b) {
+    gyro_velocity[b].noalias() += across * (s.duration * gyro[b] + basis[b] * s.twice);
+    gyro_velocity[b] -= basis[b] * s.moved;
+    gyro[b] += basis[b] * s.once;
+  }
+  duration += s.duration;
+  force += s.duration * across;
+  accel[0] += s.once;
+  for (std::size_t axis = 0; axis < 3; ++axis) accel[axis + 1] += s.with_force[axis];
+  if (optional.quadratic) quadratic += s.once * s.force.cwiseAbs2().asDiagonal();
+  if (!s.turning) return;
+  const auto& [w, f, acceleration] = *s.turning;
+  if (optional.delay) {  // of f' = -w x f and f'' = w x (w x f) - w' x f
+    delay += s.once * w.cross(f);
+    smear += 0.5 * s.once * (w.cross(w.cross(f)) - acceleration.cross(f));
+  }
+  if (!optional.lever_arm) return;
+  const Matrix3d effect = size_effect(w, acceleration);
+  for (Eigen::Index axis = 0; axis < 3; ++axis) lever_arm.middleCols<3>(3 * axis) += s.once.col(axis) * effect.row(axis);
+}
+
 Matrix6 BlockSums::by_errors_before(double latitude) const {
   Matrix6 t = Matrix6::Identity();
   t.topLeftCorner<3, 3>() -= duration * skew<double>(earth_rate_enu(latitude));
@@ -77,32 +101,23 @@ BlockSums sums_of(const AttitudeAt& attitude, double begin, double end, double l
   const double h = (end - begin) / steps;
   const Vector3d earth = earth_rate_enu(latitude);
   const Matrix3d across = gravity * skew<double>(Vector3d(Vector3d::UnitZ()));  // [f_n x]
-  BlockSums s;
+  BlockSums sums;
   for (int k = 0; k < steps; ++k) {
-    const Attitude a = attitude(begin + (k + 0.5) * h);
-    const Vector3d w = a.C_nb.transpose() * (a.rate_n + earth), f = gravity * a.C_nb.row(2).transpose();
-    const std::array<double, 7> basis{1, w.x(), w.y(), w.z(), f.x(), f.y(), f.z()};
-    for (std::size_t b = 0; b < basis.size(); ++b) {
-      s.gyro_velocity[b] += h * across * (s.gyro[b] + 0.5 * h * basis[b] * a.C_nb);
-      s.gyro[b] += h * basis[b] * a.C_nb;
-    }
-    s.quadratic += h * a.C_nb * f.cwiseAbs2().asDiagonal();
-    if (a.rate_n.isZero()) continue;
-    const auto rate_at = [&](double t) {
-      const Attitude there = attitude(t);
-      return Vector3d(there.C_nb.transpose() * there.rate_n);
-    };
     const double middle = begin + (k + 0.5) * h;
-    const Vector3d acceleration = (rate_at(middle + 0.5 * h) - rate_at(middle - 0.5 * h)) / h;
-    s.delay += h * a.C_nb * w.cross(f);
-    s.smear += 0.5 * h * a.C_nb * (w.cross(w.cross(f)) - acceleration.cross(f));
-    const Matrix3d effect = size_effect(w, acceleration);
-    for (Eigen::Index i = 0; i < 3; ++i) s.lever_arm.middleCols<3>(3 * i) += h * a.C_nb.col(i) * effect.row(i);
+    const Attitude a = attitude(middle);
+    const Vector3d w = a.C_nb.transpose() * (a.rate_n + earth), f = gravity * a.C_nb.row(2).transpose();
+    ErrorStep step{h, w, f, h * a.C_nb, 0.5 * h * h * a.C_nb, {}};
+    for (Eigen::Index axis = 0; axis < 3; ++axis) step.with_force[static_cast<std::size_t>(axis)] = f[axis] * step.once;
+    if (!a.rate_n.isZero()) {
+      const auto rate_at = [&](double t) {
+        const Attitude there = attitude(t);
+        return Vector3d(there.C_nb.transpose() * there.rate_n);
+      };
+      step.turning = {w, f, (rate_at(middle + 0.5 * h) - rate_at(middle - 0.5 * h)) / h};
+    }
+    sums.add(step, across, {true, true, true, true});
   }
-  s.accel = {s.gyro[0], s.gyro[4], s.gyro[5], s.gyro[6]};
-  s.duration = end - begin;
-  s.force = s.duration * across;
-  return s;
+  return sums;
 }
 
 }  // namespace imulab::in_place

@@ -1,4 +1,4 @@
-// The error equations of an IMU that turns in one place (Cheng 2014 sec 2), over a block of time:
+// The error equations of an IMU that turns in one place, over a block of time (Cheng 2014 sec 2.2; C_nb dw is his eq 23, C_nb df his eq 22):
 //
 //   phi' = -w_in x phi - C_nb dw                   attitude error, C_hat = (I - [phi x]) C
 //   dV'  =  (0, 0, g) x phi + C_nb df + v x C_nb dw    velocity error
@@ -16,6 +16,7 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 
 namespace imulab::in_place {
 
@@ -42,6 +43,25 @@ Noise noise_of(const Vector3d& gyro, const Vector3d& accel, const NoiseModels& d
 using Errors6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
+/// The sums that only some error models need.
+struct OptionalSums {
+  bool g_sensitivity = false, quadratic = false, lever_arm = false, delay = false;
+};
+
+/// A step of a block that is short against the turning of the body: what the errors multiply, in body axes, and the integrals of C = C_nb.
+struct ErrorStep {
+  double duration;                     ///< s
+  Vector3d rate, force;                ///< free of noise where they are known
+  Matrix3d once, twice;                ///< of C over the step, once and twice
+  std::array<Matrix3d, 3> with_force;  ///< of C f_b, for each axis of the force
+  Matrix3d moved = Matrix3d::Zero();   ///< of [v x] C
+  /// The rate and force of a turning body as measured, and its angular acceleration.
+  struct Turning {
+    Vector3d rate, force, acceleration;
+  };
+  std::optional<Turning> turning = {};
+};
+
 /// Integrals over a block, C being C_nb.
 struct BlockSums {
   double duration = 0;
@@ -57,6 +77,9 @@ struct BlockSums {
   Vector3d smear = Vector3d::Zero();                                            ///< of C (w x (w x f) - w' x f) / 2
 
   BlockSums();
+
+  /// `across`: [(0, 0, g) x].
+  void add(const ErrorStep& step, const Matrix3d& across, const OptionalSums& optional);
 
   /// The errors after the block, by those before it; by an error of a coefficient's calibrated output, of g (relative), of the latitude [rad] and of
   /// the accelerometers' time [s]. `latitude` [rad], `gravity` [m/s^2].

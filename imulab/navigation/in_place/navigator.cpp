@@ -74,47 +74,33 @@ void Navigator::add(BlockSums& sum, std::size_t i, std::size_t first, const Bloc
   const Matrix3d before = C_nb;
   C_nb = before * rotation_exp(step.rotation - turn_b - 0.5 * turn_b.cross(step.rotation));  // exp(-turn) C exp(rotation)
   sum.velocity += pushed - 0.5 * turn.cross(pushed) + dt * gravity_;
-  sum.duration += dt;
 
   // Within the sample, by Simpson's rule: unobservable directions stay so only as far as the derivatives are true.
   const Matrix3d K = skew<double>(step.rotation);
   const Matrix3d half = 0.5 * (before + C_nb) - 0.125 * before * K * K;
-  const Matrix3d middle = (dt / 6) * (before + 4 * half + C_nb), inner = (dt * dt / 6) * (before + 2 * half);
-  // The factor of an error, without noise where it is known: an axis that measures nothing of rate or gravity would fit its own noise with a scale.
-  const Vector3d w = block.at_rest ? Vector3d(half.transpose() * earth_rate_) : rate;
-  const Vector3d f = block.observed ? Vector3d(half.transpose() * -gravity_) : force;
-  const Matrix3d across = skew<double>(Vector3d(-gravity_));
-  const std::array<double, 7> basis{1, w.x(), w.y(), w.z(), f.x(), f.y(), f.z()};
-  const std::size_t used = optional_.g_sensitivity ? 7 : 4;
-  for (std::size_t b = 0; b < used; ++b) {
-    sum.gyro_velocity[b].noalias() += across * (dt * sum.gyro[b] + basis[b] * inner);
-    sum.gyro[b] += basis[b] * middle;
+  // The rate and force that the errors multiply, free of noise where they are known: an axis that measures nothing of rate or gravity would fit its
+  // own noise with a scale.
+  ErrorStep error{dt,
+                  block.at_rest ? Vector3d(half.transpose() * earth_rate_) : rate,
+                  block.observed ? Vector3d(half.transpose() * -gravity_) : force,
+                  (dt / 6) * (before + 4 * half + C_nb),
+                  (dt * dt / 6) * (before + 2 * half),
+                  {}};
+  for (Index b = 0; b < 3; ++b) {
+    Matrix3d& with_force = error.with_force[static_cast<std::size_t>(b)];
+    if (block.observed)  // C_nb f_b, f_b = C_bn (0, 0, g) itself turning
+      with_force = (-gravity_.z() * dt / 6) * (before(2, b) * before + 4 * half(2, b) * half + C_nb(2, b) * C_nb);
+    else
+      with_force = force[b] * error.once;
   }
   if (!block.observed) {
     const Vector3d gained = pushed + dt * gravity_, moving = velocity_ + 0.5 * gained;
-    const Matrix3d turned = skew<double>(moving) * middle;
-    for (std::size_t b = 0; b < used; ++b) sum.gyro_velocity[b] -= basis[b] * turned;
+    error.moved = skew<double>(moving) * error.once;
     sum.path += dt * moving;
     velocity_ += gained;
   }
-  sum.force += dt * across;
-  sum.accel[0] += middle;
-  for (Index b = 0; b < 3; ++b) {
-    Matrix3d& accel = sum.accel[static_cast<std::size_t>(b) + 1];
-    if (block.observed)  // C_nb f_b, f_b = C_bn (0, 0, g) itself turning
-      accel += (-gravity_.z() * dt / 6) * (before(2, b) * before + 4 * half(2, b) * half + C_nb(2, b) * C_nb);
-    else
-      accel += force[b] * middle;
-  }
-  if (optional_.quadratic) sum.quadratic += middle * f.cwiseAbs2().asDiagonal();
-  if (block.at_rest) return;
-  if (optional_.delay) {  // of f' = -w x f and f'' = w x (w x f) - w' x f
-    sum.delay += middle * rate.cross(force);
-    sum.smear += 0.5 * middle * (rate.cross(rate.cross(force)) - angular_acceleration(i).cross(force));
-  }
-  if (!optional_.lever_arm) return;
-  const Matrix3d effect = size_effect(rate, angular_acceleration(i));
-  for (Index a = 0; a < 3; ++a) sum.lever_arm.middleCols<3>(3 * a) += middle.col(a) * effect.row(a);
+  if (!block.at_rest && (optional_.delay || optional_.lever_arm)) error.turning = {rate, force, angular_acceleration(i)};
+  sum.add(error, skew<double>(Vector3d(-gravity_)), optional_);
 }
 
 namespace {

@@ -34,17 +34,12 @@ struct Blocks {
 /// stays in one place while it turns, too. A motion with a gap or a saturated sample is left out.
 Blocks cut_into_blocks(const Recording& recording, const std::vector<Range>& rests, bool observe_motion);
 
-/// The sums that only some error models need.
-struct OptionalSums {
-  bool g_sensitivity = false, quadratic = false, lever_arm = false, delay = false;
-};
-
 /// Lever arms are removed from the motions; at rest there is no size effect, and what the gyros' noise would make of one is correlated with what it
 /// does to the attitude.
 class Navigator {
  public:
-  /// A navigator for readings with the errors of `model`, whose accelerometers measure the size effect by `delay` [s], at most a sample, later than
-  /// the gyros the turn. Both must outlive it. `latitude` [rad], `gravity` [m/s^2].
+  /// Navigates readings with the errors of `model`, whose accelerometers measure the size effect by `delay` [s], at most a sample, later than the
+  /// gyros the turn. Both must outlive it. `latitude` [rad], `gravity` [m/s^2].
   Navigator(const Recording& recording, const SensorModel& model, double delay, double latitude, double gravity, const OptionalSums& optional);
 
   Matrix3d C_nb = Matrix3d::Identity();

@@ -1,4 +1,4 @@
-#include "imulab/estimate/kernel/latitude_at_rest.hpp"
+#include "imulab/estimate/hybrid/latitude_at_rest.hpp"
 
 #include "imulab/core/random.hpp"
 #include "imulab/core/statistics.hpp"
@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace imulab::kernel {
+namespace imulab::hybrid {
 namespace {
 
 constexpr double gravity = 9.8, rest_s = 20;
@@ -84,4 +84,4 @@ TEST(LatitudeAtRest, SaysNothingWhereTheRestsDoNot) {
 }
 
 }  // namespace
-}  // namespace imulab::kernel
+}  // namespace imulab::hybrid

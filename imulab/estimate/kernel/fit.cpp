@@ -1,4 +1,4 @@
-#include "imulab/estimate/kernel/suspects.hpp"
+#include "imulab/estimate/kernel/fit.hpp"
 
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"

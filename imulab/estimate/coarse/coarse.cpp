@@ -1,4 +1,4 @@
-#include "imulab/estimate/kernel/coarse.hpp"
+#include "imulab/estimate/coarse/coarse.hpp"
 
 #include "imulab/core/decomposition.hpp"
 
@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace imulab::kernel {
+namespace imulab::coarse {
 
 namespace {
 
@@ -104,4 +104,4 @@ std::optional<Matrix3d> coarse_gyro_in_motion(const Recording& recording, const 
   return matrix;
 }
 
-}  // namespace imulab::kernel
+}  // namespace imulab::coarse

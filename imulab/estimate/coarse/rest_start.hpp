@@ -1,4 +1,5 @@
 // The starting point of the methods that work on rests: the rests' means, their noise, and the accelerometers' coarse solution.
+// And whether the gyros turn with the accelerometers: those of another recording, or on another clock, do not, and no method can calibrate them.
 #pragma once
 
 #include "imulab/estimate/kernel/findings.hpp"
@@ -7,21 +8,22 @@
 #include "imulab/recording/mean_noise.hpp"
 #include "imulab/recording/scaling.hpp"
 
+#include <optional>
 #include <string_view>
 #include <vector>
 
-namespace imulab::kernel {
+namespace imulab::coarse {
 
 struct RestStart {
   std::vector<RestMeans> rests;
   SampleNoise noise;  ///< raw
   MeanNoise means;    ///< of the rests' means, raw
   Scaling scaling;
-  SensorModel model;   ///< of scaled readings: the accelerometers from the rests, the gyros as declared
-  SensorModel prior;   ///< likewise, the prior: the declared IMU; for counts the coarse solution
-  PriorSizes terms;    ///< of the optional terms, once a method has chosen its coefficients
-  bool named = false;  ///< the user named the coefficients to estimate
-  Findings findings;
+  SensorModel model;         ///< of scaled readings: the accelerometers from the rests, the gyros as declared
+  SensorModel prior;         ///< likewise, the prior: the declared IMU; for counts the coarse solution
+  kernel::PriorSizes terms;  ///< of the optional terms, once a method has chosen its coefficients
+  bool named = false;        ///< the user named the coefficients to estimate
+  kernel::Findings findings;
 
   Vector3d accel(const RestMeans& rest) const { return scaling.accel(rest.accel); }
   Vector3d gyro(const RestMeans& rest) const { return scaling.gyro(rest.gyro); }
@@ -42,4 +44,9 @@ void use_declared_gyro_noise(RestStart& start, const Recording& recording, const
 /// A stuck or coarsely quantized axis shows no noise; a hundred-millionth of the scale keeps the weights finite.
 void limit_noise(RestStart& start);
 
-}  // namespace imulab::kernel
+/// The gyros' coarse matrix in motion (coarse.hpp); nothing where it is not that of the declared IMU and the declared unit explains the turns better
+/// (gyros that are late by part of a turn make any), or where the turns that would tell were lost. Throws Unsupported where the gyros explain less
+/// than half, with the coarse matrix and, where their unit is declared, as they are.
+std::optional<Matrix3d> coarse_gyro_in_common_turns(const Recording& recording, const RestStart& start);
+
+}  // namespace imulab::coarse

@@ -5,7 +5,7 @@
 
 #include <optional>
 
-namespace imulab::kernel {
+namespace imulab::coarse {
 
 /// Accelerometers from |f| = g at every rest: (U - B)^T Q (U - B) = g^2 is linear in nine unknowns (Cheng 2014 eqs 6-10). `matrix` is lower
 /// triangular (x_b along the x accelerometer, y_b in the plane of the x and y accelerometers).
@@ -31,4 +31,4 @@ std::optional<CoarseGyro> coarse_gyro_at_rest(const std::vector<RestMeans>& rest
 std::optional<Matrix3d> coarse_gyro_in_motion(const Recording& recording, const std::vector<RestMeans>& rests, const SensorModel& scaled_model,
                                               const Scaling& scaling);
 
-}  // namespace imulab::kernel
+}  // namespace imulab::coarse

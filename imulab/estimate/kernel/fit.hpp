@@ -1,4 +1,5 @@
-// Parts of the data that may be bad as a whole: a rest, a rotation, a step of a table, a point of a machine.
+// The fit iteration of all methods: steps until the correction is small; then priors that the data contradict are widened, or suspects dropped, and
+// the steps are repeated. Suspects are parts of the data that may be bad as a whole: a rest, a rotation, a step of a table, a point of a machine.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,6 +11,30 @@
 #include <vector>
 
 namespace imulab::kernel {
+
+/// The result of a step of a fit.
+enum class Progress { moving, converged, stuck };
+
+/// Takes steps until one converges or is stuck, at most `most` of them: step(number) returns its progress. Returns whether the fit converged.
+template <class Step>
+bool iterate(int most, Step&& step) {
+  for (int number = 0; number < most; ++number)
+    if (const Progress progress = step(number); progress != Progress::moving) return progress == Progress::converged;
+  return false;
+}
+
+/// Is the correction of every parameter below a hundredth of its standard deviation? Fixed parameters, whose sigma is zero, count as converged.
+inline bool is_small(const Eigen::VectorXd& correction, const Eigen::VectorXd& sigma) {
+  return (sigma.array() > 0).select(correction.cwiseAbs() - 0.01 * sigma, 0).maxCoeff() <= 0;
+}
+
+/// Fits, and fits again while an amendment finds something to change, at most `rounds` times. Amendments are tried in their order; each widens priors
+/// or drops suspects, and returns whether it did.
+template <class Fit, class... Amendment>
+void refine(int rounds, Fit&& fit, Amendment&&... amend) {
+  fit();
+  for (int round = 0; round < rounds && (amend() || ...); ++round) fit();
+}
 
 struct Suspect {
   std::string name;            ///< for messages: "the rest at 12.3 s"

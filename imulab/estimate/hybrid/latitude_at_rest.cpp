@@ -1,4 +1,4 @@
-#include "imulab/estimate/kernel/latitude_at_rest.hpp"
+#include "imulab/estimate/hybrid/latitude_at_rest.hpp"
 
 #include "imulab/core/units.hpp"
 #include "imulab/earth/earth.hpp"
@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace imulab::kernel {
+namespace imulab::hybrid {
 
 using Eigen::Index;
 using Eigen::Matrix3d;
@@ -117,4 +117,4 @@ std::optional<SeenLatitude> latitude_against(double declared, double declared_si
   return SeenLatitude{best, width};
 }
 
-}  // namespace imulab::kernel
+}  // namespace imulab::hybrid

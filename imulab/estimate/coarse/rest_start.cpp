@@ -1,17 +1,20 @@
-#include "imulab/estimate/kernel/rest_start.hpp"
+#include "imulab/estimate/coarse/rest_start.hpp"
 
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/error.hpp"
+#include "imulab/core/rotation.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/estimate/kernel/coarse.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/estimate/coarse/coarse.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 
-namespace imulab::kernel {
+namespace imulab::coarse {
 
 namespace {
 
@@ -22,7 +25,8 @@ void check_accel_unit(const Recording& recording, const std::vector<RestMeans>& 
   for (const RestMeans& rest : rests) sizes.push_back(rest.accel.norm());
   const double scale = gravity / median(sizes);
   if (!(scale > 0.5 && scale < 2))
-    throw Error(fmt::format("{}: gravity at rest: {}", recording.name, scale_contradiction(Triad::accel, scale * Matrix3d::Identity(), recording)));
+    throw Error(
+        fmt::format("{}: gravity at rest: {}", recording.name, kernel::scale_contradiction(Triad::accel, scale * Matrix3d::Identity(), recording)));
 }
 
 /// Do the rests change every axis's reading by a part of gravity? Else the quadric would be fitted to noise.
@@ -49,9 +53,9 @@ void warn_of_poor_rests(RestStart& start) {
 
 /// Raw noise of a declared density, and a warning where the rests show another. A raw axis feeds its column of the matrix.
 Vector3d declared_sigma(std::string_view triad, double density, const Matrix3d& raw_matrix, double interval_s, const Vector3d& measured,
-                        Findings& findings) {
+                        kernel::Findings& findings) {
   const Vector3d declared = (density / std::sqrt(interval_s)) * raw_matrix.colwise().norm().transpose().cwiseInverse();
-  check_declared_noise(findings, triad, measured.norm() / declared.norm());
+  kernel::check_declared_noise(findings, triad, measured.norm() / declared.norm());
   return declared;
 }
 
@@ -85,14 +89,14 @@ void start_accel(RestStart& start, const Recording& recording, double gravity) {
 RestStart start_from_rests(const Recording& recording, const std::vector<Range>& ranges, const ImuDeclaration& imu, double gravity) {
   if (ranges.empty())
     throw Unsupported(fmt::format("{}: no rests: the IMU was never still for long enough; hold it still in many orientations", recording.name));
-  expect_alive(recording, Triad::accel, "without it nothing can be calibrated");
+  kernel::expect_alive(recording, Triad::accel, "without it nothing can be calibrated");
   RestStart start;
   start.rests = summarize_rests(recording, ranges);
   check_accel_unit(recording, start.rests, gravity);
   start.scaling = choose_scaling(recording, start.rests);
   start.noise = measure_noise(recording, start.rests);
   start.means = measure_mean_noise(recording, start.rests);
-  check_gyro_steps(start.findings, start.means);
+  kernel::check_gyro_steps(start.findings, start.means);
   for (SensorModel* model : {&start.model, &start.prior}) {
     model->accel.raw_unit = recording.accel_unit;
     model->gyro.raw_unit = recording.gyro_unit;
@@ -108,8 +112,8 @@ RestStart start_from_rests(const Recording& recording, const std::vector<Range>&
 }
 
 RestStart start_from_rests(const CalibrationInput& input, std::string_view method) {
-  const Recording& recording = only_recording(input, method);
-  const Rests rests = rests_of(input, recording);
+  const Recording& recording = kernel::only_recording(input, method);
+  const Rests rests = kernel::rests_of(input, recording);
   RestStart start = start_from_rests(recording, rests.ranges, input.session.imu, input.session.site.gravity());
   start.findings.notes.insert(start.findings.notes.begin(), rests.notes.begin(), rests.notes.end());
   return start;
@@ -130,4 +134,50 @@ void use_declared_gyro_noise(RestStart& start, const Recording& recording, const
                                                               recording.interval_s, start.noise.gyro, start.findings);
 }
 
-}  // namespace imulab::kernel
+namespace {
+
+/// The part of gravity's turning in the IMU from rest to rest that the gyros explain: 1 all, 0 as little as gyros that read nothing. Turns of less
+/// than 10 deg, with a gap or with saturated samples do not count; empty where fewer than three others are. `gyro`: the matrix of scaled readings.
+std::optional<double> explained_turning(const Recording& recording, const RestStart& start, const Matrix3d& gyro) {
+  constexpr std::size_t fewest = 3;
+  constexpr double least_turn = 10 * unit::deg;
+  const Vector3d at_rest = start.scaling.gyro(mean_gyro(start.rests));
+  std::size_t turns = 0;
+  double turned = 0, missed = 0;  // squares
+  for (std::size_t k = 0; k + 1 < start.rests.size(); ++k) {
+    const Range between{start.rests[k].range.end, start.rests[k + 1].range.begin};
+    const Vector3d begin = start.up(start.rests[k]), end = start.up(start.rests[k + 1]);
+    if (begin.dot(end) > std::cos(least_turn) || recording.saturated_in(between) > 0 || recording.gaps_in({between.begin, between.end + 1}) > 0)
+      continue;
+    Vector3d carried = begin;  // gravity turns in the IMU against the IMU's turning
+    for (std::size_t i = between.begin; i < between.end; ++i)
+      carried = rotation_exp(-recording.interval_s * (gyro * (start.scaling.gyro(reading_at(recording.gyro, i)) - at_rest))) * carried;
+    turned += (end - begin).squaredNorm();
+    missed += (end - carried).squaredNorm();
+    ++turns;
+  }
+  if (turns < fewest) return std::nullopt;
+  return 1 - missed / turned;
+}
+
+}  // namespace
+
+std::optional<Matrix3d> coarse_gyro_in_common_turns(const Recording& recording, const RestStart& start) {
+  const std::optional<Matrix3d> coarse = coarse_gyro_in_motion(recording, start.rests, start.model, start.scaling);
+  // Scales that are off by a third explain nine tenths; gyros that have nothing to do with the turns explain none of them, or less.
+  constexpr double least = 0.5;
+  const auto by_coarse = coarse ? explained_turning(recording, start, *coarse) : std::nullopt;
+  const auto as_declared = recording.gyro_unit != "count" ? explained_turning(recording, start, Matrix3d::Identity()) : std::nullopt;
+  const double best = std::max(by_coarse.value_or(-HUGE_VAL), as_declared.value_or(-HUGE_VAL));
+  if ((by_coarse || as_declared) && best < least)
+    throw Unsupported(
+        fmt::format("{}: the gyros do not turn with the accelerometers: they explain {:.0f} % of the turning of gravity between the rests; "
+                    "check that both triads are of one recording, with stamps of one clock",
+                    recording.name, 100 * std::max(0.0, best)));
+  if (!coarse || recording.gyro_unit == "count") return coarse;
+  const bool lost = !recording.gaps.empty() || !recording.saturated.empty();  // and with it the turns that would show the scale
+  if (!as_declared) return lost ? std::nullopt : coarse;
+  return *as_declared > *by_coarse && !near_identity(*coarse) ? std::nullopt : coarse;
+}
+
+}  // namespace imulab::coarse

@@ -1,4 +1,4 @@
-#include "imulab/estimate/kernel/optional_terms.hpp"
+#include "imulab/estimate/kernel/prior.hpp"
 
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/statistics.hpp"
@@ -26,7 +26,7 @@ TermSizes sizes_of_offsets(double accel, double gyro) {
           .g_sensitivity = std::max(0.01 * deg_per_h, 0.1 * gyro) / g};
 }
 
-/// What the prior of an optional term is proportional to; none of other terms.
+/// The size that the prior of an optional term is proportional to; null for other terms.
 double* size_of(PriorSizes& sizes, const Coefficient& c) {
   TriadPrior& triad = c.triad == Triad::accel ? sizes.accel : sizes.gyro;
   switch (c.term) {

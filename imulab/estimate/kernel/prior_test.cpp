@@ -1,4 +1,4 @@
-#include "imulab/estimate/kernel/optional_terms.hpp"
+#include "imulab/estimate/kernel/prior.hpp"
 
 #include <gtest/gtest.h>
 

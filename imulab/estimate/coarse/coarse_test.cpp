@@ -1,4 +1,4 @@
-#include "imulab/estimate/kernel/coarse.hpp"
+#include "imulab/estimate/coarse/coarse.hpp"
 
 #include "imulab/core/random.hpp"
 #include "imulab/core/rotation.hpp"
@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-namespace imulab::kernel {
+namespace imulab::coarse {
 namespace {
 
 Vector3d random_direction(std::uint64_t i) {
@@ -110,4 +110,4 @@ TEST(Coarse, GyrosInMotionTakeNothingBeyondTheRecording) {
 }
 
 }  // namespace
-}  // namespace imulab::kernel
+}  // namespace imulab::coarse

@@ -7,14 +7,14 @@
 #include <optional>
 #include <vector>
 
-namespace imulab::kernel {
+namespace imulab::hybrid {
 
 /// A latitude as the gyros measure the Earth's rate [rad].
 struct SeenLatitude {
   double value, sigma;
 };
 
-/// What the rests' gyros are known by.
+/// The uncertainty of the gyros at rest.
 struct GyrosAtRest {
   double noise;          ///< rad/s/sqrt(Hz), at least
   double scale;          ///< relative standard deviation of their scales
@@ -29,4 +29,4 @@ struct GyrosAtRest {
 std::optional<SeenLatitude> latitude_against(double declared, double declared_sigma, const std::vector<RestMeans>& rests, const SensorModel& model,
                                              const GyrosAtRest& gyros);
 
-}  // namespace imulab::kernel
+}  // namespace imulab::hybrid
