@@ -62,10 +62,25 @@ TEST(Package, TheExamplesBuildAndRunAgainstIt) {
     EXPECT_LT(worst, 1e-6) << "nine digits of 264 s";
   }
 
-  // Compiled for wider registers than the library, a program would crash where a matrix crosses from one to the other: it is refused with words.
-  const CommandResult wider =
-      run_shell(folder, "g++ -std=c++20 -mavx2 -Iprefix/include -I/usr/include/eigen3 -fsyntax-only '" IMULAB_SOURCE "/examples/calibrate.cpp'");
-  EXPECT_THAT(wider.errors, HasSubstr("this imulab was compiled without AVX"));
+  // A program that is compiled for wider registers than the library, or under the address sanitizer, where Eigen would lay out matrices in another
+  // way.
+  for (const char* flags : {"-mavx2", "-fsanitize=address"}) {
+    SCOPED_TRACE(flags);
+    run(folder, std::string("cmake -S '" IMULAB_SOURCE "/examples' -B other -DCMAKE_PREFIX_PATH=\"$PWD/prefix\" -DCMAKE_CXX_FLAGS=") + flags +
+                    " && cmake --build other && cp calibration.json expected.json");
+    ASSERT_FALSE(HasFailure());
+    EXPECT_EQ(run(folder, "other/predict"), run(folder, "build/predict"));
+    EXPECT_THAT(run(folder, "other/calibrate"), HasSubstr("verdict: good\n"));
+    EXPECT_THAT(run(folder, "prefix/bin/imulab compare calibration.json expected.json"), HasSubstr("0 of 42 coefficients differ significantly"));
+    EXPECT_EQ(run(folder, "other/compensate calibration.json < samples > other.txt; build/compensate calibration.json < samples | cmp - other.txt"),
+              "");
+    run(folder, "rm -r other");
+  }
+  const CommandResult eigen_first = run_shell(
+      folder,
+      "printf '#include <Eigen/Core>\n#include <imulab/imulab.hpp>' > first.cpp; g++ -std=c++20 -mavx2 -Iprefix/include -I/usr/include/eigen3 "
+      "-fsyntax-only first.cpp");
+  EXPECT_THAT(eigen_first.errors, HasSubstr("Include imulab before Eigen"));
 
   // The same by pkg-config, wherever the prefix stands.
   run(folder, "mv prefix moved && export PKG_CONFIG_PATH=\"$PWD/moved/$(cd moved && echo lib*/pkgconfig)\" && g++ -std=c++20 '" IMULAB_SOURCE

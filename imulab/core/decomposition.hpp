@@ -2,8 +2,9 @@
 // hot loops on matrices of a few rows use Eigen's own, whose size is fixed.
 #pragma once
 
+#include "imulab/core/eigen.hpp"
+
 #include <Eigen/Cholesky>
-#include <Eigen/Core>
 #include <Eigen/QR>
 
 #include <optional>

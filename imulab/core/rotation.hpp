@@ -1,13 +1,7 @@
 // Rotations as 3x3 direction cosine matrices and rotation vectors. `C_ab` takes a vector from frame b to frame a.
 #pragma once
 
-// Eigen aligns matrices by the registers that a source is compiled for. They cross from programs to the library and back, so both need the same.
-#if defined(__AVX__) && !defined(IMULAB_WITH_AVX)
-#error \
-    "this imulab was compiled without AVX, and this source with it (-mavx, -mavx2, -march=native): the program would crash. Compile it without, or build imulab with the same flags"
-#endif
-
-#include <Eigen/Core>
+#include "imulab/core/eigen.hpp"
 
 #include <cmath>
 

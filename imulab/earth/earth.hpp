@@ -1,7 +1,7 @@
 // WGS-84: radii of curvature, normal gravity and the rotation of the Earth.
 #pragma once
 
-#include <Eigen/Core>
+#include "imulab/core/eigen.hpp"
 
 namespace imulab {
 

@@ -1,14 +1,13 @@
 // Every calibration method: one signature, one result, one table. A new method is a folder beside these and one line in the table.
 #pragma once
 
+#include "imulab/core/eigen.hpp"
 #include "imulab/estimate/prediction.hpp"
 #include "imulab/model/calibration.hpp"
 #include "imulab/model/requirement.hpp"
 #include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"
 #include "imulab/rig/procedure.hpp"
-
-#include <Eigen/Core>
 
 #include <functional>
 #include <optional>

@@ -2,11 +2,10 @@
 // requirements (docs/predict.md).
 #pragma once
 
+#include "imulab/core/eigen.hpp"
 #include "imulab/core/shared_work.hpp"
 #include "imulab/model/calibration.hpp"
 #include "imulab/model/requirement.hpp"
-
-#include <Eigen/Core>
 
 #include <cstdint>
 #include <functional>

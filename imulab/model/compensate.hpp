@@ -6,11 +6,10 @@
 // Valid within the ranges of readings and temperatures that the calibration covered. The inverse converges where the polynomial is monotone.
 #pragma once
 
+#include "imulab/core/eigen.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/model/calibration.hpp"
 #include "imulab/model/sensor_model.hpp"
-
-#include <Eigen/Core>
 
 #include <array>
 #include <span>

@@ -3,10 +3,9 @@
 // n = Fa f, the reading from its zero Da, and Ug likewise. A2 and A3 here are about this zero, those of the sensor model about a reading of 0.
 #pragma once
 
+#include "imulab/core/eigen.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/sensor_model.hpp"
-
-#include <Eigen/Core>
 
 #include <vector>
 

@@ -3,9 +3,8 @@
 // reference.
 #pragma once
 
+#include "imulab/core/eigen.hpp"
 #include "imulab/model/calibration.hpp"
-
-#include <Eigen/Core>
 
 #include <functional>
 #include <vector>

@@ -1,10 +1,9 @@
 // The noise terms of one sensor axis as samples: means over the sample's interval, each term from random streams of its own.
 #pragma once
 
+#include "imulab/core/eigen.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/model/imu_noise.hpp"
-
-#include <Eigen/Core>
 
 #include <array>
 #include <cmath>

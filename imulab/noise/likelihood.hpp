@@ -6,10 +6,9 @@
 // Rounding to steps r and quantization come after the sensor's low-pass.
 #pragma once
 
+#include "imulab/core/eigen.hpp"
 #include "imulab/noise/spectral_terms.hpp"
 #include "imulab/noise/spectrum.hpp"
-
-#include <Eigen/Core>
 
 #include <limits>
 #include <optional>

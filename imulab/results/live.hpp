@@ -1,9 +1,8 @@
 // A calibration by hand while the unit is being turned: as a picture for a terminal, and as lines.
 #pragma once
 
+#include "imulab/core/eigen.hpp"
 #include "imulab/estimate/method.hpp"
-
-#include <Eigen/Core>
 
 #include <optional>
 #include <string>

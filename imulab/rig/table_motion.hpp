@@ -1,10 +1,9 @@
 // The true inputs of an IMU during a table's steps, as a function of every error of the table and of the site, with exact derivatives.
 #pragma once
 
+#include "imulab/core/eigen.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/rig/table_plan.hpp"
-
-#include <Eigen/Core>
 
 #include <array>
 #include <string>

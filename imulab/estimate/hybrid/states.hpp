@@ -2,12 +2,11 @@
 // first, group by group, then the errors of attitude and velocity.
 #pragma once
 
+#include "imulab/core/eigen.hpp"
 #include "imulab/estimate/kernel/information.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/navigation/in_place/navigator.hpp"
 #include "imulab/recording/session.hpp"
-
-#include <Eigen/Core>
 
 #include <array>
 #include <set>

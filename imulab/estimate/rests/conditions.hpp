@@ -4,10 +4,9 @@
 #pragma once
 
 #include "imulab/core/decomposition.hpp"
+#include "imulab/core/eigen.hpp"
 #include "imulab/estimate/kernel/fit.hpp"
 #include "imulab/estimate/kernel/information.hpp"
-
-#include <Eigen/Core>
 
 #include <array>
 #include <vector>

@@ -3,11 +3,10 @@
 #pragma once
 
 #include "imulab/core/decomposition.hpp"
+#include "imulab/core/eigen.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/rig/table_motion.hpp"
-
-#include <Eigen/Core>
 
 #include <optional>
 #include <vector>

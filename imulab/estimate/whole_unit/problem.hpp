@@ -6,12 +6,11 @@
 // with theta the coefficients and eta the errors that many points share: g and the machines' errors, each with its declared sigma.
 #pragma once
 
+#include "imulab/core/eigen.hpp"
 #include "imulab/estimate/kernel/information.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/rig/machine_points.hpp"
 #include "imulab/rig/rig_errors.hpp"
-
-#include <Eigen/Core>
 
 #include <array>
 #include <optional>

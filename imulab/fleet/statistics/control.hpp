@@ -1,9 +1,8 @@
 // Is production steady? Control limits, run rules and capability of one coefficient over the units in the order in which they were measured.
 #pragma once
 
+#include "imulab/core/eigen.hpp"
 #include "imulab/fleet/statistics/random_effects.hpp"
-
-#include <Eigen/Core>
 
 #include <array>
 #include <optional>

@@ -1,9 +1,8 @@
 // Change of units over time: a line through each unit's calibrations, against their uncertainties and what a unit repeats to from one to the next.
 #pragma once
 
+#include "imulab/core/eigen.hpp"
 #include "imulab/fleet/statistics/random_effects.hpp"
-
-#include <Eigen/Core>
 
 #include <vector>
 

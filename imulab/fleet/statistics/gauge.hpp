@@ -1,7 +1,7 @@
 // Do stations, or operators, differ? Gauge repeatability and reproducibility with units that are measured once or several times, here or there.
 #pragma once
 
-#include <Eigen/Core>
+#include "imulab/core/eigen.hpp"
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 // Units that do not belong to the fleet: their distance from its mean, against their own uncertainty and the spread between units.
 #pragma once
 
-#include <Eigen/Core>
+#include "imulab/core/eigen.hpp"
 
 #include <functional>
 #include <vector>

@@ -1,11 +1,10 @@
 // The fleet's prediction of its next unit before it is measured, and a calibration combined with this prior (docs/fleet.md).
 #pragma once
 
+#include "imulab/core/eigen.hpp"
 #include "imulab/fleet/statistics/sample.hpp"
 #include "imulab/model/calibration.hpp"
 #include "imulab/model/requirement.hpp"
-
-#include <Eigen/Core>
 
 #include <functional>
 #include <string>

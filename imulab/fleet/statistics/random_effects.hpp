@@ -9,7 +9,7 @@
 // wide: use spread_high where a bound is needed.
 #pragma once
 
-#include <Eigen/Core>
+#include "imulab/core/eigen.hpp"
 
 namespace imulab {
 

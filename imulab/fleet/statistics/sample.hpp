@@ -1,9 +1,8 @@
 // A fleet's calibrations in memory, in columns: what its statistics work on.
 #pragma once
 
+#include "imulab/core/eigen.hpp"
 #include "imulab/model/coefficient.hpp"
-
-#include <Eigen/Core>
 
 #include <cstddef>
 #include <cstdint>

@@ -1,9 +1,8 @@
 // YAML as a tree with lines; one source knows yaml-cpp.
 #pragma once
 
+#include "imulab/core/eigen.hpp"
 #include "imulab/formats/import/format.hpp"
-
-#include <Eigen/Core>
 
 #include <optional>
 #include <string>

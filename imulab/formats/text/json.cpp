@@ -42,24 +42,33 @@ bool on_one_line(const JsonList& list, JsonLayout layout) {
          (layout == JsonLayout::long_lists && list.size() >= many && std::all_of(list.begin(), list.end(), is_number));
 }
 
-void write(std::string& out, const JsonValue& value, JsonLayout layout, std::size_t indent) {
-  if (!is_structured(value)) {
-    out += plain_text(value);
-    return;
-  }
-  const auto* object = std::get_if<JsonFields>(&value.is);
-  const auto* list = std::get_if<JsonList>(&value.is);
-  const bool one_line = list != nullptr ? on_one_line(*list, layout) : layout == JsonLayout::one_line;
-  const std::size_t count = list != nullptr ? list->size() : object->fields.size(), inner = indent + 2;
-  const std::string line = one_line || count == 0 ? "" : "\n";
-  const std::string separator = one_line ? (layout == JsonLayout::rows_on_lines ? ", " : ",") : ",\n" + std::string(inner, ' ');
-  out += (list != nullptr ? '[' : '{') + line + std::string(line.empty() ? 0 : inner, ' ');
-  for (std::size_t i = 0; i < count; ++i) {
+void write(std::string& out, const JsonValue& value, JsonLayout layout, std::size_t indent);
+
+/// Items between brackets: on one line, or each on its own.
+template <class Items, class Write>
+void write_items(std::string& out, const char* brackets, const Items& items, bool one_line, JsonLayout layout, std::size_t indent, Write write_item) {
+  const auto line = [&](std::size_t blanks) { return one_line || items.empty() ? "" : "\n" + std::string(blanks, ' '); };
+  const std::string separator = !one_line ? "," + line(indent + 2) : layout == JsonLayout::rows_on_lines ? ", " : ",";
+  out += brackets[0] + line(indent + 2);
+  for (std::size_t i = 0; i < items.size(); ++i) {
     if (i > 0) out += separator;
-    if (object != nullptr) out += dumped(object->fields[i].first) + (layout == JsonLayout::one_line ? ":" : ": ");
-    write(out, list != nullptr ? (*list)[i] : object->fields[i].second, layout, inner);
+    write_item(items[i]);
   }
-  out += line + std::string(line.empty() ? 0 : indent, ' ') + (list != nullptr ? ']' : '}');
+  out += line(indent) + brackets[1];
+}
+
+void write(std::string& out, const JsonValue& value, JsonLayout layout, std::size_t indent) {
+  if (const auto* list = std::get_if<JsonList>(&value.is)) {
+    write_items(out, "[]", *list, on_one_line(*list, layout), layout, indent, [&](const JsonValue& v) { write(out, v, layout, indent + 2); });
+  } else if (const auto* object = std::get_if<JsonFields>(&value.is)) {
+    const bool one_line = layout == JsonLayout::one_line;
+    write_items(out, "{}", object->fields, one_line, layout, indent, [&](const auto& field) {
+      out += dumped(field.first) + (one_line ? ":" : ": ");
+      write(out, field.second, layout, indent + 2);
+    });
+  } else {
+    out += plain_text(value);
+  }
 }
 
 }  // namespace

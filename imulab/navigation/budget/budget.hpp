@@ -1,6 +1,7 @@
 // The effect of each source of error on an inertial solution over time: linear error dynamics along a motion.
 #pragma once
 
+#include "imulab/core/eigen.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/model/calibration.hpp"
 #include "imulab/model/coefficient.hpp"
@@ -8,8 +9,6 @@
 #include "imulab/model/sensor_model.hpp"
 #include "imulab/navigation/integration/strapdown.hpp"
 #include "imulab/navigation/motion/trajectory.hpp"
-
-#include <Eigen/Core>
 
 #include <array>
 #include <memory>

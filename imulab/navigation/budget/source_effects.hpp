@@ -2,12 +2,11 @@
 // east-north-up axes, and noise.
 #pragma once
 
+#include "imulab/core/eigen.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/compensate.hpp"
 #include "imulab/model/sensor_noise.hpp"
 #include "imulab/navigation/budget/error_dynamics.hpp"
-
-#include <Eigen/Core>
 
 #include <array>
 #include <vector>

@@ -8,11 +8,10 @@
 // force across the attitude error would look like knowledge of the heading.
 #pragma once
 
+#include "imulab/core/eigen.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/recording/declared_noise.hpp"
-
-#include <Eigen/Core>
 
 #include <array>
 #include <functional>

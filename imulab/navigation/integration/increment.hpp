@@ -6,7 +6,7 @@
 // Ignagni 1996, doi:10.2514/3.21635. Valid for angles well below a radian within one interval.
 #pragma once
 
-#include <Eigen/Core>
+#include "imulab/core/eigen.hpp"
 
 #include <span>
 

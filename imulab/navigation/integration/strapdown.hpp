@@ -9,10 +9,10 @@
 // Valid for latitudes within 89.9 deg. Savage 1998, doi:10.2514/2.4228 and 10.2514/2.4242.
 #pragma once
 
+#include "imulab/core/eigen.hpp"
 #include "imulab/earth/earth.hpp"
 #include "imulab/navigation/integration/increment.hpp"
 
-#include <Eigen/Core>
 #include <Eigen/Geometry>
 
 #include <cstddef>

@@ -1,9 +1,8 @@
 // The segments of a motion, as a pilot, a driver or the operator of a table would name them.
 #pragma once
 
+#include "imulab/core/eigen.hpp"
 #include "imulab/core/units.hpp"
-
-#include <Eigen/Core>
 
 #include <vector>
 

@@ -1,0 +1,30 @@
+// Eigen with the memory layout of the library. Matrices cross from programs to the library and back, and Eigen aligns them by the widest registers
+// that a source is compiled for. In a program for wider ones than the library's (-mavx2, -march=native) Eigen has no explicit vectors here: so it
+// aligns alike. Headers of imulab include this one in place of <Eigen/Core>.
+#pragma once
+
+#include <cstddef>  // __GLIBC__
+
+#ifndef IMULAB_EIGEN_ALIGNMENT  // bytes, of the compiled library: from its CMake target or pkg-config
+#define IMULAB_EIGEN_ALIGNMENT 16
+#endif
+
+#if IMULAB_EIGEN_ALIGNMENT == 16 && defined(__SANITIZE_ADDRESS__) && defined(__GLIBC__) && defined(__LP64__)
+#define IMULAB_EIGEN_MALLOC 1  // Eigen takes its blocks from malloc as they are; under the sanitizer it would put a header before them
+#endif
+
+#ifndef EIGEN_WORLD_VERSION  // Eigen is not included yet
+#if IMULAB_EIGEN_ALIGNMENT == 16 && defined(__AVX__) && !defined(EIGEN_DONT_VECTORIZE)
+#define EIGEN_DONT_VECTORIZE
+#endif
+#if defined(IMULAB_EIGEN_MALLOC) && !defined(EIGEN_MALLOC_ALREADY_ALIGNED)
+#define EIGEN_MALLOC_ALREADY_ALIGNED 1
+#endif
+#endif
+
+#include <Eigen/Core>
+
+#if EIGEN_DEFAULT_ALIGN_BYTES != IMULAB_EIGEN_ALIGNMENT || (defined(IMULAB_EIGEN_MALLOC) && !EIGEN_MALLOC_ALREADY_ALIGNED)
+#error \
+    "Eigen's memory layout is not that of the compiled imulab, and the program would crash. Include imulab before Eigen, or compile all sources with -DEIGEN_DONT_VECTORIZE (-fsanitize=address: -DEIGEN_MALLOC_ALREADY_ALIGNED=1), or build imulab with the program's flags"
+#endif
