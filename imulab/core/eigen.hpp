@@ -14,8 +14,10 @@
 #endif
 
 #ifndef EIGEN_WORLD_VERSION  // Eigen is not included yet
-#if IMULAB_EIGEN_ALIGNMENT == 16 && defined(__AVX__) && !defined(EIGEN_DONT_VECTORIZE)
+#if IMULAB_EIGEN_ALIGNMENT == 16 && defined(__AVX__) && !defined(EIGEN_MAX_ALIGN_BYTES)
 #define EIGEN_DONT_VECTORIZE
+#define EIGEN_MAX_ALIGN_BYTES 16
+#define EIGEN_MAX_STATIC_ALIGN_BYTES 16
 #endif
 #if defined(IMULAB_EIGEN_MALLOC) && !defined(EIGEN_MALLOC_ALREADY_ALIGNED)
 #define EIGEN_MALLOC_ALREADY_ALIGNED 1
@@ -26,5 +28,5 @@
 
 #if EIGEN_DEFAULT_ALIGN_BYTES != IMULAB_EIGEN_ALIGNMENT || (defined(IMULAB_EIGEN_MALLOC) && !EIGEN_MALLOC_ALREADY_ALIGNED)
 #error \
-    "Eigen's memory layout is not that of the compiled imulab, and the program would crash. Include imulab before Eigen, or compile all sources with -DEIGEN_DONT_VECTORIZE (-fsanitize=address: -DEIGEN_MALLOC_ALREADY_ALIGNED=1), or build imulab with the program's flags"
+    "Eigen's memory layout is not that of the compiled imulab, and the program would crash. Include imulab before Eigen in every source, or build imulab with the program's flags (-mavx2, -march=native, -fsanitize=address)"
 #endif
