@@ -1,9 +1,9 @@
 // Reading a bag. Target: half the speed of copying what its chunks hold, so that a bag costs little more than its bytes.
 #include "imulab/formats/recording/bag/bytes.hpp"
-#include "imulab/formats/recording/bag/compression.hpp"
+#include "imulab/formats/recording/bag/chunk.hpp"
 #include "imulab/formats/recording/bag/mcap.hpp"
-#include "imulab/formats/recording/crc32.hpp"
-#include "imulab/formats/recording/format.hpp"
+#include "imulab/formats/recording/binary.hpp"
+#include "imulab/formats/recording/table_reader.hpp"
 #include "imulab/formats/text/file.hpp"
 
 #include <benchmark/benchmark.h>
@@ -128,7 +128,7 @@ void read_bag(benchmark::State& state, const std::string& compression) {  // sta
   const std::vector<Column> columns{"header.stamp",          "angular_velocity.x",    "angular_velocity.y",   "angular_velocity.z",
                                     "linear_acceleration.x", "linear_acceleration.y", "linear_acceleration.z"};
   for (auto _ : state) {
-    const recording_io::RawTable table = format_of(request).columns(request, columns);
+    const recording_io::TableRows table = recording_io::read_columns(request, columns);
     if (table.columns[0].size() != chunks * messages_in_chunk) state.SkipWithError("messages are missing");
   }
   state.SetBytesProcessed(state.iterations() * example.bytes());

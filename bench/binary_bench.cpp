@@ -1,7 +1,6 @@
 // Reading binary recordings whose bytes are the numbers. Target: half the speed of copying the file.
 #include "imulab/formats/recording/bag/bytes.hpp"
-#include "imulab/formats/recording/format.hpp"
-#include "imulab/formats/recording/raw_table.hpp"
+#include "imulab/formats/recording/table_reader.hpp"
 #include "imulab/formats/text/file.hpp"
 
 #include <benchmark/benchmark.h>
@@ -105,7 +104,7 @@ void read_file(benchmark::State& state, std::string (*content)(), const char* to
   const Example example(content());
   const TableRequest request{example.path(), topic, ""};
   for (auto _ : state) {
-    const recording_io::RawTable table = format_of(request).columns(request, columns);
+    const recording_io::TableRows table = recording_io::read_columns(request, columns);
     if (table.columns[0].size() != samples) state.SkipWithError("samples are missing");
   }
   state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(std::filesystem::file_size(example.path())));

@@ -1,5 +1,6 @@
 // Reading recordings. Target: 250 MB/s of text on one core, so that an hour at 1 kHz (0.4 GB) opens in two seconds.
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/csv_writer.hpp"
+#include "imulab/formats/recording/reader.hpp"
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>

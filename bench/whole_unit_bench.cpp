@@ -2,7 +2,8 @@
 // choice of terms, within 0.5 s.
 #include "imulab/core/parallel.hpp"
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/csv_writer.hpp"
+#include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/simulate/simulate.hpp"

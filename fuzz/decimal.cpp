@@ -86,9 +86,10 @@ void expect_as_c_library(const std::string& number) {
   const bool whole = !number.empty() && *end == '\0' && std::isfinite(exact) && !(errno == ERANGE && exact == 0);  // smaller than any is an error
   const FuzzedFile file("a,b\n" + number + "," + number + "\n0,0\n");
   try {
-    const recording_io::TimedTable table = recording_io::read_csv(file.path(), {.column = std::nullopt}, 100, {std::string("b")});
+    const recording_io::TableRows table = recording_io::read_csv(file.path(), {.column = std::nullopt}, 100, {std::string("b")});
     if (!whole) finding("a reading that the C library refuses");
-    if (std::bit_cast<std::uint64_t>(table.values[0][0]) != std::bit_cast<std::uint64_t>(exact)) finding("a reading is not the nearest double");
+    if (std::bit_cast<std::uint64_t>(table.columns[0].numbers[0]) != std::bit_cast<std::uint64_t>(exact))
+      finding("a reading is not the nearest double");
   } catch (const Error&) {
     if (whole) finding("a reading is refused that the C library reads");
   }

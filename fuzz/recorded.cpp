@@ -1,10 +1,10 @@
 // Recordings on their way: a stream against the same bytes as a file, the inspection of a file of which nothing is known, and a bag that is copied
 // with its readings replaced.
 #include "imulab/core/error.hpp"
-#include "imulab/formats/recording/compensated_bag.hpp"
-#include "imulab/formats/recording/csv.hpp"
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/compensated_file.hpp"
+#include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/recording/stream.hpp"
+#include "imulab/formats/recording/table_reader.hpp"
 #include "imulab/recording/compensate_recording.hpp"
 #include "imulab/recording/make_recording.hpp"
 #include "imulab/tasks/inspect.hpp"
@@ -69,10 +69,13 @@ Outcome by_file(const std::string& text, RecordingSource source) {
   const FuzzedFile file(text);
   Outcome out;
   try {
-    recording_io::TimedTable table = recording_io::read_table({file.path()}, source.time, source.rate_hz, columns_of(source));
-    const auto three = [&](std::size_t first) { return Columns3{table.values[first], table.values[first + 1], table.values[first + 2]}; };
+    recording_io::TableRows table =
+        recording_io::read_table({file.path()}, {.columns = columns_of(source), .time = source.time, .rate_hz = source.rate_hz});
+    const auto three = [&](std::size_t first) {
+      return Columns3{table.columns[first].numbers, table.columns[first + 1].numbers, table.columns[first + 2].numbers};
+    };
     out.rows = convert_readings(three(0), three(3), recording_options(source));
-    if (source.gyro_temperature) out.rows.gyro_temperature = three_columns({table.values[6]});
+    if (source.gyro_temperature) out.rows.gyro_temperature = three_columns({table.columns[6].numbers});
     out.rows.time_ns = std::move(table.time_ns);
     out.passed_over = !table.warnings.empty();
   } catch (const Error& e) {
@@ -118,8 +121,8 @@ void stream(std::string_view bytes) {
   if (bytes.size() < 2 || bytes.size() > longest) return;
   std::string text(bytes.substr(1));
   for (const RecordingFormat& format : recording_formats())
-    if (!format.of_layout && format.recognizes != recording_io::is_text && format.recognizes(text)) return;
-  if (!recording_io::is_text(text)) return;
+    if (!format.of_layout && !format.is_text && format.recognizes(text)) return;
+  if (text.find('\0') != std::string::npos) return;
   if (text.back() != '\n') text += '\n';  // a file may end inside a row
   const RecordingSource source = source_of(static_cast<unsigned char>(bytes[0]), "stream");
   const Outcome file = by_file(text, source), stream = by_stream(text, source);

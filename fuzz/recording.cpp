@@ -1,7 +1,7 @@
 // Any bytes as a recording of one format.
 #include "imulab/core/error.hpp"
-#include "imulab/formats/recording/format.hpp"
 #include "imulab/formats/recording/solution.hpp"
+#include "imulab/formats/recording/table_reader.hpp"
 #include "imulab/navigation/navigate.hpp"
 
 #include "fuzz/fuzzed_file.hpp"
@@ -28,7 +28,7 @@ void read_all(std::string_view format_name, std::string_view bytes) try {
     for (std::size_t i = 0; i < table.columns.size() && i < 16; ++i) columns.emplace_back(static_cast<int>(i) + 1);
     request.topic = table.name;
     try {
-      const recording_io::RawTable raw = format.columns(request, columns);
+      const recording_io::TableRows raw = recording_io::read_columns(request, columns, format);
       if (raw.columns.size() != columns.size()) finding("another number of columns than asked for");
     } catch (const Error&) {
     }

@@ -3,7 +3,7 @@
 #include "imulab/core/units.hpp"
 #include "imulab/fleet/store/sample.hpp"
 #include "imulab/formats/calibration/file.hpp"
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/reader.hpp"
 #include "imulab/noise/noise_analysis.hpp"
 #include "imulab/report/comparison_page.hpp"
 #include "imulab/report/noise_page.hpp"

@@ -4,8 +4,8 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/stamp_text.hpp"
 #include "imulab/formats/calibration/file.hpp"
+#include "imulab/recording/clock.hpp"
 #include "imulab/recording/make_recording.hpp"
-#include "imulab/recording/stamps.hpp"
 #include "imulab/recording/validate.hpp"
 
 #include <fmt/core.h>

@@ -1,7 +1,7 @@
 // For tests: what the bags in tests/recordings hold (bag_data.py there), which other programs wrote.
 #pragma once
 
-#include "imulab/formats/recording/format.hpp"
+#include "imulab/formats/recording/table_reader.hpp"
 
 #include <array>
 #include <cmath>
@@ -47,9 +47,8 @@ inline const std::vector<Column>& imu_columns() {
 }
 
 /// Columns of a topic, in whatever format the file is.
-inline recording_io::RawTable read_columns(const std::filesystem::path& file, const std::string& topic, const std::vector<Column>& columns) {
-  const TableRequest request{file, topic, ""};
-  return format_of(request).columns(request, columns);
+inline recording_io::TableRows read_columns(const std::filesystem::path& file, const std::string& topic, const std::vector<Column>& columns) {
+  return recording_io::read_columns({file, topic, ""}, columns);
 }
 
 }  // namespace imulab::bag

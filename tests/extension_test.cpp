@@ -7,9 +7,9 @@
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/export/target.hpp"
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/recording/declared_noise.hpp"
+#include "imulab/recording/session.hpp"
 #include "imulab/rig/ideal_recording.hpp"
 #include "imulab/simulate/simulate.hpp"
 #include "imulab/tasks/predict.hpp"
@@ -87,17 +87,17 @@ std::vector<TableDescription> describe_imu7(const TableRequest& request) {
   return {table};
 }
 
-RawTable imu7_columns(const TableRequest& request, const std::vector<Column>& columns) {
+void read_imu7(const TableRequest& request, const Wanted& wanted, const PieceSink& sink) {
   const TableDescription table = describe_imu7(request).front();
   const MappedFile file(request.file);
-  RawTable raw;
-  for (const Column& column : columns) {
-    std::vector<double>& numbers = raw.columns.emplace_back().numbers;
+  TableRows rows;
+  for (const Column& column : wanted.columns) {
+    std::vector<double>& numbers = rows.columns.emplace_back().numbers;
     numbers.resize(table.rows);
     const char* first = file.text().data() + 4 + sizeof(double) * find_column(table, column, request.file.string());
     for (std::size_t i = 0; i < table.rows; ++i) std::memcpy(&numbers[i], first + 7 * sizeof(double) * i, sizeof(double));
   }
-  return raw;
+  sink(std::move(rows));
 }
 
 }  // namespace recording_io
@@ -129,7 +129,7 @@ const std::array<std::array<double, 7>, 3> rows{{{0, 0.1, 0.2, 0.3, 0, 0, 9.8}, 
 
 // clang-format off
 const RecordingFormat imu7
-{.name = "rows of seven doubles", .recognizes = recording_io::is_imu7, .describe = recording_io::describe_imu7, .columns = recording_io::imu7_columns}
+{.name = "rows of seven doubles", .recognizes = recording_io::is_imu7, .describe = recording_io::describe_imu7, .read = recording_io::read_imu7}
 ;
 // clang-format on
 

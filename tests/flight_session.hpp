@@ -3,7 +3,7 @@
 
 #include "imulab/core/random.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/csv_writer.hpp"
 #include "imulab/formats/recording/solution.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/navigation/motion/flight.hpp"

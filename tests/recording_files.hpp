@@ -2,7 +2,7 @@
 #pragma once
 
 #include "imulab/core/error.hpp"
-#include "imulab/formats/recording/format.hpp"
+#include "imulab/formats/recording/table_reader.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -39,8 +39,8 @@ inline std::vector<double> numbers_of(const recording_io::RawColumn& column) {
   return {column.integers.begin(), column.integers.end()};
 }
 
-inline recording_io::RawTable columns_of(const TableRequest& request, const std::vector<Column>& columns) {
-  return format_of(request).columns(request, columns);
+inline recording_io::TableRows columns_of(const TableRequest& request, const std::vector<Column>& columns) {
+  return recording_io::read_columns(request, columns);
 }
 
 /// The samples of all files, exact in single precision.
@@ -56,7 +56,7 @@ inline double fixture_counts(std::size_t i, std::size_t k) { return 1000.0 * sta
 /// Expects `columns` of a file to be these values: value(row, which of the columns).
 template <class Value>
 void expect_columns(const TableRequest& request, const std::vector<Column>& columns, Value value, std::size_t rows = fixture_samples) {
-  const recording_io::RawTable table = columns_of(request, columns);
+  const recording_io::TableRows table = columns_of(request, columns);
   ASSERT_EQ(table.columns.size(), columns.size()) << request.file;
   for (std::size_t c = 0; c < columns.size(); ++c) {
     const std::vector<double> numbers = numbers_of(table.columns[c]);
@@ -86,7 +86,7 @@ inline void expect_no_crash(const std::filesystem::path& file, const std::string
   try {
     const RecordingFormat& format = format_of(request);
     format.describe(request);
-    const recording_io::RawTable table = format.columns(request, columns);
+    const recording_io::TableRows table = recording_io::read_columns(request, columns, format);
     for (const auto& column : table.columns) EXPECT_EQ(column.size(), table.columns.front().size());
   } catch (const Error&) {
   }

@@ -1,7 +1,8 @@
 // For tests of recording files: a recording's text, read as the file that a session names.
 #pragma once
 
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/csv_writer.hpp"
+#include "imulab/formats/recording/reader.hpp"
 
 #include "tests/temporary_folder.hpp"
 #include <string>

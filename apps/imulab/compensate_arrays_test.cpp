@@ -1,5 +1,7 @@
 // Compensated readings as arrays for NumPy.
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/csv_writer.hpp"
+#include "imulab/formats/recording/reader.hpp"
+#include "imulab/formats/recording/table_reader.hpp"
 #include "imulab/recording/session.hpp"
 
 #include <gmock/gmock.h>
@@ -16,7 +18,7 @@ TEST(CompensateCommand, WritesArraysThatReadBackAsTheTableDoes) {
   ASSERT_EQ(run_imulab(folder, "compensate c.json session -o out.npz").exit_code, 0);
   ASSERT_EQ(run_imulab(folder, "compensate c.json session/recording.csv -o out.csv").exit_code, 0) << "a recording is inspected";
   const TableRequest request{folder / "out.npz", "", ""};
-  const auto arrays = format_of(request).columns(request, {"time_ns", "gyro.1", "gyro.3", "accel.2"});
+  const auto arrays = recording_io::read_columns(request, {"time_ns", "gyro.1", "gyro.3", "accel.2"});
   Session session;
   session.file = folder / "session.toml";
   RecordingSource source = written_source({});

@@ -39,8 +39,8 @@ TEST_F(CompensateBag, WritesTheReadingsOfTheTableIntoTheBag) {
   EXPECT_EQ(result.errors, "");
   EXPECT_THAT(on_one_line(result.output), HasSubstr("out.mcap: 60 samples, 0 saturated"));
   ASSERT_EQ(run_imulab(folder_, "compensate cal.json session.toml -o out.csv").exit_code, 0);
-  const recording_io::RawTable in_bag = bag::read_columns(folder_ / "out.mcap", "/imu0", bag::imu_columns());
-  const recording_io::RawTable in_table = bag::read_columns(folder_ / "out.csv", "", {"gx", "gy", "gz", "ax", "ay", "az"});
+  const recording_io::TableRows in_bag = bag::read_columns(folder_ / "out.mcap", "/imu0", bag::imu_columns());
+  const recording_io::TableRows in_table = bag::read_columns(folder_ / "out.csv", "", {"gx", "gy", "gz", "ax", "ay", "az"});
   for (std::size_t k = 0; k < 6; ++k) EXPECT_EQ(in_bag.columns[3 + k].numbers, in_table.columns[k].numbers);
 }
 

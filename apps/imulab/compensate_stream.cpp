@@ -5,9 +5,9 @@
 #include "apps/imulab/session_recording.hpp"
 #include "apps/imulab/usable.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/csv_writer.hpp"
 #include "imulab/formats/recording/stream.hpp"
-#include "imulab/recording/compensator.hpp"
+#include "imulab/recording/compensate_recording.hpp"
 #include "imulab/tasks/recordings.hpp"
 
 #include <fmt/core.h>

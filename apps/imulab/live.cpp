@@ -9,9 +9,9 @@
 #include "imulab/formats/recording/stream.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/formats/text/terminal.hpp"
-#include "imulab/recording/stamps.hpp"
 #include "imulab/formats/text/json.hpp"
+#include "imulab/formats/text/terminal.hpp"
+#include "imulab/recording/clock.hpp"
 
 #include <fmt/core.h>
 

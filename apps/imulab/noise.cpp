@@ -7,7 +7,7 @@
 #include "apps/imulab/report.hpp"
 #include "apps/imulab/session_recording.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/recording/stored.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/terminal.hpp"

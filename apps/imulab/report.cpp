@@ -5,7 +5,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/formats/calibration/file.hpp"
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"

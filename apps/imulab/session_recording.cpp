@@ -2,7 +2,7 @@
 
 #include "apps/imulab/command.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/tasks/recordings.hpp"

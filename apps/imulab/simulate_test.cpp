@@ -3,7 +3,7 @@
 
 #include "imulab/core/units.hpp"
 #include "imulab/formats/calibration/file.hpp"
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/session/file.hpp"
 
 #include <gmock/gmock.h>

@@ -10,8 +10,7 @@
 #include "imulab/estimate/turntable/prediction.hpp"
 #include "imulab/estimate/turntable/turntable.hpp"
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
-#include "imulab/recording/even_stamps.hpp"
-#include "imulab/recording/short_gaps.hpp"
+#include "imulab/recording/resampling.hpp"
 #include "imulab/recording/validate.hpp"
 
 #include <fmt/core.h>

@@ -2,7 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/inspection/clock_quality.hpp"
+#include "imulab/inspection/time.hpp"
 #include "imulab/recording/unit_names.hpp"
 
 #include <fmt/format.h>

@@ -1,9 +1,9 @@
-// What the user declares of a recording, in place of what the data say.
+// The user's declarations for a recording, which replace what the data show.
 #pragma once
 
 #include "imulab/inspection/inspection.hpp"
+#include "imulab/inspection/names.hpp"
 #include "imulab/inspection/time.hpp"
-#include "imulab/inspection/units.hpp"
 
 #include <optional>
 #include <string>

@@ -2,13 +2,10 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/inspection/clock_quality.hpp"
 #include "imulab/inspection/declared.hpp"
+#include "imulab/inspection/evidence.hpp"
 #include "imulab/inspection/names.hpp"
-#include "imulab/inspection/search.hpp"
-#include "imulab/inspection/support.hpp"
 #include "imulab/inspection/time.hpp"
-#include "imulab/inspection/units.hpp"
 #include "imulab/model/frame.hpp"
 
 #include <fmt/format.h>

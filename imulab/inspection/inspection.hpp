@@ -32,7 +32,7 @@ struct ColumnFinding {
   std::string evidence;
 };
 
-/// Whether the data can support a method, and why.
+/// A method that the data can support, or not, and why.
 struct MethodFinding {
   std::string name;
   bool supported = false;

@@ -1,8 +1,11 @@
-// What the name of a column says: a hint, which the data have to confirm.
+// The name of a column is a hint, which the data have to confirm.
 #pragma once
+
+#include "imulab/recording/session.hpp"
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace imulab::inspection {
 
@@ -23,5 +26,23 @@ NameHint hint_of(std::string_view name);
 
 /// A unit as files write it, as a session names it: "m/s2" and "mps2" are "m/s^2", "dps" is "deg/s"; empty where it is none.
 std::string unit_of(std::string_view text);
+
+/// A unit that readings may have, and what speaks for it.
+struct UnitGuess {
+  std::string unit = "count";
+  Output output = Output::rate;
+  std::string evidence;
+  std::string open;  ///< the question, where several units fit or none; empty where one does
+};
+
+/// `norm`: of the readings at rest, which is `interval_s` g where they are increments. `named`: the unit that the file or the column's name states;
+/// may be empty. `whole`: the readings are whole numbers.
+UnitGuess accel_unit(double norm, double least, double most, double interval_s, const std::string& named, bool whole);
+
+/// `scale`: rad/s per reading, by the turns.
+UnitGuess gyro_unit(double scale, double interval_s, const std::string& named, bool whole);
+
+/// The scales that gyros can have: of every unit, as rates and as increments.
+std::vector<double> gyro_scales(double interval_s);
 
 }  // namespace imulab::inspection

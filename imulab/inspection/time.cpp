@@ -3,6 +3,7 @@
 #include "imulab/core/statistics.hpp"
 #include "imulab/inspection/names.hpp"
 #include "imulab/recording/clock.hpp"
+#include "imulab/recording/resampling.hpp"
 #include "imulab/recording/unit_names.hpp"
 
 #include <fmt/core.h>
@@ -14,6 +15,7 @@
 #include <utility>
 
 namespace imulab::inspection {
+
 namespace {
 
 constexpr std::size_t looked_at = 200'000;            // rows: enough to know a clock
@@ -21,7 +23,7 @@ constexpr double slowest_hz = 10, fastest_hz = 10e3;  // of an IMU; a thousand a
 constexpr double usual_hz = 1000.5;                   // above, the same step is more often ticks or the slow rate of a larger unit: asked for
 constexpr std::array<const char*, 4> time_units{"s", "ms", "us", "ns"};
 
-/// How the numbers of a column advance.
+/// The steps by which the numbers of a column advance.
 struct Steps {
   double typical = 0;        ///< median of those above 0
   double even = 0;           ///< part of the steps that are within half of it
@@ -67,7 +69,7 @@ std::optional<Steps> steps_of(const std::vector<double>& values) {
   return s;
 }
 
-/// Whether the numbers advance as a clock's do: in even steps, forward but for a few rows out of order.
+/// True if the numbers advance as a clock's do: in even steps, forward but for a few rows out of order.
 bool is_clock(const Steps& s, std::size_t rows) { return s.even > 0.6 && s.backward * 100 < rows; }
 
 double in_seconds(const char* unit) { return std::pow(10.0, time_exponent(unit) - 9); }
@@ -235,6 +237,30 @@ std::vector<std::int64_t> stamps_of(const SignalTable& table, const TimeGuess& t
     stamps.push_back(*ns);
   }
   return stamps;
+}
+
+ClockQuality clock_quality(const std::vector<std::int64_t>& time_ns) {
+  ClockQuality quality;
+  for (std::size_t i = 1; i < time_ns.size(); ++i) {
+    quality.repeated += time_ns[i] == time_ns[i - 1];
+    if (time_ns[i] < time_ns[i - 1] && quality.backward++ == 0) quality.first_backward = i;
+  }
+  if (quality.backward > 0 || time_ns.size() < 3) return quality;
+  std::vector<std::int64_t> stamps = ascending(time_ns);
+  for (std::int64_t& stamp : stamps) stamp -= time_ns.front();
+  const StampIntervals intervals = stamp_intervals(stamps);
+  quality.interval_s = intervals.median;
+  quality.rate_hz = intervals.mean > 0 ? 1 / intervals.mean : 0;
+  const std::vector<std::size_t> gaps = find_gaps(stamps, intervals.mean);
+  quality.gaps = gaps.size();
+  for (const std::size_t i : gaps) quality.largest_gap_s = std::max(quality.largest_gap_s, 1e-9 * static_cast<double>(stamps[i] - stamps[i - 1]));
+  if (const auto even = even_clock(stamps)) quality.scatter_s = even->scatter_s;
+  return quality;
+}
+
+std::vector<std::int64_t> ascending(std::vector<std::int64_t> time_ns) {
+  for (std::size_t i = 1; i < time_ns.size(); ++i) time_ns[i] = std::max(time_ns[i], time_ns[i - 1] + 1);
+  return time_ns;
 }
 
 }  // namespace imulab::inspection

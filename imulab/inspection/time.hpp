@@ -1,4 +1,4 @@
-// Which column of a recording is time, and in which unit.
+// Which column of a recording is time, in which unit, and how good its stamps are.
 #pragma once
 
 #include "imulab/inspection/signals.hpp"
@@ -12,7 +12,7 @@
 
 namespace imulab::inspection {
 
-/// What is known of the clock, and why.
+/// The time column as far as it is known, and the evidence.
 struct TimeGuess {
   TimeSource source;                            ///< without a column where the rows have no stamps
   std::optional<std::size_t> column, fraction;  ///< indices of the signals
@@ -28,5 +28,20 @@ TimeGuess recognize_time(const SignalTable& table);
 
 /// Stamps [ns] of the rows by that clock; empty without a rate, and where a row has no stamp.
 std::vector<std::int64_t> stamps_of(const SignalTable& table, const TimeGuess& time);
+
+struct ClockQuality {
+  double interval_s = 0;  ///< median
+  double rate_hz = 0;     ///< by the mean, without gaps
+  double scatter_s = 0;   ///< RMS about an even clock; 0 where there is none
+  double largest_gap_s = 0;
+  std::size_t gaps = 0, repeated = 0;  ///< stamps that follow after missing samples, or equal the one before
+  std::size_t backward = 0, first_backward = 0;
+};
+
+/// Judges the stamps of all rows.
+ClockQuality clock_quality(const std::vector<std::int64_t>& time_ns);
+
+/// The stamps, each at least a nanosecond after the one before.
+std::vector<std::int64_t> ascending(std::vector<std::int64_t> time_ns);
 
 }  // namespace imulab::inspection

@@ -5,9 +5,9 @@
 #include "imulab/inspection/names.hpp"
 #include "imulab/recording/agreement_at_rest.hpp"
 #include "imulab/recording/make_recording.hpp"
-#include "imulab/recording/rest_detection.hpp"
+#include "imulab/recording/resampling.hpp"
 #include "imulab/recording/rest_means.hpp"
-#include "imulab/recording/short_gaps.hpp"
+#include "imulab/recording/rests.hpp"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -74,7 +74,7 @@ std::optional<Vector3d> far_center(const std::vector<RestMeans>& rests) {
   return Vector3d(center + reach * bias);
 }
 
-/// Whether the accelerometers read the same in both halves of a rest: a log that never rests has quiet parts, too.
+/// True if the accelerometers read the same in both halves of a rest: a log that never rests has quiet parts, too.
 bool is_steady(const Recording& recording, const Range& rest) {
   const auto mean = [&](std::size_t begin, std::size_t end) {
     Vector3d sum = Vector3d::Zero();

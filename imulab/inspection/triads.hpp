@@ -20,7 +20,7 @@ using SignalTriad = std::array<std::size_t, 3>;
 /// Three columns that may belong together, by their names or their places.
 std::vector<SignalTriad> possible_triads(const SignalTable& table, const std::vector<std::size_t>& without);
 
-/// What the data say of two triads, if one is taken for the gyros and the other for the accelerometers.
+/// The evidence for two triads in the data, if one is taken for the gyros and the other for the accelerometers.
 struct TriadEvidence {
   SignalTriad gyro{}, accel{};
   std::vector<Range> rests;
@@ -33,7 +33,7 @@ struct TriadEvidence {
   std::optional<Matrix3d> gyro_matrix;             ///< readings -> rad/s in the accelerometers' axes, where the turns determine it
   std::size_t turning = 0;                         ///< quiet parts in which the unit turned steadily: no rests
 
-  /// Whether the gyros explain the turns: an error of a quarter is that of no triad, a true one leaves a few percent.
+  /// True if the gyros explain the turns: an error of a quarter is that of no triad, a true one leaves a few percent.
   bool explained() const { return turns >= 3 && gyro_matrix && error < 0.25 * turned; }
   /// The gyros' scale [rad/s per reading].
   double gyro_scale() const;

@@ -1,6 +1,6 @@
 #include "imulab/navigation/inertial_samples.hpp"
 
-#include "imulab/recording/stamps.hpp"
+#include "imulab/recording/clock.hpp"
 
 #include <algorithm>
 #include <cmath>

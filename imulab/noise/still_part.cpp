@@ -3,10 +3,9 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/stamp_text.hpp"
 #include "imulab/recording/clipping.hpp"
-#include "imulab/recording/even_stamps.hpp"
-#include "imulab/recording/pieces.hpp"
+#include "imulab/recording/recording_view.hpp"
+#include "imulab/recording/resampling.hpp"
 #include "imulab/recording/rests.hpp"
-#include "imulab/recording/short_gaps.hpp"
 #include "imulab/recording/slow_motion.hpp"
 #include "imulab/recording/validate.hpp"
 

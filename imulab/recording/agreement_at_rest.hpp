@@ -22,7 +22,7 @@ struct GravityAtRest {
   double before = 0, after = 0;   ///< size of the mean force [m/s^2]
 };
 
-/// Of every range that is not empty. Throws Error where a model needs a temperature that the recording lacks.
+/// Gives the agreement in every range that is not empty. Throws Error where a model needs a temperature that the recording lacks.
 std::vector<GravityAtRest> gravity_at_rests(const Recording& recording, const std::vector<Range>& rests, const SensorModel& before,
                                             const SensorModel& after);
 
@@ -33,8 +33,8 @@ struct TurnError {
   double before = 0, after = 0;  ///< rad
 };
 
-/// Of consecutive rests between which no time is missing and no reading is at a limit; turns below a degree are left out. The Earth's rate is taken
-/// from the rest before the turn where the gyros resolve it.
+/// Compares consecutive rests between which no time is missing and no reading is at a limit; turns below a degree are left out. The Earth's rate is
+/// taken from the rest before the turn where the gyros resolve it.
 std::vector<TurnError> turn_errors(const Recording& recording, const std::vector<GravityAtRest>& rests, const SensorModel& before,
                                    const SensorModel& after);
 

@@ -14,7 +14,7 @@ namespace imulab {
 /// often as each of the three steps next to it and stays three times longer than any other (ten times where nine of ten readings repeat the one
 /// before anyway: without noise, a table at rest repeats its readings too). (The tail of a normal distribution thins out toward its end.)
 std::vector<std::size_t> clipped_samples(const std::vector<double>& channel);
-/// The same of a range of a column: calls `each` with the samples, ascending.
+/// Finds the clipped samples in a range of a column: calls `each` with them, ascending.
 void for_each_clipped(const RecordingView& recording, std::size_t column, const Range& range, const std::function<void(std::size_t)>& each);
 
 }  // namespace imulab

@@ -1,6 +1,5 @@
-#include "imulab/recording/compensator.hpp"
-
 #include "imulab/core/random.hpp"
+#include "imulab/recording/compensate_recording.hpp"
 
 #include <gmock/gmock.h>
 

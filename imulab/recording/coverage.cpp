@@ -12,7 +12,7 @@ namespace {
 
 constexpr int parameters = 9;
 
-/// How |force| depends on offsets, scales and misalignments for a force along a unit vector.
+/// The derivative of |force| by offsets, scales and misalignments for a force along a unit vector.
 Eigen::Matrix<double, 1, parameters> dependence(const Vector3d& u) {
   Eigen::Matrix<double, 1, parameters> row;
   row << u.x(), u.y(), u.z(), u.x() * u.x(), u.y() * u.y(), u.z() * u.z(), u.x() * u.y(), u.x() * u.z(), u.y() * u.z();

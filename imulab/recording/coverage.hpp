@@ -7,9 +7,9 @@
 
 namespace imulab {
 
-/// Of each rest, how many of the nine accelerometer parameters in the accelerometers' frame (offsets, scales, misalignments) it determines, all rests
-/// being equally good: the leverages of |force| = g, between 0 and 1, with the sum 9. At 1 no other rest checks it. Where the directions do not
-/// determine a parameter, the sum is the number of those determined. Directions of any length above 0.
+/// Counts, for each rest, how many of the nine accelerometer parameters in the accelerometers' frame (offsets, scales, misalignments) it determines,
+/// all rests being equally good: the leverages of |force| = g, between 0 and 1, with the sum 9. At 1 no other rest checks it. Where the directions do
+/// not determine a parameter, the sum is the number of those determined. Directions of any length above 0.
 std::vector<double> leverages(const std::vector<Vector3d>& directions);
 
 /// A direction that is far from every rest's.

@@ -1,7 +1,6 @@
-#include "imulab/recording/even_stamps.hpp"
-
 #include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
+#include "imulab/recording/resampling.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/recording/clipping.hpp"
-#include "imulab/recording/stamps.hpp"
+#include "imulab/recording/clock.hpp"
 #include "imulab/recording/unit_names.hpp"
 #include "imulab/recording/validate.hpp"
 

@@ -12,7 +12,7 @@
 
 namespace imulab {
 
-/// How the readings of a triad are given.
+/// The form in which the readings of a triad are given.
 struct ReadingOptions {
   std::string unit{};          ///< "rad/s", "deg/s", "deg/h"; "m/s^2", "g"; of increments "rad", "deg"; "m/s"; or "count"; empty: SI
   double counts_per_unit = 1;  ///< number of counts in one `unit`
@@ -35,7 +35,7 @@ RecordingOptions recording_options(const RecordingSource& source);
 /// All columns have one length. Readings become SI (counts stay), increments means; gaps and saturated samples are found. Throws Error for what
 /// `validate` refuses, for an unknown unit, and where the interval of increments does not follow from uneven stamps.
 Recording make_recording(const std::vector<double>& t, Columns3 gyro, Columns3 accel, RecordingOptions options = {});
-/// The same with exact times [ns].
+/// Makes a recording with exact times [ns].
 Recording make_recording(std::vector<std::int64_t> time_ns, Columns3 gyro, Columns3 accel, RecordingOptions options = {});
 
 /// Stamps [s] as whole nanoseconds. Throws Error, naming the sample, for one that is no time.

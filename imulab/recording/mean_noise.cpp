@@ -73,7 +73,7 @@ double rounding_step(const std::vector<double>& column, const RestMeans& longest
   return step;
 }
 
-/// How often each level occurs in a rest, by its distance from the first, in steps.
+/// The number of times that each level occurs in a rest, by its distance from the first, in steps.
 std::map<std::int64_t, double> levels_of(const std::vector<double>& column, const RestMeans& rest, double step) {
   std::map<std::int64_t, double> counts;
   for (std::size_t i = rest.range.begin; i < rest.range.end; ++i) counts[std::llround((column[i] - column[rest.range.begin]) / step)] += 1;
@@ -91,7 +91,7 @@ double log_likelihood(const std::map<std::int64_t, double>& counts, double mean,
   return sum;
 }
 
-/// The same for the most likely mean.
+/// The log-likelihood of the most likely mean.
 double best_log_likelihood(const std::map<std::int64_t, double>& counts, double sigma) {
   constexpr int parts = 20, places = parts + 1;
   double mean = 0, samples = 0;

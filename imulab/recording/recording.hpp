@@ -32,20 +32,20 @@ struct Recording {
   std::vector<std::size_t> gaps;       ///< samples whose interval does not begin at the sample before: time is missing there, ascending
 
   std::size_t size() const { return time_ns.size(); }
-  /// Of memory that its columns take.
+  /// The memory that its columns take.
   std::size_t bytes() const;
   double time_s(std::size_t i) const { return 1e-9 * static_cast<double>(time_ns[i]); }
   /// The interval [s] sample i stands for: nominal for increments, at a gap and at the first sample; else the stamps' difference.
   double interval(std::size_t i, bool increment) const;
-  /// Whether time is missing before sample i.
+  /// True if time is missing before sample i.
   bool follows_gap(std::size_t i) const;
 
   /// The samples whose nominal interval (stamp - interval_s, stamp] lies inside [begin_s, end_s]; a hundredth of an interval outside still counts as
   /// inside, so that rounding and small jitter of the stamps move no boundary.
   Range samples_in(double begin_s, double end_s) const;
-  /// How many samples of a range have a reading at a limit.
+  /// The number of samples of a range with a reading at a limit.
   std::size_t saturated_in(const Range& range) const;
-  /// How many samples of a range follow a gap, its first one included.
+  /// The number of samples of a range that follow a gap, its first one included.
   std::size_t gaps_in(const Range& range) const;
 };
 

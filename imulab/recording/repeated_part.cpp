@@ -16,7 +16,7 @@ std::uint64_t mixed(std::uint64_t x) {
   return x ^ (x >> 29);
 }
 
-/// Of the six readings of a sample.
+/// A hash of the six readings of a sample.
 std::uint64_t hash_of(const Recording& r, std::size_t i) {
   std::uint64_t hash = 0;
   for (const Columns3* triad : {&r.gyro, &r.accel})

@@ -1,4 +1,4 @@
-#include "imulab/recording/resample.hpp"
+#include "imulab/recording/resampling.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

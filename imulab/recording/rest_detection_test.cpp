@@ -1,6 +1,5 @@
-#include "imulab/recording/rest_detection.hpp"
-
 #include "imulab/core/random.hpp"
+#include "imulab/recording/rests.hpp"
 
 #include <gtest/gtest.h>
 

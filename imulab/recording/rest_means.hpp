@@ -4,6 +4,7 @@
 #include "imulab/core/rotation.hpp"
 #include "imulab/recording/recording.hpp"
 
+#include <cstddef>
 #include <vector>
 
 namespace imulab {
@@ -37,5 +38,9 @@ struct SampleNoise {
 
 /// Pooled over the rests, about each rest's own mean.
 SampleNoise measure_noise(const Recording& recording, const std::vector<RestMeans>& rests);
+
+/// Standard deviation of one axis's samples in the median block of the rests, of `block` samples, so that disturbances of some do not count; infinite
+/// where no rest is that long.
+double quiet_noise(const std::vector<double>& readings, const std::vector<Range>& rests, std::size_t block);
 
 }  // namespace imulab

@@ -131,7 +131,7 @@ struct ThermalSource {
   std::optional<TimeSource> time{};
   std::vector<Column> columns;  ///< one or three
   std::string unit = "degC";
-  // Of a simulation: a reading is at_25_degC + per_K (T - 25 degC) and noise; three columns, three sensors.
+  // In a simulation a reading is at_25_degC + per_K (T - 25 degC) and noise; three columns, three sensors.
   double noise = 0;                         ///< one sigma of a reading, in its unit
   std::optional<double> at_25_degC, per_K;  ///< absent: the temperature itself
   bool operator==(const ThermalSource&) const = default;
@@ -219,5 +219,12 @@ struct Session {
 
   bool operator==(const Session&) const = default;
 };
+
+/// The noise of each triad as an IMU declares it: its own terms (`accel_noise`, `accel_noise_density`), else the grade's where `imu.noise` is
+/// NoiseTerms::full, else none (0).
+NoiseModels declared_terms(const ImuDeclaration& imu);
+
+/// As declared_terms, with the grade's white noise N where no density is declared. Throws Error where there is neither a density nor a grade.
+NoiseModels declared_noise(const ImuDeclaration& imu);
 
 }  // namespace imulab

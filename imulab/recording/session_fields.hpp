@@ -112,7 +112,7 @@ void transfer(Fields& f, Site& site) {
   f.number("gravity_sigma_mps2", site.given_gravity_sigma, not_negative());
 }
 
-/// Of a turntable, or of a hand.
+/// The fields of a turntable, or of a hand.
 template <class Fields>
 void transfer_axes(Fields& f, RigDeclaration& rig) {
   f.spread("angle_sigma_arcsec", rig.angle, unit::arcsec);
@@ -127,7 +127,7 @@ void transfer_axes(Fields& f, RigDeclaration& rig) {
   });
 }
 
-/// Of a rate table, centrifuge or chamber.
+/// The fields of a rate table, centrifuge or chamber.
 template <class Fields>
 void transfer_machine(Fields& f, RigDeclaration& rig) {
   f.spread("mount_sigma_arcsec", rig.mount, unit::arcsec);

@@ -1,7 +1,6 @@
 // Lost samples between kept ones: a smooth motion is restored, everything else stays as it is.
-#include "imulab/recording/short_gaps.hpp"
-
 #include "imulab/recording/make_recording.hpp"
+#include "imulab/recording/resampling.hpp"
 
 #include <gtest/gtest.h>
 

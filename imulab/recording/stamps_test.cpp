@@ -1,6 +1,5 @@
-#include "imulab/recording/stamps.hpp"
-
 #include "imulab/core/statistics.hpp"
+#include "imulab/recording/clock.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,17 +2,20 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/stamp_text.hpp"
-#include "imulab/recording/stamps.hpp"
+#include "imulab/recording/clock.hpp"
+#include "imulab/recording/session_fields.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string_view>
 #include <utility>
 
 namespace imulab {
+
 namespace {
 
 void check_length(const Recording& r, std::string_view name, const Columns3& columns) {
@@ -76,6 +79,126 @@ void validate(const Recording& r) {
   check_indices(r, "gaps", r.gaps, 1);
   check_indices(r, "saturated", r.saturated, 0);
   check_interval(r);
+}
+
+// A session that was made in memory is checked by the tables of a session file, each number by its range.
+
+namespace {
+
+using namespace session_fields;
+
+/// The counterpart of TomlFields for values that are there already: collects what is out of its range.
+class RangeCheck {
+ public:
+  RangeCheck(std::string place, std::vector<std::string>& problems) : place_(std::move(place)), problems_(problems) {}
+
+  void number(std::string_view key, double value, const Number& kind) {
+    const double in_unit = value / kind.factor, rounding = 1e-12 * std::abs(in_unit);  // of the conversion to SI and back
+    if (std::isfinite(value) && (in_range(in_unit, kind) || in_range(in_unit - rounding, kind) || in_range(in_unit + rounding, kind))) return;
+    std::string problem = std::isfinite(value) ? out_of_range(in_unit, kind) : fmt::format("{} is not finite; expected a finite number", value);
+    if (kind.factor != 1) problem += fmt::format(" (in memory it is in SI units and radians: {:g})", value);
+    add(key, problem);
+  }
+  void number(std::string_view key, const std::optional<double>& value, const Number& kind) {
+    if (value) number(key, *value, kind);
+  }
+  template <std::size_t N>
+  void numbers(std::string_view key, const std::array<double, N>& values, const Number& kind) {
+    for (const double value : values) number(key, value, kind);
+  }
+  void pair(std::string_view key, const std::optional<std::array<double, 2>>& values, const Number& kind) {
+    if (values) numbers(key, *values, kind);
+  }
+  void spread(std::string_view key, const Spread& value, double factor) {
+    number(key, value.value, value.fixed ? any_number(factor) : not_negative(factor));
+  }
+  template <class Body>
+  void table(std::string_view key, Presence, const Body& body) {
+    RangeCheck inner(place_of(key), problems_);
+    body(inner);
+  }
+  template <class T, class Body>
+  void table_of(std::string_view key, std::optional<T>& value, const Body& body) {
+    if (value) table(key, Presence::required, [&](RangeCheck& inner) { body(inner, *value); });
+  }
+  void check(bool good, std::string_view key, const std::string& message) {
+    if (!good) add(key, message);
+  }
+  // Texts, columns and axes have no range; of choices there are no others.
+  template <class Value>
+  void text(std::string_view, const Value&) {}
+  template <class Value>
+  void column(std::string_view, const Value&) {}
+  void columns(std::string_view, const std::vector<Column>&, const std::vector<std::size_t>&) {}
+  template <class Value>
+  void axes(std::string_view, const Value&) {}
+  template <class Enum>
+  void choice(std::string_view, Enum, const std::vector<Enum>&, Presence = Presence::required) {}
+  void choice(std::string_view, const std::string&, const std::vector<std::string_view>&, Presence) {}
+  void clock_zero(std::string_view, std::int64_t, int) {}
+
+ private:
+  std::string place_of(std::string_view key) const { return place_.empty() ? std::string(key) : fmt::format("{}.{}", place_, key); }
+  void add(std::string_view key, const std::string& problem) { problems_.push_back(fmt::format("{}: {}", place_of(key), problem)); }
+
+  std::string place_;
+  std::vector<std::string>& problems_;
+};
+
+template <class Table, class... Context>
+void check(std::string place, Table table, std::vector<std::string>& problems, Context... context) {
+  RangeCheck fields(std::move(place), problems);
+  transfer(fields, table, context...);
+}
+
+/// The fault of a step by itself; empty where it has none.
+std::string problem_of(const Step& step) {
+  const auto finite = [](double value) { return std::isfinite(value) && std::abs(value) <= clock_time().high; };
+  if (!finite(step.start) || !finite(step.end)) return "it begins or ends at no time that a clock can show; expected seconds";
+  if (step.end <= step.start) return fmt::format("it ends at {:g} s, not after its begin; expected later", step.end);
+  if (!std::all_of(step.angles.begin(), step.angles.end(), finite)) return "an angle is not finite; expected radians";
+  if (step.kind == StepKind::rotate && !(finite(step.angle) && step.angle != 0))
+    return fmt::format("its angle is {:g} rad; expected a turn", step.angle);
+  if (step.kind == StepKind::rotate && !(step.rate > 0 && finite(step.rate)))
+    return fmt::format("its rate is {:g} rad/s; expected more than 0", step.rate);
+  if (step.kind == StepKind::spin && !finite(step.rate)) return fmt::format("its rate is {:g} rad/s; expected a finite one", step.rate);
+  if (step.acceleration && !(*step.acceleration > 0))
+    return fmt::format("its acceleration is {:g} rad/s^2; expected more than 0", *step.acceleration);
+  for (const double radius : step.radius)
+    if (!(radius >= 0 && finite(radius))) return fmt::format("a radius is {:g} m; expected 0 or more", radius);
+  if (step.mount && step.mount->up.index == step.mount->outward.index) return "the mount's outward axis is parallel to up; expected one across";
+  if (step.temperature && !(*step.temperature >= -273.15 && *step.temperature <= 1000))
+    return fmt::format("its temperature is {:g} degC; expected -273.15 to 1000", *step.temperature);
+  return "";
+}
+
+void check_steps(const Session& session, std::vector<std::string>& problems) {
+  std::map<std::string_view, double> ends;  // of the last step, by recording
+  for (std::size_t k = 0; k < session.steps.size(); ++k) {
+    const Step& step = session.steps[k];
+    std::string problem = problem_of(step);
+    const auto [before, first] = ends.try_emplace(step.recording, step.end);
+    if (problem.empty() && !first && step.start < before->second)
+      problem = fmt::format("it begins before the end of the previous step; expected {:g} s or later", before->second);
+    before->second = step.end;
+    if (!problem.empty()) problems.push_back(step_name(step, k) + ": " + problem);
+  }
+}
+
+}  // namespace
+
+void validate(const Session& session) {
+  std::vector<std::string> problems;
+  check("imu", session.imu, problems);
+  check("site", session.site, problems);
+  for (const RigDeclaration& rig : session.rigs) check("rig", rig, problems, session.rigs.size() > 1);
+  for (const RecordingSource& recording : session.recordings) check("recording", recording, problems);
+  if (session.initial) check("initial", *session.initial, problems);
+  check_steps(session, problems);
+  if (problems.empty()) return;
+  std::string all = session.file.empty() ? "the session" : session.file;
+  for (const std::string& problem : problems) all += (problems.size() > 1 ? "\n  " : ": ") + problem;
+  throw Error(all);
 }
 
 }  // namespace imulab

@@ -2,7 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/recording/rest_detection.hpp"
+#include "imulab/recording/rests.hpp"
 
 #include <gmock/gmock.h>
 

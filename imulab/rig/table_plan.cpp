@@ -3,7 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/recording/pieces.hpp"
+#include "imulab/recording/recording_view.hpp"
 #include "imulab/recording/rest_means.hpp"
 #include "imulab/recording/turn.hpp"
 #include "imulab/rig/rig_errors.hpp"

@@ -7,7 +7,7 @@
 #include "imulab/model/compensate.hpp"
 #include "imulab/model/grade.hpp"
 #include "imulab/model/sensor_noise.hpp"
-#include "imulab/recording/declared_noise.hpp"
+#include "imulab/recording/session.hpp"
 #include "imulab/recording/validate.hpp"
 #include "imulab/rig/ideal_recording.hpp"
 #include "imulab/rig/machine.hpp"

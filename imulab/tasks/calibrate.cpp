@@ -2,7 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/formats/calibration/file.hpp"
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/report/calibration_page.hpp"

@@ -2,7 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/memory.hpp"
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/inspection/declared.hpp"
 #include "imulab/inspection/join.hpp"

@@ -5,8 +5,8 @@
 #include "imulab/core/units.hpp"
 #include "imulab/estimate/rests/rests.hpp"
 #include "imulab/model/compensate.hpp"
-#include "imulab/recording/rest_detection.hpp"
 #include "imulab/recording/rest_means.hpp"
+#include "imulab/recording/rests.hpp"
 
 #include <fmt/format.h>
 

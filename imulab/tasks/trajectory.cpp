@@ -1,7 +1,7 @@
 #include "imulab/tasks/trajectory.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/csv_writer.hpp"
 #include "imulab/formats/recording/solution.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"

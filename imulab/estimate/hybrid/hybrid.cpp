@@ -11,7 +11,7 @@
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/model/frame.hpp"
-#include "imulab/recording/quiet_noise.hpp"
+#include "imulab/recording/rest_means.hpp"
 
 #include <Eigen/LU>
 #include <fmt/core.h>

@@ -10,8 +10,8 @@
 #include "imulab/estimate/hybrid/quality.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/model/frame.hpp"
-#include "imulab/recording/declared_noise.hpp"
 #include "imulab/recording/rests.hpp"
+#include "imulab/recording/session.hpp"
 #include "imulab/recording/turn.hpp"
 #include "imulab/rig/ideal_recording.hpp"
 

@@ -2,7 +2,7 @@
 
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/recording/compensated_readings.hpp"
+#include "imulab/recording/compensate_recording.hpp"
 
 #include <fmt/core.h>
 

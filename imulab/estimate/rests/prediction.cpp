@@ -7,8 +7,8 @@
 #include "imulab/estimate/rests/handheld_problem.hpp"
 #include "imulab/estimate/rests/problem.hpp"
 #include "imulab/estimate/rests/rests.hpp"
-#include "imulab/recording/declared_noise.hpp"
 #include "imulab/recording/rests.hpp"
+#include "imulab/recording/session.hpp"
 #include "imulab/rig/ideal_recording.hpp"
 
 #include <fmt/core.h>

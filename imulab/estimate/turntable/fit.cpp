@@ -6,7 +6,7 @@
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/kernel/slow_noise.hpp"
-#include "imulab/recording/declared_noise.hpp"
+#include "imulab/recording/session.hpp"
 
 #include <Eigen/LU>
 #include <fmt/core.h>

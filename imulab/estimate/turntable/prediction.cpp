@@ -4,7 +4,7 @@
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/turntable/fit.hpp"
 #include "imulab/model/forward_model.hpp"
-#include "imulab/recording/declared_noise.hpp"
+#include "imulab/recording/session.hpp"
 #include "imulab/rig/table_readings.hpp"
 
 #include <fmt/core.h>

@@ -6,7 +6,7 @@
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/kernel/slow_noise.hpp"
 #include "imulab/model/compensate.hpp"
-#include "imulab/recording/declared_noise.hpp"
+#include "imulab/recording/session.hpp"
 
 #include <Eigen/Cholesky>
 #include <fmt/core.h>

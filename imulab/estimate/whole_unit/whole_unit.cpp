@@ -9,7 +9,7 @@
 #include "imulab/estimate/whole_unit/quality.hpp"
 #include "imulab/estimate/whole_unit/stepwise.hpp"
 #include "imulab/model/gauge.hpp"
-#include "imulab/recording/declared_noise.hpp"
+#include "imulab/recording/session.hpp"
 #include "imulab/recording/validate.hpp"
 #include "imulab/rig/ideal_recording.hpp"
 

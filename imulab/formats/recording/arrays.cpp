@@ -31,6 +31,7 @@ std::vector<ArrayTable> tables_of(const std::vector<NumberArray>& arrays) {
       table->description.name = array.name;
       table->description.rows = array.rows;
     }
+    if (!array.name.empty()) table->description.other_names.push_back(array.name);
     for (std::size_t c = 0; c < array.columns.size(); ++c) {
       table->description.columns.push_back(array.columns[c]);
       table->places.push_back({a, c});
@@ -49,17 +50,10 @@ std::vector<TableDescription> descriptions_of(const std::vector<NumberArray>& ar
 std::vector<ArrayColumn> find_array_columns(const std::vector<NumberArray>& arrays, const std::string& topic, const std::vector<Column>& columns,
                                             const std::string& file) {
   const std::vector<ArrayTable> tables = tables_of(arrays);
-  const auto has_topic = [&](const ArrayTable& table) {
-    return !topic.empty() &&
-           std::any_of(table.places.begin(), table.places.end(), [&](const ArrayColumn& p) { return arrays[p.array].name == topic; });
-  };
-  auto table = std::find_if(tables.begin(), tables.end(), has_topic);
-  if (table == tables.end()) {
-    const std::vector<TableDescription> descriptions = descriptions_of(arrays);
-    table = tables.begin() + (&find_table(descriptions, topic, file) - descriptions.data());
-  }
+  const std::vector<TableDescription> descriptions = descriptions_of(arrays);
+  const ArrayTable& table = tables[static_cast<std::size_t>(&find_table(descriptions, topic, file) - descriptions.data())];
   std::vector<ArrayColumn> places;
-  for (const Column& column : columns) places.push_back(table->places[find_column(table->description, column, file)]);
+  for (const Column& column : columns) places.push_back(table.places[find_column(table.description, column, file)]);
   return places;
 }
 

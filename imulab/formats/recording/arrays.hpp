@@ -1,7 +1,7 @@
 // Files that hold arrays by name (NumPy, MATLAB, HDF5): which of them are a table.
 #pragma once
 
-#include "imulab/formats/recording/raw_table.hpp"
+#include "imulab/formats/recording/table.hpp"
 
 #include <cstddef>
 #include <string>
@@ -33,7 +33,8 @@ struct ArrayColumn {
 };
 
 struct ArrayTable {
-  TableDescription description;     ///< with the name of its first array; without a name where the file has but one table
+  TableDescription
+      description;  ///< with the name of its first array; without one where it is the only table; all arrays' names are other names of it
   std::vector<ArrayColumn> places;  ///< of the columns
 };
 
@@ -55,18 +56,6 @@ void for_each_array(const std::vector<ArrayColumn>& places, std::size_t arrays, 
       if (places[i].array == a) wanted.push_back(places[i].column), to.push_back(i);
     if (!wanted.empty()) read(a, wanted, to);
   }
-}
-
-/// The columns at `places`, read array by array: `read(array, columns)`.
-template <class Read>
-RawTable gather_columns(const std::vector<ArrayColumn>& places, std::size_t arrays, const Read& read) {
-  RawTable raw;
-  raw.columns.resize(places.size());
-  for_each_array(places, arrays, [&](std::size_t a, const std::vector<std::size_t>& wanted, const std::vector<std::size_t>& to) {
-    std::vector<RawColumn> columns = read(a, wanted);
-    for (std::size_t k = 0; k < to.size(); ++k) raw.columns[to[k]] = std::move(columns[k]);
-  });
-  return raw;
 }
 
 }  // namespace imulab::recording_io

@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <libdeflate.h>
 #include <limits>
 #include <utility>
 
 namespace imulab::recording_io {
+
+std::uint32_t crc32(std::string_view bytes, std::uint32_t before) { return libdeflate_crc32(before, bytes.data(), bytes.size()); }
+
 namespace {
 
 /// IEEE 754 binary16.

@@ -1,20 +1,50 @@
-// Binary numbers -> columns, for all formats that store rows of them.
+// Binary numbers as they stand in files, and columns of them, for all formats that store rows of numbers.
 #pragma once
 
-#include "imulab/formats/recording/number_bytes.hpp"
-#include "imulab/formats/recording/raw_table.hpp"
+#include "imulab/formats/recording/table.hpp"
 #include "imulab/formats/text/reading_meter.hpp"
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 namespace imulab::recording_io {
 
-/// How a number is stored.
+/// The number at `p`: least significant byte first, or last where `big_endian`.
+template <class T>
+T load(const char* p, bool big_endian = false) {
+  std::array<char, sizeof(T)> bytes;
+  std::memcpy(bytes.data(), p, sizeof(T));
+  if (big_endian != (std::endian::native == std::endian::big)) std::reverse(bytes.begin(), bytes.end());
+  return std::bit_cast<T>(bytes);
+}
+
+template <class T>
+void store(char* p, std::type_identity_t<T> value, bool big_endian = false) {
+  const T stored = load<T>(reinterpret_cast<const char*>(&value), big_endian);
+  std::memcpy(p, &stored, sizeof stored);
+}
+
+/// At the end of a text, least significant byte first.
+template <class T>
+void append(std::string& out, std::type_identity_t<T> value) {
+  char bytes[sizeof(T)];
+  store<T>(bytes, value);
+  out.append(bytes, sizeof bytes);
+}
+
+/// CRC-32 (ISO-HDLC): of more bytes after those of `before`.
+std::uint32_t crc32(std::string_view bytes, std::uint32_t before = 0);
+
+/// The stored form of a number.
 struct NumberType {
   char kind = 'f';        ///< 'i', 'u' or 'f', as NumPy names them
   std::size_t bytes = 8;  ///< 1, 2, 4 or 8; 'f' from 2

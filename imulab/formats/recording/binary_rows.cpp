@@ -1,7 +1,7 @@
 // Rows of binary numbers whose layout the session declares: "f8x7", ">i2x6 u4 +64".
 #include "imulab/core/error.hpp"
 #include "imulab/formats/recording/binary.hpp"
-#include "imulab/formats/recording/formats.hpp"
+#include "imulab/formats/recording/format.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/reading_meter.hpp"
 
@@ -77,7 +77,7 @@ std::vector<TableDescription> describe_rows(const TableRequest& request) {
   return {row_table(row_layout(request), file.text(), request.file.string())};
 }
 
-RawTable columns_of_rows(const TableRequest& request, const std::vector<Column>& columns) {
+void read_binary_rows(const TableRequest& request, const Wanted& wanted, const PieceSink& sink) {
   const RowLayout layout = row_layout(request);
   const MappedFile mapped(request.file);
   const std::string file = request.file.string();
@@ -85,15 +85,15 @@ RawTable columns_of_rows(const TableRequest& request, const std::vector<Column>&
   if (!request.topic.empty())
     throw Error(fmt::format("{}: topic {} is not there; expected none, since rows of binary numbers are one table", file, request.topic));
   std::vector<NumberField> fields;
-  for (const Column& column : columns) fields.push_back(layout.fields[find_column(table, column, file)]);
+  for (const Column& column : wanted.columns) fields.push_back(layout.fields[find_column(table, column, file)]);
   ColumnBuilder builder(std::move(fields), table.rows);
   add_counted(builder, mapped.text().data() + layout.head, layout.row, table.rows, ReadingMeter(table.rows));
-  RawTable raw;
-  raw.columns = builder.take();
+  TableRows rows;
+  rows.columns = builder.take();
   if (const std::size_t left = (mapped.text().size() - layout.head) % layout.row; left != 0)
-    raw.warnings.push_back(fmt::format("{}: {} bytes are left after {} rows of {} bytes: the file ends inside a row, or the layout is not \"{}\"",
-                                       file, left, table.rows, layout.row, request.layout));
-  return raw;
+    rows.warnings.push_back(fmt::format("{}: {} bytes are left after {} rows of {} bytes: the file ends inside a row, or the layout is not \"{}\"",
+                                        file, left, table.rows, layout.row, request.layout));
+  sink(std::move(rows));
 }
 
 }  // namespace
@@ -102,7 +102,7 @@ RecordingFormat binary_rows_format() {
   return {.name = "rows of binary numbers (layout)",
           .recognizes = [](std::string_view) { return false; },
           .describe = describe_rows,
-          .columns = columns_of_rows,
+          .read = read_binary_rows,
           .of_layout = true};
 }
 

@@ -46,7 +46,7 @@ void limit(int resource, rlim_t most) {
   ::setrlimit(static_cast<__rlimit_resource>(resource), &now);
 }
 
-/// What the program has of addresses now.
+/// The address space that the program takes now.
 [[maybe_unused]] std::uint64_t addresses_bytes() {
   std::uint64_t pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
@@ -110,7 +110,7 @@ class Child {
   Child& operator=(const Child&) = delete;
   int descriptor() const { return descriptor_; }
 
-  /// How it ended after a wrong answer; 0 in a program that ignores its children and is not told.
+  /// The child's exit status after a wrong answer; 0 in a program that ignores its children and is not told.
   int end() {
     close_pipe();        // so that it does not wait for a reader,
     slots_.add_empty();  // nor for a slot

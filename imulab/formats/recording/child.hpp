@@ -12,7 +12,7 @@
 
 namespace imulab::recording_io {
 
-/// What a child may use. The memory comes on top of what the program has when the child starts; it is not limited under the address sanitizer.
+/// The limits of a child. The memory comes on top of what the program has when the child starts; it is not limited under the address sanitizer.
 struct ChildLimits {
   std::uint64_t memory_bytes = 0;
   unsigned computing_s = 0, wall_s = 0;
@@ -40,7 +40,7 @@ class SharedSlots {
   SharedSlots(const SharedSlots&) = delete;
   SharedSlots& operator=(const SharedSlots&) = delete;
 
-  /// What a child does to its memory is not done to another's.
+  /// A child cannot change another's memory.
   void keep_from_children(bool keep);
   char* next();
   void wait_for_empty();
@@ -81,10 +81,10 @@ class FromChild {
  public:
   FromChild(int descriptor, SharedSlots& slots, std::uint64_t most_bytes) : descriptor_(descriptor), slots_(slots), most_bytes_(most_bytes) {}
   void bytes(void* data, std::size_t size) const;
-  /// The same, without memory that is there already: `each` gets part after part, aligned for any number.
+  /// Reads bytes without memory that is there already: `each` gets part after part, aligned for any number.
   void parts(std::size_t size, const std::function<void(const char* part, std::size_t bytes)>& each) const;
   std::uint64_t number() const;
-  /// How many elements of `size` bytes follow: no more in all than the child's memory can hold.
+  /// The number of elements of `size` bytes that follow: no more in all than the child's memory can hold.
   std::size_t count(std::size_t size);
   /// A number of elements of `size` bytes that will follow at most.
   std::size_t most(std::size_t size) const;

@@ -17,6 +17,8 @@ void send_tables(ToParent& to, const std::vector<TableDescription>& tables) {
     to.number(table.rows);
     to.number(table.columns.size());
     for (const ColumnDescription& column : table.columns) to.text(column.name), to.text(column.unit);
+    to.number(table.other_names.size());
+    for (const std::string& name : table.other_names) to.text(name);
   }
 }
 
@@ -28,6 +30,8 @@ void receive_tables(FromChild& from, std::vector<TableDescription>& tables) {
     table.rows = static_cast<std::size_t>(from.number());
     table.columns.resize(from.count(sizeof(ColumnDescription)));
     for (ColumnDescription& column : table.columns) column.name = from.text(), column.unit = from.text();
+    table.other_names.resize(from.count(sizeof(std::string)));
+    for (std::string& name : table.other_names) name = from.text();
   }
 }
 
@@ -79,8 +83,8 @@ std::vector<TableDescription> describe_in_child(const ChildTask& task, const std
   return tables;
 }
 
-RawTable columns_in_child(const ChildTask& task, std::size_t columns, const std::function<void(const SendColumn&)>& work) {
-  RawTable table;
+TableRows columns_in_child(const ChildTask& task, std::size_t columns, const std::function<void(const SendColumn&)>& work) {
+  TableRows table;
   table.columns.resize(columns);
   std::optional<ReadingMeter> meter;
   run_in_child(

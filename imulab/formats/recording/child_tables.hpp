@@ -3,7 +3,7 @@
 
 #include "imulab/formats/recording/binary.hpp"
 #include "imulab/formats/recording/child.hpp"
-#include "imulab/formats/recording/raw_table.hpp"
+#include "imulab/formats/recording/table.hpp"
 
 #include <cstddef>
 #include <functional>
@@ -11,13 +11,13 @@
 
 namespace imulab::recording_io {
 
-/// What `work` returns, run in a child process. Throws Error as run_in_child does.
+/// Gives the result of `work`, run in a child process. Throws Error as run_in_child does.
 std::vector<TableDescription> describe_in_child(const ChildTask& task, const std::function<std::vector<TableDescription>()>& work);
 
 /// Sends some more rows of a column: its index, the numbers, and how many rows there are in all.
 using SendColumn = std::function<void(std::size_t, const RawColumn&, std::size_t)>;
 /// The columns that `work` sends from a child process, all at last of one length. Throws Error as run_in_child does.
-RawTable columns_in_child(const ChildTask& task, std::size_t columns, const std::function<void(const SendColumn&)>& work);
+TableRows columns_in_child(const ChildTask& task, std::size_t columns, const std::function<void(const SendColumn&)>& work);
 
 /// Which columns the fields of an array are.
 struct SendRows {

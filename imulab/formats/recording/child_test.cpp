@@ -87,7 +87,7 @@ TEST(Child, AnySizeComesAsItWasSent) {
   for (const std::size_t count : {0, 1, 511, 512, 513, 16383, 16384, 16385, 8 * 16384, 200'001}) {
     std::vector<double> numbers(count);
     for (std::size_t i = 0; i < count; ++i) numbers[i] = static_cast<double>(i) / 3;
-    const RawTable table = columns_in_child(task, 1, [&](const SendColumn& send) {
+    const TableRows table = columns_in_child(task, 1, [&](const SendColumn& send) {
       send(0, {.numbers = numbers, .integers = {}}, count), send(0, {{1}, {}}, count);
     });
     numbers.push_back(1);

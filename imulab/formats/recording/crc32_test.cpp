@@ -1,4 +1,4 @@
-#include "imulab/formats/recording/crc32.hpp"
+#include "imulab/formats/recording/binary.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // CSV and plain columns of numbers, as docs/formats.md says: the text format of recordings, solutions and heights.
 #pragma once
 
-#include "imulab/formats/recording/timed_table.hpp"
+#include "imulab/formats/recording/table.hpp"
 #include "imulab/recording/session.hpp"
 
 #include <filesystem>
@@ -14,13 +14,12 @@ namespace imulab::recording_io {
 /// Reads the time column and `columns`, each a header name or a 1-based number. The delimiter (comma, semicolon, tab, blanks) and the header
 /// are found in the file; lines that begin with # are comments. Throws Error with file, line and column for a ragged row, a field that is not a
 /// finite number, time that runs backwards or does not advance between different rows, a missing column, and a file without rows.
-/// `rate_hz`: of rows without stamps in seconds.
-TimedTable read_csv(const std::filesystem::path& path, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns);
+/// `rate_hz` is used for rows without stamps in seconds.
+TableRows read_csv(const std::filesystem::path& path, const TimeSource& time, std::optional<double> rate_hz, const std::vector<Column>& columns);
 
-/// Whether the first bytes of a file can be text.
-bool is_text(std::string_view head);
-
-/// For how many rows a table reserves memory before it reads a text: by its first lines, and some more.
+/// The approximate number of rows of a text, by the length of its first lines.
+std::size_t approximate_rows(std::string_view rows);
+/// The number of rows for which a table reserves memory before it reads a text: some more.
 std::size_t rows_to_reserve(std::string_view rows);
 
 }  // namespace imulab::recording_io

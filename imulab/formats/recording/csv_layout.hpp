@@ -1,4 +1,4 @@
-// How a text table is laid out: its delimiter, its header, where its rows begin.
+// The layout of a text table: its delimiter, its header, where its rows begin.
 #pragma once
 
 #include "imulab/recording/session.hpp"
@@ -30,9 +30,9 @@ struct TableLayout {
 
 /// Finds the layout in the text. `named`: columns are asked by name, so that a header is needed.
 TableLayout table_layout(const std::string& file, std::string_view text, bool named);
-/// The same of the beginning of a text, or of a complete one: nothing where it ends before the first row.
+/// Finds the layout in the beginning of a text, or in a complete one; nothing where it ends before the first row.
 std::optional<TableLayout> find_layout(const std::string& file, std::string_view text, bool named, bool complete);
-/// Whether any of the columns is asked for by its name.
+/// True if any of the columns is requested by name.
 bool names_a_column(const TimeSource& time, const std::vector<Column>& columns);
 
 /// The fields of one line, without the blanks around them.

@@ -19,7 +19,7 @@ struct Row {
   std::vector<double> values;
 };
 
-/// What the fields of a row are for.
+/// The use of each field of a row.
 struct RowPlan {
   TableLayout layout;
   std::vector<int> fields;
@@ -41,7 +41,7 @@ class RowReader {
   const Row& row() const { return row_; }
   /// As if `lines` more lines had been read, the last row of which is that of another reader; where a row is independent.
   void continue_after(const Row& last, std::size_t lines);
-  /// Whether a row means the same whatever rows stand before it: its time is in it.
+  /// True if a row means the same whatever rows stand before it: its time is in it.
   bool is_independent() const { return stamped_ && clock_.is_independent(); }
   std::size_t lines_read() const { return next_line_ - plan_.layout.line; }
   std::size_t line() const { return line_; }          ///< of row()

@@ -1,4 +1,5 @@
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/csv_writer.hpp"
+
 #include "imulab/recording/compensate_recording.hpp"
 
 #include <gmock/gmock.h>

@@ -3,7 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/formats/recording/binary.hpp"
 #include "imulab/formats/recording/dataflash_definitions.hpp"
-#include "imulab/formats/recording/formats.hpp"
+#include "imulab/formats/recording/format.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/reading_meter.hpp"
 
@@ -60,7 +60,7 @@ struct DataflashContents {
   std::vector<DataflashTable> tables;  // those with rows
   DataflashLosses losses;
 
-  /// Of a message; 0 where it has none.
+  /// The instance of a message; 0 where it has none.
   std::size_t instance(unsigned char id, std::string_view bytes) const {
     const std::size_t offset = definitions.instance_offset(id);
     return offset < bytes.size() ? static_cast<unsigned char>(bytes[offset]) : 0;
@@ -115,7 +115,7 @@ void divide(RawColumn& column, double divisor) {
   for (double& number : column.numbers) number /= divisor;
 }
 
-RawTable dataflash_columns(const TableRequest& request, const std::vector<Column>& columns) {
+void read_dataflash(const TableRequest& request, const Wanted& wanted, const PieceSink& sink) {
   const MappedFile mapped(request.file);
   const std::string file = request.file.string();
   const DataflashContents contents = dataflash_contents(mapped.text());
@@ -125,7 +125,7 @@ RawTable dataflash_columns(const TableRequest& request, const std::vector<Column
   const std::vector<DataflashColumn> all = contents.definitions.columns(table.id);
   std::vector<NumberField> fields;
   std::vector<double> divisors;
-  for (const Column& column : columns) {
+  for (const Column& column : wanted.columns) {
     const DataflashColumn& found = all[find_column(description, column, file)];
     fields.push_back(found.field);
     divisors.push_back(found.divisor);
@@ -136,19 +136,19 @@ RawTable dataflash_columns(const TableRequest& request, const std::vector<Column
       [&](unsigned char id, std::string_view bytes) {
         if (id == table.id && contents.instance(id, bytes) == table.instance) builder.add(bytes.data());
       });
-  RawTable raw{builder.take(), "message", {}};
-  for (std::size_t c = 0; c < raw.columns.size(); ++c) divide(raw.columns[c], divisors[c]);
+  TableRows rows{builder.take(), "message", {}};
+  for (std::size_t c = 0; c < rows.columns.size(); ++c) divide(rows.columns[c], divisors[c]);
   if (contents.losses.skipped > 0)
-    raw.warnings.push_back(fmt::format("{}: {} bytes are no messages and were passed over: samples may be missing", file, contents.losses.skipped));
+    rows.warnings.push_back(fmt::format("{}: {} bytes are no messages and were passed over: samples may be missing", file, contents.losses.skipped));
   if (contents.losses.unfinished > 0)
-    raw.warnings.push_back(fmt::format("{}: {} bytes at the end are an unfinished message, which is not read", file, contents.losses.unfinished));
-  return raw;
+    rows.warnings.push_back(fmt::format("{}: {} bytes at the end are an unfinished message, which is not read", file, contents.losses.unfinished));
+  sink(std::move(rows));
 }
 
 }  // namespace
 
 RecordingFormat dataflash_format() {
-  return {.name = "ArduPilot DataFlash", .recognizes = is_dataflash, .describe = describe_dataflash, .columns = dataflash_columns};
+  return {.name = "ArduPilot DataFlash", .recognizes = is_dataflash, .describe = describe_dataflash, .read = read_dataflash};
 }
 
 }  // namespace imulab::recording_io

@@ -1,8 +1,8 @@
-// How the messages of an ArduPilot DataFlash log are laid out.
+// The layout of the messages of an ArduPilot DataFlash log.
 #pragma once
 
 #include "imulab/formats/recording/binary.hpp"
-#include "imulab/formats/recording/raw_table.hpp"
+#include "imulab/formats/recording/table.hpp"
 
 #include <array>
 #include <cstdint>
@@ -48,7 +48,7 @@ class DataflashDefinitions {
   /// defines, where it does.
   std::optional<unsigned char> add(std::string_view message);
   const DataflashMessage& operator[](unsigned char id) const { return messages_[id]; }
-  // What is asked of every message of a log.
+  // The properties that are needed of every message of a log.
   std::size_t length(unsigned char id) const { return brief_[id].length; }
   std::size_t instance_offset(unsigned char id) const { return brief_[id].instance; }
   bool defines_others(unsigned char id) const { return brief_[id].defines_others; }

@@ -1,5 +1,5 @@
 // The sessions of docs/formats.md, "Recordings", read the files of tests/recordings/.
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/session/file.hpp"
 
 #include <gmock/gmock.h>

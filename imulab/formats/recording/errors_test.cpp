@@ -1,6 +1,6 @@
 // What a wrong recording is told.
 #include "imulab/core/error.hpp"
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/reader.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

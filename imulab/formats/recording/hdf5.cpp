@@ -4,7 +4,7 @@
 #include "imulab/formats/recording/arrays.hpp"
 #include "imulab/formats/recording/binary.hpp"
 #include "imulab/formats/recording/child_tables.hpp"
-#include "imulab/formats/recording/formats.hpp"
+#include "imulab/formats/recording/format.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/recording/unit_names.hpp"
 
@@ -151,7 +151,7 @@ std::string matlab_name(const std::string& path) {
   return name;
 }
 
-/// Whether MATLAB stored numbers; texts, cells and objects look alike.
+/// True if MATLAB stored numbers; texts, cells and objects look alike.
 bool is_matlab_matrix(hid_t dataset, const std::string& path) {
   const std::string kind = text_attribute(dataset, "MATLAB_class");
   return !path.starts_with("/#") && H5Aexists(dataset, "MATLAB_empty") <= 0 &&
@@ -254,15 +254,15 @@ std::vector<TableDescription> describe_hdf5(const TableRequest& request) {
   return describe_in_child(hdf5_task(request), [&] { return descriptions_of(arrays_of(datasets_of(open_hdf5(request.file)))); });
 }
 
-RawTable hdf5_columns(const TableRequest& request, const std::vector<Column>& columns) {
-  return columns_in_child(hdf5_task(request), columns.size(), [&](const SendColumn& send) {
+void read_hdf5(const TableRequest& request, const Wanted& wanted, const PieceSink& sink) {
+  sink(columns_in_child(hdf5_task(request), wanted.columns.size(), [&](const SendColumn& send) {
     const OpenedFile file = open_hdf5(request.file);
     const std::vector<Dataset> datasets = datasets_of(file);
-    const std::vector<ArrayColumn> places = find_array_columns(arrays_of(datasets), request.topic, columns, file.name);
-    for_each_array(places, datasets.size(), [&](std::size_t a, const std::vector<std::size_t>& wanted, const std::vector<std::size_t>& to) {
-      send_dataset(file, datasets[a], wanted, {send, to, datasets[a].array.rows});
+    const std::vector<ArrayColumn> places = find_array_columns(arrays_of(datasets), request.topic, wanted.columns, file.name);
+    for_each_array(places, datasets.size(), [&](std::size_t a, const std::vector<std::size_t>& chosen, const std::vector<std::size_t>& to) {
+      send_dataset(file, datasets[a], chosen, {send, to, datasets[a].array.rows});
     });
-  });
+  }));
 }
 
 #else
@@ -272,12 +272,12 @@ RawTable hdf5_columns(const TableRequest& request, const std::vector<Column>& co
               ": is HDF5, and this imulab was built without it; expected another format, or a build with libhdf5-dev installed");
 }
 std::vector<TableDescription> describe_hdf5(const TableRequest& request) { fail_without_hdf5(request); }
-RawTable hdf5_columns(const TableRequest& request, const std::vector<Column>&) { fail_without_hdf5(request); }
+void read_hdf5(const TableRequest& request, const Wanted&, const PieceSink&) { fail_without_hdf5(request); }
 
 #endif
 
 }  // namespace
 
-RecordingFormat hdf5_format() { return {.name = "HDF5 or MATLAB 7.3", .recognizes = is_hdf5, .describe = describe_hdf5, .columns = hdf5_columns}; }
+RecordingFormat hdf5_format() { return {.name = "HDF5 or MATLAB 7.3", .recognizes = is_hdf5, .describe = describe_hdf5, .read = read_hdf5}; }
 
 }  // namespace imulab::recording_io

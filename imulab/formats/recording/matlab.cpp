@@ -4,7 +4,7 @@
 #include "imulab/formats/recording/arrays.hpp"
 #include "imulab/formats/recording/binary.hpp"
 #include "imulab/formats/recording/child_tables.hpp"
-#include "imulab/formats/recording/formats.hpp"
+#include "imulab/formats/recording/format.hpp"
 #include "imulab/formats/text/file.hpp"
 
 #include <fmt/core.h>
@@ -78,7 +78,7 @@ std::uint64_t end_of_variable(std::string_view text, std::uint64_t offset, bool 
   return offset + head + number(4) + number(1) * number(2) * bytes[precision] * (number(3) == 1 ? 2 : 1);
 }
 
-/// What the head of a compressed variable says that it is long when unpacked; nothing where that is no variable.
+/// The unpacked size of a compressed variable by its head; nothing where that is no variable.
 std::optional<std::uint64_t> unpacked_size(std::string_view packed, bool big_endian) {
   std::array<char, 8> head{};
   z_stream stream{};
@@ -269,14 +269,14 @@ std::vector<TableDescription> describe_matlab(const TableRequest& request) {
   return describe_in_child(matlab_task(request), [&] { return descriptions_of(open_mat(request.file).numbers()); });
 }
 
-RawTable matlab_columns(const TableRequest& request, const std::vector<Column>& columns) {
-  return columns_in_child(matlab_task(request), columns.size(), [&](const SendColumn& send) {
+void read_matlab(const TableRequest& request, const Wanted& wanted, const PieceSink& sink) {
+  sink(columns_in_child(matlab_task(request), wanted.columns.size(), [&](const SendColumn& send) {
     const MatFile file = open_mat(request.file);
-    const std::vector<ArrayColumn> places = find_array_columns(file.numbers(), request.topic, columns, file.name);
-    for_each_array(places, file.arrays.size(), [&](std::size_t a, const std::vector<std::size_t>& wanted, const std::vector<std::size_t>& to) {
-      send_variable(file, file.arrays[a], wanted, {send, to, file.arrays[a].array.rows});
+    const std::vector<ArrayColumn> places = find_array_columns(file.numbers(), request.topic, wanted.columns, file.name);
+    for_each_array(places, file.arrays.size(), [&](std::size_t a, const std::vector<std::size_t>& chosen, const std::vector<std::size_t>& to) {
+      send_variable(file, file.arrays[a], chosen, {send, to, file.arrays[a].array.rows});
     });
-  });
+  }));
 }
 
 #else
@@ -286,12 +286,12 @@ RawTable matlab_columns(const TableRequest& request, const std::vector<Column>& 
               ": is a MATLAB file, and this imulab was built without them; expected another format, or a build with libmatio-dev installed");
 }
 std::vector<TableDescription> describe_matlab(const TableRequest& request) { fail_without_matio(request); }
-RawTable matlab_columns(const TableRequest& request, const std::vector<Column>&) { fail_without_matio(request); }
+void read_matlab(const TableRequest& request, const Wanted&, const PieceSink&) { fail_without_matio(request); }
 
 #endif
 
 }  // namespace
 
-RecordingFormat matlab_format() { return {.name = "MATLAB .mat", .recognizes = is_matlab, .describe = describe_matlab, .columns = matlab_columns}; }
+RecordingFormat matlab_format() { return {.name = "MATLAB .mat", .recognizes = is_matlab, .describe = describe_matlab, .read = read_matlab}; }
 
 }  // namespace imulab::recording_io

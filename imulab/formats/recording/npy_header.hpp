@@ -24,7 +24,7 @@ struct NpyArray {
 /// The longest head that is read.
 inline constexpr std::size_t npy_longest_head = 1 << 20;
 
-/// How many bytes the head has; 0 where `head`, its first 12 bytes at least, is none.
+/// The number of bytes of the head; 0 where `head`, its first 12 bytes at least, is none.
 std::size_t npy_head_size(std::string_view head);
 /// `head`: all of it. `available`: how many bytes of numbers there are, one row at least; `name`: of the array; `place`: for messages. Throws Error
 /// where it is damaged.

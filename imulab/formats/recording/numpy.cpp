@@ -2,7 +2,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/formats/recording/arrays.hpp"
 #include "imulab/formats/recording/binary.hpp"
-#include "imulab/formats/recording/formats.hpp"
+#include "imulab/formats/recording/format.hpp"
 #include "imulab/formats/recording/npy_header.hpp"
 #include "imulab/formats/recording/zip.hpp"
 #include "imulab/formats/text/file.hpp"
@@ -27,9 +27,14 @@ struct NumpyFile {
   std::vector<ZipMember> members;  // of the arrays; empty for .npy
   std::vector<std::string> warnings;
 
+  bool is_deflated(std::size_t index) const { return !members.empty() && members[index].deflated; }
   std::vector<NumberArray> numbers() const {
     std::vector<NumberArray> result;
-    for (const NpyArray& a : arrays) result.push_back(a.array);
+    for (std::size_t i = 0; i < arrays.size(); ++i) {
+      NumberArray& array = result.emplace_back(arrays[i].array);
+      if (arrays[i].by_column && is_deflated(i))  // all are in memory, or read once for each piece
+        for (ColumnDescription& column : array.columns) column.only_whole = true;
+    }
     return result;
   }
 };
@@ -78,176 +83,118 @@ NumpyFile read_npz_heads(std::string_view text, const std::string& file) {
 
 NumpyFile read_heads(std::string_view text, const std::string& file) { return is_npz(text) ? read_npz_heads(text, file) : read_npy_head(text, file); }
 
-/// Deflated rows: only some of them are in memory at once.
-std::vector<RawColumn> inflate_rows(ZipReader& reader, const NpyArray& array, std::vector<NumberField> fields) {
-  ColumnBuilder builder(std::move(fields));
-  const std::size_t at_once = std::max<std::size_t>(1, 65536 / array.stride);
-  std::string buffer(at_once * array.stride, '\0');
-  const ReadingMeter meter(array.array.rows);
-  for (std::size_t row = 0; row < array.array.rows;) {
-    const std::size_t rows = std::min(at_once, array.array.rows - row);
-    reader.read(buffer.data(), rows * array.stride);
-    builder.add(buffer.data(), array.stride, rows);
-    builder.flush();
-    meter.add(rows);
-    row += rows;
-  }
-  reader.expect_intact();
-  return builder.take();
-}
-
-/// The same where column stands after column.
-std::vector<RawColumn> inflate_columns(ZipReader& reader, const NpyArray& array, const std::vector<std::size_t>& wanted) {
-  std::vector<RawColumn> columns(wanted.size());
-  const ReadingMeter meter(array.fields.size() * array.array.rows);
-  for (std::size_t c = 0; c < array.fields.size(); ++c) {
-    NpyArray one = array;
-    one.fields = {{array.fields[c].type, 0}};
-    const std::size_t at_once = 65536 / array.stride;
-    std::string buffer(at_once * array.stride, '\0');
-    ColumnBuilder builder(one.fields);
-    const bool is_wanted = std::find(wanted.begin(), wanted.end(), c) != wanted.end();
-    for (std::size_t row = 0; row < array.array.rows;) {
-      const std::size_t rows = std::min(at_once, array.array.rows - row);
-      reader.read(buffer.data(), rows * array.stride);
-      if (is_wanted) builder.add(buffer.data(), array.stride, rows);
-      builder.flush();
-      meter.add(rows);
-      row += rows;
+/// Some columns of one array, some rows after the other.
+class ArrayReader {
+ public:
+  ArrayReader(std::string_view text, const NumpyFile& file, std::size_t index, std::vector<std::size_t> wanted, const std::string& place)
+      : array_(file.arrays[index]), wanted_(std::move(wanted)) {
+    for (const std::size_t c : wanted_) fields_.push_back(array_.fields[c]);
+    if (!file.is_deflated(index)) {
+      next_ = (file.members.empty() ? text : file.members[index].stored).data() + array_.offset;
+      return;
     }
-    RawColumn column = std::move(builder.take().front());
-    for (std::size_t k = 0; k < wanted.size(); ++k)
-      if (wanted[k] == c) columns[k] = column;
+    inflater_ = std::make_unique<ZipReader>(file.members[index], place + ": " + array_.array.name);
+    std::string head(array_.offset, '\0');
+    inflater_->read(head.data(), head.size());
   }
-  reader.expect_intact();
-  return columns;
-}
+  /// Column stands after column in deflated bytes.
+  bool only_whole() const { return inflater_ != nullptr && array_.by_column; }
+  /// The number of rows, or numbers, that a meter counts.
+  std::size_t steps() const { return array_.array.rows * (only_whole() ? array_.fields.size() : 1); }
 
-/// Some columns of one array.
-std::vector<RawColumn> array_columns(std::string_view text, const NumpyFile& file, std::size_t index, const std::vector<std::size_t>& wanted,
-                                     const std::string& place) {
-  const NpyArray& array = file.arrays[index];
-  std::vector<NumberField> fields;
-  for (const std::size_t c : wanted) fields.push_back(array.fields[c]);
-  if (!file.members.empty() && file.members[index].deflated) {
-    ZipReader reader(file.members[index], place + ": " + array.array.name);
-    std::string head(array.offset, '\0');
-    reader.read(head.data(), head.size());
-    return array.by_column ? inflate_columns(reader, array, wanted) : inflate_rows(reader, array, std::move(fields));
+  std::vector<RawColumn> next(std::size_t rows, const ReadingMeter& meter) {
+    if (only_whole()) return inflate_columns(rows, meter);
+    ColumnBuilder builder(fields_, rows);
+    if (inflater_ != nullptr) {
+      inflate(rows, &builder, meter);
+    } else {
+      add_counted(builder, next_, array_.stride, rows, meter);
+      next_ += rows * array_.stride;
+    }
+    return builder.take();
   }
-  const std::string_view whole = file.members.empty() ? text : file.members[index].stored;
-  ColumnBuilder builder(std::move(fields), array.array.rows);
-  add_counted(builder, whole.data() + array.offset, array.stride, array.array.rows, ReadingMeter(array.array.rows));
-  return builder.take();
-}
+  void expect_intact() const {
+    if (inflater_ != nullptr) inflater_->expect_intact();
+  }
+
+ private:
+  /// Adds rows to a builder, or passes over them; only some of their bytes are in memory at once.
+  void inflate(std::size_t rows, ColumnBuilder* builder, const ReadingMeter& meter) {
+    const std::size_t at_once = std::max<std::size_t>(1, 65536 / array_.stride);
+    buffer_.resize(at_once * array_.stride);
+    for (std::size_t row = 0; row < rows; row += at_once) {
+      const std::size_t count = std::min(at_once, rows - row);
+      inflater_->read(buffer_.data(), count * array_.stride);
+      if (builder != nullptr) {
+        builder->add(buffer_.data(), array_.stride, count);
+        builder->flush();
+      }
+      meter.add(count);
+    }
+  }
+  std::vector<RawColumn> inflate_columns(std::size_t rows, const ReadingMeter& meter) {
+    std::vector<RawColumn> columns(wanted_.size());
+    for (std::size_t c = 0; c < array_.fields.size(); ++c) {
+      const bool is_wanted = std::find(wanted_.begin(), wanted_.end(), c) != wanted_.end();
+      ColumnBuilder builder({{array_.fields[c].type, 0}}, is_wanted ? rows : 0);
+      inflate(rows, is_wanted ? &builder : nullptr, meter);
+      const RawColumn column = std::move(builder.take().front());
+      for (std::size_t k = 0; k < wanted_.size(); ++k)
+        if (wanted_[k] == c) columns[k] = column;
+    }
+    return columns;
+  }
+
+  const NpyArray& array_;
+  std::vector<std::size_t> wanted_;
+  std::vector<NumberField> fields_;
+  const char* next_ = nullptr;           // of an array that is not deflated
+  std::unique_ptr<ZipReader> inflater_;  // of one that is
+  std::string buffer_;
+};
 
 std::vector<TableDescription> describe_numpy(const TableRequest& request) {
   const MappedFile mapped(request.file);
   return descriptions_of(read_heads(mapped.text(), request.file.string()).numbers());
 }
 
-RawTable numpy_columns(const TableRequest& request, const std::vector<Column>& columns) {
-  const MappedFile mapped(request.file);
-  const std::string file = request.file.string();
-  NumpyFile heads = read_heads(mapped.text(), file);
-  const std::vector<ArrayColumn> places = find_array_columns(heads.numbers(), request.topic, columns, file);
-  RawTable raw = gather_columns(places, heads.arrays.size(), [&](std::size_t a, const std::vector<std::size_t>& wanted) {
-    return array_columns(mapped.text(), heads, a, wanted, file);
-  });
-  raw.warnings = std::move(heads.warnings);
-  return raw;
-}
-
-/// Some columns of one array, some rows after the other.
-class NextRows {
- public:
-  NextRows(std::string_view text, const NumpyFile& file, std::size_t index, const std::vector<std::size_t>& wanted, const std::string& place)
-      : array_(file.arrays[index]) {
-    for (const std::size_t c : wanted) fields_.push_back(array_.fields[c]);
-    if (file.members.empty() || !file.members[index].deflated) {
-      next_ = (file.members.empty() ? text : file.members[index].stored).data() + array_.offset;
-      return;
-    }
-    reader_ = std::make_unique<ZipReader>(file.members[index], place + ": " + array_.array.name);
-    std::string head(array_.offset, '\0');
-    reader_->read(head.data(), head.size());
-  }
-  std::vector<RawColumn> next(std::size_t rows) {
-    ColumnBuilder builder(fields_, rows);
-    if (reader_ != nullptr) {
-      inflated_.resize(rows * array_.stride);
-      reader_->read(inflated_.data(), inflated_.size());
-      builder.add(inflated_.data(), array_.stride, rows);
-      return builder.take();
-    }
-    builder.add(next_, array_.stride, rows);
-    next_ += rows * array_.stride;
-    return builder.take();
-  }
-  void expect_intact() const {
-    if (reader_ != nullptr) reader_->expect_intact();
-  }
-
- private:
-  const NpyArray& array_;
-  std::vector<NumberField> fields_;
-  const char* next_ = nullptr;
-  std::unique_ptr<ZipReader> reader_;  // where it is deflated
-  std::string inflated_;
-};
-
-/// Deflated columns that stand one after the other are all in memory, or read once for each piece.
-std::size_t numpy_rows(const TableRequest& request, const std::vector<Column>& columns) {
-  const MappedFile mapped(request.file);
-  const NumpyFile heads = read_heads(mapped.text(), request.file.string());
-  std::size_t rows = 0;
-  for (const ArrayColumn& place : find_array_columns(heads.numbers(), request.topic, columns, request.file.string())) {
-    const NpyArray& array = heads.arrays[place.array];
-    if (array.by_column && !heads.members.empty() && heads.members[place.array].deflated) return 0;
-    rows = array.array.rows;
-  }
-  return rows;
-}
-
-void numpy_pieces(const TableRequest& request, const std::vector<Column>& columns, const std::function<bool(RawTable&&)>& each) {
-  constexpr std::size_t at_once = std::size_t{1} << 17;
+void read_numpy(const TableRequest& request, const Wanted& wanted, const PieceSink& sink) {
+  constexpr std::size_t rows_of_piece = std::size_t{1} << 17;
   const MappedFile mapped(request.file);
   const std::string file = request.file.string();
   const NumpyFile heads = read_heads(mapped.text(), file);
-  const std::vector<ArrayColumn> places = find_array_columns(heads.numbers(), request.topic, columns, file);
+  const std::vector<ArrayColumn> places = find_array_columns(heads.numbers(), request.topic, wanted.columns, file);
   if (places.empty()) return;
-  std::vector<NextRows> arrays;
+  std::vector<ArrayReader> arrays;
   std::vector<std::vector<std::size_t>> to_columns;
-  for_each_array(places, heads.arrays.size(), [&](std::size_t a, const std::vector<std::size_t>& wanted, const std::vector<std::size_t>& to) {
-    arrays.emplace_back(mapped.text(), heads, a, wanted, file);
+  std::size_t steps = 0;
+  bool whole = !wanted.in_pieces;
+  for_each_array(places, heads.arrays.size(), [&](std::size_t a, const std::vector<std::size_t>& own, const std::vector<std::size_t>& to) {
+    arrays.emplace_back(mapped.text(), heads, a, own, file);
     to_columns.push_back(to);
+    steps += arrays.back().steps();
+    whole = whole || arrays.back().only_whole();
   });
-  const std::size_t rows = heads.arrays[places.front().array].array.rows;
-  const ReadingMeter meter(rows);
+  const std::size_t rows = heads.arrays[places.front().array].array.rows, at_once = whole ? rows : rows_of_piece;
+  const ReadingMeter meter(steps);
   for (std::size_t row = 0; row < rows; row += at_once) {
-    RawTable piece;
+    TableRows piece;
     piece.columns.resize(places.size());
     if (row == 0) piece.warnings = heads.warnings;
     for (std::size_t a = 0; a < arrays.size(); ++a) {
-      std::vector<RawColumn> read = arrays[a].next(std::min(at_once, rows - row));
+      std::vector<RawColumn> read = arrays[a].next(std::min(at_once, rows - row), meter);
+      if (rows - row <= at_once) arrays[a].expect_intact();
       for (std::size_t k = 0; k < read.size(); ++k) piece.columns[to_columns[a][k]] = std::move(read[k]);
     }
     mapped.release(mapped.text().size());
-    meter.add(std::min(at_once, rows - row));
-    if (!each(std::move(piece))) return;
+    if (!sink(std::move(piece))) return;
   }
-  for (const NextRows& array : arrays) array.expect_intact();
 }
 
 }  // namespace
 
 RecordingFormat numpy_format() {
-  return {.name = "NumPy .npy or .npz",
-          .recognizes = is_numpy,
-          .describe = describe_numpy,
-          .columns = numpy_columns,
-          .rows = numpy_rows,
-          .pieces = numpy_pieces};
+  return {.name = "NumPy .npy or .npz", .recognizes = is_numpy, .describe = describe_numpy, .read = read_numpy, .in_pieces = true};
 }
 
 }  // namespace imulab::recording_io

@@ -73,9 +73,9 @@ TEST(NumPy, AnyArrayNamesItsTable) {
 
 TEST(NumPy, ReadsAsARecording) {
   const auto table = recording_io::read_table({.file = recording_file("arrays_deflated.npz")},
-                                              {.column = "stamp", .unit = "ns", .zero = fixture_ns(0)}, std::nullopt, {"gyro.1"});
+                                              {.columns = {"gyro.1"}, .time = {.column = "stamp", .unit = "ns", .zero = fixture_ns(0)}});
   EXPECT_EQ(table.time_ns[1], 8'000'000);
-  EXPECT_EQ(table.values[0][1], fixture_gyro(1, 0));
+  EXPECT_EQ(table.columns[0].numbers[1], fixture_gyro(1, 0));
 }
 
 TEST(NumPy, ACutFileIsReadWithAWarning) {
@@ -118,11 +118,13 @@ TEST(NumPy, RowsAreCheckedAsThoseOfText) {
   const auto read = [&](const std::vector<Row>& rows) {
     const std::string head = "{'descr': '<f8', 'fortran_order': False, 'shape': (" + std::to_string(rows.size()) + ", 2), }";
     const std::string data(reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(Row));
-    return recording_io::read_table({.file = folder.write("rows.npy", npy_file(head, data))}, {.column = 1}, std::nullopt, {2});
+    return recording_io::read_table({.file = folder.write("rows.npy", npy_file(head, data))},
+                                    {.columns = {2}, .time = {.column = 1}, .rate_hz = std::nullopt});
   };
-  const recording_io::TimedTable table = read({{0.01, 1}, {0.02, 2}, {0.02, 2}, {0.03, 3}});
+  const recording_io::TableRows table = read({{0.01, 1}, {0.02, 2}, {0.02, 2}, {0.03, 3}});
   EXPECT_THAT(table.time_ns, ElementsAre(10'000'000, 20'000'000, 30'000'000));
-  EXPECT_THAT(table.values, ElementsAre(ElementsAre(1, 2, 3)));
+  ASSERT_EQ(table.columns.size(), 1u);
+  EXPECT_THAT(table.columns[0].numbers, ElementsAre(1, 2, 3));
   EXPECT_EQ(table.repeated, 1u);
   const auto expect_error = [&](const std::vector<Row>& rows, const char* message) {
     EXPECT_THAT([&] { read(rows); }, ThrowsMessage<Error>(HasSubstr(message)));

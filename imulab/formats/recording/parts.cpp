@@ -2,12 +2,11 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/printable.hpp"
-#include "imulab/recording/resample.hpp"
-#include "imulab/recording/stamps.hpp"
+#include "imulab/recording/clock.hpp"
+#include "imulab/recording/resampling.hpp"
 
 #include <fmt/core.h>
 
@@ -54,40 +53,31 @@ void gather(std::vector<T>& column, const std::vector<std::size_t>& rows) {  // 
   column.resize(rows.size());
 }
 
-void keep_rows(TimedTable& table, const std::vector<std::size_t>& rows) {
+void keep_rows(TableRows& table, const std::vector<std::size_t>& rows) {
   if (rows.size() == table.time_ns.size()) return;
   LineNumbers lines;
   for (std::size_t k = 0; k < rows.size(); ++k) lines.add(k, table.lines[rows[k]]);
   table.lines = std::move(lines);
   gather(table.time_ns, rows);
-  for (auto& column : table.values) gather(column, rows);
+  for (RawColumn& column : table.columns) gather(column.numbers, rows);
 }
 
 }  // namespace
 
-PartRequests part_requests(const RecordingSource& source) {
-  PartRequests parts;
-  parts.gyro = request(parts.tables, source, source.gyro);
-  parts.accel = request(parts.tables, source, source.accel);
-  if (source.gyro_temperature) parts.gyro_temperature = request(parts.tables, source, *source.gyro_temperature);
-  if (source.accel_temperature) parts.accel_temperature = request(parts.tables, source, *source.accel_temperature);
-  return parts;
-}
-
-RecordingParts read_parts(const Session& session, const RecordingSource& source, const std::vector<RecordingFormat>& formats) {
-  const PartRequests requests = part_requests(source);
-  RecordingParts parts{{}, requests.gyro, requests.accel, requests.gyro_temperature, requests.accel_temperature};
-  for (const PartRequest& part : requests.tables)
-    parts.tables.push_back(
-        read_table({session_path(session, part.file), part.topic, source.layout}, part.time, source.rate_hz, part.columns, formats));
+RecordingParts requested_parts(const RecordingSource& source) {
+  RecordingParts parts;
+  parts.gyro = request(parts.requests, source, source.gyro);
+  parts.accel = request(parts.requests, source, source.accel);
+  if (source.gyro_temperature) parts.gyro_temperature = request(parts.requests, source, *source.gyro_temperature);
+  if (source.accel_temperature) parts.accel_temperature = request(parts.requests, source, *source.accel_temperature);
   return parts;
 }
 
 namespace {
 
-/// Whether most rows of two tables of one rate are stamped together: a tenth of an interval is as a computer stamps what it reads one after the
+/// True if most rows of two tables of one rate are stamped together: a tenth of an interval is as a computer stamps what it reads one after the
 /// other.
-bool stamped_together(const TimedTable& a, const TimedTable& b, double interval_s) {
+bool stamped_together(const TableRows& a, const TableRows& b, double interval_s) {
   std::vector<double> apart;
   const std::vector<std::size_t> partner = partners(a.time_ns, b.time_ns, static_cast<std::int64_t>(0.5e9 * interval_s));
   for (std::size_t i = 0; i < partner.size(); ++i)
@@ -96,17 +86,18 @@ bool stamped_together(const TimedTable& a, const TimedTable& b, double interval_
 }
 
 /// A table at the stamps of another one; rows that it does not cover are left out.
-void bring_to(TimedTable& table, const TimedTable& reference, const std::vector<std::size_t>& sensor_columns, bool increment, double own_interval_s,
+void bring_to(TableRows& table, const TableRows& reference, const std::vector<std::size_t>& sensor_columns, bool increment, double own_interval_s,
               double interval_s) {
   std::vector<std::vector<double>> sensor, slow;
-  std::vector<char> is_sensor(table.values.size(), 0);
+  std::vector<char> is_sensor(table.columns.size(), 0);
   for (const std::size_t c : sensor_columns) is_sensor[c] = 1;
-  for (std::size_t c = 0; c < table.values.size(); ++c) (is_sensor[c] ? sensor : slow).push_back(std::move(table.values[c]));
+  for (std::size_t c = 0; c < table.columns.size(); ++c) (is_sensor[c] ? sensor : slow).push_back(std::move(table.columns[c].numbers));
   Resampled means;
   means.covered.assign(reference.time_ns.size(), 1);
   if (!sensor.empty()) means = resample_means(table.time_ns, own_interval_s, sensor, increment, reference.time_ns, interval_s);
   slow = interpolate(table.time_ns, slow, reference.time_ns);
-  for (std::size_t c = 0, s = 0, l = 0; c < table.values.size(); ++c) table.values[c] = std::move(is_sensor[c] ? means.columns[s++] : slow[l++]);
+  for (std::size_t c = 0, s = 0, l = 0; c < table.columns.size(); ++c)
+    table.columns[c].numbers = std::move(is_sensor[c] ? means.columns[s++] : slow[l++]);
   table.time_ns = reference.time_ns;
   table.lines = reference.lines;
   std::vector<std::size_t> covered;
@@ -118,9 +109,9 @@ void bring_to(TimedTable& table, const TimedTable& reference, const std::vector<
 }  // namespace
 
 void join_by_time(RecordingParts& parts, double interval_s, bool accel_increment, std::vector<std::string>& warnings) {
-  const TimedTable& reference = parts.tables[parts.gyro.table];
+  const TableRows& reference = parts.tables[parts.gyro.table];
   for (std::size_t t = 0; t < parts.tables.size(); ++t) {
-    TimedTable& table = parts.tables[t];
+    TableRows& table = parts.tables[t];
     if (t == parts.gyro.table || table.time_ns == reference.time_ns) continue;
     const bool has_accel = t == parts.accel.table;
     const double own = table.time_ns.size() < 2 ? interval_s : stamp_intervals(table.time_ns).median;
@@ -139,7 +130,7 @@ void join_by_time(RecordingParts& parts, double interval_s, bool accel_increment
 }
 
 void match_rows(RecordingParts& parts, double interval_s, std::vector<std::string>& warnings) {
-  TimedTable& reference = parts.tables[parts.gyro.table];
+  TableRows& reference = parts.tables[parts.gyro.table];
   const std::size_t rows = reference.time_ns.size();
   if (parts.tables.size() == 1) return;
   std::vector<std::vector<std::size_t>> partner(parts.tables.size());
@@ -153,7 +144,7 @@ void match_rows(RecordingParts& parts, double interval_s, std::vector<std::strin
     if (matched(i)) kept.push_back(i);
 
   for (std::size_t t = 0; t < parts.tables.size(); ++t) {
-    TimedTable& table = parts.tables[t];
+    TableRows& table = parts.tables[t];
     if (kept.empty() && t != parts.gyro.table)
       throw Error(fmt::format("{}: no row within half an interval of a row of {}; expected the same clock ({} to {} s here, {} to {} s there)",
                               table.file, reference.file, text::seconds_text(table.time_ns.front()), text::seconds_text(table.time_ns.back()),
@@ -172,10 +163,16 @@ void match_rows(RecordingParts& parts, double interval_s, std::vector<std::strin
   keep_rows(reference, kept);
 }
 
-std::vector<std::vector<double>> take_columns(RecordingParts& parts, const PartColumns& which) {
-  std::vector<std::vector<double>> columns;
-  for (const std::size_t c : which.columns) columns.push_back(std::move(parts.tables[which.table].values[c]));
-  return columns;
+Readings take_readings(RecordingParts& parts, const RecordingSource& source) {
+  const auto taken = [&](const PartColumns& which) {
+    std::vector<std::vector<double>> columns;
+    for (const std::size_t c : which.columns) columns.push_back(std::move(parts.tables[which.table].columns[c].numbers));
+    return columns;
+  };
+  Readings readings{three_columns(taken(parts.gyro)), three_columns(taken(parts.accel)), recording_options(source)};
+  readings.options.gyro.temperature = taken(parts.gyro_temperature);
+  readings.options.accel.temperature = taken(parts.accel_temperature);
+  return readings;
 }
 
 }  // namespace imulab::recording_io

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "imulab/formats/recording/format.hpp"
+#include "imulab/recording/make_recording.hpp"
 #include "imulab/recording/session.hpp"
 
 #include <cstddef>
@@ -16,26 +17,23 @@ struct PartColumns {
   std::vector<std::size_t> columns;
 };
 
-struct RecordingParts {
-  std::vector<TimedTable> tables;  ///< one a file
-  PartColumns gyro, accel, gyro_temperature, accel_temperature;
-};
-
-/// What is read of one table.
+/// The columns that are read of one table.
 struct PartRequest {
   std::string file, topic;
   TimeSource time;
   std::vector<Column> columns;
 };
 
-/// The tables of a recording, not yet read.
-struct PartRequests {
-  std::vector<PartRequest> tables;
+struct RecordingParts {
+  std::vector<PartRequest> requests;  ///< one a table
+  std::vector<TableRows> tables;      ///< as they were read, or a piece of the only one
   PartColumns gyro, accel, gyro_temperature, accel_temperature;
-};
-PartRequests part_requests(const RecordingSource& source);
 
-RecordingParts read_parts(const Session& session, const RecordingSource& source, const std::vector<RecordingFormat>& formats);
+  TableRows& reference() { return tables[gyro.table]; }
+};
+
+/// The tables of a recording, not yet read.
+RecordingParts requested_parts(const RecordingSource& source);
 
 /// Brings tables of another rate, or stamped at other instants, to the gyro's stamps: accelerometers as means over the gyro's intervals (said in a
 /// warning), temperatures on straight lines. Throws Error where a table has no time in common with the gyro's.
@@ -45,7 +43,11 @@ void join_by_time(RecordingParts& parts, double interval_s, bool accel_increment
 /// dropped with a warning. Throws Error where nothing matches.
 void match_rows(RecordingParts& parts, double interval_s, std::vector<std::string>& warnings);
 
-/// Moves columns out of their table.
-std::vector<std::vector<double>> take_columns(RecordingParts& parts, const PartColumns& which);
+/// The readings as they are in the tables, which lose them, and how they are declared.
+struct Readings {
+  Columns3 gyro, accel;
+  RecordingOptions options;  ///< with the temperatures
+};
+Readings take_readings(RecordingParts& parts, const RecordingSource& source);
 
 }  // namespace imulab::recording_io

@@ -4,6 +4,7 @@
 #include "imulab/formats/recording/csv.hpp"
 #include "imulab/formats/recording/csv_layout.hpp"
 #include "imulab/formats/recording/csv_rows.hpp"
+#include "imulab/formats/recording/table_reader.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/printable.hpp"
@@ -45,7 +46,7 @@ std::string delimiter_name(char delimiter) {
   }
 }
 
-/// Whether three columns are named like a sensor's; `axes`: like the three axes of one.
+/// True if three columns are named like a sensor's; with `axes`, like the three axes of one.
 bool has_triad(const TableDescription& table, inspection::Role role, bool axes) {
   std::map<std::string, std::array<bool, 3>> found;  // by sensor
   std::ptrdiff_t columns = 0;
@@ -128,20 +129,21 @@ void append(RawColumn& to, RawColumn&& from) {
 }
 
 /// All rows, or the first ones.
-RawTable columns_of_head(const RecordingFormat& format, const TableRequest& request, const std::vector<Column>& columns, std::size_t rows,
-                         std::size_t most_rows) {
-  if (rows <= most_rows || format.pieces == nullptr || format.rows(request, columns) == 0) {
+TableRows columns_of_head(const RecordingFormat& format, const TableRequest& request, const std::vector<TableDescription>& tables,
+                          const std::vector<Column>& columns, std::size_t most_numbers) {
+  const std::size_t rows = rows_of(tables, request.topic), most_rows = most_numbers / std::max<std::size_t>(1, columns.size());
+  if (rows <= most_rows || !in_pieces(format, request, tables, columns)) {
     expect_memory_for(request.file.string(), rows, columns.size(), with_inspection);
-    return format.columns(request, columns);
+    return read_columns(request, columns, format);
   }
-  RawTable head;
+  TableRows head;
   head.columns.resize(columns.size());
-  format.pieces(request, columns, [&](RawTable&& piece) {
+  format.read(request, {.columns = columns, .in_pieces = true}, [&](TableRows&& piece) {
     head.warnings.insert(head.warnings.end(), piece.warnings.begin(), piece.warnings.end());
     for (std::size_t c = 0; c < columns.size(); ++c) append(head.columns[c], std::move(piece.columns[c]));
-    return head.columns.front().size() < most_rows / part_of_long;
+    return head.size() < most_rows / part_of_long;
   });
-  head.warnings.push_back(head_note(head.columns.front().size()));
+  head.warnings.push_back(head_note(head.size()));
   return head;
 }
 
@@ -161,7 +163,7 @@ SignalTable signals_of(const RecordingFormat& format, const TableRequest& reques
   }
   TableRequest own = request;
   own.topic = table.name;
-  RawTable raw = columns_of_head(format, own, columns, table.rows, most_numbers / std::max<std::size_t>(1, columns.size()));
+  TableRows raw = columns_of_head(format, own, tables, columns, most_numbers);
   result.notes = raw.warnings;
   if (!others.empty())
     result.notes.push_back(fmt::format("{} has most rows of the tables with gyros and accelerometers and was taken; --topic takes another: {}",
@@ -284,11 +286,11 @@ SignalTable read_signals(const std::filesystem::path& file, const std::string& t
   if (is_stream(file)) return signals_of_stream(file, longest_s);
   const TableRequest request{file, topic, ""};
   const RecordingFormat& format = format_of(request, formats);
-  if (format.recognizes != is_text) return signals_of(format, request, most_numbers);
+  if (!format.is_text) return signals_of(format, request, most_numbers);
   const MappedFile mapped(file);
   const std::string_view head = first_lines(input_name(file), mapped.text(), most_numbers);
   if (head.size() == mapped.text().size())
-    expect_memory_for(input_name(file), format.rows(request, {}), table_layout(input_name(file), head, false).columns, with_inspection);
+    expect_memory_for(input_name(file), format.describe(request).front().rows, table_layout(input_name(file), head, false).columns, with_inspection);
   SignalTable table = signals_of_text(input_name(file), head, [&] { mapped.release(mapped.text().size()); });
   if (head.size() < mapped.text().size() && !table.signals.empty()) table.notes.push_back(head_note(table.signals.front().values.size()));
   return table;

@@ -26,8 +26,8 @@ SignalTable read_signals(const std::filesystem::path& file, const std::string& t
                          const std::vector<RecordingFormat>& formats = recording_formats(), double longest_s = stream_s,
                          std::size_t most_numbers = all_numbers);
 
-/// The same of text, whose lines need not all be rows of numbers: those that are not are counted in a note. `name` stands for the file. `passed` is
-/// called from time to time: text that was read so far may leave memory.
+/// Reads the columns of a text, whose lines need not all be rows of numbers: those that are not are counted in a note. `name` stands for the file.
+/// `passed` is called from time to time: text that was read so far may leave memory.
 SignalTable signals_of_text(
     const std::string& name, std::string_view text, const std::function<void()>& passed = [] {});
 

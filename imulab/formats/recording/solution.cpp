@@ -26,18 +26,18 @@ constexpr std::size_t numbers_at_once = 10'000 * of_state;
 }  // namespace
 
 Solution read_solution(const std::filesystem::path& path) {
-  const recording_io::TimedTable table = recording_io::read_csv(path, {.column = "t"}, std::nullopt, state_columns);
-  const auto& v = table.values;
+  const recording_io::TableRows table = recording_io::read_csv(path, {.column = "t"}, std::nullopt, state_columns);
+  const auto v = [&](std::size_t column, std::size_t row) { return table.columns[column].numbers[row]; };
   Solution out;
   for (std::size_t i = 0; i < table.time_ns.size(); ++i) {
-    if (std::abs(v[0][i]) > 90)
-      throw Error(fmt::format("{}:{}: latitude_deg: {} is out of range; expected -90 to 90", table.file, table.lines[i], v[0][i]));
+    if (std::abs(v(0, i)) > 90)
+      throw Error(fmt::format("{}:{}: latitude_deg: {} is out of range; expected -90 to 90", table.file, table.lines[i], v(0, i)));
     NavigationState s;
-    s.latitude = v[0][i] * unit::deg;
-    s.longitude = v[1][i] * unit::deg;
-    s.height = v[2][i];
-    s.velocity = {v[3][i], v[4][i], v[5][i]};
-    s.q_nb = Eigen::Quaterniond(attitude_matrix({v[6][i] * unit::deg, v[7][i] * unit::deg, v[8][i] * unit::deg}));
+    s.latitude = v(0, i) * unit::deg;
+    s.longitude = v(1, i) * unit::deg;
+    s.height = v(2, i);
+    s.velocity = {v(3, i), v(4, i), v(5, i)};
+    s.q_nb = Eigen::Quaterniond(attitude_matrix({v(6, i) * unit::deg, v(7, i) * unit::deg, v(8, i) * unit::deg}));
     out.time.push_back(1e-9 * static_cast<double>(table.time_ns[i]));
     out.states.push_back(s);
   }
@@ -45,10 +45,10 @@ Solution read_solution(const std::filesystem::path& path) {
 }
 
 HeightRecord read_heights(const std::filesystem::path& path) {
-  recording_io::TimedTable table = recording_io::read_csv(path, {.column = "t"}, std::nullopt, {Column("height_m")});
+  recording_io::TableRows table = recording_io::read_csv(path, {.column = "t"}, std::nullopt, {Column("height_m")});
   HeightRecord out;
   for (const std::int64_t ns : table.time_ns) out.time.push_back(1e-9 * static_cast<double>(ns));
-  out.height = std::move(table.values[0]);
+  out.height = std::move(table.columns[0].numbers);
   return out;
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "imulab/formats/recording/column_file.hpp"
-#include "imulab/formats/recording/format.hpp"
 #include "imulab/recording/make_recording.hpp"
 #include "imulab/recording/recording_view.hpp"
 #include "imulab/recording/session.hpp"
@@ -10,7 +9,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -51,16 +49,5 @@ class StoredRecording : public ColumnSource {
   double interval_s_ = 0;
   std::vector<std::size_t> saturated_, gaps_;
 };
-
-struct StoredReading {
-  StoredRecording recording;
-  std::vector<std::string> warnings;  ///< as of read_recording
-};
-
-/// Reads a recording whose columns would take more than `most_bytes` in memory. Nothing where they take less, or where it cannot be read in pieces,
-/// which `why` then says: another format than text, .npy and .npz, triads in several tables, increments without a declared rate. Throws Error as
-/// read_recording does, and where the folder for temporary files has no room.
-std::optional<StoredReading> read_stored(const Session& session, const RecordingSource& source, std::uint64_t most_bytes, std::string& why,
-                                         const std::vector<RecordingFormat>& formats = recording_formats());
 
 }  // namespace imulab

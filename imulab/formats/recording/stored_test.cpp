@@ -2,9 +2,9 @@
 #include "imulab/formats/recording/stored.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/session/file.hpp"
-#include "imulab/recording/short_gaps.hpp"
+#include "imulab/recording/resampling.hpp"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

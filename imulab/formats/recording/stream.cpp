@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -19,28 +20,28 @@ namespace {
 
 constexpr std::size_t block_bytes = 1 << 16, longest_bytes = 1 << 20;  // read at once; of one line, or of what stands before the first row
 
-std::vector<Column> temperature_columns(const std::optional<ThermalSource>& source) { return source ? source->columns : std::vector<Column>{}; }
+/// All columns of a recording in one text.
+RecordingSource in_one_text(RecordingSource source, const std::string& name) {
+  const auto add = [](auto& part) { part.file.reset(), part.topic.reset(), part.time.reset(); };
+  source.file = name;
+  add(source.gyro), add(source.accel);
+  if (source.gyro_temperature) add(*source.gyro_temperature);
+  if (source.accel_temperature) add(*source.accel_temperature);
+  return source;
+}
 
 }  // namespace
 
-struct RecordingStream::Block {
-  std::vector<std::int64_t> time_ns;
-  std::vector<std::vector<double>> values;  // one column for each asked
-};
-
 RecordingStream::RecordingStream(int descriptor, std::string name, const RecordingSource& source, std::function<void(std::string_view)> copy,
                                  bool interruptible)
-    : descriptor_(descriptor), name_(std::move(name)), source_(source), copy_(std::move(copy)), interruptible_(interruptible) {
+    : descriptor_(descriptor), name_(std::move(name)), source_(in_one_text(source, name_)), copy_(std::move(copy)), interruptible_(interruptible) {
   for (const auto* triad : {&source.gyro, &source.accel}) {
     if (triad->file && *triad->file != source.file)
       throw Error(fmt::format("{}: the session has a triad in a file of its own ({}); expected all columns in one text", name_, *triad->file));
     if (triad->output == Output::increment && !source.rate_hz)
       throw Error(fmt::format("{}: increments need rate_hz; expected it in the session, since the median interval is known only at the end", name_));
   }
-  for (const auto& columns :
-       {source.gyro.columns, source.accel.columns, temperature_columns(source.gyro_temperature), temperature_columns(source.accel_temperature)})
-    columns_.insert(columns_.end(), columns.begin(), columns.end());
-  source_.file = name_;
+  parts_ = requested_parts(source_);
 }
 
 /// Reads on, waiting for something; false at the end.
@@ -64,13 +65,13 @@ bool RecordingStream::fill() {
 bool RecordingStream::start() {
   if (reader_) return true;
   const std::string_view lines(text_.data(), ended_ ? text_.size() : text_.rfind('\n') + 1);
-  const bool named = names_a_column(source_.time, columns_);
+  const bool named = names_a_column(source_.time, parts_.requests.front().columns);
   auto layout = ended_ ? table_layout(name_, lines, named) : find_layout(name_, lines, named, false);
   if (!layout) return false;
   const std::size_t offset = layout->offset;
   const bool settled = layout->settled;
   try {
-    reader_.emplace(*std::move(layout), source_.time, source_.rate_hz, columns_);
+    reader_.emplace(*std::move(layout), source_.time, source_.rate_hz, parts_.requests.front().columns);
   } catch (const Error&) {
     if (settled) throw;
     return false;  // what has come so far may be a device's greeting
@@ -80,41 +81,32 @@ bool RecordingStream::start() {
 }
 
 /// The rows that stand in whole lines; a wrong one ends them, and is kept for the next call.
-RecordingStream::Block RecordingStream::read_rows() {
-  Block block;
-  block.values.resize(reader_->places().size());
+TableRows RecordingStream::read_rows() {
+  TableRows rows;
+  rows.columns.resize(reader_->places().size());
   std::string_view lines(text_.data(), ended_ ? text_.size() : text_.rfind('\n') + 1);
   const std::size_t whole = lines.size();
   try {
     while (reader_->next(lines)) {
-      block.time_ns.push_back(reader_->row().time_ns);
-      for (std::size_t k = 0; k < block.values.size(); ++k) block.values[k].push_back(reader_->row().values[reader_->places()[k]]);
+      rows.time_ns.push_back(reader_->row().time_ns);
+      for (std::size_t k = 0; k < rows.columns.size(); ++k) rows.columns[k].numbers.push_back(reader_->row().values[reader_->places()[k]]);
     }
   } catch (const Error&) {
     failure_ = std::current_exception();
   }
   text_.erase(0, whole);
-  return block;
+  return rows;
 }
 
 std::optional<Recording> RecordingStream::next() {
   while (true) {
     if (failure_) std::rethrow_exception(failure_);
     if (start()) {
-      Block block = read_rows();
-      if (!block.time_ns.empty()) {
-        auto column = block.values.begin();
-        const auto take = [&column](std::size_t n) {
-          std::vector<std::vector<double>> taken(std::make_move_iterator(column), std::make_move_iterator(column + static_cast<std::ptrdiff_t>(n)));
-          column += static_cast<std::ptrdiff_t>(n);
-          return taken;
-        };
-        Columns3 gyro = three_columns(take(3)), accel = three_columns(take(3));
-        RecordingOptions options = recording_options(source_);
-        options.gyro.temperature = take(temperature_columns(source_.gyro_temperature).size());
-        options.accel.temperature = take(temperature_columns(source_.accel_temperature).size());
-        Recording recording = convert_readings(std::move(gyro), std::move(accel), std::move(options));
-        recording.time_ns = std::move(block.time_ns);
+      parts_.tables.assign(1, read_rows());
+      if (!parts_.reference().time_ns.empty()) {
+        Readings readings = take_readings(parts_, source_);
+        Recording recording = convert_readings(std::move(readings.gyro), std::move(readings.accel), std::move(readings.options));
+        recording.time_ns = std::move(parts_.reference().time_ns);
         count(recording);
         return recording;
       }

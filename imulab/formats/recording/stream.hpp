@@ -2,6 +2,7 @@
 #pragma once
 
 #include "imulab/formats/recording/csv_rows.hpp"
+#include "imulab/formats/recording/parts.hpp"
 #include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"
 
@@ -31,17 +32,16 @@ class RecordingStream {
   std::vector<std::string> warnings() const;
 
  private:
-  struct Block;
   bool fill();
   bool start();
-  Block read_rows();
+  recording_io::TableRows read_rows();
   void count(const Recording& block);
 
   int descriptor_;
   std::string name_;
   RecordingSource source_;
   std::function<void(std::string_view)> copy_;
-  std::vector<Column> columns_;
+  recording_io::RecordingParts parts_;
   std::optional<recording_io::RowReader> reader_;
   std::string text_;  // not yet read as rows
   bool ended_ = false, interruptible_ = false, cut_ = false;

@@ -1,7 +1,7 @@
 // PX4's ULog, as https://docs.px4.io/main/en/dev_log/ulog_file_format.html specifies it: a table for each message and instance.
 #include "imulab/core/error.hpp"
 #include "imulab/formats/recording/binary.hpp"
-#include "imulab/formats/recording/formats.hpp"
+#include "imulab/formats/recording/format.hpp"
 #include "imulab/formats/recording/ulog_definitions.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/reading_meter.hpp"
@@ -30,7 +30,7 @@ constexpr auto is_known = [] {
 
 bool is_ulog(std::string_view head) { return head.starts_with(ulog_magic); }
 
-/// What a log has lost.
+/// The losses of a log.
 struct UlogLosses {
   std::size_t dropouts = 0, dropout_ms = 0, skipped = 0, unfinished = 0;
 };
@@ -73,7 +73,7 @@ class UlogReader {
     return ends;
   }
 
-  /// Whether a message of a known type may begin here.
+  /// True if a message of a known type may begin here.
   bool begins_message(std::size_t at, std::size_t end) const {
     return end - at >= message_head && load<std::uint16_t>(text_.data() + at) > 0 && is_known[static_cast<unsigned char>(text_[at + 2])];
   }
@@ -137,7 +137,7 @@ struct UlogTable {
 /// Which table a data message belongs to, as the log says while it is read.
 class UlogTables {
  public:
-  /// What a subscription says.
+  /// Takes the table of a subscription.
   void subscribe(std::string_view payload) {
     if (payload.size() < 4) return;
     const int instance = static_cast<unsigned char>(payload[0]);
@@ -198,7 +198,7 @@ std::vector<TableDescription> describe_ulog(const TableRequest& request) {
   return ulog_contents(file.text(), request.file.string()).tables;
 }
 
-RawTable ulog_columns(const TableRequest& request, const std::vector<Column>& columns) {
+void read_ulog(const TableRequest& request, const Wanted& wanted, const PieceSink& sink) {
   const MappedFile mapped(request.file);
   const std::string file = request.file.string();
   const UlogContents contents = ulog_contents(mapped.text(), file);
@@ -206,7 +206,7 @@ RawTable ulog_columns(const TableRequest& request, const std::vector<Column>& co
   const std::vector<UlogColumn> all = contents.definitions.columns(table.type, file);
   std::vector<NumberField> fields;
   std::size_t needed = 0;
-  for (const Column& column : columns) {
+  for (const Column& column : wanted.columns) {
     fields.push_back(all[find_column(table, column, file)].field);
     needed = std::max(needed, fields.back().offset + fields.back().type.bytes);
   }
@@ -214,26 +214,26 @@ RawTable ulog_columns(const TableRequest& request, const std::vector<Column>& co
   UlogTables tables;
   UlogReader reader(mapped.text(), file);
   std::size_t short_rows = 0;
-  std::optional<std::size_t> wanted;
+  std::optional<std::size_t> own;
   reader.walk([&](char type, std::string_view payload) {
     if (type == 'A') {
       tables.subscribe(payload);
-      wanted = tables.find(table.name);
+      own = tables.find(table.name);
     }
-    if (type != 'D' || !wanted || tables.table_of(payload) != wanted) return;
+    if (type != 'D' || !own || tables.table_of(payload) != own) return;
     if (payload.size() - 2 < needed)
       ++short_rows;
     else
       builder.add(payload.data() + 2);
   });
-  RawTable raw{builder.take(), "message", loss_warnings(contents.losses, file)};
+  TableRows rows{builder.take(), "message", loss_warnings(contents.losses, file)};
   if (short_rows > 0)
-    raw.warnings.push_back(fmt::format("{}: {}: {} messages are shorter than their definition: they are not read", file, table.name, short_rows));
-  return raw;
+    rows.warnings.push_back(fmt::format("{}: {}: {} messages are shorter than their definition: they are not read", file, table.name, short_rows));
+  sink(std::move(rows));
 }
 
 }  // namespace
 
-RecordingFormat ulog_format() { return {.name = "PX4 ULog", .recognizes = is_ulog, .describe = describe_ulog, .columns = ulog_columns}; }
+RecordingFormat ulog_format() { return {.name = "PX4 ULog", .recognizes = is_ulog, .describe = describe_ulog, .read = read_ulog}; }
 
 }  // namespace imulab::recording_io

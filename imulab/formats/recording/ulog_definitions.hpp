@@ -1,8 +1,8 @@
-// How the messages of a ULog file are laid out.
+// The layout of the messages of a ULog file.
 #pragma once
 
 #include "imulab/formats/recording/binary.hpp"
-#include "imulab/formats/recording/raw_table.hpp"
+#include "imulab/formats/recording/table.hpp"
 
 #include <map>
 #include <string>

@@ -1,8 +1,7 @@
 #include "imulab/formats/recording/zip.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/formats/recording/crc32.hpp"
-#include "imulab/formats/recording/number_bytes.hpp"
+#include "imulab/formats/recording/binary.hpp"
 
 #include <fmt/core.h>
 

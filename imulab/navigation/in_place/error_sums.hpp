@@ -11,7 +11,7 @@
 #include "imulab/core/eigen.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/model/coefficient.hpp"
-#include "imulab/recording/declared_noise.hpp"
+#include "imulab/recording/session.hpp"
 
 #include <array>
 #include <functional>

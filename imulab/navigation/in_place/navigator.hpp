@@ -3,7 +3,7 @@
 
 #include "imulab/navigation/in_place/error_sums.hpp"
 #include "imulab/navigation/integration/increment.hpp"
-#include "imulab/recording/compensated_readings.hpp"
+#include "imulab/recording/compensate_recording.hpp"
 #include "imulab/recording/recording.hpp"
 
 #include <string>

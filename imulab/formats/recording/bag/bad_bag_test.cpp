@@ -1,8 +1,7 @@
 // Bags that are cut off, damaged or made to harm: an Error, or a warning with what could be read.
 #include "imulab/core/error.hpp"
 #include "imulab/formats/recording/bag/bytes.hpp"
-#include "imulab/formats/recording/bag/compression.hpp"
-#include "imulab/formats/recording/bag/kinds.hpp"
+#include "imulab/formats/recording/bag/chunk.hpp"
 #include "imulab/formats/recording/bag/mcap.hpp"
 
 #include <gmock/gmock.h>
@@ -14,7 +13,7 @@
 namespace imulab::bag {
 namespace {
 
-using recording_io::RawTable;
+using recording_io::TableRows;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
@@ -27,7 +26,7 @@ int outcome(const std::filesystem::path& file, bool always_said = true) {
   try {
     const RecordingFormat& format = format_of(request);
     format.describe(request);
-    const RawTable table = format.columns(request, imu_columns());
+    const TableRows table = recording_io::read_columns(request, imu_columns(), format);
     messages = static_cast<int>(table.columns[0].size());
     if (always_said && messages < static_cast<int>(fixture_samples)) {
       EXPECT_THAT(table.warnings, Not(IsEmpty())) << file << ": lost without a word";
@@ -125,7 +124,7 @@ TEST(BadBag, AChunkWithAWrongChecksumIsLeftOut) {
   const TemporaryFolder folder;
   std::string bytes = read_text(fixture("imu_none.mcap"));
   bytes[bytes.find("imu", 9000)] = 'I';  // a frame's name in the second chunk or a later one
-  const RawTable table = read_columns(folder.write("a.mcap", bytes), "/imu0", imu_columns());
+  const TableRows table = read_columns(folder.write("a.mcap", bytes), "/imu0", imu_columns());
   ASSERT_EQ(table.warnings.size(), 1u);
   EXPECT_THAT(table.warnings[0], HasSubstr("its checksum is wrong: left out: the messages in it are missing"));
   EXPECT_LT(table.columns[0].size(), fixture_samples);
@@ -138,7 +137,7 @@ TEST(BadBag, AnUnfinishedMcapIsReadToItsEnd) {
   const std::string bytes = read_text(fixture("imu_zstd.mcap"));
   const Mcap whole(fixture("imu_zstd.mcap"));
   const auto file = folder.write("a.mcap", bytes.substr(0, whole.data_end()));
-  const RawTable table = read_columns(file, "/imu0", imu_columns());
+  const TableRows table = read_columns(file, "/imu0", imu_columns());
   EXPECT_EQ(table.columns[0].size(), fixture_samples);
   WholeFile out(folder / "b.mcap");
   EXPECT_THAT(
@@ -157,7 +156,7 @@ TEST(BadBag, ARos1BagThatWasNotClosedIsReadToItsEnd) {
   const auto index = load<std::uint64_t>(bytes.data() + place);
   store<std::uint64_t>(bytes.data() + place, 0);
   const auto file = folder.write("a.bag.active", bytes.substr(0, index));
-  const RawTable table = read_columns(file, "", imu_columns());
+  const TableRows table = read_columns(file, "", imu_columns());
   EXPECT_EQ(table.columns[0].size(), fixture_samples);
   ASSERT_EQ(table.warnings.size(), 1u);
   EXPECT_THAT(table.warnings[0], HasSubstr("the bag was not closed and has no index: read from its beginning"));

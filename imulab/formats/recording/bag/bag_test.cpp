@@ -1,7 +1,7 @@
 // Bags that other programs wrote, read.
 #include "imulab/core/error.hpp"
 #include "imulab/formats/recording/bag/ros_message.hpp"
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/session/file.hpp"
 
 #include <gmock/gmock.h>
@@ -13,8 +13,8 @@
 namespace imulab::bag {
 namespace {
 
-using recording_io::RawTable;
 using recording_io::TableDescription;
+using recording_io::TableRows;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -28,7 +28,7 @@ INSTANTIATE_TEST_SUITE_P(Fixtures, Bags, testing::ValuesIn(fixture_names()), [](
 
 TEST_P(Bags, HaveTheMessagesOfTheirImu) {
   for (const char* topic : {"/imu0", ""}) {  // it is the only one
-    const RawTable table = read_columns(fixture(GetParam()), topic, imu_columns());
+    const TableRows table = read_columns(fixture(GetParam()), topic, imu_columns());
     EXPECT_THAT(table.warnings, testing::IsEmpty());
     EXPECT_EQ(table.row, "message");
     ASSERT_EQ(table.columns.size(), imu_columns().size());
@@ -43,7 +43,7 @@ TEST_P(Bags, HaveTheMessagesOfTheirImu) {
 }
 
 TEST_P(Bags, HaveTheirTemperature) {
-  const RawTable table = read_columns(fixture(GetParam()), "/temp", {"header.stamp", "temperature"});
+  const TableRows table = read_columns(fixture(GetParam()), "/temp", {"header.stamp", "temperature"});
   ASSERT_EQ(table.columns[1].size(), 6u);
   for (std::size_t k = 0; k < 6; ++k) {
     EXPECT_EQ(table.columns[0].integers[k], fixture_stamp(10 * k));
@@ -102,7 +102,7 @@ TEST(Bag, ReadsMessagesSinglyBesideALargePicture) {
   for (const std::string& name : sparse_names()) {
     std::string bytes = read_text(fixture(name));
     bytes[bytes.size() / 2] ^= 1;  // in the picture, which is most of the file
-    const RawTable table = read_columns(folder.write(name, bytes), "/imu0", imu_columns());
+    const TableRows table = read_columns(folder.write(name, bytes), "/imu0", imu_columns());
     EXPECT_THAT(table.warnings, testing::IsEmpty());
     ASSERT_EQ(table.columns[0].size(), sparse_samples) << name;
     for (std::size_t i = 0; i < sparse_samples; ++i) {

@@ -6,6 +6,8 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <iterator>
+#include <limits>
 #include <string>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -52,6 +54,32 @@ std::string_view ByteFile::read(std::uint64_t offset, std::uint64_t count, Buffe
     done += static_cast<std::size_t>(n);
   }
   return {to, bytes};
+}
+
+void Copy::write(std::string_view bytes) {
+  out_.write(bytes);
+  if (checksum_) crc_ = crc32(bytes, crc_);
+  written_ += bytes.size();
+}
+
+void Copy::until(std::uint64_t place) {
+  constexpr std::uint64_t piece = 1 << 20;
+  while (taken_ < place) {
+    const std::uint64_t count = std::min(piece, place - taken_);
+    write(in_.read(taken_, count, buffer_));
+    taken_ += count;
+  }
+}
+
+void Copy::put(std::string_view bytes, std::uint64_t place) {
+  write(bytes);
+  taken_ = place;
+  places_.emplace_back(taken_, written_);
+}
+
+std::uint64_t Copy::moved(std::uint64_t place) const {
+  const auto after = std::upper_bound(places_.begin(), places_.end(), std::pair(place, std::numeric_limits<std::uint64_t>::max()));
+  return after == places_.begin() ? place : place - std::prev(after)->first + std::prev(after)->second;
 }
 
 }  // namespace imulab::bag

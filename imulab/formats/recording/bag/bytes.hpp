@@ -1,8 +1,7 @@
 // Bytes of a bag: numbers and counted strings, read with every length checked.
 #pragma once
 
-#include "imulab/formats/recording/crc32.hpp"
-#include "imulab/formats/recording/number_bytes.hpp"
+#include "imulab/formats/recording/binary.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -276,6 +276,10 @@ bool Mcap::read_by_index(const McapRecord& record, const McapChunkPlace& place, 
   return true;
 }
 
-bool is_mcap(std::string_view head) { return head.starts_with(mcap_magic.substr(0, 5)); }
-
 }  // namespace imulab::bag
+
+imulab::RecordingFormat imulab::recording_io::mcap_format() {
+  static constexpr bag::BagFormat format{".mcap", bag::opened<bag::Mcap>, bag::rewrite_mcap};
+  return bag::bag_row(
+      "ROS 2 bag in MCAP", [](std::string_view head) { return head.starts_with(bag::mcap_magic.substr(0, 5)); }, format);
+}

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "imulab/formats/recording/bag/byte_file.hpp"
-#include "imulab/formats/recording/bag/damage.hpp"
+#include "imulab/formats/recording/bag/chunk.hpp"
 #include "imulab/formats/recording/bag/topics.hpp"
 #include "imulab/formats/text/file.hpp"
 
@@ -62,7 +62,7 @@ struct McapChunk {
   std::uint64_t records = 0, packed_size = 0;  ///< where they begin in the record's content; packed
 };
 
-/// Of the first bytes of a chunk's content.
+/// Reads the first bytes of a chunk's content.
 McapChunk mcap_chunk(std::string_view content);
 
 /// Calls with each record of a chunk's or summary's bytes: its kind, where it begins in `bytes`, and its content. Throws Damaged.
@@ -110,7 +110,6 @@ class Mcap : public Bag {
   Buffer packed_, unpacked_, small_;
 };
 
-bool is_mcap(std::string_view head);
 void rewrite_mcap(const std::filesystem::path& in, const Topic& topic, const MessageChange& change, WholeFile& out);
 
 }  // namespace imulab::bag

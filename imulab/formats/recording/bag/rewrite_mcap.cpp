@@ -1,5 +1,5 @@
 #include "imulab/core/error.hpp"
-#include "imulab/formats/recording/bag/copy.hpp"
+#include "imulab/formats/recording/bag/byte_file.hpp"
 #include "imulab/formats/recording/bag/mcap.hpp"
 
 #include <fmt/core.h>
@@ -36,7 +36,7 @@ class McapRewriter {
     std::uint64_t length = 0, packed = 0;
   };
 
-  /// Whether the data section has a checksum, which its last record holds.
+  /// True if the data section has a checksum, which its last record holds.
   bool data_end_is_checked() {
     const std::uint64_t at = bag_.data_end() - std::min<std::uint64_t>(bag_.data_end(), mcap_head_bytes + 4);
     const std::string_view record = bag_.file().read(at, bag_.data_end() - at, buffer_);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "imulab/formats/recording/bag/byte_file.hpp"
-#include "imulab/formats/recording/bag/damage.hpp"
+#include "imulab/formats/recording/bag/chunk.hpp"
 #include "imulab/formats/recording/bag/topics.hpp"
 #include "imulab/formats/text/file.hpp"
 
@@ -58,7 +58,7 @@ class Ros1Bag : public Bag {
   void each_message(const Topic& topic, const MessageSink& sink) override;
 
   const ByteFile& file() const { return file_; }
-  /// How many messages of each connection are in the chunk at a byte.
+  /// The number of messages of each connection in the chunk at a byte.
   const std::map<std::uint64_t, std::map<std::uint32_t, std::uint64_t>>& chunks() const { return chunks_; }
   std::uint64_t index_at() const { return index_at_; }  ///< where connections and chunk infos begin; 0: nowhere
   const Damage& damage() const { return damage_; }
@@ -85,7 +85,6 @@ class Ros1Bag : public Bag {
 /// Calls with each record of a chunk's bytes: its fields and its data. Throws Damaged.
 void each_ros1_record(std::string_view bytes, const std::function<void(const Ros1Fields&, std::string_view)>& sink);
 
-bool is_ros1_bag(std::string_view head);
 void rewrite_ros1_bag(const std::filesystem::path& in, const Topic& topic, const MessageChange& change, WholeFile& out);
 
 }  // namespace imulab::bag

@@ -80,7 +80,6 @@ class Ros2Database : public Bag {
 /// Throws Error in a build without SQLite.
 std::unique_ptr<Bag> open_ros2_database(const std::filesystem::path& path);
 
-bool is_sqlite(std::string_view head);
 void rewrite_ros2_database(const std::filesystem::path& in, const Topic& topic, const MessageChange& change, WholeFile& out);
 
 }  // namespace imulab::bag

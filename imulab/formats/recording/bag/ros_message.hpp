@@ -2,7 +2,7 @@
 // 10).
 #pragma once
 
-#include "imulab/formats/recording/raw_table.hpp"
+#include "imulab/formats/recording/table.hpp"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #include "imulab/formats/recording/bag/topics.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/formats/recording/bag/bytes.hpp"
+#include "imulab/formats/recording/bag/byte_file.hpp"
 #include "imulab/formats/text/reading_meter.hpp"
 
 #include <fmt/core.h>
@@ -20,8 +20,6 @@ std::string topic_names(const std::vector<Topic>& topics) {
                          topic.readable() == nullptr && message_type(topic.type) != nullptr ? " in " + topic.encoding : "");
   return names.empty() ? "none" : names;
 }
-
-constexpr std::uint64_t most_reserved = 1 << 22;  // rows, of a count that the file says: more only as they come
 
 }  // namespace
 
@@ -57,9 +55,38 @@ const Topic& choose_topic(const std::vector<Topic>& topics, const std::string& n
   return *found;
 }
 
-std::vector<recording_io::TableDescription> describe_topics(const Bag& bag) {
+const RecordingFormat* bag_format(const std::filesystem::path& path) {
+  Buffer buffer;
+  const std::string_view head = ByteFile(path).read_some(0, 16, buffer);
+  const std::vector<RecordingFormat>& formats = recording_formats();
+  const auto found = std::find_if(formats.begin(), formats.end(), [&](const RecordingFormat& f) { return f.bag != nullptr && f.recognizes(head); });
+  return found != formats.end() ? &*found : nullptr;
+}
+
+namespace {
+
+const BagFormat& expected_bag(const std::filesystem::path& path) {
+  const RecordingFormat* format = bag_format(path);
+  if (format == nullptr) throw Error(path.string() + ": is no bag; expected a bag of ROS 1 or ROS 2");
+  return *format->bag;
+}
+
+}  // namespace
+
+std::unique_ptr<Bag> open_bag(const std::filesystem::path& path) { return expected_bag(path).open(path); }
+
+void rewrite_bag(const std::filesystem::path& in, const Topic& topic, const MessageChange& change, WholeFile& out) {
+  if (out.temporary().empty()) throw Error("a bag is written to a file on disk; expected one, no device and no pipe");
+  expected_bag(in).rewrite(in, topic, change, out);
+}
+
+namespace {
+
+std::vector<recording_io::TableDescription> describe_bag(const TableRequest& request) {
+  const std::unique_ptr<Bag> bag = open_bag(request.file);
+  bag->count_messages();
   std::vector<recording_io::TableDescription> tables;
-  for (const Topic& topic : bag.topics()) {
+  for (const Topic& topic : bag->topics()) {
     const MessageType* type = topic.readable();
     tables.push_back({topic.name, topic.type, type != nullptr ? type->columns() : std::vector<recording_io::ColumnDescription>{},
                       static_cast<std::size_t>(topic.messages)});
@@ -67,17 +94,19 @@ std::vector<recording_io::TableDescription> describe_topics(const Bag& bag) {
   return tables;
 }
 
-recording_io::RawTable topic_columns(Bag& bag, const TableRequest& request, const std::vector<Column>& columns) {
+void read_bag(const TableRequest& request, const recording_io::Wanted& wanted, const recording_io::PieceSink& sink) {
+  constexpr std::uint64_t most_reserved = 1 << 22;  // rows, of a count that the file says: more only as they come
   const std::string file = request.file.string();
-  const Topic& topic = choose_topic(bag.topics(), request.topic, file);
+  const std::unique_ptr<Bag> bag = open_bag(request.file);
+  const Topic& topic = choose_topic(bag->topics(), request.topic, file);
   const MessageType& type = *topic.readable();
   const recording_io::TableDescription table{topic.name, topic.type, type.columns(), 0};
   std::vector<std::size_t> indices;
-  for (const Column& column : columns) indices.push_back(recording_io::find_column(table, column, file));
+  for (const Column& column : wanted.columns) indices.push_back(recording_io::find_column(table, column, file));
 
   MessageColumns read(topic.message_encoding(), type, indices, static_cast<std::size_t>(std::min(topic.messages, most_reserved)));
   const ReadingMeter meter(topic.messages);
-  bag.each_message(topic, [&](std::int64_t log_time_ns, std::string_view message) {
+  bag->each_message(topic, [&](std::int64_t log_time_ns, std::string_view message) {
     meter.add(1);
     try {
       read.add(log_time_ns, message);
@@ -85,12 +114,18 @@ recording_io::RawTable topic_columns(Bag& bag, const TableRequest& request, cons
       throw Error(fmt::format("{}: {}: message {}: {}", file, topic.name, read.rows() + 1, e.what()));
     }
   });
-  std::vector<std::string> warnings = bag.warnings();
+  std::vector<std::string> warnings = bag->warnings();
   if (warnings.empty() && topic.messages > read.rows())
     warnings.push_back(fmt::format("{}: {}: {} messages were found and its index promises {}: the others are missing", file, topic.name, read.rows(),
                                    topic.messages));
   if (read.rows() == 0 && !warnings.empty()) throw Error(warnings.front() + "; expected messages");
-  return {read.take(), "message", std::move(warnings)};
+  sink({read.take(), "message", std::move(warnings)});
+}
+
+}  // namespace
+
+RecordingFormat bag_row(std::string_view name, bool (*recognizes)(std::string_view head), const BagFormat& format) {
+  return {.name = name, .recognizes = recognizes, .describe = describe_bag, .read = read_bag, .bag = &format};
 }
 
 }  // namespace imulab::bag

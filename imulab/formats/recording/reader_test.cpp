@@ -1,8 +1,9 @@
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/reader.hpp"
 
 #include "imulab/core/error.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/formats/recording/csv_writer.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Writes a compensated recording as a bag of the same kind as its source, for programs that read bags.
+// Compensated recordings as files: a bag of the same kind as its source, for programs that read bags; arrays of NumPy.
 #pragma once
 
 #include "imulab/recording/session.hpp"
@@ -9,7 +9,7 @@ namespace imulab {
 
 struct CompensatedRecording;
 
-/// Whether a file is named like a bag: .bag, .mcap or .db3.
+/// True if a file is named like a bag: .bag, .mcap or .db3.
 bool is_bag_name(const std::filesystem::path& path);
 
 /// Copies the bag of a recording with angular_velocity [rad/s] and linear_acceleration [m/s^2] of its topic replaced. All else stays byte for byte:
@@ -18,5 +18,10 @@ bool is_bag_name(const std::filesystem::path& path);
 /// a message has no compensated sample, and where the bag was not closed.
 void write_compensated_bag(const std::filesystem::path& path, const Session& session, const RecordingSource& source,
                            const CompensatedRecording& compensated);
+
+/// Writes an .npz archive: `time_ns` [n] int64; `gyro` and `accel` [n, 3] in rad/s and m/s^2 (increments: rad and m/s); where some sample has a flag,
+/// `saturated`, `out_of_range` and `replaced` [n] bool. The file appears whole or not at all. Throws Error where it cannot be written, and for more
+/// than 4 GB, which an archive of this kind cannot hold.
+void write_compensated_npz(const std::filesystem::path& path, const CompensatedRecording& compensated);
 
 }  // namespace imulab

@@ -1,28 +1,15 @@
-// Recording files <-> Recording (docs/formats.md, "Recordings").
+// Recording -> CSV (docs/formats.md, "Recordings").
 #pragma once
 
-#include "imulab/formats/recording/format.hpp"
 #include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"
 
 #include <filesystem>
 #include <string>
-#include <vector>
 
 namespace imulab {
 
 struct CompensatedRecording;
-
-struct RecordingReading {
-  Recording recording;
-  std::vector<std::string> warnings;  ///< gaps, saturated samples, dropped rows: the findings and their consequences
-};
-
-/// Reads one recording of a session, in any of the formats; files are found beside the session's own. Throws Error with file, line and column for
-/// text in a number, NaN, infinity, ragged rows, time that runs backwards, missing columns, an empty file, and a declared rate that the stamps
-/// contradict.
-RecordingReading read_recording(const Session& session, const RecordingSource& source,
-                                const std::vector<RecordingFormat>& formats = recording_formats());
 
 /// Writes t,gx,gy,gz,ax,ay,az as CSV, and temperatures where there are any: seconds, SI or counts, increments as increments. The file appears whole
 /// or not at all. Numbers read back exactly, except that an increment that is not a whole number may differ by one unit in the last place. Throws

@@ -1,9 +1,9 @@
 // Bags written: what is replaced, and that nothing else changes.
-#include "imulab/formats/recording/compensated_bag.hpp"
+#include "imulab/formats/recording/compensated_file.hpp"
 
 #include "imulab/core/error.hpp"
-#include "imulab/formats/recording/bag/kinds.hpp"
-#include "imulab/formats/recording/file.hpp"
+#include "imulab/formats/recording/bag/topics.hpp"
+#include "imulab/formats/recording/reader.hpp"
 #include "imulab/recording/compensate_recording.hpp"
 
 #include <gmock/gmock.h>
@@ -72,7 +72,7 @@ TEST_P(BagCopies, HaveTheReadingsReplacedAndNothingElse) {
       compensated_.recording.accel[axis][i] = -static_cast<double>(3 * i + axis);
     }
   write();
-  const recording_io::RawTable table = bag::read_columns(output_, "/imu0", bag::imu_columns());
+  const recording_io::TableRows table = bag::read_columns(output_, "/imu0", bag::imu_columns());
   EXPECT_THAT(table.warnings, testing::IsEmpty());
   for (std::size_t i = 0; i < bag::fixture_samples; ++i)
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -146,7 +146,7 @@ TEST(CompensatedBag, OfSingleMessagesBesideALargePicture) {
     bag::rewrite_bag(
         bag::fixture(name), topic, [&](std::span<char> message) { bag::put_readings(topic.message_encoding(), message, readings); }, file);
     file.commit();
-    const recording_io::RawTable table = bag::read_columns(out, "/imu0", bag::imu_columns());
+    const recording_io::TableRows table = bag::read_columns(out, "/imu0", bag::imu_columns());
     EXPECT_THAT(table.warnings, testing::IsEmpty());
     for (std::size_t k = 0; k < 6; ++k) EXPECT_EQ(table.columns[3 + k].numbers, std::vector<double>(bag::sparse_samples, readings[k]));
     EXPECT_EQ(all_messages(out)["/cam0"], all_messages(bag::fixture(name))["/cam0"]);

@@ -1,4 +1,4 @@
-#include "imulab/formats/recording/raw_table.hpp"
+#include "imulab/formats/recording/table.hpp"
 
 #include "imulab/core/error.hpp"
 #include "imulab/formats/text/printable.hpp"
@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <iterator>
 #include <string_view>
 #include <variant>
 
@@ -20,13 +21,32 @@ std::string table_names(const std::vector<TableDescription>& tables) {
 
 }  // namespace
 
+std::size_t LineNumbers::operator[](std::size_t row) const {
+  const auto after = std::upper_bound(jumps_.begin(), jumps_.end(), row, [](std::size_t r, const auto& jump) { return r < jump.first; });
+  if (after == jumps_.begin()) return 0;
+  return row + (std::prev(after)->second - std::prev(after)->first);
+}
+
+void LineNumbers::append(const LineNumbers& next, std::size_t row, std::size_t line) {
+  for (const auto& [own_row, own_line] : next.jumps_) add(row + own_row, line + own_line);
+}
+
+std::string TableRows::place(std::size_t index) const {
+  const std::size_t line = lines[index];
+  return line > 0 ? "line " + std::to_string(line) : row + " " + std::to_string(first + index + 1);
+}
+
+bool TableDescription::has_name(const std::string& topic) const {
+  return name == topic || std::find(other_names.begin(), other_names.end(), topic) != other_names.end();
+}
+
 const TableDescription& find_table(const std::vector<TableDescription>& tables, const std::string& topic, const std::string& file) {
   if (tables.empty()) throw Error(fmt::format("{}: has no table of numbers; expected samples", file));
   if (topic.empty()) {
     if (tables.size() == 1) return tables.front();
     throw Error(fmt::format("{}: has several topics and the session names none; expected topic = one of {}", file, table_names(tables)));
   }
-  const auto found = std::find_if(tables.begin(), tables.end(), [&](const TableDescription& t) { return t.name == topic; });
+  const auto found = std::find_if(tables.begin(), tables.end(), [&](const TableDescription& t) { return t.has_name(topic); });
   if (found == tables.end()) throw Error(fmt::format("{}: topic {} is not there; expected one of {}", file, topic, table_names(tables)));
   return *found;
 }
