@@ -2,11 +2,12 @@
 
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/figures.hpp"
-#include "imulab/formats/text/json.hpp"
+#include "imulab/formats/text/json_fields.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace imulab {
@@ -15,130 +16,151 @@ namespace {
 
 std::string coefficient_name(CoefficientIndex index) { return std::string(coefficient(index).name); }
 
-std::vector<std::string> left_out_names(const FleetStatistics& f) {
-  std::vector<std::string> names;
-  for (const CoefficientIndex index : f.sample.left_out) names.push_back(coefficient_name(index));
-  return names;
-}
+const std::string& unit_name(const FleetStatistics& f, Eigen::Index unit) { return f.sample.units[static_cast<std::size_t>(unit)]; }
 
-JsonFields effects_json(const RandomEffects& r) {
-  return {{{"units", r.units},
-           {"mean", r.mean},
-           {"mean_interval", std::vector{r.mean_low, r.mean_high}},
-           {"spread", r.spread},
-           {"spread_interval", std::vector{r.spread_low, r.spread_high}},
-           {"measurement", r.measurement},
-           {"p_value", r.p_value}}};
-}
-
-JsonFields gauge_json(const Gauge& g, const std::vector<std::string>& names) {
-  std::vector<JsonFields> levels;
-  for (std::size_t k = 0; k < g.levels.size(); ++k)
-    if (g.levels[k].calibrations > 0)
-      levels.push_back({{{"name", names[k]},
-                         {"calibrations", g.levels[k].calibrations},
-                         {"bias", g.levels[k].bias},
-                         {"interval", std::vector{g.levels[k].low, g.levels[k].high}}}});
-  return {{{"levels", levels},
-           {"repeatability", g.repeatability},
-           {"reproducibility", g.reproducibility},
-           {"units_shared", g.units_shared},
-           {"p_value", g.p_value}}};
-}
-
-JsonFields drift_json(const UnitDrift& u, const std::string& unit) {
-  return {{{"unit", unit},
-           {"calibrations", u.calibrations},
-           {"span_years", u.span},
-           {"per_year", u.slope},
-           {"interval", std::vector{u.low, u.high}},
-           {"p_value", u.p_value}}};
-}
-
-std::string outlier_name(const FleetStatistics& f, const FleetOutlier& o) {
+const std::string& outlier_name(const FleetStatistics& f, const FleetOutlier& o) {
   return f.sample.unit_of_row(f.sample.last[static_cast<std::size_t>(o.unit)]);
 }
 
-std::vector<JsonFields> rules_json(const CoefficientStatistics& c, const FleetStatistics& f) {
-  constexpr std::size_t most = 20;
-  std::vector<JsonFields> out;
-  for (std::size_t k = 0; k < run_rule_count; ++k) {
-    std::vector<std::string> first;
-    for (const Eigen::Index at : c.chart.fired[k])
-      if (first.size() < most) first.push_back(f.sample.unit_of_row(c.rows[static_cast<std::size_t>(at)]));
-    out.push_back({{{"rule", std::string(run_rules()[k].name)},
-                    {"fired", c.chart.fired[k].size()},
-                    {"expected", run_rules()[k].false_alarm * static_cast<double>(c.rows.size())},
-                    {"first_units", first}}});
-  }
-  return out;
-}
-
-JsonFields coefficient_json(const CoefficientStatistics& c, const FleetStatistics& f) {
-  JsonFields out{
-      {{"name", coefficient_name(c.index)},
-       {"fleet", effects_json(c.fleet)},
-       {"user", JsonFields{{{"unit", c.unit}, {"size", c.size}, {"spread", c.fleet.spread / c.size}, {"measurement", c.fleet.measurement / c.size}}}},
-       {"control_limits", std::vector{c.fleet.mean - c.control, c.fleet.mean + c.control}},
-       {"run_rules", rules_json(c, f)}}};
-  if (c.capability)
-    out.fields.push_back({"capability", JsonFields{{{"target", c.capability->target},
-                                                    {"limit", c.capability->limit},
-                                                    {"cp", c.capability->cp},
-                                                    {"cp_interval", std::vector{c.capability->cp_low, c.capability->cp_high}},
-                                                    {"cpk", c.capability->cpk},
-                                                    {"outside", c.capability->outside}}}});
-  if (!c.drift.units.empty()) {
-    JsonFields drift{{{"units", c.drift.units.size()}, {"repeatability", c.drift.repeatability}, {"repeatability_p_value", c.drift.p_value}}};
-    if (c.mean_drift) drift.fields.push_back({"per_year", effects_json(*c.mean_drift)});
-    out.fields.push_back({"drift", std::move(drift)});
-  }
-  if (c.stations) out.fields.push_back({"stations", gauge_json(*c.stations, f.sample.stations)});
-  if (c.operators) out.fields.push_back({"operators", gauge_json(*c.operators, f.sample.operators)});
-  return out;
+CoefficientIndex farthest(const FleetStatistics& f, const FleetOutlier& o) {
+  return f.sample.coefficients[static_cast<std::size_t>(f.sample.common[static_cast<std::size_t>(o.worst)])];
 }
 
 }  // namespace
 
-std::string left_out_text(const FleetStatistics& f) { return fmt::format("{}", fmt::join(left_out_names(f), ", ")); }
+// ---- JSON: the fields, which are written and not read
+
+/// A part of a fleet's statistics, and where its names are.
+template <class Part>
+struct OfFleet {
+  Part part;
+  const FleetStatistics* fleet;
+};
+
+template <class Part>
+std::vector<OfFleet<Part>> of_fleet(const std::vector<Part>& parts, const FleetStatistics& fleet) {
+  std::vector<OfFleet<Part>> out;
+  for (const Part& part : parts) out.push_back({part, &fleet});
+  return out;
+}
+
+template <class Fields>
+void describe(Fields& f, const RandomEffects& r) {
+  f("units", r.units), f("mean", r.mean), f("mean_interval", std::array{r.mean_low, r.mean_high}), f("spread", r.spread);
+  f("spread_interval", std::array{r.spread_low, r.spread_high}), f("measurement", r.measurement), f("p_value", r.p_value);
+}
+
+template <class Fields>
+void describe(Fields& f, const Capability& c) {
+  f("target", c.target), f("limit", c.limit), f("cp", c.cp), f("cp_interval", std::array{c.cp_low, c.cp_high}), f("cpk", c.cpk),
+      f("outside", c.outside);
+}
+
+struct NamedLevel {
+  std::string name;
+  GaugeLevel level;
+};
+
+template <class Fields>
+void describe(Fields& f, const NamedLevel& n) {
+  f("name", n.name), f("calibrations", n.level.calibrations), f("bias", n.level.bias), f("interval", std::array{n.level.low, n.level.high});
+}
+
+template <class Fields>
+void describe_gauge(Fields& f, std::string_view key, const std::optional<Gauge>& gauge, const std::vector<std::string>& names) {
+  if (!gauge) return;
+  std::vector<NamedLevel> levels;
+  for (std::size_t k = 0; k < gauge->levels.size(); ++k)
+    if (gauge->levels[k].calibrations > 0) levels.push_back({names[k], gauge->levels[k]});
+  f.table(key, [&](auto& inner) {
+    inner("levels", levels), inner("repeatability", gauge->repeatability), inner("reproducibility", gauge->reproducibility);
+    inner("units_shared", gauge->units_shared), inner("p_value", gauge->p_value);
+  });
+}
+
+struct FiredRule {
+  std::string_view rule;
+  std::size_t fired = 0;
+  double expected = 0;
+  std::vector<std::string> first_units;
+};
+
+template <class Fields>
+void describe(Fields& f, const FiredRule& r) {
+  f("rule", r.rule), f("fired", r.fired), f("expected", r.expected), f("first_units", r.first_units);
+}
+
+std::vector<FiredRule> fired_rules(const CoefficientStatistics& c, const FleetStatistics& f) {
+  constexpr std::size_t most = 20;
+  std::vector<FiredRule> out;
+  for (std::size_t k = 0; k < run_rule_count; ++k) {
+    FiredRule& rule = out.emplace_back();
+    rule = {run_rules()[k].name, c.chart.fired[k].size(), run_rules()[k].false_alarm * static_cast<double>(c.rows.size()), {}};
+    for (const Eigen::Index at : c.chart.fired[k])
+      if (rule.first_units.size() < most) rule.first_units.push_back(f.sample.unit_of_row(c.rows[static_cast<std::size_t>(at)]));
+  }
+  return out;
+}
+
+template <class Fields>
+void describe(Fields& f, const OfFleet<CoefficientStatistics>& of) {
+  const CoefficientStatistics& c = of.part;
+  f("name", c.index), f("fleet", c.fleet);
+  f.table("user", [&](auto& user) {
+    user("unit", c.unit), user("size", c.size), user("spread", c.fleet.spread / c.size), user("measurement", c.fleet.measurement / c.size);
+  });
+  f("control_limits", std::array{c.fleet.mean - c.control, c.fleet.mean + c.control}), f("run_rules", fired_rules(c, *of.fleet));
+  f("capability", c.capability, fields::if_any);
+  if (!c.drift.units.empty())
+    f.table("drift", [&](auto& drift) {
+      drift("units", c.drift.units.size()), drift("repeatability", c.drift.repeatability), drift("repeatability_p_value", c.drift.p_value);
+      drift("per_year", c.mean_drift, fields::if_any);
+    });
+  describe_gauge(f, "stations", c.stations, of.fleet->sample.stations), describe_gauge(f, "operators", c.operators, of.fleet->sample.operators);
+}
+
+template <class Fields>
+void describe(Fields& f, const OfFleet<FleetOutlier>& o) {
+  f("unit", outlier_name(*o.fleet, o.part)), f("distance", o.part.distance), f("coefficients", o.part.coefficients), f("p_value", o.part.p_value);
+  f("farthest", farthest(*o.fleet, o.part)), f("sigmas", o.part.worst_sigmas);
+}
+
+template <class Fields>
+void describe(Fields& f, const OfFleet<SignificantDrift>& d) {
+  const UnitDrift& u = d.part.drift;
+  f("unit", unit_name(*d.fleet, u.unit)), f("coefficient", d.part.index), f("calibrations", u.calibrations), f("span_years", u.span);
+  f("per_year", u.slope), f("interval", std::array{u.low, u.high}), f("p_value", u.p_value);
+}
+
+template <class Fields>
+void describe(Fields& f, const OfFleet<UnitDue>& d) {
+  f("unit", unit_name(*d.fleet, d.part.unit)), f("coefficient", d.part.coefficient);
+  f("time", std::isfinite(d.part.time) ? time_text(d.part.time) : std::string());
+}
+
+template <class Fields>
+void describe(Fields& f, const SignificantCorrelation& c) {
+  f("a", c.a), f("b", c.b), f("correlation", c.correlation);
+}
+
+template <class Fields>
+void describe(Fields& f, const FleetStatistics& s) {
+  f("units", s.sample.units.size()), f("calibrations", s.sample.calibration.size()), f("false_alarm", s.search.false_alarm);
+  f("coefficients", of_fleet(s.coefficients, s)), f("left_out", s.sample.left_out), f("outliers_tested", s.search.possible);
+  f("outliers", of_fleet(s.search.outliers, s)), f("drifts", of_fleet(s.drifts, s)), f("due", of_fleet(s.due, s)), f("correlations", s.correlations);
+}
+
+std::string left_out_text(const FleetStatistics& f) {
+  std::string text;
+  for (const CoefficientIndex index : f.sample.left_out) text += (text.empty() ? "" : ", ") + coefficient_name(index);
+  return text;
+}
 
 std::string due_text(const UnitDue& due) {
   return std::isfinite(due.time) ? time_text(due.time).substr(0, 10) : fmt::format("not in {:g} years", due_horizon);
 }
 
-std::string fleet_statistics_json(const FleetStatistics& f) {
-  std::vector<JsonFields> coefficients, outliers, drifts, correlations, due;
-  for (const CoefficientStatistics& c : f.coefficients) coefficients.push_back(coefficient_json(c, f));
-  for (const FleetOutlier& o : f.search.outliers)
-    outliers.push_back(
-        {{{"unit", outlier_name(f, o)},
-          {"distance", o.distance},
-          {"coefficients", o.coefficients},
-          {"p_value", o.p_value},
-          {"farthest", coefficient_name(f.sample.coefficients[static_cast<std::size_t>(f.sample.common[static_cast<std::size_t>(o.worst)])])},
-          {"sigmas", o.worst_sigmas}}});
-  for (const SignificantDrift& d : f.drifts) {
-    JsonFields one = drift_json(d.drift, f.sample.units[static_cast<std::size_t>(d.drift.unit)]);
-    one.fields.insert(one.fields.begin() + 1, {"coefficient", coefficient_name(d.index)});
-    drifts.push_back(std::move(one));
-  }
-  for (const SignificantCorrelation& c : f.correlations)
-    correlations.push_back({{{"a", coefficient_name(c.a)}, {"b", coefficient_name(c.b)}, {"correlation", c.correlation}}});
-  for (const UnitDue& d : f.due)
-    due.push_back({{{"unit", f.sample.units[static_cast<std::size_t>(d.unit)]},
-                    {"coefficient", coefficient_name(d.coefficient)},
-                    {"time", std::isfinite(d.time) ? time_text(d.time) : ""}}});
-  return fields_json({{{"units", f.sample.units.size()},
-                       {"calibrations", f.sample.calibration.size()},
-                       {"false_alarm", f.search.false_alarm},
-                       {"coefficients", coefficients},
-                       {"left_out", left_out_names(f)},
-                       {"outliers_tested", f.search.possible},
-                       {"outliers", outliers},
-                       {"drifts", drifts},
-                       {"due", due},
-                       {"correlations", correlations}}});
-}
+std::string fleet_statistics_json(const FleetStatistics& f) { return json_text(written(f)); }
 
 namespace {
 
@@ -218,11 +240,9 @@ std::string fleet_statistics_text(const FleetStatistics& f) {
                          fmt::format("{}, for {}", f.sample.units[static_cast<std::size_t>(f.due[k].unit)], coefficient_name(f.due[k].coefficient)));
   for (std::size_t k = 0; k < std::min(most, f.search.outliers.size()); ++k) {
     const FleetOutlier& o = f.search.outliers[k];
-    outliers += text::wrapped(
-        fmt::format("  {}: ", outlier_name(f, o)),
-        fmt::format("distance {} in {} coefficients; {} is {:+.1f} standard deviations from the mean", text::number(o.distance), o.coefficients,
-                    coefficient_name(f.sample.coefficients[static_cast<std::size_t>(f.sample.common[static_cast<std::size_t>(o.worst)])]),
-                    o.worst_sigmas));
+    outliers += text::wrapped(fmt::format("  {}: ", outlier_name(f, o)),
+                              fmt::format("distance {} in {} coefficients; {} is {:+.1f} standard deviations from the mean", text::number(o.distance),
+                                          o.coefficients, coefficient_name(farthest(f, o)), o.worst_sigmas));
   }
   for (std::size_t k = 0; k < std::min(most, f.drifts.size()); ++k) {
     const SignificantDrift& d = f.drifts[k];

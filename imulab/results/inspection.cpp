@@ -3,7 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/figures.hpp"
-#include "imulab/formats/text/json.hpp"
+#include "imulab/formats/text/json_fields.hpp"
 
 #include <fmt/format.h>
 
@@ -49,23 +49,20 @@ std::string inspection_text(const Inspection& inspection) {
   return out;
 }
 
-std::string inspection_json(const Inspection& inspection) {
-  std::vector<JsonFields> columns;
-  for (const ColumnFinding& c : inspection.columns)
-    columns.push_back({{{"name", c.name}, {"role", c.role}, {"unit", c.unit}, {"evidence", c.evidence}}});
-  const JsonFields time{
-      {{"unit", inspection.source.time.unit}, {"rate_hz", inspection.rate_hz}, {"jitter_s", inspection.jitter_s}, {"gaps", inspection.gaps}}};
-  return fields_json({{{"file", inspection.file},
-                       {"topic", inspection.topic},
-                       {"format", inspection.format},
-                       {"rows", inspection.rows},
-                       {"columns", columns},
-                       {"time", time},
-                       {"evidence", inspection.evidence},
-                       {"ambiguous", inspection.ambiguous},
-                       {"problems", inspection.problems},
-                       {"methods", supported_methods(inspection)}}});
+template <class Fields>
+void describe(Fields& f, const ColumnFinding& c) {
+  f("name", c.name), f("role", c.role), f("unit", c.unit), f("evidence", c.evidence);
 }
+
+template <class Fields>
+void describe(Fields& f, const Inspection& i) {
+  f("file", i.file), f("topic", i.topic), f("format", i.format), f("rows", i.rows), f("columns", i.columns);
+  f.table("time",
+          [&](auto& time) { time("unit", i.source.time.unit), time("rate_hz", i.rate_hz), time("jitter_s", i.jitter_s), time("gaps", i.gaps); });
+  f("evidence", i.evidence), f("ambiguous", i.ambiguous), f("problems", i.problems), f("methods", supported_methods(i));
+}
+
+std::string inspection_json(const Inspection& inspection) { return json_text(written(inspection)); }
 
 std::string inspected_session_text(const Inspection& inspection, const Session& session) {
   if (!inspection.complete())

@@ -1,7 +1,7 @@
 #include "imulab/results/live.hpp"
 
 #include "imulab/core/units.hpp"
-#include "imulab/formats/text/json.hpp"
+#include "imulab/formats/text/json_fields.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/model/coefficient.hpp"
@@ -158,15 +158,27 @@ std::string live_picture(const LiveView& view, bool color) {
   return text;
 }
 
-std::string live_json(const LiveView& view) {
-  std::vector<JsonFields> requirements;
-  for (const RequirementResult& r : view.requirements)
-    requirements.push_back({{{"text", r.text}, {"coefficient", r.coefficient}, {"reached", r.reached}, {"met", r.met}}});
-  JsonFields event{{{"time_s", view.time_s}, {"rests", view.up.size()}, {"requirements", requirements}, {"done", view.done}}};
-  if (!view.up.empty()) event.fields.emplace_back("up", direction_text(view.up.back()));
-  if (!view.problem.empty()) event.fields.emplace_back("problem", view.problem);
-  if (view.next && !view.done) event.fields.emplace_back("next", turn_text(*view.next));
-  return fields_json(event, true);
+/// A requirement in a line of JSON, without its limit, which the text has.
+struct RequirementProgress {
+  RequirementProgress(const RequirementResult& r) : requirement(r) {}
+  RequirementResult requirement;
+};
+
+template <class Fields>
+void describe(Fields& f, const RequirementProgress& p) {
+  const RequirementResult& r = p.requirement;
+  f("text", r.text), f("coefficient", r.coefficient), f("reached", r.reached), f("met", r.met);
 }
+
+template <class Fields>
+void describe(Fields& f, const LiveView& view) {
+  const auto direction = view.up.empty() ? "" : direction_text(view.up.back());
+  f("time_s", view.time_s), f("rests", view.up.size()),
+      f("requirements", std::vector<RequirementProgress>(view.requirements.begin(), view.requirements.end())), f("done", view.done);
+  f("up", direction, fields::if_any), f("problem", view.problem, fields::if_any);
+  f("next", view.next && !view.done ? turn_text(*view.next) : std::string(), fields::if_any);
+}
+
+std::string live_json(const LiveView& view) { return json_text(written(view), JsonLayout::one_line); }
 
 }  // namespace imulab
