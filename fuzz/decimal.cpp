@@ -78,7 +78,7 @@ void expect_exact(std::string_view number, int exponent) {
   if (read.status == ScaledInteger::Status::good && std::to_string(read.value) != exact.integer) finding("a stamp is not exact");
 }
 
-/// Of a row of two equal fields, after a header.
+/// Two equal fields in a row, after a header.
 void expect_as_c_library(const std::string& number) {
   errno = 0;
   char* end = nullptr;

@@ -24,7 +24,7 @@ namespace imulab::fuzz {
 
 namespace {
 
-/// What a first byte says of the rows that follow it.
+/// The first byte tells how the rows after it are made.
 RecordingSource source_of(unsigned char how, const std::string& file) {
   RecordingSource source;
   source.file = file;

@@ -1,4 +1,4 @@
-// What the targets of fuzzing were given before, again, in every build: the kept corpus with every input that was ever a finding, the files of
+// The inputs of earlier fuzzing, given again to its targets in every build: the kept corpus with every input that was ever a finding, the files of
 // tests/recordings and tests/imports, and the same cut short and with bytes changed.
 #include <gmock/gmock.h>
 
@@ -11,7 +11,7 @@
 #include <vector>
 
 extern "C" {
-// Of the sanitizers, where the program has them.
+// Defined by the sanitizers, where the program has them.
 void __sanitizer_set_report_fd(void*) __attribute__((weak));
 void __sanitizer_set_death_callback(void (*)()) __attribute__((weak));
 }

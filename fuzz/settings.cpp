@@ -8,9 +8,9 @@
 #include "imulab/model/requirement.hpp"
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/report/comparison_page.hpp"
-#include "imulab/report/recording_page.hpp"
 #include "imulab/report/navigation_page.hpp"
 #include "imulab/report/prediction_page.hpp"
+#include "imulab/report/recording_page.hpp"
 #include "imulab/results/summary.hpp"
 
 #include "fuzz/fuzzed_file.hpp"
@@ -24,7 +24,7 @@ namespace imulab::fuzz {
 
 namespace {
 
-/// What `read` gives; nothing where it refuses.
+/// The result of `read`; nothing where it refuses.
 template <class Read>
 auto unless_refused(const Read& read) -> std::optional<decltype(read())> {
   try {

@@ -12,7 +12,7 @@
 
 namespace imulab {
 
-/// Of one recording, which outlives it as the session does.
+/// The input of one recording, which outlives it as the session does.
 inline CalibrationInput input_of(const Session& session, const Recording& recording, std::optional<std::vector<Range>> rests = {}) {
   return {session, {&recording, 1}, std::move(rests)};
 }

@@ -1,4 +1,4 @@
-// What the documentation says about the sensor model, applied: the code of the tutorial by hand, and the signs.
+// The documentation's statements about the sensor model, applied: the code of the tutorial by hand, and the signs.
 #include "imulab/core/units.hpp"
 #include "imulab/model/compensate.hpp"
 

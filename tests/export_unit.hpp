@@ -43,7 +43,7 @@ inline Calibration si_unit(std::uint64_t seed = 1) {
   return c;
 }
 
-/// The same with drift of the readings over temperature.
+/// That unit with drift of the readings over temperature.
 inline Calibration thermal_unit(std::uint64_t seed = 1, const char* unit = "degC", double zero = 0) {
   Calibration c = si_unit(seed);
   const RandomStream random(seed, "drift of exports");

@@ -50,7 +50,7 @@ void write_seen(long number) {
   syscall(SYS_close, file);
 }
 
-/// Whether this call is the one to fail.
+/// True for the call that has to fail.
 bool fails(std::string_view name) {
   static const char* const fault = std::getenv("IMULAB_FAULT");
   static const char* const space = fault != nullptr ? std::strchr(fault, ' ') : nullptr;

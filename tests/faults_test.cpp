@@ -60,7 +60,7 @@ struct Faults : testing::Test {
         }
       return faults;
     }
-    /// How many such calls there are.
+    /// The number of such calls.
     long count(const std::string& call) const { return with_fault(call, 0) ? std::stol(read_text(marks / "seen")) : 0; }
   };
 
@@ -95,7 +95,7 @@ struct Faults : testing::Test {
     RecordProperty("faults", all_ += faults);
   }
 
-  /// What a store or a folder of finished work holds after a fault is what the command goes on from: the same command then ends as if nothing had
+  /// The command goes on from whatever a store or a folder of finished work holds after a fault: the same command then ends as if nothing had
   /// been, and `view` prints the same. `keeps_failures`: a session that cannot be read is a result, too (exit code 1).
   void expect_the_next_run_to_finish(const std::string& command, const std::string& view, bool keeps_failures = false) {
     const Trial trial{inputs.path(), command, {}};

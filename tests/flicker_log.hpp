@@ -15,8 +15,8 @@ namespace imulab {
 /// Adds a first-order Gauss-Markov process of this standard deviation and correlation time, each sample its exact mean over the interval.
 inline void add_process(std::span<double> rate, double sigma, double time, double interval, const RandomStream& draws) {
   const double x = interval / time, decay = std::exp(-x), kept = -std::expm1(-x) / x;
-  // Of the state's and the mean's driven parts: standard deviations, and what the mean shares with the state. The mean's variance by its series where
-  // rounding would spoil it.
+  // The state's and the mean's driven parts have these standard deviations, and the mean shares a part with the state. The mean's variance by its
+  // series where rounding would spoil it.
   const double of_state = -std::expm1(-2 * x), shared = std::pow(std::expm1(-x), 2) / x;
   const double of_mean = x > 1e-2 ? (2 * x + 4 * std::expm1(-x) - std::expm1(-2 * x)) / (x * x) : x * (2.0 / 3 - x / 2);
   const double driven = sigma * std::sqrt(of_state), mean_shared = sigma * shared / std::sqrt(of_state),

@@ -49,7 +49,7 @@ std::string method_folder(const std::string& file) {
   return std::regex_search(file, found, folder) ? found[1].str() : "";
 }
 
-/// What is wrong with one include of a file in `room`, and `folder` of estimate/; empty where nothing is.
+/// The fault of one include of a file in `room`, and `folder` of estimate/; empty where nothing is.
 std::string problem(const std::string& room, const std::string& folder, char quote, const std::string& included) {
   static const std::regex json_or_toml("^(nlohmann|toml\\+\\+|toml)(/|\\.|$)"), cli("^CLI/");
   if (std::regex_search(included, json_or_toml) && !rooms_of_files.contains(room)) return "only formats, results and export know TOML and JSON";
@@ -142,7 +142,7 @@ TEST(IncludeDirections, UnknownRoomsAndRelativePathsAreCaught) {
   EXPECT_THAT(violations("imulab/model/x.cpp", "#include \"frame.hpp\""), ElementsAre(HasSubstr("a path from the root")));
 }
 
-/// What verbs print passes print.cpp, which shows what would steer a terminal; the picture of `live`, which steers it, is its own.
+/// The output of verbs passes print.cpp, which shows what would steer a terminal; the picture of `live`, which steers it, is its own.
 TEST(Printing, VerbsHaveOneWay) {
   const std::regex direct(R"(fmt::print\(|std::c(out|err)|[^n]printf\(|fputs)");
   std::size_t verbs = 0;

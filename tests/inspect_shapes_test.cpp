@@ -174,7 +174,7 @@ std::array<int, 3> numbers_of(const SignalTable& table, const std::vector<Column
   return numbers;
 }
 
-/// What is wrong with what was recognized; empty where all is right.
+/// The faults of a recognition; empty where all is right.
 std::string mistake(const Shape& shape, const Log& log, const SignalTable& table, const Inspection& found) {
   std::string wrong;
   const RecordingSource& s = found.source;

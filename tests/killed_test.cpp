@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of WholeFile and NewFolder: "out.4fGh2x", "out.part-4fGh2x/...". Those that a killed command leaves take room and block nothing.
+/// Names that WholeFile and NewFolder make: "out.4fGh2x", "out.part-4fGh2x/...". Those that a killed command leaves take room and block nothing.
 bool is_temporary(const std::string& name) {
   const std::string first = name.substr(0, name.find('/'));
   if (first.find(".part-") != std::string::npos) return true;
@@ -59,7 +59,7 @@ struct Killed : testing::Test {
     RecordProperty("killed", all_);
   }
 
-  /// Of a store, or a folder of finished work.
+  /// The content of a store, or of a folder of finished work.
   void expect_the_next_run_to_finish(const std::string& arguments, const std::string& view) {
     const TemporaryFolder work;
     const fs::path place = work / "w";

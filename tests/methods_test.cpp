@@ -1,4 +1,4 @@
-// What every method in the table of methods keeps.
+// Rules that every method in the table of methods keeps.
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/simulate/simulate.hpp"

@@ -82,7 +82,7 @@ TEST(Package, TheExamplesBuildAndRunAgainstIt) {
       "-fsyntax-only first.cpp");
   EXPECT_THAT(eigen_first.errors, HasSubstr("Include imulab before Eigen"));
 
-  // The same by pkg-config, wherever the prefix stands.
+  // pkg-config gives the same, wherever the prefix stands.
   run(folder, "mv prefix moved && export PKG_CONFIG_PATH=\"$PWD/moved/$(cd moved && echo lib*/pkgconfig)\" && g++ -std=c++20 '" IMULAB_SOURCE
               "/examples/predict.cpp' $(pkg-config --cflags --libs imulab) -o by_pkg_config && ./by_pkg_config > by_pkg_config.txt");
   const std::string prediction = run(folder, "build/predict");

@@ -61,7 +61,7 @@ std::string watched(const std::string& page, const std::string& name) {
   return replaced(text, "</body>", judge + "</body>");
 }
 
-/// Of each page what its copy says, by name.
+/// The text of each page's copy, by name.
 struct Browsed {
   std::map<std::string, std::string> pages;
   std::vector<std::string> console, requests;

@@ -1,4 +1,4 @@
-// What one method may take for something else: a wrong place, a unit that changed on the way, lost samples. Never "good".
+// Changes that one method may take for something else: a wrong place, a unit that changed on the way, lost samples. Never "good".
 #include <gmock/gmock.h>
 
 #include "tests/hybrid_session.hpp"

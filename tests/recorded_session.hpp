@@ -69,7 +69,7 @@ struct SessionText {
   }
 };
 
-/// What `imulab procedure hand-held` and `imulab simulate` make with the default seed: 20 rests, 144 s at 100 Hz. Made once.
+/// The session that `imulab procedure hand-held` and `imulab simulate` make with the default seed: 20 rests, 144 s at 100 Hz. Made once.
 inline const SessionText& hand_held_session() {
   static const SessionText made = [] {
     const TemporaryFolder folder;

@@ -65,7 +65,7 @@ void expect_columns(const TableRequest& request, const std::vector<Column>& colu
   }
 }
 
-/// What is said of a request that cannot be read.
+/// The message about a request that cannot be read.
 inline std::string error_of(const TableRequest& request, const std::vector<Column>& columns) {
   try {
     columns_of(request, columns);

@@ -10,7 +10,7 @@
 
 namespace imulab {
 
-/// What write_recording writes, in counts.
+/// The text that write_recording writes, in counts.
 inline RecordingSource plain_source() {
   RecordingSource source;
   source.file = "r.csv";

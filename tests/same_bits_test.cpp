@@ -57,7 +57,7 @@ struct SameBits : testing::Test {
     std::string folder = "work", environment{}, before{}, options{};  ///< a shell's commands; what runs the command; its further options
   };
 
-  /// What the command prints and writes, without the time of day.
+  /// The output and files of the command, without the time of day.
   std::string result_of(const std::string& verb, const Surroundings& in) const {
     const TemporaryFolder work;
     const fs::path place = work / in.folder;

@@ -1,4 +1,4 @@
-// What a test program tests: the tests are compiled once, and linked with the library as it is and with the library under sanitizers.
+// The build that a test program tests: the tests are compiled once, and linked with the library as it is and with the library under sanitizers.
 #pragma once
 
 #include <string>

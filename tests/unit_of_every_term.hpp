@@ -48,7 +48,7 @@ inline Calibration every_term() {
   return c;
 }
 
-/// The same unit from readings in SI.
+/// That unit from readings in SI.
 inline Calibration every_term_in_si() {
   constexpr double per_unit = 500;  // counts to one m/s^2 and to one rad/s
   Calibration c = every_term();

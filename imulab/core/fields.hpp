@@ -39,7 +39,7 @@ std::string out_of_range(double value, const Number& kind);
 /// The value that null in a file stands for; empty: a number 0, or an empty text.
 enum class Null { none, nan, infinity, empty };
 
-/// How a field of a result is written and read.
+/// The manner in which a field of a result is written and read.
 struct How {
   Presence presence = Presence::required;  ///< of the key in a file; optional: the value keeps what it has where the key is absent
   Null null = Null::none;

@@ -77,7 +77,7 @@ void describe(Fields& f, Quality& q) {
   f("rests", q.rests, fields::optional), f("rotations", q.rotations, fields::optional), f("notes", q.notes, fields::optional);
 }
 
-/// Of the terms the matrix is required; one that is missing is zero. `coupling` is the lever arm of the accelerometers or the gyros' g-sensitivity.
+/// The matrix is required; another term that is missing is zero. `coupling` is the lever arm of the accelerometers or the gyros' g-sensitivity.
 template <class Fields>
 void describe_triad(Fields& f, TriadModel& m, const char* coupling_key, Matrix3d& coupling) {
   f("offset", m.offset, fields::optional), f("matrix", m.matrix), f("quadratic", m.quadratic, fields::optional);

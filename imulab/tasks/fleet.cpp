@@ -34,7 +34,7 @@ struct FleetItem {
   bool skipped = false, failed_before = false;
 };
 
-/// What any step throws is the session's failure, but for what the session cannot help: a store that cannot be written, memory that ends.
+/// An Error of any step is the session's failure, except those that the session cannot help: a store that cannot be written, memory that ends.
 template <class Work>
 void attempt(FleetItem& item, const Work& work) {
   if (item.skipped || !item.failure.empty()) return;

@@ -28,14 +28,14 @@ struct InspectedRecording {
   std::optional<Recording> recording;  ///< as the session declares it; absent where something is open, wrong, or a stream
 };
 
-/// What is wrong with the recording as its session declares it is a problem of the inspection.
+/// A fault of the recording as its session declares it is a problem of the inspection.
 InspectedRecording inspect_and_read(const InspectionTask& task);
 
 /// The session of one file, of which nothing is open. Throws Error for a problem, Unsupported with the open questions. `hint` says how they are
 /// answered.
 Session session_for(const Inspection& inspection, const InspectionTask& task, const std::string& hint);
 
-/// What such a session assumes of gravity; empty where it is declared.
+/// The assumption of such a session about gravity; empty where it is declared.
 std::string assumed_gravity(const Session& session);
 
 }  // namespace imulab

@@ -111,7 +111,7 @@ void add_prior(Prediction& prediction, const FleetPrior& prior) {
     }
 }
 
-/// What the path itself has to reach.
+/// The requirements on the path itself.
 std::vector<Requirement> with_prior(const PlanTask& task) {
   std::vector<Requirement> left = left_to_reach(task.requirements, *task.prior);
   std::erase_if(left, [](const Requirement& r) { return zero_by_frame(r.coefficients.front()); });

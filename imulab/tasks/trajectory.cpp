@@ -95,7 +95,7 @@ Truth unit_of(const MissionFile& file, const TrajectoryTask& task, std::vector<s
   return unit;
 }
 
-/// Of an ideal IMU, of one with the mission's errors, or raw readings of a given one.
+/// Readings of an ideal IMU, of one with the mission's errors, or raw ones of a given IMU.
 Recording recording_on(const MissionFile& file, const TrajectoryTask& task, const Trajectory& motion, std::vector<std::string>& warnings) {
   const double interval = 1 / file.mission.rate;
   if (task.errors) {

@@ -1,4 +1,4 @@
-// Whether the files of a calibration are still those that it was made from. Shared by the command and the Python module.
+// Verification that the files of a calibration are still those that it was made from. Shared by the command and the Python module.
 #pragma once
 
 #include "imulab/formats/calibration/file.hpp"

@@ -39,7 +39,7 @@ struct Check {
 /// worst coefficient: RMS over its bound below sqrt(chi2_N(1 - 0.001 / m) / N)
 std::vector<Check> judge(const std::vector<Run>& runs);
 
-/// What is simulated and calibrated, from a seed alone: poses, IMU, gravity and noise are all drawn.
+/// A simulated and calibrated session, from a seed alone: poses, IMU, gravity and noise are all drawn.
 Run handheld_run(std::uint64_t seed);
 Run static_run(std::uint64_t seed);
 /// Zhang's procedure on tables of 2 arcsec and of 1 arcmin, whose errors are drawn as well.
@@ -59,11 +59,11 @@ std::vector<Check> whole_unit_outputs(int runs);
 
 /// Drawn fleets of 60 units with three calibrations each, through a store: coverage of spread, drift and station bias; rates of outliers.
 std::vector<Check> fleets(int count);
-/// Fleets of 86 units whose sessions by hand are simulated, written and calibrated as the documentation does: a unit 0.5 g off is named, and what only
-/// the prior sets is left out.
+/// Fleets of 86 units whose sessions by hand are simulated, written and calibrated as the documentation does: a unit 0.5 g off is named, and what
+/// only the prior sets is left out.
 std::vector<Check> fleets_by_hand(int count);
 
-/// What the acceptance test runs for a method. Every method of the table has at least one.
+/// The runs of the acceptance test for a method. Every method of the table has at least one.
 struct Case {
   std::string_view method, name;
   Run (*run)(std::uint64_t seed);
@@ -84,7 +84,7 @@ std::vector<Check> noise_logs(int logs);
 /// In which share of logs (seeds 1 .. logs) of some lengths the random walk is determined beside flicker, and how well.
 std::vector<Check> noise_lengths(int logs);
 
-/// Of a turntable session whose readings have this white noise.
+/// The options of a turntable session whose readings have this white noise.
 Eigen::MatrixXd turntable_information(const TableMotion& motion, const SensorModel& truth, const turntable::RawNoise& noise,
                                       const std::vector<CoefficientIndex>& indices);
 

@@ -24,7 +24,7 @@ constexpr double false_alarm = 0.05;
 
 enum class Kind { drift, stations, outliers };
 
-/// What was drawn, in spreads of each coefficient.
+/// The drawn truth, in spreads of each coefficient.
 double spread_of(const Coefficient& c) { return c.term == Term::matrix ? 1e-3 : c.triad == Triad::accel ? 2e-3 * unit::g : 0.3 * unit::deg; }
 double nominal(const Coefficient& c) { return c.term == Term::matrix && c.row == c.column ? 1 : 0; }
 double slope_of(std::uint64_t seed, std::uint64_t unit, CoefficientIndex index) {
@@ -52,7 +52,7 @@ void draw_fleet(std::uint64_t seed, Kind kind, FleetStore& store) {
     }
 }
 
-/// How many of how many.
+/// A count out of a number of trials.
 struct Share {
   double hits = 0, all = 0;
   void take(bool hit) { hits += hit, all += 1; }

@@ -118,7 +118,7 @@ MisspecifiedRun run(const Method& method, std::uint64_t seed) {
   return out;
 }
 
-/// Of the runs with one verdict.
+/// Statistics of the runs with one verdict.
 std::vector<Check> judge_runs(const std::vector<MisspecifiedRun>& runs, bool good) {
   const std::string which = good ? "good: " : "doubtful: ";
   double inside = 0, all = 0, chi2 = 0, count = 0, sessions = 0;

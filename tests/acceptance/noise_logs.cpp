@@ -25,7 +25,7 @@ namespace {
 constexpr double interval = 0.005;
 constexpr std::size_t samples = 3 * 3600 * 200;
 
-/// What a log is made of; N is 1.
+/// The parts of a log; N is 1.
 struct NoiseTruth {
   NoiseModel model{};
   double sigma = 0, time = 0;  ///< of a Markov process; 0: none
@@ -132,7 +132,7 @@ std::array<double, 4> bounds(const NoiseTruth& truth, const noise::Spectrum& spe
   return out;
 }
 
-/// What came out of a coefficient.
+/// The estimates of a coefficient.
 struct Fitted {
   bool determined = false;
   double value = 0, lower = 0, upper = 0, truth = 0, bound = 0;

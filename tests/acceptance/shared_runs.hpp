@@ -25,7 +25,7 @@ inline std::filesystem::path& kept_runs() {
   return folder;
 }
 
-/// Whether this process says what came out: alone, or the first of those that share the runs.
+/// True in the process that prints the results: alone, or the first of those that share the runs.
 inline bool tells() { return kept_runs().empty() || leads_processes(); }
 
 /// None where no runs are kept. Runs of another build of this program, or of another number, are another work.
@@ -51,7 +51,7 @@ concept IsMatrix = requires(T value) {
   value.data();
 };
 
-/// What a run gives, as bytes.
+/// The result of a run, as bytes.
 template <class T>
 void write_run(std::string& out, T& value) {
   if constexpr (HasFields<T>) {
@@ -97,7 +97,7 @@ void read_run(std::string_view& bytes, T& value) {
   }
 }
 
-/// What `run` gives for 0 ... count - 1, in this order. `test`: the name of its folder.
+/// The results of `run` for 0 ... count - 1, in this order. `test`: the name of its folder.
 template <class T>
 std::vector<T> runs_of(const std::string& test, int count, const std::function<T(std::size_t)>& run) {
   std::vector<T> runs(static_cast<std::size_t>(count));

@@ -42,7 +42,7 @@ TEST(Hybrid, WithoutNoiseTheTruthComesBack) {
   const CalibrationResult result = calibrated(s, base_terms());
   ASSERT_EQ(result.calibration.estimated.size(), 21u);
   for (const CoefficientIndex index : result.calibration.estimated) {
-    // What remains is the integration of mean rates over 50 ms in turns that speed up at 50 deg/s^2: 0.01 ppm.
+    // The remaining error is the integration of mean rates over 50 ms in turns that speed up at 50 deg/s^2: 0.01 ppm.
     EXPECT_NEAR(coefficient_value(result.calibration.model, index), coefficient_value(s.truth.model, index), 1e-8) << coefficient(index).name;
   }
 }
@@ -87,7 +87,7 @@ TEST(Hybrid, ErrorsAreAsLargeAsStatedWhateverTheTable) {
 }
 
 TEST(Hybrid, ThePoorTableIsAsGoodAsTheBest) {
-  // The same unit, the same noise, three tables: the attitudes differ, so that the noise falls on other directions, but the errors stay inside the
+  // One unit and one noise on three tables: the attitudes differ, so that the noise falls on other directions, but the errors stay inside the
   // sigmas and the sigmas are the same.
   Eigen::VectorXd best;
   for (const double table : {2 * unit::arcsec, 60 * unit::arcsec, 1 * unit::deg}) {
@@ -222,7 +222,7 @@ TEST(Hybrid, FindsAHeadingThatTurns) {
   EXPECT_LT(sum, chi_square_quantile(0.9995, sessions));
 }
 
-/// What the gyros' noise adds up to, 7 mrad on each axis here, would tilt the solution by so much that the vertical force is wrong by 2e-5 on
+/// The sum of the gyros' noise, 7 mrad on each axis here, would tilt the solution by so much that the vertical force is wrong by 2e-5 on
 /// average.
 TEST(Hybrid, NoTiltAddsUp) {
   double sum = 0, count = 0;

@@ -19,7 +19,7 @@
 // vertical axis for g (wrong by phi^2 / 2 = 5e-4, or 500 ug). A pass about the coarse model therefore leaves s wrong by about 1e-4; the next pass
 // begins with a tilt of 3e-4 rad, whose square is 1e-7; the third pass moves nothing by a hundredth of its sigma. Three or four passes are usual.
 //
-// What makes it hard:
+// The difficulties:
 // - Each pass has the same prior about the coarse solution: `total` keeps what was corrected since. The posterior of a pass as the prior of the next
 // would
 //   count the data twice (83 % instead of 95 % coverage).

@@ -56,7 +56,7 @@ void expect_the_filters_sigmas(const Session& session, double tolerance) {
 }
 
 TEST(MotionInformation, PartsAddUpToTheFilter) {
-  // The same blocks; sums by midpoints of 0.5 deg here, by Simpson's rule there.
+  // Both have the same blocks; sums by midpoints of 0.5 deg here, by Simpson's rule there.
   expect_the_filters_sigmas(hybrid_procedure(15, 100), 2e-3);
 }
 

@@ -5,7 +5,7 @@
 namespace imulab::kernel {
 namespace {
 
-/// What an estimate under a prior of sigma 1 is, and its variance, where the data alone say `value` +- `sigma`.
+/// An estimate under a prior of sigma 1, and its variance, where the data alone say `value` +- `sigma`.
 double widening_of(double value, double sigma) {
   const double variance = sigma * sigma / (1 + sigma * sigma);
   return widening(Eigen::VectorXd::Constant(1, value * (1 - variance)), Eigen::VectorXd::Ones(1), Eigen::MatrixXd::Constant(1, 1, variance));

@@ -50,7 +50,7 @@ TEST(Handheld, CountsGiveTheSameUnitAsSi) {
     for (double& v : counts.gyro[j]) v = zero + 10 * gain * v;
   }
   const Calibration c = calibrated("handheld", counts, s.rests, imu, s.site(), options);
-  // The same least squares in other units: converged to a hundredth of a sigma both times.
+  // Least squares agree in other units: converged to a hundredth of a sigma both times.
   for (int r = 0; r < 3; ++r)
     for (int k = 0; k <= r; ++k)
       EXPECT_NEAR(gain * c.model.accel.matrix(r, k), si.model.accel.matrix(r, k),

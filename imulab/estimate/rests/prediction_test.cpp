@@ -1,4 +1,4 @@
-// What the methods on rests predict of a procedure. Agreement with their calibrations: tests/methods_test.cpp.
+// Predictions of the methods on rests. Agreement with their calibrations: tests/methods_test.cpp.
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/rests/rests.hpp"
 #include "imulab/model/grade.hpp"

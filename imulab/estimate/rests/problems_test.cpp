@@ -56,7 +56,7 @@ TEST(HandheldProblem, DerivativesEqualDifferences) {
       if (!latitude) site.latitude.reset();
       return HandheldProblem(s.recording, start, site, all_coefficients());
     };
-    // What the derivatives leave out is stated there: the force's part in C f (1e-3) and in the direction of Earth's rate (1e-4), the integrals'
+    // The derivatives leave out, as stated there, the force's part in C f (1e-3) and in the direction of Earth's rate (1e-4), the integrals'
     // midpoint rule and the coning term ((rate dt)^2, 1e-4).
     expect_jacobian(
         make, [](Eigen::Index) { return 1e-6; }, 3e-3);

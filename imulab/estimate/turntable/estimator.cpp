@@ -24,7 +24,7 @@
 // which is as uncertain as g, and r^2 / 2 of b, to which g adds nothing. With r = 1 ug and a table tilted by 2 arcsec (10 ug across it) a side hold
 // shows the other use of S: its reading is worth a hundredth of an upright one's for the offset.
 //
-// What makes it hard:
+// The difficulties:
 // - T Sigma T^T may be 1e10 times R. Sums of squares would lose R, and with it what the data say beyond the table: orthogonal factors keep it
 // (set_weights).
 // - Readings are 1e6 times the differences that matter: the gain takes the differences from the expected readings (set_gains).

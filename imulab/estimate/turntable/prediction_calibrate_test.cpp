@@ -1,4 +1,4 @@
-// What a calibration states is what was predicted of it.
+// A calibration states the uncertainties that were predicted of it.
 #include "imulab/estimate/turntable/fit.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
 
@@ -56,7 +56,7 @@ void expect_stated(const std::vector<Step>& steps, const std::vector<Coefficient
   const Eigen::MatrixXd covariance = as_of_an_ideal_unit(stated);
   const Eigen::VectorXd sigma = predicted.sigma;
   for (Eigen::Index i = 0; i < sigma.size(); ++i)
-    // What differs is where it was linearized: table errors of 1e-5 as found, misalignments of 1e-3 of the unit between sigmas of 0.1 and 10 ppm.
+    // They are linearized at different places: table errors of 1e-5 as found, misalignments of 1e-3 of the unit between sigmas of 0.1 and 10 ppm.
     EXPECT_NEAR(std::sqrt(covariance(i, i)) / sigma[i], 1, 0.01) << coefficient(stated.estimated[static_cast<std::size_t>(i)]).name;
 }
 

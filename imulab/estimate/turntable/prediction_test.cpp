@@ -58,7 +58,7 @@ void expect_agreement(const Plan& plan, std::size_t coefficients) {
   const VectorXd sigma = closed.sigma;
   for (Index i = 0; i < sigma.size(); ++i) {
     const std::string name = name_of(closed.coefficients[static_cast<std::size_t>(i)]);
-    // Of 20,000 normal draws a sigma scatters by 0.5 %; products of errors scatter more.
+    // The sigma of 20,000 normal draws scatters by 0.5 %; products of errors scatter more.
     EXPECT_NEAR(sampled.sigma[i] / sigma[i], 1, std::max(0.03, 4 * sampled.sampling_sigma[i])) << name;
     EXPECT_NEAR(sampled.sampling_sigma[i], 0.005, 0.003) << name;
     // The mean is that of the sampled errors: 4.5 sigmas for 24 of them at a time.

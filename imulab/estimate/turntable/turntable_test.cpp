@@ -68,7 +68,7 @@ TEST(Turntable, CountsWithALargeOffsetAreNoDifferent) {
   }
   run.seen.accel_unit = run.seen.gyro_unit = "count";
   const Calibration counts = calibrate(run.seen, table_of(2 * unit::arcsec), imu, table_site());
-  // Of the readings less their offset, about which the terms of second order are those of the SI readings.
+  // Readings less their offset, about which the terms of second order are those of the SI readings.
   const SensorModel centered = of_shifted_readings(counts.model, Vector3d::Constant(-32768), Vector3d::Constant(1000));
   // 1e5 counts are 1 m/s^2: rounding of 1e6 counts is 1e-10 counts; what differs is the first pass's start, which the second forgets.
   EXPECT_LT((1e5 * centered.accel.matrix - si.model.accel.matrix).norm(), 1e-9);

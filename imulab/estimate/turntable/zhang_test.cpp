@@ -79,7 +79,7 @@ TEST(Turntable, WithNoiseAloneItIsZhangsFormulas) {
 }
 
 TEST(Turntable, TheTurnsAlsoTellTheBias) {
-  // The same readings with the bias common to holds and turns: a bias that averages over both.
+  // With a bias common to holds and turns, the readings give one that averages over both.
   const TableRun run = run_of(zhang_steps(), table_of(0, 0), 4, 1);
   EstimatorOptions settings;
   settings.terms = linear_terms();

@@ -1,4 +1,4 @@
-// What the whole-unit method predicts of a procedure. Agreement with its calibrations: tests/methods_test.cpp.
+// Predictions of the whole-unit method. Agreement with its calibrations: tests/methods_test.cpp.
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
 #include "imulab/model/coefficient.hpp"

@@ -60,7 +60,7 @@ TEST(WholeUnit, WithoutNoiseOrRigErrorsItIsTheTruth) {
     for (RecordingSource& source : session.recordings) source.gyro_temperature->noise = source.accel_temperature->noise = 0;
   });
   const Calibration c = calibration_of(s, full());
-  // What is left is Earth's horizontal rate, which part of a turn does not average out: 5e-5 rad/s in a few of 246 points of up to 7 rad/s, and
+  // There remains Earth's horizontal rate, which part of a turn does not average out: 5e-5 rad/s in a few of 246 points of up to 7 rad/s, and
   // Coriolis' upward force, 2e-3 m/s^2 in a few of 42 points of up to 300 m/s^2.
   for (std::size_t k = 0; k < c.estimated.size(); ++k) {
     const Coefficient& e = coefficient(c.estimated[k]);

@@ -120,10 +120,10 @@ class Field {
   std::string file_, path_;
 };
 
-/// What is wrong with a file, part after part: all of it is one Error, a line each.
+/// The faults of a file, part after part: all of them are one Error, a line each.
 class Problems {
  public:
-  /// Whether `read` found none in its part.
+  /// True where `read` found none in its part.
   template <class Read>
   bool none_in(const Read& read) {
     try {

@@ -91,7 +91,7 @@ class JsonReader {
     if (problems_ != nullptr) problems_->expect_known_keys(at_, known_, others_allowed);
   }
 
-  /// Whether the key is there, and right.
+  /// True where the key is there, and right.
   template <class Value>
   bool operator()(std::string_view key, Value& value, const fields::How& how = {}) {
     knows(key);
