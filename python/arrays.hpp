@@ -14,7 +14,7 @@ namespace imulab::python {
 
 namespace py = pybind11;
 
-/// An array of float64, with any strides.
+/// An array of float64 with any strides.
 using Array = py::array_t<double>;
 
 /// N numbers, or one column of three.

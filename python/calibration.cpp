@@ -13,8 +13,7 @@
 #include "imulab/tasks/usable.hpp"
 #include "imulab/tasks/verify.hpp"
 
-#include "python/bindings.hpp"
-#include "python/work.hpp"
+#include "python/module.hpp"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,7 +28,7 @@ std::shared_ptr<CalibrationObject> object_of(Calibration calibration) {
   return std::make_shared<CalibrationObject>(CalibrationObject{std::make_shared<CalibrationResult>(CalibrationResult{std::move(calibration)}), {}});
 }
 
-/// name, value, standard uncertainty (NaN: not determined), unit; SI.
+/// Each row: name, value, standard uncertainty (NaN: not determined), unit; SI.
 py::list coefficients(const Calibration& c) {
   py::list rows;
   for (const CoefficientIndex index : coefficient_indices()) {
@@ -134,10 +133,12 @@ void bind_calibration(py::module_& module) {
       .def_property_readonly("because", [](const CalibrationObject& c) { return c.calibration().quality.because; })
       .def_property_readonly("warnings", [](const CalibrationObject& c) { return c.calibration().quality.warnings; })
       .def_property_readonly("unobservable", [](const CalibrationObject& c) { return c.calibration().quality.unobservable; })
-      .def("usability",
-           [](const CalibrationObject& c, const std::string& name) {
-             Usability found = usability(c.calibration(), name);
-             return std::pair(std::move(found.warnings), std::move(found.undetermined));
+      .def("expect_usable",
+           [](const CalibrationObject& c, const std::string& name, bool allowed) {
+             std::vector<std::string> warnings;
+             expect_usable(
+                 c.calibration(), name, allowed, [&](const std::string& text) { warnings.push_back(text); }, "allow_undetermined=True");
+             return warnings;
            })
       .def_property_readonly("thermal_units",
                              [](const CalibrationObject& c) {
@@ -186,11 +187,10 @@ void bind_calibration(py::module_& module) {
              options.axes = axes == "mean" ? AxisChoice::mean : AxisChoice::worst;
              return exported(c, target, noise, options);
            });
-  module.def("verify", [](const std::string& path, const std::string& session) {
-    return run(py::none(), [=](const auto&) {
-      const VerifiedCalibration verified = verify(path, session);
-      return Outcome{.json = verification_json(verified), .text = verification_text(verified), .shortcomings = shortcomings(verified)};
-    });
+  module.def("verify", [](const std::string& path, const py::dict& keywords) {
+    auto o = options_from<VerifyOptions>(keywords);
+    o.calibration = path;
+    return Outcome{run(py::none(), [o](const auto&) { return verify(o); })};
   });
   module.def("export_targets", [] {
     std::vector<std::pair<std::string_view, std::string_view>> targets;

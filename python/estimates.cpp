@@ -1,21 +1,13 @@
 // calibrate, compare, predict, plan, noise, simulate.
 #include "imulab/core/error.hpp"
-#include "imulab/core/units.hpp"
-#include "imulab/fleet/store/sample.hpp"
-#include "imulab/formats/calibration/file.hpp"
-#include "imulab/formats/recording/reader.hpp"
-#include "imulab/noise/noise_analysis.hpp"
-#include "imulab/report/comparison_page.hpp"
-#include "imulab/report/noise_page.hpp"
-#include "imulab/results/noise.hpp"
 #include "imulab/tasks/compare.hpp"
+#include "imulab/tasks/noise.hpp"
+#include "imulab/tasks/plan.hpp"
 #include "imulab/tasks/predict.hpp"
-#include "imulab/tasks/recordings.hpp"
 #include "imulab/tasks/simulate.hpp"
+#include "imulab/tasks/usable.hpp"
 
-#include "python/bindings.hpp"
-#include "python/work.hpp"
-#include <algorithm>
+#include "python/module.hpp"
 #include <pybind11/stl.h>
 #include <utility>
 
@@ -24,7 +16,7 @@ namespace {
 
 using Recordings = std::vector<std::shared_ptr<Recording>>;
 
-/// Of files where `given` is none.
+/// The recordings given, or those of files where `given` is none.
 SessionRecordings recordings_of(const Session& session, const std::optional<Recordings>& given, const Method& method, const std::string& chosen) {
   if (!given) return read_recordings(session, method, chosen);
   std::vector<Recording> copies;
@@ -32,105 +24,44 @@ SessionRecordings recordings_of(const Session& session, const std::optional<Reco
   return given_recordings(session, std::move(copies));
 }
 
-FleetPrior prior_at(const std::string& file) {
-  FleetStore store(file);
-  return fleet_prior(store);
-}
-
 std::pair<std::shared_ptr<CalibrationObject>, std::vector<std::string>> calibrated(std::shared_ptr<Session> session, std::optional<Recordings> given,
-                                                                                   const std::string& method_name, const std::string& terms,
-                                                                                   const std::string& require, const std::string& chosen,
-                                                                                   bool stepwise, const std::string& prior,
-                                                                                   const py::object& progress) {
-  const Method& chosen_method = method(method_name);
-  CalibrationTask task{.method = method_name, .terms = terms, .stepwise = stepwise, .curves = true};
-  if (!require.empty()) task.requirements = parse_requirements(require);
-  auto work = [=](const std::function<void(double)>& report) mutable {
+                                                                                   const py::dict& keywords, const py::object& progress) {
+  return run(progress, [=, o = options_from<CalibrateOptions>(keywords)](const std::function<void(double)>& report) {
+    CalibrationTask task = task_of(o);
+    task.curves = true;
     task.progress = report;
-    if (!prior.empty()) task.prior = prior_at(prior);
-    const auto data = std::make_shared<SessionRecordings>(recordings_of(*session, given, chosen_method, chosen));
-    auto result = std::make_shared<CalibrationResult>(calibrate(*data, task));
-    if (!given) add_provenance(result->calibration, data->session, data->recordings);
-    result->calibration.options = {{"terms", terms}};
-    if (!chosen.empty()) result->calibration.options["recording"] = chosen;
-    if (stepwise) result->calibration.options["stepwise"] = "true";
-    if (!prior.empty()) result->calibration.options["prior"] = prior;
-    std::vector<std::string> warnings = data->warnings;
-    const std::vector<std::string>& own = result->calibration.quality.warnings;
-    warnings.insert(warnings.end(), own.begin(), own.end());
-    result->calibration.quality.warnings = warnings;
-    return std::pair(std::make_shared<CalibrationObject>(CalibrationObject{std::move(result), data}), std::move(warnings));
-  };
-  return run(progress, std::move(work));
+    const auto data = std::make_shared<const SessionRecordings>(recordings_of(*session, given, method(o.method), o.recording));
+    const auto answer = calibration_answer(data, o, task, !given);
+    return std::pair(std::make_shared<CalibrationObject>(CalibrationObject{answer.data, data}), answer.data->calibration.quality.warnings);
+  });
 }
 
-Outcome compared(const std::vector<std::pair<std::string, std::shared_ptr<CalibrationObject>>>& given, bool different_imus) {
+Outcome compared(const std::vector<std::pair<std::string, std::shared_ptr<CalibrationObject>>>& given, const py::dict& keywords) {
   std::vector<NamedCalibration> inputs;
   for (const auto& [name, object] : given) inputs.push_back({name, object->calibration()});
-  const auto found = std::make_shared<ComparedCalibrations>(compare_calibrations(inputs, different_imus));
-  const ComparisonSummary& s = found->summary;
-  return {.json = comparison_json(inputs, s.comparisons, s.agreement),
-          .text = comparison_table(inputs, s.comparisons, s.agreement),
-          .warnings = found->warnings,
-          .page = [found] { return comparison_page(found->summary); }};
+  return {comparison_answer(std::move(inputs), options_from<CompareOptions>(keywords).different_imus)};
 }
 
-Outcome predicted(std::shared_ptr<Session> procedure, const std::string& method, const std::string& terms, const std::string& require,
-                  std::uint64_t runs, std::uint64_t seed, bool classical, const py::object& progress) {
-  PredictionOptions asked{.terms = parse_terms(terms), .runs = runs, .seed = seed, .classical = classical};
-  if (!require.empty()) asked.requirements = parse_requirements(require);
-  return run(progress, [=](const std::function<void(double)>& report) mutable {
-    asked.progress = report;
-    const auto p = std::make_shared<Prediction>(imulab::predicted(method, *procedure, asked));
-    return Outcome{.json = prediction_json(summary_of(*p)),
-                   .text = prediction_text(*p, asked.requirements),
-                   .shortcomings = shortcomings(*p),
-                   .warnings = p->warnings,
-                   .page = [p, name = procedure->file, required = !asked.requirements.empty()] { return prediction_page(*p, name, required); }};
-  });
-}
-
-std::pair<Outcome, std::shared_ptr<Session>> planned(const std::string& require, const std::string& grade, double latitude_deg,
-                                                     std::optional<double> gravity, const std::vector<std::string>& axes, bool by_hand,
-                                                     std::optional<double> time, std::optional<double> rest, const std::string& prior,
-                                                     const py::object& progress) {
-  PlanTask task{.requirements = parse_requirements(require),
-                .grade = grade,
-                .latitude = latitude_deg * unit::deg,
-                .gravity = gravity,
-                .by_hand = by_hand,
-                .time = time,
-                .rest = rest};
-  if (!axes.empty()) task.axes.clear();
-  for (const RigAxis axis : {RigAxis::outer, RigAxis::middle, RigAxis::inner})
-    if (std::find(axes.begin(), axes.end(), to_string(axis)) != axes.end()) task.axes.push_back(axis);
-  if (task.axes.empty()) throw Error("axes: expected some of outer, middle, inner");
-  return run(progress, [=](const std::function<void(double)>& report) mutable {
-    if (!prior.empty()) task.prior = prior_at(prior);
+Outcome predicted(std::shared_ptr<Session> procedure, const py::dict& keywords, const py::object& progress) {
+  return {run(progress, [=, o = options_from<PredictOptions>(keywords)](const std::function<void(double)>& report) {
+    PredictionOptions task = task_of(o);
     task.progress = report;
-    const auto p = std::make_shared<PlannedProcedure>(plan(task));
-    return std::pair(Outcome{.json = plan_json(*p), .text = plan_text(*p), .shortcomings = shortcomings(*p), .page = [p] { return plan_page(*p); }},
-                     std::make_shared<Session>(p->procedure));
-  });
+    return prediction_answer(o.method, *procedure, procedure->file, std::move(task));
+  })};
 }
 
-DeviationKind kind_of(const std::string& name) {
-  if (const auto kind = deviation_kind(name)) return *kind;
-  throw Error("deviation: " + name + "; expected overlapping-allan, allan, modified-allan, hadamard, overlapping-hadamard or total");
+std::pair<Outcome, std::shared_ptr<Session>> planned(const py::dict& keywords, bool by_hand, const py::object& progress) {
+  auto answer = run(progress, [o = options_from<PlanOptions>(keywords), by_hand](const std::function<void(double)>& report) {
+    PlanTask task = task_of(o);
+    task.by_hand |= by_hand;
+    task.progress = report;
+    return plan_answer(task);
+  });
+  return {{answer}, std::make_shared<Session>(answer.data->procedure)};
 }
 
-Outcome noise(std::shared_ptr<Session> session, std::shared_ptr<Recording> recording, const std::string& deviation, bool remove_temperature) {
-  const NoiseOptions options{kind_of(deviation), remove_temperature};
-  return run(py::none(), [=](const auto&) {
-    const auto still = std::make_shared<StillPart>(still_part(*recording, *session));
-    const auto analysis = std::make_shared<NoiseAnalysis>(analyze_noise(still->recording, *still, options));
-    Outcome out{.json = noise_json(*analysis), .text = noise_text(*analysis), .warnings = analysis->warnings, .page = [still, analysis] {
-                  return noise_page(*analysis, still->recording, still->range);
-                }};
-    for (const NoiseAxis& axis : analysis->axes)
-      if (!axis.fit) out.shortcomings += (out.shortcomings.empty() ? "no noise to be seen on " : ", ") + axis.name;
-    return out;
-  });
+Outcome noise(std::shared_ptr<Session> session, std::shared_ptr<Recording> recording, const py::dict& keywords) {
+  return {run(py::none(), [=, o = options_from<NoiseVerbOptions>(keywords)](const auto&) { return noise_answer(*recording, *session, o); })};
 }
 
 Array deviation_of(const Array& rate, double interval_s, const std::string& kind, const std::optional<std::vector<std::size_t>>& factors) {
@@ -138,7 +69,7 @@ Array deviation_of(const Array& rate, double interval_s, const std::string& kind
   std::vector<DeviationPoint> points;
   {
     const py::gil_scoped_release unlocked;
-    points = deviation(column, interval_s, factors ? *factors : averaging_factors(column.size()), kind_of(kind));
+    points = deviation(column, interval_s, factors ? *factors : averaging_factors(column.size()), deviation_named(kind));
   }
   Array rows({static_cast<py::ssize_t>(points.size()), py::ssize_t{7}});
   auto values = rows.mutable_unchecked<2>();
@@ -150,19 +81,16 @@ Array deviation_of(const Array& rate, double interval_s, const std::string& kind
   return rows;
 }
 
-py::tuple simulated(std::shared_ptr<Session> procedure, std::uint64_t seed, const std::shared_ptr<CalibrationObject>& unit,
-                    const std::optional<std::string>& grade, const std::string& folder) {
-  SimulationTask task{.seed = seed, .unit = unit ? std::optional(unit->calibration()) : std::nullopt, .grade = grade};
-  Simulation out = run(py::none(), [=](const auto&) {
-    Simulation s = simulate_session(*procedure, task);
-    if (!folder.empty()) write_simulated(folder, s);
-    return s;
-  });
+py::tuple simulated(std::shared_ptr<Session> procedure, const py::dict& keywords, const std::shared_ptr<CalibrationObject>& unit,
+                    const std::string& folder) {
+  const auto o = options_from<SimulateOptions>(keywords);
+  const SimulationTask task{.seed = o.seed, .unit = unit ? std::optional(unit->calibration()) : std::nullopt, .grade = o.grade};
+  const auto answer = run(py::none(), [=](const auto&) { return simulation_answer(*procedure, task, folder); });
   Recordings recordings;
-  for (Recording& recording : out.recordings) recordings.push_back(std::make_shared<Recording>(std::move(recording)));
+  for (const Recording& recording : answer.data->recordings) recordings.push_back(std::make_shared<Recording>(recording));
   const auto truth =
-      std::make_shared<CalibrationObject>(CalibrationObject{std::make_shared<CalibrationResult>(CalibrationResult{std::move(out.truth)}), {}});
-  return py::make_tuple(std::make_shared<Session>(std::move(out.session)), std::move(recordings), truth);
+      std::make_shared<CalibrationObject>(CalibrationObject{std::make_shared<CalibrationResult>(CalibrationResult{answer.data->truth}), {}});
+  return py::make_tuple(std::make_shared<Session>(answer.data->session), std::move(recordings), truth);
 }
 
 }  // namespace

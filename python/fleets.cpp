@@ -5,8 +5,7 @@
 #include "imulab/results/fleet.hpp"
 #include "imulab/tasks/fleet.hpp"
 
-#include "python/bindings.hpp"
-#include "python/work.hpp"
+#include "python/module.hpp"
 #include <pybind11/stl.h>
 #include <utility>
 
@@ -56,15 +55,16 @@ Outcome statistics_of(const std::string& file, const std::string& method, const 
   FleetOptions options{.false_alarm = false_alarm};
   if (!require.empty()) options.requirements = parse_requirements(require);
   if (!due.empty()) options.errors = parse_requirements(due);
-  return run(py::none(), [=](const auto&) {
+  return {run(py::none(), [=](const auto&) {
     FleetStore store(file);
     const auto f = std::make_shared<FleetStatistics>(fleet_statistics(store, options, method));
-    Outcome out{.json = fleet_statistics_json(*f), .text = fleet_statistics_text(*f), .warnings = store.clock_problems(), .page = [f, file] {
-                  return fleet_page(*f, file);
-                }};
+    Answer out{.json = [f] { return fleet_statistics_json(*f); },
+               .table = [f](bool) { return fleet_statistics_text(*f); },
+               .page = [f, file] { return fleet_page(*f, file); },
+               .warnings = store.clock_problems()};
     if (!due.empty() && f->due.empty()) out.warnings.emplace_back("due: no unit was calibrated twice: how units drift is not known");
     return out;
-  });
+  })};
 }
 
 std::pair<std::vector<std::string>, std::vector<std::string>> checked(const std::string& file) {

@@ -10,7 +10,7 @@
 
 #include <fmt/core.h>
 
-#include "python/bindings.hpp"
+#include "python/module.hpp"
 #include <mutex>
 #include <optional>
 #include <pybind11/stl.h>
@@ -38,7 +38,7 @@ class LiveObject {
     return events;
   }
 
-  /// Covers all rows so far.
+  /// The calibration of all rows so far.
   CalibrationObject calibration() {
     const std::lock_guard lock(mutex_);
     if (progress_.view().samples < 2) throw Unsupported("fewer than two rows arrived; expected a stream of them");
@@ -69,7 +69,7 @@ class LiveObject {
   std::optional<std::int64_t> last_ns_;
 };
 
-/// A fault of the declarations is said before rows come.
+/// Reports wrong declarations before any row comes.
 std::unique_ptr<LiveObject> begin(const Session& session, const std::optional<std::string>& require, double rest_s, std::optional<double> interval_s,
                                   const py::dict& gyro_options, const py::dict& accel_options) {
   RecordingOptions options{

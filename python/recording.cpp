@@ -6,8 +6,7 @@
 #include "imulab/recording/make_recording.hpp"
 #include "imulab/recording/validate.hpp"
 
-#include "python/bindings.hpp"
-#include "python/work.hpp"
+#include "python/module.hpp"
 #include <pybind11/stl.h>
 #include <utility>
 

@@ -3,17 +3,13 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
 #include "imulab/formats/session/file.hpp"
-#include "imulab/recording/overview.hpp"
-#include "imulab/report/recording_page.hpp"
-#include "imulab/results/inspection.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/tasks/inspect.hpp"
 
 #include <fmt/core.h>
 #include <fmt/format.h>
 
-#include "python/bindings.hpp"
-#include "python/work.hpp"
+#include "python/module.hpp"
 #include <cmath>
 #include <map>
 #include <optional>
@@ -27,7 +23,7 @@ namespace {
 
 std::shared_ptr<Session> shared(Session session) { return std::make_shared<Session>(std::move(session)); }
 
-/// What `imulab procedure NAME` writes; options as its help names them.
+/// The procedure that `imulab procedure NAME` writes; options as its help names them.
 Session procedure(const std::string& name, const std::map<std::string, double>& given, std::uint64_t seed) {
   const auto take = [&](const char* key, auto& value) {
     const auto it = given.find(key);
@@ -67,16 +63,10 @@ Session procedure(const std::string& name, const std::map<std::string, double>& 
 using Inspected = std::tuple<Outcome, std::shared_ptr<Session>, std::shared_ptr<Recording>>;
 
 Inspected inspected(const InspectionTask& task) {
-  const auto found = std::make_shared<InspectedRecording>(inspect_and_read(task));
-  const Inspection& inspection = found->inspection;
-  Outcome outcome{.json = inspection_json(inspection), .text = inspection_text(inspection)};
-  outcome.shortcomings = fmt::format("{}", fmt::join(inspection.problems.empty() ? inspection.ambiguous : inspection.problems, "\n"));
-  outcome.page = [found] {
-    std::optional<Overview> picture;
-    if (found->recording) picture = overview(SensorModel{}, *found->recording, 1500);
-    return inspection_page(found->inspection, picture);
-  };
-  return {std::move(outcome), inspection.complete() ? std::shared_ptr<Session>(found, &found->session) : nullptr,
+  const auto answer = inspection_answer(task);
+  const auto found = std::const_pointer_cast<InspectedRecording>(answer.data);  // Python reads alone
+  return {{answer},
+          found->inspection.complete() ? std::shared_ptr<Session>(found, &found->session) : nullptr,
           found->recording ? std::shared_ptr<Recording>(found, &*found->recording) : nullptr};
 }
 

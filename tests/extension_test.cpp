@@ -1,5 +1,6 @@
 // docs/architecture.md, "Extending": a method, a recording format and an export target for this test alone, each a row more in a copy of its table.
 // The page shows this code.
+#include "apps/imulab/help.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/earth/earth.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
@@ -12,6 +13,7 @@
 #include "imulab/recording/session.hpp"
 #include "imulab/rig/ideal_recording.hpp"
 #include "imulab/simulate/simulate.hpp"
+#include "imulab/tasks/calibrate.hpp"
 #include "imulab/tasks/predict.hpp"
 
 #include <fmt/core.h>
@@ -152,7 +154,7 @@ TEST(Extension, ThePageShowsThisCode) {
   const std::regex excerpt("```cpp\n([^`]*)\n```");
   std::size_t shown = 0;
   for (std::sregex_iterator i(page.begin(), page.end(), excerpt), end; i != end; ++i, ++shown) EXPECT_THAT(code, HasSubstr((*i)[1].str()));
-  EXPECT_EQ(shown, 6u);
+  EXPECT_EQ(shown, 7u);
 }
 
 TEST(Extension, ARecordingFormatIsAFileAndARow) {
@@ -163,6 +165,23 @@ TEST(Extension, ARecordingFormatIsAFileAndARow) {
   EXPECT_DOUBLE_EQ(recording.interval_s, 0.01);
   EXPECT_EQ(recording.gyro[1], (std::vector{0.2, 0.4, 0.3}));
   EXPECT_THROW(read_imu7_session(folder, recording_formats()), Error) << "not without its row";
+}
+
+/// The row of an option, here at the end of the table of `calibrate`.
+void add_color(Verb& verb, std::string& color) {
+  verb.option("--color COLOR", color, "the color of the unit").one_of({"green", "grey"}).show_default();
+}
+
+TEST(Extension, AnOptionIsARowOfItsVerbsTable) {
+  Verb imulab("imulab", "");
+  CalibrateOptions o;
+  std::string color = "green";
+  Verb& calibrate = declare(imulab, o);
+  add_color(calibrate, color);
+  EXPECT_EQ(calibrate.at("--color").keyword, "color");  // Python's keywords are read from these rows: python/tests/test_options.py
+  EXPECT_THAT(command::help_text(calibrate), HasSubstr("  --color COLOR          the color of the unit [green, grey] (default: green)\n"));
+  EXPECT_THAT(command::manual_page(calibrate, "1"), HasSubstr(".B \\-\\-color COLOR\nthe color of the unit [green, grey]"));
+  for (const std::string& shell : command::completion_shells) EXPECT_THAT(command::completion(imulab, shell), HasSubstr("green grey")) << shell;
 }
 
 TEST(Extension, AnExportTargetIsAFileAndARow) {

@@ -1,21 +1,21 @@
 // imulab compensate CALIBRATION SESSION -o OUT
-#include "apps/imulab/compensate.hpp"
-
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
-#include "apps/imulab/inspected.hpp"
-#include "apps/imulab/report.hpp"
-#include "apps/imulab/session_recording.hpp"
-#include "apps/imulab/usable.hpp"
+#include "apps/imulab/sessions.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/formats/recording/compensated_file.hpp"
 #include "imulab/formats/recording/csv_writer.hpp"
+#include "imulab/formats/recording/stream.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/recording/compensate_recording.hpp"
+#include "imulab/recording/compensate_recording.hpp"
 #include "imulab/report/recording_page.hpp"
+#include "imulab/results/compensation.hpp"
+#include "imulab/tasks/inspect.hpp"
+#include "imulab/tasks/usable.hpp"
 
 #include <fmt/core.h>
 
@@ -23,12 +23,30 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <unistd.h>
 
 namespace imulab::command {
 
 namespace {
 
 namespace fs = std::filesystem;
+
+struct CompensateOptions : ShowOptions {
+  std::string calibration, session;
+  std::vector<std::string> declarations;  ///< of a recording without a session
+  Outliers outliers = Outliers::keep;
+  bool reject_outliers = false, allow_undetermined = false;
+  std::string stream_session, recording;  ///< of a stream
+};
+
+/// "out.csv: 100 samples, 0 saturated, 0 outside the calibrated temperatures", with the outliers if they are rejected; or as JSON.
+void print_counts(const CompensateOptions& options, const CompensationSummary& summary) {
+  if (options.json) return print_json(compensation_json(summary));
+  for (const CompensatedFile& c : summary.files)
+    print(text::wrapped(
+        "", fmt::format("{}: {} samples, {} saturated, {} outside the calibrated temperatures{}", c.file, c.samples, c.saturated, c.out_of_range,
+                        options.outliers == Outliers::reject ? fmt::format(", {} with an outlier replaced", c.replaced) : "")));
+}
 
 CompensatedRecording compensated(const Calibration& calibration, const Session& session, const RecordingSource& source, Outliers outliers) {
   CompensatedRecording out = compensate(calibration.model, read_for(calibration, session, source), outliers);
@@ -105,43 +123,103 @@ void compensate_files(const CompensateOptions& options) {
   if (!options.report.empty()) write_whole(options.report, compensation_page(summary));
 }
 
-}  // namespace
+// ---- a stream: rows are written as they arrive
 
-void print_counts(const CompensateOptions& options, const CompensationSummary& summary) {
-  if (options.json) return print_json(compensation_json(summary));
-  for (const CompensatedFile& c : summary.files)
-    print(text::wrapped(
-        "", fmt::format("{}: {} samples, {} saturated, {} outside the calibrated temperatures{}", c.file, c.samples, c.saturated, c.out_of_range,
-                        options.outliers == Outliers::reject ? fmt::format(", {} with an outlier replaced", c.replaced) : "")));
+/// The output, a file or standard output. It is created with the first rows.
+class Rows {
+ public:
+  explicit Rows(std::string output) : output_(std::move(output)) {}
+  ~Rows() {
+    if (file_ != nullptr && file_ != stdout) std::fclose(file_);
+  }
+  Rows(const Rows&) = delete;
+  Rows& operator=(const Rows&) = delete;
+
+  void write(const CompensatedRecording& c) {
+    counts_.samples += c.recording.size(), counts_.saturated += c.recording.saturated.size();
+    counts_.out_of_range += c.out_of_range.size(), counts_.replaced += c.replaced.size();
+    if (c.recording.size() == 0) return;
+    std::string text = compensated_rows(c, true);
+    if (file_ == nullptr) {
+      file_ = output_ == "-" ? stdout : std::fopen(output_.c_str(), "wb");
+      text = compensated_header(true) + text;
+    }
+    if (file_ == nullptr || std::fwrite(text.data(), 1, text.size(), file_) != text.size() || std::fflush(file_) != 0)
+      throw Error((output_ == "-" ? "standard output" : "-o " + output_) + ": cannot be written");
+  }
+  CompensatedFile counts() const {
+    CompensatedFile counts = counts_;
+    counts.file = output_;
+    return counts;
+  }
+
+ private:
+  std::string output_;
+  std::FILE* file_ = nullptr;
+  CompensatedFile counts_ = {};
+};
+
+/// Standard input to standard output or a file, row by row.
+void compensate_stream(const CompensateOptions& options) {
+  if (options.stream_session.empty()) throw Error("the columns of standard input are not known; expected --session");
+  if (!options.report.empty()) throw Error("--report: belongs to recordings in files; expected a session in place of -");
+  if (options.output != "-" && std::filesystem::path(options.output).extension() != ".csv")
+    throw Error(fmt::format("-o {}: expected a .csv file, or - for standard output", options.output));
+  const Calibration calibration = read_usable(options.calibration, options.allow_undetermined);
+  will_write("-o", options.output);
+  const Session session = session_at(options.stream_session);
+  const RecordingSource& source = named_recording(session, options.recording);
+  check_thermal_units(calibration, source);
+
+  RecordingStream stream(STDIN_FILENO, "standard input", source);
+  Compensator compensator(calibration.model, options.outliers);
+  Rows rows(options.output);
+  try {
+    while (auto piece = stream.next()) rows.write(compensator.next(*std::move(piece)));
+  } catch (const Error&) {
+    rows.write(compensator.rest());  // the rows before the wrong one
+    throw;
+  }
+  rows.write(compensator.rest());
+
+  warn_each(stream.warnings());
+  if (const auto n = rows.counts().out_of_range; n > 0)
+    warn(fmt::format("standard input: {} of {} samples are outside the calibrated temperatures", n, rows.counts().samples));
+  if (options.output != "-") print_counts(options, {options.calibration, calibration.imu, calibration.quality, {rows.counts()}});
 }
 
-void add_compensate(Verb app) {
+}  // namespace
+
+void add_compensate(Verb& app) {
   const auto options = std::make_shared<CompensateOptions>();
-  Verb verb = app.verb("compensate", "Apply a calibration: raw recordings to angular rates and specific forces in SI");
+  Verb& verb = app.verb("compensate", "Apply a calibration: raw recordings to angular rates and specific forces in SI");
   verb.option("CALIBRATION", options->calibration, "calibration.json").required().reads();
   verb.option(
           "SESSION", options->session,
           "a session folder or its session.toml; a recording, which is inspected first; - for rows from standard input, as --session declares them")
       .required()
       .reads();
-  add_declarations(verb, options->declarations);
+  declarations_option(verb, options->declarations);
   verb.option("-o,--output FILE", options->output,
               "a folder; for one recording also a .csv or .npz file, the bag that it is (.bag, .mcap, .db3), or - for standard output")
       .required();
-  add_allow_undetermined(verb, options->allow_undetermined);
-  verb.flag("--reject-outliers", options->reject_outliers, "replace spikes of one or two samples first");
-  add_report_option(verb, options->report);
+  allow_undetermined_option(verb, options->allow_undetermined);
+  verb.option("--reject-outliers", options->reject_outliers, "replace spikes of one or two samples first");
+  report_option(verb, options->report);
   verb.option("--session SESSION", options->stream_session, "the session that describes the recording on standard input").reads();
   verb.option("--recording FILE", options->recording, "the file of the recording to use, if that session has several");
-  verb.flag("--json", options->json, "print what was written as JSON");
+  json_option(verb, options->json, "print what was written as JSON");
   verb.example("imulab compensate calibration.json session -o compensated.csv");
   verb.example("imulab compensate calibration.json session -o compensated.mcap");
   verb.example("producer | imulab compensate calibration.json - --session session -o -");
-  verb.does([options] {
+  verb.does = [options] {
     if (options->json && options->output == "-") throw Error("--json: standard output has the rows; expected -o FILE");
     if (options->reject_outliers) options->outliers = Outliers::reject;
-    options->session == "-" ? compensate_stream(*options) : compensate_files(*options);
-  });
+    if (options->session == "-")
+      compensate_stream(*options);
+    else
+      compensate_files(*options);
+  };
 }
 
 }  // namespace imulab::command

@@ -8,13 +8,13 @@
 #include "imulab/estimate/method.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/model/requirement.hpp"
 #include "imulab/navigation/motion/mission.hpp"
 #include "imulab/navigation/navigate.hpp"
 #include "imulab/navigation/navigation_error.hpp"
 #include "imulab/report/drives_page.hpp"
-#include "imulab/formats/text/json.hpp"
 #include "imulab/rig/procedure.hpp"
 #include "imulab/simulate/simulate_motion.hpp"
 
@@ -68,7 +68,7 @@ NavigationErrors errors_of(const CityDrive& drive, const Recording& recording, c
 
 constexpr std::size_t minute = 60;  // of the truth's rows
 
-/// The same IMU with new noise on every drive, navigated with each of the calibrations.
+/// Drives one IMU with new noise each time, and navigates with each of the calibrations.
 DrivesReport drive_all(const Truth& truth, const std::vector<std::pair<std::string, Calibration>>& calibrations, std::uint64_t seed) {
   const CityDrive drive = city_drive(interval);
   Truth on_the_road;
@@ -169,14 +169,14 @@ void demo(const Arguments& a) {
 
 }  // namespace
 
-void add_demo(Verb app) {
+void add_demo(Verb& app) {
   const auto a = std::make_shared<Arguments>();
-  Verb verb = app.verb("demo", "A good calibration from a poor table, and twenty drives that prove it; no input needed");
+  Verb& verb = app.verb("demo", "A good calibration from a poor table, and twenty drives that prove it; no input needed");
   verb.option("-o,--output FOLDER", a->folder, "the folder to write to").show_default();
   verb.option("--seed", a->seed, "random seed of the IMU and the noise").show_default();
-  verb.flag("--json", a->json, "print the figures as JSON");
+  verb.option("--json", a->json, "print the figures as JSON");
   verb.example("imulab demo -o story");
-  verb.does([a] { demo(*a); });
+  verb.does = [a] { demo(*a); };
 }
 
 }  // namespace imulab::command

@@ -1,14 +1,16 @@
 // imulab export CALIBRATION --to TARGET
 #include "apps/imulab/command.hpp"
-#include "apps/imulab/export_c_header.hpp"
 #include "apps/imulab/files.hpp"
-#include "apps/imulab/usable.hpp"
+#include "apps/imulab/sessions.hpp"
 #include "imulab/core/error.hpp"
+#include "imulab/export/c_header.hpp"
+#include "imulab/export/c_header_parts.hpp"
 #include "imulab/export/target.hpp"
 #include "imulab/formats/noise/file.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/printable.hpp"
+#include "imulab/recording/unit_names.hpp"
 
 #include <fmt/format.h>
 
@@ -18,6 +20,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 namespace imulab::command {
@@ -26,13 +29,89 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// ---- options of c-header
+
+struct CHeaderArguments {
+  std::optional<std::string> accel_unit, gyro_unit;
+  std::optional<double> accel_counts_per_unit, gyro_counts_per_unit, accel_range, gyro_range;
+  bool body_axes = false, fixed_point = false, q15 = false;
+  std::optional<std::string> prefix;
+
+  bool given() const {
+    return accel_unit || gyro_unit || accel_counts_per_unit || gyro_counts_per_unit || accel_range || gyro_range || body_axes || fixed_point || q15 ||
+           prefix;
+  }
+};
+
+std::vector<std::string> rates(Quantity quantity) {
+  const std::vector<std::string_view> names = unit_names(quantity, false);
+  return {names.begin(), names.end()};
+}
+
+/// A triad's readings: as recorded, or the model's own, changed by the arguments.
+std::optional<RecordedAs> readings(const std::optional<std::string>& unit, const std::optional<double>& counts, bool body_axes,
+                                   const std::optional<RecordedAs>& recorded, const std::string& raw) {
+  if (!unit && !counts && !body_axes) return std::nullopt;
+  RecordedAs as = recorded.value_or(RecordedAs{raw});
+  if (unit) as.unit = *unit, as.counts_per_unit = 1, as.interval_s = 0;
+  if (counts) as.counts_per_unit = *counts;
+  if (body_axes) as.axes = RecordedAs{}.axes;
+  return as;
+}
+
+void add_c_header_options(Verb& verb, CHeaderArguments& a) {
+  verb.option("--input-accel UNIT", a.accel_unit, "c-header: unit of the firmware's accelerometer readings; absent: as recorded")
+      .one_of(rates(Quantity::accel));
+  verb.option("--input-gyro UNIT", a.gyro_unit, "c-header: unit of its gyro readings; absent: as recorded").one_of(rates(Quantity::gyro));
+  verb.option("--accel-counts-per-unit N", a.accel_counts_per_unit, "c-header: the readings are counts, so many to one unit").in_range(1e-9, 1e12);
+  verb.option("--gyro-counts-per-unit N", a.gyro_counts_per_unit, "c-header: the same of the gyros").in_range(1e-9, 1e12);
+  verb.option("--prefix NAME", a.prefix, "c-header: with which its names begin, for programs with several IMUs; absent: imulab");
+  verb.option("--body-axes", a.body_axes, "c-header: the readings are along the body axes, not in the recording's columns");
+  verb.option("--fixed-point", a.fixed_point, "c-header: also a compensation in integers of 32 bits");
+  verb.option("--q15", a.q15, "c-header: also a compensation in integers of 16 bits");
+  verb.option("--accel-range R", a.accel_range, "--fixed-point, --q15: largest reading; absent: 32768 counts, or 16 g").in_range(1e-9, 1e12);
+  verb.option("--gyro-range R", a.gyro_range, "--fixed-point, --q15: largest reading; absent: 32768 counts, or 2000 deg/s").in_range(1e-9, 1e12);
+}
+
+/// With the calibration's description of its recording where the arguments are silent. Throws Error where they are unusable.
+CHeaderOptions c_header_options(const CHeaderArguments& a, const Calibration& c) {
+  const auto or_si = [](const std::string& raw, const char* si) { return raw.empty() ? std::string(si) : raw; };
+  CHeaderOptions out;
+  out.accel = readings(a.accel_unit, a.accel_counts_per_unit, a.body_axes, c.recorded_accel, or_si(c.model.accel.raw_unit, "m/s^2"));
+  out.gyro = readings(a.gyro_unit, a.gyro_counts_per_unit, a.body_axes, c.recorded_gyro, or_si(c.model.gyro.raw_unit, "rad/s"));
+  out.fixed_point = a.fixed_point, out.q15 = a.q15;
+  if (a.prefix) errors_of_option("prefix", [&] { firmware::expect_prefix(*a.prefix); }), out.prefix = *a.prefix;
+  for (const auto& [option, from, to] :
+       {std::tuple("--accel-range", a.accel_range, &out.accel_range), {"--gyro-range", a.gyro_range, &out.gyro_range}}) {
+    if (!from) continue;
+    if (!a.fixed_point && !a.q15) throw Error(std::string(option) + ": is of --fixed-point and --q15; expected one of these flags as well");
+    if (!(*from > 0)) throw Error(std::string(option) + ": expected a number above 0");
+    *to = *from;
+  }
+  return out;
+}
+
+/// The assumptions about readings that neither the options nor the calibration describe, and are not counts.
+std::vector<std::string> assumed_readings(const CHeaderOptions& options, const Calibration& c) {
+  std::vector<std::string> out;
+  const auto add = [&out](bool known, const std::string& raw, const std::string& name, const std::string& unit, const std::string& option) {
+    if (!known && raw != "count")
+      out.push_back(fmt::format("does not say how the {} were recorded: the header takes {}; {} gives another unit", name, unit, option));
+  };
+  add(options.accel || c.recorded_accel, c.model.accel.raw_unit, "accelerometers", "m/s^2", "--input-accel");
+  add(options.gyro || c.recorded_gyro, c.model.gyro.raw_unit, "gyros", "rad/s", "--input-gyro");
+  return out;
+}
+
+// ---- all targets
+
 constexpr const char* all_targets = "all";
 
 /// An option that only some targets have.
 struct TargetOption {
-  std::string name;
-  Option option;
+  const VerbOption* option;
   std::vector<std::string_view> targets;
+  const std::string& name() const { return option->flags.back(); }
 };
 
 struct Options {
@@ -45,8 +124,8 @@ struct Options {
 
 void check_options(const Options& o) {
   for (const TargetOption& of : o.of_targets)
-    if (of.option.given() && o.target != all_targets && std::find(of.targets.begin(), of.targets.end(), o.target) == of.targets.end())
-      throw Error(fmt::format("{}: {} has none; expected one of the targets {}", of.name, o.target, text::listed(of.targets)));
+    if (of.option->given && o.target != all_targets && std::find(of.targets.begin(), of.targets.end(), o.target) == of.targets.end())
+      throw Error(fmt::format("{}: {} has none; expected one of the targets {}", of.name(), o.target, text::listed(of.targets)));
   if (o.c_header.given() && o.target != all_targets && o.target != "c-header")
     throw Error("--to " + o.target + ": has none of the options of c-header; expected --to c-header");
 }
@@ -75,7 +154,7 @@ JsonFields write_target(const ExportTarget& target, const ExportInput& input, co
 }
 
 bool given(const Options& o, std::string_view name) {
-  return std::any_of(o.of_targets.begin(), o.of_targets.end(), [&](const TargetOption& of) { return of.name == name && of.option.given(); });
+  return std::any_of(o.of_targets.begin(), o.of_targets.end(), [&](const TargetOption& of) { return of.name() == name && of.option->given; });
 }
 
 struct PlannedExport {
@@ -141,9 +220,9 @@ void run(const Options& o) {
 
 }  // namespace
 
-void add_export(Verb app) {
+void add_export(Verb& app) {
   const auto o = std::make_shared<Options>();
-  Verb verb = app.verb("export", "Write a calibration for other programs");
+  Verb& verb = app.verb("export", "Write a calibration for other programs");
   std::vector<std::string> names, help;
   for (const ExportTarget& target : export_targets()) {
     names.emplace_back(target.name);
@@ -156,36 +235,29 @@ void add_export(Verb app) {
   verb.option("-o,--output FILE", o->output, "the file to write; - for standard output; with --to all a folder").show_default();
   const std::vector<std::string_view> noisy{"kalibr-imu", "kalibr", "openvins", "vins", "euroc", "ros", "ros-filter", "json-matrix", "csv"},
       autopilots{"px4", "ardupilot"};
-  const auto belongs = [&](const std::string& name, Option option, const std::vector<std::string_view>& targets) {
-    o->of_targets.push_back({name, option, targets});
-  };
-  belongs("--noise", verb.option("--noise FILE", o->noise, "noise.json, from imulab noise: for targets that hold noise").reads(), noisy);
-  belongs("--axes",
-          verb.option("--axes CHOICE", o->axes, "where a target has one number of noise for three axes: the worst axis, or their mean")
+  const auto belongs = [&](const VerbOption& option, const std::vector<std::string_view>& targets) { o->of_targets.push_back({&option, targets}); };
+  belongs(verb.option("--noise FILE", o->noise, "noise.json, from imulab noise: for targets that hold noise").reads(), noisy);
+  belongs(verb.option("--axes CHOICE", o->axes, "where a target has one number of noise for three axes: the worst axis, or their mean")
               .one_of({"worst", "mean"})
               .show_default(),
           noisy);
-  belongs("--rate",
-          verb.option("--rate HZ", o->choices.rate_hz, "samples a second of the stream; without it those of the noise's log").in_range(1e-3, 1e6),
+  belongs(verb.option("--rate HZ", o->choices.rate_hz, "samples a second of the stream; without it those of the noise's log").in_range(1e-3, 1e6),
           noisy);
   belongs(
-      "--variance-matched",
-      verb.flag("--variance-matched", o->choices.variance_matched, "vins: white noise for which the covariance that its code propagates is right"),
+      verb.option("--variance-matched", o->choices.variance_matched, "vins: white noise for which the covariance that its code propagates is right"),
       {"vins"});
-  belongs("--model", verb.option("--model MODEL", o->choices.imu_model, "openvins: its IMU model").one_of({"kalibr", "rpng"}).show_default(),
-          {"openvins"});
-  belongs("--instance",
-          verb.option("--instance N", o->choices.instance, "px4, ardupilot: which of the autopilot's IMUs, from 0").in_range(0, 3).show_default(),
+  belongs(verb.option("--model MODEL", o->choices.imu_model, "openvins: its IMU model").one_of({"kalibr", "rpng"}).show_default(), {"openvins"});
+  belongs(verb.option("--instance N", o->choices.instance, "px4, ardupilot: which of the autopilot's IMUs, from 0").in_range(0, 3).show_default(),
           autopilots);
-  add_allow_undetermined(verb, o->allow_undetermined);
+  allow_undetermined_option(verb, o->allow_undetermined);
   add_c_header_options(verb, o->c_header);
-  verb.flag("--force", o->force, "--to all: replace existing files");
-  verb.flag("--json", o->json, "print what was written and what it leaves out as JSON");
+  verb.option("--force", o->force, "--to all: replace existing files");
+  json_option(verb, o->json, "print what was written and what it leaves out as JSON");
   verb.example("imulab export calibration.json --to c-header -o imu_calibration.h");
   verb.example("imulab export calibration.json --to c-header --input-accel g -o imu.h");
   verb.example("imulab export left.json --to c-header --prefix left -o left.h");
   verb.example("imulab export calibration.json --noise noise.json --to kalibr -o imu0.yaml");
-  verb.does([o] { run(*o); });
+  verb.does = [o] { run(*o); };
 }
 
 }  // namespace imulab::command

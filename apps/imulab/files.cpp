@@ -40,7 +40,7 @@ void expect_apart(const UsedFile& output, const UsedFile& other) {
   throw Error(fmt::format("{} {}: would overwrite {}; expected another file", output.option, output.name, what));
 }
 
-/// What `simulate` and `trajectory` put beside a session: nothing gives it back.
+/// True for a truth that `simulate` or `trajectory` put beside a session: nothing gives it back.
 bool is_truth(const fs::path& file) {
   std::error_code none;
   const fs::path place = fs::weakly_canonical(file, none);

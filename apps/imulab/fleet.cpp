@@ -1,33 +1,33 @@
 // imulab fleet add|calibrate|list|show|stats|check|merge|export|remove
-#include "apps/imulab/fleet.hpp"
+#include "imulab/results/fleet.hpp"
 
-#include "apps/imulab/checkpoint.hpp"
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
 #include "imulab/core/error.hpp"
-#include "imulab/estimate/method.hpp"
 #include "imulab/fleet/store/sample.hpp"
+#include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/terminal.hpp"
+#include "imulab/report/calibration_page.hpp"
+#include "imulab/report/fleet_page.hpp"
+#include "imulab/report/html.hpp"
 #include "imulab/tasks/calibrate.hpp"
 #include "imulab/tasks/fleet.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <map>
 #include <memory>
+#include <utility>
 
 namespace imulab::command {
 
 using fleet::Access;
-
-void add_store_option(Verb& verb, std::string& store) { verb.option("--store FILE", store, "the fleet's store").show_default(); }
-
-void warn_of_clocks(FleetStore& store) {
-  for (const std::string& problem : store.clock_problems()) warn(problem);
-}
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -58,20 +58,20 @@ void add(const Options& o) {
       wrong.emplace_back(e.what());
     }
   if (o.json) print_json(fields_json({{{"files", added}, {"errors", wrong}}}));
-  warn_of_clocks(store);
+  warn_each(store.clock_problems());
   if (!wrong.empty()) throw Error(fmt::format("{}", fmt::join(wrong, "\n")));
 }
 
 void add_add(Verb& fleet) {
   const auto o = std::make_shared<Options>();
-  Verb verb = fleet.verb("add", "Add calibrations, sessions or noise");
+  Verb& verb = fleet.verb("add", "Add calibrations, sessions or noise");
   verb.option("FILE", o->files, "calibration.json, a session's folder, or noise.json").required().takes_several(1);
-  add_store_option(verb, o->store);
+  store_option(verb, o->store);
   add_declared(verb, o->declared);
   verb.option("--unit SERIAL", o->unit, "whose noise it is: a serial number, or a name where there is none");
-  verb.flag("--json", o->json, "print what was added as JSON");
+  verb.option("--json", o->json, "print what was added as JSON");
   verb.example("imulab fleet add calibration.json --store fleet.db --station 2");
-  verb.does([o] { add(*o); });
+  verb.does = [o] { add(*o); };
 }
 
 std::vector<JsonFields> failures_json(const std::vector<FleetFailure>& failures) {
@@ -83,14 +83,14 @@ std::vector<JsonFields> failures_json(const std::vector<FleetFailure>& failures)
 
 void calibrate_all(const Options& o) {
   parse_terms(o.terms);
-  if (!o.shared.folder.empty() && in_job_array())
+  if (!o.shared.checkpoint.empty() && in_job_array())
     throw Error(
         "--checkpoint: this is a task of a Slurm array, and each of these tasks would write the store; expected one job whose tasks share the work "
         "(srun), or for each task its own sessions and --store without --checkpoint (imulab fleet merge joins the stores)");
   const std::vector<std::filesystem::path> sessions = sessions_below({o.files.begin(), o.files.end()});
   FleetStore store(o.shared.silent() ? ":memory:" : o.store, Access::write);  // of processes that share the work one has it
   FleetCalibrationTask task{.method = o.method, .terms = o.terms, .declared = o.declared, .retry = o.retry};
-  task.checkpoint = o.shared.checkpoint();
+  task.checkpoint = o.shared.shared();
   FleetCalibrationCounts n;
   {
     Progress progress("calibrating", static_cast<double>(sessions.size()));
@@ -99,7 +99,7 @@ void calibrate_all(const Options& o) {
   }
   if (o.shared.silent()) return;
   for (const FleetFailure& f : n.failures) warn(fmt::format("{}: {}: the store has no calibration of it", f.file, f.message));
-  warn_of_clocks(store);
+  warn_each(store.clock_problems());
   const auto counted = [](std::int64_t k) { return static_cast<std::uint64_t>(k); };
   if (o.json)
     print_json(fields_json({{{"sessions", counted(n.sessions)},
@@ -118,19 +118,17 @@ void calibrate_all(const Options& o) {
 
 void add_calibrate_all(Verb& fleet) {
   const auto o = std::make_shared<Options>();
-  Verb verb = fleet.verb("calibrate", "Calibrate all sessions below folders, each once");
+  Verb& verb = fleet.verb("calibrate", "Calibrate all sessions below folders, each once");
   verb.option("DIR", o->files, "folders with sessions in them or below them").required().takes_several(1);
-  std::vector<std::string> names;
-  for (const Method& m : methods()) names.emplace_back(m.name);
-  verb.option("--method METHOD", o->method, "as of imulab calibrate").required().one_of(names);
+  verb.option("--method METHOD", o->method, "as of imulab calibrate").required().one_of(method_names());
   verb.option("--terms TERMS", o->terms, "as of imulab calibrate").show_default();
-  add_store_option(verb, o->store);
+  store_option(verb, o->store);
   add_declared(verb, o->declared);
-  add_checkpoint_options(verb, o->shared);
-  verb.flag("--retry", o->retry, "sessions that failed before, too");
-  verb.flag("--json", o->json, "print the counts as JSON");
+  checkpoint_options(verb, o->shared);
+  verb.option("--retry", o->retry, "sessions that failed before, too");
+  verb.option("--json", o->json, "print the counts as JSON");
   verb.example("imulab fleet calibrate week-12 --method handheld --store fleet.db --station 2");
-  verb.does([o] { calibrate_all(*o); });
+  verb.does = [o] { calibrate_all(*o); };
 }
 
 void list_failures(const Options& o, FleetStore& store) {
@@ -172,12 +170,12 @@ void list(const Options& o) {
 
 void add_list(Verb& fleet) {
   const auto o = std::make_shared<Options>();
-  Verb verb = fleet.verb("list", "List the units, or the sessions that failed");
-  add_store_option(verb, o->store);
-  verb.flag("--failures", o->failures, "the sessions that failed, with their messages");
-  verb.flag("--json", o->json, "print the list as JSON");
+  Verb& verb = fleet.verb("list", "List the units, or the sessions that failed");
+  store_option(verb, o->store);
+  verb.option("--failures", o->failures, "the sessions that failed, with their messages");
+  verb.option("--json", o->json, "print the list as JSON");
   verb.example("imulab fleet list --store fleet.db");
-  verb.does([o] { list(*o); });
+  verb.does = [o] { list(*o); };
 }
 
 void show(const Options& o) {
@@ -212,25 +210,96 @@ void show(const Options& o) {
 
 void add_show(Verb& fleet) {
   const auto o = std::make_shared<Options>();
-  Verb verb = fleet.verb("show", "Show a unit's calibrations, the removed ones too");
+  Verb& verb = fleet.verb("show", "Show a unit's calibrations, the removed ones too");
   verb.option("UNIT", o->unit, "a serial number, or a name where there is none").required();
-  add_store_option(verb, o->store);
-  verb.flag("--json", o->json, "print them as JSON");
+  store_option(verb, o->store);
+  verb.option("--json", o->json, "print them as JSON");
   verb.example("imulab fleet show 012 --store fleet.db");
-  verb.does([o] { show(*o); });
+  verb.does = [o] { show(*o); };
+}
+
+// ---- stats
+
+struct StatsOptions {
+  std::string store = "fleet.db", method, report, pages;
+  std::optional<std::string> require, due;
+  double false_alarm = 0.01;
+  bool json = false;
+};
+
+/// The pages of the units that the fleet's page names, each of its last calibration.
+struct UnitPages {
+  std::vector<std::pair<std::string, std::string>> files;  ///< name and text
+  std::vector<std::string> links;                          ///< by unit, from the fleet's page
+};
+
+UnitPages unit_pages(FleetStore& store, const FleetStatistics& f, const StatsOptions& o) {
+  const fs::path folder = o.pages, base = fs::absolute(o.report).parent_path();
+  std::map<Eigen::Index, std::int64_t> last;
+  for (const Eigen::Index row : f.sample.last)
+    last[f.sample.unit[static_cast<std::size_t>(row)]] = f.sample.calibration[static_cast<std::size_t>(row)];
+  UnitPages pages{{}, std::vector<std::string>(f.sample.units.size())};
+  for (const Eigen::Index unit : units_on_page(f)) {
+    const std::int64_t id = last.at(unit);
+    const std::string file = fmt::format("calibration-{}.html", id);
+    CalibrationReport report;
+    report.result.calibration = parse_calibration(store.calibration_file(id), fmt::format("{}: calibration {}", o.store, id));
+    report.missing.emplace_back("The recording, gravity and rotations: a store keeps the calibration alone.");
+    pages.files.emplace_back(file, calibration_page(report));
+    pages.links[static_cast<std::size_t>(unit)] = report::relative_url(fs::absolute(folder / file).lexically_proximate(base).generic_string());
+  }
+  return pages;
+}
+
+void stats(const StatsOptions& o) {
+  FleetOptions options{.false_alarm = o.false_alarm};
+  if (o.require) options.requirements = errors_at("--require", [&] { return parse_requirements(*o.require); });
+  if (o.due) options.errors = errors_at("--due", [&] { return parse_requirements(*o.due); });
+  if (!o.pages.empty() && o.report.empty()) throw Error("--unit-pages: belongs to --report, whose page links them");
+  if (!o.pages.empty()) will_create("--unit-pages", o.pages);
+  will_read(o.store);
+  FleetStore store(o.store);
+  const FleetStatistics statistics = fleet_statistics(store, options, o.method);
+  warn_each(store.clock_problems());
+  if (o.due && statistics.due.empty()) warn("--due: no unit was calibrated twice: how units drift is not known");
+  const UnitPages pages = o.pages.empty() ? UnitPages{} : unit_pages(store, statistics, o);
+  if (!pages.files.empty()) {
+    NewFolder folder(o.pages);
+    for (const auto& [file, text] : pages.files) write_whole(folder.path() / file, text);
+    folder.commit();
+  }
+  if (!o.report.empty()) write_whole(o.report, fleet_page(statistics, o.store, pages.links));
+  if (o.json)
+    print_json(fleet_statistics_json(statistics));
+  else
+    print(fleet_statistics_text(statistics));
+}
+
+void add_stats(Verb& fleet) {
+  const auto o = std::make_shared<StatsOptions>();
+  Verb& verb = fleet.verb("stats", "Spread, outliers, drift and stations of the units");
+  store_option(verb, o->store);
+  verb.option("--method METHOD", o->method, "calibrations by this method alone").one_of(method_names());
+  verb.option("--require LIMITS", o->require, "what the values have to be within, as in \"accel.offset <= 5 mg\": capability Cp and Cpk");
+  verb.option("--due LIMITS", o->due, "how far a calibration may be off, as in \"accel.offset <= 2 mg\": when each unit is to be calibrated again");
+  verb.option("--false-alarm P", o->false_alarm, "probability of any outlier in a fleet without").in_range(1e-9, 0.5).show_default();
+  report_option(verb, o->report);
+  verb.option("--unit-pages DIR", o->pages, "a folder for the pages of the units that the report names, which it links");
+  verb.option("--json", o->json, "print the statistics as JSON");
+  verb.example("imulab fleet stats --store fleet.db --require \"accel.offset <= 50 mg\"");
+  verb.does = [o] { stats(*o); };
 }
 
 }  // namespace
 
-void add_fleet(Verb app) {
-  Verb fleet = app.verb("fleet", "Keep the calibrations of many units in one store, and see how they spread, drift and differ");
-  fleet.needs_verb();
+void add_fleet(Verb& app) {
+  Verb& fleet = app.verb("fleet", "Keep the calibrations of many units in one store, and see how they spread, drift and differ");
   fleet.example("imulab fleet calibrate week-12 --method handheld --store fleet.db");
   add_add(fleet);
   add_calibrate_all(fleet);
   add_list(fleet);
   add_show(fleet);
-  add_fleet_stats(fleet);
+  add_stats(fleet);
   add_fleet_upkeep(fleet);
 }
 

@@ -1,13 +1,12 @@
 // imulab fleet check|merge|export|remove
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
-#include "apps/imulab/fleet.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/fleet/store/sample.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/formats/text/terminal.hpp"
 #include "imulab/formats/text/json.hpp"
+#include "imulab/formats/text/terminal.hpp"
 
 #include <fmt/format.h>
 
@@ -34,7 +33,7 @@ void check(const Options& o) {
     c = store.check([&](double part) { progress.report(part); });
   }
   const std::vector<std::string> clocks = store.clock_problems();
-  for (const std::string& problem : clocks) warn(problem);
+  warn_each(clocks);
   if (o.json)
     print_json(fields_json({{{"damaged", c.damaged},
                              {"changed", c.changed},
@@ -88,9 +87,11 @@ void remove(const Options& o) {
   print(fmt::format("{}: {} calibrations removed; they stay in the store as history\n", o.store, removed));
 }
 
-Verb upkeep(Verb& fleet, const char* name, const char* summary, const std::shared_ptr<Options>& o) {
-  Verb verb = fleet.verb(name, summary);
-  add_store_option(verb, o->store);
+/// A verb that does `work` with the store of these options.
+Verb& upkeep(Verb& fleet, const char* name, const char* summary, const std::shared_ptr<Options>& o, void (*work)(const Options&)) {
+  Verb& verb = fleet.verb(name, summary);
+  store_option(verb, o->store);
+  verb.does = [o, work] { work(*o); };
   return verb;
 }
 
@@ -99,32 +100,28 @@ Verb upkeep(Verb& fleet, const char* name, const char* summary, const std::share
 void add_fleet_upkeep(Verb& fleet) {
   const auto checked = std::make_shared<Options>(), merged = std::make_shared<Options>(), exported = std::make_shared<Options>(),
              removed = std::make_shared<Options>();
-  Verb verb = upkeep(fleet, "check", "Is the store whole, and are the files of its sessions what they were?", checked);
-  verb.flag("--json", checked->json, "print the result as JSON");
-  verb.example("imulab fleet check --store fleet.db");
-  verb.does([o = checked] { check(*o); });
+  Verb& checking = upkeep(fleet, "check", "Is the store whole, and are the files of its sessions what they were?", checked, check);
+  json_option(checking, checked->json);
+  checking.example("imulab fleet check --store fleet.db");
 
-  verb = upkeep(fleet, "merge", "Add what another store has", merged);
-  verb.option("OTHER", merged->other, "the other store, which stays as it is").required();
-  verb.flag("--json", merged->json, "print the count as JSON");
-  verb.example("imulab fleet merge station-2.db --store fleet.db");
-  verb.does([o = merged] { merge(*o); });
+  Verb& merging = upkeep(fleet, "merge", "Add what another store has", merged, merge);
+  merging.option("OTHER", merged->other, "the other store, which stays as it is").required();
+  json_option(merging, merged->json, "print the count as JSON");
+  merging.example("imulab fleet merge station-2.db --store fleet.db");
 
-  verb = upkeep(fleet, "export", "Write all calibrations as a table, or the file of one", exported);
-  verb.flag("--csv", exported->csv, "a row a calibration: each coefficient and its standard uncertainty, SI");
-  verb.option("--calibration N", exported->calibration, "the file of this calibration, as it was stored");
-  verb.option("-o,--output FILE", exported->output, "the file to write instead of standard output").writes();
-  verb.flag("--force", exported->force, "replace an existing file");
-  verb.example("imulab fleet export --csv --store fleet.db -o fleet.csv");
-  verb.does([o = exported] { export_it(*o); });
+  Verb& exporting = upkeep(fleet, "export", "Write all calibrations as a table, or the file of one", exported, export_it);
+  exporting.option("--csv", exported->csv, "a row a calibration: each coefficient and its standard uncertainty, SI");
+  exporting.option("--calibration N", exported->calibration, "the file of this calibration, as it was stored");
+  exporting.option("-o,--output FILE", exported->output, "the file to write instead of standard output").writes();
+  exporting.option("--force", exported->force, "replace an existing file");
+  exporting.example("imulab fleet export --csv --store fleet.db -o fleet.csv");
 
-  verb = upkeep(fleet, "remove", "Take calibrations out of lists and statistics; they stay as history", removed);
-  verb.option("UNIT", removed->unit, "all calibrations of this unit: a serial number, or a name where there is none");
-  verb.option("--calibration N", removed->calibration, "this one alone");
-  verb.option("--reason TEXT", removed->reason, "why");
-  verb.flag("--json", removed->json, "print the count as JSON");
-  verb.example("imulab fleet remove --calibration 17 --reason dropped --store fleet.db");
-  verb.does([o = removed] { remove(*o); });
+  Verb& removing = upkeep(fleet, "remove", "Take calibrations out of lists and statistics; they stay as history", removed, remove);
+  removing.option("UNIT", removed->unit, "all calibrations of this unit: a serial number, or a name where there is none");
+  removing.option("--calibration N", removed->calibration, "this one alone");
+  removing.option("--reason TEXT", removed->reason, "why");
+  json_option(removing, removed->json, "print the count as JSON");
+  removing.example("imulab fleet remove --calibration 17 --reason dropped --store fleet.db");
 }
 
 }  // namespace imulab::command

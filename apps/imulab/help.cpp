@@ -14,13 +14,14 @@ namespace {
 using text::wrapped;
 
 /// "-o, --output FILE".
-std::string head(const OptionDescription& o) {
-  if (o.names.empty()) return o.value + (o.several ? "..." : "");
-  return fmt::format("{}{}{}{}", fmt::join(o.names, ", "), o.value.empty() ? "" : " ", o.value, o.several ? "..." : "");
+std::string head(const VerbOption& o) {
+  const std::string dots = o.takes_many() ? "..." : "";
+  if (o.is_positional()) return o.value_name + dots;
+  return fmt::format("{}{}{}{}", fmt::join(o.flags, ", "), o.value_name.empty() ? "" : " ", o.value_name, dots);
 }
 
 /// "the file to write; one of a, b (default: a)".
-std::string body(const OptionDescription& o) {
+std::string body(const VerbOption& o) {
   std::string text = o.help;
   if (!o.choices.empty()) text += fmt::format(" [{}]", fmt::join(o.choices, ", "));
   if (!o.initial.empty()) text += fmt::format(" (default: {})", o.initial);
@@ -35,35 +36,21 @@ std::string entry(const std::string& name, const std::string& meaning) {
   return wrapped(fmt::format("{:<{}}", first, column), meaning);
 }
 
-std::vector<OptionDescription> in_place(const VerbDescription& verb) {
-  std::vector<OptionDescription> values;
-  std::copy_if(verb.options.begin(), verb.options.end(), std::back_inserter(values), [](const auto& o) { return o.names.empty(); });
-  return values;
-}
-
-std::vector<OptionDescription> named(const VerbDescription& verb) {
-  std::vector<OptionDescription> options;
-  std::copy_if(verb.options.begin(), verb.options.end(), std::back_inserter(options), [](const auto& o) { return !o.names.empty(); });
-  return options;
-}
-
-std::string usage(const VerbDescription& verb) {
+std::string usage(const Verb& verb) {
   std::string text;
-  for (const OptionDescription& o : in_place(verb)) text += o.required ? " " + head(o) : fmt::format(" [{}]", head(o));
-  for (const OptionDescription& o : named(verb))
-    if (o.required) text += fmt::format(" {} {}", o.names.back(), o.value);
+  for (const VerbOption& o : verb.options)
+    if (o.is_positional()) text += o.is_required ? " " + head(o) : fmt::format(" [{}]", head(o));
+  for (const VerbOption& o : verb.options)
+    if (!o.is_positional() && o.is_required) text += fmt::format(" {} {}", o.flags.back(), o.value_name);
   return verb.name + text + (verb.verbs.empty() ? " [options]" : " COMMAND");
 }
 
-/// The last word of its name.
-std::string own_name(const VerbDescription& verb) { return verb.name.substr(verb.name.rfind(' ') + 1); }
-
-std::string list(const std::vector<VerbDescription>& verbs) {
+std::string list(const std::list<Verb>& verbs) {
   std::string text, group;
-  for (const VerbDescription& verb : verbs) {
+  for (const Verb& verb : verbs) {
     if (verb.group != group || text.empty()) text += fmt::format("\n{}\n", verb.group.empty() ? "commands" : verb.group);
     group = verb.group;
-    text += entry(own_name(verb), verb.summary);
+    text += entry(verb.own_name(), verb.summary);
   }
   return text;
 }
@@ -89,58 +76,53 @@ std::string upper(std::string text) {
 // ---- completion
 
 /// Verbs without verbs of their own, with the words that lead to them: "procedure hand-held".
-void add_leaves(const VerbDescription& verb, const std::string& words, std::vector<std::pair<std::string, const VerbDescription*>>& leaves) {
+void add_leaves(const Verb& verb, const std::string& words, std::vector<std::pair<std::string, const Verb*>>& leaves) {
   if (verb.verbs.empty()) leaves.emplace_back(words, &verb);
-  for (const VerbDescription& own : verb.verbs) add_leaves(own, words.empty() ? own_name(own) : words + " " + own_name(own), leaves);
+  for (const Verb& own : verb.verbs) add_leaves(own, words.empty() ? own.own_name() : words + " " + own.own_name(), leaves);
 }
 
-std::string names_of(const VerbDescription& verb) {
+std::string names_of(const Verb& verb) {
   std::vector<std::string> names;
-  for (const OptionDescription& o : verb.options) names.insert(names.end(), o.names.begin(), o.names.end());
+  for (const VerbOption& o : verb.options) names.insert(names.end(), o.flags.begin(), o.flags.end());
   return fmt::format("{}", fmt::join(names, " "));
 }
 
-std::string verbs_of(const VerbDescription& verb) {
+std::string verbs_of(const Verb& verb) {
   std::vector<std::string> names;
-  for (const VerbDescription& own : verb.verbs) names.push_back(own_name(own));
+  for (const Verb& own : verb.verbs) names.push_back(own.own_name());
   return fmt::format("{}", fmt::join(names, " "));
 }
 
 /// Cases over "VERB OPTION" that give the words for an option's value.
-std::string choice_cases(const VerbDescription& command, const char* assign) {
-  std::vector<std::pair<std::string, const VerbDescription*>> leaves;
+std::string choice_cases(const Verb& command, const char* assign) {
+  std::vector<std::pair<std::string, const Verb*>> leaves;
   add_leaves(command, "", leaves);
   std::string text;
   for (const auto& [words, verb] : leaves)
-    for (const OptionDescription& o : verb->options)
-      for (const std::string& name : o.names)
+    for (const VerbOption& o : verb->options)
+      for (const std::string& name : o.flags)
         if (!o.choices.empty()) text += fmt::format("    '{} {}') {}'{}' ;;\n", words, name, assign, fmt::join(o.choices, " "));
   return text;
 }
 
 /// Cases over the verb that give the words that may follow.
-std::string word_cases(const VerbDescription& command, const std::string& words, const char* assign) {
+std::string word_cases(const Verb& command, const std::string& words, const char* assign) {
   std::string text = fmt::format("    '{}') {}'{}{}{}' ;;\n", words, assign, verbs_of(command), command.verbs.empty() ? "" : " ", names_of(command));
-  for (const VerbDescription& own : command.verbs) text += word_cases(own, words.empty() ? own_name(own) : words + " " + own_name(own), assign);
+  for (const Verb& own : command.verbs) text += word_cases(own, words.empty() ? own.own_name() : words + " " + own.own_name(), assign);
   return text;
 }
 
 /// The words of the command line that name a verb, in $verb.
-std::string verb_words(const VerbDescription& command) {
-  std::string text = fmt::format("      {}) verb=$word ;;\n", fmt::join(
-                                                                  [&] {
-                                                                    std::vector<std::string> names;
-                                                                    for (const VerbDescription& verb : command.verbs) names.push_back(own_name(verb));
-                                                                    return names;
-                                                                  }(),
-                                                                  "|"));
-  return text;
+std::string verb_words(const Verb& command) {
+  std::vector<std::string> names;
+  for (const Verb& verb : command.verbs) names.push_back(verb.own_name());
+  return fmt::format("      {}) verb=$word ;;\n", fmt::join(names, "|"));
 }
 
-std::string bash(const VerbDescription& command) {
+std::string bash(const Verb& command) {
   std::string nested;
-  for (const VerbDescription& verb : command.verbs)
-    for (const VerbDescription& own : verb.verbs) nested += fmt::format("      '{0} {1}') verb='{0} {1}' ;;\n", own_name(verb), own_name(own));
+  for (const Verb& verb : command.verbs)
+    for (const Verb& own : verb.verbs) nested += fmt::format("      '{0} {1}') verb='{0} {1}' ;;\n", verb.own_name(), own.own_name());
   return "# bash completion of imulab\n_imulab() {\n  local current=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} verb='' word "
          "words=''\n"
          "  for word in \"${COMP_WORDS[@]:1:COMP_CWORD-1}\"; do\n    if [ -z \"$verb\" ]; then case \"$word\" in\n" +
@@ -152,10 +134,10 @@ std::string bash(const VerbDescription& command) {
          "complete -o filenames -F _imulab imulab\n";
 }
 
-std::string zsh(const VerbDescription& command) {
+std::string zsh(const Verb& command) {
   std::string nested;
-  for (const VerbDescription& verb : command.verbs)
-    for (const VerbDescription& own : verb.verbs) nested += fmt::format("      '{0} {1}') verb='{0} {1}' ;;\n", own_name(verb), own_name(own));
+  for (const Verb& verb : command.verbs)
+    for (const Verb& own : verb.verbs) nested += fmt::format("      '{0} {1}') verb='{0} {1}' ;;\n", verb.own_name(), own.own_name());
   return "#compdef imulab\nlocal verb='' word list=''\nfor word in ${words[2,CURRENT-1]}; do\n  if [[ -z $verb ]]; then case $word in\n" +
          verb_words(command) + "    esac; else case \"$verb $word\" in\n" + nested +
          "      *) ;;\n    esac; fi\ndone\ncase \"$verb ${words[CURRENT-1]}\" in\n" + choice_cases(command, "list=") + "    *) case \"$verb\" in\n" +
@@ -167,22 +149,22 @@ std::string quoted(std::string text) {
   return "'" + text + "'";
 }
 
-std::string fish(const VerbDescription& command) {
+std::string fish(const Verb& command) {
   std::string text = "# fish completion of imulab\n";
-  for (const VerbDescription& verb : command.verbs)
-    text += fmt::format("complete -c imulab -n __fish_use_subcommand -f -a {} -d {}\n", own_name(verb), quoted(verb.summary));
-  std::vector<std::pair<std::string, const VerbDescription*>> leaves;
+  for (const Verb& verb : command.verbs)
+    text += fmt::format("complete -c imulab -n __fish_use_subcommand -f -a {} -d {}\n", verb.own_name(), quoted(verb.summary));
+  std::vector<std::pair<std::string, const Verb*>> leaves;
   add_leaves(command, "", leaves);
   for (const auto& [words, verb] : leaves) {
     const std::string seen = fmt::format("'__fish_seen_subcommand_from {}'", words.substr(words.rfind(' ') + 1));
     if (const auto space = words.find(' '); space != std::string::npos)
       text += fmt::format("complete -c imulab -n '__fish_seen_subcommand_from {}' -f -a {} -d {}\n", words.substr(0, space), words.substr(space + 1),
                           quoted(verb->summary));
-    for (const OptionDescription& o : verb->options) {
-      if (o.names.empty()) continue;
+    for (const VerbOption& o : verb->options) {
+      if (o.flags.empty()) continue;
       std::string line = fmt::format("complete -c imulab -n {}", seen);
-      for (const std::string& name : o.names) line += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
-      if (!o.value.empty()) line += o.choices.empty() ? " -r" : fmt::format(" -x -a '{}'", fmt::join(o.choices, " "));
+      for (const std::string& name : o.flags) line += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
+      if (!o.value_name.empty()) line += o.choices.empty() ? " -r" : fmt::format(" -x -a '{}'", fmt::join(o.choices, " "));
       text += line + " -d " + quoted(o.help) + "\n";
     }
   }
@@ -191,27 +173,25 @@ std::string fish(const VerbDescription& command) {
 
 }  // namespace
 
-std::string help_text(const VerbDescription& verb) {
+std::string help_text(const Verb& verb) {
   std::string text = wrapped("", verb.summary) + "\n" + wrapped("usage: ", usage(verb)) + list(verb.verbs);
-  const std::vector<OptionDescription> values = in_place(verb);
-  if (!values.empty()) text += "\n";
-  for (const OptionDescription& o : values) text += entry(head(o), body(o));
-  text += "\noptions\n";
-  for (const OptionDescription& o : named(verb)) text += entry(head(o), body(o));
+  std::string values, options;
+  for (const VerbOption& o : verb.options) (o.is_positional() ? values : options) += entry(head(o), body(o));
+  text += (values.empty() ? "" : "\n" + values) + "\noptions\n" + options;
   if (!verb.examples.empty()) text += fmt::format("\nexample{}\n", verb.examples.size() == 1 ? "" : "s");
   for (const std::string& example : verb.examples) text += "  " + example + "\n";
   return text;
 }
 
-std::string manual_page(const VerbDescription& verb, const std::string& version) {
+std::string manual_page(const Verb& verb, const std::string& version) {
   std::string title = verb.name;
   std::replace(title.begin(), title.end(), ' ', '-');
   std::string text = fmt::format(".TH {} 1 \"\" \"imulab {}\" \"User commands\"\n.SH NAME\n{} \\- {}\n.SH SYNOPSIS\n{}\n", upper(title), version,
                                  roff(title), roff(verb.summary), roff(usage(verb)));
   if (!verb.verbs.empty()) text += ".SH COMMANDS\n";
-  for (const VerbDescription& own : verb.verbs) text += fmt::format(".TP\n.B {}\n{}\n", roff(own_name(own)), roff(own.summary));
+  for (const Verb& own : verb.verbs) text += fmt::format(".TP\n.B {}\n{}\n", roff(own.own_name()), roff(own.summary));
   text += ".SH OPTIONS\n";
-  for (const OptionDescription& o : verb.options) text += fmt::format(".TP\n.B {}\n{}\n", roff(head(o)), roff(body(o)));
+  for (const VerbOption& o : verb.options) text += fmt::format(".TP\n.B {}\n{}\n", roff(head(o)), roff(body(o)));
   if (!verb.examples.empty()) text += ".SH EXAMPLES\n.nf\n";
   for (const std::string& example : verb.examples) text += roff(example) + "\n";
   if (!verb.examples.empty()) text += ".fi\n";
@@ -221,7 +201,7 @@ std::string manual_page(const VerbDescription& verb, const std::string& version)
          "wrong.\n";
 }
 
-std::string completion(const VerbDescription& command, const std::string& shell) {
+std::string completion(const Verb& command, const std::string& shell) {
   if (shell == "fish") return fish(command);
   return shell == "zsh" ? zsh(command) : bash(command);
 }

@@ -1,4 +1,5 @@
 // The command explains itself: in 80 columns, with examples that its own parser accepts, in manual pages and in shells.
+
 #include "imulab/core/build.hpp"
 
 #include <gmock/gmock.h>

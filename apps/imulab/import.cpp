@@ -38,9 +38,9 @@ void run(const Options& o) {
 
 }  // namespace
 
-void add_import(Verb app) {
+void add_import(Verb& app) {
   const auto o = std::make_shared<Options>();
-  Verb verb = app.verb("import", "Read a calibration of another program");
+  Verb& verb = app.verb("import", "Read a calibration of another program");
   verb.option("FILE", o->file, "of Kalibr, OpenVINS, imu_tk, imucal, PSINS, PX4, ArduPilot, VectorNav, or a matrix and a bias: told by its content")
       .required()
       .reads();
@@ -48,11 +48,11 @@ void add_import(Verb app) {
   verb.option("--gyro FILE", o->gyro, "the gyros' file where a file has one triad: imu_tk, a matrix and a bias").reads();
   verb.option("--raw UNIT", o->raw, "what the readings are in, where the file does not say").one_of({"si", "count"});
   verb.option("--instance N", o->instance, "of several IMUs in the file, from 0").in_range(0, 9).show_default();
-  verb.flag("--force", o->force, "replace an existing file");
-  verb.flag("--json", o->json, "print what was read as JSON");
+  verb.option("--force", o->force, "replace an existing file");
+  verb.option("--json", o->json, "print what was read as JSON");
   verb.example("imulab import results-imucam-imu.yaml -o kalibr.json");
   verb.example("imulab import acc.calib --gyro gyro.calib -o imu_tk.json");
-  verb.does([o] { run(*o); });
+  verb.does = [o] { run(*o); };
 }
 
 }  // namespace imulab::command

@@ -3,7 +3,7 @@
 
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
-#include "apps/imulab/session_recording.hpp"
+#include "apps/imulab/sessions.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/recording/stream.hpp"
@@ -80,7 +80,7 @@ class Input {
   int descriptor_;
 };
 
-/// What came, as it came: on the disk as soon as it is here.
+/// A copy of the stream as it came, on the disk as soon as it is here.
 class Copy {
  public:
   explicit Copy(const std::string& file) : name_(file) {
@@ -117,7 +117,12 @@ class Display {
     constexpr double every_s = 0.1;
     if (!new_rest && (!terminal_ || view.time_s - drawn_s_ < every_s)) return;
     drawn_s_ = view.time_s;
-    json_ ? fmt::print(out_, "{}", live_json(view)) : terminal_ ? redraw(view) : lines(view);
+    if (json_)
+      fmt::print(out_, "{}", live_json(view));
+    else if (terminal_)
+      redraw(view);
+    else
+      lines(view);
     std::fflush(out_);
   }
 
@@ -163,7 +168,7 @@ void write_result(const Options& options, LiveProgress& progress, Session sessio
 void summarize(const Options& options, const LiveProgress& progress) {
   const LiveView& view = progress.view();
   const Quality& quality = progress.result()->calibration.quality;
-  for (const std::string& text : quality.warnings) warn(text);
+  warn_each(quality.warnings);
   const std::string written =
       options.output.empty() ? "not saved: no -o FILE was given" : "written: " + (options.output == "-" ? "standard output" : options.output);
   if (!options.json)
@@ -219,7 +224,7 @@ void run(const Options& options) {
     display.show(progress.view(), true);
   }
   if (interrupted) warn("stopped by Ctrl-C");
-  for (const std::string& text : stream.warnings()) warn(text);
+  warn_each(stream.warnings());
   if (const auto& gaps = progress.recording().gaps; !gaps.empty())
     warn(fmt::format("{} gap{} in time, the first before {:.3f} s: turns across one are not used", gaps.size(), gaps.size() == 1 ? "" : "s",
                      progress.recording().time_s(gaps.front())));
@@ -233,9 +238,9 @@ void run(const Options& options) {
 
 }  // namespace
 
-void add_live(Verb app) {
+void add_live(Verb& app) {
   const auto o = std::make_shared<Options>();
-  Verb verb = app.verb("live", "While the IMU is being turned by hand, show which poses and turns are still missing");
+  Verb& verb = app.verb("live", "While the IMU is being turned by hand, show which poses and turns are still missing");
   verb.option("STREAM", o->input, "the stream of rows: - for standard input, or a file").required().reads();
   verb.option("--session SESSION", o->session, "a session that describes the stream's columns and the site").required().reads();
   verb.option("--recording FILE", o->recording, "the recording of that session to take the columns from, if it has several");
@@ -244,10 +249,10 @@ void add_live(Verb app) {
   verb.option("-o,--output FILE", o->output, "the calibration file to write at the end; - for standard output, and the events go to standard error")
       .writes();
   verb.option("--save FILE", o->save, "a file for what was streamed, as it came").writes();
-  verb.flag("--force", o->force, "replace these files if there are any");
-  verb.flag("--json", o->json, "print each event as JSON, one line each");
+  verb.option("--force", o->force, "replace these files if there are any");
+  verb.option("--json", o->json, "print each event as JSON, one line each");
   verb.example("driver | imulab live - --session session.toml -o calibration.json");
-  verb.does([o] { run(*o); });
+  verb.does = [o] { run(*o); };
 }
 
 }  // namespace imulab::command

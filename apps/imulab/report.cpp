@@ -1,6 +1,6 @@
 // imulab report RESULT
-#include "apps/imulab/report.hpp"
 
+#include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/method.hpp"
@@ -29,12 +29,6 @@
 namespace imulab::command {
 
 namespace fs = std::filesystem;
-
-void add_report_option(Verb& verb, std::string& file) {
-  verb.option("--report FILE", file, "write the result as a page, too: one HTML file, self-contained")
-      .check([](const std::string& text) { return text == "-" ? "-; expected a file to write" : ""; })
-      .writes();
-}
 
 namespace {
 
@@ -152,18 +146,18 @@ void run(const Options& o) {
 
 }  // namespace
 
-void add_report(Verb app) {
+void add_report(Verb& app) {
   const auto o = std::make_shared<Options>();
-  Verb verb = app.verb("report", "Show a saved result as a page: one HTML file, self-contained");
+  Verb& verb = app.verb("report", "Show a saved result as a page: one HTML file, self-contained");
   verb.option("RESULT", o->result,
               "calibration.json, or what compare, predict, plan, navigate, budget or compensate print with --json; - for standard input")
       .required()
       .reads();
   verb.option("-o,--output FILE", o->output, "the page to write; - for standard output").required().writes();
   verb.option("--session SESSION", o->session, "the session's folder or file, if it is not where it was (calibrations)").reads();
-  verb.flag("--json", o->json, "print what was written as JSON");
+  verb.option("--json", o->json, "print what was written as JSON");
   verb.example("imulab report calibration.json -o calibration.html");
-  verb.does([o] { run(*o); });
+  verb.does = [o] { run(*o); };
 }
 
 }  // namespace imulab::command

@@ -1,15 +1,18 @@
 #include "imulab/tasks/budget.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/report/navigation_page.hpp"
 #include "imulab/report/track.hpp"
 #include "imulab/tasks/content.hpp"
+#include "imulab/tasks/usable.hpp"
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 namespace imulab {
 namespace {
@@ -26,22 +29,22 @@ std::optional<std::string> large_angles(const ErrorBudget& b) {
 }
 
 /// Everything that the Monte Carlo depends on. What a grade or a system stands for is in the program.
-std::string identity_of(const MissionFile& file, const ErrorSpecification& specification, const BudgetTask& task) {
-  const std::filesystem::path folder = std::filesystem::path(task.mission).parent_path();
+std::string identity_of(const MissionFile& file, const ErrorSpecification& specification, const BudgetVerbOptions& o) {
+  const std::filesystem::path folder = std::filesystem::path(o.mission).parent_path();
   std::vector<IdentityField> fields{{"mission", file.sha256}};
   for (const std::filesystem::path& named : file.files) fields.emplace_back("names", content_of(named));
   fields.emplace_back("grade", specification.grade.value_or(""));
   fields.emplace_back("system", specification.system.value_or(""));
   fields.emplace_back("calibration", specification.calibration ? content_of(folder / *specification.calibration) : "");
   fields.emplace_back("noise", specification.noise ? content_of(folder / *specification.noise) : "");
-  fields.emplace_back("every", fmt::format("{}", task.every));
-  fields.emplace_back("runs", fmt::format("{}", task.runs));
-  fields.emplace_back("seed", fmt::format("{}", task.seed));
+  fields.emplace_back("every", fmt::format("{}", o.every));
+  fields.emplace_back("runs", fmt::format("{}", o.runs));
+  fields.emplace_back("seed", fmt::format("{}", o.seed));
   return work_identity("budget", fields);
 }
 
 /// The mission's errors, or those that are named in their place.
-ErrorSpecification sensors_of(const BudgetTask& o, const MissionFile& file) {
+ErrorSpecification sensors_of(const BudgetVerbOptions& o, const MissionFile& file) {
   if (!o.grade && !o.system && !o.calibration) {
     if (!file.errors) throw Error(o.mission + ": no errors; expected [errors], or a grade, a system or a calibration");
     return *file.errors;
@@ -57,46 +60,87 @@ ErrorSpecification sensors_of(const BudgetTask& o, const MissionFile& file) {
   return s;
 }
 
-}  // namespace
-
-ErrorSpecification specification_of(const BudgetTask& task, const MissionFile& file) {
-  ErrorSpecification s = sensors_of(task, file);
-  if (!task.noise) return s;
-  s.noise = std::filesystem::absolute(*task.noise).string();  // it replaces the noise terms, whatever else is named
+ErrorSpecification specification_of(const BudgetVerbOptions& o, const MissionFile& file) {
+  ErrorSpecification s = sensors_of(o, file);
+  if (!o.noise) return s;
+  s.noise = std::filesystem::absolute(*o.noise).string();  // it replaces the noise terms, whatever else is named
   for (TriadErrors* const triad : {&s.gyro, &s.accel}) triad->N = triad->B = triad->K = triad->Q = std::nullopt, triad->R = std::nullopt;
   return s;
 }
 
-MissionBudget mission_budget(const MissionFile& file, const ErrorSpecification& specification, const BudgetTask& task) {
-  if (!(task.every > 0)) throw Error(fmt::format("{} s between outputs; expected a positive number", task.every));
-  ErrorSourcesReading reading = read_error_sources(specification, task.mission);
+MissionBudget mission_budget(const MissionFile& file, const ErrorSpecification& specification, const BudgetVerbOptions& o,
+                             std::optional<Checkpoint> checkpoint, const std::function<void(double)>& progress) {
+  if (!(o.every > 0)) throw Error(fmt::format("{} s between outputs; expected a positive number", o.every));
+  ErrorSourcesReading reading = read_error_sources(specification, o.mission);
   MissionBudget out;
   out.warnings = std::move(reading.warnings);
-  out.motion = nominal_motion(errors_at(task.mission, [&] { return trajectory_of(file.mission); }), 1 / file.mission.rate);
+  out.motion = nominal_motion(errors_at(o.mission, [&] { return trajectory_of(file.mission); }), 1 / file.mission.rate);
   StrapdownOptions strapdown;
   strapdown.vertical = specification.vertical;
-  out.budget = error_budget(out.motion, reading.sources, {.strapdown = strapdown, .output_interval = task.every});
-  std::optional<Checkpoint> checkpoint = task.checkpoint;
-  if (checkpoint) checkpoint->identity = identity_of(file, specification, task);
-  if (task.runs > 0) {
+  out.budget = error_budget(out.motion, reading.sources, {.strapdown = strapdown, .output_interval = o.every});
+  if (checkpoint) checkpoint->identity = identity_of(file, specification, o);
+  if (o.runs > 0) {
     out.monte_carlo = error_monte_carlo(
-        out.motion, reading.sources, {.strapdown = strapdown, .output_interval = task.every, .runs = task.runs, .seed = task.seed},
+        out.motion, reading.sources, {.strapdown = strapdown, .output_interval = o.every, .runs = o.runs, .seed = o.seed},
         [&](std::uint64_t done) {
-          if (task.progress) task.progress(static_cast<double>(done) / static_cast<double>(task.runs));
+          if (progress) progress(static_cast<double>(done) / static_cast<double>(o.runs));
         },
         checkpoint ? &*checkpoint : nullptr);
-    out.runs = task.runs;
+    out.runs = o.runs;
   }
   if (auto warning = large_angles(out.budget)) out.warnings.push_back(std::move(*warning));
   return out;
 }
 
-std::string budget_json(const MissionBudget& b) { return budget_json(b.budget, b.monte_carlo, b.motion.states); }
-
-std::string budget_page(const MissionBudget& b, const std::string& mission) {
+std::string page_of(const MissionBudget& b, const std::string& mission) {
   return budget_page(
       BudgetReport{.mission = mission,
                    .summary = {.budget = b.budget, .monte_carlo = b.monte_carlo, .runs = b.runs, .track = report::thinned_track(b.motion.states)}});
+}
+
+}  // namespace
+
+Verb& declare(Verb& command, BudgetVerbOptions& o) {
+  Verb& verb = command.verb("budget", "Position, velocity and attitude errors on a motion, by source");
+  verb.option("mission", o.mission, "the mission file: a motion and its [errors]").reads();
+  VerbOption& grade = verb.option("--grade GRADE", o.grade, "sensors of this grade, in place of the mission's");
+  VerbOption& system = verb.option("--system NAME", o.system, "sensors of this airliner system, in place of the mission's").excludes(grade);
+  verb.option("--calibration FILE", o.calibration,
+              "the errors that this calibration leaves, in place of the mission's; the noise is still the mission's own")
+      .reads()
+      .excludes(grade)
+      .excludes(system);
+  verb.option("--noise FILE", o.noise, "noise.json of a log at rest: its terms in place of the mission's or grade's").reads();
+  verb.option("--runs", o.runs, "number of Monte Carlo runs; 0 for none").show_default().in_range(0., 1e7);
+  seed_option(verb, o.seed);
+  verb.option("--every", o.every, "seconds between rows of the files").in_range(1e-3, 1e6).show_default();
+  checkpoint_options(verb, o.shared);
+  verb.option("-o,--output FOLDER", o.output, "the folder to create: total.csv, sources.csv, monte_carlo.csv over time, runs.csv")
+      .creates()
+      .of_command();
+  report_option(verb, o.report);
+  verb.option("--catalogue", o.catalogue, "list the available grades and systems").of_command();
+  allow_undetermined_option(verb, o.allow_undetermined);
+  json_option(verb, o.json);
+  verb.option("-v,--verbose", o.verbose, "print also velocity, attitude and the Monte Carlo by axis").of_command();
+  verb.example("imulab budget flight.toml --grade navigation");
+  return verb;
+}
+
+AnswerOf<MissionBudget> budget_answer(const MissionFile& file, const BudgetVerbOptions& o, const Tell& tell,
+                                      const std::function<void(double)>& progress, const std::string& allow) {
+  std::optional<Checkpoint> checkpoint = o.shared.shared();
+  const ErrorSpecification specification = specification_of(o, file);
+  if (const auto& name = specification.calibration) {
+    const std::filesystem::path path = std::filesystem::path(o.mission).parent_path() / *name;
+    expect_usable(read_calibration(path), path.string(), o.allow_undetermined, tell, allow);
+  }
+  const auto b = std::make_shared<const MissionBudget>(mission_budget(file, specification, o, std::move(checkpoint), progress));
+  return {{.json = [b] { return budget_json(b->budget, b->monte_carlo, b->motion.states); },
+           .table = [b](bool details) { return budget_table(b->budget, b->monte_carlo, details); },
+           .page = [b, mission = std::filesystem::path(o.mission).filename().string()] { return page_of(*b, mission); },
+           .warnings = b->warnings},
+          b};
 }
 
 void write_budget(const std::filesystem::path& path, const MissionBudget& b) {

@@ -5,6 +5,7 @@
 #include "imulab/navigation/budget/monte_carlo.hpp"
 #include "imulab/navigation/motion/trajectory.hpp"
 #include "imulab/results/budget.hpp"
+#include "imulab/tasks/verb.hpp"
 
 #include <cstdint>
 #include <functional>
@@ -14,15 +15,16 @@
 
 namespace imulab {
 
-struct BudgetTask {
-  std::string mission;                                                   ///< its file: for messages, and beside it the files that it names
-  std::optional<std::string> grade = {}, system = {}, calibration = {};  ///< one at most, in place of the mission's sensors; the last a file
-  std::optional<std::string> noise = {};                                 ///< file of an analysis, in place of the noise terms
-  std::uint64_t runs = 200, seed = 1;                                    ///< of the Monte Carlo; 0: none
-  double every = 10;                                                     ///< s between outputs
-  std::function<void(double)> progress = {};                             ///< called with the fraction done, 0 to 1, from any thread
-  std::optional<Checkpoint> checkpoint = {};                             ///< of the Monte Carlo
+struct BudgetVerbOptions : ShowOptions {
+  std::string mission;                                           ///< its file: for messages, and beside it the files that it names
+  std::optional<std::string> grade, system, calibration, noise;  ///< in place of the mission's: sensors by one of the first three, noise
+  std::uint64_t runs = 200, seed = 1;                            ///< of the Monte Carlo; 0 runs: none
+  double every = 10;                                             ///< s between outputs
+  bool catalogue = false, allow_undetermined = false;
+  CheckpointOptions shared;
 };
+/// The verb `budget`, which sets these.
+Verb& declare(Verb& command, BudgetVerbOptions& o);
 
 struct MissionBudget {
   ErrorBudget budget;
@@ -32,14 +34,11 @@ struct MissionBudget {
   std::vector<std::string> warnings;
 };
 
-/// The mission's errors, with the task's own in their place. Throws Error where there are none.
-ErrorSpecification specification_of(const BudgetTask& task, const MissionFile& file);
-
-/// Throws Error as read_error_sources, trajectory_of, error_budget and error_monte_carlo do.
-MissionBudget mission_budget(const MissionFile& file, const ErrorSpecification& specification, const BudgetTask& task);
-std::string budget_json(const MissionBudget& budget);
-/// HTML.
-std::string budget_page(const MissionBudget& budget, const std::string& mission);
+/// The mission's budget with the options' own sensors in place of the mission's. `tell` gets the warnings about the calibration that these name.
+/// `progress` is called with the fraction done, 0 to 1, from any thread. Throws Error where there are no errors of sensors, and as
+/// read_error_sources, trajectory_of, error_budget and error_monte_carlo do; as expect_usable for the calibration.
+AnswerOf<MissionBudget> budget_answer(const MissionFile& file, const BudgetVerbOptions& o, const Tell& tell,
+                                      const std::function<void(double)>& progress, const std::string& allow = "--allow-undetermined");
 /// total.csv, sources.csv, and of a Monte Carlo monte_carlo.csv and runs.csv, in a new folder. Throws Error where it cannot be written.
 void write_budget(const std::filesystem::path& folder, const MissionBudget& budget);
 

@@ -1,24 +1,27 @@
 #include "imulab/tasks/calibrate.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/fleet/store/sample.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/report/calibration_page.hpp"
+#include "imulab/results/calibration.hpp"
 #include "imulab/results/live.hpp"
-#include "imulab/tasks/recordings.hpp"
+#include "imulab/tasks/inspect.hpp"
+#include "imulab/tasks/usable.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 namespace imulab {
 namespace {
 
 CalibrationOptions options_of(const CalibrationTask& task, const Method& method, const std::vector<Recording>& recordings) {
-  if (task.stepwise && !method.takes_stepwise) throw Error(fmt::format("the method {} has no steps; expected whole-unit", method.name));
   if (task.terms == "full" && !method.takes_full) throw TermsError("full: only the method whole-unit takes it");
   CalibrationOptions options;
   options.terms = parse_terms(task.terms);
@@ -57,7 +60,76 @@ void add_prior(Calibration& calibration, const FleetPrior& prior) {
   if (!filled.empty()) quality.notes.push_back("from the fleet alone:" + filled);
 }
 
+/// The options that shape the result, as they were given.
+std::map<std::string, std::string> options_used(const CalibrateOptions& o) {
+  std::map<std::string, std::string> used{{"terms", o.terms}};
+  if (!o.recording.empty()) used["recording"] = o.recording;
+  if (o.stepwise) used["stepwise"] = "true";
+  if (!o.prior.empty()) used["prior"] = o.prior;
+  return used;
+}
+
 }  // namespace
+
+Verb& declare(Verb& command, CalibrateOptions& o) {
+  Verb& verb = command.verb("calibrate", "Compute a calibration and its uncertainties from a session");
+  verb.option("session", o.session,
+              "a session folder or its session.toml; a recording, which is inspected first; - for a session or rows on standard input")
+      .required()
+      .reads();
+  declarations_option(verb, o.declarations);
+  std::string summaries;
+  for (const Method& m : methods_by_equipment()) summaries += fmt::format("{}{}: {}", summaries.empty() ? "" : "; ", m.name, m.summary);
+  verb.option("--method METHOD", o.method, summaries).required().one_of(method_names());
+  verb.option("-o,--output FILE", o.output, "the calibration file to write; - for standard output").writes().of_command();
+  verb.option("--terms TERMS", o.terms,
+              fmt::format("coefficients to estimate, for example accel.offset,gyro.matrix.diagonal; auto: those that the data support; full ({}): "
+                          "all, significant or not",
+                          names_of_methods(&Method::takes_full)))
+      .show_default();
+  verb.option("--recording FILE", o.recording, "the recording to use, if the session has several");
+  verb.option("--stepwise", o.stepwise, names_of_methods(&Method::takes_stepwise) + ": Dai's three steps in sequence instead of the joint estimate");
+  verb.option("--curves FILE", o.curves,
+              names_of_methods(&Method::takes_curves) + ": a CSV file with the convergence of each coefficient and its standard uncertainty")
+      .writes()
+      .of_command();
+  verb.option("--require LIMITS", o.require,
+              "what the calibration is for, as in \"gyro.matrix.diagonal <= 100 ppm, accel.offset <= 200 ug\"; exit code 1 where it is not reached");
+  prior_option(verb, o.prior);
+  report_option(verb, o.report);
+  verb.option("--force", o.force, "replace the calibration file if there is one").of_command();
+  json_option(verb, o.json, "print the calibration file instead of the table");
+  verb.option("-v,--verbose", o.verbose, "print also values in SI, what was used, and the tests of optional terms").of_command();
+  verb.example("imulab calibrate session --method handheld -o calibration.json");
+  verb.example("imulab calibrate session --method hybrid --require \"gyro.offset <= 1 deg/h\"");
+  return verb;
+}
+
+std::vector<std::string> method_names(bool predicting) {
+  std::vector<std::string> names;
+  for (const Method& m : methods())
+    if (!predicting || m.predict != nullptr) names.emplace_back(m.name);
+  return names;
+}
+
+CalibrationTask task_of(const CalibrateOptions& o) {
+  const Method& chosen = method(o.method);
+  const auto only = [](bool Method::*capability, const char* has) { return fmt::format("only the method {} {}", names_of_methods(capability), has); };
+  if (o.stepwise && !chosen.takes_stepwise) throw OptionError("stepwise", only(&Method::takes_stepwise, "has steps"));
+  if (!o.curves.empty() && !chosen.takes_curves) throw OptionError("curves", only(&Method::takes_curves, "has convergence curves"));
+  if (o.terms == "full" && !chosen.takes_full) throw OptionError("terms full", only(&Method::takes_full, "takes it"));
+  errors_of_option("terms", [&] { parse_terms(o.terms); });
+  CalibrationTask task{.method = o.method, .terms = o.terms, .stepwise = o.stepwise, .curves = !o.curves.empty() || !o.report.empty()};
+  if (o.require) task.requirements = errors_of_option("require", [&] { return parse_requirements(*o.require); });
+  task.prior = read_prior(o.prior);
+  return task;
+}
+
+std::optional<FleetPrior> read_prior(const std::string& file) {
+  if (file.empty()) return std::nullopt;
+  FleetStore store(file);
+  return errors_of_option("prior", [&] { return fleet_prior(store); });
+}
 
 std::vector<CoefficientIndex> parse_terms(std::string_view terms) {
   std::vector<CoefficientIndex> indices;
@@ -119,6 +191,32 @@ CalibrationResult calibrate(const SessionRecordings& data, const CalibrationTask
   Quality& quality = result.calibration.quality;
   for (const Requirement& requirement : task.requirements) quality.requirements.push_back(assess(result.calibration, requirement));
   return result;
+}
+
+AnswerOf<CalibrationResult> calibration_answer(std::shared_ptr<const SessionRecordings> data, const CalibrateOptions& o, const CalibrationTask& task,
+                                               bool from_files) {
+  const auto made = std::make_shared<CalibrationResult>();
+  try {
+    *made = calibrate(*data, task);
+  } catch (const TermsError& e) {
+    throw OptionError("terms", e.what());
+  }
+  Calibration& calibration = made->calibration;
+  if (from_files) add_provenance(calibration, data->session, data->recordings);
+  calibration.options = options_used(o);
+  const std::vector<std::string> own = calibration.quality.warnings;
+  calibration.quality.warnings.insert(calibration.quality.warnings.begin(), data->warnings.begin(), data->warnings.end());
+  const std::shared_ptr<const CalibrationResult> result = made;
+  return {{.json = [result] { return calibration_text(result->calibration); },
+           .table =
+               [result](bool details) {
+                 const Calibration& c = result->calibration;
+                 return calibration_summary(c) + (details ? "\n" + calibration_details(c, result->coarse ? &*result->coarse : nullptr) : "");
+               },
+           .page = [result, data] { return calibration_page(*result, *data); },
+           .warnings = own,
+           .shortcomings = shortcomings(*result)},
+          result};
 }
 
 std::string shortcomings(const CalibrationResult& result) {

@@ -3,6 +3,7 @@
 
 #include "imulab/estimate/method.hpp"
 #include "imulab/fleet/statistics/prior.hpp"
+#include "imulab/tasks/verb.hpp"
 
 #include <functional>
 #include <optional>
@@ -11,6 +12,15 @@
 #include <vector>
 
 namespace imulab {
+
+struct CalibrateOptions : ShowOptions {
+  std::string session, method, terms = "auto", recording, curves, prior;
+  std::optional<std::string> require;
+  std::vector<std::string> declarations;
+  bool stepwise = false;
+};
+/// The verb `calibrate`, which sets these.
+Verb& declare(Verb& command, CalibrateOptions& o);
 
 struct CalibrationTask {
   std::string method;
@@ -22,13 +32,21 @@ struct CalibrationTask {
   std::function<void(double)> progress = {};  ///< as CalibrationOptions has it
 };
 
+/// The names of all methods, or of those with a prediction.
+std::vector<std::string> method_names(bool predicting = false);
+
+/// The task that these options ask for; reads the prior. Throws OptionError for what is wrong, or not of the method.
+CalibrationTask task_of(const CalibrateOptions& o);
+/// The prior of the fleet whose store is in this file; none for an empty name.
+std::optional<FleetPrior> read_prior(const std::string& store);
+
 /// The coefficients of selectors separated by commas; none of "auto" and "full". Throws Error for an unknown one.
 std::vector<CoefficientIndex> parse_terms(std::string_view terms);
 
 struct SessionRecordings {
   Session session;  ///< with the recordings below alone, and their steps
   std::vector<Recording> recordings;
-  std::vector<std::string> warnings;  ///< of reading them
+  std::vector<std::string> warnings;  ///< from reading them
 };
 
 /// Reads the recordings of a session that a method uses: all of them, or the one named `chosen`; the only one where it takes one. Throws Error as
@@ -43,6 +61,11 @@ SessionRecordings given_recordings(Session session, std::vector<Recording> recor
 /// Calibrates. The result has the requirements' answers and its declared origin (`add_declared_origin`). Throws Error for a task that the method does
 /// not know (TermsError for its terms), and as the method does.
 CalibrationResult calibrate(const SessionRecordings& data, const CalibrationTask& task);
+
+/// Calibrates for an answer: the calibration also has its options and, in front of its own warnings, those of reading; `from_files` adds the files'
+/// hashes. The answer's warnings are those of the calibration alone. Throws OptionError for terms that the method does not know.
+AnswerOf<CalibrationResult> calibration_answer(std::shared_ptr<const SessionRecordings> data, const CalibrateOptions& o, const CalibrationTask& task,
+                                               bool from_files);
 
 /// Why the result does not meet the request: not converged, coefficients not determined, requirements not reached. Empty: it is.
 std::string shortcomings(const CalibrationResult& result);

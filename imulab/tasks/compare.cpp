@@ -4,12 +4,14 @@
 #include "imulab/formats/text/printable.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/compare.hpp"
+#include "imulab/report/comparison_page.hpp"
 #include "imulab/tasks/usable.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 namespace imulab {
 namespace {
@@ -43,25 +45,47 @@ void check_same_imu(const NamedCalibration& a, const NamedCalibration& b) {
 
 }  // namespace
 
-ComparedCalibrations compare_calibrations(const std::vector<NamedCalibration>& inputs, bool different_imus) {
-  ComparedCalibrations out;
-  std::vector<Calibration> calibrations;
-  for (std::size_t k = 0; k < inputs.size(); ++k) {
-    const NamedCalibration& input = inputs[k];
+Verb& declare(Verb& command, CompareOptions& o) {
+  Verb& verb = command.verb("compare", "Compare calibrations of one IMU, coefficient by coefficient");
+  verb.option("CALIBRATION", o.files,
+              "two or more calibrations, or truth.json of a simulation; - for standard input. The others are compared with the first. Their "
+              "errors are taken as independent; a file without uncertainties is taken as the truth")
+      .required()
+      .takes_several(2)
+      .reads();
+  verb.option("--different-imus", o.different_imus, "compare calibrations of different serial numbers");
+  report_option(verb, o.report);
+  json_option(verb, o.json);
+  verb.option("-v,--verbose", o.verbose, "print also the values in SI").of_command();
+  verb.example("imulab compare calibration.json session/truth.json");
+  return verb;
+}
+
+AnswerOf<ComparisonSummary> comparison_answer(std::vector<NamedCalibration> calibrations, bool different_imus) {
+  const auto inputs = std::make_shared<const std::vector<NamedCalibration>>(std::move(calibrations));
+  const auto summary = std::make_shared<ComparisonSummary>();
+  std::vector<std::string> warnings;
+  std::vector<Calibration> all;
+  for (std::size_t k = 0; k < inputs->size(); ++k) {
+    const NamedCalibration& input = (*inputs)[k];
     expect_sizes(input.calibration, input.name);
     errors_at(input.name, [&] { compare(input.calibration, input.calibration); });  // a singular matrix is refused where its name is known
     for (std::size_t i = 0; i < k; ++i) {
-      check_same_raw_units(inputs[i], input);
-      if (!different_imus) check_same_imu(inputs[i], input);
+      check_same_raw_units((*inputs)[i], input);
+      if (!different_imus) check_same_imu((*inputs)[i], input);
     }
-    for (std::string& text : open_frame(input)) out.warnings.push_back(std::move(text));
-    out.summary.names.push_back(input.name);
-    calibrations.push_back(input.calibration);
+    for (std::string& text : open_frame(input)) warnings.push_back(std::move(text));
+    summary->names.push_back(input.name);
+    all.push_back(input.calibration);
   }
-  out.summary.comparisons = compare(calibrations.front(), std::vector<Calibration>(calibrations.begin() + 1, calibrations.end()));
-  out.summary.agreement = agreement(calibrations);
-  if (out.summary.agreement->calibrations < 3) out.summary.agreement.reset();  // for two, their comparison is enough
-  return out;
+  summary->comparisons = compare(all.front(), std::vector<Calibration>(all.begin() + 1, all.end()));
+  summary->agreement = agreement(all);
+  if (summary->agreement->calibrations < 3) summary->agreement.reset();  // for two, their comparison is enough
+  return {{.json = [inputs, summary] { return comparison_json(*inputs, summary->comparisons, summary->agreement); },
+           .table = [inputs, summary](bool details) { return comparison_table(*inputs, summary->comparisons, summary->agreement, details); },
+           .page = [summary] { return comparison_page(*summary); },
+           .warnings = std::move(warnings)},
+          summary};
 }
 
 }  // namespace imulab

@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// One session on its way through.
+/// One session from its file to the store.
 struct FleetItem {
   FleetSession hashed;
   std::optional<Session> session;
@@ -34,7 +34,7 @@ struct FleetItem {
   bool skipped = false, failed_before = false;
 };
 
-/// An Error of any step is the session's failure, except those that the session cannot help: a store that cannot be written, memory that ends.
+/// An exception of any step is the session's failure, unless the session is not its cause: a store that cannot be written, memory that ends.
 template <class Work>
 void attempt(FleetItem& item, const Work& work) {
   if (item.skipped || !item.failure.empty()) return;

@@ -6,6 +6,9 @@
 #include "imulab/formats/text/file.hpp"
 #include "imulab/inspection/declared.hpp"
 #include "imulab/inspection/join.hpp"
+#include "imulab/recording/overview.hpp"
+#include "imulab/report/recording_page.hpp"
+#include "imulab/results/inspection.hpp"
 
 #include <fmt/format.h>
 
@@ -14,6 +17,48 @@
 #include <utility>
 
 namespace imulab {
+
+Verb& declare(Verb& command, InspectOptions& o) {
+  Verb& verb = command.verb("inspect", "Identify the contents of a recording, and write a session for it");
+  verb.option("FILE", o.files, "the files of one recording: text, bags, logs, arrays; - for standard input").required().reads();
+  verb.option("--for SECONDS", o.longest_s, "how long to read a stream that does not end: a serial port")
+      .in_range(0.1, 86400)
+      .show_default()
+      .of_command();
+  verb.option("--topic TOPIC", o.topics, "of a file with several tables; repeat it where gyros and accelerometers are in different ones")
+      .repeats()
+      .called("topics");
+  declarations_option(verb, o.declarations);
+  verb.option("-o,--output FILE", o.output, "the session to write; - for standard output").writes().of_command();
+  report_option(verb, o.report);
+  verb.option("--force", o.force, "replace the session if there is one").of_command();
+  json_option(verb, o.json);
+  verb.example("imulab inspect log.csv -o session.toml");
+  verb.example("cat /dev/ttyUSB0 | imulab inspect - --for 30");
+  verb.example("imulab inspect log.csv --set gyro.unit=deg/s -o session.toml");
+  return verb;
+}
+
+void declarations_option(Verb& verb, std::vector<std::string>& declarations) {
+  verb.option("--set KEY=VALUE", declarations,
+              fmt::format("declare of a recording what its data leave open, as often as needed: {}", fmt::join(declaration_keys(), ", ")))
+      .repeats()
+      .of_command();
+}
+
+Declarations parse_declarations(const std::vector<std::string>& texts) {
+  Declarations declared;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0) throw OptionError("set " + text, "has no value; expected KEY=VALUE");
+    declared[text.substr(0, equals)] = text.substr(equals + 1);
+  }
+  errors_of_option("set", [&] {
+    inspection::check_declarations(declared);
+    declared_site(declared);
+  });
+  return declared;
+}
 
 Inspection inspect_files(const InspectionTask& task) {
   inspection::check_declarations(task.declared);
@@ -47,6 +92,22 @@ InspectedRecording inspect_and_read(const InspectionTask& task) {
     out.inspection.problems.emplace_back(e.what());
   }
   return out;
+}
+
+AnswerOf<InspectedRecording> inspection_answer(const InspectionTask& task) {
+  constexpr std::size_t intervals = 1500;  // of the picture
+  const auto found = std::make_shared<const InspectedRecording>(inspect_and_read(task));
+  const Inspection& inspection = found->inspection;
+  return {{.json = [found] { return inspection_json(found->inspection); },
+           .table = [found](bool) { return inspection_text(found->inspection); },
+           .page =
+               [found] {
+                 std::optional<Overview> picture;
+                 if (found->recording) picture = overview(SensorModel{}, *found->recording, intervals);
+                 return inspection_page(found->inspection, picture);
+               },
+           .shortcomings = fmt::format("{}", fmt::join(inspection.problems.empty() ? inspection.ambiguous : inspection.problems, "\n"))},
+          found};
 }
 
 Session session_for(const Inspection& inspection, const InspectionTask& task, const std::string& hint) {

@@ -4,6 +4,7 @@
 #include "imulab/formats/recording/signals.hpp"
 #include "imulab/inspection/inspection.hpp"
 #include "imulab/recording/recording.hpp"
+#include "imulab/tasks/verb.hpp"
 
 #include <cstddef>
 #include <optional>
@@ -11,6 +12,17 @@
 #include <vector>
 
 namespace imulab {
+
+struct InspectOptions : ShowOptions {
+  std::vector<std::string> files, topics, declarations;
+  double longest_s = stream_s;
+};
+/// The verb `inspect`, which sets these.
+Verb& declare(Verb& command, InspectOptions& o);
+/// The option --set KEY=VALUE.
+void declarations_option(Verb& verb, std::vector<std::string>& declarations);
+/// Throws OptionError for what is not KEY=VALUE.
+Declarations parse_declarations(const std::vector<std::string>& texts);
 
 struct InspectionTask {
   std::vector<std::string> files, topics = {};  ///< files of one recording; topics: several of one file, or none
@@ -28,14 +40,15 @@ struct InspectedRecording {
   std::optional<Recording> recording;  ///< as the session declares it; absent where something is open, wrong, or a stream
 };
 
-/// A fault of the recording as its session declares it is a problem of the inspection.
+/// A problem of the recording as its session declares it is a problem of the inspection.
 InspectedRecording inspect_and_read(const InspectionTask& task);
+AnswerOf<InspectedRecording> inspection_answer(const InspectionTask& task);
 
 /// The session of one file, of which nothing is open. Throws Error for a problem, Unsupported with the open questions. `hint` says how they are
 /// answered.
 Session session_for(const Inspection& inspection, const InspectionTask& task, const std::string& hint);
 
-/// The assumption of such a session about gravity; empty where it is declared.
+/// The gravity that such a session assumes; empty where it is declared.
 std::string assumed_gravity(const Session& session);
 
 }  // namespace imulab

@@ -124,14 +124,14 @@ bool LiveProgress::reached() const {
   return q.converged && q.unobservable.empty() && std::all_of(q.requirements.begin(), q.requirements.end(), [](const auto& r) { return r.met; });
 }
 
-/// The direction up at a rest; nothing as long as the scale is not known.
+/// The upward direction at a rest; none as long as the scale is not known.
 std::optional<Eigen::Vector3d> LiveProgress::up_at(const Range& rest) const {
   if (!result_) return std::nullopt;
   const RestMeans means = summarize_rests(recording_, {rest}).front();
   return compensate(result_->calibration.model, RawSample{means.accel, means.gyro}).force.normalized();
 }
 
-/// Finds the direction up at each rest, and the angle turned about each axis.
+/// Fills in the upward direction at each rest, and the angle by which the unit turned about each axis.
 void LiveProgress::describe(const std::vector<Range>& rests) {
   view_.up.clear(), view_.turned_deg.setZero();
   if (!result_) return;

@@ -1,14 +1,59 @@
 #include "imulab/tasks/navigate.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
 #include "imulab/formats/recording/solution.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/navigation/budget/navigated.hpp"
 #include "imulab/navigation/navigation_error.hpp"
+#include "imulab/report/navigation_page.hpp"
 
+#include <map>
 #include <utility>
 
 namespace imulab {
+
+Verb& declare(Verb& command, NavigateVerbOptions& o) {
+  Verb& verb = command.verb("navigate", "Align, compute the pure-inertial solution, and compare it with a truth");
+  verb.option("CALIBRATION", o.calibration, "calibration.json, or none if the recordings are in rad/s and m/s^2 already").required().reads();
+  verb.option("SESSION", o.sessions, "session folders or session.toml files, each with one recording; several give one row each")
+      .required()
+      .takes_several(1)
+      .reads();
+  verb.option("--vertical CHANNEL", o.vertical, "treatment of the vertical channel; aided and held need --barometer")
+      .one_of({"free", "fixed", "aided", "held"})
+      .show_default();
+  verb.option("--barometer FILE", o.barometer, "heights for aided and held: a CSV file with t,height_m").reads();
+  verb.option("--align", o.align, "align on the first rest even if the session gives an attitude");
+  verb.option("--heading", o.heading_deg, "heading at the end of the rest, deg; only roll and pitch are then aligned")
+      .in_range(-360., 360.)
+      .called("heading_deg");
+  verb.option("--heading-sigma", o.heading_sigma_deg, "standard uncertainty of --heading, deg; exact if absent")
+      .in_range(0., 180.)
+      .called("heading_sigma_deg");
+  verb.option("--gaps HOW", o.gaps, "what to do at missing samples").one_of({"integrate", "refuse"}).show_default();
+  verb.option("--truth FILE", o.truth, "reference solution; the session's [truth] if absent").reads();
+  verb.option("-o,--output FILE", o.output, "write the whole solution to this CSV file; - for standard output in place of the table")
+      .writes()
+      .of_command();
+  report_option(verb, o.report);
+  allow_undetermined_option(verb, o.allow_undetermined);
+  json_option(verb, o.json);
+  verb.example("imulab navigate calibration.json drive --vertical fixed -o solution.csv");
+  return verb;
+}
+
+NavigateOptions navigate_options(const NavigateVerbOptions& o) {
+  static const std::map<std::string, VerticalChannel> channels{
+      {"free", VerticalChannel::free}, {"fixed", VerticalChannel::fixed}, {"aided", VerticalChannel::aided}, {"held", VerticalChannel::held}};
+  NavigateOptions options;
+  options.vertical = channels.at(o.vertical);
+  options.align = o.align;
+  options.gaps = o.gaps == "refuse" ? GapTreatment::refuse : GapTreatment::integrate;
+  if (o.heading_deg) options.heading = {*o.heading_deg * unit::deg, o.heading_sigma_deg.value_or(0) * unit::deg};
+  if (!o.barometer.empty()) options.barometer = read_heights(o.barometer);
+  return options;
+}
 
 Calibration no_calibration() {
   Calibration ideal;
@@ -49,6 +94,29 @@ NavigatedSession navigate_session(const std::string& name, const Calibration& ca
       out.unexplained = e.what();
     }
   return out;
+}
+
+namespace {
+
+/// The warnings of a session's navigation and of its comparison.
+std::vector<std::string> warnings_of(const NavigatedSession& session) {
+  std::vector<std::string> all = session.navigated.warnings;
+  if (session.errors) all.insert(all.end(), session.errors->warnings.begin(), session.errors->warnings.end());
+  return all;
+}
+
+}  // namespace
+
+AnswerOf<std::vector<NavigatedSession>> navigation_answer(std::vector<NavigatedSession> sessions) {
+  const auto all = std::make_shared<const std::vector<NavigatedSession>>(std::move(sessions));
+  std::vector<std::string> warnings;
+  for (const NavigatedSession& one : *all)
+    for (const std::string& text : warnings_of(one)) warnings.push_back((all->size() > 1 ? one.session + ": " : "") + text);
+  return {{.json = [all] { return navigation_json(*all); },
+           .table = [all](bool) { return navigation_table(*all); },
+           .page = [all] { return navigation_page({.sessions = *all}); },
+           .warnings = std::move(warnings)},
+          all};
 }
 
 }  // namespace imulab

@@ -3,11 +3,25 @@
 
 #include "imulab/model/calibration.hpp"
 #include "imulab/results/navigation.hpp"
+#include "imulab/tasks/verb.hpp"
 
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace imulab {
+
+struct NavigateVerbOptions : ShowOptions {
+  std::string calibration, truth, barometer, vertical = "free", gaps = "integrate";
+  std::vector<std::string> sessions;
+  std::optional<double> heading_deg, heading_sigma_deg;
+  bool align = false, allow_undetermined = false;
+};
+/// The verb `navigate`, which sets these.
+Verb& declare(Verb& command, NavigateVerbOptions& o);
+/// The options of the navigation; reads the heights. Throws Error for a vertical channel that there is not.
+NavigateOptions navigate_options(const NavigateVerbOptions& o);
 
 /// An IMU whose recordings are in rad/s and m/s^2 already.
 Calibration no_calibration();
@@ -26,5 +40,8 @@ std::optional<TrueMotion> session_truth(const Session& session);
 /// `navigation_errors` do. A recording that is moved here is compensated in its place.
 NavigatedSession navigate_session(const std::string& name, const Calibration& calibration, const Session& session, Recording recording,
                                   NavigateOptions options, const std::optional<TrueMotion>& truth, bool explain);
+
+/// The warnings are those of the sessions, with their names in front where there are several.
+AnswerOf<std::vector<NavigatedSession>> navigation_answer(std::vector<NavigatedSession> sessions);
 
 }  // namespace imulab

@@ -1,3 +1,5 @@
+#include "imulab/tasks/plan.hpp"
+
 #include "imulab/core/checkpoint_folder.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/units.hpp"
@@ -7,7 +9,7 @@
 #include "imulab/model/frame.hpp"
 #include "imulab/report/prediction_page.hpp"
 #include "imulab/rig/procedure.hpp"
-#include "imulab/tasks/predict.hpp"
+#include "imulab/tasks/calibrate.hpp"
 
 #include <fmt/format.h>
 
@@ -111,7 +113,7 @@ void add_prior(Prediction& prediction, const FleetPrior& prior) {
     }
 }
 
-/// The requirements on the path itself.
+/// The requirements that the path itself has to meet.
 std::vector<Requirement> with_prior(const PlanTask& task) {
   std::vector<Requirement> left = left_to_reach(task.requirements, *task.prior);
   std::erase_if(left, [](const Requirement& r) { return zero_by_frame(r.coefficients.front()); });
@@ -119,7 +121,76 @@ std::vector<Requirement> with_prior(const PlanTask& task) {
   return left;
 }
 
+/// 1, 2, 3 and hand, or names.
+std::vector<RigAxis> axes_of(const std::string& text) {
+  using enum RigAxis;
+  if (text == "1") return {outer};
+  if (text == "2") return {middle, inner};
+  if (text == "3" || text == "hand") return {outer, middle, inner};
+  std::vector<RigAxis> axes;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string name = text.substr(begin, end - begin);
+    const std::size_t before = axes.size();
+    for (const RigAxis axis : {outer, middle, inner})
+      if (name == to_string(axis) && std::find(axes.begin(), axes.end(), axis) == axes.end()) axes.push_back(axis);
+    if (axes.size() == before) throw OptionError("axes", text + "; expected 1, 2, 3, hand, or names such as outer,inner");
+    begin = end + 1;
+  }
+  std::sort(axes.begin(), axes.end());
+  return axes;
+}
+
+std::string text_of(const PlannedProcedure& p) {
+  return fmt::format("{} turns in {}{}\n\n{}\n{}", p.path.turns.size(), text::minutes(p.path.duration), p.prior ? ",\n" + prior_text(*p.prior) : "",
+                     path_table(p.path), prediction_table(p.prediction, p.requirements));
+}
+
+PlanSummary summary_of(const PlannedProcedure& p) { return {p.requirements, p.path, imulab::summary_of(p.prediction), p.prior}; }
+
 }  // namespace
+
+Verb& declare(Verb& command, PlanOptions& o) {
+  Verb& verb = command.verb("plan", "Find the shortest sequence of turns and rests with which the hybrid method meets requirements");
+  verb.option("--require LIMITS", o.require, "requirements, as in \"gyro.matrix.off_diagonal <= 1 arcsec, accel.offset <= 1 ug\"").required();
+  verb.option("--grade GRADE", o.grade, "grade of the IMU's noise: strategic, navigation, tactical, mems, mems-30g").show_default();
+  verb.option("--latitude", o.latitude_deg, "latitude of the site, degrees").in_range(-90, 90).show_default().called("latitude_deg");
+  verb.option("--gravity", o.gravity, "gravity measured to 1e-5 m/s^2; if absent, normal gravity, known to 3e-4").in_range(9.7, 9.9);
+  verb.option("--axes AXES", o.axes, "axes of the table: 1 (outer, vertical), 2 (middle and inner), 3, hand, or names such as outer,inner")
+      .show_default();
+  verb.option("--time N", o.time, "find the best path within this many seconds instead of the shortest").in_range(60, hybrid::longest_path);
+  verb.option("--rest", o.rest, "duration of every rest in whole seconds; if absent, each is chosen").in_range(6, 600, true);
+  prior_option(verb, o.prior);
+  verb.option("-o,--output FILE", o.output, "the procedure to write; - for standard output in place of the table").writes().of_command();
+  report_option(verb, o.report);
+  checkpoint_options(verb, o.shared);
+  json_option(verb, o.json);
+  verb.example("imulab plan --require \"gyro.matrix.diagonal <= 10 ppm\" -o plan.toml");
+  return verb;
+}
+
+PlanTask task_of(const PlanOptions& o) {
+  PlanTask task{.requirements = errors_of_option("require", [&] { return parse_requirements(o.require); }),
+                .grade = o.grade,
+                .latitude = o.latitude_deg * unit::deg,
+                .gravity = o.gravity,
+                .axes = axes_of(o.axes),
+                .by_hand = o.axes == "hand",
+                .time = o.time,
+                .rest = o.rest};
+  task.checkpoint = o.shared.shared();
+  task.prior = read_prior(o.prior);
+  return task;
+}
+
+AnswerOf<PlannedProcedure> plan_answer(const PlanTask& task) {
+  const auto p = std::make_shared<const PlannedProcedure>(plan(task));
+  return {{.json = [p] { return plan_json(summary_of(*p)); },
+           .table = [p](bool) { return text_of(*p); },
+           .page = [p] { return plan_page(summary_of(*p)); },
+           .shortcomings = shortcomings(*p)},
+          p};
+}
 
 PlannedProcedure plan(const PlanTask& task) {
   hybrid::PathQuestion question;
@@ -153,21 +224,6 @@ PlannedProcedure plan(const PlanTask& task) {
   out.prediction.missed = shortfalls(out.prediction, task.requirements);
   return out;
 }
-
-namespace {
-
-PlanSummary summary_of(const PlannedProcedure& p) { return {p.requirements, p.path, imulab::summary_of(p.prediction), p.prior}; }
-
-}  // namespace
-
-std::string plan_json(const PlannedProcedure& p) { return plan_json(summary_of(p)); }
-
-std::string plan_text(const PlannedProcedure& p) {
-  return fmt::format("{} turns in {}{}\n\n{}\n{}", p.path.turns.size(), text::minutes(p.path.duration), p.prior ? ",\n" + prior_text(*p.prior) : "",
-                     path_table(p.path), prediction_table(p.prediction, p.requirements));
-}
-
-std::string plan_page(const PlannedProcedure& p) { return plan_page(summary_of(p)); }
 
 std::string shortcomings(const PlannedProcedure& p) {
   const std::vector<Shortfall>& missed = p.prediction.missed;

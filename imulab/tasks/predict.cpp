@@ -2,6 +2,7 @@
 
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/report/prediction_page.hpp"
+#include "imulab/tasks/calibrate.hpp"
 #include "imulab/tasks/content.hpp"
 
 #include <fmt/format.h>
@@ -21,11 +22,70 @@ std::string identity_of(const Session& procedure, const PredictionOptions& optio
   return work_identity("predict", fields);
 }
 
+std::string page_of(const Prediction& p, const std::string& procedure, bool required) {
+  PredictionReport report{.procedure = procedure, .summary = summary_of(p), .required = required};
+  if (p.tolerances) report.tables = {tolerance_table(*p.tolerances, p.missed)};
+  return prediction_page(report);
+}
+
+/// No Monte Carlo, or one of a useful and finite size.
+std::string bad_runs(const std::string& text) {
+  const bool digits = !text.empty() && text.size() < 11 && text.find_first_not_of("0123456789") == std::string::npos;
+  const long runs = digits ? std::stol(text) : -1;
+  return runs == 0 || (runs >= 100 && runs <= 1'000'000'000) ? "" : fmt::format("{}; expected 0, or 100 to 1000000000", text);
+}
+
 }  // namespace
 
-Prediction predicted(std::string_view name, const Session& procedure, PredictionOptions options) {
+Verb& declare(Verb& command, PredictOptions& o) {
+  Verb& verb = command.verb("predict", "Predict the uncertainties of a calibration and what limits them");
+  verb.option("procedure", o.procedure, "the procedure or session to predict").required().reads();
+  verb.option("--method METHOD", o.method,
+              fmt::format("the method of the calibration; Monte Carlo and tolerances are of {} alone", names_of_methods(&Method::takes_runs)))
+      .one_of(method_names(true))
+      .show_default();
+  verb.option("--terms TERMS", o.terms, "as of imulab calibrate: the coefficients that it estimates; others are taken as exactly zero")
+      .show_default();
+  verb.option("--require LIMITS", o.require,
+              "requirements, as in \"gyro.matrix.off_diagonal <= 5 arcsec, accel.offset <= 20 ug\"; finds which table, "
+              "timing and noise meet them");
+  verb.option("--runs", o.runs, "number of Monte Carlo procedures, at least 100; 0 for none").check(bad_runs).show_default();
+  seed_option(verb, o.seed);
+  verb.option("--classical", o.classical, "Zhang 2010: weights from the sensors' noise alone, a separate gyro bias in turns");
+  checkpoint_options(verb, o.shared);
+  report_option(verb, o.report);
+  json_option(verb, o.json);
+  verb.option("-v,--verbose", o.verbose, "print also first and second order and the Monte Carlo, with more digits").of_command();
+  verb.example("imulab procedure zhang-24 -o procedure.toml");
+  verb.example("imulab predict procedure.toml --require \"gyro.matrix.off_diagonal <= 5 arcsec\"");
+  return verb;
+}
+
+PredictionOptions task_of(const PredictOptions& o) {
+  PredictionOptions options{.terms = errors_of_option("terms", [&] { return parse_terms(o.terms); }),
+                            .runs = o.runs,
+                            .seed = o.seed,
+                            .classical = o.classical,
+                            .checkpoint = o.shared.shared()};
+  if (o.require) options.requirements = errors_of_option("require", [&] { return parse_requirements(*o.require); });
+  return options;
+}
+
+AnswerOf<Prediction> prediction_answer(std::string_view method_name, const Session& procedure, const std::string& name, PredictionOptions options) {
   if (options.checkpoint) options.checkpoint->identity = identity_of(procedure, options);
-  return predict(method(name), procedure, options);
+  const auto p = [&] {
+    try {
+      return std::make_shared<const Prediction>(predict(method(method_name), procedure, options));
+    } catch (const TermsError& e) {
+      throw OptionError("terms", e.what());
+    }
+  }();
+  return {{.json = [p] { return prediction_json(summary_of(*p)); },
+           .table = [p, requirements = options.requirements](bool details) { return prediction_text(*p, requirements, details); },
+           .page = [p, name, required = !options.requirements.empty()] { return page_of(*p, name, required); },
+           .warnings = p->warnings,
+           .shortcomings = shortcomings(*p)},
+          p};
 }
 
 std::string prediction_text(const Prediction& p, const std::vector<Requirement>& requirements, bool details) {
@@ -34,12 +94,6 @@ std::string prediction_text(const Prediction& p, const std::vector<Requirement>&
   if (p.advice) text += "\n" + advice_text(*p.advice);
   for (const Shortfall& s : p.missed) text += text::wrapped("", shortfall_text(s));
   return text;
-}
-
-std::string prediction_page(const Prediction& p, const std::string& procedure, bool required) {
-  PredictionReport report{.procedure = procedure, .summary = summary_of(p), .required = required};
-  if (p.tolerances) report.tables = {tolerance_table(*p.tolerances, p.missed)};
-  return prediction_page(report);
 }
 
 std::string shortcomings(const Prediction& p) {

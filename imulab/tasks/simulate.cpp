@@ -5,12 +5,14 @@
 #include "imulab/formats/recording/csv_writer.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/json.hpp"
 #include "imulab/model/grade.hpp"
 #include "imulab/simulate/simulate.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace imulab {
 namespace {
@@ -104,6 +106,41 @@ void write_simulated(const fs::path& path, const Simulation& simulated) {
   write_whole(folder.path() / "session.toml", session_text(simulated.session));
   write_whole(folder.path() / "truth.json", truth_text(simulated.truth, simulated.rig));
   folder.commit();
+}
+
+Verb& declare(Verb& command, SimulateOptions& o) {
+  Verb& verb = command.verb("simulate", "Simulate a procedure: write a session folder with recordings and truth.json");
+  verb.option("procedure", o.procedure, "the procedure or session to carry out").required().reads();
+  verb.option("-o,--output FOLDER", o.output, "the folder to create").required().creates().of_command();
+  verb.option("--unit FILE", o.unit, "truth.json or calibration.json of the IMU to simulate, in place of the procedure's");
+  verb.option("--grade GRADE", o.grade, "a grade by its name, or noise.json: the noise of a log at rest, in place of the procedure's");
+  seed_option(verb, o.seed);
+  json_option(verb, o.json, "print what was written as JSON");
+  verb.example("imulab simulate procedure.toml -o session --seed 7");
+  return verb;
+}
+
+AnswerOf<Simulation> simulation_answer(Session procedure, const SimulationTask& task, const std::string& folder) {
+  const std::string file = procedure.file;
+  const auto simulated = errors_at(file, [&] { return std::make_shared<const Simulation>(simulate_session(std::move(procedure), task)); });
+  if (!folder.empty()) write_simulated(folder, *simulated);
+  const auto duration = [](const Recording& r) { return r.time_s(r.size() - 1); };
+  return {{.json =
+               [=] {
+                 std::vector<JsonFields> files;
+                 for (const Recording& r : simulated->recordings)
+                   files.push_back({{{"file", r.name}, {"samples", std::uint64_t{r.size()}}, {"duration_s", duration(r)}}});
+                 return fields_json({{{"folder", folder}, {"seed", task.seed}, {"recordings", files}, {"truth", std::string("truth.json")}}});
+               },
+           .table =
+               [=](bool) {
+                 std::string files;
+                 for (const Recording& r : simulated->recordings)
+                   files += fmt::format("  {:<14} {} samples, {:g} s\n", r.name, r.size(), duration(r));
+                 return fmt::format("{} (seed {})\n{}  {:<14} what a calibration of this session should find\n  session.toml\n", folder, task.seed,
+                                    files, "truth.json");
+               }},
+          simulated};
 }
 
 }  // namespace imulab

@@ -5,6 +5,7 @@
 #include "imulab/model/calibration.hpp"
 #include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"
+#include "imulab/tasks/verb.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -13,6 +14,14 @@
 #include <vector>
 
 namespace imulab {
+
+struct SimulateOptions : ShowOptions {
+  std::string procedure;
+  std::optional<std::string> unit, grade;
+  std::uint64_t seed = 1;
+};
+/// The verb `simulate`, which sets these.
+Verb& declare(Verb& command, SimulateOptions& o);
 
 struct SimulationTask {
   std::uint64_t seed = 1;
@@ -33,5 +42,8 @@ Simulation simulate_session(Session procedure, const SimulationTask& task = {});
 
 /// recordings, session.toml and truth.json in a new folder, whole or not at all. Throws Error where it exists or cannot be written.
 void write_simulated(const std::filesystem::path& folder, const Simulation& simulated);
+
+/// Simulates, and writes the folder where one is named.
+AnswerOf<Simulation> simulation_answer(Session procedure, const SimulationTask& task, const std::string& folder);
 
 }  // namespace imulab

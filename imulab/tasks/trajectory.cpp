@@ -5,9 +5,13 @@
 #include "imulab/formats/recording/solution.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/json.hpp"
 #include "imulab/navigation/budget/monte_carlo.hpp"
 #include "imulab/navigation/motion/trajectory.hpp"
+#include "imulab/results/navigation.hpp"
 #include "imulab/simulate/simulate_motion.hpp"
+
+#include <fmt/format.h>
 
 #include <array>
 #include <cmath>
@@ -95,7 +99,7 @@ Truth unit_of(const MissionFile& file, const TrajectoryTask& task, std::vector<s
   return unit;
 }
 
-/// Readings of an ideal IMU, of one with the mission's errors, or raw ones of a given IMU.
+/// The recording of an ideal IMU or of one with the mission's errors, or the raw readings of a given IMU.
 Recording recording_on(const MissionFile& file, const TrajectoryTask& task, const Trajectory& motion, std::vector<std::string>& warnings) {
   const double interval = 1 / file.mission.rate;
   if (task.errors) {
@@ -128,6 +132,41 @@ void write_flown(const std::filesystem::path& path, const FlownMission& flown) {
   write_solution(folder.path() / "truth.csv", flown.truth);
   write_session(folder.path() / "session.toml", flown.session);
   folder.commit();
+}
+
+Verb& declare(Verb& command, TrajectoryOptions& o) {
+  Verb& verb = command.verb("trajectory", "Simulate an ideal IMU on a mission: write a session folder with truth.csv");
+  verb.option("mission", o.mission, "the mission file: segments, or a recorded track").required().reads();
+  verb.option("-o,--output FOLDER", o.output, "the folder to create").required().creates().of_command();
+  VerbOption& errors = verb.option("--errors", o.errors, "give the IMU the errors of the mission's [errors] table");
+  verb.option("--unit FILE", o.unit, "truth.json or calibration.json of an IMU: write its raw readings, with the noise of [errors]")
+      .reads()
+      .excludes(errors);
+  seed_option(verb, o.seed, "random seed of errors and noise; the same seed gives the same result");
+  json_option(verb, o.json, "print what was written as JSON");
+  verb.example("imulab trajectory flight.toml -o flight");
+  return verb;
+}
+
+AnswerOf<FlownMission> flight_answer(const MissionFile& file, const TrajectoryTask& task, const std::string& folder) {
+  const auto flown = std::make_shared<const FlownMission>(fly(file, task));
+  if (!folder.empty()) write_flown(folder, *flown);
+  const double end = flown->truth.time.back(), rate = file.mission.rate;
+  return {{.json =
+               [=] {
+                 return fields_json({{{"folder", folder},
+                                      {"samples", std::uint64_t{flown->recording.size()}},
+                                      {"duration_s", end},
+                                      {"rate_hz", rate},
+                                      {"truth_rows", std::uint64_t{flown->truth.size()}}}});
+               },
+           .table =
+               [=](bool) {
+                 return fmt::format("{}\n  recording.csv  {} samples, {:.10g} s at {:g} Hz\n  truth.csv      {} rows\n  session.toml\n{}", folder,
+                                    flown->recording.size(), end, rate, flown->truth.size(), motion_table(flown->recording, flown->truth));
+               },
+           .warnings = flown->warnings},
+          flown};
 }
 
 }  // namespace imulab

@@ -6,6 +6,7 @@
 #include "imulab/navigation/integration/strapdown.hpp"
 #include "imulab/recording/recording.hpp"
 #include "imulab/recording/session.hpp"
+#include "imulab/tasks/verb.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -14,6 +15,15 @@
 #include <string>
 
 namespace imulab {
+
+struct TrajectoryOptions : ShowOptions {
+  std::string mission;
+  std::optional<std::string> unit;
+  bool errors = false;
+  std::uint64_t seed = 1;
+};
+/// The verb `trajectory`, which sets these.
+Verb& declare(Verb& command, TrajectoryOptions& o);
 
 struct TrajectoryTask {
   std::string mission;                        ///< its file: for messages, and beside it the files that it names
@@ -35,5 +45,8 @@ FlownMission fly(const MissionFile& file, const TrajectoryTask& task);
 
 /// recording.csv, truth.csv and session.toml in a new folder, whole or not at all. Throws Error where it exists or cannot be written.
 void write_flown(const std::filesystem::path& folder, const FlownMission& flown);
+
+/// Flies the mission, and writes the folder where one is named.
+AnswerOf<FlownMission> flight_answer(const MissionFile& file, const TrajectoryTask& task, const std::string& folder);
 
 }  // namespace imulab

@@ -1,14 +1,25 @@
 #include "imulab/tasks/usable.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/formats/text/printable.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 namespace imulab {
+namespace {
+
+void check_thermal_unit(const TriadModel& model, const std::optional<ThermalSource>& source, const std::string& file, const char* triad) {
+  if (model.temperature && source && model.temperature->unit != source->unit)
+    throw Error(
+        fmt::format("{}: the {} temperature is in {}; expected {} as in the calibration", file, triad, source->unit, model.temperature->unit));
+}
+
+}  // namespace
 
 void expect_sizes(const Calibration& calibration, const std::string& name) {
   constexpr double largest = 1e30;  // in SI: products of a few such numbers are still numbers
@@ -17,19 +28,36 @@ void expect_sizes(const Calibration& calibration, const std::string& name) {
       throw Error(fmt::format("{}: {} is {}; expected a number from {} to {}", name, coefficient(index).name, value, -largest, largest));
 }
 
-Usability usability(const Calibration& calibration, const std::string& name) {
+void expect_usable(const Calibration& calibration, const std::string& name, bool allowed, const Tell& tell, const std::string& allow) {
   expect_sizes(calibration, name);
   const auto estimated = [&](const char* selector) {
     const std::vector<CoefficientIndex> of = select_coefficients(selector);
     return std::any_of(of.begin(), of.end(), [&](CoefficientIndex i) { return contains(calibration.estimated, i); });
   };
-  Usability out;
   for (const auto& [triad, matrix] : {std::pair{"accelerometers", "accel.matrix"}, std::pair{"gyros", "gyro.matrix"}})
     if (!calibration.estimated.empty() && !estimated(matrix))
-      out.warnings.push_back(fmt::format("{}: the {}' scales and axes were not calibrated: taken as declared, and as exactly known", name, triad));
-  if (const std::vector<std::string> names = unusable(calibration); !names.empty())
-    out.undetermined = fmt::format("{}: the data did not determine {}: starting values, which compensate nothing", name, fmt::join(names, ", "));
-  return out;
+      tell(fmt::format("{}: the {}' scales and axes were not calibrated: taken as declared, and as exactly known", name, triad));
+  const std::vector<std::string> names = unusable(calibration);
+  if (names.empty()) return;
+  const std::string text = fmt::format("{}: the data did not determine {}: starting values, which compensate nothing", name, fmt::join(names, ", "));
+  if (!allowed) throw Unsupported(fmt::format("{}; expected a calibration from more data, or {}", text, allow));
+  tell(text);
+}
+
+const RecordingSource& choose_recording(const Session& session, const std::string& name) {
+  std::vector<std::string_view> files;
+  for (const RecordingSource& source : session.recordings) {
+    if (source.file == name || (name.empty() && session.recordings.size() == 1)) return source;
+    files.push_back(source.file);
+  }
+  if (files.empty()) throw Error(session.file + ": has no recordings; expected at least one [[recording]]");
+  throw Error(fmt::format("{}: {}; expected one of {}", session.file, name.empty() ? "has several recordings" : "has no recording " + name,
+                          text::listed(files)));
+}
+
+void check_thermal_units(const Calibration& calibration, const RecordingSource& source) {
+  check_thermal_unit(calibration.model.accel, source.accel_temperature, source.file, "accelerometer");
+  check_thermal_unit(calibration.model.gyro, source.gyro_temperature, source.file, "gyro");
 }
 
 }  // namespace imulab

@@ -12,14 +12,45 @@ namespace {
 
 const char* state_name(FileState state) { return state == FileState::unchanged ? "unchanged" : state == FileState::changed ? "changed" : "missing"; }
 
-std::string files_in_state(const VerifiedCalibration& verified, FileState state) {
+using Files = std::vector<VerifiedFile>;
+
+std::string files_in_state(const Files& files, FileState state) {
   std::string list;
-  for (const VerifiedFile& f : verified.files)
+  for (const VerifiedFile& f : files)
     if (f.state == state) list += (list.empty() ? "" : ", ") + f.file.string();
   return list;
 }
 
+std::string shortcomings(const std::string& calibration, const Files& files) {
+  const std::string changed = files_in_state(files, FileState::changed), missing = files_in_state(files, FileState::missing);
+  if (!changed.empty()) return fmt::format("{}: not what it was made from: {}", calibration, changed);
+  if (!missing.empty()) return fmt::format("{}: not found: {}; expected them there, or their session's new place", calibration, missing);
+  return "";
+}
+
+std::string json_of(const Files& verified) {
+  std::vector<JsonFields> files;
+  for (const VerifiedFile& f : verified) files.push_back({{{"file", f.file.string()}, {"state", std::string(state_name(f.state))}}});
+  const bool unchanged = std::all_of(verified.begin(), verified.end(), [](const VerifiedFile& f) { return f.state == FileState::unchanged; });
+  return fields_json({{{"files", files}, {"unchanged", unchanged}}});
+}
+
+std::string text_of(const Files& files) {
+  std::string text;
+  for (const VerifiedFile& f : files) text += fmt::format("{}: {}\n", f.file.string(), state_name(f.state));
+  return text;
+}
+
 }  // namespace
+
+Verb& declare(Verb& command, VerifyOptions& o) {
+  Verb& verb = command.verb("verify", "Check that the recordings and the session of a calibration are still the same files");
+  verb.option("CALIBRATION", o.calibration, "calibration.json").required().reads();
+  verb.option("--session SESSION", o.session, "the session's folder or file, if it is not where it was");
+  json_option(verb, o.json);
+  verb.example("imulab verify calibration.json");
+  return verb;
+}
 
 std::filesystem::path find_session(const std::string& given, const std::string& calibration_file, const std::string& recorded) {
   namespace fs = std::filesystem;
@@ -30,30 +61,15 @@ std::filesystem::path find_session(const std::string& given, const std::string& 
   return recorded;
 }
 
-VerifiedCalibration verify(const std::string& calibration_file, const std::string& session) {
-  const Calibration calibration = read_calibration(calibration_file);
+AnswerOf<Files> verify(const VerifyOptions& o) {
+  const Calibration calibration = read_calibration(o.calibration);
   if (calibration.sources.empty())
-    throw Error(fmt::format("{}: has no hashes of recordings; expected a calibration that imulab made from files", calibration_file));
-  return {calibration_file, verify_sources(calibration, find_session(session, calibration_file, calibration.session_file))};
-}
-
-std::string verification_json(const VerifiedCalibration& verified) {
-  std::vector<JsonFields> files;
-  for (const VerifiedFile& f : verified.files) files.push_back({{{"file", f.file.string()}, {"state", std::string(state_name(f.state))}}});
-  return fields_json({{{"files", files}, {"unchanged", shortcomings(verified).empty()}}});
-}
-
-std::string verification_text(const VerifiedCalibration& verified) {
-  std::string text;
-  for (const VerifiedFile& f : verified.files) text += fmt::format("{}: {}\n", f.file.string(), state_name(f.state));
-  return text;
-}
-
-std::string shortcomings(const VerifiedCalibration& verified) {
-  const std::string changed = files_in_state(verified, FileState::changed), missing = files_in_state(verified, FileState::missing);
-  if (!changed.empty()) return fmt::format("{}: not what it was made from: {}", verified.name, changed);
-  if (!missing.empty()) return fmt::format("{}: not found: {}; expected them there, or their session's new place", verified.name, missing);
-  return "";
+    throw Error(fmt::format("{}: has no hashes of recordings; expected a calibration that imulab made from files", o.calibration));
+  const auto files = std::make_shared<const Files>(verify_sources(calibration, find_session(o.session, o.calibration, calibration.session_file)));
+  return {{.json = [files] { return json_of(*files); },
+           .table = [files](bool) { return text_of(*files); },
+           .shortcomings = shortcomings(o.calibration, *files)},
+          files};
 }
 
 }  // namespace imulab

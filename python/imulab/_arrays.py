@@ -1,4 +1,4 @@
-"""What numpy and others hold, as the arrays of float64 that the library reads. No copy where it is one already."""
+"""Data of numpy and others as the arrays of float64 that the library reads, without a copy where they are such arrays already."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def thermal(name: str, value: Any, count: int) -> FloatArray | None:
 def triad_options(
     triad: str, unit: str, per_unit: float, increment: bool, limits: tuple[float, float] | None, temperature: FloatArray | None = None
 ) -> dict[str, Any]:
-    """How the readings of a triad are given. Raises TypeError or Error for what is no unit or no limits."""
+    """The declaration of a triad's readings. Raises TypeError or Error for what is no unit or no limits."""
     if not isinstance(unit, str):
         raise TypeError(f"{triad}_unit: expected a name, got {type(unit).__name__}")
     if limits is not None and np.shape(numbers(f"{triad}_limits", limits)) != (2,):

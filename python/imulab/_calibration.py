@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _imulab
-from ._answer import Answer
 from ._arrays import FloatArray
-from ._imulab import Error, Unsupported
+from ._imulab import Error
+from ._results import Answer
 from ._text import PathLike, optional_package, path, warn
 
 if TYPE_CHECKING:
@@ -91,17 +91,17 @@ class Calibration(Answer):
 
     @property
     def curves(self) -> dict[str, FloatArray]:
-        """Of the method hybrid: "t" [s], and of each coefficient its residual over time and, as "NAME.sigma", its standard uncertainty."""
+        """Convergence of the method hybrid: "t" [s], and of each coefficient its residual over time and, as "NAME.sigma", its standard uncertainty."""
         return self._answer.curves
 
     @property
     def gyro_unit(self) -> str:
-        """What `apply` takes: "rad/s" or "count"."""
+        """The unit of rates that `apply` takes: "rad/s" or "count"."""
         return self._answer.gyro_unit
 
     @property
     def accel_unit(self) -> str:
-        """What `apply` takes: "m/s^2" or "count"."""
+        """The unit of forces that `apply` takes: "m/s^2" or "count"."""
         return self._answer.accel_unit
 
     @property
@@ -175,10 +175,7 @@ class Calibration(Answer):
                     raise Error("out: shares memory with a part of the input; expected the input itself, or other memory")
 
     def _expect_usable(self, allowed: bool) -> None:
-        warnings, undetermined = self._answer.usability(self.name)
-        if undetermined and not allowed:
-            raise Unsupported(f"{undetermined}; expected a calibration from more data, or allow_undetermined=True")
-        warn([*warnings, undetermined] if undetermined else warnings)
+        warn(self._answer.expect_usable(self.name, allowed))
 
     def _expect_thermal_units(self, recording: Recording) -> None:
         """Temperatures in another unit would be taken for the calibration's."""
@@ -216,7 +213,7 @@ class Calibration(Answer):
         return text
 
     def export(self, target: str, file: PathLike | None = None, **options: Any) -> str:
-        """What `to` gives; also written to a file where one is named, whole or not at all."""
+        """Gives the text of `to`, and writes it to a file where one is named, whole or not at all."""
         text = self.to(target, **options)
         if file is not None:
             _imulab.write_whole(path("file", file), text)

@@ -65,5 +65,5 @@ class Fleet:
         return FleetStatistics(outcome)
 
     def check(self) -> tuple[list[str], list[str]]:
-        """What is damaged in the store, and which files of its sessions are no longer what they were."""
+        """Damages of the store, and the files of its sessions that are no longer what they were."""
         return _imulab.fleet_check(self.store)

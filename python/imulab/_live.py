@@ -73,12 +73,12 @@ class Live:
 
     @property
     def done(self) -> bool:
-        """Whether everything required was reached at the last rest."""
+        """True where everything required was reached at the last rest."""
         return self._live.done
 
     @property
     def missing(self) -> str:
-        """What was not reached at the last rest, and the turn that helps most. Empty: it is done."""
+        """Requirements not reached at the last rest, and the turn that helps most. Empty: it is done."""
         return self._live.missing
 
     @property

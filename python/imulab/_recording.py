@@ -95,7 +95,7 @@ class Recording:
 
     @property
     def name(self) -> str:
-        """Of its file, or as it was given."""
+        """The name of its file, or as it was given."""
         return self._recording.name
 
     @property

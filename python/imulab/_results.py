@@ -1,19 +1,71 @@
-"""Answers of the verbs but `calibrate`."""
+"""Answers: the command's JSON as data, its table as text, its page, and what is missing."""
 
 from __future__ import annotations
 
+import html
+import json
 from collections.abc import Iterator
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _imulab
-from ._answer import Answer
 from ._arrays import FloatArray
+from ._imulab import Unsupported
 from ._recording import Recording
 from ._session import Session
 from ._text import PathLike, optional_package, path
 
 if TYPE_CHECKING:
     import pandas  # type: ignore[import]
+
+
+class Answer:
+    """An answer. `data` is the JSON that the command prints; print(answer) is its table.
+
+    `shortcomings` says why it is not what was asked for; empty: it is. The command ends with exit code 1 there; `expect_supported()` raises.
+    """
+
+    _answer: _imulab.Outcome | _imulab.Calibration
+
+    @property
+    def json(self) -> str:
+        """The text that the command prints with --json."""
+        return self._answer.json
+
+    @cached_property
+    def data(self) -> dict[str, Any]:
+        """The JSON as dicts and lists; null is None."""
+        data: dict[str, Any] = json.loads(self.json)
+        return data
+
+    @property
+    def shortcomings(self) -> str:
+        """Why the answer is not what was asked for: not converged, not determined, requirements not reached. Empty: it is."""
+        return self._answer.shortcomings
+
+    @property
+    def warnings(self) -> list[str]:
+        """Findings in the data, and their consequence for the result."""
+        return self._answer.warnings
+
+    def expect_supported(self) -> None:
+        """Raises Unsupported with the shortcomings where there are any."""
+        if self.shortcomings:
+            raise Unsupported(self.shortcomings)
+
+    def save(self, file: PathLike) -> None:
+        """Writes the JSON, whole or not at all."""
+        _imulab.write_whole(path("file", file), self.json)
+
+    def report(self, file: PathLike) -> None:
+        """Writes the page: one HTML file, self-contained. Of a calibration with pictures from the recordings where it was just made from them."""
+        _imulab.write_whole(path("file", file), self._answer.page())
+
+    def __str__(self) -> str:
+        return self._answer.text
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(str(self))}</pre>"
 
 
 class Result(Answer):
@@ -29,8 +81,7 @@ class Result(Answer):
         return iter(self.data)
 
     def __repr__(self) -> str:
-        first = next((line for line in str(self).splitlines() if line.strip()), "").strip()
-        return f"<imulab.{type(self).__name__}: {first}>"
+        return f"<imulab.{type(self).__name__}: {self._answer.headline}>"
 
 
 class Inspection(Result):
@@ -42,7 +93,7 @@ class Inspection(Result):
 
     @property
     def complete(self) -> bool:
-        """Whether nothing is open."""
+        """True where nothing is open."""
         return not self.shortcomings
 
     @property
@@ -65,7 +116,7 @@ class Comparison(Result):
 
     @property
     def sigmas(self) -> dict[str, float]:
-        """Of two calibrations: each difference in its standard uncertainty, where both determined the coefficient."""
+        """Each difference of two calibrations in its standard uncertainty, where both determined the coefficient."""
         return {name: row["sigmas"] for name, row in self["coefficients"].items() if row["sigmas"] is not None}
 
 
@@ -74,7 +125,7 @@ class Prediction(Result):
 
     @property
     def sigma(self) -> dict[str, float]:
-        """Of each determined coefficient, SI."""
+        """The standard uncertainty of each determined coefficient, SI."""
         return {name: row["closed_form"] for name, row in self["coefficients"].items()}
 
 
@@ -95,7 +146,7 @@ class Noise(Result):
     """Allan deviation and noise coefficients of each axis."""
 
     def axis(self, name: str) -> dict[str, Any]:
-        """Of "gyro.x", ...: its JSON. Raises KeyError for an axis that is not there."""
+        """The JSON of an axis: "gyro.x", ... Raises KeyError for an axis that is not there."""
         for axis in self["axes"]:
             if axis["name"] == name:
                 found: dict[str, Any] = axis
@@ -124,7 +175,7 @@ class VerifiedFile(NamedTuple):
 
 
 class Verification(Result):
-    """Whether the files of a calibration are still those that it was made from; true where all are unchanged."""
+    """The state of the files that a calibration was made from; true where all are unchanged."""
 
     @property
     def files(self) -> list[VerifiedFile]:

@@ -26,7 +26,7 @@ class Site:
 
 
 class Session:
-    """What is declared of recordings: IMU, site, rigs, steps.
+    """The declarations of recordings: IMU, site, rigs, steps.
 
     Its tables are those of session.toml (docs/formats.md), as dicts:
 
@@ -84,7 +84,7 @@ class Session:
 
     @property
     def procedure_text(self) -> str:
-        """The same with durations in place of times: the form that a procedure's author edits."""
+        """session.toml with durations in place of times: the form that a procedure's author edits."""
         return self._session.procedure_text
 
     @property

@@ -15,7 +15,7 @@ PathLike = str | os.PathLike[str]
 
 
 class DataWarning(UserWarning):
-    """What was found in the data, and what it means for the result."""
+    """A finding in the data, and its consequence for the result."""
 
 
 def warn(texts: Iterable[str]) -> None:

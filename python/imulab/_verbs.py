@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import inspect as _inspect
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +22,23 @@ from ._session import Session, Site, Table, read_session
 from ._text import PathLike, path, warn
 
 Progress = Callable[[float], object]
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+_KEYWORDS = _imulab.keywords()
+
+
+def _options(verb: str) -> Callable[[_Function], _Function]:
+    """Gives a function the options of a verb as keywords: names, kinds, defaults and help of the table by which the command parses."""
+
+    def given(function: _Function) -> _Function:
+        own = _inspect.signature(function)
+        kept = [p for p in own.parameters.values() if p.kind is not p.VAR_KEYWORD]
+        further = [row for row in _KEYWORDS[verb] if row[0] not in own.parameters]
+        made = [_inspect.Parameter(name, _inspect.Parameter.KEYWORD_ONLY, default=default, annotation=kind) for name, kind, default, _ in further]
+        setattr(function, "__signature__", own.replace(parameters=[*kept, *made]))
+        function.__doc__ = f"{function.__doc__}\n" + "".join(f"    {name}: {text}\n" for name, _, _, text in further)
+        return function
+
+    return given
 
 
 @dataclass(frozen=True)
@@ -122,6 +140,7 @@ def read_recording(data: PathLike | Session, *, recording: str = "", declare: Ma
     return _one_recording(data, None, recording)[1]
 
 
+@_options("calibrate")
 def calibrate(
     data: Data,
     *,
@@ -129,26 +148,23 @@ def calibrate(
     site: Site | Table | None = None,
     imu: Table | None = None,
     terms: str | Sequence[str] = "auto",
-    require: str = "",
-    recording: str = "",
-    stepwise: bool = False,
     prior: Fleet | PathLike | None = None,
     progress: Progress | None = None,
+    **options: Any,
 ) -> Calibration:
     """A calibration with the uncertainty of every coefficient.
 
     data: a session, its folder, a recording file, or recordings in memory with their `site` and `imu` (a table as in session.toml).
     method: "static", "handheld", "turntable", "hybrid" or "whole-unit".
     terms: "auto", "full" (whole-unit), or names of coefficients to estimate.
-    require: what it is for: "gyro.matrix.diagonal <= 100 ppm, accel.offset <= 200 ug".
-    recording: one of a session that has several. prior: a fleet, whose units say what is known of this one. progress: called with the part that is done, 0 to 1, where the method knows it.
+    prior: a fleet, whose units say what is known of this one. progress: called with the part that is done, 0 to 1, where the method knows it.
 
     Look at `verdict` and `shortcomings` of the result. Raises Error for declarations that are wrong, Unsupported where nothing can be determined.
     """
     session, recordings = _declared(data, site, imu)
     given = None if recordings is None else [r._recording for r in recordings]
-    selected = terms if isinstance(terms, str) else ",".join(terms)
-    found, warnings = _imulab.calibrate(session._session, given, method, selected, require, recording, stepwise, _store(prior), _callback(progress))
+    options |= {"method": method, "terms": terms if isinstance(terms, str) else ",".join(terms), "prior": _store(prior)}
+    found, warnings = _imulab.calibrate(session._session, given, options, _callback(progress))
     warn(warnings)
     return Calibration(found)
 
@@ -165,81 +181,56 @@ def compensate(calibration: Calibration, recording: Recording, *, reject_outlier
     return Recording(out, recording.temperature_units)
 
 
-def compare(*calibrations: Calibration, different_imus: bool = False) -> Comparison:
-    """The others with the first, coefficient by coefficient, in sigmas and in user units. One without uncertainties counts as the truth.
-
-    different_imus: also where their serial numbers differ.
-    """
+@_options("compare")
+def compare(*calibrations: Calibration, **options: Any) -> Comparison:
+    """The others with the first, coefficient by coefficient, in sigmas and in user units. One without uncertainties counts as the truth."""
     if len(calibrations) < 2 or not all(isinstance(c, Calibration) for c in calibrations):
         raise TypeError("expected two or more calibrations")
-    outcome = _imulab.compare([(c.name, c._answer) for c in calibrations], different_imus)
+    outcome = _imulab.compare([(c.name, c._answer) for c in calibrations], options)
     warn(outcome.warnings)
     return Comparison(outcome)
 
 
-def verify(calibration: PathLike, *, session: PathLike | None = None) -> Verification:
-    """Whether the session and the recordings are still the files that a calibration was made from, by their SHA-256.
+@_options("verify")
+def verify(calibration: PathLike, **options: Any) -> Verification:
+    """Checks by SHA-256 that the session and the recordings are still the files that a calibration was made from.
 
-    session: its folder or file, if it is not where it was. Raises Error where the file is no calibration that was made from files.
+    Raises Error where the file is no calibration that was made from files.
     """
-    return Verification(_imulab.verify(path("calibration", calibration), "" if session is None else path("session", session)))
+    return Verification(_imulab.verify(path("calibration", calibration), options))
 
 
-def simulate(
-    procedure: Session | PathLike, *, seed: int = 1, unit: Calibration | None = None, grade: str | None = None, output: PathLike | None = None
-) -> Simulation:
+@_options("simulate")
+def simulate(procedure: Session | PathLike, *, unit: Calibration | None = None, output: PathLike | None = None, **options: Any) -> Simulation:
     """Carries out a procedure with a virtual rig and a virtual IMU. The same seed gives the same result.
 
-    unit: the IMU to simulate; grade: a grade by its name, or noise.json; both in place of the procedure's. output: also writes this new folder.
+    unit: the IMU to simulate, in place of the procedure's. output: also writes this new folder.
     """
     _expect("unit", unit, Calibration, type(None))
     session = procedure if isinstance(procedure, Session) else read_session(procedure)
-    made, recordings, truth = _imulab.simulate(
-        session._session, _seed(seed), None if unit is None else unit._answer, grade, "" if output is None else path("output", output)
-    )
+    folder = "" if output is None else path("output", output)
+    made, recordings, truth = _imulab.simulate(session._session, options, None if unit is None else unit._answer, folder)
     return Simulation(Session._of(made), [Recording._of(r, made) for r in recordings], Calibration(truth, "truth"))
 
 
-def _seed(seed: int) -> int:
-    if not 0 <= seed < 2**64:
-        raise Error(f"seed: {seed}; expected 0 to 2^64 - 1")
-    return seed
-
-
-def predict(
-    procedure: Session | PathLike,
-    *,
-    method: str = "turntable",
-    terms: str = "auto",
-    require: str = "",
-    runs: int = 20000,
-    seed: int = 1,
-    classical: bool = False,
-    progress: Progress | None = None,
-) -> Prediction:
-    """Standard uncertainties of a calibration to come, and the requirements that it misses.
-
-    terms: as of calibrate. runs: of the Monte Carlo (turntable); 0: none."""
+@_options("predict")
+def predict(procedure: Session | PathLike, *, progress: Progress | None = None, **options: Any) -> Prediction:
+    """Standard uncertainties of a calibration to come, and the requirements that it misses."""
     session = procedure if isinstance(procedure, Session) else read_session(procedure)
-    if not 0 <= runs < 10**9:
-        raise Error(f"runs: {runs}; expected 0 to 999999999")
-    outcome = _imulab.predict(session._session, method, terms, require, runs, _seed(seed), classical, _callback(progress))
+    outcome = _imulab.predict(session._session, options, _callback(progress))
     warn(outcome.warnings)
     return Prediction(outcome)
 
 
+@_options("plan")
 def plan(
     require: str,
     *,
-    grade: str = "navigation",
-    latitude_deg: float = 45.0,
-    gravity: float | None = None,
     axes: Sequence[str] = ("outer", "middle", "inner"),
     by_hand: bool = False,
-    time: float | None = None,
-    rest: float | None = None,
     prior: Fleet | PathLike | None = None,
     progress: Progress | None = None,
+    **options: Any,
 ) -> Plan:
     """The shortest turns and rests with which the method hybrid meets requirements, or the best within `time` seconds.
 
@@ -247,18 +238,15 @@ def plan(
     """
     if isinstance(axes, str):
         raise TypeError("axes: expected a list of names, got str")
-    for name, value, low, high in (("latitude_deg", latitude_deg, -90, 90), ("gravity", gravity, 9.7, 9.9), ("time", time, 60, 14400), ("rest", rest, 6, 600)):
-        if value is not None and not low <= value <= high:
-            raise Error(f"{name}: {value}; expected {low} to {high}")
-    return Plan(*_imulab.plan(require, grade, latitude_deg, gravity, list(axes), by_hand, time, rest, _store(prior), _callback(progress)))
+    options |= {"require": require, "axes": ",".join(axes), "prior": _store(prior)}
+    return Plan(*_imulab.plan(options, by_hand, _callback(progress)))
 
 
-def noise(
-    data: Data, *, recording: str = "", deviation: str = "overlapping-allan", remove_temperature: bool = False
-) -> Noise:
+@_options("noise")
+def noise(data: Data, *, recording: str = "", **options: Any) -> Noise:
     """Allan deviation and noise coefficients, with intervals, of the longest rest of a recording."""
     session, found = _one_recording(data, None, recording)
-    outcome = _imulab.noise(session._session, found._recording, deviation, remove_temperature)
+    outcome = _imulab.noise(session._session, found._recording, options)
     warn(outcome.warnings)
     return Noise(outcome)
 
@@ -276,24 +264,16 @@ def allan_deviation(
     return dict(zip(("tau", "deviation", "edf", "lower_68", "upper_68", "lower_95", "upper_95"), (np.ascontiguousarray(c) for c in columns)))
 
 
+@_options("trajectory")
 def trajectory(
-    mission: PathLike,
-    *,
-    errors: bool = False,
-    unit: Calibration | None = None,
-    seed: int = 1,
-    output: PathLike | None = None,
-    progress: Progress | None = None,
+    mission: PathLike, *, unit: Calibration | None = None, output: PathLike | None = None, progress: Progress | None = None, **options: Any
 ) -> Flight:
-    """What an ideal IMU measures on a mission, and the truth. errors: with those of the mission; unit: raw readings of this IMU."""
-    if errors and unit is not None:
-        raise Error("errors and unit exclude each other")
+    """The readings of an ideal IMU on a mission, and the truth. unit: raw readings of this IMU. output: also writes this new folder."""
     _expect("unit", unit, Calibration, type(None))
     session, recording, truth, warnings = _imulab.trajectory(
         path("mission", mission),
-        errors,
+        options,
         None if unit is None else unit._answer,
-        _seed(seed),
         "" if output is None else path("output", output),
         _callback(progress),
     )
@@ -301,23 +281,19 @@ def trajectory(
     return Flight(Session._of(session), Recording._of(recording, session), Solution(truth))
 
 
+@_options("navigate")
 def navigate(
     calibration: Calibration | None,
     data: Session | Simulation | Flight | PathLike,
     *,
     recording: str = "",
-    vertical: str = "free",
-    align: bool = False,
-    heading_deg: float | None = None,
-    heading_sigma_deg: float = 0.0,
-    barometer: PathLike | None = None,
-    truth: PathLike | None = None,
     refuse_gaps: bool = False,
     allow_undetermined: bool = False,
+    **options: Any,
 ) -> Navigation:
     """Aligns, and integrates a session to position, velocity and attitude; with the errors against its truth.
 
-    calibration: None for recordings that are in SI already. vertical: "free", "fixed", or "aided" and "held" with a `barometer`: a CSV file.
+    calibration: None for recordings that are in SI already.
     """
     _expect("calibration", calibration, Calibration, type(None))
     if isinstance(data, Flight):
@@ -326,58 +302,19 @@ def navigate(
         session, found = _one_recording(data, None, recording)
     if calibration is not None:
         calibration._expect_usable(allow_undetermined)
-    own = data.truth._solution if isinstance(data, Flight) and truth is None else None
-    outcome, solution = _imulab.navigate(
-        found.name,
-        None if calibration is None else calibration._answer,
-        session._session,
-        found._recording,
-        vertical,
-        align,
-        heading_deg,
-        heading_sigma_deg,
-        "" if barometer is None else path("barometer", barometer),
-        "" if truth is None else path("truth", truth),
-        own,
-        refuse_gaps,
-    )
+    own = data.truth._solution if isinstance(data, Flight) and options.get("truth") is None else None
+    if refuse_gaps:
+        options["gaps"] = "refuse"
+    answer = None if calibration is None else calibration._answer
+    outcome, solution = _imulab.navigate(found.name, answer, session._session, found._recording, options, own)
     warn(outcome.warnings)
     return Navigation(outcome, solution)
 
 
-def budget(
-    mission: PathLike,
-    *,
-    grade: str | None = None,
-    system: str | None = None,
-    calibration: PathLike | None = None,
-    noise: PathLike | None = None,
-    runs: int = 200,
-    seed: int = 1,
-    every: float = 10.0,
-    allow_undetermined: bool = False,
-    progress: Progress | None = None,
-) -> Budget:
-    """Position, velocity and attitude errors of a mission, by source, with a Monte Carlo of `runs` runs.
-
-    grade, system or calibration (a file): in place of the mission's sensors. noise: noise.json in place of its noise. every: s between outputs.
-    """
-    if sum(x is not None for x in (grade, system, calibration)) > 1:
-        raise Error("grade, system and calibration exclude each other; expected one")
-    if not 0 <= runs <= 10**7:
-        raise Error(f"runs: {runs}; expected 0 to 10000000")
-    outcome = _imulab.budget(
-        path("mission", mission),
-        grade,
-        system,
-        None if calibration is None else path("calibration", calibration),
-        None if noise is None else path("noise", noise),
-        runs,
-        _seed(seed),
-        every,
-        allow_undetermined,
-        _callback(progress),
-    )
+@_options("budget")
+def budget(mission: PathLike, *, progress: Progress | None = None, **options: Any) -> Budget:
+    """Position, velocity and attitude errors of a mission, by source, with a Monte Carlo."""
+    outcome = _imulab.budget(path("mission", mission), options, _callback(progress))
     warn(outcome.warnings)
     return Budget(outcome)
 
@@ -388,5 +325,5 @@ def methods() -> dict[str, str]:
 
 
 def export_targets() -> dict[str, str]:
-    """What `Calibration.to` can write, each with what it is for."""
+    """The targets of `Calibration.to`, each with its purpose."""
     return dict(_imulab.export_targets())

@@ -1,4 +1,4 @@
-"""What the tests share: a session by hand, simulated once, and the command."""
+"""Common to the tests: a session by hand, simulated once, and the command."""
 
 import json
 import os
@@ -20,7 +20,7 @@ def hand_session(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def by_hand():
-    """The same in memory."""
+    """That session in memory."""
     return imulab.simulate(imulab.procedure("hand-held", poses=24, seed=3), seed=5)
 
 
@@ -41,7 +41,7 @@ def rest_log():
 
 @pytest.fixture
 def environment():
-    """Of programs that a test starts: what the interpreter itself has to load first is not for them."""
+    """For programs that a test starts, without the libraries that the interpreter itself has to load first."""
     return {k: v for k, v in os.environ.items() if k != "LD_PRELOAD"}
 
 

@@ -1,22 +1,26 @@
-#include "apps/imulab/inspected.hpp"
+#include "apps/imulab/sessions.hpp"
 
+#include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
 #include "imulab/core/error.hpp"
+#include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/recording/reader.hpp"
 #include "imulab/formats/session/file.hpp"
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/terminal.hpp"
-#include "imulab/inspection/declared.hpp"
 #include "imulab/tasks/inspect.hpp"
+#include "imulab/tasks/usable.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 
 namespace imulab::command {
 namespace {
 
-/// Whether a text is a session and no recording: a line of its first 64 KiB begins with format = "imulab.session/, which no row of numbers does.
+/// True where a text is a session and no recording: a line of its first 64 KiB begins with format = "imulab.session/, which no row of numbers does.
 bool is_session_text(std::string_view text) {
   text = text.substr(0, std::size_t{1} << 16);
   if (text.find('\0') != std::string_view::npos) return false;
@@ -80,31 +84,32 @@ Session session_of_standard_input(const std::vector<std::string>& texts, std::si
 
 }  // namespace
 
-void add_declarations(Verb& verb, std::vector<std::string>& declarations) {
-  verb.option("--set KEY=VALUE", declarations,
-              fmt::format("declare of a recording what its data leave open, as often as needed: {}", fmt::join(declaration_keys(), ", ")))
-      .repeats();
-}
-
-Declarations parse_declarations(const std::vector<std::string>& texts) {
-  Declarations declared;
-  for (const std::string& text : texts) {
-    const std::size_t equals = text.find('=');
-    if (equals == std::string::npos || equals == 0) throw Error(fmt::format("--set {}: has no value; expected KEY=VALUE", text));
-    declared[text.substr(0, equals)] = text.substr(equals + 1);
-  }
-  errors_at("--set", [&] {
-    inspection::check_declarations(declared);
-    declared_site(declared);
-  });
-  return declared;
-}
-
 Session open_session(const std::filesystem::path& path, const std::vector<std::string>& texts, std::size_t most_numbers) {
   if (path == "-") return session_of_standard_input(texts, most_numbers);
   if (!is_session(path)) return inspected(path, texts, most_numbers);
   expect_no_declarations(texts);
   return session_at(path);
+}
+
+const RecordingSource& named_recording(const Session& session, const std::string& name) {
+  if (session.recordings.empty()) return choose_recording(session, name);  // which no option would fix
+  return errors_of_option("recording", [&]() -> const RecordingSource& { return choose_recording(session, name); });
+}
+
+Recording read_for(const Calibration& calibration, const Session& session, const RecordingSource& source) {
+  check_thermal_units(calibration, source);
+  RecordingReading reading = [&] {
+    const Progress progress("reading");
+    return read_recording(session, source);
+  }();
+  warn_each(reading.warnings);
+  return std::move(reading.recording);
+}
+
+Calibration read_usable(const std::string& file, bool allow_undetermined) {
+  Calibration calibration = read_calibration(file);
+  expect_usable(calibration, file, allow_undetermined, warn);
+  return calibration;
 }
 
 }  // namespace imulab::command

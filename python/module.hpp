@@ -1,21 +1,27 @@
-// Long work beside the interpreter: without its lock, with its signals and a progress callback.
+// The parts of the module, one a source file, and what they share: long work beside the interpreter, answers, and options as keywords.
 #pragma once
 
+#include "imulab/estimate/method.hpp"
+#include "imulab/recording/make_recording.hpp"
+#include "imulab/tasks/calibrate.hpp"
+
+#include "python/arrays.hpp"
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <exception>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <pybind11/pybind11.h>
+#include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 namespace imulab::python {
-
-namespace py = pybind11;
 
 /// Thrown into work that nobody waits for any more, where it tells its progress.
 struct Abandoned {};
@@ -74,5 +80,41 @@ auto run(const py::object& progress, Work work) {
   if (state->failure) std::rethrow_exception(state->failure);
   return std::move(*state->result);
 }
+
+/// A calibration, and what it was made from where that is known.
+struct CalibrationObject {
+  std::shared_ptr<const CalibrationResult> result;
+  std::shared_ptr<const SessionRecordings> data;  ///< null for one from a file
+
+  const Calibration& calibration() const { return result->calibration; }
+};
+
+/// The answer of a verb, and columns of it.
+struct Outcome : Answer {
+  std::map<std::string, py::array> arrays = {};
+};
+
+/// Sets a verb's options from keywords. Throws TypeError for a keyword that the verb does not have, one that is missing, and a value of another kind;
+/// Error for one that is out of range.
+void take_keywords(Verb& verb, const py::dict& given);
+
+template <class Options>
+Options options_from(const py::dict& keywords) {
+  Options o;
+  Verb command("imulab", "");
+  take_keywords(declare(command, o), keywords);
+  return o;
+}
+
+/// A triad's options from the keys that the Python side passes.
+ReadingOptions reading_options(const py::dict& given, const std::string& triad);
+
+void bind_recording(py::module_& module);
+void bind_session(py::module_& module);
+void bind_calibration(py::module_& module);
+void bind_estimates(py::module_& module);
+void bind_navigation(py::module_& module);
+void bind_fleets(py::module_& module);
+void bind_live(py::module_& module);
 
 }  // namespace imulab::python

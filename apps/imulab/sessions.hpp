@@ -1,0 +1,29 @@
+// Sessions, recordings and calibrations as verbs take them: a recording in place of a session is inspected first.
+#pragma once
+
+#include "imulab/formats/recording/signals.hpp"
+#include "imulab/model/calibration.hpp"
+#include "imulab/recording/recording.hpp"
+#include "imulab/recording/session.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace imulab::command {
+
+/// The session of that name; a recording is inspected, and what is assumed goes to standard error. Throws Unsupported, with what has to be declared,
+/// where the data leave something open. `most_numbers`: as InspectionTask has it.
+Session open_session(const std::filesystem::path& path, const std::vector<std::string>& declarations, std::size_t most_numbers = numbers_inspected);
+
+/// The recording of that file; the only one if no name is given. Otherwise throws Error that lists them.
+const RecordingSource& named_recording(const Session& session, const std::string& name);
+
+/// Reads a session's recording for a calibration; prints the warnings of reading. Throws Error where a temperature is in another unit than in the
+/// calibration.
+Recording read_for(const Calibration& calibration, const Session& session, const RecordingSource& source);
+
+/// Reads a calibration that may be applied, and prints the warnings about it. Throws as expect_usable.
+Calibration read_usable(const std::string& file, bool allow_undetermined);
+
+}  // namespace imulab::command

@@ -1,0 +1,175 @@
+// The verbs whose work is one task: they read their files, call the task, write its files and show its answer.
+#include "apps/imulab/command.hpp"
+#include "apps/imulab/files.hpp"
+#include "apps/imulab/sessions.hpp"
+#include "imulab/core/error.hpp"
+#include "imulab/formats/calibration/file.hpp"
+#include "imulab/formats/session/file.hpp"
+#include "imulab/formats/text/file.hpp"
+#include "imulab/formats/text/terminal.hpp"
+#include "imulab/results/calibration.hpp"
+#include "imulab/tasks/budget.hpp"
+#include "imulab/tasks/calibrate.hpp"
+#include "imulab/tasks/compare.hpp"
+#include "imulab/tasks/plan.hpp"
+#include "imulab/tasks/predict.hpp"
+#include "imulab/tasks/simulate.hpp"
+#include "imulab/tasks/trajectory.hpp"
+#include "imulab/tasks/verify.hpp"
+
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+namespace imulab::command {
+
+namespace {
+
+/// Shows the progress of work, which reports the fraction done to the function that it gets.
+template <class Work>
+auto with_progress(const char* label, const Work& work) {
+  Progress progress(label);
+  return work([&progress](double part) { progress.report(part); });
+}
+
+// imulab calibrate SESSION
+
+void run(const CalibrateOptions& o) {
+  CalibrationTask task = task_of(o);  // wrong options are reported before anything is read
+  Session session = open_session(o.session, o.declarations);
+  expect_free("-o", o.output, o.force);
+  errors_at(session.file + ": [site]", [&] { session.site.gravity(); });  // if neither gravity nor the latitude is known
+  const Method& chosen = method(o.method);
+  if (!chosen.takes_several || !o.recording.empty()) named_recording(session, o.recording);
+  const auto data = with_progress(
+      "reading", [&](const auto&) { return std::make_shared<const SessionRecordings>(read_recordings(std::move(session), chosen, o.recording)); });
+  warn_each(data->warnings);
+  const auto answer = with_progress("calibrating", [&](const auto& report) {
+    task.progress = report;
+    return calibration_answer(data, o, task, true);
+  });
+  if (!o.output.empty()) write_whole(o.output, answer.json());
+  if (!o.curves.empty()) write_whole(o.curves, curves_csv(*answer.data));
+  show(answer, o, "\n" + written_text(o.output) + "\n");
+}
+
+// imulab compare CALIBRATION CALIBRATION|TRUTH...
+
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code none;  // a file that does not exist is refused when it is read
+  return a == b || std::filesystem::equivalent(a, b, none);
+}
+
+void check_files_differ(const std::vector<std::string>& files) {
+  for (std::size_t i = 0; i < files.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (same_file(files[i], files[j]))
+        throw Error(fmt::format("{}: the same file as {}; a comparison takes the errors as independent; expected different calibrations", files[i],
+                                files[j]));
+}
+
+void run(const CompareOptions& o) {
+  check_files_differ(o.files);
+  std::vector<NamedCalibration> inputs;
+  for (const std::string& file : o.files) inputs.push_back({file == "-" ? "standard input" : file, read_calibration(file)});
+  show(comparison_answer(std::move(inputs), o.different_imus), o);
+}
+
+// imulab verify CALIBRATION
+
+void run(const VerifyOptions& o) {
+  const auto answer = with_progress("verifying", [&](const auto&) { return verify(o); });
+  show(answer, o);
+}
+
+// imulab simulate PROCEDURE -o FOLDER
+
+void run(const SimulateOptions& o) {
+  Session procedure = session_at(o.procedure);
+  SimulationTask task{.seed = o.seed, .unit = {}, .grade = o.grade};
+  if (o.unit) task.unit = read_calibration(*o.unit);
+  const auto answer = with_progress("simulating", [&](const auto&) { return simulation_answer(std::move(procedure), task, o.output); });
+  show(answer, o);
+}
+
+// imulab predict PROCEDURE
+
+void run(const PredictOptions& o) {
+  PredictionOptions task = task_of(o);
+  const Session procedure = session_at(o.procedure);
+  const auto answer = with_progress("Monte Carlo", [&](const auto& report) {
+    task.progress = report;
+    return prediction_answer(o.method, procedure, o.procedure, task);
+  });
+  if (!o.shared.silent()) show(answer, o);
+}
+
+// imulab plan --require ...
+
+void run(const PlanOptions& o) {
+  PlanTask task = task_of(o);
+  if (o.json && o.output == "-") throw Error("--json: standard output has the procedure; expected -o FILE");
+  const auto answer = with_progress("planning", [&](const auto& report) {
+    task.progress = report;
+    return plan_answer(task);
+  });
+  if (o.shared.silent()) return;
+  if (!o.output.empty()) write_whole(o.output, procedure_text(answer.data->procedure));
+  show(answer, o);
+}
+
+// imulab trajectory MISSION -o FOLDER
+
+void run(const TrajectoryOptions& o) {
+  const MissionFile file = read_mission(o.mission);
+  for (const std::filesystem::path& named : file.files) will_read(named);
+  TrajectoryTask task{.mission = o.mission, .errors = o.errors, .seed = o.seed};
+  if (o.unit) task.unit = read_calibration(*o.unit);
+  const auto answer = with_progress("flying", [&](const auto& report) {
+    task.progress = report;
+    return flight_answer(file, task, o.output);
+  });
+  show(answer, o);
+}
+
+// imulab budget MISSION
+
+void run(const BudgetVerbOptions& o) {
+  if (o.catalogue) return print(grade_catalogue());
+  if (o.mission.empty()) throw Error("mission: expected the file of a mission, or --catalogue");
+  const MissionFile file = read_mission(o.mission);
+  for (const std::filesystem::path& named : file.files) will_read(named);
+  const auto answer = with_progress("Monte Carlo", [&](const auto& report) { return budget_answer(file, o, warn, report); });
+  if (o.shared.silent()) return;
+  if (!o.output.empty()) write_budget(o.output, *answer.data);
+  show(answer, o);
+}
+
+}  // namespace
+
+void add_calibrate(Verb& app) { add<CalibrateOptions>(app, run); }
+void add_compare(Verb& app) { add<CompareOptions>(app, run); }
+void add_verify(Verb& app) { add<VerifyOptions>(app, run); }
+void add_simulate(Verb& app) { add<SimulateOptions>(app, run); }
+void add_plan(Verb& app) { add<PlanOptions>(app, run); }
+void add_trajectory(Verb& app) { add<TrajectoryOptions>(app, run); }
+void add_budget(Verb& app) { add<BudgetVerbOptions>(app, run); }
+
+void add_predict(Verb& app) {
+  const auto o = std::make_shared<PredictOptions>();
+  Verb& verb = declare(app, *o);
+  verb.does = [o, &verb] {
+    const bool takes_runs = method(o->method).takes_runs;
+    for (const auto& [option, wanted] : {std::pair{"runs", verb.at("--runs").given && o->runs != 0},
+                                         {"seed", verb.at("--seed").given},
+                                         {"classical", o->classical},
+                                         {"checkpoint", !o->shared.checkpoint.empty()}})
+      if (wanted && !takes_runs) throw OptionError(option, "belongs to --method " + names_of_methods(&Method::takes_runs));
+    if (o->classical && o->terms != "auto") throw OptionError("terms", "Zhang's estimate is that of offsets and matrices");
+    run(*o);
+  };
+}
+
+}  // namespace imulab::command

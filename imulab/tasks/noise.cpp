@@ -1,0 +1,108 @@
+#include "imulab/tasks/noise.hpp"
+
+#include "imulab/core/error.hpp"
+#include "imulab/formats/recording/reader.hpp"
+#include "imulab/formats/recording/stored.hpp"
+#include "imulab/report/noise_page.hpp"
+#include "imulab/results/noise.hpp"
+#include "imulab/tasks/inspect.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace imulab {
+namespace {
+
+NoiseOptions options_of(const NoiseVerbOptions& o) { return {deviation_named(o.deviation), o.remove_temperature}; }
+
+/// Axes without noise are an answer that the log does not give.
+std::string shortcomings(const NoiseAnalysis& analysis) {
+  std::string silent;
+  for (const NoiseAxis& axis : analysis.axes)
+    if (!axis.fit) silent += (silent.empty() ? "" : ", ") + axis.name;
+  return silent.empty() ? "" : fmt::format("{}: no noise to be seen on {}; expected readings that vary", analysis.recording, silent);
+}
+
+AnswerOf<NoiseAnalysis> answer_of(std::shared_ptr<const NoiseAnalysis> analysis, std::function<std::string()> page) {
+  return {{.json = [analysis] { return noise_json(*analysis); },
+           .table = [analysis](bool) { return noise_text(*analysis); },
+           .page = std::move(page),
+           .warnings = analysis->warnings,
+           .shortcomings = shortcomings(*analysis)},
+          analysis};
+}
+
+AnswerOf<NoiseAnalysis> analyzed(const RecordingView& recording, const StillRange& still, const NoiseVerbOptions& o, bool with_page) {
+  const auto analysis = std::make_shared<const NoiseAnalysis>(analyze_noise(recording, still, options_of(o)));
+  if (!with_page) return answer_of(analysis, {});
+  return answer_of(analysis, [page = noise_page(*analysis, recording, still.range)] { return page; });
+}
+
+}  // namespace
+
+Verb& declare(Verb& command, NoiseVerbOptions& o) {
+  Verb& verb = command.verb("noise", "Allan deviation and noise coefficients of a log at rest, with confidence");
+  verb.option("RECORDING", o.recordings,
+              "a log at rest, or a session with one, - for either on standard input; several: mean, spread and worst of them")
+      .required()
+      .reads();
+  verb.option("--recording FILE", o.recording, "which of a session's recordings, where it has several");
+  verb.option("--deviation KIND", o.deviation, "the deviation of the curve; the coefficients do not depend on it")
+      .one_of({deviation_names.begin(), deviation_names.end()})
+      .show_default();
+  verb.option("--remove-temperature", o.remove_temperature, "subtract a parabola of the temperature first");
+  declarations_option(verb, o.declarations);
+  verb.option("--in-memory MB", o.in_memory_mb,
+              "columns that take more than this go through temporary files (in TMPDIR, else /var/tmp); the results do not depend on it")
+      .in_range(1, 1e6)
+      .show_default()
+      .of_command();
+  verb.option("-o,--output FILE", o.output, "write the result as JSON, with the whole curve").writes().of_command();
+  verb.option("--force", o.force, "replace the file if there is one").of_command();
+  json_option(verb, o.json);
+  report_option(verb, o.report);
+  verb.example("imulab noise night.csv -o noise.json");
+  verb.example("imulab noise unit1.csv unit2.csv unit3.csv");
+  verb.example("zcat night.csv.gz | imulab noise -");
+  verb.example("imulab noise night.csv --set gyro.unit=deg/s");
+  return verb;
+}
+
+DeviationKind deviation_named(const std::string& name) {
+  if (const auto kind = deviation_kind(name)) return *kind;
+  throw Error("deviation: " + name + "; expected overlapping-allan, allan, modified-allan, hadamard, overlapping-hadamard or total");
+}
+
+AnswerOf<NoiseAnalysis> noise_answer(const Recording& recording, const Session& session, const NoiseVerbOptions& o) {
+  const NoiseOptions options = options_of(o);
+  const auto still = std::make_shared<const StillPart>(still_part(recording, session));
+  const auto analysis = std::make_shared<const NoiseAnalysis>(analyze_noise(still->recording, *still, options));
+  return answer_of(analysis, [still, analysis] { return noise_page(*analysis, still->recording, still->range); });
+}
+
+AnswerOf<NoiseAnalysis> noise_answer(const Session& session, const RecordingSource& source, const NoiseVerbOptions& o, const Tell& tell) {
+  const bool with_page = !o.report.empty();
+  std::string why_not;
+  if (std::optional<StoredReading> stored = read_stored(session, source, o.most_bytes(), why_not)) {
+    for (const std::string& text : stored->warnings) tell(text);
+    const std::size_t filled = stored->recording.fill_short_gaps();
+    const RecordingView recording = stored->recording.view();
+    return analyzed(recording, still_range(recording, session, filled), o, with_page);
+  }
+  if (!why_not.empty()) tell(why_not);
+  RecordingReading reading = read_recording(session, source);
+  for (const std::string& text : reading.warnings) tell(text);
+  const StillPart still = still_part(std::move(reading.recording), session);
+  return analyzed(still.recording, still, o, with_page);
+}
+
+AnswerOf<NoiseBatch> noise_answer(std::vector<NoiseAnalysis> logs) {
+  const auto batch = std::make_shared<const NoiseBatch>(noise_batch(std::move(logs)));
+  std::string missing;
+  for (const NoiseAnalysis& log : batch->logs)
+    if (missing.empty()) missing = shortcomings(log);
+  return {{.json = [batch] { return noise_json(*batch); }, .table = [batch](bool) { return noise_text(*batch); }, .shortcomings = missing}, batch};
+}
+
+}  // namespace imulab

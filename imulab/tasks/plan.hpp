@@ -1,0 +1,58 @@
+// Finds the shortest path of turns and rests with which the method hybrid meets requirements.
+#pragma once
+
+#include "imulab/estimate/hybrid/path_design.hpp"
+#include "imulab/fleet/statistics/prior.hpp"
+#include "imulab/results/summary.hpp"
+#include "imulab/tasks/verb.hpp"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace imulab {
+
+struct PlanOptions : ShowOptions {
+  std::string require, grade = "navigation", axes = "3", prior;
+  double latitude_deg = 45;
+  std::optional<double> gravity, time, rest;
+  CheckpointOptions shared;
+};
+/// The verb `plan`, which sets these.
+Verb& declare(Verb& command, PlanOptions& o);
+
+struct PlanTask {
+  std::vector<Requirement> requirements;
+  std::string grade = "navigation";
+  double latitude = 0;                 ///< rad
+  std::optional<double> gravity = {};  ///< m/s^2, measured; absent: normal gravity
+  std::vector<RigAxis> axes = {RigAxis::outer, RigAxis::middle, RigAxis::inner};
+  bool by_hand = false;
+  std::optional<double> time = {};            ///< s in all; absent: as short as the requirements allow
+  std::optional<double> rest = {};            ///< s, of every rest; absent: chosen
+  std::optional<FleetPrior> prior = {};       ///< the prior from a fleet
+  std::optional<Checkpoint> checkpoint = {};  ///< of processes that share the search
+  std::function<void(double)> progress = {};  ///< 0 to 1
+};
+
+struct PlannedProcedure {
+  std::vector<Requirement> requirements;
+  hybrid::Path path;
+  Session procedure;
+  Prediction prediction;
+  std::optional<PriorEffect> prior;
+  bool timed = false;
+};
+
+/// Throws Error for requirements of coefficients that the method hybrid does not estimate, and where no turn fits into the time; Unsupported for a
+/// requirement that no path can meet.
+PlannedProcedure plan(const PlanTask& task);
+/// Why the requirements are not met. Empty: they are.
+std::string shortcomings(const PlannedProcedure& planned);
+
+/// The task that these options ask for; reads the prior. Throws OptionError.
+PlanTask task_of(const PlanOptions& o);
+AnswerOf<PlannedProcedure> plan_answer(const PlanTask& task);
+
+}  // namespace imulab

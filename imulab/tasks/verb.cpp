@@ -1,0 +1,92 @@
+#include "imulab/tasks/verb.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <sstream>
+#include <type_traits>
+
+namespace imulab {
+namespace {
+
+std::string shown_value(const VerbOption::Value& value) {
+  return std::visit(
+      [](const auto* of) -> std::string {
+        using Type = std::decay_t<decltype(*of)>;
+        if constexpr (std::is_same_v<Type, std::string>) return *of;
+        if constexpr (std::is_floating_point_v<Type>) return fmt::format("{:g}", *of);
+        if constexpr (std::is_integral_v<Type>) return fmt::format("{}", *of);
+        return "";
+      },
+      value);
+}
+
+}  // namespace
+
+VerbOption::VerbOption(std::string its_names, Value its_value, std::string its_help) : value(its_value), help(std::move(its_help)) {
+  const std::size_t space = std::min(its_names.find(' '), its_names.size());
+  names = its_names.substr(0, space);
+  std::istringstream each(names);
+  for (std::string flag; std::getline(each, flag, ',');)
+    if (flag.starts_with('-')) flags.push_back(flag);
+  keyword = is_positional() ? "" : flags.back().substr(std::min<std::size_t>(2, flags.back().size()));
+  std::replace(keyword.begin(), keyword.end(), '-', '_');
+  if (is_flag()) return;
+  const bool text = std::holds_alternative<std::string*>(value) || std::holds_alternative<std::optional<std::string>*>(value) ||
+                    std::holds_alternative<std::vector<std::string>*>(value);
+  value_name = is_positional() ? names : space < its_names.size() ? its_names.substr(space + 1) : text ? "TEXT" : "N";
+  if (is_positional()) std::transform(value_name.begin(), value_name.end(), value_name.begin(), ::toupper);
+}
+
+VerbOption& VerbOption::show_default() { return initial = shown_value(value), *this; }
+
+const VerbOption& Verb::at(const std::string& flag) const {
+  for (const VerbOption& option : options)
+    if (std::find(option.flags.begin(), option.flags.end(), flag) != option.flags.end()) return option;
+  throw Error(fmt::format("{} has no option {}", name, flag));
+}
+
+std::optional<Checkpoint> CheckpointOptions::shared() const {
+  if (checkpoint.empty() && !merged.empty()) throw OptionError("merge", "belongs to --checkpoint, whose folder has the result");
+  if (checkpoint.empty()) return std::nullopt;
+  return Checkpoint{checkpoint, {merged.begin(), merged.end()}};
+}
+
+VerbOption& report_option(Verb& verb, std::string& file) {
+  return verb.option("--report FILE", file, "write the result as a page, too: one HTML file, self-contained")
+      .check([](const std::string& text) { return text == "-" ? "-; expected a file to write" : ""; })
+      .writes()
+      .of_command();
+}
+
+VerbOption& json_option(Verb& verb, bool& json, const std::string& help) { return verb.option("--json", json, help).of_command(); }
+
+VerbOption& seed_option(Verb& verb, std::uint64_t& seed, const std::string& help) { return verb.option("--seed", seed, help).show_default(); }
+
+VerbOption& store_option(Verb& verb, std::string& store) { return verb.option("--store FILE", store, "the fleet's store").show_default(); }
+
+VerbOption& prior_option(Verb& verb, std::string& store) {
+  return verb.option("--prior STORE", store, "a fleet's store: how its units spread counts as what is known of this one before it is measured")
+      .reads();
+}
+
+VerbOption& allow_undetermined_option(Verb& verb, bool& allowed) {
+  return verb.option("--allow-undetermined", allowed, "use a calibration though the data did not determine some of its offsets or matrices");
+}
+
+void checkpoint_options(Verb& verb, CheckpointOptions& o) {
+  verb.option("--checkpoint DIR", o.checkpoint,
+              "a folder for what is finished: the same command goes on from there, and several at once share the work")
+      .of_command();
+  verb.option("--merge DIR", o.merged, "with --checkpoint: folders of runs that were made apart").takes_several(1).of_command();
+}
+
+std::string Answer::headline() const {
+  std::istringstream lines(table(false));
+  for (std::string line; std::getline(lines, line);)
+    if (const std::size_t begin = line.find_first_not_of(" \t"); begin != std::string::npos)
+      return line.substr(begin, line.find_last_not_of(" \t") + 1 - begin);
+  return "";
+}
+
+}  // namespace imulab

@@ -1,0 +1,46 @@
+"""The keywords of a function are the options of the command's verb: one table has both."""
+
+import inspect
+import os
+import re
+import subprocess
+
+import imulab
+import pytest
+from imulab import _imulab
+
+VERBS = ["calibrate", "compare", "verify", "simulate", "predict", "plan", "noise", "trajectory", "navigate", "budget"]
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_keywords_are_those_of_the_table(verb):
+    function = getattr(imulab, verb)
+    code = function.__code__
+    special = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]  # of a type of its own in Python
+    signature = inspect.signature(function)
+    rows = _imulab.keywords()[verb]
+    assert rows
+    for name, kind, default, meaning in rows:
+        parameter = signature.parameters[name]
+        if name not in special:
+            assert (parameter.annotation, parameter.default) == (kind, default)
+            assert f"{name}: {meaning}" in function.__doc__
+
+
+@pytest.mark.parametrize("verb", VERBS)
+def test_keywords_are_options_of_the_command(verb, environment):
+    """Help of the command names each of them, with the same words."""
+    done = subprocess.run([os.environ["IMULAB_COMMAND"], verb, "--help"], capture_output=True, text=True, check=True, env=environment)
+    flat = re.sub(r"\s+", " ", done.stdout)
+    for name, _, _, meaning in _imulab.keywords()[verb]:
+        option = "--" + name.removesuffix("_deg").replace("_", "-")
+        assert option in flat and meaning in flat
+
+
+def test_wrong_keywords(by_hand):
+    with pytest.raises(TypeError, match="unexpected keyword argument 'colour'"):
+        imulab.calibrate(by_hand, method="handheld", colour="red")
+    with pytest.raises(TypeError, match="seed: expected int, got float"):
+        imulab.predict(imulab.procedure("zhang-24"), seed=1.5)
+    with pytest.raises(imulab.Error, match="latitude_deg: 100; expected -90 to 90"):
+        imulab.plan("gyro.offset <= 1 deg/h", latitude_deg=100)
