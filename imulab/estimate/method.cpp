@@ -2,6 +2,7 @@
 
 #include "imulab/core/error.hpp"
 #include "imulab/estimate/hybrid/hybrid.hpp"
+#include "imulab/estimate/hybrid/path_design.hpp"
 #include "imulab/estimate/hybrid/prediction.hpp"
 #include "imulab/estimate/kernel/clocks.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
@@ -48,6 +49,7 @@ constexpr std::array all{
            .test = "multi-position (tumble) with rotations in one place: zero velocity",
            .calibrate = hybrid::calibrate,
            .predict = hybrid::predict,
+           .plan = hybrid::planner,
            .example = [](const ExampleSize& size) { return cheng_path_procedure(size.on_table); }},
     Method{.name = "static",
            .summary = "from rests alone",
@@ -149,6 +151,10 @@ std::vector<Method> methods_by_equipment() {
   std::vector<Method> out(all.begin(), all.end());
   std::ranges::sort(out, {}, &Method::equipment);
   return out;
+}
+
+const Method& planning_method() {
+  return *std::ranges::find_if(all, [](const Method& m) { return m.plan.design != nullptr; });
 }
 
 std::string names_of_methods(bool Method::*capability) {

@@ -3,6 +3,7 @@
 
 #include "imulab/core/eigen.hpp"
 #include "imulab/estimate/prediction.hpp"
+#include "imulab/estimate/turn_path.hpp"
 #include "imulab/model/calibration.hpp"
 #include "imulab/model/requirement.hpp"
 #include "imulab/recording/recording.hpp"
@@ -112,6 +113,8 @@ struct Method {
   /// Predicts a procedure; null where the method has no prediction. Throws Error where the procedure lacks what the method needs, and for a
   /// requirement on a coefficient that it does not estimate; TermsError as calibrate does.
   Prediction (*predict)(const Session& procedure, const PredictionOptions& options) = nullptr;
+  /// Finds its own procedure; without functions where it cannot.
+  PathPlanner plan = {};
   /// Null: a recording alone is not enough.
   MethodSupport (*support)(const RestEvidence& evidence) = nullptr;
   /// A procedure that the method can work on, for tests.
@@ -126,6 +129,8 @@ const Method& method(std::string_view name, std::span<const Method> table = meth
 const Method* find_method(std::string_view name, std::span<const Method> table = methods());
 /// The least equipment first.
 std::vector<Method> methods_by_equipment();
+/// The one that plans its own procedure.
+const Method& planning_method();
 /// The methods with a capability: "hybrid", or several with commas.
 std::string names_of_methods(bool Method::*capability);
 

@@ -22,6 +22,7 @@ struct PredictionOptions {
   std::vector<Requirement> requirements = {};  ///< to compare with
   std::uint64_t runs = 0;                      ///< of the Monte Carlo; 0: none
   std::uint64_t seed = 1;
+  bool advice = true;                         ///< where a requirement is missed, or a coefficient is not determined
   bool classical = false;                     ///< by the weights and the model of the paper that the method follows
   std::function<void(double)> progress = {};  ///< called with the fraction done, 0 to 1, from any thread
   std::optional<Checkpoint> checkpoint = {};  ///< of the Monte Carlo

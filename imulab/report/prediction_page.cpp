@@ -1,5 +1,6 @@
 #include "imulab/report/prediction_page.hpp"
 
+#include "imulab/estimate/method.hpp"
 #include "imulab/model/user_value.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/page.hpp"
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 namespace imulab {
@@ -116,7 +118,7 @@ std::string duration_text(double seconds) {
   return fmt::format("{:.0f} min {:02.0f} s", std::floor(seconds / 60), std::floor(std::fmod(seconds, 60)));
 }
 
-std::string turns_section(const hybrid::Path& path) {
+std::string turns_section(const TurnPath& path) {
   Table t{.head = {"step", "turn about", "by [deg]", "then rest [s]"}, .rows = {{"1", "", "", number_text(path.first_rest, 5)}}, .left = {1}};
   for (std::size_t k = 0; k < path.turns.size(); ++k)
     t.rows.push_back({fmt::format("{}", k + 2), std::string(to_string(path.turns[k].axis)) + " axis", number_text(path.turns[k].angle_deg, 5),
@@ -149,8 +151,9 @@ Verdict plan_verdict(const PlanSummary& plan) {
             .because = {},
             .actions = {}};
   for (const Shortfall& s : missed) v.because.push_back(shortfall_line(s));
-  v.actions.emplace_back(met ? "Save the procedure with imulab plan -o, perform it, and calibrate with --method hybrid."
-                             : "Allow more time or more axes, or require less.");
+  v.actions.emplace_back(
+      met ? fmt::format("Save the procedure with imulab plan -o, perform it, and calibrate with --method {}.", planning_method().name)
+          : "Allow more time or more axes, or require less.");
   return v;
 }
 
@@ -164,7 +167,9 @@ std::string plan_page(const PlanSummary& r) {
   std::string required;
   for (const Requirement& requirement : r.requirements) required += (required.empty() ? "" : ", ") + to_string(requirement);
   page.title = "Procedure for " + readable_unit(required);
-  page.subtitle = r.prior ? "Hybrid method, " + prior_text(*r.prior) : "Hybrid method";
+  std::string method(planning_method().name);
+  method[0] = static_cast<char>(std::toupper(method[0]));
+  page.subtitle = method + " method" + (r.prior ? ", " + prior_text(*r.prior) : "");
   page.verdict = plan_verdict(r);
   page.body = turns_section(r.path) + requirements_figure(r) + prediction_sections(r.prediction);
   return page_text(page);

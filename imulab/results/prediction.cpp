@@ -1,12 +1,13 @@
 #include "imulab/results/prediction.hpp"
 
 #include "imulab/core/units.hpp"
-#include "imulab/estimate/hybrid/path_design.hpp"
+#include "imulab/estimate/turn_path.hpp"
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/user_value.hpp"
 #include "imulab/results/calibration.hpp"
+#include "imulab/rig/pose_on_table.hpp"
 
 #include <fmt/format.h>
 
@@ -237,7 +238,7 @@ std::string prior_text(const PriorEffect& prior) {
   return text;
 }
 
-std::string path_table(const hybrid::Path& path) {
+std::string path_table(const TurnPath& path) {
   const std::vector<std::string> words = in_words(path.turns);
   std::string table = fmt::format("rest {:g} s\n", path.first_rest);
   for (std::size_t k = 0; k < path.turns.size(); ++k)

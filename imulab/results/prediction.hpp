@@ -8,9 +8,7 @@
 
 namespace imulab {
 
-namespace hybrid {
-struct Path;
-}
+struct TurnPath;
 
 /// One unit for all coefficients of a term, by the largest of them; the readings are those of an ideal IMU, in SI.
 UserUnit unit_of(CoefficientIndex index, const std::vector<CoefficientIndex>& coefficients, const Eigen::VectorXd& sigma);
@@ -39,6 +37,6 @@ struct PriorEffect {
 /// "with what 60 units of fleet.db say of it; without: 14 min 05 s"
 std::string prior_text(const PriorEffect& prior);
 /// First rest, then a row a turn and the rest after it.
-std::string path_table(const hybrid::Path& path);
+std::string path_table(const TurnPath& path);
 
 }  // namespace imulab

@@ -54,7 +54,7 @@ TEST(SavedResult, APredictionComesBack) {
 
 TEST(SavedResult, APlanComesBack) {
   const std::vector<Requirement> requirements = parse_requirements("gyro.offset <= 0.01 deg/h, accel.matrix.diagonal <= 10 ppm");
-  const hybrid::Path path{.first_rest = 60, .turns = {{RigAxis::middle, -90, 30}, {RigAxis::inner, 180, 12}}, .duration = 123};
+  const TurnPath path{.first_rest = 60, .turns = {{RigAxis::middle, -90, 30}, {RigAxis::inner, 180, 12}}, .duration = 123};
   Prediction p;
   p.coefficients = select_coefficients("gyro.offset");
   p.sigma = p.cramer_rao = Eigen::Vector3d(1e-8, 2e-8, 3e-8);

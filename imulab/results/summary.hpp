@@ -1,7 +1,7 @@
 // Results of verbs as values that their JSON gives back, for reports.
 #pragma once
 
-#include "imulab/estimate/hybrid/path_design.hpp"
+#include "imulab/estimate/turn_path.hpp"
 #include "imulab/model/calibration.hpp"
 #include "imulab/model/compare.hpp"
 #include "imulab/model/requirement.hpp"
@@ -54,7 +54,7 @@ PredictionSummary summary_of(const Prediction& prediction);
 
 struct PlanSummary {
   std::vector<Requirement> requirements;
-  hybrid::Path path;  ///< from JSON: without its worst ratio
+  TurnPath path;  ///< from JSON: without its worst ratio
   PredictionSummary prediction;
   std::optional<PriorEffect> prior = {};
 };

@@ -35,25 +35,25 @@ Session procedure_of(const PlanTask& task, double first_rest, const std::vector<
 }
 
 /// Requirements that no path can meet are refused before the search.
-void expect_reachable(const hybrid::PathQuestion& q) {
-  for (const Requirement& r : q.requirements)
+void expect_reachable(const PathLimits& limits, const Session& unit) {
+  for (const Requirement& r : limits.requirements)
     for (const CoefficientIndex index : r.coefficients)
-      if (const double least = least_sigma(q.unit, index, q.turn_rate); least >= r.limit)
-        throw Unsupported(fmt::format(
-            "{} <= {:g} {}: no path makes {} better than {:.3g} {}; {} it{}", r.selector, r.limit / r.unit.size, r.unit.name, coefficient(index).name,
-            least / r.unit.size, r.unit.name,
-            coefficient(index).triad == Triad::accel ? "gravity and the cubic term limit" : "nonlinearity, at one rate, limits",
-            coefficient(index).triad == Triad::gyro || q.unit.procedure.site.given_gravity ? "" : "; a measured value of gravity is more certain"));
+      if (const double least = planning_method().plan.least_sigma(unit, index, limits.turn_rate); least >= r.limit)
+        throw Unsupported(
+            fmt::format("{} <= {:g} {}: no path makes {} better than {:.3g} {}; {} it{}", r.selector, r.limit / r.unit.size, r.unit.name,
+                        coefficient(index).name, least / r.unit.size, r.unit.name,
+                        coefficient(index).triad == Triad::accel ? "gravity and the cubic term limit" : "nonlinearity, at one rate, limits",
+                        coefficient(index).triad == Triad::gyro || unit.site.given_gravity ? "" : "; a measured value of gravity is more certain"));
 }
 
 struct PlannedPath {
-  hybrid::Path path;
+  TurnPath path;
   Session procedure;
   Prediction prediction;
 };
 
 /// Everything that a search depends on.
-std::string identity_of(const PlanTask& task, const hybrid::PathQuestion& q) {
+std::string identity_of(const PlanTask& task, const PathLimits& q) {
   std::vector<IdentityField> fields{{"procedure", sha256(procedure_text(procedure_of(task, 60, {})))},
                                     {"rest", q.rest ? fmt::format("{}", *q.rest) : "chosen"},
                                     {"time", q.time ? fmt::format("{}", *q.time) : "shortest"},
@@ -65,7 +65,7 @@ std::string identity_of(const PlanTask& task, const hybrid::PathQuestion& q) {
 }
 
 /// `name`: of this search among those of a plan. `begin`, `part`: of the progress.
-PlannedPath planned_path(const PlanTask& task, hybrid::PathQuestion question, const std::string& name, double begin, double part) {
+PlannedPath planned_path(const PlanTask& task, PathLimits question, const std::string& name, double begin, double part) {
   // The search and the prediction along the finished procedure agree to some parts in a thousand: what misses by no more is looked for again.
   constexpr double agreement = 1.02;
   constexpr int most_rounds = 3;
@@ -81,10 +81,10 @@ PlannedPath planned_path(const PlanTask& task, hybrid::PathQuestion question, co
     const auto progress = [&](int done) {
       if (task.progress) task.progress(begin + part * 0.01 * done);
     };
-    out.path = design_path(question, progress, shared ? &*shared : nullptr);
+    out.path = planning_method().plan.design(question, procedure_of(task, 60, {}), progress, shared ? &*shared : nullptr);
     if (out.path.turns.empty()) throw Error("no turn and rest fit into the time; expected a longer time");
     out.procedure = procedure_of(task, out.path.first_rest, out.path.turns);
-    out.prediction = predict(hybrid::plan_of(out.procedure));
+    out.prediction = planning_method().predict(out.procedure, {.advice = false});
     double worst = 1;
     for (const Shortfall& s : shortfalls(out.prediction, requirements)) worst = std::max(worst, s.sigma / s.requirement.limit);
     if (worst == 1 || worst > agreement || task.time || out.path.worst > 1) break;
@@ -151,14 +151,15 @@ PlanSummary summary_of(const PlannedProcedure& p) { return {p.requirements, p.pa
 }  // namespace
 
 Verb& declare(Verb& command, PlanOptions& o) {
-  Verb& verb = command.verb("plan", "Find the shortest sequence of turns and rests with which the hybrid method meets requirements");
+  Verb& verb = command.verb(
+      "plan", fmt::format("Find the shortest sequence of turns and rests with which the {} method meets requirements", planning_method().name));
   verb.option("--require LIMITS", o.require, "requirements, as in \"gyro.matrix.off_diagonal <= 1 arcsec, accel.offset <= 1 ug\"").required();
   verb.option("--grade GRADE", o.grade, "grade of the IMU's noise: strategic, navigation, tactical, mems, mems-30g").show_default();
   verb.option("--latitude", o.latitude_deg, "latitude of the site, degrees").in_range(-90, 90).show_default().called("latitude_deg");
   verb.option("--gravity", o.gravity, "gravity measured to 1e-5 m/s^2; if absent, normal gravity, known to 3e-4").in_range(9.7, 9.9);
   verb.option("--axes AXES", o.axes, "axes of the table: 1 (outer, vertical), 2 (middle and inner), 3, hand, or names such as outer,inner")
       .show_default();
-  verb.option("--time N", o.time, "find the best path within this many seconds instead of the shortest").in_range(60, hybrid::longest_path);
+  verb.option("--time N", o.time, "find the best path within this many seconds instead of the shortest").in_range(60, longest_path);
   verb.option("--rest", o.rest, "duration of every rest in whole seconds; if absent, each is chosen").in_range(6, 600, true);
   prior_option(verb, o.prior);
   verb.option("-o,--output FILE", o.output, "the procedure to write; - for standard output in place of the table").writes().of_command();
@@ -193,15 +194,15 @@ AnswerOf<PlannedProcedure> plan_answer(const PlanTask& task) {
 }
 
 PlannedProcedure plan(const PlanTask& task) {
-  hybrid::PathQuestion question;
+  PathLimits question;
+  const Session unit = procedure_of(task, 60, {});
   question.requirements = task.prior ? with_prior(task) : task.requirements;
-  question.unit = hybrid::plan_of(procedure_of(task, 60, {}));
   question.axes = task.axes;
   question.turn_rate = task.by_hand ? hand_rate : TableProcedureOptions{}.turn_rate;
   question.rest = task.rest;
   question.time = task.time;
-  expect_estimated(question.requirements, question.unit);
-  expect_reachable(question);
+  planning_method().plan.expect_estimated(question.requirements, unit);
+  expect_reachable(question, unit);
   if (task.checkpoint) {  // the folders are this plan's
     const std::string identity = identity_of(task, question);
     for (const auto& merged : task.checkpoint->merged) CheckpointFolder::read(merged, identity, [](std::size_t, const std::string&) {});

@@ -1,7 +1,7 @@
-// Finds the shortest path of turns and rests with which the method hybrid meets requirements.
+// Finds the shortest path of turns and rests with which a method meets requirements.
 #pragma once
 
-#include "imulab/estimate/hybrid/path_design.hpp"
+#include "imulab/estimate/turn_path.hpp"
 #include "imulab/fleet/statistics/prior.hpp"
 #include "imulab/results/summary.hpp"
 #include "imulab/tasks/verb.hpp"
@@ -38,14 +38,14 @@ struct PlanTask {
 
 struct PlannedProcedure {
   std::vector<Requirement> requirements;
-  hybrid::Path path;
+  TurnPath path;
   Session procedure;
   Prediction prediction;
   std::optional<PriorEffect> prior;
   bool timed = false;
 };
 
-/// Throws Error for requirements of coefficients that the method hybrid does not estimate, and where no turn fits into the time; Unsupported for a
+/// Throws Error for requirements of coefficients that the method does not estimate, and where no turn fits into the time; Unsupported for a
 /// requirement that no path can meet.
 PlannedProcedure plan(const PlanTask& task);
 /// Why the requirements are not met. Empty: they are.

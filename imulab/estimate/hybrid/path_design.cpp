@@ -189,7 +189,7 @@ double least_sigma(const Plan& unit, CoefficientIndex index, double turn_rate) {
   return std::hypot(nonlinear_sigma(unit, index, turn_rate), as_gravity ? unit.place.gravity_sigma / unit.place.gravity : 0);
 }
 
-Path design_path(const PathQuestion& q, const std::function<void(int)>& progress, const Checkpoint* shared) {
+TurnPath design_path(const PathQuestion& q, const std::function<void(int)>& progress, const Checkpoint* shared) {
   const auto report = [&](double part) {
     if (progress) progress(static_cast<int>(100 * part));
   };

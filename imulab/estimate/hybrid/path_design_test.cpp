@@ -24,14 +24,14 @@ struct Standard {
   Plan plan = plan_of(session, base_terms().terms);
   FilterPrediction prediction = predict(plan);
   PathQuestion question(double factor) const {
-    PathQuestion q{{}, plan, {outer, middle, inner}, 10 * unit::deg, {}, {}};
+    PathQuestion q{{{}, {outer, middle, inner}, 10 * unit::deg}, plan};
     for (std::size_t i = 0; i < prediction.coefficients.size(); ++i)
       q.requirements.push_back({"", {prediction.coefficients[i]}, factor * prediction.sigma[static_cast<Eigen::Index>(i)], {}});
     return q;
   }
 };
 
-FilterPrediction predicted(const Path& path, const Plan& plan) {
+FilterPrediction predicted(const TurnPath& path, const Plan& plan) {
   Session session = turns_procedure("path", path.first_rest, path.turns, {});
   session.imu = plan.procedure.imu;
   session.site = plan.procedure.site;
@@ -54,7 +54,7 @@ TEST(PathDesign, BeatsTheStandardPathInItsTime) {
   const Standard standard;
   PathQuestion q = standard.question(1);
   q.time = standard.session.steps.back().end;
-  const Path path = design_path(q);
+  const TurnPath path = design_path(q);
   EXPECT_LE(path.duration, *q.time);
   EXPECT_LE(worst_ratio(predicted(path, standard.plan), q), 1);
 }
@@ -62,7 +62,7 @@ TEST(PathDesign, BeatsTheStandardPathInItsTime) {
 TEST(PathDesign, ThreeTimesTheUncertaintyTakesFarLessTime) {
   const Standard standard;
   const PathQuestion q = standard.question(3);
-  const Path path = design_path(q);
+  const TurnPath path = design_path(q);
   EXPECT_LE(path.worst, 1);
   // The judge of the search and the filter along the procedure agree to some parts in a thousand.
   EXPECT_NEAR(worst_ratio(predicted(path, standard.plan), q), path.worst, 5e-3 * path.worst);
@@ -73,7 +73,7 @@ TEST(PathDesign, FewerAxesAndHandsDoItToo) {
   const Standard standard;
   PathQuestion two = standard.question(4);
   two.axes = {middle, inner};
-  const Path path = design_path(two);
+  const TurnPath path = design_path(two);
   EXPECT_LE(path.worst, 1);
   for (const TableTurn& turn : path.turns) EXPECT_NE(turn.axis, outer);
 
@@ -81,7 +81,7 @@ TEST(PathDesign, FewerAxesAndHandsDoItToo) {
   hand.unit.procedure.rigs.front().kind = RigKind::none;
   hand.unit.observe_motion = false;
   hand.turn_rate = 10 * unit::deg;
-  const Path by_hand = design_path(hand);
+  const TurnPath by_hand = design_path(hand);
   EXPECT_LE(by_hand.worst, 1);
   EXPECT_NEAR(worst_ratio(predicted(by_hand, hand.unit), hand), by_hand.worst, 0.02 * by_hand.worst);  // a turn is one block
 }
@@ -90,13 +90,9 @@ TEST(PathDesign, FewerAxesAndHandsDoItToo) {
 TEST(PathDesign, CountsTheTermsThatAnImuMayHave) {
   Session session = hybrid_procedure(60, 100);
   session.imu.grade = "navigation";
-  PathQuestion q{parse_requirements("accel.offset <= 2 ug, gyro.matrix.off_diagonal <= 2 arcsec"),
-                 plan_of(session),
-                 {outer, middle, inner},
-                 10 * unit::deg,
-                 {},
-                 {}};
-  const Path path = design_path(q);
+  PathQuestion q{{parse_requirements("accel.offset <= 2 ug, gyro.matrix.off_diagonal <= 2 arcsec"), {outer, middle, inner}, 10 * unit::deg},
+                 plan_of(session)};
+  const TurnPath path = design_path(q);
   EXPECT_LE(path.worst, 1);
   double worst = 0;
   const FilterPrediction p = predicted(path, q.unit);
@@ -113,7 +109,7 @@ TEST(PathDesign, AVerticalAxisAloneDoesNotDoIt) {
   PathQuestion q = standard.question(3);
   q.axes = {outer};
   q.requirements = {{"gyro.matrix.xx", {coefficient_index("gyro.matrix.xx")}, 1e-5, {}}};
-  const Path path = design_path(q);
+  const TurnPath path = design_path(q);
   EXPECT_GT(path.worst, 1);
   EXPECT_EQ(path.worst_coefficient, coefficient_index("gyro.matrix.xx"));
 }

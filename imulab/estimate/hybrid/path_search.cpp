@@ -99,9 +99,9 @@ Score PathJudge::score(const Knowledge& knowledge) const {
   return s;
 }
 
-Path PathJudge::described(const QuarterPath& path) const {
+TurnPath PathJudge::described(const QuarterPath& path) const {
   const auto seconds = [&](std::size_t k) { return static_cast<double>(path.rests[k] * quantum); };
-  Path out{seconds(0), {}, duration(path)};
+  TurnPath out{seconds(0), {}, duration(path)};
   for (std::size_t k = 0; k < path.turns.size(); ++k) out.turns.push_back({path.turns[k].axis, 90.0 * path.turns[k].quarters, seconds(k + 1)});
   const Eigen::VectorXd sigma = sigma_of(knowledge(path));
   for (const Limit& limit : limits_)

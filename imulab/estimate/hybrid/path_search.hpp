@@ -38,7 +38,7 @@ class PathJudge {
   double worst(const QuarterPath& path) const { return score(knowledge(path)).worst; }
   std::size_t limits() const { return limits_.size(); }
   /// With the coefficient whose sigma is the largest of its limit.
-  Path described(const QuarterPath& path) const;
+  TurnPath described(const QuarterPath& path) const;
 
  private:
   void find_limits(const PathQuestion& question);

@@ -82,7 +82,7 @@ Prediction predict(const Session& procedure, const PredictionOptions& options) {
   const FilterPrediction filter = predict(plan);
   Prediction out = filter;
   out.missed = shortfalls(out, options.requirements);
-  if (!out.missed.empty() || !out.undetermined.empty())
+  if (options.advice && (!out.missed.empty() || !out.undetermined.empty()))
     out.advice = advise(plan, filter, out.missed.empty() ? std::vector<Requirement>{} : options.requirements);
   return out;
 }
