@@ -3,6 +3,7 @@
 #include "imulab/core/error.hpp"
 #include "imulab/core/rotation.hpp"
 #include "imulab/core/statistics.hpp"
+#include "imulab/formats/recording/reader.hpp"
 #include "imulab/navigation/navigation_error.hpp"
 #include "imulab/recording/compensate_recording.hpp"
 
