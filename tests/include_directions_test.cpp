@@ -36,8 +36,8 @@ std::optional<std::string> room_of(const std::string& path) {
 /// The folders of estimate/ know the kernel, the coarse solutions and the interface of a method, not each other; method.cpp itself, in no folder,
 /// knows all.
 std::string between_methods(const std::string& folder, const std::string& included) {
-  for (const std::string& known :
-       {folder + "/", std::string("kernel/"), std::string("coarse/"), std::string("method.hpp"), std::string("prediction.hpp")})
+  for (const std::string& known : {folder + "/", std::string("kernel/"), std::string("coarse/"), std::string("method.hpp"),
+                                   std::string("prediction.hpp"), std::string("turn_path.hpp")})
     if (folder.empty() || included.starts_with("imulab/estimate/" + known)) return "";
   return folder + " may not know another method";
 }
