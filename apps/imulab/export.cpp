@@ -80,7 +80,7 @@ CHeaderOptions c_header_options(const CHeaderArguments& a, const Calibration& c)
   out.accel = readings(a.accel_unit, a.accel_counts_per_unit, a.body_axes, c.recorded_accel, or_si(c.model.accel.raw_unit, "m/s^2"));
   out.gyro = readings(a.gyro_unit, a.gyro_counts_per_unit, a.body_axes, c.recorded_gyro, or_si(c.model.gyro.raw_unit, "rad/s"));
   out.fixed_point = a.fixed_point, out.q15 = a.q15;
-  if (a.prefix) errors_of_option("prefix", [&] { firmware::expect_prefix(*a.prefix); }), out.prefix = *a.prefix;
+  if (a.prefix) errors_at("--prefix", [&] { firmware::expect_prefix(*a.prefix); }), out.prefix = *a.prefix;
   for (const auto& [option, from, to] :
        {std::tuple("--accel-range", a.accel_range, &out.accel_range), {"--gyro-range", a.gyro_range, &out.gyro_range}}) {
     if (!from) continue;
