@@ -11,7 +11,6 @@
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/recording/compensate_recording.hpp"
-#include "imulab/recording/compensate_recording.hpp"
 #include "imulab/report/recording_page.hpp"
 #include "imulab/results/compensation.hpp"
 #include "imulab/tasks/inspect.hpp"

@@ -1,4 +1,5 @@
-// The parts of an exported header (c_header.hpp): pieces of C source, the readings that it takes, its filters, integers and self-tests, and its names.
+// The parts of an exported header (c_header.hpp): pieces of C source, the readings that it takes, its filters, integers and self-tests, and its
+// names.
 #pragma once
 
 #include "imulab/export/c_header.hpp"

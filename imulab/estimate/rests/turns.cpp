@@ -47,8 +47,7 @@ std::vector<DeclaredTurn> declared_turns(const Session& session, const Recording
     const bool moves_on = k + 1 < steps.size() && steps[k + 1].kind == StepKind::hold && steps[k + 1].start > step.end + same_time &&
                           std::find(commands[k + 1].moves.begin(), commands[k + 1].moves.end(), true) != commands[k + 1].moves.end();
     const double sigma = rig->angle.fixed ? 0 : rig->angle.value;  // the same error at both rests cancels
-    turns.push_back(
-        {step.start, step.end, step.axis, axis_in_body(table_pose(axes, commands[k].before), step.axis), step.angle, sigma, moves_on});
+    turns.push_back({step.start, step.end, step.axis, axis_in_body(table_pose(axes, commands[k].before), step.axis), step.angle, sigma, moves_on});
   }
   return turns;
 }
