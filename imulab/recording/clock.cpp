@@ -77,7 +77,7 @@ namespace {
 
 constexpr double interval_tolerance = 0.02;
 constexpr std::size_t many = std::size_t{1} << 23;  // stamps: copies of their differences would take 64 MB
-constexpr std::size_t rows = 16;                    // stamps that scatter by a fifth of an interval leave a twelfth on the difference of two medians
+constexpr std::size_t averaged = 16;                // stamps that scatter by a fifth of an interval leave a twelfth on the difference of two medians
 
 /// Calls with each difference of stamps `apart` samples apart, without those that end at a sample in `without`.
 template <class Each>
@@ -179,8 +179,8 @@ std::vector<std::size_t> find_gaps(std::span<const std::int64_t> time_ns, double
 }
 
 double clock_interval(std::span<const std::int64_t> time_ns, double nominal_s) {
-  if (time_ns.size() < 4 * rows) return nominal_s;
-  const double interval = 1e-9 * *median_difference(time_ns, rows, {}) / rows;
+  if (time_ns.size() < 4 * averaged) return nominal_s;
+  const double interval = 1e-9 * *median_difference(time_ns, averaged, {}) / averaged;
   return same_interval(interval, nominal_s) ? interval : nominal_s;  // otherwise samples are lost in every sixteen
 }
 
@@ -191,7 +191,7 @@ double clock_step(std::span<const std::int64_t> time_ns, std::size_t i, double i
       off.push_back(1e-9 * static_cast<double>(time_ns[k] - time_ns[i]) / interval_s - (static_cast<double>(k) - static_cast<double>(i)));
     return median(std::move(off));
   };
-  return phase(i, std::min(end, i + rows)) - phase(std::max(begin, i - std::min(i, rows)), i);
+  return phase(i, std::min(end, i + averaged)) - phase(std::max(begin, i - std::min(i, averaged)), i);
 }
 
 namespace {
