@@ -1,4 +1,4 @@
-// What is wrong with the command or an input file: exit code 2, a message with file, line and field, and no output file.
+// Faults of the command line or an input file: exit code 2, a message with file, line and field, and no output file.
 #include <gmock/gmock.h>
 
 #include "tests/recorded_session.hpp"

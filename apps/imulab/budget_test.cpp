@@ -70,7 +70,7 @@ TEST(BudgetCommand, WritesGrowthOverTimeAndPrintsATable) {
   EXPECT_THAT(read_text(folder / "out" / "monte_carlo.csv"), HasSubstr("ph_median"));
   const std::string runs = read_text(folder / "out" / "runs.csv");
   EXPECT_EQ(std::count(runs.begin(), runs.end(), '\n'), 1 + 20);
-  // The same seed, the same bits; another grade's sensors, other figures.
+  // One seed gives the same bits; another grade's sensors give other figures.
   EXPECT_EQ(run_imulab(folder, "budget m.toml --runs 20").output, r.output);
   EXPECT_NE(run_imulab(folder, "budget m.toml --runs 20 --grade tactical").output, r.output);
 }

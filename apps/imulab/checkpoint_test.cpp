@@ -22,7 +22,7 @@ struct SharedRuns : ::testing::Test {
     EXPECT_EQ(result.exit_code, 0) << arguments << "\n" << result.errors;
     return result.output;
   }
-  /// The same output alone, after ten kills, from three processes at once, and merged from two folders.
+  /// The output is the same alone, after ten kills, from three processes at once, and merged from two folders.
   void expect_the_same_bits(const std::string& arguments) {
     const std::string alone = run(arguments);
     for (int k = 0; k < 10; ++k)

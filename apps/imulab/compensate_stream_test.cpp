@@ -222,7 +222,7 @@ TEST(CompensateStream, MemoryDoesNotGrowWithTheLength) {
   EXPECT_LT(many - few, 4000);  // 580,000 rows more are 30 MB of text and more of columns: a tenth of it is what an allocator may differ by
 }
 
-/// What comes out of a stream that is fed a row every half millisecond.
+/// The output of a stream that is fed a row every half millisecond.
 struct Delays {
   std::vector<double> ms;  ///< from the write of a row to its arrival, sorted
   std::size_t written = 0;

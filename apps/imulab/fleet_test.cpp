@@ -71,7 +71,7 @@ TEST_F(FleetCommand, CalibratesEverySessionOnce) {
   ASSERT_EQ(shown.size(), 2u);
   EXPECT_EQ(shown[0]["method"], "handheld");
   EXPECT_EQ(shown[0]["station"], "A");
-  // What the store has is what calibrate gives.
+  // The store has the calibration that calibrate gives.
   run("calibrate week/unit2 --method handheld -o alone.json");
   run("fleet export --calibration " + std::to_string(shown[0]["calibration"].get<int>()) + " -o stored.json");
   const Calibration alone = read_calibration(folder / "alone.json"), stored = read_calibration(folder / "stored.json");

@@ -65,7 +65,7 @@ TEST(Live, AtTheEndSaysWhatIsMissingAndKeepsEverything) {
   EXPECT_THAT(r.errors, ContainsRegex("imulab: not reached: gyro.matrix.diagonal [0-9.]+ ppm of 10 ppm\n  what helps most: turn by .* points up"));
   EXPECT_EQ(lines_with(r.output, "  rest ").size(), 16u);
   EXPECT_EQ(read_text(folder() / "session/saved.csv"), read_text(folder() / "session/recording.csv"));
-  // The same numbers as from the file.
+  // They are the numbers from the file.
   run_shell(folder(), "sed -i 's/recording.csv/saved.csv/' session/found.toml");
   EXPECT_EQ(run_imulab(folder(), "calibrate session/found.toml --method handheld -o file.json").exit_code, 0);
   const Json streamed = Json::parse(read_text(folder() / "ended.json")), whole = Json::parse(read_text(folder() / "file.json"));

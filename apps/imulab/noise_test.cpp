@@ -254,7 +254,7 @@ TEST(NoiseCommand, PutsSeveralLogsTogether) {
   EXPECT_EQ(run_imulab(folder, "noise session.toml session.toml --report page.html").exit_code, 2);
 }
 
-/// What simulate gives back: a unit of the noise that an analysis found has that noise in its own analysis.
+/// The result of simulate: a unit of the noise that an analysis found has that noise in its own analysis.
 TEST(NoiseCommand, ItsNumbersComeBackFromASimulation) {
   const TemporaryFolder folder;
   write_still_log(folder, 20000, still_readings);

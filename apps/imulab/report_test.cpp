@@ -108,7 +108,7 @@ TEST_F(Report, JsonOfOtherVerbsBecomesTheirPage) {
   EXPECT_TRUE(says("p.html", "<section id=\"shares\">"));
 }
 
-/// Of each verb's JSON all that its own page has.
+/// Each verb's saved JSON gives all that its own page has.
 TEST_F(Report, SavedJsonHasTheSameParts) {
   folder_->write("drive.toml", R"(format = "imulab.mission/1"
 rate_hz = 20

@@ -1,4 +1,4 @@
-// What the command prints for people fits a terminal of 80 columns.
+// The text that the command prints for people fits a terminal of 80 columns.
 #include <gmock/gmock.h>
 
 #include "tests/run_command.hpp"

@@ -293,7 +293,7 @@ TEST(TrajectoryBadInput, AMissionIsRefusedWithItsLine) {
            {lasting("2e6", "rate_hz = 1\n"), "m.toml: 2e+06 s: expected at most 1e+06 s"},
            {mission(rest, "", start + "climb_deg = 90\n"), "m.toml:6: start.climb_deg: 90 is out of range"},
            {mission(rest + "[gyro_temperature]\nnoise = 1\n"), "m.toml:9: gyro_temperature: is given without [[temperature]]"},
-           // What follows a missing key is not read as if it were there.
+           // Keys after a missing one are not read as if it were there.
            {format + rest + "[gyro_temperature]\nunit = \"degC\"\n", "m.toml:1: start: is missing"},
            {start + rest + "[gyro_temperature]\nunit = \"degC\"\n", "m.toml:1: format: is missing"},
            {"fromat = \"imulab.mission/1\"\n" + start + rest + "[gyro_temperature]\nunit = \"degC\"\n",

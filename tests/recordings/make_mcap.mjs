@@ -49,7 +49,7 @@ const TYPES = {
   "sensor_msgs/msg/CompressedImage": "std_msgs/Header header\nstring format\nuint8[] data\n" + COMMON,
 };
 
-// The same as MessageWriter, most significant byte first.
+// MessageWriter with the most significant byte first.
 function bigEndian(type, m) {
   const cdr = new CdrWriter({ kind: EncapsulationKind.CDR_BE });
   cdr.int32(m.header.stamp.sec).uint32(m.header.stamp.nanosec).string(m.header.frame_id);

@@ -1,4 +1,4 @@
-// What happens in a child process stays there: its answer or its death is all that the program sees.
+// A fault in a child process stays there: its answer or its death is all that the program sees.
 #include "imulab/core/error.hpp"
 #include "imulab/formats/recording/child_tables.hpp"
 
@@ -30,7 +30,7 @@ using testing::StartsWith;
 
 const ChildTask task{"imu.h5", "libtest", {.memory_bytes = 1 << 30, .computing_s = 5, .wall_s = 20}};
 
-/// What is said where a child does this.
+/// The message where a child does this.
 std::string error_of_child(const std::function<void()>& work, const ChildTask& with = task) {
   try {
     describe_in_child(with, [&] {
@@ -82,7 +82,7 @@ TEST(Child, SendsColumnsExactly) {
   }
 }
 
-/// What is small goes through the pipe, what is large through slots of memory, and what is larger through several.
+/// A small answer goes through the pipe, a large one through slots of memory, and a larger one through several.
 TEST(Child, AnySizeComesAsItWasSent) {
   for (const std::size_t count : {0, 1, 511, 512, 513, 16383, 16384, 16385, 8 * 16384, 200'001}) {
     std::vector<double> numbers(count);

@@ -94,7 +94,7 @@ TEST_P(BagCopies, HaveTheReadingsReplacedAndNothingElse) {
   }
 }
 
-/// The same readings again: the same file, where a compression does not depend on its program.
+/// Readings that are repeated give the same file, where a compression does not depend on its program.
 TEST_P(BagCopies, OfTheSameReadingsAreTheSame) {
   write();
   const bool packed = GetParam().find("lz4") != std::string::npos || GetParam().find("zstd") != std::string::npos ||

@@ -1,4 +1,4 @@
-// What a wrong recording is told.
+// Messages about wrong recordings.
 #include "imulab/core/error.hpp"
 #include "imulab/formats/recording/reader.hpp"
 

@@ -11,7 +11,7 @@ namespace {
 using testing::Contains;
 using testing::HasSubstr;
 
-/// Of a recording with more numbers than may be read: about the first third of what may be, in whole rows, and a note.
+/// A recording with more numbers than may be read gives about the first third of what may be, in whole rows, and a note.
 TEST(Signals, OfALongRecordingTheFirstRowsAreRead) {
   constexpr std::size_t rows = 300'000, most = 60'000;  // numbers
   const TemporaryFolder folder;

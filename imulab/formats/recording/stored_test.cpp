@@ -97,7 +97,7 @@ TEST(StoredRecording, HasTheColumnsOfOneReadAtOnce) {
   const TemporaryFolder folder;
   folder.write("log.csv", long_text());
   const RecordingReading whole = expect_same(session_of(folder, "log.csv", std::string("rate_hz = 1000.0\n") + csv_columns));
-  // What the text was made to have is there.
+  // The text has what it was made to have.
   EXPECT_GT(whole.recording.gaps.size(), 390u);
   EXPECT_GT(whole.recording.saturated.size(), 30u);
   EXPECT_EQ(whole.warnings.size(), 4u) << "cut, repeated, gaps, saturated";
