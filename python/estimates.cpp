@@ -1,5 +1,4 @@
 // calibrate, compare, predict, plan, noise, simulate.
-#include "imulab/core/error.hpp"
 #include "imulab/tasks/compare.hpp"
 #include "imulab/tasks/noise.hpp"
 #include "imulab/tasks/plan.hpp"

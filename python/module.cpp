@@ -42,6 +42,8 @@ const char* kind_of(const Value*) {
 }
 
 std::string kind_of(const VerbOption& row) {
+  if (row.file != VerbOption::File::none && std::holds_alternative<std::string*>(row.value)) return "PathLike";
+  if (row.file != VerbOption::File::none && std::holds_alternative<std::optional<std::string>*>(row.value)) return "PathLike | None";
   return std::visit([](const auto* value) -> std::string { return kind_of(value); }, row.value);
 }
 
@@ -68,8 +70,8 @@ void expect_in_range(const VerbOption& row, py::handle value) {
 
 void set(const VerbOption& row, py::handle value) {
   if (value.is_none() && !row.is_required) return;  // the default
+  if (std::holds_alternative<std::optional<std::string>*>(row.value) && py::isinstance<py::str>(value) && py::len(value) == 0) return;
   try {
-    expect_in_range(row, value);
     std::visit(
         [&](auto* to) {
           using Value = std::decay_t<decltype(*to)>;
@@ -79,6 +81,7 @@ void set(const VerbOption& row, py::handle value) {
             *to = value.cast<Value>();
         },
         row.value);
+    expect_in_range(row, value);
   } catch (const py::cast_error&) {
     if (PyLong_Check(value.ptr()) && std::holds_alternative<std::uint64_t*>(row.value))
       throw Error(fmt::format("{}: {}; expected 0 to 2^64 - 1", row.keyword, std::string(py::str(value))));
@@ -162,10 +165,15 @@ PYBIND11_MODULE(_imulab, module) {
   py::register_exception<imulab::Error>(module, "Error", PyExc_ValueError);
   py::register_exception<imulab::Unsupported>(module, "Unsupported", PyExc_RuntimeError);
   py::register_exception_translator([](std::exception_ptr failure) {
+    const auto raise = [](const std::string& text) { PyErr_SetString(py::module_::import("imulab._imulab").attr("Error").ptr(), text.c_str()); };
     try {
       std::rethrow_exception(failure);
+    } catch (const imulab::OptionError& e) {
+      std::string keyword = e.option();
+      std::replace(keyword.begin(), keyword.end(), '-', '_');
+      raise(keyword + ": " + e.what());
     } catch (const std::filesystem::filesystem_error& e) {  // a name that the system refuses
-      PyErr_SetString(py::module_::import("imulab._imulab").attr("Error").ptr(), e.what());
+      raise(e.what());
     }
   });
   module.attr("software") = imulab::software();

@@ -1,6 +1,5 @@
 #include "imulab/recording/recording.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/formats/recording/csv_writer.hpp"
 #include "imulab/formats/recording/reader.hpp"
 #include "imulab/recording/make_recording.hpp"

@@ -44,7 +44,7 @@ void add(Verb& command, void (*run)(const Options&)) {
   declare(command, *o).does = [o, run] { run(*o); };
 }
 
-// One a verb, defined in the file of that name.
+// One a verb, defined in the file of that name, or in verbs.cpp where its work is one task.
 void add_procedure(Verb& app);
 void add_simulate(Verb& app);
 void add_inspect(Verb& app);

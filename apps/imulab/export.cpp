@@ -85,7 +85,6 @@ CHeaderOptions c_header_options(const CHeaderArguments& a, const Calibration& c)
        {std::tuple("--accel-range", a.accel_range, &out.accel_range), {"--gyro-range", a.gyro_range, &out.gyro_range}}) {
     if (!from) continue;
     if (!a.fixed_point && !a.q15) throw Error(std::string(option) + ": is of --fixed-point and --q15; expected one of these flags as well");
-    if (!(*from > 0)) throw Error(std::string(option) + ": expected a number above 0");
     *to = *from;
   }
   return out;

@@ -32,11 +32,10 @@ namespace fs = std::filesystem;
 namespace {
 
 struct Options {
-  std::string store = "fleet.db", method, terms = "auto", unit, output, other, reason;
+  std::string store = "fleet.db", method, terms = "auto", unit;
   std::vector<std::string> files;
-  std::vector<std::string> calibrations;
   FleetDeclaration declared;
-  bool json = false, retry = false, csv = false, failures = false;
+  bool json = false, retry = false, failures = false;
   CheckpointOptions shared;
 };
 

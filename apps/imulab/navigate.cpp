@@ -32,7 +32,6 @@ Calibration calibration_of(const std::string& name, bool allow_undetermined) {
 void check(const NavigateVerbOptions& o) {
   const bool needs_heights = o.vertical == "aided" || o.vertical == "held";
   if (!o.barometer.empty() && !needs_heights) throw Error("--barometer: belongs to --vertical aided or held; expected one of them");
-  if (o.heading_sigma_deg && !o.heading_deg) throw Error("--heading-sigma: belongs to --heading; expected both");
   if (o.sessions.size() == 1) return;
   for (const auto& [name, value] : {std::pair("--output", o.output), std::pair("--truth", o.truth), std::pair("--barometer", o.barometer)})
     if (!value.empty()) throw Error(fmt::format("{}: belongs to one session; expected a single SESSION", name));

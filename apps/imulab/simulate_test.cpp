@@ -28,6 +28,7 @@ TEST_F(SimulateCommand, AHandHeldProcedureBecomesASession) {
   const CommandResult procedure = imulab("procedure hand-held --poses 5 --seed 3");
   ASSERT_EQ(procedure.exit_code, 0) << procedure.errors;
   folder.write("hand.toml", procedure.output);
+  EXPECT_THAT(imulab("simulate hand.toml -o -").output, testing::HasSubstr("- (seed 1)\n")) << "a folder of this name: the answer is shown";
   const CommandResult run = imulab("simulate hand.toml -o out --seed 7");
   ASSERT_EQ(run.exit_code, 0) << run.errors;
   EXPECT_THAT(run.output, testing::HasSubstr("recording.csv  5400 samples, 54 s"));  // 30 s and four times 2 s + 4 s, at 100 Hz

@@ -34,6 +34,12 @@ auto with_progress(const char* label, const Work& work) {
   return work([&progress](double part) { progress.report(part); });
 }
 
+/// Shows the answer of a verb whose output is a folder or files: standard output is for the answer.
+void show_besides_files(const Answer& answer, ShowOptions o) {
+  o.output.clear();
+  show(answer, o);
+}
+
 // imulab calibrate SESSION
 
 void run(const CalibrateOptions& o) {
@@ -91,7 +97,7 @@ void run(const SimulateOptions& o) {
   SimulationTask task{.seed = o.seed, .unit = {}, .grade = o.grade};
   if (o.unit) task.unit = read_calibration(*o.unit);
   const auto answer = with_progress("simulating", [&](const auto&) { return simulation_answer(std::move(procedure), task, o.output); });
-  show(answer, o);
+  show_besides_files(answer, o);
 }
 
 // imulab predict PROCEDURE
@@ -131,7 +137,7 @@ void run(const TrajectoryOptions& o) {
     task.progress = report;
     return flight_answer(file, task, o.output);
   });
-  show(answer, o);
+  show_besides_files(answer, o);
 }
 
 // imulab budget MISSION
@@ -144,7 +150,7 @@ void run(const BudgetVerbOptions& o) {
   const auto answer = with_progress("Monte Carlo", [&](const auto& report) { return budget_answer(file, o, warn, report); });
   if (o.shared.silent()) return;
   if (!o.output.empty()) write_budget(o.output, *answer.data);
-  show(answer, o);
+  show_besides_files(answer, o);
 }
 
 }  // namespace
@@ -167,7 +173,6 @@ void add_predict(Verb& app) {
                                          {"classical", o->classical},
                                          {"checkpoint", !o->shared.checkpoint.empty()}})
       if (wanted && !takes_runs) throw OptionError(option, "belongs to --method " + names_of_methods(&Method::takes_runs));
-    if (o->classical && o->terms != "auto") throw OptionError("terms", "Zhang's estimate is that of offsets and matrices");
     run(*o);
   };
 }

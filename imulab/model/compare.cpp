@@ -3,7 +3,6 @@
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/error.hpp"
 #include "imulab/core/statistics.hpp"
-#include "imulab/core/units.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/model/frame.hpp"
 #include "imulab/model/gauge.hpp"

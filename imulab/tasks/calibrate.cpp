@@ -4,7 +4,6 @@
 #include "imulab/fleet/store/sample.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/recording/reader.hpp"
-#include "imulab/formats/text/printable.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/report/calibration_page.hpp"
 #include "imulab/results/calibration.hpp"

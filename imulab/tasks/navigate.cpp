@@ -44,6 +44,7 @@ Verb& declare(Verb& command, NavigateVerbOptions& o) {
 }
 
 NavigateOptions navigate_options(const NavigateVerbOptions& o) {
+  if (o.heading_sigma_deg && !o.heading_deg) throw OptionError("heading-sigma", "belongs to --heading; expected both");
   static const std::map<std::string, VerticalChannel> channels{
       {"free", VerticalChannel::free}, {"fixed", VerticalChannel::fixed}, {"aided", VerticalChannel::aided}, {"held", VerticalChannel::held}};
   NavigateOptions options;

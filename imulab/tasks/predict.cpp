@@ -62,6 +62,8 @@ Verb& declare(Verb& command, PredictOptions& o) {
 }
 
 PredictionOptions task_of(const PredictOptions& o) {
+  if (o.classical && !method(o.method).takes_runs) throw OptionError("classical", "belongs to --method " + names_of_methods(&Method::takes_runs));
+  if (o.classical && o.terms != "auto") throw OptionError("terms", "Zhang's estimate is that of offsets and matrices");
   PredictionOptions options{.terms = errors_of_option("terms", [&] { return parse_terms(o.terms); }),
                             .runs = o.runs,
                             .seed = o.seed,

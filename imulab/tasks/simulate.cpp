@@ -122,7 +122,8 @@ Verb& declare(Verb& command, SimulateOptions& o) {
 
 AnswerOf<Simulation> simulation_answer(Session procedure, const SimulationTask& task, const std::string& folder) {
   const std::string file = procedure.file;
-  const auto simulated = errors_at(file, [&] { return std::make_shared<const Simulation>(simulate_session(std::move(procedure), task)); });
+  const auto work = [&] { return std::make_shared<const Simulation>(simulate_session(std::move(procedure), task)); };
+  const auto simulated = file.empty() ? work() : errors_at(file, work);
   if (!folder.empty()) write_simulated(folder, *simulated);
   const auto duration = [](const Recording& r) { return r.time_s(r.size() - 1); };
   return {{.json =

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect as _inspect
 import os
+import re as _re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
@@ -26,6 +27,11 @@ _Function = TypeVar("_Function", bound=Callable[..., Any])
 _KEYWORDS = _imulab.keywords()
 
 
+def _in_keywords(text: str) -> str:
+    """Help that names options of the command, with the keywords of Python."""
+    return _re.sub(r"--([a-z][a-z-]*)", lambda found: found[1].replace("-", "_"), text)
+
+
 def _options(verb: str) -> Callable[[_Function], _Function]:
     """Gives a function the options of a verb as keywords: names, kinds, defaults and help of the table by which the command parses."""
 
@@ -35,7 +41,7 @@ def _options(verb: str) -> Callable[[_Function], _Function]:
         further = [row for row in _KEYWORDS[verb] if row[0] not in own.parameters]
         made = [_inspect.Parameter(name, _inspect.Parameter.KEYWORD_ONLY, default=default, annotation=kind) for name, kind, default, _ in further]
         setattr(function, "__signature__", own.replace(parameters=[*kept, *made]))
-        function.__doc__ = f"{function.__doc__}\n" + "".join(f"    {name}: {text}\n" for name, _, _, text in further)
+        function.__doc__ = f"{function.__doc__}\n" + "".join(f"    {name}: {_in_keywords(text)}\n" for name, _, _, text in further)
         return function
 
     return given
@@ -303,7 +309,10 @@ def navigate(
     if calibration is not None:
         calibration._expect_usable(allow_undetermined)
     own = data.truth._solution if isinstance(data, Flight) and options.get("truth") is None else None
+    _expect("refuse_gaps", refuse_gaps, bool)
     if refuse_gaps:
+        if options.get("gaps") not in (None, "refuse"):
+            raise Error("gaps and refuse_gaps contradict each other; expected one")
         options["gaps"] = "refuse"
     answer = None if calibration is None else calibration._answer
     outcome, solution = _imulab.navigate(found.name, answer, session._session, found._recording, options, own)

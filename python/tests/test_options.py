@@ -24,7 +24,7 @@ def test_keywords_are_those_of_the_table(verb):
         parameter = signature.parameters[name]
         if name not in special:
             assert (parameter.annotation, parameter.default) == (kind, default)
-            assert f"{name}: {meaning}" in function.__doc__
+            assert f"{name}: {imulab._verbs._in_keywords(meaning)}" in function.__doc__
 
 
 @pytest.mark.parametrize("verb", VERBS)
@@ -44,3 +44,24 @@ def test_wrong_keywords(by_hand):
         imulab.predict(imulab.procedure("zhang-24"), seed=1.5)
     with pytest.raises(imulab.Error, match="latitude_deg: 100; expected -90 to 90"):
         imulab.plan("gyro.offset <= 1 deg/h", latitude_deg=100)
+
+
+def test_a_wrong_value_is_named_with_its_keyword(by_hand):
+    procedure = imulab.procedure("hand-held")
+    with pytest.raises(imulab.Error, match="^terms full: only the method whole-unit takes it"):
+        imulab.calibrate(by_hand, method="static", terms="full")
+    with pytest.raises(imulab.Error, match="^axes: bogus; expected"):
+        imulab.plan("gyro.offset <= 5 deg/h", axes=["bogus"])
+    with pytest.raises(imulab.Error, match="^heading_sigma: belongs to"):
+        imulab.navigate(None, by_hand, heading_sigma_deg=1)
+    with pytest.raises(imulab.Error, match="^classical: belongs to"):
+        imulab.predict(procedure, method="static", classical=True)
+    with pytest.raises(imulab.Error, match='^grade = "nosuch": unknown'):
+        imulab.simulate(procedure, grade="nosuch")
+    with pytest.raises(TypeError, match="method: expected str, got int"):
+        imulab.calibrate(by_hand, method=5)
+    with pytest.raises(TypeError, match="refuse_gaps: expected a bool"):
+        imulab.navigate(None, by_hand, refuse_gaps="x")
+    with pytest.raises(imulab.Error, match="contradict each other"):
+        imulab.navigate(None, by_hand, gaps="integrate", refuse_gaps=True)
+    imulab.predict(procedure, method="static", require="")  # the same as none

@@ -2,7 +2,6 @@
 #include "imulab/core/units.hpp"
 #include "imulab/formats/import/numbers.hpp"
 #include "imulab/formats/text/json.hpp"
-#include "imulab/formats/text/printable.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/recording/unit_names.hpp"
 

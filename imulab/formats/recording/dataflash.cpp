@@ -1,6 +1,5 @@
 // ArduPilot's DataFlash logs (.bin): a table for each message and sensor. The log defines its messages itself (FMT), and their units (FMTU, UNIT,
 // MULT).
-#include "imulab/core/error.hpp"
 #include "imulab/formats/recording/binary.hpp"
 #include "imulab/formats/recording/dataflash_definitions.hpp"
 #include "imulab/formats/recording/format.hpp"

@@ -4,7 +4,6 @@
 #include "imulab/core/statistics.hpp"
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/file.hpp"
-#include "imulab/formats/text/printable.hpp"
 #include "imulab/recording/clock.hpp"
 #include "imulab/recording/resampling.hpp"
 

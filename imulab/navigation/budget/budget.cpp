@@ -1,6 +1,5 @@
 #include "imulab/navigation/budget/budget.hpp"
 
-#include "imulab/core/error.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/navigation/budget/growth.hpp"
 
