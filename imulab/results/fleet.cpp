@@ -22,7 +22,7 @@ const std::string& outlier_name(const FleetStatistics& f, const FleetOutlier& o)
   return f.sample.unit_of_row(f.sample.last[static_cast<std::size_t>(o.unit)]);
 }
 
-CoefficientIndex farthest(const FleetStatistics& f, const FleetOutlier& o) {
+CoefficientIndex farthest_coefficient(const FleetStatistics& f, const FleetOutlier& o) {
   return f.sample.coefficients[static_cast<std::size_t>(f.sample.common[static_cast<std::size_t>(o.worst)])];
 }
 
@@ -122,7 +122,7 @@ void describe(Fields& f, const OfFleet<CoefficientStatistics>& of) {
 template <class Fields>
 void describe(Fields& f, const OfFleet<FleetOutlier>& o) {
   f("unit", outlier_name(*o.fleet, o.part)), f("distance", o.part.distance), f("coefficients", o.part.coefficients), f("p_value", o.part.p_value);
-  f("farthest", farthest(*o.fleet, o.part)), f("sigmas", o.part.worst_sigmas);
+  f("farthest", farthest_coefficient(*o.fleet, o.part)), f("sigmas", o.part.worst_sigmas);
 }
 
 template <class Fields>
@@ -242,7 +242,7 @@ std::string fleet_statistics_text(const FleetStatistics& f) {
     const FleetOutlier& o = f.search.outliers[k];
     outliers += text::wrapped(fmt::format("  {}: ", outlier_name(f, o)),
                               fmt::format("distance {} in {} coefficients; {} is {:+.1f} standard deviations from the mean", text::number(o.distance),
-                                          o.coefficients, coefficient_name(farthest(f, o)), o.worst_sigmas));
+                                          o.coefficients, coefficient_name(farthest_coefficient(f, o)), o.worst_sigmas));
   }
   for (std::size_t k = 0; k < std::min(most, f.drifts.size()); ++k) {
     const SignificantDrift& d = f.drifts[k];

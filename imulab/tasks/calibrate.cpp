@@ -192,8 +192,8 @@ CalibrationResult calibrate(const SessionRecordings& data, const CalibrationTask
   return result;
 }
 
-AnswerOf<CalibrationResult> calibration_answer(std::shared_ptr<const SessionRecordings> data, const CalibrateOptions& o, const CalibrationTask& task,
-                                               bool from_files) {
+AnswerOf<CalibrationResult> calibration_answer(const std::shared_ptr<const SessionRecordings>& data, const CalibrateOptions& o,
+                                               const CalibrationTask& task, bool from_files) {
   const auto made = std::make_shared<CalibrationResult>();
   try {
     *made = calibrate(*data, task);

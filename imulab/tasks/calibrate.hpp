@@ -64,8 +64,8 @@ CalibrationResult calibrate(const SessionRecordings& data, const CalibrationTask
 
 /// Calibrates for an answer: the calibration also has its options and, in front of its own warnings, those of reading; `from_files` adds the files'
 /// hashes. The answer's warnings are those of the calibration alone. Throws OptionError for terms that the method does not know.
-AnswerOf<CalibrationResult> calibration_answer(std::shared_ptr<const SessionRecordings> data, const CalibrateOptions& o, const CalibrationTask& task,
-                                               bool from_files);
+AnswerOf<CalibrationResult> calibration_answer(const std::shared_ptr<const SessionRecordings>& data, const CalibrateOptions& o,
+                                               const CalibrationTask& task, bool from_files);
 
 /// Why the result does not meet the request: not converged, coefficients not determined, requirements not reached. Empty: it is.
 std::string shortcomings(const CalibrationResult& result);

@@ -24,7 +24,7 @@ std::string shortcomings(const NoiseAnalysis& analysis) {
   return silent.empty() ? "" : fmt::format("{}: no noise to be seen on {}; expected readings that vary", analysis.recording, silent);
 }
 
-AnswerOf<NoiseAnalysis> answer_of(std::shared_ptr<const NoiseAnalysis> analysis, std::function<std::string()> page) {
+AnswerOf<NoiseAnalysis> answer_of(const std::shared_ptr<const NoiseAnalysis>& analysis, std::function<std::string()> page) {
   return {{.json = [analysis] { return noise_json(*analysis); },
            .table = [analysis](bool) { return noise_text(*analysis); },
            .page = std::move(page),

@@ -23,7 +23,7 @@ std::string shown_value(const VerbOption::Value& value) {
 
 }  // namespace
 
-VerbOption::VerbOption(std::string its_names, Value its_value, std::string its_help) : value(its_value), help(std::move(its_help)) {
+VerbOption::VerbOption(const std::string& its_names, Value its_value, std::string its_help) : value(its_value), help(std::move(its_help)) {
   const std::size_t space = std::min(its_names.find(' '), its_names.size());
   names = its_names.substr(0, space);
   std::istringstream each(names);

@@ -46,7 +46,7 @@ class VerbOption {
                              std::vector<std::string>*>;
   enum class File { none, read, written, created };
 
-  VerbOption(std::string its_names, Value its_value, std::string its_help);
+  VerbOption(const std::string& its_names, Value its_value, std::string its_help);
 
   VerbOption& required() { return is_required = true, *this; }
   VerbOption& takes_several(int least) { return at_least = least, *this; }  ///< values, any number from this on

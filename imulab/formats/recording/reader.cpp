@@ -211,7 +211,8 @@ std::optional<StoredReading> read_stored(const Session& session, const Recording
   std::size_t rows = 0;
   read_pieces(request, {.columns = part.columns, .in_pieces = true, .time = part.time, .rate_hz = source.rate_hz}, format, [&](TableRows&& piece) {
     add_places(all, rows, piece);
-    parts.tables.assign(1, std::move(piece));
+    parts.tables.clear();
+    parts.tables.push_back(std::move(piece));
     reading.recording.append(checked(parts, source, recording_options(source).interval_s));
   });
   reading.recording.end_of_pieces();
