@@ -1,5 +1,5 @@
 // Eigen with the memory layout of the library. Matrices cross from programs to the library and back, and Eigen aligns them by the widest registers
-// that a source is compiled for. In a program for wider ones than the library's (-mavx2, -march=native) Eigen has no explicit vectors here: so it
+// that a source is compiled for. In a program for AVX (-mavx2, -march=native) whose library is not, Eigen has no explicit vectors here: so it
 // aligns alike. Headers of imulab include this one in place of <Eigen/Core>.
 #pragma once
 

@@ -123,7 +123,7 @@ Verb& declare(Verb& command, SimulateOptions& o) {
 AnswerOf<Simulation> simulation_answer(Session procedure, const SimulationTask& task, const std::string& folder) {
   const std::string file = procedure.file;
   const auto work = [&] { return std::make_shared<const Simulation>(simulate_session(std::move(procedure), task)); };
-  const auto simulated = file.empty() ? work() : errors_at(file, work);
+  const auto simulated = file.empty() ? work() : errors_at(file, work);  // a procedure in memory has no file
   if (!folder.empty()) write_simulated(folder, *simulated);
   const auto duration = [](const Recording& r) { return r.time_s(r.size() - 1); };
   return {{.json =

@@ -103,7 +103,6 @@ class Field {
   std::uint64_t size_in_bytes() const;
   bool truth() const;
   std::string text() const;
-  std::string text_or_empty(std::string_view key) const { return has(key) && !(*this)[key].is_null() ? (*this)[key].text() : ""; }
   template <class Read>
   auto list(Read read) const {
     std::vector<decltype(read(*this))> out;
