@@ -47,10 +47,9 @@ void run(const CalibrateOptions& o) {
   Session session = open_session(o.session, o.declarations);
   expect_free("-o", o.output, o.force);
   errors_at(session.file + ": [site]", [&] { session.site.gravity(); });  // if neither gravity nor the latitude is known
-  const Method& chosen = method(o.method);
-  if (!chosen.takes_several || !o.recording.empty()) named_recording(session, o.recording);
+  if (!o.recording.empty()) named_recording(session, o.recording);
   const auto data = with_progress(
-      "reading", [&](const auto&) { return std::make_shared<const SessionRecordings>(read_recordings(std::move(session), chosen, o.recording)); });
+      "reading", [&](const auto&) { return std::make_shared<const SessionRecordings>(read_recordings(std::move(session), o.recording)); });
   warn_each(data->warnings);
   const auto answer = with_progress("calibrating", [&](const auto& report) {
     task.progress = report;

@@ -7,10 +7,12 @@
 #include "imulab/estimate/kernel/clocks.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
+#include "imulab/estimate/kernel/second_opinion.hpp"
 #include "imulab/estimate/rests/rests.hpp"
 #include "imulab/estimate/turntable/prediction.hpp"
 #include "imulab/estimate/turntable/turntable.hpp"
 #include "imulab/estimate/whole_unit/whole_unit.hpp"
+#include "imulab/recording/joined.hpp"
 #include "imulab/recording/resampling.hpp"
 #include "imulab/recording/validate.hpp"
 
@@ -20,6 +22,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 namespace imulab {
@@ -34,6 +37,7 @@ constexpr std::array all{
            .reference = "Tedaldi 2014",
            .needs = "rests in nine or more directions, and turns about all axes between them",
            .equipment = 1,
+           .takes_effects = true,
            .test = "multi-position (tumble) by hand, with the rotations between the positions",
            .instrument = Method::Instrument::where_declared,
            .calibrate = rests::calibrate_handheld,
@@ -46,6 +50,8 @@ constexpr std::array all{
            .needs = "gyros that resolve the Earth's rate: try it if yours do",
            .equipment = 2,
            .takes_curves = true,
+           .takes_effects = true,
+           .second = "handheld",
            .test = "multi-position (tumble) with rotations in one place: zero velocity",
            .calibrate = hybrid::calibrate,
            .predict = hybrid::predict,
@@ -56,6 +62,8 @@ constexpr std::array all{
            .reference = "Cheng 2014",
            .needs = "rests in nine or more directions",
            .equipment = 0,
+           .takes_effects = true,
+           .second = "handheld",
            .test = "multi-position (tumble), static",
            .angle_source = "the Earth's rate at the site's latitude",
            .calibrate = rests::calibrate_static,
@@ -67,7 +75,9 @@ constexpr std::array all{
            .reference = "Zhang 2010",
            .needs = "the table's angles as [[step]]",
            .equipment = 3,
+           .takes_effects = true,
            .takes_runs = true,
+           .second = "handheld",
            .test = "multi-position (tumble) and rotations on a table: scale factors, misalignments",
            .angle_source = "the table's angles, with their declared errors",
            .instrument = Method::Instrument::always,
@@ -82,6 +92,7 @@ constexpr std::array all{
            .takes_several = true,
            .takes_full = true,
            .takes_stepwise = true,
+           .takes_effects = true,
            .angle_source = "the rate table's rate and the centrifuge's radius, with their declared errors",
            .instrument = Method::Instrument::always,
            .calibrate = whole_unit::calibrate,
@@ -131,6 +142,34 @@ void validate_rests(const CalibrationInput& input) {
   }
 }
 
+/// A method for one recording takes several as one.
+CalibrationResult calibrate_together(const Method& method, const CalibrationInput& input, const CalibrationOptions& options) {
+  if (method.takes_several || input.recordings.size() <= 1) return method.calibrate(input, options);
+  if (input.rests) throw Error("rests: they are of one recording, and there are several");
+  const Joined joined = join(input.session, input.recordings);
+  CalibrationResult result = method.calibrate({joined.session, std::span(&joined.recording, 1)}, options);
+  Quality& quality = result.calibration.quality;
+  for (std::vector<PartResidual>* parts : {&quality.rests, &quality.rotations})
+    for (PartResidual& part : *parts) {
+      const JoinedPart& of = part_at(joined.parts, part.begin_s);
+      part.begin_s -= of.shift_s, part.end_s -= of.shift_s;
+      part.recording = of.name;
+    }
+  quality.notes.push_back(fmt::format("{} recordings of one unit were calibrated together", joined.parts.size()));
+  return result;
+}
+
+/// Where the other method cannot judge the data, or doubts its own estimate, it has no opinion.
+void add_second_opinion(Calibration& calibration, const Method& of, const CalibrationInput& input, const CalibrationOptions& options) {
+  try {
+    CalibrationOptions same;
+    same.effects = options.effects;
+    const CalibrationResult other = calibrate_together(method(of.second), input, same);
+    if (other.calibration.quality.verdict == "good") kernel::add_second_opinion(calibration, other.calibration);
+  } catch (const std::runtime_error&) {
+  }
+}
+
 }  // namespace
 
 std::span<const Method> methods() { return all; }
@@ -174,12 +213,15 @@ CalibrationResult calibrate(const Method& method, const CalibrationInput& input,
   const std::span<const Recording> recordings = corrected.empty() ? input.recordings : std::span<const Recording>(corrected);
   Session session = input.session;
   const std::vector<kernel::ClockGain> gains = kernel::correct_clocks(session, recordings, clocks);
-  CalibrationResult result = method.calibrate({session, recordings, input.rests}, options);
+  CalibrationResult result = calibrate_together(method, {session, recordings, input.rests}, options);
   Quality& quality = result.calibration.quality;
   quality.warnings.insert(quality.warnings.begin(), clocks.begin(), clocks.end());
+  kernel::doubt_small_residuals(quality, session.imu);
   for (std::string& contradiction : kernel::contradictions(result.calibration.model, recordings.front()))
     kernel::add_doubt(quality, std::move(contradiction));
+  if (options.second_opinion && !method.second.empty()) add_second_opinion(result.calibration, method, {session, recordings, input.rests}, options);
   for (const kernel::ClockGain& gain : gains) kernel::doubt_clock(result.calibration, gain);
+  kernel::state_clock(result.calibration, session, gains);
   if (std::string twice = kernel::repetition(recordings); !twice.empty()) kernel::add_doubt(quality, std::move(twice));
   for (std::size_t k = 0; k < recordings.size(); ++k)
     kernel::judge_interval(recordings[k], k < session.recordings.size() && session.recordings[k].rate_hz, quality);

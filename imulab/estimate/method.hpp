@@ -30,6 +30,8 @@ struct CalibrationOptions {
   std::vector<CoefficientIndex> terms;  ///< to estimate; empty: all of the method's, optional ones where the data show them
   double significance = 0.01;           ///< an optional term is kept if chance explains it with at most this probability
   double outlier_level = 1e-3;          ///< probability of dropping anything from good data
+  bool second_opinion = false;          ///< compare with another method's estimate from the same data, where the data allow one
+  bool effects = false;                 ///< what the sensor model lacks is estimated beside it (docs/effects.md); false: taken as absent
 
   struct Handheld {
     std::vector<Requirement> requirements = {};  ///< required uncertainties: if they are not met, the result names the missing turns
@@ -98,9 +100,11 @@ struct Method {
   std::string_view needs;      ///< besides a recording: of steps, site and rig
   int equipment = 0;           ///< by which methods are offered: the least first
 
-  bool takes_several = false;  ///< recordings; else it throws Error for more than one
+  bool takes_several = false;  ///< recordings, each on its own; else they are joined to one
   bool takes_full = false, takes_stepwise = false, takes_curves = false;
-  bool takes_runs = false;  ///< predictions by Monte Carlo, and the classical ones
+  bool takes_effects = false;    ///< estimates the table of effects beside the coefficients
+  bool takes_runs = false;       ///< predictions by Monte Carlo, and the classical ones
+  std::string_view second = {};  ///< the method that gives a second opinion on the same data; empty: none
 
   // Statements of a certificate.
   std::string_view test = {};  ///< by its usual name; empty: those of the session's machines

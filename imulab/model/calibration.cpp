@@ -1,12 +1,24 @@
 #include "imulab/model/calibration.hpp"
 
+#include "imulab/core/units.hpp"
+
 #include <Eigen/LU>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace imulab {
+
+std::string clock_text(const std::optional<ClockScale>& clock) {
+  if (!clock) return "";
+  const double gain = clock->gain / unit::ppm, sigma = clock->sigma / unit::ppm;
+  const std::string known =
+      std::abs(gain) > 5 * sigma ? fmt::format("which gains {:.3g} +/- {:.2g} ppm", gain, sigma) : fmt::format("known to {:.2g} ppm", sigma);
+  return clock->seconds == "true" ? fmt::format("true seconds, by the recording's clock, {}", known)
+                                  : fmt::format("those of the recording's own clock, {}", known);
+}
 
 std::string verdict_text(const Quality& quality) {
   std::string text = quality.verdict;

@@ -68,6 +68,7 @@ struct PartResidual {
   double begin_s = 0, end_s = 0;  ///< of the recording's clock
   double residual = 0;            ///< RMS over its equations, in the sigmas with which they enter the fit
   bool used = true;               ///< false: dropped as an outlier
+  std::string recording = {};     ///< its file, where the session has several
   bool operator==(const PartResidual&) const = default;
 };
 
@@ -89,6 +90,21 @@ struct RigErrorEstimate {
   bool operator==(const RigErrorEstimate&) const = default;
 };
 
+/// An effect that was estimated beside the coefficients (model/effects.hpp).
+struct EffectEstimate {
+  std::string name, unit;             ///< "accel.asymmetry", "ppm"
+  std::vector<double> values, sigma;  ///< of its columns, in that unit
+  bool significant = false;           ///< the data show it
+  bool operator==(const EffectEstimate&) const = default;
+};
+
+/// The estimate of another method from the same data.
+struct SecondOpinion {
+  std::string method, coefficient;  ///< that differs most
+  double sigmas = 0;                ///< by this many standard deviations of the difference
+  bool operator==(const SecondOpinion&) const = default;
+};
+
 struct Quality {
   double chi2_per_dof = 0;  ///< residuals against the declared or measured sample noise alone; on a turntable also its declared errors
   int degrees_of_freedom = 0;
@@ -101,6 +117,9 @@ struct Quality {
   std::vector<std::string> considered;          ///< coefficients that keep their prior value; its uncertainty enters that of the others
   std::optional<double> rotation_residual_deg;  ///< cross-validated, RMS over rotations left out of the fit (hand-held)
   std::vector<TermTest> term_tests;
+  std::optional<SecondOpinion> second_opinion;
+  std::vector<EffectEstimate> effects;
+  std::optional<std::string> cause;          ///< of a doubt: the effect, or those that the data do not tell apart
   std::vector<FitResidual> fit_residuals;    ///< whole-unit
   std::vector<RigErrorEstimate> rig_errors;  ///< whole-unit
   std::vector<UncertaintySource> sources;
@@ -109,6 +128,16 @@ struct Quality {
   std::vector<RequirementResult> requirements;
   bool operator==(const Quality&) const = default;
 };
+
+/// The seconds of the gyros' scales: those of the recording's own clock, or true ones. By how much that clock gains, relative, as far as is known.
+struct ClockScale {
+  std::string seconds = "own";  ///< or "true"
+  double gain = 0, sigma = 0;
+  bool operator==(const ClockScale&) const = default;
+};
+
+/// "of the recording's own clock, known to 50 ppm"; empty where it is not stated.
+std::string clock_text(const std::optional<ClockScale>& clock);
 
 /// "good", or "doubtful, because ...; ...".
 std::string verdict_text(const Quality& quality);
@@ -132,6 +161,7 @@ struct Calibration {
   std::vector<SourceFile> sources;
   std::map<std::string, std::string> options;  ///< of the calibration, as they were given
   std::string frame = "accelerometers";        ///< or "rig"
+  std::optional<ClockScale> clock;             ///< absent: no gyros, or not known
   SensorModel model;
   std::optional<RecordedAs> recorded_accel, recorded_gyro;  ///< absent: not known, or the recordings differ
   std::vector<CoefficientIndex> estimated;                  ///< table indices of the coefficients in `covariance`, in its order

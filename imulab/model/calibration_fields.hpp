@@ -2,6 +2,7 @@
 #pragma once
 
 #include "imulab/core/fields.hpp"
+#include "imulab/core/units.hpp"
 #include "imulab/model/calibration.hpp"
 
 namespace imulab {
@@ -63,6 +64,17 @@ void describe(Fields& f, RigErrorEstimate& e) {
 template <class Fields>
 void describe(Fields& f, PartResidual& p) {
   f("begin_s", p.begin_s), f("end_s", p.end_s), f("residual", p.residual, fields::or_nan), f("used", p.used);
+  f("recording", p.recording, fields::if_any);
+}
+
+template <class Fields>
+void describe(Fields& f, EffectEstimate& e) {
+  f("name", e.name), f("unit", e.unit), f("values", e.values), f("sigma", e.sigma, fields::or_nan), f("significant", e.significant);
+}
+
+template <class Fields>
+void describe(Fields& f, SecondOpinion& s) {
+  f("method", s.method), f("coefficient", s.coefficient), f("sigmas", s.sigmas, fields::or_nan);
 }
 
 /// Files of earlier versions, and those that people write, lack what is optional.
@@ -73,6 +85,7 @@ void describe(Fields& f, Quality& q) {
   f("warnings", q.warnings, fields::optional), f("verdict", q.verdict, fields::optional), f("because", q.because, fields::optional);
   f("requirements", q.requirements, fields::optional), f("considered", q.considered, fields::optional);
   f("rotation_residual_deg", q.rotation_residual_deg, fields::optional), f("term_tests", q.term_tests, fields::optional);
+  f("effects", q.effects, fields::if_any), f("cause", q.cause, fields::if_any), f("second_opinion", q.second_opinion, fields::optional);
   f("sources", q.sources, fields::optional), f("fit_residuals", q.fit_residuals, fields::optional), f("rig_errors", q.rig_errors, fields::optional);
   f("rests", q.rests, fields::optional), f("rotations", q.rotations, fields::optional), f("notes", q.notes, fields::optional);
 }
@@ -105,6 +118,12 @@ void describe(Fields& f, SensorModel& model) {
   fields::known_keys_only(f);
 }
 
+template <class Fields>
+void describe(Fields& f, ClockScale& c) {
+  f("seconds", c.seconds), f("gain_ppm", c.gain, fields::in(unit::ppm)), f("sigma_ppm", c.sigma, fields::in(unit::ppm));
+  fields::expect(f, c.seconds == "own" || c.seconds == "true", "seconds", "\"own\" or \"true\"");
+}
+
 /// describe_uncertainties(fields, calibration), beside each visitor, has the uncertainties in the shape of the model, and the covariance.
 template <class Fields>
 void describe(Fields& f, Calibration& c) {
@@ -120,6 +139,7 @@ void describe(Fields& f, Calibration& c) {
   if (Fields::reads) c.frame = "rig";
   f("frame", c.frame, fields::optional);
   fields::expect(f, c.frame == "accelerometers" || c.frame == "rig", "frame", "\"accelerometers\" or \"rig\"");
+  f("clock", c.clock, fields::if_any);
   f("model", c.model);
   describe_uncertainties(f, c);
   f("quality", c.quality, fields::optional);

@@ -30,6 +30,23 @@ Eigen::MatrixXd table_covariance(const Calibration& c) {
   return p;
 }
 
+int first_lever_arm() { return coefficient_index(Triad::accel, Term::lever_arm, 0, 0); }
+
+bool has_lever_arms(const std::vector<CoefficientIndex>& estimated) {
+  const auto of_arms = [](CoefficientIndex i) { return coefficient(i).term == Term::lever_arm; };
+  return std::count_if(estimated.begin(), estimated.end(), of_arms) == 9;
+}
+
+/// Lever arms -> those from the accelerometers' mean point.
+Eigen::MatrixXd about_mean_point() {
+  Eigen::MatrixXd t = Eigen::MatrixXd::Identity(coefficient_count, coefficient_count);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) t.block<3, 3>(first_lever_arm() + 3 * i, first_lever_arm() + 3 * j) -= Matrix3d::Identity() / 3;
+  return t;
+}
+
+Vector3d mean_point(const SensorModel& model) { return model.lever_arm.colwise().mean(); }
+
 /// Differences of coefficients -> the same with those of matrices as D = (M_b - M_a) M_a^-1.
 Eigen::MatrixXd to_relative(const SensorModel& a) {
   Eigen::MatrixXd t = Eigen::MatrixXd::Identity(coefficient_count, coefficient_count);
@@ -167,8 +184,15 @@ std::vector<Comparison> compare(const Calibration& first, const std::vector<Cali
   std::vector<Differences> all;
   for (std::size_t k = 0; k < others.size(); ++k) {
     b.push_back(in_accelerometer_frame(in_gauge_of(first, others[k])));
-    const Eigen::MatrixXd p = p_a + table_covariance(b[k]);
-    all.push_back(differences(value_a, relative, b[k], p));
+    Eigen::MatrixXd p = p_a + table_covariance(b[k]);
+    Eigen::VectorXd from = value_a;
+    if (has_lever_arms(a.estimated) && has_lever_arms(b[k].estimated)) {
+      const Vector3d moved = mean_point(b[k].model) - mean_point(a.model);
+      for (int i = 0; i < 3; ++i) from.segment<3>(first_lever_arm() + 3 * i) += moved;
+      p = about_mean_point() * p * about_mean_point().transpose();
+      out[k].translation = moved;
+    }
+    all.push_back(differences(from, relative, b[k], p));
     const std::vector<CoefficientIndex> joint = jointly_estimated(a, b[k], p);
     out[k].consistency = consistency_of(all[k].e(joint), p(joint, joint));
   }
@@ -205,7 +229,9 @@ Agreement agreement(const std::vector<Calibration>& calibrations) {
   for (const auto& stated : calibrations) {
     if (stated.estimated.empty()) continue;
     const Calibration c = in_accelerometer_frame(in_gauge_of(calibrations[0], stated));
-    si.push_back({c.estimated, values(c.model), table_covariance(c)});
+    const Eigen::MatrixXd t =
+        has_lever_arms(c.estimated) ? about_mean_point() : Eigen::MatrixXd(Eigen::MatrixXd::Identity(coefficient_count, coefficient_count));
+    si.push_back({c.estimated, t * values(c.model), t * table_covariance(c) * t.transpose()});
     user.push_back({c.estimated, relative * si.back().value, relative * si.back().covariance * relative.transpose()});
   }
   out.calibrations = static_cast<int>(si.size());

@@ -4,6 +4,7 @@
 //   c.consistency.p_value                                         // below 0.01: the IMU, or a stated uncertainty, has changed
 //   c.coefficients.front().sigmas()                               // difference over its standard uncertainty
 //
+// Lever arms are compared about their mean point, where both calibrations have all nine: the same IMU mounted elsewhere on its table has others.
 // Their errors are taken as independent: errors that calibrations share (the same declared g, the same table) are not removed.
 #pragma once
 
@@ -43,6 +44,7 @@ struct Consistency {
 struct Comparison {
   std::vector<CoefficientDifference> coefficients;  ///< in table order: those any calibration estimated, and those whose values differ
   Consistency consistency;
+  std::optional<Vector3d> translation = {};  ///< m: by which the lever arms' mean point moved from a to b; absent: not both have all nine
 };
 
 /// Compares b with a. A calibration without a covariance is taken as the truth.

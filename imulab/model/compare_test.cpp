@@ -301,5 +301,27 @@ TEST(Compare, ASingularMatrixIsAnError) {
   EXPECT_THROW(compare(a, any_calibration(3)), Error);
 }
 
+// The same IMU elsewhere on its table has other lever arms, and is the same IMU; an accelerometer that moved against the others is not.
+TEST(Compare, AMountElsewhereIsNoDifference) {
+  Calibration a;
+  a.model = model_of_counts();
+  a.estimated = coefficients({"accel.lever_arm"});
+  a.covariance = 1e-8 * Eigen::MatrixXd::Identity(9, 9);
+  Calibration b = a;
+  const Vector3d moved(0.05, -0.02, 0.03);
+  b.model.lever_arm.rowwise() += moved.transpose();
+  const Comparison same = compare(a, b);
+  ASSERT_TRUE(same.translation.has_value());
+  EXPECT_LT((*same.translation - moved).norm(), 1e-12);
+  EXPECT_LT(same.consistency.chi2, 1e-12);
+  EXPECT_EQ(same.consistency.degrees_of_freedom, 6);
+  EXPECT_LT(agreement({a, b}).consistency.chi2, 1e-12);
+
+  b.model.lever_arm(0, 0) += 3e-3;
+  // Of 3 mm, 2 mm and twice -1 mm remain about the mean point: by the uncertainty of 0.1 mm in each.
+  EXPECT_NEAR(compare(a, b).consistency.chi2, (2 * 2 + 1 + 1) * 1e-6 / 2e-8, 1e-6);
+  EXPECT_NEAR(agreement({a, b}).consistency.chi2, 300, 1e-6);
+}
+
 }  // namespace
 }  // namespace imulab

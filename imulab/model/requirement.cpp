@@ -76,7 +76,7 @@ RequirementResult assess(const Calibration& calibration, const Requirement& requ
     out.coefficient = coefficient(index).name;
     out.reached = reached;
   }
-  out.met = out.reached <= out.limit;
+  out.met = out.reached <= out.limit && calibration.quality.verdict != "doubtful";
   return out;
 }
 

@@ -29,7 +29,7 @@ std::vector<Requirement> parse_requirements(std::string_view text);
 double relative_uncertainty(const Calibration& calibration, CoefficientIndex index);
 
 /// Compares a calibration with a requirement: the standard uncertainty of the worst coefficient, for matrices relative to the row's scale. A
-/// coefficient that was not estimated has infinite uncertainty; coefficients fixed by the frame are left out.
+/// coefficient that was not estimated has infinite uncertainty; coefficients fixed by the frame are left out. A doubtful calibration meets none.
 RequirementResult assess(const Calibration& calibration, const Requirement& requirement);
 
 /// A requirement that is not met, by one of its coefficients.

@@ -60,5 +60,17 @@ TEST(Requirement, BadTextIsRefused) {
   }
 }
 
+TEST(Requirement, ADoubtfulResultMeetsNone) {
+  Calibration c;
+  c.estimated = select_coefficients("accel.offset");
+  c.covariance = 1e-12 * Eigen::MatrixXd::Identity(3, 3);
+  const Requirement r = parse_requirements("accel.offset <= 1 ug").front();
+  c.quality.verdict = "good";
+  EXPECT_TRUE(assess(c, r).met);
+  c.quality.verdict = "doubtful";
+  EXPECT_FALSE(assess(c, r).met);
+  EXPECT_LT(assess(c, r).reached, r.limit);
+}
+
 }  // namespace
 }  // namespace imulab

@@ -30,6 +30,7 @@ struct Recording {
   std::string gyro_unit = "count", accel_unit = "count";
   std::vector<std::size_t> saturated;  ///< samples with a reading at a limit, ascending
   std::vector<std::size_t> gaps;       ///< samples whose interval does not begin at the sample before: time is missing there, ascending
+  std::vector<std::size_t> starts;     ///< of recordings that were joined to the first one: first samples, ascending
 
   std::size_t size() const { return time_ns.size(); }
   /// The memory that its columns take.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace imulab {
@@ -32,6 +33,51 @@ Vector3d pooled_sigma(const Columns3& triad, const std::vector<RestMeans>& rests
 }
 
 }  // namespace
+
+namespace {
+
+/// Means of consecutive blocks of a column's range.
+std::vector<double> block_means(const std::vector<double>& column, Range range, std::size_t block) {
+  std::vector<double> means;
+  for (std::size_t i = range.begin; i + block <= range.end; i += block)
+    means.push_back(std::accumulate(column.begin() + static_cast<std::ptrdiff_t>(i), column.begin() + static_cast<std::ptrdiff_t>(i + block), 0.0) /
+                    static_cast<double>(block));
+  return means;
+}
+
+/// The blocks at either end that belong to a turn.
+struct EndsOfTurns {
+  std::size_t first = 0, last = 0;
+};
+
+void find_ends_of_turns(const std::vector<double>& means, EndsOfTurns& ends) {
+  constexpr double far = 5;  // standard deviations of a block's mean
+  const std::size_t quarter = means.size() / 4;
+  double center = 0, square = 0;
+  for (std::size_t k = quarter; k < means.size() - quarter; ++k) center += means[k] / static_cast<double>(means.size() - 2 * quarter);
+  for (std::size_t k = quarter; k < means.size() - quarter; ++k) square += std::pow(means[k] - center, 2);
+  const double sigma = std::sqrt(square / static_cast<double>(means.size() - 2 * quarter - 1));
+  for (std::size_t k = 0; k < quarter; ++k) {
+    if (std::abs(means[k] - center) > far * sigma) ends.first = std::max(ends.first, k + 1);
+    if (std::abs(means[means.size() - 1 - k] - center) > far * sigma) ends.last = std::max(ends.last, k + 1);
+  }
+}
+
+}  // namespace
+
+std::vector<Range> without_ends_of_turns(const Recording& recording, std::vector<Range> rests) {
+  constexpr double block_s = 0.05;
+  constexpr std::size_t margin = 2, fewest = 16;  // blocks: a turn's slow begin, and to tell the middle's scatter
+  const auto block = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(block_s / recording.interval_s)));
+  for (Range& rest : rests) {
+    if (rest.size() < fewest * block) continue;
+    EndsOfTurns ends;
+    for (const auto& column : recording.gyro) find_ends_of_turns(block_means(column, rest, block), ends);
+    if (ends.first > 0) rest.begin += (ends.first + margin) * block;
+    if (ends.last > 0) rest.end -= (ends.last + margin) * block;
+  }
+  return rests;
+}
 
 std::vector<RestMeans> summarize_rests(const Recording& recording, const std::vector<Range>& ranges) {
   std::vector<RestMeans> rests;

@@ -39,13 +39,16 @@ struct ImuDeclaration {
   std::optional<std::string> firmware;        ///< its version
   std::optional<std::string> filter;          ///< how the IMU filters the readings before their output, in words: "low-pass, 42 Hz"
   std::optional<std::string> grade;           ///< sizes for priors, and for the draws of simulate
+  std::string clock = "own";                  ///< the seconds in which the gyros' scales are to be stated: the recording's own, or "true"
   std::optional<std::string> truth;           ///< file of the exact IMU to simulate
   std::optional<double> accel_noise_density;  ///< m/s^2/sqrt(Hz)
   std::optional<double> gyro_noise_density;   ///< rad/s/sqrt(Hz)
   NoiseTerms noise = NoiseTerms::white;
   std::optional<std::string> noise_file;  ///< of an analysis, beside the session: it gives the densities and terms that are not declared
   TermSigmas term_sigmas;
-  std::optional<NoiseModel> accel_noise, gyro_noise;  ///< in place of the grade's, except N, which the densities above give
+  std::map<std::string, double, std::less<>> effect_sigmas;                     ///< one sigma by the name of the effect (model/effects.hpp), SI
+  std::optional<std::map<std::string, double, std::less<>>> simulated_effects;  ///< likewise, of those that a simulation draws
+  std::optional<NoiseModel> accel_noise, gyro_noise;                            ///< in place of the grade's, except N, which the densities above give
   bool operator==(const ImuDeclaration&) const = default;
 };
 

@@ -4,6 +4,7 @@
 
 #include "imulab/core/fields.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/model/effects.hpp"
 #include "imulab/recording/session.hpp"
 #include "imulab/recording/unit_names.hpp"
 
@@ -69,6 +70,25 @@ void transfer_noise(Fields& f, ImuDeclaration& imu) {
   if (file) imu.noise_file = *noise;
 }
 
+/// Written where it is not the default.
+template <class Fields>
+void transfer_clock(Fields& f, std::string& clock) {
+  std::optional<std::string> named;
+  if (clock != "own") named = clock;
+  f.text("clock", named);
+  f.check(!named || *named == "own" || *named == "true", "clock", "\"" + named.value_or("") + "\" is not allowed; expected own or true");
+  clock = named.value_or("own");
+}
+
+/// The size of an effect, among those by name.
+template <class Fields>
+void transfer_effect(Fields& f, std::string_view key, const Effect& effect, EffectSigmas& sizes) {
+  std::optional<double> sigma;
+  if (const auto at = sizes.find(effect.name); at != sizes.end()) sigma = at->second;
+  f.number(key, sigma, Number{effect.unit, 0, 1e6, true});  // in these units far beyond any sensor
+  if (sigma) sizes[std::string(effect.name)] = *sigma;
+}
+
 template <class Fields>
 void transfer(Fields& f, ImuDeclaration& imu) {
   f.text("name", imu.name);
@@ -77,6 +97,7 @@ void transfer(Fields& f, ImuDeclaration& imu) {
   f.text("filter", imu.filter);
   f.text("grade", imu.grade);
   f.text("truth", imu.truth);
+  transfer_clock(f, imu.clock);
   f.number("accel_noise_density", imu.accel_noise_density, not_negative());
   f.number("gyro_noise_density", imu.gyro_noise_density, not_negative());
   TermSigmas& sigmas = imu.term_sigmas;
@@ -88,9 +109,13 @@ void transfer(Fields& f, ImuDeclaration& imu) {
   f.number("g_sensitivity_sigma_deg_per_h_per_g", sigmas.g_sensitivity, size(unit::deg_per_h / unit::g));
   f.number("lever_arm_sigma_mm", sigmas.lever_arm, size(1e-3));
   f.number("delay_sigma_ms", sigmas.delay, size(1e-3));
+  for (const Effect& effect : effects()) transfer_effect(f, effect.declared, effect, imu.effect_sigmas);
   transfer_noise(f, imu);
   f.template table_of<NoiseModel>("accel_noise", imu.accel_noise, [](Fields& t, NoiseModel& n) { transfer(t, n); });
   f.template table_of<NoiseModel>("gyro_noise", imu.gyro_noise, [](Fields& t, NoiseModel& n) { transfer(t, n); });
+  f.template table_of<EffectSigmas>("effects", imu.simulated_effects, [](Fields& t, EffectSigmas& sizes) {
+    for (const Effect& effect : effects()) transfer_effect(t, effect.simulated(), effect, sizes);
+  });
 }
 
 template <class Fields>

@@ -154,6 +154,7 @@ std::string identification_section(const CalibrationReport& report) {
   facts.add("test", test_text(c, report));
   facts.add("positions", positions_text(c.quality));
   facts.add("axes", frame_text(c));
+  facts.add("seconds of the gyros", clock_text(c.clock));
   if (report.session) {
     facts.add("gravity", gravity_text(report.session->site));
     facts.add("latitude", latitude_text(report.session->site));

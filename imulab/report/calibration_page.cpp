@@ -40,7 +40,7 @@ std::vector<std::string> actions(const CalibrationReport& report) {
     out.push_back("Not determined, left at starting values: " + names + ". Record motion that shows them.");
   }
   for (const RequirementResult& r : q.requirements)
-    if (!r.met)
+    if (!r.met && !(r.reached <= r.limit))
       out.push_back("Not reached: " + r.text + ". A longer recording with more rests and turns lowers it; imulab predict says by how much.");
   if (q.verdict == "doubtful") {
     out.emplace_back("Resolve each reason above, and calibrate again. Until then rely on the values no further than the reasons allow.");

@@ -87,7 +87,11 @@ std::string requirements_text(const Calibration& calibration) {
     const UserUnit unit = user_unit(coefficient(index), r.limit);
     const std::string reached = std::isfinite(r.reached) ? fmt::format("{:.3g} {}", r.reached / unit.size, unit.name) : "not determined";
     text += wrapped(text.empty() ? "  required        " : "                  ",
-                    fmt::format("{}: {} ({}: {})", r.text, r.met ? "reached" : "not reached", r.coefficient, reached));
+                    fmt::format("{}: {} ({}: {})", r.text,
+                                r.met                  ? "reached"
+                                : r.reached <= r.limit ? "not met, since the result is doubtful"
+                                                       : "not reached",
+                                r.coefficient, reached));
   }
   return text;
 }
@@ -123,6 +127,7 @@ std::string calibration_summary(const Calibration& calibration) {
           requirements_text(calibration);
   text += "\n" + wrapped("", fmt::format("{}{}method {}, frame: {}", excerpt(calibration.imu), calibration.imu.empty() ? "" : ", ",
                                          excerpt(calibration.method), calibration.frame));
+  if (calibration.clock) text += wrapped("", "seconds of the gyros: " + clock_text(calibration.clock));
   return text + "\n" + coefficient_rows(calibration) + hidden_text(calibration);
 }
 

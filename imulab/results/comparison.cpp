@@ -79,6 +79,14 @@ std::string test_text(const std::string& who, const Comparison& comparison, doub
          text::wrapped(std::string(who.size(), ' '), fmt::format("{} coefficients together: {}", c.degrees_of_freedom, verdict(c)));
 }
 
+/// The unit that was mounted elsewhere.
+std::string translation_text(const std::optional<Vector3d>& translation) {
+  if (!translation) return "";
+  const Vector3d mm = 1e3 * *translation;
+  return text::wrapped(
+      "", fmt::format("Lever arms are compared about their mean point, which moved by ({:.3g}, {:.3g}, {:.3g}) mm.", mm.x(), mm.y(), mm.z()));
+}
+
 std::string agreement_text(const Agreement& agreement) {
   if (agreement.consistency.degrees_of_freedom == 0)
     return fmt::format("The {} calibrations have no coefficient in common: nothing to test.\n", agreement.calibrations);
@@ -105,6 +113,7 @@ std::string comparison_table(const std::vector<NamedCalibration>& calibrations, 
   out += "\n";
   for (std::size_t k = 0; k < calibrations.size(); ++k) out += text::wrapped(letter(k) + "  ", origin(calibrations[k]));
   out += text::wrapped("", fmt::format("{} in the accelerometers' frame; quadratic and cubic terms are compared unrotated.", pair ? "Both" : "All"));
+  for (const auto& c : comparisons) out += translation_text(c.translation);
   out += "\n" + heading(comparisons.size());
   for (std::size_t row = 0; row < comparisons[0].coefficients.size(); ++row) out += coefficient_row(comparisons, row, mark_from);
   return values ? out + value_rows(comparisons) : out;

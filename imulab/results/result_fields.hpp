@@ -49,6 +49,7 @@ void describe(Fields& f, NamedComparison& c) {
   fields::derived(f, "frame", "accelerometers");
   describe_by_name(f, "coefficients", c.comparison.coefficients);
   f("consistency", c.comparison.consistency);
+  f("lever_arm_translation", c.comparison.translation, fields::optional);
 }
 
 template <class Fields>

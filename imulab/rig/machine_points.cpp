@@ -20,6 +20,7 @@ constexpr Eigen::Index point_blocks = 10;  // of a point: nine degrees of freedo
 struct PointMeans {
   double mean;
   double sample_variance;  ///< from differences of neighbors, which slow changes do not reach
+  double variance;         ///< about the mean
   double block_variance;   ///< of a block's mean times its length: larger than that of samples where their noise is correlated
 };
 
@@ -27,9 +28,10 @@ PointMeans means(std::span<const double> samples) {
   const Eigen::Map<const Eigen::VectorXd> x(samples.data(), std::ssize(samples));
   const Eigen::Index n = x.size(), length = n / point_blocks;
   const double sample_variance = n > 1 ? (x.tail(n - 1) - x.head(n - 1)).squaredNorm() / static_cast<double>(2 * (n - 1)) : 0;
-  if (length == 0) return {x.mean(), sample_variance, sample_variance};
+  const double variance = n > 1 ? (x.array() - x.mean()).square().sum() / static_cast<double>(n - 1) : 0;
+  if (length == 0) return {x.mean(), sample_variance, variance, sample_variance};
   const Eigen::VectorXd block = x.head(point_blocks * length).reshaped(length, point_blocks).colwise().mean().transpose();
-  return {x.mean(), sample_variance, (block.array() - block.mean()).square().sum() / (point_blocks - 1) * static_cast<double>(length)};
+  return {x.mean(), sample_variance, variance, (block.array() - block.mean()).square().sum() / (point_blocks - 1) * static_cast<double>(length)};
 }
 
 /// Noise of the six channels, summed over points.
@@ -87,7 +89,7 @@ void read_samples(MachinePoint& point, const Recording& recording, const Range& 
     const auto axis = static_cast<std::size_t>(channel % 3);
     const auto samples = std::span(channel < 3 ? recording.accel[axis] : recording.gyro[axis]).subspan(range.begin, range.size());
     const PointMeans m = means(samples);
-    point.raw[channel] = m.mean, point.variance[channel] = m.sample_variance;
+    point.raw[channel] = m.mean, point.variance[channel] = m.sample_variance, point.scatter[channel] = m.variance;
     if (point.step.kind == StepKind::hold)  // while it turns, horizontal vectors come and go
       raw.sample[channel] += m.sample_variance, raw.block[channel] += m.block_variance;
     const auto& thermal = channel < 3 ? recording.accel_temperature[axis] : recording.gyro_temperature[axis];
@@ -173,7 +175,7 @@ MachinePoints machine_points(std::span<const Recording> recordings, const Sessio
     std::size_t number = 0;
     for (const Step& step : machine_steps(session, session.recordings[r])) {
       const Range range = recordings[r].samples_in(step.start, step.end);
-      MachinePoint point{r, ++number, session.rig_of(session.recordings[r])->kind, step, range.size(), {}, {}, {}, {}};
+      MachinePoint point{r, ++number, session.rig_of(session.recordings[r])->kind, step, range.size(), {}, {}, {}, {}, {}};
       if (const std::string why = obstacle(points, point, recordings[r], range); !why.empty()) {
         points.warnings.push_back(point.name(session) + ": " + why);
         continue;
@@ -200,7 +202,7 @@ MachinePoints planned_points(const Session& procedure, const Vector6d& variance)
     std::size_t number = 0;
     for (const Step& step : machine_steps(procedure, source)) {
       const auto samples = static_cast<std::size_t>(std::floor((step.end - step.start) / points.interval_s * (1 + 1e-12)));
-      MachinePoint point{r, ++number, procedure.rig_of(source)->kind, step, samples, {}, variance, {}, {}};
+      MachinePoint point{r, ++number, procedure.rig_of(source)->kind, step, samples, {}, variance, variance, {}, {}};
       if (samples < 2) throw Error(fmt::format("{}: {}: {} samples; expected two or more", procedure.file, point.name(procedure), samples));
       const Motion motion = steady_motion(step, procedure.site);
       point.raw << motion.force, motion.rate;

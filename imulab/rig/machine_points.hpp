@@ -26,6 +26,7 @@ struct MachinePoint {
   std::size_t samples = 0;
   Vector6d raw;                 ///< means of the readings
   Vector6d variance;            ///< of one reading, from neighbors' differences
+  Vector6d scatter;             ///< variance of the readings about their mean
   Vector6d temperature;         ///< mean thermal readings; the set point where nothing was measured
   std::optional<double> drift;  ///< K/s (or raw/s) of the first thermal reading, where it is significant
 

@@ -113,25 +113,38 @@ TableMotion::Surroundings<T> TableMotion::surroundings_of(const std::array<T, lo
 }
 
 template <class T>
-Eigen::Matrix<T, 6, 1> TableMotion::truth_of(const Part& part, const Surroundings<T>& surroundings, const std::array<T, locals>& e) const {
+struct TableMotion::BodyMotion {
+  Eigen::Vector3<T> force, rate_ie;
+  TurnInterval<T> turn;
+};
+
+template <class T>
+TableMotion::BodyMotion<T> TableMotion::body_motion(const Part& part, const Surroundings<T>& surroundings, const std::array<T, locals>& e) const {
   const Step& step = steps_[part.step];
   std::array<T, 3> angles;
   for (std::size_t a = 0; a < 3; ++a) angles[a] = step.angles[a] + e[angle_error + a];
   const TablePose<T> pose = table_pose<T>(surroundings.axes, angles);
-  const Eigen::Vector3<T> force = seen_in_body<T>(pose, surroundings.force), rate_ie = seen_in_body<T>(pose, surroundings.rate_ie);
-  Eigen::Matrix<T, 6, 1> out;
-  if (step.kind == StepKind::hold) {
-    out << force, rate_ie;
-    return out;
-  }
+  BodyMotion<T> out{seen_in_body<T>(pose, surroundings.force), seen_in_body<T>(pose, surroundings.rate_ie), {}};
+  if (step.kind == StepKind::hold) return out;
   const TurnProfile profile = turn_profile(step);
-  TurnInterval<T> turn;
+  TurnInterval<T>& turn = out.turn;
   turn.axis_b = axis_in_body<T>(pose, step.axis);
   turn.angle = step.angle + e[end_error] - e[angle_error + static_cast<std::size_t>(step.axis)];
   turn.before = T(step.start - part.begin);
   turn.duration = profile.duration + e[timing];
   turn.after = T(part.end - part.begin) - turn.before - turn.duration;
   turn.ramp = profile.ramp;
+  return out;
+}
+
+template <class T>
+Eigen::Matrix<T, 6, 1> TableMotion::truth_of(const Part& part, const Surroundings<T>& surroundings, const std::array<T, locals>& e) const {
+  const auto [force, rate_ie, turn] = body_motion<T>(part, surroundings, e);
+  Eigen::Matrix<T, 6, 1> out;
+  if (steps_[part.step].kind == StepKind::hold) {
+    out << force, rate_ie;
+    return out;
+  }
   const Eigen::Vector3<T> rate = turn.axis_b * turn.angle + integral_in_body<T>(turn, rate_ie);
   out << integral_in_body<T>(turn, force), rate;
   return out;
@@ -144,6 +157,51 @@ std::array<double, TableMotion::locals> TableMotion::local(const Part& part, con
     if (part.second[k] >= 0) e[k] += errors[part.second[k]];
   }
   return e;
+}
+
+namespace {
+
+/// Three Gauss-Legendre nodes in each of some panels of an interval: sample(time, weight).
+template <class Sample>
+void at_nodes(double from, double to, int panels, Sample&& sample) {
+  constexpr std::array<double, 3> node{-0.77459666924148337704, 0, 0.77459666924148337704}, weight{5.0 / 18, 8.0 / 18, 5.0 / 18};
+  const double width = (to - from) / panels;
+  for (int k = 0; k < panels && to > from; ++k)
+    for (std::size_t n = 0; n < node.size(); ++n) sample(from + width * (k + 0.5 + 0.5 * node[n]), width * weight[n]);
+}
+
+}  // namespace
+
+std::vector<TableMotion::Moment> TableMotion::moments(std::size_t number) const {
+  const Part& part = parts_[number];
+  const auto e = local(part, nominal());
+  const BodyMotion<double> motion = body_motion<double>(part, surroundings_of<double>(e), e);
+  if (is_hold(number)) return {{0.5 * (part.begin + part.end), 1, motion.force, motion.rate_ie}};
+  const TurnInterval<double>& turn = motion.turn;
+  const double start = part.begin + turn.before, stop = start + turn.duration, ramp = turn.ramp * turn.duration;
+  const double full = turn.angle / (turn.duration - ramp);  // rate between the ramps
+  std::vector<Moment> out;
+  const auto moment = [&](double time, double weight, double turned_by, double rate) {
+    const auto now = [&](const Vector3d& v) { return turned<double>(turn.axis_b, std::cos(turned_by), -std::sin(turned_by), v); };
+    out.push_back({time, weight, now(motion.force), now(motion.rate_ie) + rate * turn.axis_b});
+  };
+  const auto panels = [&](double angle) { return std::max(1, static_cast<int>(std::ceil(std::abs(angle) / 0.5))); };
+  const double by_ramp = 0.5 * full * ramp;
+  at_nodes(part.begin, start, 1, [&](double t, double w) { moment(t, w, 0, 0); });
+  at_nodes(0, ramp, panels(by_ramp), [&](double t, double w) { moment(start + t, w, by_ramp * t * t / (ramp * ramp), full * t / ramp); });
+  at_nodes(ramp, turn.duration - ramp, panels(turn.angle), [&](double t, double w) { moment(start + t, w, by_ramp + full * (t - ramp), full); });
+  at_nodes(0, ramp, panels(by_ramp), [&](double t, double w) { moment(stop - t, w, turn.angle - by_ramp * t * t / (ramp * ramp), full * t / ramp); });
+  at_nodes(stop, part.end, 1, [&](double t, double w) { moment(t, w, turn.angle, 0); });
+  return out;
+}
+
+Vector3d TableMotion::force_at(const std::array<double, 3>& angles) const {
+  if (parts_.empty()) return Vector3d::Zero();
+  auto e = local(parts_.front(), nominal());
+  const Surroundings<double> surroundings = surroundings_of<double>(e);
+  std::array<double, 3> actual = angles;
+  for (std::size_t a = 0; a < 3; ++a) actual[a] += e[angle_error + a];
+  return seen_in_body<double>(table_pose<double>(surroundings.axes, actual), surroundings.force);
 }
 
 VectorXd TableMotion::truth(const VectorXd& errors) const {

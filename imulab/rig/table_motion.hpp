@@ -48,6 +48,16 @@ class TableMotion {
   double gain(std::size_t part) const { return is_hold(part) ? 1 : end(part) - begin(part); }
   /// Integral over a turn of a power of its rate, without Earth's.
   double rate_moment(std::size_t turn, int power) const;
+  /// A moment within a part, with its weight in the part's reading: 1 in all of a hold, the seconds of a turn.
+  struct Moment {
+    double time, weight;
+    Vector3d force, rate;
+  };
+  /// The moments of a quadrature over a part, without errors of the table: one of a hold; of a turn so many that its rate, and the directions in the
+  /// body, are almost polynomials of low degree between them.
+  std::vector<Moment> moments(std::size_t part) const;
+  /// The specific force at these angles of the axes [rad], without errors of the table.
+  Vector3d force_at(const std::array<double, 3>& angles) const;
   /// The angle of a turn.
   double angle(std::size_t turn) const { return steps_[parts_[turn].step].angle; }
   double begin(std::size_t part) const { return parts_[part].begin; }
@@ -67,6 +77,11 @@ class TableMotion {
   struct Surroundings;
   template <class T>
   Surroundings<T> surroundings_of(const std::array<T, locals>& e) const;
+  /// A part's motion: force and Earth's rate in body axes (before a turn), and the turn.
+  template <class T>
+  struct BodyMotion;
+  template <class T>
+  BodyMotion<T> body_motion(const Part& part, const Surroundings<T>& surroundings, const std::array<T, locals>& e) const;
   template <class T>
   Eigen::Matrix<T, 6, 1> truth_of(const Part& part, const Surroundings<T>& surroundings, const std::array<T, locals>& e) const;
   std::array<double, locals> local(const Part& part, const Eigen::VectorXd& errors) const;

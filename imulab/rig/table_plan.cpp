@@ -54,6 +54,7 @@ void expect_possible(const Step& step, std::size_t k, double guard) {
 TablePlan table_plan(const std::vector<Step>& steps, double guard) {
   TablePlan plan;
   plan.steps = steps;
+  if (!steps.empty()) plan.begin = steps.front().start, plan.end = steps.back().end;
   const std::vector<AxisCommand> commands = commands_of(steps);
   for (std::size_t k = 0; k < steps.size(); ++k) {
     const Step& step = steps[k];
@@ -134,6 +135,48 @@ double correlation(const std::vector<double>& column, const std::vector<RestMean
   return a + b / length;
 }
 
+/// The noise of the holds' samples, where there are enough.
+void measure_densities(TableObservations& seen, const Recording& recording, const std::vector<RestMeans>& rests) {
+  std::size_t samples = 0;
+  for (const RestMeans& rest : rests) samples += rest.range.size();
+  seen.noise_measured = samples >= rests.size() + 30;  // 30 degrees of freedom: the noise to 13 %
+  if (seen.noise_measured) {
+    const SampleNoise noise = measure_noise(recording, rests);
+    seen.accel_density = noise.accel * std::sqrt(recording.interval_s);
+    seen.gyro_density = noise.gyro * std::sqrt(recording.interval_s);
+    for (std::size_t k = 0; k < 3; ++k) {
+      seen.accel_density[static_cast<Eigen::Index>(k)] *= std::sqrt(correlation(recording.accel[k], rests));
+      seen.gyro_density[static_cast<Eigen::Index>(k)] *= std::sqrt(correlation(recording.gyro[k], rests));
+    }
+  }
+}
+
+/// The variance of a hold's accelerometers beyond their noise: the declared one, or that of all holds.
+void add_shaking(TableObservations& seen, const Recording& recording, const std::vector<RestMeans>& rests, std::optional<double> density) {
+  for (std::size_t k = 0; k < rests.size(); ++k)
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto i = static_cast<Eigen::Index>(axis);
+      double square = 0;
+      for (std::size_t n = rests[k].range.begin; n < rests[k].range.end; ++n) square += std::pow(recording.accel[axis][n] - rests[k].accel[i], 2);
+      const double noise = std::pow(density.value_or(seen.accel_density[i]), 2) / recording.interval_s;
+      seen.parts.holds[k].shaking[i] = square / static_cast<double>(rests[k].range.size() - 1) - noise;
+    }
+}
+
+void add_warming(TableObservations& seen, const Recording& recording) {
+  const std::vector<double>& thermometer = recording.accel_temperature[0];
+  if (thermometer.empty()) return;
+  const auto mean = [&](const Range& range) {
+    double sum = 0;
+    for (std::size_t n = range.begin; n < range.end; ++n) sum += thermometer[n] / static_cast<double>(range.size());
+    return sum;
+  };
+  const double all = mean({0, recording.size()});
+  for (std::vector<TablePart>* parts : {&seen.parts.holds, &seen.parts.turns})
+    for (TablePart& part : *parts)
+      if (const Range range = recording.samples_in(part.begin, part.end); range.size() > 0) part.warming = mean(range) - all;
+}
+
 }  // namespace
 
 TableObservations observe(const Recording& recording, const Session& session) {
@@ -176,24 +219,17 @@ TableObservations observe(const Recording& recording, const Session& session) {
   if (readings.empty()) throw Unsupported(recording.name + ": no samples within the steps; check that the steps' times are on the recording's clock");
   seen.readings = Eigen::Map<const Eigen::VectorXd>(readings.data(), static_cast<Eigen::Index>(readings.size()));
 
-  std::size_t samples = 0;
-  for (const RestMeans& rest : rests) samples += rest.range.size();
-  seen.noise_measured = samples >= rests.size() + 30;  // 30 degrees of freedom: the noise to 13 %
-  if (seen.noise_measured) {
-    const SampleNoise noise = measure_noise(recording, rests);
-    seen.accel_density = noise.accel * std::sqrt(recording.interval_s);
-    seen.gyro_density = noise.gyro * std::sqrt(recording.interval_s);
-    for (std::size_t k = 0; k < 3; ++k) {
-      seen.accel_density[static_cast<Eigen::Index>(k)] *= std::sqrt(correlation(recording.accel[k], rests));
-      seen.gyro_density[static_cast<Eigen::Index>(k)] *= std::sqrt(correlation(recording.gyro[k], rests));
-    }
-  }
+  measure_densities(seen, recording, rests);
+  if (recording.accel_unit != "count" && seen.noise_measured) add_shaking(seen, recording, rests, session.imu.accel_noise_density);
+  add_warming(seen, recording);
   seen.accel_unit = recording.accel_unit;
   seen.gyro_unit = recording.gyro_unit;
   seen.interval_s = recording.interval_s;
   seen.notes.push_back(
       fmt::format("{} holds and {} turns of {} steps were used", seen.parts.holds.size(), seen.parts.turns.size(), plan.steps.size()));
   seen.parts.steps = plan.steps;
+  seen.parts.begin = start_of_sample(recording, 0);
+  seen.parts.end = recording.time_s(recording.size() - 1);
   return seen;
 }
 

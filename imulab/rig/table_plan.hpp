@@ -6,6 +6,7 @@
 #include "imulab/recording/session.hpp"
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,12 +16,16 @@ namespace imulab {
 struct TablePart {
   std::size_t step = 0;       ///< index into the plan's steps
   double begin = 0, end = 0;  ///< s
+  // As observed.
+  Eigen::Vector3d shaking = Eigen::Vector3d::Zero();  ///< (m/s^2)^2: variance of a hold's accelerometers beyond their noise; none of counts
+  std::optional<double> warming = {};                 ///< K from the recording's mean; absent: no thermometer
 };
 
 /// A procedure's parts, in the order of the steps.
 struct TablePlan {
   std::vector<Step> steps;  ///< of one recording
   std::vector<TablePart> holds, turns;
+  double begin = 0, end = 0;          ///< s: of the recording; without one, of the steps
   std::vector<std::string> warnings;  ///< turns that are left out, and why
 };
 

@@ -138,7 +138,7 @@ MatrixXd noise_covariance(const TableMotion& motion, const Matrix3d& accel_densi
 }
 
 ReadingsSampler::ReadingsSampler(const TableMotion& motion, const std::array<Spread, 2>& turn_on, const MatrixXd& noise_covariance,
-                                 std::uint64_t seed, VectorXd column_sigma)
+                                 std::uint64_t seed, VectorXd column_sigma, MatrixXd effects)
     : motion_(motion),
       turn_on_(turn_on),
       by_bias_(by_bias(motion)),
@@ -147,7 +147,9 @@ ReadingsSampler::ReadingsSampler(const TableMotion& motion, const std::array<Spr
       noise_(seed, "predict: noise"),
       biases_(seed, "predict: turn-on"),
       terms_(seed, "predict: terms"),
-      column_sigma_(std::move(column_sigma)) {}
+      of_effects_(seed, "predict: effects"),
+      column_sigma_(std::move(column_sigma)),
+      effects_(std::move(effects)) {}
 
 MatrixXd ReadingsSampler::drawn_columns(std::uint64_t begin, Eigen::Index procedures) const {
   MatrixXd columns = forward({}).replicate(1, procedures);
@@ -173,6 +175,7 @@ MatrixXd ReadingsSampler::draw(std::uint64_t begin, Eigen::Index procedures) con
   }
   MatrixXd seen = noise_factor_ * normals(noise_, motion_.rows());
   seen.noalias() += by_bias_ * bias;
+  if (effects_.size() > 0) seen.noalias() += effects_ * normals(of_effects_, effects_.cols());
   if (column_sigma_.size() == 0) {
     for (Eigen::Index k = 0; k < procedures; ++k) seen.col(k) += readings(motion_, {}, motion_.truth(errors.col(k)));
     return seen;

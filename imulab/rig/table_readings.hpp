@@ -34,10 +34,10 @@ Eigen::MatrixXd noise_covariance(const TableMotion& motion, const Matrix3d& acce
 /// Readings in whole procedures of an IMU that is ideal but for drawn terms, with drawn errors of the table, biases and noise.
 class ReadingsSampler {
  public:
-  /// `turn_on`: biases of accelerometers and gyros. `column_sigma`: by column of the forward model; empty: an ideal IMU. `motion` outlives the
-  /// sampler.
+  /// `turn_on`: biases of accelerometers and gyros. `column_sigma`: by column of the forward model; empty: an ideal IMU. `effects`: what one sigma of
+  /// each further error does to the readings; empty: none. `motion` outlives the sampler.
   ReadingsSampler(const TableMotion& motion, const std::array<Spread, 2>& turn_on, const Eigen::MatrixXd& noise_covariance, std::uint64_t seed,
-                  Eigen::VectorXd column_sigma = {});
+                  Eigen::VectorXd column_sigma = {}, Eigen::MatrixXd effects = {});
   /// A procedure each column, from number `begin` on: the same for any split into calls.
   Eigen::MatrixXd draw(std::uint64_t begin, Eigen::Index procedures) const;
   /// Columns of the forward model of these IMUs.
@@ -48,8 +48,9 @@ class ReadingsSampler {
   std::array<Spread, 2> turn_on_;
   Eigen::MatrixXd by_bias_;
   Eigen::SparseMatrix<double> noise_factor_;
-  RandomStream table_, noise_, biases_, terms_;
+  RandomStream table_, noise_, biases_, terms_, of_effects_;
   Eigen::VectorXd column_sigma_;
+  Eigen::MatrixXd effects_;
 };
 
 }  // namespace imulab

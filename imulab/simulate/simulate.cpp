@@ -11,6 +11,7 @@
 #include "imulab/recording/validate.hpp"
 #include "imulab/rig/ideal_recording.hpp"
 #include "imulab/rig/machine.hpp"
+#include "imulab/simulate/effects.hpp"
 #include "imulab/simulate/temperature.hpp"
 
 #include <fmt/core.h>
@@ -108,13 +109,17 @@ Recording simulate_recording(const Session& procedure, const RecordingSource& so
   const Limits gyro_limits = limits_of(truth.gyro_noise, source.gyro, recording.interval_s),
                accel_limits = limits_of(truth.accel_noise, source.accel, recording.interval_s);
   std::vector<TemperatureProfile::State> temperatures;
-  if (truth.model.gyro.temperature || truth.model.accel.temperature || source.gyro_temperature || source.accel_temperature)
+  const bool warms =
+      std::any_of(truth.effects.begin(), truth.effects.end(), [](const EffectValue& e) { return e.column.effect->needs & Effect::by_thermometer; });
+  if (warms || truth.model.gyro.temperature || truth.model.accel.temperature || source.gyro_temperature || source.accel_temperature)
     temperatures =
         temperatures_at(samples, TemperatureProfile(recorded_motion(procedure, source, rig), procedure.rig_of(source)), recording.interval_s);
   recording.gyro_temperature = thermal_readings(source.gyro_temperature, temperatures, samples, seed, "gyro temperature of " + source.file);
   recording.accel_temperature = thermal_readings(source.accel_temperature, temperatures, samples, seed, "accel temperature of " + source.file);
   const std::vector<double> gyro_followed = followed_readings(truth.model.gyro, source.gyro_temperature, temperatures),
                             accel_followed = followed_readings(truth.model.accel, source.accel_temperature, temperatures);
+  const auto number = std::find(procedure.recordings.begin(), procedure.recordings.end(), source) - procedure.recordings.begin();
+  add_effects(recording, truth.effects, truth.gravity, static_cast<int>(number), temperatures);
   const std::vector<AxisNoise> noise = noise_of(truth, source, recording.interval_s, seed);
   // Isolated: a thread that waits here must not start an outer loop's next session on the same stack.
   isolate_parallel([&] {
@@ -240,6 +245,7 @@ Truth draw_truth(const Session& procedure, std::uint64_t seed, const std::option
   truth.model.accel = as_recorded(truth.model.accel, procedure, &RecordingSource::accel_temperature, !given);
   truth.model.gyro = as_recorded(truth.model.gyro, procedure, &RecordingSource::gyro_temperature, !given);
   if (!given && spread->ranges) truth.frame = "rig";
+  truth.effects = drawn_effects(procedure, seed);
   truth.gravity = procedure.site.gravity() + procedure.site.gravity_sigma() * RandomStream(seed, "truth gravity").normal(0);
   if (const double sigma = procedure.site.latitude_sigma.value_or(0); procedure.site.latitude && sigma > 0)
     truth.latitude = *procedure.site.latitude + sigma * RandomStream(seed, "truth latitude").normal(0);

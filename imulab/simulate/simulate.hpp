@@ -6,6 +6,7 @@
 //   const Recording recording = simulate_recording(procedure, source, truth, 1, draw_rig_errors(procedure, source, 1));
 #pragma once
 
+#include "imulab/model/effects.hpp"
 #include "imulab/model/imu_noise.hpp"
 #include "imulab/model/sensor_model.hpp"
 #include "imulab/recording/recording.hpp"
@@ -15,6 +16,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace imulab {
 
@@ -25,6 +27,7 @@ struct Truth {
   std::optional<double> latitude{};        ///< rad; absent: the site's
   std::string frame = "accelerometers";    ///< or "rig": the body frame of the model
   NoiseModel accel_noise{}, gyro_noise{};  ///< errors that are not coefficients of the model; a calibration of one recording does not find them
+  std::vector<EffectValue> effects{};      ///< of [imu.effects]
 };
 
 /// Draws the IMU from imu.grade (or takes `given`), and gravity and latitude from the site's values and sigmas. Declared noise replaces the

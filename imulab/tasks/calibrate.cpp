@@ -24,6 +24,8 @@ CalibrationOptions options_of(const CalibrationTask& task, const Method& method,
   if (task.terms == "full" && !method.takes_full) throw TermsError("full: only the method whole-unit takes it");
   CalibrationOptions options;
   options.terms = parse_terms(task.terms);
+  options.effects = task.effects;
+  options.second_opinion = task.effects;
   options.handheld.requirements = task.requirements;
   options.whole_unit = {.full = task.terms == "full", .stepwise = task.stepwise};
   options.progress = task.progress;
@@ -62,6 +64,7 @@ void add_prior(Calibration& calibration, const FleetPrior& prior) {
 /// The options that shape the result, as they were given.
 std::map<std::string, std::string> options_used(const CalibrateOptions& o) {
   std::map<std::string, std::string> used{{"terms", o.terms}};
+  if (o.effects != "none") used["effects"] = o.effects;
   if (!o.recording.empty()) used["recording"] = o.recording;
   if (o.stepwise) used["stepwise"] = "true";
   if (!o.prior.empty()) used["prior"] = o.prior;
@@ -86,6 +89,7 @@ Verb& declare(Verb& command, CalibrateOptions& o) {
                           "all, significant or not",
                           names_of_methods(&Method::takes_full)))
       .show_default();
+  effects_option(verb, o.effects);
   verb.option("--recording FILE", o.recording, "the recording to use, if the session has several");
   verb.option("--stepwise", o.stepwise, names_of_methods(&Method::takes_stepwise) + ": Dai's three steps in sequence instead of the joint estimate");
   verb.option("--curves FILE", o.curves,
@@ -116,9 +120,14 @@ CalibrationTask task_of(const CalibrateOptions& o) {
   const auto only = [](bool Method::*capability, const char* has) { return fmt::format("only the method {} {}", names_of_methods(capability), has); };
   if (o.stepwise && !chosen.takes_stepwise) throw OptionError("stepwise", only(&Method::takes_stepwise, "has steps"));
   if (!o.curves.empty() && !chosen.takes_curves) throw OptionError("curves", only(&Method::takes_curves, "has convergence curves"));
+  if (o.effects == "table" && !chosen.takes_effects) throw OptionError("effects", only(&Method::takes_effects, "estimates them"));
   if (o.terms == "full" && !chosen.takes_full) throw OptionError("terms full", only(&Method::takes_full, "takes it"));
   errors_of_option("terms", [&] { parse_terms(o.terms); });
-  CalibrationTask task{.method = o.method, .terms = o.terms, .stepwise = o.stepwise, .curves = !o.curves.empty() || !o.report.empty()};
+  CalibrationTask task{.method = o.method,
+                       .terms = o.terms,
+                       .effects = o.effects == "table",
+                       .stepwise = o.stepwise,
+                       .curves = !o.curves.empty() || !o.report.empty()};
   if (o.require) task.requirements = errors_of_option("require", [&] { return parse_requirements(*o.require); });
   task.prior = read_prior(o.prior);
   return task;
@@ -128,6 +137,16 @@ std::optional<FleetPrior> read_prior(const std::string& file) {
   if (file.empty()) return std::nullopt;
   FleetStore store(file);
   return errors_of_option("prior", [&] { return fleet_prior(store); });
+}
+
+VerbOption& effects_option(Verb& verb, std::string& effects) {
+  return verb
+      .option("--effects WHICH", effects,
+              names_of_methods(&Method::takes_effects) +
+                  ": what a unit may do besides the sensor model, such as asymmetry, hysteresis and drift: "
+                  "estimated under its priors (table), or taken as absent (none)")
+      .one_of({"table", "none"})
+      .show_default();
 }
 
 std::vector<CoefficientIndex> parse_terms(std::string_view terms) {
@@ -142,10 +161,10 @@ std::vector<CoefficientIndex> parse_terms(std::string_view terms) {
   return indices;
 }
 
-SessionRecordings read_recordings(Session session, const Method& method, const std::string& chosen) {
+SessionRecordings read_recordings(Session session, const std::string& chosen) {
   SessionRecordings data{std::move(session), {}, {}};
   Session& s = data.session;
-  if (!method.takes_several || !chosen.empty() || s.recordings.empty()) s.recordings = {RecordingSource(choose_recording(s, chosen))};
+  if (!chosen.empty() || s.recordings.empty()) s.recordings = {RecordingSource(choose_recording(s, chosen))};
   std::erase_if(s.steps, [&](const Step& step) {
     return std::none_of(s.recordings.begin(), s.recordings.end(), [&](const RecordingSource& r) { return r.file == step.recording; });
   });
@@ -224,10 +243,14 @@ std::string shortcomings(const CalibrationResult& result) {
   if (!quality.converged) return "the fit did not converge: neither its values nor its uncertainties can be relied on";
   if (!quality.unobservable.empty())
     return fmt::format("the data do not determine: {}; they keep their starting values{}", fmt::join(quality.unobservable, " "), missing);
-  std::vector<std::string> unmet;
-  for (const RequirementResult& r : quality.requirements)
-    if (!r.met) unmet.push_back(r.text);
-  return unmet.empty() ? "" : fmt::format("not reached: {}{}", fmt::join(unmet, ", "), missing);
+  std::vector<std::string> unmet, doubted;
+  for (const RequirementResult& r : quality.requirements) {
+    if (r.met) continue;
+    std::vector<std::string>& list = r.reached <= r.limit ? doubted : unmet;
+    list.push_back(r.text);
+  }
+  if (!unmet.empty()) return fmt::format("not reached: {}{}", fmt::join(unmet, ", "), missing);
+  return doubted.empty() ? "" : fmt::format("a doubtful result meets no requirement: {}", fmt::join(doubted, ", "));
 }
 
 std::string calibration_page(const CalibrationResult& result, const SessionRecordings& data) {

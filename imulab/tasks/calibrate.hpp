@@ -14,7 +14,7 @@
 namespace imulab {
 
 struct CalibrateOptions : ShowOptions {
-  std::string session, method, terms = "auto", recording, curves, prior;
+  std::string session, method, terms = "auto", effects = "none", recording, curves, prior;
   std::optional<std::string> require;
   std::vector<std::string> declarations;
   bool stepwise = false;
@@ -25,6 +25,7 @@ Verb& declare(Verb& command, CalibrateOptions& o);
 struct CalibrationTask {
   std::string method;
   std::string terms = "auto";  ///< "auto", "full" (whole-unit), or selectors separated by commas
+  bool effects = false;        ///< as CalibrationOptions has it
   bool stepwise = false;       ///< whole-unit
   bool curves = false;         ///< hybrid: convergence curves
   std::vector<Requirement> requirements = {};
@@ -40,6 +41,9 @@ CalibrationTask task_of(const CalibrateOptions& o);
 /// The prior of the fleet whose store is in this file; none for an empty name.
 std::optional<FleetPrior> read_prior(const std::string& store);
 
+/// The option --effects of a verb.
+VerbOption& effects_option(Verb& verb, std::string& effects);
+
 /// The coefficients of selectors separated by commas; none of "auto" and "full". Throws Error for an unknown one.
 std::vector<CoefficientIndex> parse_terms(std::string_view terms);
 
@@ -51,7 +55,7 @@ struct SessionRecordings {
 
 /// Reads the recordings of a session that a method uses: all of them, or the one named `chosen`; the only one where it takes one. Throws Error as
 /// read_recording does, and where the caller has to choose one.
-SessionRecordings read_recordings(Session session, const Method& method, const std::string& chosen = "");
+SessionRecordings read_recordings(Session session, const std::string& chosen = "");
 
 /// Recordings from memory, one for each of the session's. Throws Error for another number, for a name that is not the session's, and for units that
 /// the session contradicts. A session without recordings takes them as they are, temperatures

@@ -54,7 +54,7 @@ void calibrate_item(FleetItem& item, const FleetCalibrationTask& task) {
   Session session = std::move(*item.session);
   item.session.reset();
   errors_at(session.file + ": [site]", [&] { session.site.gravity(); });
-  const SessionRecordings data = read_recordings(std::move(session), method(task.method));
+  const SessionRecordings data = read_recordings(std::move(session));
   CalibrationResult result = calibrate(data, {.method = task.method, .terms = task.terms});
   Calibration& c = result.calibration;
   if (!c.quality.converged) throw Unsupported(shortcomings(result));

@@ -84,7 +84,7 @@ PlannedPath planned_path(const PlanTask& task, PathLimits question, const std::s
     out.path = planning_method().plan.design(question, procedure_of(task, 60, {}), progress, shared ? &*shared : nullptr);
     if (out.path.turns.empty()) throw Error("no turn and rest fit into the time; expected a longer time");
     out.procedure = procedure_of(task, out.path.first_rest, out.path.turns);
-    out.prediction = planning_method().predict(out.procedure, {.advice = false});
+    out.prediction = planning_method().predict(out.procedure, {.effects = task.effects, .advice = false});
     double worst = 1;
     for (const Shortfall& s : shortfalls(out.prediction, requirements)) worst = std::max(worst, s.sigma / s.requirement.limit);
     if (worst == 1 || worst > agreement || task.time || out.path.worst > 1) break;
@@ -161,6 +161,7 @@ Verb& declare(Verb& command, PlanOptions& o) {
       .show_default();
   verb.option("--time N", o.time, "find the best path within this many seconds instead of the shortest").in_range(60, longest_path);
   verb.option("--rest", o.rest, "duration of every rest in whole seconds; if absent, each is chosen").in_range(6, 600, true);
+  effects_option(verb, o.effects);
   prior_option(verb, o.prior);
   verb.option("-o,--output FILE", o.output, "the procedure to write; - for standard output in place of the table").writes().of_command();
   report_option(verb, o.report);
@@ -178,7 +179,8 @@ PlanTask task_of(const PlanOptions& o) {
                 .axes = axes_of(o.axes),
                 .by_hand = o.axes == "hand",
                 .time = o.time,
-                .rest = o.rest};
+                .rest = o.rest,
+                .effects = o.effects == "table"};
   task.checkpoint = o.shared.shared();
   task.prior = read_prior(o.prior);
   return task;

@@ -16,6 +16,7 @@ namespace {
 std::string identity_of(const Session& procedure, const PredictionOptions& options) {
   std::vector<IdentityField> fields = content_of(procedure);
   for (const CoefficientIndex index : options.terms) fields.emplace_back("term", coefficient(index).name);
+  fields.emplace_back("effects", options.effects ? "table" : "none");
   fields.emplace_back("classical", options.classical ? "true" : "false");
   fields.emplace_back("runs", fmt::format("{}", options.runs));
   fields.emplace_back("seed", fmt::format("{}", options.seed));
@@ -46,6 +47,7 @@ Verb& declare(Verb& command, PredictOptions& o) {
       .show_default();
   verb.option("--terms TERMS", o.terms, "as of imulab calibrate: the coefficients that it estimates; others are taken as exactly zero")
       .show_default();
+  effects_option(verb, o.effects);
   verb.option("--require LIMITS", o.require,
               "requirements, as in \"gyro.matrix.off_diagonal <= 5 arcsec, accel.offset <= 20 ug\"; finds which table, "
               "timing and noise meet them");
@@ -64,7 +66,10 @@ Verb& declare(Verb& command, PredictOptions& o) {
 PredictionOptions task_of(const PredictOptions& o) {
   if (o.classical && !method(o.method).takes_runs) throw OptionError("classical", "belongs to --method " + names_of_methods(&Method::takes_runs));
   if (o.classical && o.terms != "auto") throw OptionError("terms", "Zhang's estimate is that of offsets and matrices");
+  if (o.effects == "table" && !method(o.method).takes_effects)
+    throw OptionError("effects", "belongs to --method " + names_of_methods(&Method::takes_effects));
   PredictionOptions options{.terms = errors_of_option("terms", [&] { return parse_terms(o.terms); }),
+                            .effects = o.effects == "table",
                             .runs = o.runs,
                             .seed = o.seed,
                             .classical = o.classical,

@@ -7,6 +7,7 @@
 #include "imulab/formats/text/file.hpp"
 #include "imulab/formats/text/json.hpp"
 #include "imulab/model/grade.hpp"
+#include "imulab/simulate/effects.hpp"
 #include "imulab/simulate/simulate.hpp"
 
 #include <fmt/format.h>
@@ -58,6 +59,7 @@ Calibration truth_calibration(const Session& session, const Truth& truth, std::u
   c.frame = frame;
   c.model = truth.model;
   c.quality.verdict = "good";
+  c.quality.effects = stated_effects(truth.effects);
   c.quality.notes = {fmt::format("seed {}", seed), fmt::format("gravity {} m/s^2", truth.gravity),
                      fmt::format("accelerometer noise {} m/s^2/sqrt(Hz)", truth.accel_noise.N),
                      fmt::format("gyro noise {} rad/s/sqrt(Hz)", truth.gyro_noise.N)};

@@ -2,8 +2,10 @@
 // And whether the gyros turn with the accelerometers: those of another recording, or on another clock, do not, and no method can calibrate them.
 #pragma once
 
+#include "imulab/estimate/kernel/effects.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
+#include "imulab/estimate/kernel/recorded_states.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/recording/mean_noise.hpp"
 #include "imulab/recording/scaling.hpp"
@@ -22,7 +24,10 @@ struct RestStart {
   SensorModel model;         ///< of scaled readings: the accelerometers from the rests, the gyros as declared
   SensorModel prior;         ///< likewise, the prior: the declared IMU; for counts the coarse solution
   kernel::PriorSizes terms;  ///< of the optional terms, once a method has chosen its coefficients
-  bool named = false;        ///< the user named the coefficients to estimate
+  kernel::Effects effects;   ///< likewise
+  std::optional<kernel::RecordedStates> recorded;
+  std::vector<EffectState> states;  ///< of the rests: what does not follow from the means; empty without effects
+  bool named = false;               ///< the user named the coefficients to estimate
   kernel::Findings findings;
 
   Vector3d accel(const RestMeans& rest) const { return scaling.accel(rest.accel); }

@@ -15,15 +15,23 @@ using in_place::BlockSums;
 
 namespace {
 
-/// Observes the velocity after a block, unless its innovation is beyond `outlier`. Returns the innovation in units of its own standard deviations.
-Vector3d observe_velocity(SquareRootEstimate& e, const Vector3d& velocity, double sigma, double outlier) {
+/// The innovation after a block in units of its own standard deviations; `used`: it was within limits.
+struct Innovation {
+  Vector3d whitened = Vector3d::Zero();
+  bool used = false;
+};
+
+/// Observes the velocity after a block, unless its innovation is beyond `outlier`.
+Innovation observe_velocity(SquareRootEstimate& e, std::optional<Separation>& separation, const Vector3d& velocity, double sigma, double outlier) {
   const Index at = e.x.size() - 3;
   const Eigen::Matrix<double, 3, Eigen::Dynamic> rows = e.factor.bottomRows<3>();
   const Matrix3d s = rows * rows.transpose() + sigma * sigma * Matrix3d::Identity();
-  const Vector3d innovation = s.llt().matrixL().solve(velocity - e.x.tail<3>());
-  if (innovation.squaredNorm() <= outlier)
-    for (Index i = 2; i >= 0; --i) e.observe(at + i, velocity[i], sigma);
-  return innovation;
+  const Matrix3d lower = s.llt().matrixL();
+  const Vector3d innovation = lower.triangularView<Eigen::Lower>().solve(velocity - e.x.tail<3>());
+  if (!(innovation.squaredNorm() <= outlier)) return {innovation, false};
+  if (separation) separation->observe(e, lower, innovation);
+  for (Index i = 2; i >= 0; --i) e.observe(at + i, velocity[i], sigma);
+  return {innovation, true};
 }
 
 /// Innovations of a filter whose model is right are white (Mehra 1970). An unmodeled effect lasts, so that consecutive innovations are correlated.
@@ -69,7 +77,7 @@ void begin(SquareRootEstimate& e, const States& states, const Vector3d& sigma, b
 }
 
 /// The slow noise of the offsets over a block, which is this part of the recording.
-void drift(SquareRootEstimate& e, const States& states, const Noise& noise, double duration, double part) {
+void drift(SquareRootEstimate& e, std::optional<Separation>& separation, const States& states, const Noise& noise, double duration, double part) {
   if (!states.has(Group::mean)) return;
   constexpr Index processes = in_place::SlowNoise::processes;
   for (Index axis = 0; axis < 6; ++axis) {
@@ -78,6 +86,7 @@ void drift(SquareRootEstimate& e, const States& states, const Noise& noise, doub
     const auto add_to_mean = [&](Index s) {
       e.x[mean] += part * e.x[s];
       e.factor.row(mean) += part * e.factor.row(s);
+      if (separation) separation->U.row(mean) += part * separation->U.row(s);
     };
     if (slow.walk > 0) e.add_variance(offset, duration * slow.walk * slow.walk);
     add_to_mean(offset);
@@ -86,6 +95,7 @@ void drift(SquareRootEstimate& e, const States& states, const Noise& noise, doub
       const double kept = std::exp(-duration / slow.time[static_cast<std::size_t>(k)]);
       e.x[s] *= kept;
       e.factor.row(s) *= kept;
+      if (separation) separation->U.row(s) *= kept;
       e.add_variance(s, (1 - kept * kept) * slow.flicker * slow.flicker);
       add_to_mean(s);
     }
@@ -120,17 +130,75 @@ void align_anew(in_place::Navigator& navigator, std::size_t from, const Range& r
   navigator.C_nb = shortest_rotation((C_nb * force).normalized(), Vector3d::UnitZ()) * C_nb;
 }
 
+/// With the effects that the innovations show.
+void add_effects(Pass& out, Separation& separation, std::vector<Innovation>& innovations) {
+  out.effects = separation.estimate();
+  const auto& [information, c, C] = out.effects;
+  out.x += separation.U * c;
+  out.covariance += separation.U * C * separation.U.transpose();
+  std::size_t observation = 0;
+  for (Innovation& innovation : innovations)
+    if (innovation.used) innovation.whitened = separation.innovation(observation++, c);
+}
+
+/// The constants of the effects beside the states.
+struct Beside {
+  Beside(const Data& d, const Linearization& about, bool estimated, const States& states)
+      : data(d), known(about.effects), effect_states(d.recording, d.unmodeled, d.noise, about.place.gravity) {
+    if (estimated && data.unmodeled.size() > 0) separation.emplace(parameters_of(data.unmodeled.effects), states.size());
+  }
+  bool any() const { return known.size() > 0 || separation; }
+
+  /// After block k.
+  void predict(SquareRootEstimate& e, const Eigen::Matrix<double, 6, Eigen::Dynamic>& by_states, std::size_t k, const BlockSums& sums) {
+    if (!any()) return;
+    const Eigen::Matrix<double, 6, Eigen::Dynamic> by_c = effect_states.columns(data.blocks[k], sums);
+    if (known.size() > 0) e.x.tail<6>() += by_c * known;
+    if (separation) separation->predict(by_states, by_c);
+  }
+
+  const Data& data;
+  const Eigen::VectorXd& known;
+  EffectStates effect_states;
+  std::optional<Separation> separation;
+};
+
+CurvePoint curve_point(double time, const SquareRootEstimate& e, std::optional<Separation>& separation) {
+  CurvePoint out{time, e.x, e.factor.rowwise().norm()};
+  if (!separation) return out;
+  const Separation::Estimate effects = separation->estimate();
+  out.x += separation->U * effects.value;
+  out.sigma = (out.sigma.cwiseAbs2() + (separation->U * effects.covariance).cwiseProduct(separation->U).rowwise().sum()).cwiseSqrt();
+  return out;
+}
+
+void add_innovations(Pass& out, const std::vector<Innovation>& innovations) {
+  Whiteness whiteness;
+  for (const Innovation& innovation : innovations) {
+    out.chi2.push_back(innovation.whitened.squaredNorm());
+    if (innovation.used)
+      whiteness.add(innovation.whitened);
+    else
+      whiteness.interrupt();
+  }
+  out.serial = whiteness.serial();
+}
+
 }  // namespace
 
 Pass filter_pass(const Data& data, const Linearization& about, const States& states, const kernel::Parameters& known, const PassOptions& options) {
   const std::vector<Block>& blocks = data.blocks;
   const Noise& noise = data.noise;
-  in_place::Navigator navigator(data.recording, about.model, about.delay, about.place.latitude, about.place.gravity, states.sums());
+  Beside beside(data, about, options.effects, states);
+  in_place::OptionalSums wanted = states.sums();
+  wanted.parts = beside.any();
+  in_place::Navigator navigator(data.recording, about.model, about.delay, about.place.latitude, about.place.gravity, wanted);
+  std::optional<Separation>& separation = beside.separation;
   SquareRootEstimate e(states.size());
   e.x.head(states.constants()) = known.offset;
   e.factor.diagonal().head(states.constants()) = known.sigma;
   Pass out;
-  Whiteness whiteness;
+  std::vector<Innovation> innovations;
   Vector3d velocity = Vector3d::Zero();  // computed
   double next_point = -std::numeric_limits<double>::infinity();
   bool used_before = true;  // a knock across the end of a block that is left out is in the next one, too
@@ -151,35 +219,38 @@ Pass filter_pass(const Data& data, const Linearization& about, const States& sta
       first = block.samples.begin;
       velocity.setZero();
       begin(e, states, k == 0 ? Vector3d(known.sigma.segment<3>(states.first(Group::start))) : alignment_sigma(), k == 0);
+      if (separation) separation->begin();
     }
     const Matrix3d before = navigator.C_nb;
     const BlockSums sums = navigator.over(block, first);
     velocity += sums.velocity;
     // X' = F X + G W with the state X of Cheng 2014 eq 19, integrated over the block: F from eqs 22 and 23, G W as a covariance.
-    e.predict<6>(transition(sums, states, about.place), sums.covariance(noise, 0.5 * (before + navigator.C_nb)));
-    drift(e, states, noise, sums.duration, sums.duration / whole);
+    const auto by_states = transition(sums, states, about.place);
+    e.predict<6>(by_states, sums.covariance(noise, 0.5 * (before + navigator.C_nb)));
+    beside.predict(e, by_states, k, sums);
+    drift(e, separation, states, noise, sums.duration, sums.duration / whole);
     // Z = H X + v, H = [I 0] (sec 2.3): the computed velocity, less the lever arms' part, of a unit in one place is the velocity error.
-    const Vector3d innovation = block.observed ? observe_velocity(e, velocity, noise.velocity, options.outlier) : Vector3d::Zero();
-    out.chi2.push_back(innovation.squaredNorm());
-    const bool used = block.observed && out.chi2.back() <= options.outlier;
-    if (!used) whiteness.interrupt();
-    if (used) {  // the known velocity error goes into the solution
-      whiteness.add(innovation);
+    Innovation innovation;
+    if (block.observed) innovation = observe_velocity(e, separation, velocity, noise.velocity, options.outlier);
+    innovations.push_back(innovation);
+    if (innovation.used) {  // the known velocity error goes into the solution
       velocity -= e.x.tail<3>();
       e.x.tail<3>().setZero();
     }
-    if (used && used_before && block.at_rest) level(navigator, e, states, sums, about.place.gravity);
-    used_before = used;
+    if (innovation.used && used_before && block.at_rest) level(navigator, e, states, sums, about.place.gravity);
+    used_before = innovation.used;
     const double time = data.recording.time_s(block.samples.end - 1);
+    if (separation) out.states.push_back(beside.effect_states.last());
     if (options.rates && block.at_rest) out.rates.push_back(rest_rate(navigator, block.samples, time - start_time));
     if (options.curve_interval > 0 && (time >= next_point || k + 1 == blocks.size())) {
-      out.curve.push_back({time, e.x, e.factor.rowwise().norm()});
+      out.curve.push_back(curve_point(time, e, separation));
       next_point = time + options.curve_interval;
     }
   }
   out.x = e.x;
   out.covariance = e.factor * e.factor.transpose();
-  out.serial = whiteness.serial();
+  if (separation) add_effects(out, *separation, innovations);
+  add_innovations(out, innovations);
   return out;
 }
 

@@ -2,6 +2,7 @@
 // sec 2). The only reference is that the IMU stays there; a table's angles are not used.
 #pragma once
 
+#include "imulab/estimate/hybrid/separation.hpp"
 #include "imulab/estimate/hybrid/states.hpp"
 #include "imulab/navigation/in_place/navigator.hpp"
 
@@ -25,6 +26,7 @@ struct Data {
   Noise noise;
   SensorModel coarse;  ///< the coarse solution
   Terms terms = {};
+  Unmodeled unmodeled = {};
   std::function<void(double)> progress = {};  ///< called with the fraction of the iterations that is done
 
   /// Velocities: one of each block that is observed.
@@ -39,12 +41,14 @@ struct Linearization {
   Place place;
   std::optional<Matrix3d> start = {};  ///< attitude at the start, C_nb; absent: by alignment on the first rest
   double delay = 0;                    ///< of what lever arms make of the motion [s]; the state is the whole delay
+  Eigen::VectorXd effects = {};        ///< known values; empty: zero
 };
 
 struct PassOptions {
   double outlier = std::numeric_limits<double>::infinity();  ///< a velocity whose innovation is beyond this chi-square is not used
   double curve_interval = 0;                                 ///< s between the points of `curve`; 0: none
   bool rates = false;                                        ///< at rest, for `rates`
+  bool effects = true;                                       ///< estimates those of `Data`; false: they are as the linearization has them
 };
 
 /// The estimate after a block.
@@ -72,6 +76,8 @@ struct Pass {
   Serial serial;                  ///< of the innovations
   std::vector<CurvePoint> curve;  ///< thinned
   std::vector<RestRate> rates;
+  Separation::Estimate effects = {};  ///< empty: none were estimated
+  std::vector<EffectState> states;    ///< at the end of each block, where effects were estimated
 
   double total_chi2() const { return std::accumulate(chi2.begin(), chi2.end(), 0.0); }
 };

@@ -149,7 +149,7 @@ std::optional<LateAxis> late_axis(const Data& data, const Iterate& converged) {
   for (std::size_t axis = 0; axis < 6; ++axis)
     for (const int samples : {1, -1}) {
       const Recording moved = shift_by_one_sample(data.recording, {axis, samples});
-      const Data trial{moved, data.blocks, data.place, data.noise, data.coarse, data.terms};
+      const Data trial{moved, data.blocks, data.place, data.noise, data.coarse, data.terms, data.unmodeled};
       if (const double scatter = scatter_of(trial, repeated(trial, converged)); scatter < best.scatter)
         best.axis = axis, best.samples = samples, best.scatter = scatter;
     }
@@ -209,11 +209,12 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
             .coarse = coarse,
             .terms = terms_of(session, options.terms, coarse.accel.offset, coarse.gyro.offset, recording.interval_s),
             .progress = options.progress};
+  if (options.effects) data.unmodeled = unmodeled_of(session, recording, data.blocks, coarse, options.terms);
   const bool corrected = std::find(last.doubts.begin(), last.doubts.end(), kernel::wrong_latitude) != last.doubts.end();
   constexpr double of_any_unit = 0.05;  // of scales that are not calibrated
   std::optional<SeenLatitude> seen;
   if (!corrected) seen = seen_latitude(data, start.rests, coarse, of_any_unit);
-  Converged result = seen ? Converged{first_iterate(data), {}, {}, {}} : converge(data, options.significance);
+  Converged result = seen ? Converged{first_iterate(data), {}, {}, {}, {}} : converge(data, options.significance);
   if (!seen && shows_no_noise(data.noise, session.imu)) {
     const double scatter = scatter_of(data, result.last);
     data.noise.accel *= std::max(1.0, scatter), data.noise.gyro *= std::max(1.0, scatter);
@@ -250,6 +251,7 @@ CalibrationResult calibrated(const Recording& recording, const std::vector<Range
   CalibrationResult out{calibration_of(data, result.last), coarse, {}, {}, result.last.iterations};
   out.calibration.imu = session.imu.name;
   report(data, result, session.site, out.calibration, findings);
+  add_effects(data, result.last, out.calibration, findings);
   findings.add(last);
   kernel::conclude(out.calibration, findings);
   if (options.hybrid.curve_interval > 0) add_curves(data, result.last, options.hybrid.curve_interval, out);

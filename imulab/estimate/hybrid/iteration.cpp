@@ -35,15 +35,15 @@
 
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/estimate/hybrid/heading_error.hpp"
+#include "imulab/estimate/hybrid/turns.hpp"
 #include "imulab/estimate/kernel/fit.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/kernel/terms.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 namespace imulab::hybrid {
@@ -80,40 +80,6 @@ Iterate repeated(const Data& data, Iterate iterate, double curve_interval) {
 }
 
 namespace {
-
-/// The heading's error at the start [rad], and its rate [rad/s]: an equal g-sensitivity on all axes turns the heading.
-struct HeadingError {
-  double start, rate;
-};
-
-/// From any heading, and one that turns: of gyros that hardly resolve the Earth's rate in one rest, that error of the heading with which the rates of
-/// all rests add up to most. Nothing where that is not five times what their noise adds up to.
-std::optional<HeadingError> heading_error(const std::vector<RestRate>& rates, double most_rate) {
-  constexpr std::size_t enough = 2000;  // parts of a long recording
-  std::vector<std::pair<double, std::complex<double>>> parts;
-  const std::size_t in_part = rates.size() / enough + 1;
-  double power = 0;
-  for (std::size_t k = 0; k < rates.size(); ++k) {
-    if (k % in_part == 0) parts.emplace_back(rates[std::min(k + in_part / 2, rates.size() - 1)].time, 0);
-    const std::complex<double> rate = rates[k].duration * std::complex<double>(rates[k].rate_n.x(), rates[k].rate_n.y());
-    parts.back().second += rate;
-    power += std::norm(rate);
-  }
-  if (parts.empty()) return {};
-  const auto sum_at = [&](double rate) {
-    std::complex<double> sum = 0;
-    for (const auto& [time, part] : parts) sum += std::polar(1.0, -rate * time) * part;
-    return sum;
-  };
-  const double step = 0.5 / std::max(rates.back().time - rates.front().time, 1.0);
-  const int steps = std::min(2000, static_cast<int>(most_rate / step));
-  std::complex<double> most = 0;
-  double best = 0;
-  for (int k = -steps; k <= steps; ++k)
-    if (const std::complex<double> sum = sum_at(k * step); std::norm(sum) > std::norm(most)) most = sum, best = k * step;
-  if (std::norm(most) < 25 * power) return {};
-  return HeadingError{std::arg(most) - std::numbers::pi / 2, best};  // north is up in the plane of east and north
-}
 
 /// Where a step follows the direction of the one before, what their ratio says that all further ones would add up to (Aitken): in barely determined
 /// directions the iterations converge slowly along one, and oscillate about another.
@@ -205,16 +171,18 @@ void correct(Iterate& c, const VectorXd& step, const Vector3d& start, const Data
 }
 
 /// Passes until the correction is below a hundredth of its sigma.
-Iterate converged(const Data& data, Iterate c) {
-  constexpr int most_iterations = 30, before_heading = 3, usual = 4;
+Iterate converged(const Data& data, Iterate c, int most_iterations = 30) {
+  constexpr int before_heading = 3, usual = 4;
   VectorXd before;  // the last step, in sigmas
   Stuck stuck;
   c.converged = kernel::iterate(most_iterations, [&](int k) {
-    c.pass = filter_pass(data, c.about, c.states, c.states.parameters(c.total), {.rates = !c.heading_known});
+    const bool with_effects = data.unmodeled.size() > 0 && (c.heading_known || k > 0);  // they take time, and a first step is a long one
+    c.pass = filter_pass(data, c.about, c.states, c.states.parameters(c.total), {.rates = !c.heading_known, .effects = with_effects});
     ++c.iterations;
     if (data.progress) data.progress(std::min(1.0, static_cast<double>(k + 1) / usual));
     Correction found = correction_of(c);
-    if (kernel::is_small(found.step, found.sigma)) return kernel::Progress::converged;
+    const bool whole_model = with_effects || data.unmodeled.size() == 0;
+    if (whole_model && kernel::is_small(found.step, found.sigma)) return kernel::Progress::converged;
     if (stuck.after(scatter_of(data, c))) return kernel::Progress::stuck;
     if (!c.heading_known && found.sigma[c.states.first(Group::start) + 2] > 1 * unit::deg) find_heading(found.step, found.start, data, c);
     const VectorXd in_sigmas = found.step.cwiseQuotient(found.sigma.cwiseMax(1e-300));
@@ -238,7 +206,9 @@ std::vector<std::size_t> outlying_blocks(const Data& data, const Iterate& c) {
   known.sigma.segment<3>(states.first(Group::start)) = wide.segment<3>(states.first(Group::start));
   for (const Group group : states.groups())
     if (linearity(group) == Linearity::whole) known.offset[states.first(group)] = c.pass.x[states.first(group)];
-  const Pass look = filter_pass(data, c.about, states, known, {.outlier = unlikely});
+  Linearization about = c.about;
+  about.effects = c.pass.effects.value;
+  const Pass look = filter_pass(data, about, states, known, {.outlier = unlikely, .effects = false});
   std::vector<kernel::Suspect> suspects;
   for (const double chi2 : look.chi2) suspects.push_back({{}, log_chi_square_tail(chi2, 3)});
   const std::vector<std::size_t> found = kernel::improbable(suspects, chi_square_tail(unlikely, 3));
@@ -288,6 +258,29 @@ bool is_hopeless(const Data& data, const Iterate& c) {
   return !c.converged && scatter_of(data, c) > far;
 }
 
+/// Takes out the turn whose gravity misfits most, if the velocities fit much better without it.
+bool lose_turn(Data& data, Converged& result) {
+  constexpr double fits = 1.5, much = 0.5;                      // as an axis that is late
+  constexpr double least_rotation = 1e-3, beyond_the_rest = 3;  // rad; and times the median, to which coarse scales and delays contribute
+  constexpr int most_passes = 12;
+  const double before = scatter_of(data, result.last);
+  const std::vector<Range> motions = motions_of(data.blocks);
+  if (before < fits || motions.size() < 3) return false;
+  const std::vector<double> misfits = misfits_of_gravity(data.recording, data.coarse, data.blocks, motions);
+  const auto worst = std::max_element(misfits.begin(), misfits.end());
+  if (*worst < std::max(least_rotation, beyond_the_rest * median(misfits))) return false;
+  const Range motion = motions[static_cast<std::size_t>(worst - misfits.begin())];
+  Data trial = data;
+  trial.blocks = without(std::move(trial.blocks), motion);
+  Iterate without_it = converged(trial, first_iterate(trial), most_passes);
+  if (!(scatter_of(trial, without_it) < much * before)) return false;
+  result.lost.push_back(in_words(data.recording, data.blocks, motion));
+  result.left_out = without(std::move(result.left_out), motion);
+  data.blocks = std::move(trial.blocks);
+  result.last = std::move(without_it);
+  return true;
+}
+
 }  // namespace
 
 double scatter_of(const Data& data, const Iterate& c) {
@@ -296,7 +289,7 @@ double scatter_of(const Data& data, const Iterate& c) {
 
 Converged converge(Data& data, double significance) {
   constexpr int most_rounds = 10;
-  Converged out{first_iterate(data), {}, {}, {}};
+  Converged out{first_iterate(data), {}, {}, {}, {}};
   const auto widen = [&] {
     if (is_hopeless(data, out.last)) return false;
     out.tests = tests_of_terms(data, out.last, significance);
@@ -314,8 +307,14 @@ Converged converge(Data& data, double significance) {
     out.left_out.insert(out.left_out.end(), outlying.begin(), outlying.end());
     return !outlying.empty();
   };
+  const auto lose = [&] { return lose_turn(data, out); };
+  const auto widen_effects = [&] {
+    if (data.unmodeled.size() == 0 || !out.last.converged) return false;
+    kernel::Effects& effects = data.unmodeled.effects;
+    return effects.widen(out.last.pass.effects.information, parameters_of(effects));
+  };
   kernel::refine(
-      most_rounds, [&] { out.last = converged(data, std::move(out.last)); }, widen, drop);
+      most_rounds, [&] { out.last = converged(data, std::move(out.last)); }, lose, widen_effects, widen, drop);
   return out;
 }
 

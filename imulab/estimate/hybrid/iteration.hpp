@@ -50,9 +50,11 @@ struct Converged {
   std::vector<TermTest> tests;        ///< of the optional groups: are they seen?
   std::vector<std::string> widened;   ///< optional terms whose prior the data contradict
   std::vector<std::size_t> left_out;  ///< blocks whose velocity is an outlier
+  std::vector<std::string> lost;      ///< turns that no model explains
 };
 
-/// Repeats until the velocities that are used no longer change. Blocks whose velocity is an outlier are no longer observed in `data`. The optional
+/// Repeats until the velocities that are used no longer change. Blocks whose velocity is an outlier are no longer observed in `data`, and turns that
+/// no model explains are no longer in it. The optional
 /// groups are in the model, seen or not; they are tested where the user did not name them.
 Converged converge(Data& data, double significance);
 

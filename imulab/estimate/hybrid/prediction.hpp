@@ -19,6 +19,7 @@ struct Plan {
   Noise noise;
   Terms terms;                  ///< those of a calibration of this procedure
   bool observe_motion = false;  ///< on a turntable the velocity is zero while it turns, too
+  bool effects = false;         ///< as CalibrationOptions has it; not in `advise` and in the search for a path, which would take too long
 };
 
 /// The plan of a procedure with one recording; `terms` as CalibrationOptions has them. Throws Error where the latitude or the IMU's noise is not

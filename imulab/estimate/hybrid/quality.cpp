@@ -2,6 +2,7 @@
 
 #include "imulab/core/statistics.hpp"
 #include "imulab/core/units.hpp"
+#include "imulab/estimate/hybrid/turns.hpp"
 #include "imulab/recording/compensate_recording.hpp"
 
 #include <fmt/core.h>
@@ -20,7 +21,11 @@ namespace {
 
 /// Chi-square of the velocities in the last pass.
 void add_residuals(const Data& data, const Iterate& iterate, Quality& quality) {
-  quality.degrees_of_freedom = static_cast<int>(3 * data.observed() - (iterate.states.prior.array() > 0).count());
+  double estimated = static_cast<double>((iterate.states.prior.array() > 0).count());
+  const kernel::Parameters effects = parameters_of(data.unmodeled.effects);
+  for (Index k = 0; k < iterate.pass.effects.value.size(); ++k)  // what the data say beside the prior
+    estimated += 1 - iterate.pass.effects.covariance(k, k) / (effects.sigma[k] * effects.sigma[k]);
+  quality.degrees_of_freedom = static_cast<int>(3 * static_cast<double>(data.observed()) - estimated);
   quality.chi2_per_dof = iterate.pass.total_chi2() / std::max(1, quality.degrees_of_freedom);
 }
 
@@ -86,11 +91,14 @@ struct RestMotion {
   double duration = 0;  // s
 };
 
-std::vector<RestMotion> rests_of(const Data& data, const SensorModel& model) {
-  CompensatedReadings readings(data.recording, model);
+std::vector<RestMotion> rests_of(const Data& data, const Iterate& last) {
+  CompensatedReadings readings(data.recording, last.about.model);
+  kernel::Effects effects = data.unmodeled.effects;
+  if (last.pass.effects.value.size() > 0) effects.correct(last.pass.effects.value);
   std::vector<RestMotion> rests;
   bool new_rest = true;
-  for (const Block& block : data.blocks) {
+  for (std::size_t k = 0; k < data.blocks.size(); ++k) {
+    const Block& block = data.blocks[k];
     new_rest = new_rest || !block.at_rest || block.lost;
     if (!block.at_rest || !block.observed) continue;
     if (std::exchange(new_rest, false)) rests.emplace_back();
@@ -98,6 +106,10 @@ std::vector<RestMotion> rests_of(const Data& data, const SensorModel& model) {
     const double dt = data.recording.interval_s;
     for (std::size_t i = block.samples.begin; i < block.samples.end; ++i)
       rest.force += dt * readings.force(i), rest.rate += dt * readings.rate(i), rest.duration += dt;
+    if (effects.size() == 0) continue;
+    const OutputChange change = effects.output(last.pass.states[k]);
+    const double duration = dt * static_cast<double>(block.samples.size());
+    rest.force -= duration * change.force, rest.rate -= duration * change.rate;
   }
   for (RestMotion& rest : rests) rest.force /= rest.duration, rest.rate /= rest.duration;
   return rests;
@@ -121,8 +133,8 @@ struct Scatter {
 
 /// Offsets or scales that are not the same from rest to rest, while within each the velocities fit: the force is not g everywhere, or the rate along
 /// it not the Earth's. Unless slow noise is declared, which explains some.
-Scatter drift_between_rests(const Data& data, const SensorModel& model) {
-  const std::vector<RestMotion> rests = rests_of(data, model);
+Scatter drift_between_rests(const Data& data, const Iterate& last) {
+  const std::vector<RestMotion> rests = rests_of(data, last);
   const auto force = [](const RestMotion& r) { return r.force.norm(); };
   const auto rate = [](const RestMotion& r) { return r.force.normalized().dot(r.rate); };
   const Scatter forces{"the rests' mean forces", data.noise.accel_slow.any() ? 1 : scatter_of_rests(rests, data.noise.accel, force)};
@@ -141,7 +153,7 @@ void enlarge(const Data& data, const Iterate& iterate, Calibration& calibration,
   double factor = excess_of([](const Block& b) { return b.at_rest; });
   // The ramps of turns between two samples leave a few percent there; half as much again is more than that.
   if (const double in_turns = excess_of([](const Block& b) { return !b.at_rest; }); in_turns > 1.5) factor = std::max(factor, in_turns);
-  if (const auto [what, drift] = drift_between_rests(data, iterate.about.model); drift > factor) {
+  if (const auto [what, drift] = drift_between_rests(data, iterate); drift > factor) {
     constexpr double much = 5, much_of_velocities = 1.5;  // as residuals and scatter of all methods
     const std::string text = fmt::format("{} scatter {:.3g} times as much as the noise explains", what, drift);
     findings.warn(text + ", as offsets or scales do that drift; the uncertainties are enlarged by this factor");
@@ -211,6 +223,7 @@ void report(const Data& data, const Converged& result, const Site& site, Calibra
   calibration.quality.sources.push_back(kernel::gravity_source(site));
   kernel::warn_of_widened(findings, result.widened);
   judge_whiteness(last, findings);
+  kernel::add_dropped(findings, result.lost, result.lost.size() + motions_of(data.blocks).size(), "rotations");
   add_left_out(data, result.left_out, findings);
   findings.note(fmt::format("{} iterations over {} blocks", last.iterations, data.blocks.size()));
   if (const double heading = sigma(last.states.first(Group::start) + 2); last.states.has(Group::g_sensitivity) && heading > 3 * unit::deg)
@@ -228,6 +241,14 @@ void report(const Data& data, const Converged& result, const Site& site, Calibra
   }
   kernel::add_common_doubts(findings, calibration, site);
   kernel::doubt_latitude(findings, calibration, last.about.place.latitude, last.about.place.gravity);
+}
+
+void add_effects(const Data& data, const Iterate& last, Calibration& calibration, kernel::Findings& findings) {
+  const Separation::Estimate& estimate = last.pass.effects;
+  if (estimate.value.size() == 0) return;
+  kernel::Effects effects = data.unmodeled.effects;
+  effects.correct(estimate.value);
+  kernel::add_effects(calibration, findings, effects, estimate.covariance, 1e-3);
 }
 
 }  // namespace imulab::hybrid

@@ -1,6 +1,8 @@
 #include "imulab/estimate/kernel/clocks.hpp"
 
+#include "imulab/core/units.hpp"
 #include "imulab/estimate/kernel/findings.hpp"
+#include "imulab/model/coefficient.hpp"
 
 #include <fmt/core.h>
 
@@ -10,6 +12,9 @@
 #include <optional>
 
 namespace imulab::kernel {
+
+using Eigen::Index;
+using Eigen::VectorXd;
 
 namespace {
 
@@ -35,13 +40,14 @@ const char* gains_or_loses(const ClockRate& clock) { return clock.rate > 0 ? "ga
 std::optional<ClockGain> correct_rate(Session& session, const RecordingSource& source, const Recording& recording, std::vector<std::string>& said) {
   constexpr double allowed_s = 0.1;  // steps are declared to that; the methods allow for it
   const std::optional<ClockRate> found = clock_rate(recording, session.steps_of(source));
-  if (!found || std::abs(found->rate) < 5 * found->sigma) return std::nullopt;
-  if (std::abs(found->rate) * (recording.time_s(recording.size() - 1) - recording.time_s(0)) > allowed_s) {
+  if (!found) return std::nullopt;
+  ClockGain gain{recording.name, *found, recording.gyro_increment};
+  if (gain.significant() && std::abs(found->rate) * (recording.time_s(recording.size() - 1) - recording.time_s(0)) > allowed_s) {
     move_steps(session, source, [&](double step_s) { return found->late(step_s); });
     said.push_back(fmt::format("{}: its clock {} {:.0f} +/- {:.0f} ppm on that of the steps, by {} turns; the steps' times were moved",
                                recording.name, gains_or_loses(*found), 1e6 * std::abs(found->rate), 1e6 * found->sigma, found->turns));
   }
-  return ClockGain{recording.name, *found, recording.gyro_increment};
+  return gain;
 }
 
 /// The best known of the gyros' scales, relative; infinite where none is estimated.
@@ -68,18 +74,39 @@ std::vector<ClockGain> correct_clocks(Session& session, std::span<const Recordin
   return gains;
 }
 
+void state_clock(Calibration& calibration, const Session& session, const std::vector<ClockGain>& gains) {
+  constexpr double stamped = 50 * unit::ppm, nominal = 0.02;
+  std::vector<Eigen::Index> of_gyros;
+  for (std::size_t i = 0; i < calibration.estimated.size(); ++i) {
+    const Coefficient& c = coefficient(calibration.estimated[i]);
+    if (c.triad == Triad::gyro && c.term != Term::thermal) of_gyros.push_back(static_cast<Eigen::Index>(i));
+  }
+  if (of_gyros.empty()) return;
+  const bool unstamped = std::ranges::any_of(session.recordings, [](const RecordingSource& r) { return !r.time.column; });
+  double information = 1 / std::pow(unstamped ? nominal : stamped, 2), sum = 0;
+  for (const ClockGain& gain : gains) information += std::pow(gain.clock.sigma, -2), sum += gain.clock.rate * std::pow(gain.clock.sigma, -2);
+  ClockScale clock{session.imu.clock, sum / information, 1 / std::sqrt(information)};
+  // A clock that gains has short seconds: per true second the unit turns by more.
+  if (clock.seconds == "true") {
+    TriadModel& gyro = calibration.model.gyro;
+    VectorXd value(std::ssize(of_gyros));
+    for (Index k = 0; k < value.size(); ++k)
+      value[k] = coefficient_value(calibration.model, calibration.estimated[static_cast<std::size_t>(of_gyros[static_cast<std::size_t>(k)])]);
+    calibration.covariance(of_gyros, of_gyros) += clock.sigma * clock.sigma * value * value.transpose();
+    const double factor = 1 + clock.gain;
+    gyro.offset *= factor, gyro.matrix *= factor, gyro.quadratic *= factor, gyro.cubic *= factor;
+    calibration.model.g_sensitivity *= factor;
+  }
+  calibration.clock = std::move(clock);
+}
+
 void doubt_clock(Calibration& calibration, const ClockGain& gain) {
   const double rate = gain.clock.rate;
-  if (std::abs(rate) < gyro_scale_sigma(calibration) || (gain.increments && rate > 0)) return;
-  add_doubt(
-      calibration.quality,
-      gain.increments
-          ? fmt::format("{}: its clock loses {:.0f} ppm on that of the steps: if it does because samples are missing, the gyros' scales are off "
+  if (!gain.increments || !gain.significant() || rate > 0 || std::abs(rate) < gyro_scale_sigma(calibration)) return;
+  add_doubt(calibration.quality,
+            fmt::format("{}: its clock loses {:.0f} ppm on that of the steps: if it does because samples are missing, the gyros' scales are off "
                         "by as much; find out whether all samples were recorded",
-                        gain.recording, 1e6 * std::abs(rate))
-          : fmt::format("{}: its clock {} {:.0f} ppm on that of the steps{}: if the recording is wrong, so are the gyros' scales, by as much; find "
-                        "out which is right, and correct the other",
-                        gain.recording, gains_or_loses(gain.clock), 1e6 * std::abs(rate), rate > 0 ? "" : ", or samples are missing"));
+                        gain.recording, 1e6 * std::abs(rate)));
 }
 
 }  // namespace imulab::kernel

@@ -5,24 +5,32 @@
 #include "imulab/recording/session.hpp"
 #include "imulab/rig/clock_offset.hpp"
 
+#include <cmath>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace imulab::kernel {
 
-/// A recording whose clock gains on that of its steps by more than chance.
+/// By how much a recording's clock gains on that of its steps.
 struct ClockGain {
   std::string recording;
   ClockRate clock;
   bool increments = false;  ///< of the gyros
+
+  bool significant() const { return std::abs(clock.rate) >= 5 * clock.sigma; }
 };
 
-/// Moves the steps of recordings whose rig's log has another clock, and says so.
+/// Moves the steps of recordings whose rig's log has another clock, and says so; the gains that the steps show.
 std::vector<ClockGain> correct_clocks(Session& session, std::span<const Recording> recordings, std::vector<std::string>& said);
 
-/// One of the two clocks is wrong. If it is the recording's, so are the scales of gyros that read rates, by as much; if samples were lost without a
-/// trace in the stamps, so are those of increments. Doubtful where they are stated to be better known.
+/// States whose seconds the gyros' scales are in, and what is known of that clock: by the prior (50 ppm for a clock that stamped, 2 % where the rate
+/// is only nominal: docs/conventions.md) and by the steps' times. With [imu] clock = "true" the gyros' model becomes that of true seconds, as
+/// uncertain as the clock.
+void state_clock(Calibration& calibration, const Session& session, const std::vector<ClockGain>& gains);
+
+/// If samples of increments were lost without a trace in the stamps, the gyros' scales are off by as much. Doubtful where they are stated to be
+/// better known.
 void doubt_clock(Calibration& calibration, const ClockGain& gain);
 
 }  // namespace imulab::kernel

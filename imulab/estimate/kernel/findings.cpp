@@ -85,8 +85,6 @@ void add_common_doubts(Findings& findings, const Calibration& calibration, const
   // Real sensors in a hand show 3 to 10; five times the noise is another sensor, another motion or another place than was declared.
   if (quality.chi2_per_dof > 25)
     findings.doubt(fmt::format("the residuals are {:.0f} times what the noise explains", std::sqrt(quality.chi2_per_dof)));
-  if (quality.chi2_per_dof < 0.3 && quality.degrees_of_freedom >= 6)
-    findings.doubt("the residuals are far smaller than the declared noise: the uncertainties are too large");
   for (const CoefficientIndex index : calibration.estimated) {
     const Coefficient& c = coefficient(index);
     if (!is_scale(c)) continue;
@@ -144,6 +142,12 @@ void doubt_latitude(Findings& findings, const Calibration& calibration, double l
                   "the site's latitude",
                   instead->value / unit::deg, instead->sigma / unit::deg, latitude / unit::deg));
   findings.doubt(wrong_latitude);
+}
+
+void doubt_small_residuals(Quality& quality, const ImuDeclaration& imu) {
+  const bool declared = imu.accel_noise_density || imu.gyro_noise_density || imu.accel_noise || imu.gyro_noise;
+  if (declared && quality.chi2_per_dof < 0.3 && quality.degrees_of_freedom >= 6)
+    add_doubt(quality, "the residuals are far smaller than the declared noise: the uncertainties are too large");
 }
 
 void add_doubt(Quality& quality, std::string reason) {

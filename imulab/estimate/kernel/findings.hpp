@@ -56,6 +56,9 @@ void add_scatter(Findings& findings, std::string_view what, double factor);
 /// scales, a g that is not the place's.
 void add_common_doubts(Findings& findings, const Calibration& calibration, const Site& site);
 
+/// Residuals far below a declared noise. That of shaken rests is measured in their samples, and may average out.
+void doubt_small_residuals(Quality& quality, const ImuDeclaration& imu);
+
 /// Adds a reason to a verdict that has been given.
 void add_doubt(Quality& quality, std::string reason);
 

@@ -75,6 +75,24 @@ double widening(const Eigen::VectorXd& value, const Eigen::VectorXd& prior_sigma
   return n > 0 && chi2 > chi_square_quantile(0.999, n) ? 2 * std::sqrt(chi2 / n) : 1;
 }
 
+double evidence_of_wider(const Eigen::VectorXd& value, const Eigen::VectorXd& prior_sigma, const Eigen::MatrixXd& covariance, double factor) {
+  // In units of the prior, along the eigenvectors of P with eigenvalues p, the data alone say V = 1/p - 1 and s = x/p.
+  const Eigen::VectorXd unit = prior_sigma.cwiseInverse(), in_sigmas = unit.cwiseProduct(value);
+  const SymmetricEigen posterior = symmetric_eigen(unit.asDiagonal() * covariance * unit.asDiagonal());
+  const Eigen::VectorXd along = posterior.vectors.transpose() * in_sigmas;
+  const double wide = factor * factor;
+  double sum = 0;
+  for (Eigen::Index i = 0; i < along.size(); ++i) {
+    const double p = std::clamp(posterior.values[i], 1e-12, 1.0), V = 1 / p - 1, s = along[i] / p;
+    sum += 0.5 * (s * s * (wide / (1 + wide * V) - 1 / (1 + V)) - std::log1p(wide * V) + std::log1p(V));
+  }
+  return sum;
+}
+
+void widen_prior(PriorSizes& sizes, const Coefficient& c, double factor) {
+  if (double* const size = size_of(sizes, c)) *size *= factor;
+}
+
 std::vector<std::string> widen_priors(PriorSizes& sizes, const std::vector<CoefficientIndex>& indices, const Eigen::VectorXd& value,
                                       const Eigen::VectorXd& prior_sigma, const Eigen::MatrixXd& covariance) {
   struct Group {

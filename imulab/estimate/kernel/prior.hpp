@@ -55,6 +55,13 @@ PriorSizes optional_priors(const ImuDeclaration& imu, const Vector3d& accel_offs
 /// them less than once in a thousand. Twice their size over what is expected of it, so that the prior pulls neither them nor others. Else 1.
 double widening(const Eigen::VectorXd& value, const Eigen::VectorXd& prior_sigma, const Eigen::MatrixXd& covariance);
 
+/// The logarithm of the ratio of the data's probabilities under a prior about zero that is wider by `factor`, and under the present one with which
+/// the estimates were made.
+double evidence_of_wider(const Eigen::VectorXd& value, const Eigen::VectorXd& prior_sigma, const Eigen::MatrixXd& covariance, double factor);
+
+/// Widens that of an optional term.
+void widen_prior(PriorSizes& sizes, const Coefficient& c, double factor);
+
 /// Widens those of `sizes` that these estimates contradict, term by term; their names. Other coefficients among `indices` do not count.
 std::vector<std::string> widen_priors(PriorSizes& sizes, const std::vector<CoefficientIndex>& indices, const Eigen::VectorXd& value,
                                       const Eigen::VectorXd& prior_sigma, const Eigen::MatrixXd& covariance);

@@ -113,6 +113,7 @@ Fit converge_under_true_priors(Problem& problem) {
   kernel::refine(
       most_rounds, [&] { fit = converge(problem); },
       [&] {
+        if (problem.effects().size() > 0) return problem.widen_beside_effects(problem.conditions({}), problem.parameters());
         Problem wider = problem;
         if (!wider.widen_priors(fit.parameters, fit.adjustment.solution.covariance) || curvature(problem, fit) > most_curvature) return false;
         problem = std::move(wider);

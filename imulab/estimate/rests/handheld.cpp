@@ -213,7 +213,8 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   const std::vector<DeclaredTurn> turns = declared_turns(session, session.source_of(recording.name));
   start_gyro(start, recording, !turns.empty());
   coarse::use_declared_gyro_noise(start, recording, session.imu);
-  const std::vector<CoefficientIndex> indices = choose_coefficients(start, session, options.terms, handheld_coefficients(), "handheld");
+  const std::vector<CoefficientIndex> indices =
+      choose_coefficients(start, session, recording, options.effects, options.terms, handheld_coefficients(), "handheld");
 
   HandheldProblem whole(recording, start, session.site, indices, turns);
   const std::size_t usable_turns = whole.turns(), parts = start.rests.size() + whole.rotations();
@@ -240,6 +241,7 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   // An uncalibrated gyro of 2 % predicts turns of a right angle to about 1 deg.
   if (quality.rotation_residual_deg.value_or(0) > 1)
     findings.doubt(fmt::format("held-out rotations are predicted no better than to {:.2g} deg", *quality.rotation_residual_deg));
+  kernel::add_effects(result.calibration, findings, problem.effects(), fit.covariance(), 1e-3);
   kernel::conclude(result.calibration, findings);
   result.missing_turns = next_turns(problem, fit, options.handheld);
   return result;

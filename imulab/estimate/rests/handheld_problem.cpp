@@ -31,80 +31,32 @@ std::size_t integral_of(const Coefficient& c) {
 
 HandheldProblem::HandheldProblem(const Recording& recording, const coarse::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices,
                                  const std::vector<DeclaredTurn>& turns)
-    : RestProblem(start, site, std::move(indices)), recording_(&recording), links_(rests_.empty() ? 0 : rests_.size() - 1) {
+    : RestProblem(start, site, std::move(indices)),
+      recording_(&recording),
+      recorded_(start.recorded),
+      links_(rests_.empty() ? 0 : rests_.size() - 1) {
   if (latitude_) earth_up_ = earth_rate * std::sin(*latitude_);
   turning_sigma_ = (noise_.sample.gyro.cwiseAbs2() + noise_.rounding.gyro.cwiseAbs2()).cwiseSqrt();
   common_rounding_ = rounding_in_common();
+  stillness_ = stillness_of(recording, start.rests, model_, scaling_, turning_sigma_, noise_.rounding.gyro);
+  std::vector<RestMeans> leveled = start.rests;
+  level_at_middle(recording, leveled, stillness_.weight(), model_, scaling_);
+  for (std::size_t k = 0; k < rests_.size(); ++k) rests_[k].accel = leveled[k].accel;
   relink();
   add_turns(turns);
 }
 
-void HandheldProblem::add_turns(const std::vector<DeclaredTurn>& turns) {
-  if (turns.empty()) return;
-  const double scale = recording_->gyro_unit == "count" ? 0.5 : 0.2;  // of counts it is taken from the motion; else as far as anywhere
-  integrate();
-  for (std::size_t k = 0; k < links_.size(); ++k) {
-    const auto between = [&](const DeclaredTurn& turn) { return rests_[k].mid_s < turn.middle() && turn.middle() < rests_[k + 1].mid_s; };
-    if (!linked(k) || std::count_if(turns.begin(), turns.end(), between) != 1) continue;
-    const DeclaredTurn& turn = *std::find_if(turns.begin(), turns.end(), between);
-    if (turn.moves_on) continue;
-    links_[k].turn = turn;
-    if (const std::string wrong = contradiction(turn, swept(links_[k]), scale); !wrong.empty())
-      throw Error(fmt::format("{}: {}; expected the turn as it was done", recording_->name, wrong));
-  }
-}
-
 Vector3d HandheldProblem::rounding_in_common() const {
   Vector3d common = Vector3d::Zero(), low = Vector3d::Constant(HUGE_VAL), high = -low;
-  for (const RestMeans& rest : rests_) low = low.cwiseMin(scaling_.gyro(rest.gyro)), high = high.cwiseMax(scaling_.gyro(rest.gyro));
+  for (const Rest& rest : rests_) low = low.cwiseMin(scaling_.gyro(rest.gyro)), high = high.cwiseMax(scaling_.gyro(rest.gyro));
   for (Index j = 0; j < 3; ++j)  // means within a step of each other: the true values are, too
     if (high[j] - low[j] <= noise_.step.gyro[j]) common[j] = noise_.rounding.gyro[j];
   return common;
 }
 
-void HandheldProblem::relink() {
-  for (std::size_t k = 0; k < links_.size(); ++k) {
-    const std::size_t begin = rests_[k].range.end, end = rests_[k + 1].range.begin;
-    // A gap before sample `end` itself is missing motion too. Rests that adjoin have no rotation between them.
-    links_[k].usable =
-        !rests_alone_ && !links_[k].refused && recording_->gaps_in({begin, end + 1}) == 0 && recording_->saturated_in({begin, end}) == 0;
-  }
-  stretch_.assign(rests_.size(), 0);
-  for (std::size_t k = 1; k < rests_.size(); ++k) stretch_[k] = stretch_[k - 1] + (linked(k - 1) ? 0 : 1);
-  earth_horizontal_.assign(rests_.empty() ? 0 : stretch_.back() + 1, Eigen::Vector2d::Zero());
-}
-
-std::size_t HandheldProblem::rotations() const {
-  return static_cast<std::size_t>(std::count_if(links_.begin(), links_.end(), [](const Link& link) { return link.usable; }));
-}
-
-std::size_t HandheldProblem::turns(bool refused) const {
-  return static_cast<std::size_t>(
-      std::count_if(links_.begin(), links_.end(), [&](const Link& link) { return link.turn && (refused ? link.refused : link.usable); }));
-}
-
-Vector3d HandheldProblem::swept(const Link& link) const { return model_.gyro.offset * link.now.duration_s + model_.gyro.matrix * link.now.reading; }
-
 Vector3d HandheldProblem::earth_rate_of(std::size_t rest) const {
   const Eigen::Vector2d& h = earth_horizontal_[stretch_[rest]];
   return {h.x(), h.y(), earth_up_};
-}
-
-void HandheldProblem::integrate() {
-  for (std::size_t k = 0; k < links_.size(); ++k) {
-    Link& link = links_[k];
-    if (!link.usable) continue;
-    if (link.at) {  // a small step follows from the derivatives: the second-order part of 1e-4 rad is below 1e-8 rad
-      const Vector3d angle = link.rotation.change(link.at->gyro, link.at->g_sensitivity, model_.gyro, model_.g_sensitivity);
-      if (angle.norm() < 1e-4 &&
-          (model_.accel.matrix - link.at->accel.matrix).norm() + (model_.accel.offset - link.at->accel.offset).norm() < 1e-3 * gravity_) {
-        link.now.C = rotation_exp(angle) * link.rotation.C;
-        continue;
-      }
-    }
-    link.rotation = link.now = integrate_rotation(*recording_, {rests_[k].range.end, rests_[k + 1].range.begin}, model_, scaling_, turning_sigma_);
-    link.at = model_;
-  }
 }
 
 void HandheldProblem::follow_attitudes() {
@@ -126,10 +78,10 @@ kernel::Parameters HandheldProblem::parameters() const {
   const auto first = static_cast<Index>(indices_.size());
   kernel::Parameters out = RestProblem::parameters(nuisances());
   const double sigma = latitude_ ? std::max(earth_rate * std::cos(*latitude_) / std::sqrt(2.0), 1e-3 * earth_rate) : earth_rate / std::sqrt(3.0);
-  out.sigma.tail(nuisances()).setConstant(sigma);
+  out.sigma.segment(first, nuisances()).setConstant(sigma);
   if (!latitude_) out.offset[first] = -earth_up_;
   for (std::size_t s = 0; s < earth_horizontal_.size(); ++s) out.offset.segment<2>(earth_column(s)) = -earth_horizontal_[s];
-  out.sigma.tail<3>() = common_rounding_, out.offset.tail<3>() = -rounding_;
+  out.sigma.segment<3>(rounding_column()) = common_rounding_, out.offset.segment<3>(rounding_column()) = -rounding_;
   for (Index j = 0; j < 3; ++j)
     if (common_rounding_[j] == 0) out.role[static_cast<std::size_t>(rounding_column() + j)] = kernel::Role::fixed;
   return out;
@@ -137,15 +89,15 @@ kernel::Parameters HandheldProblem::parameters() const {
 
 Eigen::VectorXd HandheldProblem::longest_step() const {
   Eigen::VectorXd longest = RestProblem::longest_step(nuisances());
-  longest.tail(nuisances()).setConstant(earth_rate);
-  longest.tail<3>().setConstant(kernel::no_prior);
+  longest.segment(std::ssize(indices_), nuisances()).setConstant(earth_rate);
+  longest.segment<3>(rounding_column()).setConstant(kernel::no_prior);
   return longest;
 }
 
 Conditions HandheldProblem::conditions(const Spreads& spreads) {
   integrate();
   follow_attitudes();
-  Conditions c(static_cast<Index>(4 * rests_.size() + 2 * rotations() + turns()), rounding_column() + 3);
+  Conditions c(static_cast<Index>(4 * rests_.size() + 2 * rotations() + turns()), rounding_column() + 3 + effects_.size());
   Index row = 0;
   for (std::size_t k = 0; k < rests_.size(); ++k) {
     c.blocks.push_back(block_of(row, k, spreads));
@@ -179,6 +131,9 @@ CovarianceBlock HandheldProblem::block_of(Index row, std::size_t k, const Spread
   rows_by_force.row(0) = up.transpose();
   block.covariance.setZero(block.size, block.size);
   block.covariance.block<3, 3>(1, 1) = rate_covariance(rests_[k], spreads[1]);
+  // By the wander of both halves the mean rate is not the Earth's.
+  const double duration = static_cast<double>(rests_[k].range.size()) * recording_->interval_s;
+  block.covariance.diagonal().segment<3>(1).array() += 2 * std::pow(stillness_.wander / duration, 2);
   if (linked(k)) {
     const Carried c = carried(k);
     rows_by_force.middleRows<2>(4) = c.difference_by_force;
@@ -204,7 +159,7 @@ CovarianceBlock HandheldProblem::block_of(Index row, std::size_t k, const Spread
 /// |f| - g = 0, and W0 + W1 (v - r) + C f - C_bn w_ie = 0 with the part r of the rounding that all rests share. That the force turns C_bn and enters
 /// C f is of second order: w_ie and C are small.
 void HandheldProblem::add_rest_rows(Conditions& c, Index row, std::size_t k) const {
-  const RestMeans& rest = rests_[k];
+  const Rest& rest = rests_[k];
   const Vector3d force = force_at(rest);
   const Matrix3d C_bn = C_nb_[k].transpose();
   c.value[row] = force.norm() - gravity_;
@@ -235,6 +190,11 @@ void HandheldProblem::add_rotation_rows(Conditions& c, Index row, std::size_t k)
     if (term.triad != Triad::gyro) continue;
     c.jacobian.col(static_cast<Index>(i)).segment(row, rows) = up.rows_by_rotation * rotation.phi[integral_of(term)].col(term.row);
   }
+  const Index first = rounding_column() + 3;
+  Index gyro = 0;
+  for (Index i = 0; i < effects_.size(); ++i)
+    if (effects_.columns()[static_cast<std::size_t>(i)].effect->changes(Triad::gyro))
+      c.jacobian.col(first + i).segment(row, rows) = -up.rows_by_rotation * rotation.by_effect.col(gyro++);
   const ByRotation rows_by_earth_rate = -rotation.duration_s * up.rows_by_rotation * C_nb_[k].transpose();
   if (!latitude_) c.jacobian.block(row, static_cast<Index>(indices_.size()), rows, 1) = rows_by_earth_rate.col(2);
   c.jacobian.block(row, earth_column(stretch_[k]), rows, 2) = rows_by_earth_rate.leftCols<2>();
@@ -244,7 +204,7 @@ void HandheldProblem::correct(const Eigen::VectorXd& correction) {
   RestProblem::correct(correction);
   if (!latitude_) earth_up_ += correction[static_cast<Index>(indices_.size())];
   for (std::size_t s = 0; s < earth_horizontal_.size(); ++s) earth_horizontal_[s] += correction.segment<2>(earth_column(s));
-  rounding_ += correction.tail<3>();
+  rounding_ += correction.segment<3>(rounding_column());
 }
 
 void HandheldProblem::extend(const Vector3d& axis, double angle, double rest_s) {
@@ -273,10 +233,12 @@ void HandheldProblem::extend(const Vector3d& axis, double angle, double rest_s) 
   }
   Link link;
   link.usable = true;
-  link.rotation = link.now = integrate_rotation(turn, {0, pieces}, model_, scaling_, std::sqrt(recording_->interval_s / dt) * turning_sigma_);
+  link.rotation = link.now = integrated(turn, {0, pieces}, std::sqrt(recording_->interval_s / dt) * turning_sigma_);
+  link.now.C = corrected(link.rotation, Vector3d::Zero());
   link.at = model_;
   const Vector3d accel = accel_of(angle);
-  RestMeans rest;
+  Rest rest;
+  rest.observed = rests_.back().observed;
   rest.range = {0, std::max<std::size_t>(1, static_cast<std::size_t>(rest_s / recording_->interval_s))};
   rest.accel = reading_at(accel, true), rest.gyro = reading_at(gyro_of(Vector3d::Zero(), accel), false);
   rests_.push_back(rest);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "imulab/estimate/rests/problem.hpp"
+#include "imulab/estimate/rests/stillness.hpp"
 #include "imulab/estimate/rests/turns.hpp"
 #include "imulab/navigation/integration/integrated_rotation.hpp"
 
@@ -79,14 +80,21 @@ class HandheldProblem : public RestProblem {
   CovarianceBlock block_of(Eigen::Index row, std::size_t k, const Spreads& spreads) const;
   Eigen::Index earth_column(std::size_t stretch) const;
   Eigen::Index rounding_column() const { return earth_column(earth_horizontal_.size()); }
+  IntegratedRotation integrated(const Recording& recording, Range range, const Vector3d& sigma) const;
+  /// From the middle of a rest to that of the next.
+  IntegratedRotation between_middles(std::size_t rest) const;
+  /// The rotation at the present model, turned by a small angle and by what the effects make of it.
+  Matrix3d corrected(const IntegratedRotation& rotation, const Vector3d& angle) const;
   Eigen::Index nuisances() const { return rounding_column() + 3 - std::ssize(indices_); }
   Vector3d rounding_in_common() const;
 
   const Recording* recording_;
+  std::optional<kernel::RecordedStates> recorded_;  ///< with effects
   bool rests_alone_ = false;
-  std::vector<Link> links_;               ///< links_[k] leads from rest k to rest k + 1
-  std::vector<std::size_t> stretch_;      ///< of each rest
-  std::vector<Matrix3d> C_nb_;            ///< attitude of each rest; heading relative to the stretch's first
+  std::vector<Link> links_;           ///< links_[k] leads from rest k to rest k + 1
+  std::vector<std::size_t> stretch_;  ///< of each rest
+  std::vector<Matrix3d> C_nb_;        ///< attitude of each rest; heading relative to the stretch's first
+  Stillness stillness_;
   Vector3d turning_sigma_;                ///< of a gyro sample while the unit turns: its rounding errors are independent then
   Vector3d common_rounding_;              ///< standard deviation; zero where the rests do not share it
   Vector3d rounding_ = Vector3d::Zero();  ///< the shared one

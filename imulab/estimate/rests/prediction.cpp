@@ -75,13 +75,15 @@ Prediction prediction(std::string_view method, const Foreseen& of, const Predict
 Prediction predict_static(const Session& procedure, const PredictionOptions& options) {
   Foreseen f = foresee(procedure);
   const bool with_gyros = start_gyros_at_rest(f.start, f.recording, f.session);
-  const std::vector<CoefficientIndex> indices = choose_coefficients(f.start, f.session, options.terms, static_coefficients(with_gyros), "static");
+  const std::vector<CoefficientIndex> indices =
+      choose_coefficients(f.start, f.session, f.recording, options.effects, options.terms, static_coefficients(with_gyros), "static");
   return prediction("static", f, options, StaticProblem(f.start, f.session.site, indices, with_gyros));
 }
 
 Prediction predict_handheld(const Session& procedure, const PredictionOptions& options) {
   Foreseen f = foresee(procedure);
-  const std::vector<CoefficientIndex> indices = choose_coefficients(f.start, f.session, options.terms, handheld_coefficients(), "handheld");
+  const std::vector<CoefficientIndex> indices =
+      choose_coefficients(f.start, f.session, f.recording, options.effects, options.terms, handheld_coefficients(), "handheld");
   return prediction("handheld", f, options,
                     HandheldProblem(f.recording, f.start, f.session.site, indices, declared_turns(f.session, f.session.source_of(f.recording.name))));
 }

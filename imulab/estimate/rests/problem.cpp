@@ -81,10 +81,54 @@ std::vector<CoefficientIndex> handheld_coefficients() {
   return out;
 }
 
-std::vector<CoefficientIndex> choose_coefficients(coarse::RestStart& start, const Session& session, const std::vector<CoefficientIndex>& wanted,
-                                                  const std::vector<CoefficientIndex>& supplied, std::string_view method) {
+namespace {
+
+/// Gyros that are not calibrated have no effects. Offsets of counts tell nothing: those of a MEMS sensor.
+kernel::Effects expected_effects(const coarse::RestStart& start, const Session& session, bool gyros) {
+  return kernel::Effects(kernel::effect_sizes(session, to_raw(start.model, start.scaling).accel.offset),
+                         {.accel = true,
+                          .gyro = gyros,
+                          .thermometer = start.recorded->thermometer(),
+                          .latitude = session.site.latitude.has_value(),
+                          .recordings = start.recorded->recordings()});
+}
+
+}  // namespace
+
+std::vector<EffectState> rest_states(const Recording& recording, const coarse::RestStart& start, const kernel::RecordedStates& recorded) {
+  std::vector<EffectState> states(start.rests.size());
+  PlayOperator play(recorded.at(0).gravity);
+  const Vector3d noise = start.noise.accel.cwiseQuotient(start.scaling.accel_scale);
+  std::size_t sample = 0;
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    const RestMeans& rest = start.rests[k];
+    EffectState& state = states[k];
+    state = recorded.at(rest.range.begin + rest.range.size() / 2);
+    Vector3d square = Vector3d::Zero();
+    const Vector3d mean = linear_output(start.model.accel, start.accel(rest));
+    for (; sample < rest.range.end; ++sample) {
+      const Vector3d force = linear_output(start.model.accel, start.scaling.accel(reading_at(recording.accel, sample)));
+      const Vector3d now = play(force);
+      if (sample < rest.range.begin) continue;
+      state.play += now / static_cast<double>(rest.range.size());
+      square += (force - mean).cwiseAbs2() / static_cast<double>(rest.range.size());
+    }
+    state.shaking = square - start.model.accel.matrix.cwiseAbs2() * noise.cwiseAbs2();
+  }
+  return states;
+}
+
+std::vector<CoefficientIndex> choose_coefficients(coarse::RestStart& start, const Session& session, const Recording& recording, bool with_effects,
+                                                  const std::vector<CoefficientIndex>& wanted, const std::vector<CoefficientIndex>& supplied,
+                                                  std::string_view method) {
   const std::vector<CoefficientIndex> chosen = kernel::chosen_coefficients(wanted, supplied, method);
   start.terms = expected_terms(start, session);
+  const auto of_gyros = [](CoefficientIndex index) { return coefficient(index).triad == Triad::gyro; };
+  if (with_effects) {
+    start.recorded.emplace(recording, session, start.model, start.scaling);
+    start.effects = expected_effects(start, session, std::any_of(chosen.begin(), chosen.end(), of_gyros));
+    start.states = rest_states(recording, start, *start.recorded);
+  }
   start.named = !wanted.empty();
   for (const CoefficientIndex index : supplied) {
     if (contains(chosen, index)) continue;
@@ -98,8 +142,7 @@ std::vector<CoefficientIndex> choose_coefficients(coarse::RestStart& start, cons
 }
 
 RestProblem::RestProblem(const coarse::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices)
-    : rests_(start.rests),
-      gravity_(site.gravity()),
+    : gravity_(site.gravity()),
       relative_gravity_sigma_(site.gravity_sigma() / gravity_),
       latitude_(site.latitude),
       scaling_(start.scaling),
@@ -107,8 +150,11 @@ RestProblem::RestProblem(const coarse::RestStart& start, const Site& site, std::
       model_(start.model),
       prior_(start.prior),
       sizes_(start.terms),
+      effects_(start.effects),
       indices_(std::move(indices)),
       roles_(indices_.size(), kernel::Role::estimated) {
+  for (std::size_t k = 0; k < start.rests.size(); ++k)
+    rests_.push_back({start.rests[k], start.states.empty() ? EffectState{.gravity = gravity_} : start.states[k]});
   sizes_.accel.offset = 0.2 * gravity_, sizes_.gyro.offset = 1.0;
   for (kernel::TriadPrior* triad : {&sizes_.accel, &sizes_.gyro}) triad->scale = 0.2, triad->misalignment = 1e-2;
   for (std::size_t i = 0; i < indices_.size(); ++i) {
@@ -125,12 +171,13 @@ double RestProblem::prior_sigma(const Coefficient& c) const {
 }
 
 kernel::Parameters RestProblem::parameters(Index nuisances) const {
-  kernel::Parameters out(std::ssize(indices_) + nuisances);
+  kernel::Parameters out(std::ssize(indices_) + nuisances + effects_.size());
   for (std::size_t i = 0; i < indices_.size(); ++i) {
     out.role[i] = roles_[i];
     out.offset[static_cast<Index>(i)] = coefficient_value(prior_, indices_[i]) - coefficient_value(model_, indices_[i]);
     out.sigma[static_cast<Index>(i)] = prior_sigma(coefficient(indices_[i]));
   }
+  effects_.add_to(out);
   return out;
 }
 
@@ -172,8 +219,35 @@ bool RestProblem::widen_priors(const kernel::Parameters& parameters, const Eigen
   return !names.empty();
 }
 
+bool RestProblem::widen_beside_effects(const Conditions& under_noise, const kernel::Parameters& parameters) {
+  std::vector<kernel::PriorGroup> groups = effects_.prior_groups(parameters.size());
+  std::map<std::string, std::vector<Index>> terms;
+  for (const Index i : parameters.with(kernel::Role::estimated)) {
+    if (i >= std::ssize(indices_)) break;
+    const Coefficient& c = coefficient(indices_[static_cast<std::size_t>(i)]);
+    if (is_optional(c.term)) terms[fmt::format("{}.{}", to_string(c.triad), to_string(c.term))].push_back(i);
+  }
+  for (const auto& [name, at] : terms) groups.push_back({name, at});
+  const std::optional<kernel::Contradicted> found = kernel::contradicted_prior(under_noise.information(), parameters, groups);
+  if (!found) return false;
+  effects_.add_causes(found->alike);
+  const kernel::PriorGroup& group = groups[found->group];
+  const bool effect = found->group < effects_.groups().size();
+  double& by = widening_.try_emplace(group.name, 1).first->second;
+  const double factor = std::min(found->factor, kernel::Effects::most_widening / by);
+  if (!(factor > 1)) return false;
+  by *= factor;
+  if (effect) {
+    effects_.widen({found->group, factor, 0});
+  } else {
+    kernel::widen_prior(sizes_, coefficient(indices_[static_cast<std::size_t>(group.at.front())]), factor);
+    if (std::find(widened_.begin(), widened_.end(), group.name) == widened_.end()) widened_.push_back(group.name);
+  }
+  return true;
+}
+
 VectorXd RestProblem::longest_step(Index nuisances) const {
-  VectorXd longest = VectorXd::Constant(std::ssize(indices_) + nuisances, kernel::no_prior);
+  VectorXd longest = VectorXd::Constant(std::ssize(indices_) + nuisances + effects_.size(), kernel::no_prior);
   for (std::size_t i = 0; i < indices_.size(); ++i)
     if (const Coefficient& c = coefficient(indices_[i]); !is_optional(c.term)) longest[static_cast<Index>(i)] = prior_sigma(c);
   return longest;
@@ -190,27 +264,49 @@ void RestProblem::release() {
 void RestProblem::correct(const VectorXd& correction) {
   for (std::size_t i = 0; i < indices_.size(); ++i)
     set_coefficient(model_, indices_[i], coefficient_value(model_, indices_[i]) + correction[static_cast<Index>(i)]);
+  effects_.correct(correction);
 }
 
-Vector3d RestProblem::rate_at(const RestMeans& rest) const {
-  return output(model_.gyro, scaling_.gyro(rest.gyro)) + model_.g_sensitivity * force_at(rest);
+EffectState RestProblem::state_at(const Rest& rest) const {
+  EffectState state = rest.observed;
+  state.force = imulab::output(model_.accel, scaling_.accel(rest.accel));
+  state.rate = imulab::output(model_.gyro, scaling_.gyro(rest.gyro));
+  if (latitude_) {
+    const Vector3d up = state.force.normalized(), rate = state.rate + model_.g_sensitivity * state.force, across = rate - up.dot(rate) * up;
+    const double horizontal = earth_rate * std::cos(*latitude_);
+    state.by_latitude.rate = horizontal * up;
+    // Only gyros that resolve the Earth's rate show where north is.
+    if (std::abs(across.norm() - horizontal) < 0.5 * horizontal) state.by_latitude.rate -= earth_rate * std::sin(*latitude_) * across.normalized();
+  }
+  return state;
 }
 
-Matrix3d RestProblem::force_covariance(const RestMeans& rest, double spread) const {
+Vector3d RestProblem::force_at(const Rest& rest) const {
+  const EffectState state = state_at(rest);
+  return state.force - effects_.output(state).force;
+}
+
+Vector3d RestProblem::rate_at(const Rest& rest) const {
+  const EffectState state = state_at(rest);
+  return state.rate + model_.g_sensitivity * force_at(rest) - effects_.output(state).rate;
+}
+
+Matrix3d RestProblem::force_covariance(const Rest& rest, double spread) const {
   return mean_covariance(model_.accel, noise_.sample.accel, noise_.rounding.accel, rest.range.size(), spread);
 }
 
-Matrix3d RestProblem::rate_covariance(const RestMeans& rest, double spread) const {
+Matrix3d RestProblem::rate_covariance(const Rest& rest, double spread) const {
   return mean_covariance(with_half_the_scale_at_least(model_.gyro, prior_.gyro), noise_.sample.gyro, noise_.rounding.gyro, rest.range.size(), spread);
 }
 
-void RestProblem::add_derivatives(Conditions& c, Index row, Triad triad, const RestMeans& rest, const Eigen::MatrixXd& by_output) const {
+void RestProblem::add_derivatives(Conditions& c, Index row, Triad triad, const Rest& rest, const Eigen::MatrixXd& by_output) const {
   const Vector3d reading = triad == Triad::accel ? scaling_.accel(rest.accel) : scaling_.gyro(rest.gyro), force = force_at(rest);
   for (std::size_t i = 0; i < indices_.size(); ++i) {
     const Coefficient& term = coefficient(indices_[i]);
     if (term.triad != triad) continue;
     c.jacobian.col(static_cast<Index>(i)).segment(row, by_output.rows()) += input_of(term, reading, force) * by_output.col(term.row);
   }
+  effects_.add_derivatives(c.jacobian, row, triad, by_output, state_at(rest));
 }
 
 std::vector<SuspectRows> RestProblem::suspects(const Conditions& conditions) const {
@@ -222,50 +318,6 @@ std::vector<SuspectRows> RestProblem::suspects(const Conditions& conditions) con
     for (Index row = block.first; row < block.first + block.size; ++row) suspect.rows.push_back(row);
   }
   return all;
-}
-
-using Eigen::MatrixXd;
-
-StaticProblem::StaticProblem(const coarse::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices, bool with_gyros)
-    : RestProblem(start, site, std::move(indices)), with_gyros_(with_gyros) {}
-
-Conditions StaticProblem::conditions(const Spreads& spreads) const {
-  const Index per_rest = with_gyros_ ? 3 : 1, rests = static_cast<Index>(rests_.size());
-  Conditions c(per_rest * rests, static_cast<Index>(indices_.size()));
-  for (Index k = 0; k < rests; ++k) add_rest(c, per_rest * k, rests_[static_cast<std::size_t>(k)], spreads);
-  return c;
-}
-
-void StaticProblem::add_rest(Conditions& c, Index row, const RestMeans& rest, const Spreads& spreads) const {
-  const Index rows = with_gyros_ ? 3 : 1;
-  const Vector3d force = force_at(rest), up = force.normalized();
-  // The derivatives of the rest's rows by its force and by its rate.
-  MatrixXd rows_by_force = MatrixXd::Zero(rows, 3), rows_by_rate = MatrixXd::Zero(rows, 3);
-  rows_by_force.row(0) = up.transpose();
-  c.value[row] = force.norm() - gravity_;
-  Matrix3d rate_noise = Matrix3d::Zero();
-  if (with_gyros_) {
-    const Vector3d rate = rate_at(rest);
-    const double vertical = up.dot(rate);
-    const Vector3d across = rate - vertical * up, north = across.normalized(), east = north.cross(up);
-    const Matrix3d turn_up = direction_derivative(force);
-    rate_noise = rate_covariance(rest, spreads[1]);
-    rows_by_rate.row(1) = up.transpose();
-    rows_by_force.row(1) = rate.transpose() * turn_up;
-    rows_by_rate.row(2) = north.transpose();
-    rows_by_force.row(2) = -vertical * north.transpose() * turn_up;
-    c.value[row + 1] = vertical - earth_rate * std::sin(*latitude_);
-    // Noise across north lengthens the horizontal part by var / (2 |w|) on average.
-    c.value[row + 2] = across.norm() - east.dot(rate_noise * east) / (2 * across.norm()) - earth_rate * std::cos(*latitude_);
-    std::fill_n(c.kind.begin() + row + 1, 2, Kind::gyro_rest);
-  }
-  add_derivatives(c, row, Triad::accel, rest, rows_by_force);
-  add_derivatives(c, row, Triad::gyro, rest, rows_by_rate);
-  c.blocks.push_back(
-      {row,
-       rows,
-       rows_by_force * force_covariance(rest, spreads[0]) * rows_by_force.transpose() + rows_by_rate * rate_noise * rows_by_rate.transpose(),
-       {}});
 }
 
 }  // namespace imulab::rests

@@ -4,6 +4,7 @@
 #include "imulab/estimate/coarse/rest_start.hpp"
 #include "imulab/estimate/rests/conditions.hpp"
 
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,19 +20,29 @@ struct SuspectRows {
   bool rotation = false;
 };
 
+/// A rest and the part of its state that does not follow from its means.
+struct Rest : RestMeans {
+  EffectState observed;
+};
+
+/// The states of the rests: their time, the accelerometers' play, the force's variance, the temperature.
+std::vector<EffectState> rest_states(const Recording& recording, const coarse::RestStart& start, const kernel::RecordedStates& recorded);
+
 /// The coefficients that the two methods estimate: those observable in gravity at rest, with the gyros at rest; and with the rotations between rests.
 std::vector<CoefficientIndex> static_coefficients(bool with_gyros);
 std::vector<CoefficientIndex> handheld_coefficients();
 
 /// kernel::chosen_coefficients, once `start.model` has both triads; those of `supplied` that are not chosen are set to their prior. Sets
-/// `start.terms` and `start.named`. Throws TermsError for offsets and scales of counts that are not chosen, too.
-std::vector<CoefficientIndex> choose_coefficients(coarse::RestStart& start, const Session& session, const std::vector<CoefficientIndex>& wanted,
-                                                  const std::vector<CoefficientIndex>& supplied, std::string_view method);
+/// `start.terms`, `start.effects` with `start.states`, and `start.named`. Throws TermsError for offsets and scales of counts that are not chosen,
+/// too.
+std::vector<CoefficientIndex> choose_coefficients(coarse::RestStart& start, const Session& session, const Recording& recording, bool with_effects,
+                                                  const std::vector<CoefficientIndex>& wanted, const std::vector<CoefficientIndex>& supplied,
+                                                  std::string_view method);
 
 /// A derived problem with unknowns or parts of its own shadows the functions that handle these.
 class RestProblem {
  public:
-  /// The coefficients, then `nuisances` estimated without a prior.
+  /// The coefficients, then `nuisances` estimated without a prior, then the effects.
   kernel::Parameters parameters(Eigen::Index nuisances = 0) const;
   /// A correction's elements: up to the prior of those that all IMUs have; the equations are linear in the optional terms, which are small.
   Eigen::VectorXd longest_step(Eigen::Index nuisances = 0) const;
@@ -49,6 +60,9 @@ class RestProblem {
   double prior_sigma(const Coefficient& c) const;
   /// Widens the priors of optional terms that the fit contradicts; whether any was.
   bool widen_priors(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance);
+  /// Widens the prior of the effect or optional term that the data contradict most, to at most four times; whether any was. From conditions weighted
+  /// by noise alone.
+  bool widen_beside_effects(const Conditions& under_noise, const kernel::Parameters& parameters);
   /// Nonlinearity of counts whose zero is far outside the readings: about their center it counts in the uncertainties, but a polynomial about zero
   /// would only blur the offset and the scale there.
   bool unstated(std::size_t coefficient) const { return unstated_[coefficient]; }
@@ -58,7 +72,8 @@ class RestProblem {
   /// rotations, perhaps wrong ones, do not determine it.
   std::vector<Eigen::Index> runaway_gyro_matrix(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance) const;
 
-  const std::vector<RestMeans>& rests() const { return rests_; }
+  const std::vector<Rest>& rests() const { return rests_; }
+  const kernel::Effects& effects() const { return effects_; }
   const std::vector<CoefficientIndex>& indices() const { return indices_; }
   const std::vector<std::string>& widened() const { return widened_; }
   const SensorModel& model() const { return model_; }  ///< of scaled readings
@@ -69,24 +84,29 @@ class RestProblem {
  protected:
   RestProblem(const coarse::RestStart& start, const Site& site, std::vector<CoefficientIndex> indices);
   /// Specific force and rate that the model gives at a rest.
-  Vector3d force_at(const RestMeans& rest) const { return output(model_.accel, scaling_.accel(rest.accel)); }
-  Vector3d rate_at(const RestMeans& rest) const;
-  Matrix3d force_covariance(const RestMeans& rest, double spread) const;
-  Matrix3d rate_covariance(const RestMeans& rest, double spread) const;
+  Vector3d force_at(const Rest& rest) const;
+  Vector3d rate_at(const Rest& rest) const;
+  Matrix3d force_covariance(const Rest& rest, double spread) const;
+  Matrix3d rate_covariance(const Rest& rest, double spread) const;
   /// Adds the derivatives of rows by the coefficients of a triad, from those by the force (accelerometers) or the rate (gyros) at a rest.
-  void add_derivatives(Conditions& c, Eigen::Index row, Triad triad, const RestMeans& rest, const Eigen::MatrixXd& by_output) const;
+  void add_derivatives(Conditions& c, Eigen::Index row, Triad triad, const Rest& rest, const Eigen::MatrixXd& by_output) const;
 
-  std::vector<RestMeans> rests_;
+  /// Force and rate of the model, without the effects that the force and the rate have in it.
+  EffectState state_at(const Rest& rest) const;
+
+  std::vector<Rest> rests_;
   double gravity_, relative_gravity_sigma_;
   std::optional<double> latitude_;
   Scaling scaling_;
   MeanNoise noise_;  ///< scaled
   SensorModel model_, prior_;
   kernel::PriorSizes sizes_;
+  kernel::Effects effects_;
   std::vector<CoefficientIndex> indices_;
-  std::vector<kernel::Role> roles_;   ///< of the coefficients
-  std::vector<std::string> widened_;  ///< names of terms
-  std::vector<char> unstated_;        ///< considered, but not in the result: nonlinearity of counts
+  std::vector<kernel::Role> roles_;         ///< of the coefficients
+  std::vector<std::string> widened_;        ///< names of terms
+  std::map<std::string, double> widening_;  ///< with effects: the factors in their priors
+  std::vector<char> unstated_;              ///< considered, but not in the result: nonlinearity of counts
 };
 
 /// The gyros' start: Cheng's linear solution where they resolve Earth's rate, else as declared, with a note why. False: they are not calibrated.
@@ -103,7 +123,7 @@ class StaticProblem : public RestProblem {
   void drop(std::size_t suspect) { rests_.erase(rests_.begin() + static_cast<std::ptrdiff_t>(suspect)); }
 
  private:
-  void add_rest(Conditions& c, Eigen::Index row, const RestMeans& rest, const Spreads& spreads) const;
+  void add_rest(Conditions& c, Eigen::Index row, const Rest& rest, const Spreads& spreads) const;
   bool with_gyros_;
 };
 

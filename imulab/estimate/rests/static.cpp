@@ -96,7 +96,8 @@ CalibrationResult calibrate_static(const CalibrationInput& input, const Calibrat
   const Session& session = input.session;
   const bool with_gyros = start_gyros_at_rest(start, recording, session);
   check_axes(start, recording);
-  const std::vector<CoefficientIndex> indices = choose_coefficients(start, session, options.terms, static_coefficients(with_gyros), "static");
+  const std::vector<CoefficientIndex> indices =
+      choose_coefficients(start, session, recording, options.effects, options.terms, static_coefficients(with_gyros), "static");
 
   auto cleaned = kernel::drop_suspects(SuspectFit(StaticProblem(start, session.site, indices, with_gyros)), options.outlier_level);
   StaticProblem& problem = cleaned.fit.problem;
@@ -107,6 +108,7 @@ CalibrationResult calibrate_static(const CalibrationInput& input, const Calibrat
   result.calibration.quality.term_tests = test_terms(problem, fit, options.significance);
   start.findings.note(fmt::format("{} rests were used", problem.rests().size()));
   add_findings(start.findings, result.calibration, problem, fit, curvature(problem, fit), session.site, cleaned.dropped, start.rests.size());
+  kernel::add_effects(result.calibration, start.findings, problem.effects(), fit.covariance(), 1e-3);
   kernel::conclude(result.calibration, start.findings);
   return result;
 }

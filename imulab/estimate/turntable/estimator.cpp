@@ -90,6 +90,12 @@ VectorXd sigma_of_table(const TableMotion& motion, double factor) {
   return sigma;
 }
 
+/// An effect is an output that the triads have without a force or a rate: no gyro feels the force of an accelerometer's effect.
+MatrixXd changes_by_effects(const TableMotion& motion, SensorModel nominal, const TableEffects& effects) {
+  nominal.g_sensitivity.setZero();
+  return reading_changes(motion, nominal, effects.truth);
+}
+
 MatrixXd noise_of(const TableMotion& motion, const RawNoise& noise, const Enlargement& by) {
   const Eigen::Matrix<double, 6, 1> factor{by.accel, by.accel, by.accel, by.gyro, by.gyro, by.gyro};
   MatrixXd out = noise_covariance(motion, noise.accel, noise.gyro);
@@ -107,17 +113,20 @@ Matrix3d raw_density(double density, const Matrix3d& matrix) {
 
 Estimator::Estimator(const TableMotion& motion, const SensorModel& nominal, const RawNoise& noise, const EstimatorOptions& options)
     : motion_(motion),
+      effect_groups_(options.effects.table.groups()),
       terms_(options.terms),
       start_(forward(nominal)),
       prior_(prior_sigmas(nominal, options.optional)),
-      table_sigma_(sigma_of_table(motion, options.enlarged.table)),
+      source_sigma_(motion.sources().size() + static_cast<std::size_t>(options.effects.table.size())),
       nominal_errors_(motion.nominal()),
       around_(options.around.size() > 0 ? options.around : nominal_errors_),
       truth_(motion.truth(around_)),
       truth_by_table_(motion.jacobian(around_)),
-      readings_by_table_(reading_changes(motion, nominal, truth_by_table_)),
+      readings_by_source_(motion.rows(), source_sigma_.size()),
       design_(by_forward_columns(motion, nominal, truth_)),
       noise_(noise_of(motion, noise, options.enlarged)) {
+  source_sigma_ << sigma_of_table(motion, options.enlarged.table), options.effects.table.sigma();
+  readings_by_source_ << reading_changes(motion, nominal, truth_by_table_), changes_by_effects(motion, nominal, options.effects);
   for (const CoefficientIndex index : terms_) {
     columns_.push_back(Forward::of(coefficient(index)));
     if (options.optional && is_optional(coefficient(index).term)) optional_.push_back(columns_.back());
@@ -135,16 +144,16 @@ Estimator::Estimator(const TableMotion& motion, const SensorModel& nominal, cons
 void Estimator::set_weights(const EstimatorOptions& options) {
   weight_ = noise_.diagonal().cwiseSqrt().cwiseInverse();
   for (const std::size_t part : options.left_out) weight_.segment(motion_.row(part), motion_.size(part)).setZero();
-  const VectorXd sigma = options.table_errors ? table_sigma_ : VectorXd::Zero(nominal_errors_.size());
+  const VectorXd sigma = options.table_errors ? source_sigma_ : VectorXd::Zero(source_sigma_.size());
   MatrixXd noise = weight_.asDiagonal() * noise_ * weight_.asDiagonal();
   for (Index row = 0; row < weight_.size(); ++row)
     if (weight_[row] == 0) noise(row, row) = 1;
   MatrixXd root(sigma.size() + weight_.size(), weight_.size());
-  root << (weight_.asDiagonal() * readings_by_table_ * sigma.asDiagonal()).transpose(), Cholesky(noise).lower().transpose();
+  root << (weight_.asDiagonal() * readings_by_source_ * sigma.asDiagonal()).transpose(), Cholesky(noise).lower().transpose();
   const OrthogonalTriangular factors = orthogonal_triangular(root);
   factor_ = Cholesky::of_lower(factors.R.transpose());
-  const MatrixXd of_table = factors.Q.topRows(sigma.size());
-  error_gain_ = sigma.asDiagonal() * factor_.solve_upper(MatrixXd(of_table.transpose())).transpose() * weight_.asDiagonal();
+  const MatrixXd of_sources = factors.Q.topRows(sigma.size());
+  error_gain_ = sigma.asDiagonal() * factor_.solve_upper(MatrixXd(of_sources.transpose())).transpose() * weight_.asDiagonal();
 }
 
 MatrixXd Estimator::whitened(const MatrixXd& readings) const { return factor_.solve_lower(MatrixXd(weight_.asDiagonal() * readings)); }
@@ -191,14 +200,15 @@ MatrixXd Estimator::solve(const MatrixXd& readings) const {
 
 SensorModel Estimator::estimate(const VectorXd& readings) const { return backward(solve(readings)); }
 
-VectorXd Estimator::table_errors(const VectorXd& readings) const { return nominal_errors_ + error_gain_ * (readings - expected_); }
+VectorXd Estimator::table_errors(const VectorXd& readings) const { return nominal_errors_ + error_gain_.topRows(table()) * (readings - expected_); }
 
 MatrixXd Estimator::linearized(const MatrixXd& measured) const {
-  const VectorXd shift = readings_by_table_ * (around_ - nominal_errors_);
+  const VectorXd shift = readings_by_table() * (around_ - nominal_errors_);
   const MatrixXd first_order = measured.colwise() + shift;
-  const MatrixXd errors = (error_gain_ * (first_order.colwise() - expected_)).colwise() + nominal_errors_, columns = solve(first_order);
+  const MatrixXd errors = (error_gain_.topRows(table()) * (first_order.colwise() - expected_)).colwise() + nominal_errors_,
+                 columns = solve(first_order);
   MatrixXd out = measured;
-  out.noalias() += readings_by_table_ * (errors.colwise() - nominal_errors_);
+  out.noalias() += readings_by_table() * (errors.colwise() - nominal_errors_);
   for (Index run = 0; run < measured.cols(); ++run)
     out.col(run) -= reading_changes(motion_, backward(columns.col(run)), motion_.truth(errors.col(run)) - truth_);
   return out;
@@ -288,11 +298,11 @@ std::vector<double> Estimator::log_probabilities(const VectorXd& readings) const
 Vector3d Estimator::variance_ratios(const VectorXd& readings) const {
   const Unexplained u = unexplained(readings);
   const VectorXd accel = (by_bias(motion_).leftCols<3>().array() != 0).cast<double>().rowwise().sum();
-  VectorXd of_table = table_sigma_;
+  VectorXd of_table = source_sigma_.head(table());
   for (Index k = 0; k < of_table.size(); ++k)
     if (of_site(motion_.sources()[static_cast<std::size_t>(k)])) of_table[k] = 0;
   const MatrixXd noise = weight_.asDiagonal() * noise_ * weight_.asDiagonal(),
-                 table = weight_.asDiagonal() * readings_by_table_ * of_table.asDiagonal();
+                 table = weight_.asDiagonal() * readings_by_table() * of_table.asDiagonal();
   const auto ratio = [&](const MatrixXd& variance) { return u.z.dot(variance * u.z) / u.covariance.cwiseProduct(variance).sum(); };
   const VectorXd gyro = VectorXd::Ones(accel.size()) - accel;
   return {ratio(accel.asDiagonal() * noise * accel.asDiagonal()), ratio(gyro.asDiagonal() * noise * gyro.asDiagonal()),
@@ -300,8 +310,8 @@ Vector3d Estimator::variance_ratios(const VectorXd& readings) const {
 }
 
 std::vector<double> Estimator::part_residuals(const VectorXd& readings) const {
-  const MatrixXd table = readings_by_table_ * table_sigma_.asDiagonal();
-  const VectorXd variance = noise_.diagonal() + table.rowwise().squaredNorm();
+  const MatrixXd by_sources = readings_by_source_ * source_sigma_.asDiagonal();
+  const VectorXd variance = noise_.diagonal() + by_sources.rowwise().squaredNorm();
   const VectorXd square = (readings - design_ * solve(readings)).cwiseAbs2().cwiseQuotient(variance);
   std::vector<double> out;
   for (std::size_t k = 0; k < motion_.parts(); ++k) out.push_back(std::sqrt(square.segment(motion_.row(k), motion_.size(k)).mean()));

@@ -5,6 +5,7 @@
 #include "imulab/core/decomposition.hpp"
 #include "imulab/core/eigen.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
+#include "imulab/estimate/turntable/table_effects.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/rig/table_motion.hpp"
 
@@ -24,7 +25,8 @@ struct EstimatorOptions {
   /// The priors of terms that an IMU may not have (nonlinearity, g-sensitivity), about zero. Absent: g-sensitivity is estimated by the data alone.
   std::optional<kernel::PriorSizes> optional;
   bool all_optional = false;        ///< estimate also optional terms that the readings do not show
-  bool table_errors = true;         ///< false: weights from the sensors' noise alone
+  bool table_errors = true;         ///< false: weights from the sensors' noise alone, without effects
+  TableEffects effects;             ///< of the unit and its mount, estimated beside the table's errors
   bool bias_while_turning = false;  ///< true: the gyros' bias in turns is unknown by itself, so that W0 is that at rest, as Zhang estimates it
   Enlargement enlarged;
   std::vector<std::size_t> left_out;  ///< parts (holds, then turns) without any weight
@@ -80,7 +82,14 @@ class Estimator {
   SecondOrder second_order(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const;
 
   /// d reading / d error of the table and the site.
-  const Eigen::MatrixXd& readings_by_table() const { return readings_by_table_; }
+  auto readings_by_table() const { return readings_by_source_.leftCols(table()); }
+  /// d reading / d effect.
+  auto readings_by_effects() const { return readings_by_source_.rightCols(readings_by_source_.cols() - table()); }
+  const std::vector<kernel::EffectGroup>& effect_groups() const { return effect_groups_; }
+  Eigen::VectorXd effects_sigma() const { return source_sigma_.tail(source_sigma_.size() - table()); }
+  /// The most probable effects, and their covariance with that of the coefficients in it.
+  Eigen::VectorXd effects(const Eigen::VectorXd& readings) const;
+  Eigen::MatrixXd effects_covariance() const;
   /// Covariance of the readings without the table's errors.
   const Eigen::MatrixXd& noise() const { return noise_; }
 
@@ -90,6 +99,15 @@ class Estimator {
   /// By accelerometers' noise, gyros' noise and table errors: the variance that the residuals show over the one they were given (restricted maximum
   /// likelihood: at its solution each that is not at its bound is 1). NaN where the readings show nothing of it.
   Vector3d variance_ratios(const Eigen::VectorXd& readings) const;
+  /// Of the residuals, the logarithm of their probability density (restricted likelihood), to compare fits of the same terms and rows.
+  double log_likelihood(const Eigen::VectorXd& readings) const;
+  /// Of columns c that the fit lacks, what the readings say: -2 ln p = (c - V^-1 s)^T V (c - V^-1 s) + ...
+  struct Score {
+    Eigen::VectorXd s;
+    Eigen::MatrixXd V;
+  };
+  /// For each of these changes of the truth, six rows a part.
+  std::vector<Score> scores(const Eigen::VectorXd& readings, const std::vector<Eigen::MatrixXd>& truth_changes) const;
   /// By part, the RMS of its residuals in the standard deviations of noise and table errors.
   std::vector<double> part_residuals(const Eigen::VectorXd& readings) const;
   /// The condition number of the normal equations; 0 where nothing is determined.
@@ -98,6 +116,7 @@ class Estimator {
   std::vector<double> log_probabilities(const Eigen::VectorXd& readings) const;
 
  private:
+  Eigen::Index table() const { return nominal_errors_.size(); }
   void set_weights(const EstimatorOptions& options);
   /// The residuals of the readings, weighted.
   struct Unexplained {
@@ -110,23 +129,25 @@ class Estimator {
   Eigen::MatrixXd whitened(const Eigen::MatrixXd& readings) const;
 
   TableMotion motion_;
+  std::vector<kernel::EffectGroup> effect_groups_;
   std::vector<CoefficientIndex> terms_;
-  std::vector<Eigen::Index> columns_;                   ///< of the forward model: those asked for
-  std::vector<Eigen::Index> optional_;                  ///< of these: with a prior that counts
-  std::vector<Eigen::Index> known_;                     ///< of `columns_`: determined
-  Eigen::VectorXd start_, prior_;                       ///< values and prior sigmas of all columns
-  Eigen::VectorXd table_sigma_;                         ///< of the errors of the table and the site
-  Eigen::VectorXd nominal_errors_, around_, truth_;     ///< the latter at `around_`
-  Eigen::MatrixXd truth_by_table_, readings_by_table_;  ///< truth and readings x sources, at `around_`
-  Eigen::MatrixXd design_;                              ///< rows x all columns
-  Eigen::MatrixXd noise_;                               ///< covariance of the readings without the table's errors
-  Eigen::VectorXd weight_;                              ///< by row: 1 / noise, 0 where left out
-  Cholesky factor_{Eigen::MatrixXd()};                  ///< of the weighted covariance with the table's errors
-  Eigen::MatrixXd white_, free_covariance_;             ///< whitened design of known_, and the inverse of its normal equations
-  Eigen::MatrixXd gain_;                                ///< known_ x rows
-  Eigen::MatrixXd error_gain_;                          ///< sources x rows: table errors found beyond the nominal ones
-  Eigen::VectorXd expected_;                            ///< readings of the start; both gains take what readings differ by from them
-  Eigen::MatrixXd covariance_;                          ///< of all columns
+  std::vector<Eigen::Index> columns_;                ///< of the forward model: those asked for
+  std::vector<Eigen::Index> optional_;               ///< of these: with a prior that counts
+  std::vector<Eigen::Index> known_;                  ///< of `columns_`: determined
+  Eigen::VectorXd start_, prior_;                    ///< values and prior sigmas of all columns
+  Eigen::VectorXd source_sigma_;                     ///< of the errors of the table and the site, then of the effects
+  Eigen::VectorXd nominal_errors_, around_, truth_;  ///< the latter at `around_`
+  Eigen::MatrixXd truth_by_table_;                   ///< at `around_`
+  Eigen::MatrixXd readings_by_source_;               ///< at `around_`: by the errors of the table and the site, then by the effects
+  Eigen::MatrixXd design_;                           ///< rows x all columns
+  Eigen::MatrixXd noise_;                            ///< covariance of the readings without the table's errors
+  Eigen::VectorXd weight_;                           ///< by row: 1 / noise, 0 where left out
+  Cholesky factor_{Eigen::MatrixXd()};               ///< of the weighted covariance with all sources
+  Eigen::MatrixXd white_, free_covariance_;          ///< whitened design of known_, and the inverse of its normal equations
+  Eigen::MatrixXd gain_;                             ///< known_ x rows
+  Eigen::MatrixXd error_gain_;                       ///< sources x rows: table errors found beyond the nominal ones, effects
+  Eigen::VectorXd expected_;                         ///< readings of the start; both gains take what readings differ by from them
+  Eigen::MatrixXd covariance_;                       ///< of all columns
   double condition_ = 0;
 };
 

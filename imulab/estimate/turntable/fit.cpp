@@ -169,8 +169,8 @@ Fit fit(const TableProblem& problem, const EstimatorOptions& options) {
   }
 }
 
-Fit enlarged(const Fit& declared) {
-  if (declared.estimator.degrees_of_freedom() < 1 || declared.log_probability() > std::log(unlikely)) return declared;
+Fit enlarged(const Fit& declared, bool always) {
+  if (declared.estimator.degrees_of_freedom() < 1 || (!always && declared.log_probability() > std::log(unlikely))) return declared;
   constexpr int most_passes = 50;        // of a fixed-point iteration, which converges by a constant factor a pass
   constexpr double close_enough = 0.02;  // of a variance: one percent of the stated uncertainties
   Fit now = declared;
@@ -198,7 +198,9 @@ std::string reversed_axis(const Fit& declared) {
   double best = declared.chi2 + (mirrored ? 30.0 : -30.0);  // a few sigmas of doubt where handedness speaks for it, against it where not
   for (const RigAxis axis : {RigAxis::outer, RigAxis::middle, RigAxis::inner}) {
     const TableProblem problem = reversed(*declared.problem, static_cast<std::size_t>(axis));
-    const Fit other = fit(problem, declared.options);
+    EstimatorOptions options = declared.options;
+    options.effects = on_motion(std::move(options.effects), problem.motion, problem.seen.parts, problem.site);
+    const Fit other = fit(problem, options);
     if (left_handed(other.model) || other.chi2 >= best) continue;
     best = other.chi2;
     found = fmt::format("the {} axis seems to turn against the sign of its angles: with it reversed chi-square falls from {:.4g} to {:.4g}",

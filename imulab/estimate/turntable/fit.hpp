@@ -47,8 +47,8 @@ struct Fit {
 Fit fit(const TableProblem& problem, const EstimatorOptions& options);
 
 /// With the noise and the table's errors so much larger that they explain the residuals, where chance does not (`unlikely`): the most likely factors,
-/// none below 1.
-Fit enlarged(const Fit& fit);
+/// none below 1. `always`: also where chance explains them.
+Fit enlarged(const Fit& fit, bool always = false);
 
 /// Where the readings contradict the steps: which axis turns the other way, in words. Empty if none.
 std::string reversed_axis(const Fit& fit);

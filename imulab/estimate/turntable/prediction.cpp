@@ -49,6 +49,7 @@ Estimator estimator_of(const Plan& plan, const TableMotion& motion) {
   options.table_errors = !plan.classical;
   options.bias_while_turning = plan.classical;
   if (plan.classical) options.left_out = rests_of_turns(motion);
+  if (plan.effects && !plan.classical) options.effects = table_effects(*plan.effects, motion, plan.parts, plan.site);
   const Matrix3d identity = Matrix3d::Identity();
   return {motion, {}, {raw_density(plan.accel_noise.N, identity), raw_density(plan.gyro_noise.N, identity)}, options};
 }
@@ -108,10 +109,13 @@ void add_sources(Prediction& out, const Plan& plan, const TableMotion& motion, c
     add(term, variance);
     out.terms.push_back({term, members.front(), kernel::prior_sigma(*plan.optional, coefficient(members.front()), 1)});
   }
+  const MatrixXd by_effect = sensitivity * estimator.readings_by_effects() * estimator.effects_sigma().asDiagonal();
+  for (const kernel::EffectGroup& g : estimator.effect_groups())
+    add(std::string(g.effect->name), by_effect.middleCols(g.first, g.size).rowwise().squaredNorm());
   // A coefficient that is asked for but not determined stays at its start, with an error as large as its prior. The covariance that the classical
   // weights state does not include the table.
   if (out.undetermined.empty()) return;
-  const VectorXd rest = stated - by_source.rowwise().squaredNorm() - noise_of(sensitivity) - of_terms;
+  const VectorXd rest = stated - by_source.rowwise().squaredNorm() - noise_of(sensitivity) - of_terms - by_effect.rowwise().squaredNorm();
   add(undetermined_source, plan.classical ? VectorXd::Zero(rest.size()) : VectorXd(rest.cwiseMax(0.0)));
 }
 
@@ -150,6 +154,7 @@ Plan classical(Plan plan) {
   plan.classical = true;
   plan.terms = select_each({"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"});
   plan.optional.reset();
+  plan.effects.reset();
   return plan;
 }
 
@@ -177,7 +182,8 @@ MonteCarloResult monte_carlo(const Plan& plan, std::uint64_t runs, std::uint64_t
   const TableMotion motion(plan.parts, plan.rig, plan.site);
   const Estimator estimator = estimator_of(plan, motion);
   const ReadingsSampler sampler(motion, {plan.accel_noise.turn_on, plan.gyro_noise.turn_on}, estimator.noise(), seed,
-                                plan.optional ? estimator.optional_sigma() : VectorXd());
+                                plan.optional ? estimator.optional_sigma() : VectorXd(),
+                                estimator.readings_by_effects() * estimator.effects_sigma().asDiagonal());
   const std::vector<CoefficientIndex> coefficients = estimator.uncertainty({}).stated;
   const Index n = std::ssize(coefficients);
   const auto values = [&](const VectorXd& columns) { return coefficient_values(backward(columns), coefficients); };

@@ -2,6 +2,7 @@
 // without linearizing (docs/predict.md).
 #pragma once
 
+#include "imulab/estimate/kernel/effects.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/method.hpp"
 #include "imulab/model/imu_noise.hpp"
@@ -23,6 +24,7 @@ struct Plan {
   std::vector<CoefficientIndex> terms;  ///< the coefficients that the calibration estimates
   /// The priors of terms that an IMU may not have. Absent: `terms` are estimated by the data alone, as those that a user names.
   std::optional<kernel::PriorSizes> optional;
+  std::optional<kernel::EffectSizes> effects;  ///< the unit's, estimated beside the terms; absent: it has none
   /// Zhang's formulas on his procedure: weights from the sensors' noise alone, the gyros' bias in turns apart, and the rests of turns only in their
   /// sums.
   bool classical = false;

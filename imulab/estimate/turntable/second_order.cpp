@@ -14,17 +14,17 @@ using Eigen::VectorXd;
 ///   q = M (T(d, d) - T(d^, d^)) / 2 - dM J d^
 /// and a coefficient c(v) departs by  c' gain q + c''(dv, dv) / 2: a quadratic form of normal variables, z^T Q z / 2 with z = (d, d^, dv).
 Estimator::SecondOrder Estimator::second_order(const SensorModel& at, const std::vector<CoefficientIndex>& coefficients) const {
-  const Index sources = nominal_errors_.size(), size = 2 * sources + Forward::all;
+  const Index sources = table(), size = 2 * sources + Forward::all;
   MatrixXd column_gain = MatrixXd::Zero(Forward::all, motion_.rows());
   column_gain(known_, Eigen::all) = gain_;
 
-  // Covariance of z: its parts by the table's errors themselves and by the noise.
-  const VectorXd& sigma = table_sigma_;
+  // Covariance of z: its parts by the table's errors themselves and by what else the readings have, the noise and the effects.
+  const MatrixXd by_effects = readings_by_effects() * effects_sigma().asDiagonal();
   MatrixXd by_errors(size, sources), by_noise(size, motion_.rows());
-  by_errors << MatrixXd::Identity(sources, sources), error_gain_ * readings_by_table_, column_gain * readings_by_table_;
-  by_noise << MatrixXd::Zero(sources, motion_.rows()), error_gain_, column_gain;
-  by_errors *= sigma.asDiagonal();
-  const MatrixXd covariance = by_errors * by_errors.transpose() + by_noise * noise_ * by_noise.transpose();
+  by_errors << MatrixXd::Identity(sources, sources), error_gain_.topRows(sources) * readings_by_table(), column_gain * readings_by_table();
+  by_noise << MatrixXd::Zero(sources, motion_.rows()), error_gain_.topRows(sources), column_gain;
+  by_errors *= source_sigma_.head(sources).asDiagonal();
+  const MatrixXd covariance = by_errors * by_errors.transpose() + by_noise * (noise_ + by_effects * by_effects.transpose()) * by_noise.transpose();
 
   const MatrixXd weights = backward_derivatives(at, coefficients) * column_gain;
   const std::vector<MatrixXd> table = motion_.curvatures(around_, by_truth(motion_, at, weights));

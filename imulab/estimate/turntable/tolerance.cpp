@@ -162,6 +162,7 @@ Tolerances tolerances_of(const Plan& plan, const std::vector<Requirement>& requi
 
 Prediction predict(const Session& procedure, const PredictionOptions& options) {
   Plan plan = plan_of(procedure, options.terms);
+  if (options.effects) plan.effects = kernel::EffectSizes{procedure.imu.effect_sigmas, procedure.imu.grade.value_or(""), 0};
   if (options.classical) plan = classical(std::move(plan));
   expect_estimated(options.requirements, plan);
   Prediction out = predict(plan);

@@ -9,10 +9,11 @@
 #include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/estimate/kernel/prior.hpp"
 #include "imulab/estimate/kernel/terms.hpp"
+#include "imulab/estimate/turntable/explanation.hpp"
 #include "imulab/estimate/turntable/fit.hpp"
 
 #include <Eigen/LU>
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -52,6 +53,16 @@ void expect_units(const TableProblem& problem, const SensorModel& model) {
     if (const std::string_view looks = view.scale() ? kernel::mistaken_unit(view.triad, *view.scale()) : ""; !looks.empty())
       throw Error(fmt::format("{}: the table moved {:.3g} times as much as the readings show; they look like {}; correct their unit",
                               to_string(view.triad), *view.scale(), looks));
+}
+
+/// Throws Unsupported where a scale is more than 20 % off its declared unit.
+void expect_scales(const Calibration& calibration, const Recording& recording) {
+  for (const Triad triad : {Triad::accel, Triad::gyro}) {
+    const TriadModel& model = triad_model(calibration.model, triad);
+    if (model.raw_unit == "count") continue;
+    if (const std::string wrong = kernel::scale_contradiction(triad, model.matrix, recording); !wrong.empty())
+      throw Unsupported(fmt::format("{}: {}", recording.name, wrong));
+  }
 }
 
 void check_noise(Findings& findings, const TableProblem& problem, const SensorModel& model) {
@@ -124,11 +135,11 @@ void doubt_many_dropped(Findings& findings, const Fit& fit) {
 }
 
 /// Residuals against the declared noise and table.
-void judge_residuals(Findings& findings, const Fit& fit, const Fit& enlarged, const std::string& worst) {
+void judge_residuals(Findings& findings, const Fit& fit, const Fit& enlarged, const std::string& worst, bool by_size) {
   const int degrees_of_freedom = fit.estimator.degrees_of_freedom();
   if (degrees_of_freedom < 1) return;
   const double ratio = std::sqrt(fit.chi2 / degrees_of_freedom);
-  if (fit.log_probability() < std::log(unlikely)) {
+  if (by_size || fit.log_probability() < std::log(unlikely)) {
     findings.warn(fmt::format(
         "the residuals are {:.3g} times what the noise and the declared table errors explain; the uncertainties are enlarged for {:.3g} times "
         "the accelerometers' noise, {:.3g} times the gyros' and {:.3g} times the table's errors{}",
@@ -166,6 +177,32 @@ std::optional<Fit> under_wider_priors(const TableProblem& problem, EstimatorOpti
   return {};
 }
 
+/// The sizes of effects: as declared, of the grade, or by the offset that the accelerometers show; none of theirs is beyond that of a MEMS sensor.
+kernel::EffectSizes sizes_of_effects(const TableProblem& problem, const SensorModel& model) {
+  const double offset = sensor_offset(model.accel, problem.seen.accel_unit).norm() / std::sqrt(3.0);
+  return {problem.imu.effect_sigmas, problem.imu.grade.value_or(""), std::min(offset, 0.03 * unit::g)};
+}
+
+/// The effects with values and uncertainties, and what explains the contradictions that the verdict rests on.
+void add_effects(Calibration& calibration, Findings& findings, const Explained& explained, const Fit& last) {
+  kernel::Effects effects = last.options.effects.table;
+  effects.correct(last.estimator.effects(last.readings) - effects.value());
+  effects.add_causes(explained.causes);
+  kernel::add_effects(calibration, findings, effects, last.estimator.effects_covariance(), unlikely);
+  for (const std::string& term : explained.widened) findings.doubt(term + " is larger than is expected of this IMU");
+  if (const std::optional<std::size_t> step = last.options.effects.moved_at) {
+    const TableProblem& problem = *last.problem;
+    const Effect& effect = *find_effect("mount.change");
+    VectorXd moved = VectorXd::Zero(3);
+    for (const kernel::EffectGroup& g : effects.groups())
+      if (g.effect == &effect) moved = effects.value().segment(g.first, g.size) / effect.unit;
+    findings.doubt(fmt::format("{} after {:.0f} s", effect.words, problem.seen.parts.steps[*step - 1].end));
+    findings.warn(fmt::format("{} by ({:.3g}, {:.3g}, {:.3g}) arcsec about its axes between {} and {}; the matrices are those before it; {}",
+                              effect.words, moved[0], moved[1], moved[2], step_name(problem.seen.parts.steps[*step - 1], *step - 1),
+                              step_name(problem.seen.parts.steps[*step], *step), effect.advice));
+  }
+}
+
 /// The fit with all terms that an IMU may have, under their priors.
 Fit fit_with_optional_terms(const Fit& free, std::vector<std::string>& widened) {
   const TableProblem& problem = *free.problem;
@@ -174,6 +211,21 @@ Fit fit_with_optional_terms(const Fit& free, std::vector<std::string>& widened) 
   if (std::optional<Fit> wider = under_wider_priors(problem, options, widened)) return *std::move(wider);
   widened.clear();
   return fit(problem, options);
+}
+
+/// The fit with all terms that an IMU may have, and what explains the readings beyond the priors. `is_right`: the steps are.
+Explained explanation_of(const Fit& free, const kernel::EffectSizes& sizes, const CalibrationOptions& options, bool is_right) {
+  EstimatorOptions all = free.options;
+  if (options.terms.empty())
+    all = with_optional_terms(all, free.problem->imu, sensor_offset(free.model.accel, free.problem->seen.accel_unit),
+                              sensor_offset(free.model.gyro, free.problem->seen.gyro_unit));
+  all.all_optional = true;
+  Explained out{fit(*free.problem, all), {}, {}, {}, {}, false};
+  if (is_right) out = explained(out.fit, sizes, options.outlier_level);
+  all = out.fit.options;
+  all.all_optional = false;
+  out.fit = fit(*free.problem, all);
+  return out;
 }
 
 /// Model, covariance and residuals of a fit, with the bias of the second order taken out.
@@ -222,16 +274,29 @@ Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, 
   EstimatorOptions asked;
   asked.terms = chosen_coefficients(options.terms, seen.accel_unit, seen.gyro_unit);
   asked.bias_while_turning = options.turntable.bias_while_turning;
-  const Fit free = fit(problem, asked);
+  Fit free = fit(problem, asked);
   expect_units(problem, free.model);
+  const kernel::EffectSizes sizes = sizes_of_effects(problem, free.model);
+  if (options.effects) {
+    asked.effects = table_effects(sizes, problem.motion, problem.seen.parts, site);
+    free = fit(problem, asked);
+  }
 
   std::vector<std::string> widened;
-  const Fit whole = options.terms.empty() ? fit_with_optional_terms(free, widened) : free;
   const std::string reversal = reversed_axis(free);
-  kernel::Cleaned<Fit> cleaned{whole, {}, {}, true};
-  if (reversal.empty()) cleaned = without_outliers(whole, options.outlier_level);
+  kernel::Cleaned<Fit> cleaned{free, {}, {}, true};
+  std::optional<Explained> explanation;
+  if (options.effects) {
+    explanation = explanation_of(free, sizes, options, reversal.empty());
+    cleaned = {explanation->fit, explanation->dropped, explanation->worst, true};
+    widened = explanation->widened;
+  } else {
+    if (options.terms.empty()) cleaned.fit = fit_with_optional_terms(free, widened);
+    if (reversal.empty()) cleaned = without_outliers(cleaned.fit, options.outlier_level);
+  }
+  const bool by_size = explanation && explanation->by_size;
 
-  const Fit last = enlarged(cleaned.fit);
+  const Fit last = enlarged(cleaned.fit, by_size);
   Calibration calibration = calibration_of(last);
   calibration.quality.chi2_per_dof = cleaned.fit.chi2 / std::max(1, calibration.quality.degrees_of_freedom);  // against what is declared
   if (options.terms.empty()) calibration.quality.term_tests = tests_of_terms(last, options.significance);
@@ -247,7 +312,8 @@ Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, 
   kernel::add_dropped(findings, cleaned.dropped, problem.motion.parts());
   doubt_many_dropped(findings, cleaned.fit);
   if (options.terms.empty()) doubt_latitude(findings, free, options.significance);
-  judge_residuals(findings, cleaned.fit, last, cleaned.worst);
+  if (explanation) add_effects(calibration, findings, *explanation, last);
+  judge_residuals(findings, cleaned.fit, last, cleaned.worst, by_size);
   kernel::add_common_doubts(findings, calibration, site);
   kernel::conclude(calibration, findings);
   return calibration;
@@ -258,6 +324,7 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
   const Session& session = input.session;
   const TableObservations seen = observe(recording, session);
   CalibrationResult result{.calibration = calibrate(seen, turntable_of(session, recording.name), session.imu, session.site, options)};
+  if (options.effects) expect_scales(result.calibration, recording);
   Findings steps;
   kernel::check_gyro_steps(steps, measure_mean_noise(recording, summarize_rests(recording, kernel::rests_of(input, recording).ranges)));
   for (const std::string& doubt : steps.doubts) kernel::add_doubt(result.calibration.quality, doubt);

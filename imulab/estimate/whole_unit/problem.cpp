@@ -72,6 +72,7 @@ std::string CommonError::name() const {
 PointProblem::PointProblem(MachinePoints used, const Session& declared, const SensorModel& starting_model, const Vector6d& reading_center)
     : points(std::move(used)),
       session(&declared),
+      site(declared.site),
       start(starting_model),
       model(starting_model),
       center(reading_center),
@@ -175,7 +176,13 @@ PointEquations PointProblem::equations(const MachinePoint& point) const {
   variance += spin_noise(point.step, session->rig_of(session->recordings[point.recording])->zero.value, place_);
   const Eigen::LLT<Matrix6> factor(noise_factor * noise_factor * variance);
   out.jacobian.resize(6, size());
-  out.jacobian << d.coefficients(Eigen::all, coefficients), -motion_by_common;
+  out.jacobian.leftCols(size() - effects.size()) << d.coefficients(Eigen::all, coefficients), -motion_by_common;
+  if (effects.size() > 0) {
+    const MatrixXd& of_point = by_effects[point.recording][point.number];
+    out.residual += of_point * effects.value();
+    if (latitude_ >= 0) out.residual -= of_point.col(latitude_) * effects.value()[latitude_];
+    out.jacobian.rightCols(effects.size()) = of_point;
+  }
   factor.matrixL().solveInPlace(out.jacobian);
   out.white = factor.matrixL().solve(out.residual);
   return out;
@@ -188,6 +195,7 @@ std::vector<Index> PointProblem::acting_columns(std::size_t recording) const {
     if (!error.drift || error.drift->recording == recording) columns.push_back(i);
     ++i;
   }
+  for (Index i = size() - effects.size(); i < size(); ++i) columns.push_back(i);
   return columns;
 }
 
@@ -236,6 +244,7 @@ kernel::Parameters PointProblem::parameters(Priors priors) const {
     if (!(error.sigma > 0)) out.role[k] = Role::fixed;
     ++k;
   }
+  effects.add_to(out);
   return out;
 }
 
@@ -243,6 +252,8 @@ void PointProblem::correct(const VectorXd& x) {
   Index i = 0;
   for (const CoefficientIndex index : coefficients) set_coefficient(model, index, coefficient_value(model, index) + x[i++]);
   for (CommonError& error : common) error.value += x[i++];
+  effects.correct(x);
+  if (latitude_ >= 0) set_place();
 }
 
 Fit fit(PointProblem& problem, Priors priors) {
@@ -250,6 +261,7 @@ Fit fit(PointProblem& problem, Priors priors) {
   constexpr double still = 0.01 * 0.01;  // of chi-square: no parameter moves by more than a hundredth of its standard deviation
   Fit out;
   kernel::Parameters parameters;
+  problem.update_effects();
   out.converged = kernel::iterate(most_iterations, [&](int) {
     out.data = problem.information();
     parameters = problem.parameters(priors);

@@ -3,10 +3,12 @@
 //
 //   e = compensate(theta; raw, temperature) - motion(eta)
 //
-// with theta the coefficients and eta the errors that many points share: g and the machines' errors, each with its declared sigma.
+// with theta the coefficients and eta the errors that many points share: g and the machines' errors, each with its declared sigma. With effects of
+// the table, what they add to the compensated means is taken off.
 #pragma once
 
 #include "imulab/core/eigen.hpp"
+#include "imulab/estimate/kernel/effects.hpp"
 #include "imulab/estimate/kernel/information.hpp"
 #include "imulab/model/coefficient.hpp"
 #include "imulab/rig/machine_points.hpp"
@@ -42,7 +44,7 @@ struct CommonError {
 struct PointEquations {
   Vector6d residual;                                  ///< e itself: m/s^2, rad/s
   Vector6d white;                                     ///< divided by the Cholesky factor of its noise
-  Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian;  ///< likewise, by theta and eta
+  Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian;  ///< likewise, by theta, eta and the effects
 };
 
 /// Which coefficients have a prior in a fit.
@@ -59,18 +61,28 @@ struct PointProblem {
 
   MachinePoints points;
   const Session* session;
+  Site site;                                   ///< as declared, or mirrored
   SensorModel start, model;                    ///< of readings less `center`: the prior value, and the present one
   Vector6d center;                             ///< raw
   std::vector<CoefficientIndex> coefficients;  ///< theta
   /// The roles of theta. Estimated: by the data alone. Considered: the data do not determine it. Fixed: left out.
   std::vector<kernel::Role> role;
-  Eigen::VectorXd prior_sigma, needed_sigma;  ///< of theta: before the data; below this they determine it
-  std::vector<CommonError> common;            ///< eta, after theta in every vector of parameters
-  Vector6d noise;                             ///< variance of one sample of force and rate
-  std::vector<Vector6d> point_variance;       ///< by recording: of a point's means, from declared noise that is independent from point to point
-  double noise_factor = 1;                    ///< of the standard deviations
+  Eigen::VectorXd prior_sigma, needed_sigma;             ///< of theta: before the data; below this they determine it
+  std::vector<CommonError> common;                       ///< eta, after theta in every vector of parameters
+  kernel::Effects effects;                               ///< after eta in every vector of parameters
+  std::vector<std::vector<Eigen::MatrixXd>> by_effects;  ///< by recording and number of the point: derivatives of the residuals
+  Vector6d noise;                                        ///< variance of one sample of force and rate
+  std::vector<Vector6d> point_variance;  ///< by recording: of a point's means, from declared noise that is independent from point to point
+  double noise_factor = 1;               ///< of the standard deviations
 
-  Eigen::Index size() const { return static_cast<Eigen::Index>(coefficients.size() + common.size()); }
+  Eigen::Index size() const { return static_cast<Eigen::Index>(coefficients.size() + common.size()) + effects.size(); }
+  /// Estimates the effects of the table, too; `accel_offset` [m/s^2] tells their size where no grade is declared.
+  void add_effects(const Vector3d& accel_offset);
+  /// Takes the latitude as that on the other side of the equator.
+  void mirror_latitude();
+  bool is_mirrored() const { return site.latitude != session->site.latitude; }
+  /// The effects at the present motion of the machines.
+  void update_effects();
   RawSample sample(const MachinePoint& point) const;
   /// The machine's motion at this point with the channels' drift, and its derivative by eta.
   Motion motion(const MachinePoint& point, Eigen::Matrix<double, 6, Eigen::Dynamic>* motion_by_common = nullptr) const;
@@ -92,8 +104,12 @@ struct PointProblem {
   /// The parameters but for the drift of other recordings.
   std::vector<Eigen::Index> acting_columns(std::size_t recording) const;
 
+  /// The place at the present latitude, and what the points depend on it.
+  void set_place();
+
   std::vector<std::vector<std::size_t>> acting_;  ///< by recording: indices of eta that may act
   MachinePlace<double> place_;
+  Eigen::Index latitude_ = -1;  ///< among the effects: it is in the machine's motion, which is not linear in it
 };
 
 struct Fit {

@@ -122,12 +122,17 @@ void hold_others(PointProblem& problem, const std::vector<CoefficientIndex>& ter
     if (!contains(chosen, problem.coefficients[k])) problem.role[k] = Role::fixed;
 }
 
-/// Everything under its prior: from Dai's three steps where the machines did them, else from the linear model.
+/// Everything under its prior: from Dai's three steps where the machines did them, else from the linear model. The steps themselves have no effects.
 void fit_under_priors(PointProblem& problem, const CalibrationOptions& options) {
   if (options.terms.empty()) try {
       problem.model = stepwise_estimate(problem, false).model;
     } catch (const Unsupported&) {  // too few machines or rates for the steps are not too few for the joint estimate
     }
+  if (options.effects && !options.whole_unit.stepwise) {
+    PointProblem without = problem;
+    fit(without, Priors::all);
+    problem.add_effects(without.model.accel.offset);
+  }
   fit(problem, Priors::all);
 }
 
@@ -151,6 +156,39 @@ void check_noise(kernel::Findings& findings, const PointProblem& problem) {
   check("gyros", problem.session->imu.gyro_noise_density, measured.tail<3>());
 }
 
+/// The Earth's horizontal rate is the same on the other side of the equator: a latitude of the wrong sign is another minimum, which no step reaches.
+void mirror_wrong_latitude(PointProblem& problem, kernel::Findings& findings) {
+  constexpr double obvious = 30;  // of chi-square: five and a half sigma
+  if (problem.effects.size() == 0) return;
+  PointProblem mirrored = problem;
+  mirrored.mirror_latitude();
+  if (!(fit(mirrored).solution.chi2 < fit(problem).solution.chi2 - obvious)) return;
+  problem = std::move(mirrored);
+  findings.warn("the gyros show a latitude of the other sign, which is used; check the site's latitude");
+  findings.doubt(kernel::wrong_latitude);
+}
+
+/// Widens priors of effects that the points contradict, and fits again.
+void widen_effects(PointProblem& problem) {
+  constexpr int most_rounds = 10;
+  for (int round = 0; round < most_rounds; ++round) {
+    if (problem.effects.size() == 0 || !problem.effects.widen(problem.information(), problem.parameters())) return;
+    fit_determined(problem);
+  }
+}
+
+/// Drops outliers, named in the findings. An effect may explain what would be outliers without it; one that only outliers contradict keeps its prior.
+void fit_good_points(PointProblem& problem, double outlier_level, kernel::Findings& findings) {
+  const std::size_t points = problem.points.all.size();
+  const kernel::Effects expected = problem.effects;
+  widen_effects(problem);
+  const std::vector<std::string> dropped = drop_bad_points(problem, outlier_level);
+  kernel::add_dropped(findings, dropped, points, "points");
+  if (!dropped.empty()) problem.effects = expected;
+  fit_determined(problem);
+  widen_effects(problem);
+}
+
 /// Enlarges the noise until the residuals are as large as noise and declarations explain: by how much.
 double enlarge_noise(PointProblem& problem) {
   double scatter = 1, more = 2;
@@ -172,15 +210,15 @@ JointEstimate joint_estimate(PointProblem& problem, const CalibrationOptions& op
   hold_others(problem, options.terms);
   fit_under_priors(problem, options);
   fit_determined(problem);
+  mirror_wrong_latitude(problem, out.findings);
   check_noise(out.findings, problem);
   std::string machine = wrong_machine(problem);  // before its points are dropped
-  const std::size_t points = problem.points.all.size();
-  kernel::add_dropped(out.findings, drop_bad_points(problem, options.outlier_level), points, "points");
-  fit_determined(problem);
+  fit_good_points(problem, options.outlier_level, out.findings);
   out.scatter = enlarge_noise(problem);
   // Terms that are left out for want of significance may still be there, within their uncertainty: they count in the others' covariance.
   const kernel::Parameters counted = problem.parameters(Priors::considered);
-  if (options.terms.empty() && !options.whole_unit.full && !options.whole_unit.stepwise) out.tests = choose_terms(problem, options.significance);
+  const bool all = options.whole_unit.full || options.whole_unit.stepwise || problem.effects.size() > 0;  // effects hide terms from tests
+  if (options.terms.empty() && !all) out.tests = choose_terms(problem, options.significance);
   if (!out.tests.empty()) out.scatter *= enlarge_noise(problem);  // of the points without the terms left out
   const kernel::Parameters parameters = problem.parameters();
   for (std::size_t k = 0; k < problem.role.size(); ++k)
@@ -273,6 +311,9 @@ CalibrationResult calibrate(const CalibrationInput& input, const CalibrationOpti
   }
   calibration.quality = quality_of(problem, joint);
   check_chamber(joint.findings, problem);
+  if (problem.effects.size() > 0) kernel::add_effects(calibration, joint.findings, problem.effects, joint.solution.covariance, 1e-3);
+  if (problem.is_mirrored()) calibration.quality.cause = "site.latitude";
+  if (options.effects && options.whole_unit.stepwise) joint.findings.note("the stepwise estimate takes the effects as absent");
   kernel::add_common_doubts(joint.findings, calibration, session.site);
   kernel::conclude(calibration, joint.findings);
   return result;
@@ -294,6 +335,7 @@ Prediction predict(const Session& procedure, const PredictionOptions& asked) {
   }
   CalibrationOptions options;
   options.terms = asked.terms;
+  options.effects = asked.effects;
   options.whole_unit.full = true;  // a term that is left out counts in the covariance all the same
   const JointEstimate joint = joint_estimate(problem, options);
   Calibration calibration;

@@ -24,7 +24,31 @@ BlockSums::BlockSums() {
   accel.fill(Matrix3d::Zero());
 }
 
+namespace {
+
+void add_to_parts(std::vector<BlockPart>& parts, const ErrorStep& s, const Matrix3d& across) {
+  constexpr double little = 0.05;  // rad: the mean of an arc is within 1e-4 of its middle
+  if (parts.empty() || parts.back().rate.norm() > little) parts.emplace_back();
+  BlockPart& part = parts.back();
+  part.twice += across * (s.duration * part.once + s.twice) - s.moved;
+  part.once += s.once;
+  part.duration += s.duration;
+  part.rate += s.duration * s.rate;
+  part.force += s.duration * s.force;
+}
+
+}  // namespace
+
+void BlockSums::end_parts() {
+  double after = duration;
+  for (BlockPart& part : parts) {
+    after -= part.duration;
+    part.force_after = after / duration * force;
+  }
+}
+
 void BlockSums::add(const ErrorStep& s, const Matrix3d& across, const OptionalSums& optional) {
+  if (optional.parts) add_to_parts(parts, s, across);
   const std::array<double, 7> basis{1, s.rate.x(), s.rate.y(), s.rate.z(), s.force.x(), s.force.y(), s.force.z()};
   const std::size_t used = optional.g_sensitivity ? 7 : 4;
   for (std::size_t b = 0; b < used; ++b) {

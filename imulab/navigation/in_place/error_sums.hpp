@@ -16,6 +16,7 @@
 #include <array>
 #include <functional>
 #include <optional>
+#include <vector>
 
 namespace imulab::in_place {
 
@@ -45,6 +46,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 /// The sums that only some error models need.
 struct OptionalSums {
   bool g_sensitivity = false, quadratic = false, lever_arm = false, delay = false;
+  bool parts = false;
 };
 
 /// A step of a block that is short against the turning of the body: what the errors multiply, in body axes, and the integrals of C = C_nb.
@@ -61,6 +63,21 @@ struct ErrorStep {
   std::optional<Turning> turning = {};
 };
 
+/// A part of a block in which the body turns by little: any function of rate and force is as good as constant there.
+struct BlockPart {
+  double duration = 0;                                         ///< s
+  Vector3d rate = Vector3d::Zero(), force = Vector3d::Zero();  ///< integrals of what the errors multiply, body axes
+  Matrix3d once = Matrix3d::Zero();                            ///< of C
+  Matrix3d twice = Matrix3d::Zero();                           ///< of [(0, 0, g) x] times the former - [v x] C
+  Matrix3d force_after = Matrix3d::Zero();                     ///< of [(0, 0, g) x] from its end to that of the block
+
+  /// The errors after the block by errors of the calibrated rate and force that are constant in the part.
+  Errors6 by_output(const Vector3d& rate_error, const Vector3d& force_error) const {
+    const Vector3d turned = once * rate_error;
+    return (Errors6() << -turned, once * force_error - twice * rate_error - force_after * turned).finished();
+  }
+};
+
 /// Integrals over a block, C being C_nb.
 struct BlockSums {
   double duration = 0;
@@ -74,11 +91,15 @@ struct BlockSums {
   Eigen::Matrix<double, 3, 9> lever_arm = Eigen::Matrix<double, 3, 9>::Zero();  ///< of the size effect of lever arms of 1 m
   Vector3d delay = Vector3d::Zero();                                            ///< of C (w x f)
   Vector3d smear = Vector3d::Zero();                                            ///< of C (w x (w x f) - w' x f) / 2
+  std::vector<BlockPart> parts;                                                 ///< in their order, after end_parts()
+  Vector3d shaking = Vector3d::Zero();                                          ///< (m/s^2)^2: with the parts, variance of the force at rest
 
   BlockSums();
 
   /// `across`: [(0, 0, g) x].
   void add(const ErrorStep& step, const Matrix3d& across, const OptionalSums& optional);
+  /// After the last step, where parts are wanted.
+  void end_parts();
 
   /// The errors after the block, by those before it; by an error of a coefficient's calibrated output, of g (relative), of the latitude [rad] and of
   /// the accelerometers' time [s]. `latitude` [rad], `gravity` [m/s^2].

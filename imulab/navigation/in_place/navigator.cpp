@@ -57,7 +57,11 @@ Vector3d Navigator::force_at_origin(std::size_t i) {
 BlockSums Navigator::over(const Block& block, std::size_t first) {
   BlockSums sum;
   if (block.observed || block.lost) velocity_.setZero();
+  pushes_.setZero(), squares_.setZero();
   for (std::size_t i = block.samples.begin; i < block.samples.end; ++i) add(sum, i, first, block);
+  if (optional_.parts) sum.end_parts();
+  if (const auto n = static_cast<double>(block.samples.size()); optional_.parts && block.at_rest && n > 1)
+    sum.shaking = (squares_ - pushes_.cwiseAbs2() / n) / (n - 1);
   return sum;
 }
 
@@ -100,6 +104,10 @@ void Navigator::add(BlockSums& sum, std::size_t i, std::size_t first, const Bloc
     velocity_ += gained;
   }
   if (!block.at_rest && (optional_.delay || optional_.lever_arm)) error.turning = {rate, force, angular_acceleration(i)};
+  if (optional_.parts && block.at_rest) {
+    const Vector3d push = force - error.force;
+    pushes_ += push, squares_ += push.cwiseAbs2();
+  }
   sum.add(error, skew<double>(Vector3d(-gravity_)), optional_);
 }
 

@@ -63,6 +63,7 @@ class Navigator {
   Vector3d earth_rate_, gravity_;
   Increment previous_;
   Vector3d velocity_ = Vector3d::Zero();  // since it was last known to be zero
+  Vector3d pushes_, squares_;             // of the block at rest: sums of the force beside that of gravity, and of its squares
 };
 
 }  // namespace imulab::in_place

@@ -13,11 +13,34 @@ Vector3d IntegratedRotation::change(const TriadModel& from, const Matrix3d& from
   return dphi + phi[7] * (to.quadratic - from.quadratic) + phi[8] * (to.cubic - from.cubic);
 }
 
+IntegratedRotation IntegratedRotation::then(const IntegratedRotation& next) const {
+  IntegratedRotation both = *this;
+  both.C = C * next.C;
+  for (std::size_t k = 0; k < phi.size(); ++k) both.phi[k] += C * next.phi[k];
+  both.by_effect += C * next.by_effect;
+  both.covariance += C * next.covariance * C.transpose();
+  both.reading += next.reading;
+  both.duration_s += next.duration_s;
+  return both;
+}
+
+IntegratedRotation IntegratedRotation::part(double factor) const {
+  IntegratedRotation out = *this;
+  out.C = rotation_exp(factor * rotation_log(C));
+  for (Matrix3d& each : out.phi) each *= factor;
+  out.by_effect *= factor;
+  out.covariance *= factor * factor;
+  out.reading *= factor;
+  out.duration_s *= factor;
+  return out;
+}
+
 IntegratedRotation integrate_rotation(const Recording& recording, Range range, const SensorModel& model, const Scaling& scaling,
-                                      const Vector3d& gyro_sigma) {
+                                      const Vector3d& gyro_sigma, const RateEffects& effects) {
   IntegratedRotation sum;
   sum.C.setIdentity();
   for (Matrix3d& phi : sum.phi) phi.setZero();
+  sum.by_effect.setZero(3, std::ssize(effects.columns));
   sum.covariance.setZero();
   sum.reading.setZero();
   sum.duration_s = 0;
@@ -44,6 +67,12 @@ IntegratedRotation integrate_rotation(const Recording& recording, Range range, c
     const Vector3d square = vg.cwiseAbs2();
     sum.phi[7] += middle * square.asDiagonal();
     sum.phi[8] += middle * square.cwiseProduct(vg).asDiagonal();
+    if (!effects.columns.empty()) {
+      EffectState state = effects.state(i);
+      state.force = force, state.rate = rate;
+      for (std::size_t k = 0; k < effects.columns.size(); ++k)
+        sum.by_effect.col(static_cast<Eigen::Index>(k)) += middle * effects.columns[k].at(state).rate;
+    }
     sum.covariance += middle * noise * middle.transpose();
     sum.reading += vg * dt;
     sum.duration_s += dt;

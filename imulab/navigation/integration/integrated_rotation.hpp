@@ -1,9 +1,13 @@
 // The rotation between two rests as the gyros integrate it, with its derivatives.
 #pragma once
 
+#include "imulab/model/effects.hpp"
 #include "imulab/recording/scaling.hpp"
 
 #include <array>
+#include <cstddef>
+#include <functional>
+#include <vector>
 
 namespace imulab {
 
@@ -15,16 +19,27 @@ namespace imulab {
 struct IntegratedRotation {
   Matrix3d C;
   std::array<Matrix3d, 9> phi;
-  Matrix3d covariance;  ///< of dphi from the gyros' sample noise, rad^2
-  Vector3d reading;     ///< integral of the scaled gyro readings
+  Eigen::Matrix3Xd by_effect;  ///< dphi of each of the effects' columns: an error c phi of the rate
+  Matrix3d covariance;         ///< of dphi from the gyros' sample noise, rad^2
+  Vector3d reading;            ///< integral of the scaled gyro readings
   double duration_s;
 
   /// dphi from one gyro model to another.
   Vector3d change(const TriadModel& from, const Matrix3d& from_g, const TriadModel& to, const Matrix3d& to_g) const;
+  /// This rotation and then another.
+  IntegratedRotation then(const IntegratedRotation& next) const;
+  /// A part of this small rotation.
+  IntegratedRotation part(double factor) const;
+};
+
+/// Columns of effects on the gyros, and the state at a sample without its force and rate.
+struct RateEffects {
+  std::vector<EffectColumn> columns = {};
+  std::function<EffectState(std::size_t)> state = {};
 };
 
 /// Integrates the samples of `range`, which has no gap inside. The model is of scaled readings, without thermal terms.
 IntegratedRotation integrate_rotation(const Recording& recording, Range range, const SensorModel& scaled_model, const Scaling& scaling,
-                                      const Vector3d& gyro_sigma_scaled);
+                                      const Vector3d& gyro_sigma_scaled, const RateEffects& effects = {});
 
 }  // namespace imulab

@@ -1,0 +1,120 @@
+#include "imulab/estimate/hybrid/separation.hpp"
+
+#include "imulab/core/decomposition.hpp"
+#include "imulab/core/units.hpp"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace imulab::hybrid {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using in_place::Block;
+using in_place::BlockSums;
+
+Unmodeled unmodeled_of(const Session& session, const Recording& recording, const std::vector<Block>& blocks, const SensorModel& coarse,
+                       const std::vector<CoefficientIndex>& wanted) {
+  const auto calibrates = [&](Triad triad) {
+    return wanted.empty() || std::any_of(wanted.begin(), wanted.end(), [&](CoefficientIndex index) { return coefficient(index).triad == triad; });
+  };
+  const Vector3d offset = coarse.accel.offset;
+  const bool plausible = offset.cwiseAbs().maxCoeff() < 0.2 * session.site.gravity();  // those of counts tell nothing: as of a MEMS sensor
+  Unmodeled out{
+      kernel::Effects({session.imu.effect_sigmas, session.imu.grade.value_or(""), plausible ? offset.norm() / std::sqrt(3.0) : 0.03 * unit::g},
+                      {.accel = calibrates(Triad::accel), .gyro = calibrates(Triad::gyro), .thermometer = !recording.accel_temperature[0].empty()})};
+  for (const Block& block : blocks)
+    if (!block.at_rest)
+      out.full_rate = std::max(
+          out.full_rate, (coarse.gyro.matrix * reading_at(recording.gyro, (block.samples.begin + block.samples.end) / 2)).cwiseAbs().maxCoeff());
+  return out;
+}
+
+EffectStates::EffectStates(const Recording& recording, const Unmodeled& unmodeled, const Noise& noise, double gravity)
+    : recording_(recording),
+      effects_(unmodeled.effects),
+      variance_(noise.accel.cwiseAbs2() / recording.interval_s),
+      begin_s_(recording.time_s(0)),
+      span_s_(std::max(recording.time_s(recording.size() - 1) - begin_s_, 1e-9)),
+      play_(gravity) {
+  state_.gravity = state_.full_force = gravity;
+  state_.full_rate = unmodeled.full_rate;
+  if (const std::vector<double>& t = recording.accel_temperature[0]; !t.empty())
+    temperature_ = std::accumulate(t.begin(), t.end(), 0.0) / static_cast<double>(t.size());
+}
+
+Eigen::Matrix<double, 6, Eigen::Dynamic> EffectStates::columns(const Block& block, const BlockSums& sums) {
+  Eigen::Matrix<double, 6, Eigen::Dynamic> out = Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, effects_.size());
+  const double begin_s = recording_.time_s(block.samples.begin) - begin_s_;
+  double elapsed = 0;
+  state_.shaking = block.at_rest ? Vector3d(sums.shaking - variance_) : Vector3d::Zero();
+  if (temperature_) state_.warming = recording_.accel_temperature[0][block.samples.begin] - *temperature_;
+  for (const in_place::BlockPart& part : sums.parts) {
+    state_.rate = part.rate / part.duration;
+    state_.force = part.force / part.duration;
+    state_.play = play_(state_.force);
+    state_.time = (begin_s + elapsed + 0.5 * part.duration) / span_s_ - 0.5;
+    elapsed += part.duration;
+    for (Index k = 0; k < effects_.size(); ++k) {
+      const OutputChange change = effects_.columns()[static_cast<std::size_t>(k)].at(state_);
+      out.col(k) += part.by_output(change.rate, change.force);
+    }
+  }
+  return out;
+}
+
+kernel::Parameters parameters_of(const kernel::Effects& effects) {
+  kernel::Parameters out(effects.size());
+  effects.add_to(out);
+  return out;
+}
+
+Separation::Separation(kernel::Parameters c, Index states)
+    : U(MatrixXd::Zero(states, c.size())), parameters_(std::move(c)), information_(parameters_.size()) {}
+
+void Separation::predict(const Eigen::Matrix<double, 6, Eigen::Dynamic>& transition, const Eigen::Matrix<double, 6, Eigen::Dynamic>& by_c) {
+  const Eigen::Matrix<double, 6, Eigen::Dynamic> next = transition * U + by_c;
+  U.bottomRows<6>() = next;
+}
+
+void Separation::observe(const SquareRootEstimate& e, const Matrix3d& lower, const Vector3d& whitened) {
+  const Index at = 3 * std::ssize(innovations_);
+  if (at + 3 > rows_.cols()) rows_.conservativeResize(U.cols(), std::max<Index>(3 * 256, 2 * at));
+  // The innovation is z - x_v: its derivative by c is -U_v.
+  const Eigen::Matrix<double, 3, Eigen::Dynamic> scaled = lower.triangularView<Eigen::Lower>().solve(U.bottomRows<3>());
+  rows_.middleCols<3>(at) = -scaled.transpose();
+  innovations_.push_back(whitened);
+  // K = P H^T (L L^T)^-1, and U - K U_v.
+  const MatrixXd gain = lower.triangularView<Eigen::Lower>().solve((e.factor * e.factor.bottomRows<3>().transpose()).transpose()).transpose();
+  U.noalias() -= gain * scaled;
+}
+
+Separation::Estimate Separation::estimate() {
+  const Index count = std::ssize(innovations_);
+  const auto rows = rows_.middleCols(3 * summed_, 3 * (count - summed_));
+  information_.N.selfadjointView<Eigen::Lower>().rankUpdate(rows);
+  for (Index k = summed_; k < count; ++k) {
+    const Vector3d& innovation = innovations_[static_cast<std::size_t>(k)];
+    information_.g += rows_.middleCols<3>(3 * k) * innovation;
+    information_.chi2 += innovation.squaredNorm();
+  }
+  information_.rows = static_cast<int>(3 * count);
+  summed_ = count;
+  Estimate out{information_, {}, {}};
+  out.information.N.triangularView<Eigen::StrictlyUpper>() = information_.N.transpose();
+  kernel::Solution solution = kernel::solve(out.information, parameters_, "the effects");
+  out.value = std::move(solution.x);
+  out.covariance = std::move(solution.covariance);
+  return out;
+}
+
+Vector3d Separation::innovation(std::size_t k, const VectorXd& c) const {
+  return innovations_[k] + rows_.middleCols<3>(3 * static_cast<Index>(k)).transpose() * c;
+}
+
+}  // namespace imulab::hybrid

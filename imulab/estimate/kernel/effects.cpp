@@ -1,0 +1,210 @@
+#include "imulab/estimate/kernel/effects.hpp"
+
+#include "imulab/core/decomposition.hpp"
+#include "imulab/core/statistics.hpp"
+#include "imulab/core/units.hpp"
+#include "imulab/estimate/kernel/fit.hpp"
+#include "imulab/estimate/kernel/prior.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace imulab::kernel {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+EffectSizes effect_sizes(const Session& session, const Vector3d& accel_offset) {
+  const bool small = accel_offset.cwiseAbs().maxCoeff() < 0.2 * session.site.gravity();
+  EffectSizes sizes{session.imu.effect_sigmas, session.imu.grade.value_or(""), small ? accel_offset.norm() / std::sqrt(3.0) : 0.03 * unit::g};
+  const auto declare = [&](const char* name, double sigma) {
+    if (sigma > 0) sizes.declared.try_emplace(name, sigma);
+  };
+  const NoiseModels noise = declared_terms(session.imu);
+  if (!noise.accel.turn_on.fixed) declare("accel.turn_on", noise.accel.turn_on.value);
+  if (!noise.gyro.turn_on.fixed) declare("gyro.turn_on", noise.gyro.turn_on.value);
+  declare("site.latitude", session.site.latitude_sigma.value_or(0));
+  return sizes;
+}
+
+Effects::Effects(const EffectSizes& sizes, const EffectSetting& setting) {
+  for (const Effect& effect : imulab::effects()) {
+    const int columns = effect.columns(setting);
+    const double sigma = effect_sigma(effect, sizes.declared, sizes.grade, sizes.accel_offset);
+    if (columns == 0 || !(sigma > 0)) continue;
+    groups_.push_back({&effect, size(), columns, sigma});
+    for (int k = 0; k < columns; ++k) columns_.push_back({&effect, k});
+  }
+  value_ = VectorXd::Zero(size());
+}
+
+void Effects::add_to(Parameters& parameters) const {
+  const Index first = parameters.size() - size();
+  parameters.offset.tail(size()) = -value_;
+  for (const EffectGroup& g : groups_) parameters.sigma.segment(first + g.first, g.size).setConstant(g.sigma);
+}
+
+VectorXd Effects::sigma() const {
+  VectorXd out(size());
+  for (const EffectGroup& g : groups_) out.segment(g.first, g.size).setConstant(g.sigma);
+  return out;
+}
+
+OutputChange Effects::output(const EffectState& state) const {
+  OutputChange sum;
+  for (Index k = 0; k < size(); ++k) {
+    if (value_[k] == 0) continue;
+    const OutputChange change = columns_[static_cast<std::size_t>(k)].at(state);
+    sum.force += value_[k] * change.force;
+    sum.rate += value_[k] * change.rate;
+  }
+  return sum;
+}
+
+void Effects::add_derivatives(MatrixXd& jacobian, Index row, Triad triad, const MatrixXd& by_output, const EffectState& state) const {
+  const Index first = jacobian.cols() - size();
+  for (Index k = 0; k < size(); ++k) {
+    const EffectColumn& c = columns_[static_cast<std::size_t>(k)];
+    if (!c.effect->changes(triad)) continue;
+    const OutputChange change = c.at(state);
+    jacobian.col(first + k).segment(row, by_output.rows()) -= by_output * (triad == Triad::accel ? change.force : change.rate);
+  }
+}
+
+namespace {
+
+EffectTest tested(const EffectGroup& group, const VectorXd& value, const MatrixXd& covariance) {
+  EffectTest out{.effect = group.effect, .value = value, .sigma = covariance.diagonal().cwiseSqrt()};
+  // In units of the prior, along the eigenvectors u of P with eigenvalues p: V = 1/p - 1, s = u.c / p.
+  const SymmetricEigen P = symmetric_eigen(covariance / (group.sigma * group.sigma));
+  const VectorXd along = P.vectors.transpose() * value / group.sigma;
+  constexpr double seen = 1e-3, hardly = 1e-6;  // of the prior's information
+  constexpr double obvious = 30;                // chi-square of one: five and a half sigma, of a prior that is far too narrow
+  for (Index i = 0; i < along.size(); ++i) {
+    const double p = std::clamp(P.values[i], 1e-12, 1.0), V = 1 / p - 1, s = along[i] / p;
+    if (!(V > seen) && !(V > hardly && s * s / V > obvious)) continue;
+    out.rank += 1;
+    out.statistic += s * s / V;
+    out.log_evidence += 0.5 * (s * s / (V + 1) - std::log1p(V));
+  }
+  if (out.rank > 0) out.p_value = chi_square_tail(out.statistic, out.rank);
+  return out;
+}
+
+/// Of data and priors at a solution.
+double cost_of(const Solution& solution, const Parameters& parameters) {
+  double sum = solution.chi2;
+  for (const Index i : parameters.with(Role::estimated))
+    if (std::isfinite(parameters.sigma[i])) sum += std::pow((solution.x[i] - parameters.offset[i]) / parameters.sigma[i], 2);
+  return sum;
+}
+
+}  // namespace
+
+std::optional<Contradicted> contradicted_prior(const Information& data, const Parameters& parameters, const std::vector<PriorGroup>& groups) {
+  constexpr double level = 1e-3, told_apart = 3;  // the latter of the logarithms of two probabilities
+  const Solution before = solve(data, parameters);
+  const VectorXd value = before.x - parameters.offset;
+  std::vector<double> evidence(groups.size(), -HUGE_VAL), factor(groups.size(), 1);
+  for (std::size_t k = 0; k < groups.size(); ++k) {
+    const std::vector<Index>& at = groups[k].at;
+    const VectorXd of_group = value(at), prior = parameters.sigma(at);
+    const MatrixXd covariance = before.covariance(at, at);
+    factor[k] = widening(of_group, prior, covariance);
+    if (factor[k] > 1) evidence[k] = evidence_of_wider(of_group, prior, covariance, factor[k]);
+  }
+  const auto best = std::max_element(evidence.begin(), evidence.end()) - evidence.begin();
+  if (groups.empty() || !std::isfinite(evidence[static_cast<std::size_t>(best)])) return std::nullopt;
+  Contradicted out{static_cast<std::size_t>(best), factor[static_cast<std::size_t>(best)], {groups[static_cast<std::size_t>(best)].name}};
+  Parameters wider = parameters;
+  for (const Index i : groups[out.group].at) wider.sigma[i] *= out.factor;
+  const Solution after = solve(data, wider);
+  const double degrees = std::max(1.0, after.degrees_of_freedom), scale = std::max(1.0, after.chi2 / degrees);
+  const Deviation explained{(cost_of(before, parameters) - cost_of(after, wider)) / scale, static_cast<int>(groups[out.group].at.size())};
+  if (explained.log_probability(degrees) > std::log(level / static_cast<double>(groups.size()))) return std::nullopt;
+  for (std::size_t k = 0; k < groups.size(); ++k)
+    if (k != out.group && evidence[k] > evidence[out.group] - told_apart) out.alike.push_back(groups[k].name);
+  return out;
+}
+
+std::vector<PriorGroup> Effects::prior_groups(Index parameters) const {
+  std::vector<PriorGroup> out;
+  for (const EffectGroup& g : groups_) {
+    PriorGroup& group = out.emplace_back(PriorGroup{std::string(g.effect->name), {}});
+    for (Index k = 0; k < g.size; ++k) group.at.push_back(parameters - size() + g.first + k);
+  }
+  return out;
+}
+
+bool Effects::widen(const Information& data, const Parameters& parameters) {
+  const std::optional<Contradicted> found = contradicted_prior(data, parameters, prior_groups(parameters.size()));
+  if (!found) return false;
+  add_causes(found->alike);
+  const double factor = std::min(found->factor, most_widening / groups_[found->group].widened);
+  widen({found->group, std::max(1.0, factor), 0});
+  return factor > 1;
+}
+
+void Effects::add_causes(const std::vector<std::string>& names) {
+  for (const std::string& name : names)
+    if (std::find(causes_.begin(), causes_.end(), name) == causes_.end()) causes_.push_back(name);
+}
+
+std::vector<Effects::Wider> Effects::contradicted(const MatrixXd& covariance) const {
+  std::vector<Wider> found;
+  for (std::size_t k = 0; k < groups_.size(); ++k) {
+    const EffectGroup& g = groups_[k];
+    const Index at = covariance.rows() - size() + g.first;
+    const VectorXd value = value_.segment(g.first, g.size), prior = VectorXd::Constant(g.size, g.sigma);
+    const MatrixXd P = covariance.block(at, at, g.size, g.size);
+    if (const double wanted = widening(value, prior, P); wanted > 1)
+      found.push_back({k, std::min(wanted, most_widening / g.widened), evidence_of_wider(value, prior, P, wanted)});
+  }
+  std::sort(found.begin(), found.end(), [](const Wider& a, const Wider& b) { return a.evidence > b.evidence; });
+  return found;
+}
+
+std::vector<EffectTest> test_effects(const Effects& effects, const MatrixXd& covariance) {
+  std::vector<EffectTest> tests;
+  for (const EffectGroup& g : effects.groups()) {
+    const Index at = covariance.rows() - effects.size() + g.first, n = g.size;
+    tests.push_back(tested(g, effects.value().segment(g.first, n), covariance.block(at, at, n, n)));
+  }
+  return tests;
+}
+
+namespace {
+
+double significance_of(const EffectTest& test, const std::vector<EffectTest>& all) {
+  const auto seen = std::count_if(all.begin(), all.end(), [](const EffectTest& t) { return t.rank > 0; });
+  return test.rank > 0 ? test.p_value * static_cast<double>(seen) : 1;
+}
+
+}  // namespace
+
+void add_effects(Calibration& calibration, Findings& findings, const Effects& effects, const MatrixXd& covariance, double level) {
+  const std::vector<EffectTest> tests = test_effects(effects, covariance);
+  Quality& quality = calibration.quality;
+  for (const EffectTest& t : tests) {
+    EffectEstimate out{std::string(t.effect->name), std::string(t.effect->unit_name), {}, {}, significance_of(t, tests) < level};
+    for (Index k = 0; k < t.value.size(); ++k) out.values.push_back(t.value[k] / t.effect->unit), out.sigma.push_back(t.sigma[k] / t.effect->unit);
+    quality.effects.push_back(std::move(out));
+    if (t.rank == 0) quality.considered.emplace_back(t.effect->name);
+  }
+  if (effects.causes().empty()) return;
+  std::string words, advice;
+  for (const std::string& name : effects.causes()) {
+    const Effect* const effect = find_effect(name);
+    (words += words.empty() ? "" : ", or ") += effect != nullptr ? std::string(effect->words) : name + " is large";
+    if (effect != nullptr) (advice += advice.empty() ? "" : ", or ") += effect->advice;
+  }
+  quality.cause = fmt::format("{}", fmt::join(effects.causes(), ", "));
+  const bool widened = std::ranges::any_of(effects.groups(), [](const EffectGroup& g) { return g.widened > 1; });
+  if (widened) findings.doubt(words + ", by more than is expected of this IMU");
+  if (effects.causes().size() > 1 && !advice.empty()) findings.warn("the data do not tell these apart: " + *quality.cause + "; to do so: " + advice);
+}
+
+}  // namespace imulab::kernel

@@ -1,0 +1,32 @@
+// The part of the effects' states that follows from a recording alone: time, temperature, the largest force and rate.
+#pragma once
+
+#include "imulab/model/effects.hpp"
+#include "imulab/recording/recording.hpp"
+#include "imulab/recording/scaling.hpp"
+#include "imulab/recording/session.hpp"
+
+#include <cstddef>
+#include <vector>
+
+namespace imulab::kernel {
+
+/// Of one recording, or of several that were joined, which must outlive it. Time is that of each of them.
+class RecordedStates {
+ public:
+  /// The model is of scaled readings.
+  RecordedStates(const Recording& recording, const Session& session, const SensorModel& scaled_model, const Scaling& scaling);
+
+  /// Without force and rate.
+  EffectState at(std::size_t sample) const;
+  int recordings() const { return static_cast<int>(recording_->starts.size()) + 1; }
+  bool thermometer() const { return temperature_ != nullptr; }
+
+ private:
+  const Recording* recording_;
+  EffectState common_;
+  const std::vector<double>* temperature_ = nullptr;
+  double mean_ = 0, per_K_ = 1;  ///< of its readings
+};
+
+}  // namespace imulab::kernel

@@ -1,0 +1,101 @@
+// The rotations between the rests of a hand-held calibration: which are usable, and what the gyros integrate.
+#include "imulab/core/error.hpp"
+#include "imulab/estimate/rests/handheld_problem.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace imulab::rests {
+
+using Eigen::Index;
+
+void HandheldProblem::add_turns(const std::vector<DeclaredTurn>& turns) {
+  if (turns.empty()) return;
+  const double scale = recording_->gyro_unit == "count" ? 0.5 : 0.2;  // of counts it is taken from the motion; else as far as anywhere
+  integrate();
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    const auto between = [&](const DeclaredTurn& turn) { return rests_[k].mid_s < turn.middle() && turn.middle() < rests_[k + 1].mid_s; };
+    if (!linked(k) || std::count_if(turns.begin(), turns.end(), between) != 1) continue;
+    const DeclaredTurn& turn = *std::find_if(turns.begin(), turns.end(), between);
+    if (turn.moves_on) continue;
+    links_[k].turn = turn;
+    if (const std::string wrong = contradiction(turn, swept(links_[k]), scale); !wrong.empty())
+      throw Error(fmt::format("{}: {}; expected the turn as it was done", recording_->name, wrong));
+  }
+}
+
+void HandheldProblem::relink() {
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    const std::size_t begin = rests_[k].range.end, end = rests_[k + 1].range.begin;
+    // A gap before sample `end` itself is missing motion too. Rests that adjoin have no rotation between them.
+    links_[k].usable =
+        !rests_alone_ && !links_[k].refused && recording_->gaps_in({begin, end + 1}) == 0 && recording_->saturated_in({begin, end}) == 0;
+  }
+  stretch_.assign(rests_.size(), 0);
+  for (std::size_t k = 1; k < rests_.size(); ++k) stretch_[k] = stretch_[k - 1] + (linked(k - 1) ? 0 : 1);
+  earth_horizontal_.assign(rests_.empty() ? 0 : stretch_.back() + 1, Eigen::Vector2d::Zero());
+}
+
+std::size_t HandheldProblem::rotations() const {
+  return static_cast<std::size_t>(std::count_if(links_.begin(), links_.end(), [](const Link& link) { return link.usable; }));
+}
+
+std::size_t HandheldProblem::turns(bool refused) const {
+  return static_cast<std::size_t>(
+      std::count_if(links_.begin(), links_.end(), [&](const Link& link) { return link.turn && (refused ? link.refused : link.usable); }));
+}
+
+Vector3d HandheldProblem::swept(const Link& link) const { return model_.gyro.offset * link.now.duration_s + model_.gyro.matrix * link.now.reading; }
+
+IntegratedRotation HandheldProblem::integrated(const Recording& recording, Range range, const Vector3d& sigma) const {
+  RateEffects effects;
+  for (const EffectColumn& c : effects_.columns())
+    if (c.effect->changes(Triad::gyro)) effects.columns.push_back(c);
+  effects.state = [&](std::size_t sample) { return &recording == recording_ ? recorded_->at(sample) : recorded_->at(rests_.back().range.begin); };
+  return integrate_rotation(recording, range, model_, scaling_, sigma, effects);
+}
+
+IntegratedRotation HandheldProblem::between_middles(std::size_t rest) const {
+  const Rest &from = rests_[rest], &to = rests_[rest + 1];
+  IntegratedRotation turn = integrated(*recording_, {from.range.end, to.range.begin}, turning_sigma_);
+  const double weight = stillness_.weight();
+  if (!(weight > 0)) return turn;
+  for (const bool after : {false, true}) {
+    const Range half = after ? first_half(to) : second_half(from);
+    if (recording_->gaps_in({half.begin, half.end + 1}) > 0) continue;
+    const IntegratedRotation small = integrated(*recording_, half, turning_sigma_).part(weight);
+    turn = after ? turn.then(small) : small.then(turn);
+  }
+  turn.covariance.diagonal().array() += 2 * std::pow((1 - weight) * stillness_.wander, 2);
+  return turn;
+}
+
+Matrix3d HandheldProblem::corrected(const IntegratedRotation& rotation, const Vector3d& angle) const {
+  Vector3d all = angle;
+  Index gyro = 0;
+  for (Index k = 0; k < effects_.size(); ++k)
+    if (effects_.columns()[static_cast<std::size_t>(k)].effect->changes(Triad::gyro)) all -= effects_.value()[k] * rotation.by_effect.col(gyro++);
+  return rotation_exp(all) * rotation.C;
+}
+
+void HandheldProblem::integrate() {
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    Link& link = links_[k];
+    if (!link.usable) continue;
+    if (link.at) {  // a small step follows from the derivatives: the second-order part of 1e-4 rad is below 1e-8 rad
+      const Vector3d angle = link.rotation.change(link.at->gyro, link.at->g_sensitivity, model_.gyro, model_.g_sensitivity);
+      if (angle.norm() < 1e-4 &&
+          (model_.accel.matrix - link.at->accel.matrix).norm() + (model_.accel.offset - link.at->accel.offset).norm() < 1e-3 * gravity_) {
+        link.now.C = corrected(link.rotation, angle);
+        continue;
+      }
+    }
+    link.rotation = link.now = between_middles(k);
+    link.now.C = corrected(link.rotation, Vector3d::Zero());
+    link.at = model_;
+  }
+}
+
+}  // namespace imulab::rests

@@ -1,0 +1,130 @@
+#include "imulab/estimate/turntable/table_effects.hpp"
+
+#include "imulab/core/units.hpp"
+#include "imulab/earth/earth.hpp"
+#include "imulab/estimate/turntable/estimator.hpp"
+#include "imulab/estimate/turntable/prediction.hpp"
+#include "imulab/rig/motion.hpp"
+#include "imulab/rig/procedure.hpp"
+
+#include <Eigen/LU>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/table_session.hpp"
+#include <algorithm>
+#include <cmath>
+
+namespace imulab::turntable {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+const kernel::EffectSizes mems_sizes{{}, "mems", 0};
+
+/// Raw readings of a unit with the effects c, sample by sample along the rig's motion: of each hold the means, of each turn the gyros' sum.
+VectorXd simulated(const TablePlan& plan, const TableMotion& parts, const SensorModel& unit, const kernel::Effects& effects, const VectorXd& c,
+                   std::size_t moved_at) {
+  constexpr double interval = 0.02;  // 1 deg of the fastest turn
+  const RigMotion motion = rig_motion(plan.steps);
+  const double gravity = table_site().gravity();
+  const Surroundings place{earth_rate_enu(*table_site().latitude), gravity, Matrix3d::Zero()};
+  const Matrix3d of_accel = unit.accel.matrix.inverse(), of_gyro = unit.gyro.matrix.inverse();
+  PlayOperator play(gravity);
+  VectorXd sum = VectorXd::Zero(parts.rows());
+  VectorXd weight = VectorXd::Zero(static_cast<Index>(parts.parts()));
+  const auto samples = static_cast<int>(std::ceil(motion.end() / interval));
+  for (int i = 0; i < samples; ++i) {
+    const double t = (i + 0.5) * interval;
+    const Motion truth = sensed_motion(body_state(motion, t), place);
+    EffectState state{.force = truth.force, .rate = truth.rate, .gravity = gravity};
+    state.time = (t - plan.begin) / (plan.end - plan.begin) - 0.5;
+    state.play = play(truth.force);
+    state.moved = t > plan.steps[moved_at].start - 1 ? 1 : 0;  // it moved before the step; a turn's sum has a second of the rest before it
+    Vector3d force = truth.force, rate = truth.rate - unit.g_sensitivity * truth.force;
+    for (Index k = 0; k < effects.size(); ++k) {
+      const OutputChange change = effects.columns()[static_cast<std::size_t>(k)].at(state);
+      force += c[k] * change.force, rate += c[k] * change.rate;
+    }
+    for (std::size_t part = 0; part < parts.parts(); ++part) {
+      const double inside = std::min(t + 0.5 * interval, parts.end(part)) - std::max(t - 0.5 * interval, parts.begin(part));
+      if (inside <= 0) continue;
+      weight[static_cast<Index>(part)] += inside;
+      if (parts.is_hold(part)) sum.segment<3>(parts.row(part)) += inside * of_accel * (force - unit.accel.offset);
+      sum.segment<3>(parts.gyro_row(part)) += inside * of_gyro * (rate - unit.gyro.offset);
+    }
+  }
+  for (std::size_t part = 0; part < parts.parts(); ++part)
+    if (parts.is_hold(part)) sum.segment<6>(parts.row(part)) /= weight[static_cast<Index>(part)];
+  return sum;
+}
+
+/// The columns of all effects against differences of simulated readings, each with its prior sigma and relative to its largest reading.
+TEST(TableEffects, ColumnsAreDerivativesOfSimulatedReadings) {
+  const RigDeclaration rig = table_of(2 * unit::arcsec);
+  const TablePlan plan = table_plan(odd_steps(), rig);
+  const TableMotion motion(plan, rig, table_site());
+  const SensorModel unit = drawn_unit(3);
+  const std::size_t moved_at = 9;
+  EstimatorOptions options;
+  options.terms = linear_terms();
+  options.effects = table_effects(mems_sizes, motion, plan, table_site(), moved_at);
+  const kernel::Effects& effects = options.effects.table;
+  const RawNoise noise{raw_density(table_accel_noise, unit.accel.matrix), raw_density(table_gyro_noise, unit.gyro.matrix)};
+  const Estimator estimator(motion, unit, noise, options);
+  const VectorXd none = VectorXd::Zero(effects.size()), without = simulated(plan, motion, unit, effects, none, moved_at);
+  for (const kernel::EffectGroup& g : effects.groups()) {
+    if (g.effect->name == "accel.rectification") continue;  // nothing shakes
+    // All columns of an effect at once, by different sizes: one simulation for each effect.
+    VectorXd c = none;
+    for (Index k = 0; k < g.size; ++k) c[g.first + k] = g.sigma * (1 + 0.3 * static_cast<double>(k));
+    const VectorXd simulated_change = simulated(plan, motion, unit, effects, c, moved_at) - without;
+    const VectorXd change = estimator.readings_by_effects() * c;
+    for (const int kind : {0, 1, 2}) {  // means of accelerometers, of gyros, sums of turns
+      VectorXd rows = VectorXd::Zero(motion.rows());
+      for (std::size_t part = 0; part < motion.parts(); ++part)
+        if (motion.is_hold(part) != (kind == 2)) rows.segment<3>(motion.row(part) + (kind == 1 ? 3 : 0)).setOnes();
+      const VectorXd expected = rows.cwiseProduct(simulated_change), error = rows.cwiseProduct(change) - expected;
+      // Sampling at 50 Hz: steps of a degree beside the play's turning points, and the ends of turns.
+      EXPECT_LE(error.cwiseAbs().maxCoeff(), 2e-3 * expected.cwiseAbs().maxCoeff() + 1e-12) << g.effect->name << " " << kind;
+    }
+  }
+}
+
+TEST(TableEffects, EstimatesAreWithinTheirUncertainty) {
+  const RigDeclaration rig = table_of(2 * unit::arcsec, 0);
+  const TableRun run = run_of(zhang_steps(), rig, 4, 0);
+  EstimatorOptions options;
+  options.terms = linear_terms();
+  options.effects = table_effects({{}, "navigation", 0}, run.motion, run.seen.parts, table_site());
+  const RawNoise noise{raw_density(table_accel_noise, run.truth.accel.matrix), raw_density(table_gyro_noise, run.truth.gyro.matrix)};
+  const Estimator estimator(run.motion, run.truth, noise, options);
+  const Index n = options.effects.table.size();
+  const VectorXd sigma = options.effects.table.sigma(), c = sigma.cwiseProduct(drawn_normals(n, 5, "effects"));
+  const VectorXd readings = run.seen.readings + estimator.readings_by_effects() * c + drawn_noise(run.motion, run.truth, 5);
+  const VectorXd error = estimator.effects(readings) - c;
+  const MatrixXd P = estimator.effects_covariance();
+  const double chi2 = error.dot(P.ldlt().solve(error)) / static_cast<double>(n);
+  EXPECT_NEAR(chi2, 1, 4 * std::sqrt(2.0 / static_cast<double>(n)));  // 4 sigmas of its mean
+  EXPECT_TRUE((P.diagonal().array() <= sigma.array().square() * (1 + 1e-9)).all());
+}
+
+TEST(TableEffects, PredictionAgreesWithMonteCarlo) {
+  Session session = zhang_24_procedure({});
+  session.imu.grade = "navigation";
+  Plan plan = plan_of(session);
+  const Prediction without = predict(plan);
+  plan.effects = kernel::EffectSizes{{}, "navigation", 0};
+  const Prediction closed = predict(plan);
+  const MonteCarloResult sampled = monte_carlo(plan, 4000, 1);
+  ASSERT_EQ(sampled.coefficients, closed.coefficients);
+  for (Index i = 0; i < closed.sigma.size(); ++i)
+    EXPECT_NEAR(sampled.sigma[i] / closed.sigma[i], 1, 0.05) << coefficient(closed.coefficients[static_cast<std::size_t>(i)]).name;  // 4.5 of 1.1 %
+  EXPECT_TRUE((closed.sigma.array() >= without.sigma.array() * (1 - 1e-6)).all());
+  EXPECT_THAT(closed.sources, testing::Contains("mount.elastic"));
+}
+
+}  // namespace
+}  // namespace imulab::turntable

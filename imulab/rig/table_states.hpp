@@ -1,0 +1,24 @@
+// The states of a unit on a turntable, at which effects change its outputs (model/effects.hpp), through the parts of a procedure.
+#pragma once
+
+#include "imulab/model/effects.hpp"
+#include "imulab/rig/table_motion.hpp"
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace imulab {
+
+/// A state, with its weight in the reading of a part: 1 in all of a hold, the seconds of a turn.
+struct WeightedState {
+  EffectState state;
+  double weight;
+};
+
+/// The states of each part, as TableMotion numbers them; the unit moves in its mount before the step `moved_at`, counted from 0; absent: never. The
+/// accelerometers' play follows the steps in their order; between two holds all axes move at once.
+std::vector<std::vector<WeightedState>> table_states(const TableMotion& motion, const TablePlan& plan, double gravity,
+                                                     std::optional<std::size_t> moved_at = {});
+
+}  // namespace imulab

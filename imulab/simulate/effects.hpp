@@ -1,0 +1,31 @@
+// Effects of a simulated IMU (model/effects.hpp): drawn once, and added to its true motion.
+#pragma once
+
+#include "imulab/model/calibration.hpp"
+#include "imulab/model/effects.hpp"
+#include "imulab/recording/recording.hpp"
+#include "imulab/recording/session.hpp"
+#include "imulab/simulate/temperature.hpp"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace imulab::simulate {
+
+/// One draw a column, of the sizes that [imu.effects] states.
+std::vector<EffectValue> drawn_effects(const Session& procedure, std::uint64_t seed);
+
+/// Adds them to the true motion of a recording, sample by sample. `number`: of the recording in its session; `temperatures`: of the samples, empty
+/// where the temperature stays.
+void add_effects(Recording& motion, std::span<const EffectValue> effects, double gravity, int number,
+                 std::span<const TemperatureProfile::State> temperatures);
+
+}  // namespace imulab::simulate
+
+namespace imulab {
+
+/// As a result states them: exactly.
+std::vector<EffectEstimate> stated_effects(std::span<const EffectValue> effects);
+
+}  // namespace imulab

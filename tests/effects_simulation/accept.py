@@ -1,0 +1,120 @@
+"""Do the stated uncertainties hold, and are causes named, for units, rigs and hands with effects that a sensor model lacks?
+
+accept.py COMMAND [--seeds N] [--method NAME] [--quick]
+
+Every case is a method, a grade, and what the session has. Clean: no false alarm. All effects at once, drawn from their priors: a result that is called
+good has e'P^-1 e / m below 1.3 on average, and no error beyond the 99.9 % quantile of the largest of all. One effect of ten times its prior, in sessions
+whose residuals can show it: doubtful in 95 %, or covered as above; four of five causes are the true one.
+"""
+
+from __future__ import annotations
+
+import argparse
+import concurrent.futures
+import sys
+from dataclasses import dataclass, field
+from statistics import NormalDist
+
+import numpy as np
+
+import study
+
+
+@dataclass
+class Case:
+    method: str
+    grade: str
+    name: str
+    effects: dict[str, float] = field(default_factory=dict)
+    special: dict[str, float] = field(default_factory=dict)
+    cause: str | None = None  # what a doubt should name
+    clean: bool = False
+    quick: bool = False  # among those of one session each
+
+    def title(self) -> str:
+        return f"{self.method}, {self.grade}: {self.name}"
+
+
+GRADES = {"static": ("navigation", "mems"), "handheld": ("navigation", "mems"), "turntable": ("navigation", "mems"),
+          "hybrid": ("navigation", "mems"), "whole-unit": ("tactical", "mems")}
+# Effects that the residuals of a method's session can show.
+SHOWN = {
+    "static": ("accel.asymmetry", "accel.cross_terms", "accel.drift"),
+    "handheld": ("accel.asymmetry", "accel.cross_terms", "accel.drift", "gyro.drift", "gyro.asymmetry"),
+    "turntable": ("accel.hysteresis", "accel.cross_terms", "accel.drift", "gyro.drift", "gyro.asymmetry", "mount.elastic"),
+    "hybrid": ("accel.cross_terms", "accel.drift", "gyro.drift", "gyro.asymmetry", "gyro.scale_drift"),
+    "whole-unit": ("accel.turn_on", "gyro.turn_on", "gyro.g_squared", "centrifuge.arm"),
+}
+SPECIAL = {
+    "static": (("the latitude 0.2 deg off", {"latitude_off": 0.2}, "site.latitude"), ("the latitude with the wrong sign", {"wrong_sign": 1}, "site.latitude")),
+    # A hand that wanders is no rest to a good gyro: that log is refused.
+    "handheld": (("a tremor of 0.05 deg", {"tremor": 0.05}, None), ("a hand that wanders by 0.3 deg", {"wander": 0.3}, None),
+                 ("a clock 1 % off", {"clock": 0.01}, None)),
+    "hybrid": (("a clock 20 ppm off", {"clock": 2e-5}, None), ("a gyro that sticks for a second", {"sticks": 1}, None)),
+}
+
+
+def cases() -> list[Case]:
+    out = []
+    for method, grades in GRADES.items():
+        sizes = study.SIMULATORS.get(method, study.simulate).SIZES
+        for grade in grades:
+            out.append(Case(method, grade, "nothing", clean=True, quick=True))
+            out.append(Case(method, grade, "all effects at their priors", {e: 1 for e in sizes}, quick=True))
+            for number, effect in enumerate(SHOWN[method]):
+                if effect in sizes:
+                    out.append(Case(method, grade, f"{effect} of ten times its prior", {effect: 10}, cause=effect, quick=grade == grades[0] and number < 2))
+            for name, special, cause in SPECIAL.get(method, ()):
+                if grade in ("mems" if "wander" in special else "navigation", grades[-1] if cause is None else "navigation"):
+                    out.append(Case(method, grade, name, special=special, cause=cause))
+    return out
+
+
+def judged(case: Case, results: list[dict]) -> tuple[str, list[str]]:
+    """A line, and what is wrong."""
+    good = [r for r in results if r["verdict"] == "good"]
+    doubted = [r for r in results if r["verdict"] == "doubtful"]
+    wrong = [r["verdict"] for r in results if r["verdict"] not in ("good", "doubtful")]
+    line = f"{case.title():<70} good {len(good)}/{len(results)}"
+    if good:
+        count = sum(r["count"] for r in good)
+        chi2, worst, most = np.mean([r["chi2"] for r in good]), max(r["worst"] for r in good), NormalDist().inv_cdf(1 - 0.0005 / count)
+        line += f"  chi2/m {chi2:.2f}  worst {worst:.1f} of {most:.1f} sigma"
+        # A mean of few sessions scatters: m of some 25 each.
+        if chi2 > 1.3 + 3 * np.sqrt(2 / count):
+            wrong.append(f"chi2/m of good results is {chi2:.2f}")
+        if worst > most:
+            wrong.append(f"an error of {worst:.1f} sigma was called good")
+    if case.clean and len(doubted) > max(1, 0.05 * len(results)):
+        wrong.append(f"{len(doubted)} false alarms")
+    if case.cause and doubted:
+        named = sum(case.cause in (r["cause"] or "") for r in doubted)
+        line += f"  cause {named}/{len(doubted)}"
+        if len(doubted) >= 5 and named < 0.8 * len(doubted):
+            wrong.append(f"the cause was named in {named} of {len(doubted)}")
+    return line, wrong
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("command")
+    parser.add_argument("--seeds", type=int, default=40)
+    parser.add_argument("--method")
+    parser.add_argument("--quick", action="store_true")
+    o = parser.parse_args()
+    failed = 0
+    with concurrent.futures.ProcessPoolExecutor() as pool:
+        chosen = [c for c in cases() if (not o.method or c.method == o.method) and (not o.quick or c.quick)]
+        seeds = 1 if o.quick else o.seeds
+        work = [[pool.submit(study.studied, o.command, c.method, c.grade, seed, c.effects, c.special, ["--effects", "table"]) for seed in range(1, seeds + 1)]
+                for c in chosen]
+        for case, futures in zip(chosen, work):
+            line, wrong = judged(case, [f.result() for f in futures])
+            print(line + "".join(f"\n    WRONG: {w}" for w in wrong), flush=True)
+            failed += bool(wrong)
+    print(f"{failed} of {len(work)} cases failed")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
