@@ -1,9 +1,9 @@
 // Fleets: each call opens the store, and closes it again.
+#include "imulab/fleet/statistics/stated.hpp"
 #include "imulab/fleet/store/sample.hpp"
 #include "imulab/formats/text/decimal.hpp"
-#include "imulab/report/fleet_page.hpp"
-#include "imulab/results/fleet.hpp"
 #include "imulab/tasks/fleet.hpp"
+#include "imulab/tasks/fleet_page.hpp"
 
 #include "python/module.hpp"
 #include <pybind11/stl.h>

@@ -18,9 +18,9 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-const std::map<std::string, int> ranks{{"core", 0},     {"model", 1},    {"earth", 1},   {"recording", 2},  {"navigation", 3}, {"rig", 4},
-                                       {"simulate", 5}, {"estimate", 5}, {"noise", 5},   {"inspection", 6}, {"formats", 7},    {"fleet", 8},
-                                       {"results", 9},  {"export", 10},  {"report", 10}, {"tasks", 11},     {"apps", 12},      {"python", 12}};
+const std::map<std::string, int> ranks{{"core", 0},     {"model", 1},    {"earth", 1},  {"recording", 2},  {"navigation", 3}, {"rig", 4},
+                                       {"simulate", 5}, {"estimate", 5}, {"noise", 5},  {"inspection", 6}, {"formats", 7},    {"results", 8},
+                                       {"fleet", 9},    {"export", 9},   {"report", 9}, {"tasks", 10},     {"apps", 11},      {"python", 11}};
 
 const std::set<std::string> rooms_of_files{"formats", "results", "export"};
 

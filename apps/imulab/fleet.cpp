@@ -1,9 +1,10 @@
 // imulab fleet add|calibrate|list|show|stats|check|merge|export|remove
-#include "imulab/results/fleet.hpp"
+#include "imulab/tasks/fleet.hpp"
 
 #include "apps/imulab/command.hpp"
 #include "apps/imulab/files.hpp"
 #include "imulab/core/error.hpp"
+#include "imulab/fleet/statistics/stated.hpp"
 #include "imulab/fleet/store/sample.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/text/decimal.hpp"
@@ -11,10 +12,9 @@
 #include "imulab/formats/text/json.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/report/calibration_page.hpp"
-#include "imulab/report/fleet_page.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/tasks/calibrate.hpp"
-#include "imulab/tasks/fleet.hpp"
+#include "imulab/tasks/fleet_page.hpp"
 
 #include <fmt/format.h>
 

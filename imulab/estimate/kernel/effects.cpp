@@ -26,7 +26,7 @@ EffectSizes effect_sizes(const Session& session, const Vector3d& accel_offset) {
   const NoiseModels noise = declared_terms(session.imu);
   if (!noise.accel.turn_on.fixed) declare("accel.turn_on", noise.accel.turn_on.value);
   if (!noise.gyro.turn_on.fixed) declare("gyro.turn_on", noise.gyro.turn_on.value);
-  declare("site.latitude", session.site.latitude_sigma.value_or(0));
+  if (session.site.latitude_sigma) sizes.declared.try_emplace("site.latitude", *session.site.latitude_sigma);  // 0: exactly known
   return sizes;
 }
 
@@ -198,7 +198,7 @@ void add_effects(Calibration& calibration, Findings& findings, const Effects& ef
   std::string words, advice;
   for (const std::string& name : effects.causes()) {
     const Effect* const effect = find_effect(name);
-    (words += words.empty() ? "" : ", or ") += effect != nullptr ? std::string(effect->words) : name + " is large";
+    (words += words.empty() ? "" : ", or ") += effect != nullptr ? std::string(effect->words) : name + " is larger";
     if (effect != nullptr) (advice += advice.empty() ? "" : ", or ") += effect->advice;
   }
   quality.cause = fmt::format("{}", fmt::join(effects.causes(), ", "));

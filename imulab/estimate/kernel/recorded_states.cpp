@@ -7,15 +7,6 @@
 
 namespace imulab::kernel {
 
-namespace {
-
-/// The sensor's readings in proportion to the temperature; none where nothing says in what.
-const std::optional<ThermalSource>& thermal_source(const RecordingSource& source, bool of_gyros) {
-  return of_gyros ? source.gyro_temperature : source.accel_temperature;
-}
-
-}  // namespace
-
 RecordedStates::RecordedStates(const Recording& recording, const Session& session, const SensorModel& model, const Scaling& scaling)
     : recording_(&recording) {
   common_.gravity = session.site.gravity();
@@ -30,7 +21,8 @@ RecordedStates::RecordedStates(const Recording& recording, const Session& sessio
   const RecordingSource source = session.source_of(recording.name);
   for (const bool of_gyros : {false, true}) {
     const std::vector<double>& readings = (of_gyros ? recording.gyro_temperature : recording.accel_temperature)[0];
-    const std::optional<ThermalSource>& sensor = thermal_source(source, of_gyros);
+    const std::optional<ThermalSource>& sensor = of_gyros ? source.gyro_temperature : source.accel_temperature;
+    // Raw readings without a scale say nothing in K.
     if (temperature_ != nullptr || readings.empty() || !sensor || (sensor->unit == "raw" && !sensor->per_K)) continue;
     temperature_ = &readings;
     per_K_ = thermal_scale(*sensor).per_K;

@@ -4,8 +4,8 @@
 #include "imulab/core/parallel.hpp"
 #include "imulab/core/random.hpp"
 #include "imulab/core/units.hpp"
-#include "imulab/report/fleet_page.hpp"
-#include "imulab/results/fleet.hpp"
+#include "imulab/fleet/statistics/stated.hpp"
+#include "imulab/tasks/fleet_page.hpp"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>

@@ -1,11 +1,11 @@
-#include "imulab/report/fleet_page.hpp"
+#include "imulab/tasks/fleet_page.hpp"
 
 #include "imulab/core/units.hpp"
+#include "imulab/fleet/statistics/stated.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/page.hpp"
 #include "imulab/report/pictures.hpp"
 #include "imulab/report/plot.hpp"
-#include "imulab/results/fleet.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "imulab/results/fleet.hpp"
+#include "imulab/fleet/statistics/stated.hpp"
 
 #include "imulab/formats/text/decimal.hpp"
 #include "imulab/formats/text/figures.hpp"
