@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
 
 import simulate
-from simulate import DEG, EARTH, UNITS, Motion, Unit
+from simulate import DEG, EARTH, Motion, Unit
 
 # Axis and turn [deg], from zero angles (Cheng 2014).
 PATH = [("middle", 90), ("middle", 180), ("middle", 180), ("middle", -90), ("inner", 90), ("inner", 180), ("inner", 180), ("middle", 90), ("middle", 180),
@@ -82,7 +81,7 @@ def as_toml(value: object) -> str:
 
 def write_session(folder: Path, seed: int, grade: str, effects: dict[str, float], *, rest_s: float = 30, rate_hz: float = 50, latitude: float = 48 * DEG,
                   clock: float = 0, sticks: bool = False) -> Unit:
-    """A session with its noise and grade declared. `clock`: the recording's seconds are longer than true ones by this fraction. `sticks`: a gyro reads
+    """A session with its noise and grade declared. `clock`: the recording's seconds are shorter than true ones by this fraction. `sticks`: a gyro reads
     nothing for a second of a turn."""
     rng = np.random.default_rng(seed)
     gravity = 9.809
@@ -101,36 +100,11 @@ def write_session(folder: Path, seed: int, grade: str, effects: dict[str, float]
         begin = round((turn["start_s"] + 3) * rate_hz)
         fastest = np.abs(gyro[begin]).argmax()
         gyro[begin:begin + round(rate_hz), fastest] = 0
-    folder.mkdir(parents=True, exist_ok=True)
-    np.savetxt(folder / "recording.csv", np.column_stack([motion.time / (1 + clock), gyro, accel]), delimiter=",", header="t,gx,gy,gz,ax,ay,az", comments="",
-               fmt="%.12g")
-    u = UNITS[grade]
-    text = f"""format = "imulab.session/1"
-[imu]
-name = "simulated"
-grade = "{grade}"
-accel_noise_density = {u["na"]:.9g}
-gyro_noise_density = {u["ng"]:.9g}
-[site]
-latitude_deg = {latitude / DEG:.9g}
-gravity_mps2 = {gravity}
-gravity_sigma_mps2 = 1e-5
-[rig]
-kind = "turntable"
-zero_sigma_arcsec = 60
-angle_sigma_arcsec = 60
-orthogonality_sigma_arcsec = 60
-[[recording]]
-file = "recording.csv"
-rate_hz = {rate_hz}
-time = {{ column = "t", unit = "s" }}
-gyro = {{ columns = ["gx", "gy", "gz"], output = "rate", unit = "rad/s" }}
-accel = {{ columns = ["ax", "ay", "az"], output = "rate", unit = "m/s^2" }}
-"""
+    simulate.in_recorded_seconds(unit, clock)
+    text = simulate.imu_text(grade) + simulate.site_text(latitude / DEG, gravity)
+    text += '[rig]\nkind = "turntable"\nzero_sigma_arcsec = 60\nangle_sigma_arcsec = 60\northogonality_sigma_arcsec = 60\n'
+    text += simulate.recording_text("recording.csv", rate_hz)
     for step in steps:
         text += "[[step]]\n" + "".join(f"{k} = {as_toml(v)}\n" for k, v in step.items())
-    (folder / "session.toml").write_text(text)
-    (folder / "truth.json").write_text(json.dumps({"values": unit.values(), "effects": {k: v.tolist() for k, v in unit.effects.items()}}))
-    # The right scales are per second of the recording.
-    unit.gyro_offset, unit.gyro_matrix, unit.g_sensitivity = ((1 + clock) * v for v in (unit.gyro_offset, unit.gyro_matrix, unit.g_sensitivity))
+    simulate.write(folder, text, unit, {"recording.csv": np.column_stack([motion.time * (1 + clock), gyro, accel])})
     return unit

@@ -195,6 +195,45 @@ def readings(rng: np.random.Generator, unit: Unit, m: Motion, grade: str, rate_h
     return accel + rng.normal(size=accel.shape) * noise["na"] * root, gyro + rng.normal(size=gyro.shape) * noise["ng"] * root
 
 
+def imu_text(grade: str, declare_grade: bool = True) -> str:
+    """A session's first lines: the unit's noise is declared."""
+    named = f'grade = "{grade}"\n' if declare_grade else ""
+    return f"""format = "imulab.session/1"
+[imu]
+name = "simulated"
+{named}accel_noise_density = {UNITS[grade]["na"]:.9g}
+gyro_noise_density = {UNITS[grade]["ng"]:.9g}
+"""
+
+
+def site_text(latitude_deg: float, gravity: float) -> str:
+    return f"[site]\nlatitude_deg = {latitude_deg:.9g}\ngravity_mps2 = {gravity}\ngravity_sigma_mps2 = 1e-5\n"
+
+
+def recording_text(file: str, rate_hz: float, more: str = "") -> str:
+    return f"""[[recording]]
+file = "{file}"
+{more}rate_hz = {rate_hz}
+time = {{ column = "t", unit = "s" }}
+gyro = {{ columns = ["gx", "gy", "gz"], output = "rate", unit = "rad/s" }}
+accel = {{ columns = ["ax", "ay", "az"], output = "rate", unit = "m/s^2" }}
+"""
+
+
+def write(folder: Path, text: str, unit, recordings: dict[str, np.ndarray]) -> None:
+    """The session, its recordings (rows of time, gyro, accel and perhaps a temperature, by file), and the truth."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for file, rows in recordings.items():
+        np.savetxt(folder / file, rows, delimiter=",", header=",".join("t gx gy gz ax ay az T".split()[: rows.shape[1]]), comments="", fmt="%.13g")
+    (folder / "session.toml").write_text(text)
+    (folder / "truth.json").write_text(json.dumps({"values": unit.values(), "effects": {k: v.tolist() for k, v in unit.effects.items()}}))
+
+
+def in_recorded_seconds(unit: Unit, gain: float) -> None:
+    """The right scales are per second of the recording, whose clock gains by this fraction."""
+    unit.gyro_offset, unit.gyro_matrix, unit.g_sensitivity = (v / (1 + gain) for v in (unit.gyro_offset, unit.gyro_matrix, unit.g_sensitivity))
+
+
 def write_session(folder: Path, seed: int, grade: str, effects: dict[str, float], *, rests: int = 40, rest_s: float = 5, rate_hz: float = 50,
                   latitude: float = 48 * DEG, latitude_off: float = 0, wrong_sign: bool = False, tremor: float = 0, wander: float = 0,
                   clock: float = 0) -> Unit:
@@ -207,30 +246,7 @@ def write_session(folder: Path, seed: int, grade: str, effects: dict[str, float]
     if tremor or wander:
         motion = held_in_a_hand(np.random.default_rng([seed, 1]), motion, tremor, wander)
     accel, gyro = readings(rng, unit, motion, grade, rate_hz, gravity)
-    folder.mkdir(parents=True, exist_ok=True)
-    rows = np.column_stack([motion.time * (1 + clock), gyro, accel])
-    np.savetxt(folder / "recording.csv", rows, delimiter=",", header="t,gx,gy,gz,ax,ay,az", comments="", fmt="%.12g")
-    u = UNITS[grade]
-    place = (-1 if wrong_sign else 1) * latitude / DEG + latitude_off
-    (folder / "session.toml").write_text(f"""format = "imulab.session/1"
-[imu]
-name = "simulated"
-grade = "{grade}"
-accel_noise_density = {u["na"]:.9g}
-gyro_noise_density = {u["ng"]:.9g}
-[site]
-latitude_deg = {place:.9g}
-gravity_mps2 = {gravity}
-gravity_sigma_mps2 = 1e-5
-[[recording]]
-file = "recording.csv"
-rate_hz = {rate_hz}
-time = {{ column = "t", unit = "s" }}
-gyro = {{ columns = ["gx", "gy", "gz"], output = "rate", unit = "rad/s" }}
-accel = {{ columns = ["ax", "ay", "az"], output = "rate", unit = "m/s^2" }}
-""")
-    # The right scales are per second of the recording.
-    unit.gyro_offset, unit.gyro_matrix, unit.g_sensitivity = (v / (1 + clock) for v in (unit.gyro_offset, unit.gyro_matrix, unit.g_sensitivity))
-    truth = {"values": unit.values(), "effects": {k: v.tolist() for k, v in unit.effects.items()}}
-    (folder / "truth.json").write_text(json.dumps(truth))
+    in_recorded_seconds(unit, clock)
+    text = imu_text(grade) + site_text((-1 if wrong_sign else 1) * latitude / DEG + latitude_off, gravity) + recording_text("recording.csv", rate_hz)
+    write(folder, text, unit, {"recording.csv": np.column_stack([motion.time * (1 + clock), gyro, accel])})
     return unit

@@ -5,14 +5,13 @@ As simulate.py, by code of its own. The table has errors of its axes, zeros and 
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 import simulate
-from simulate import DEG, EARTH, G, GRADES, UNITS, Motion, Unit, rotation
+from simulate import DEG, EARTH, G, GRADES, Motion, Unit, rotation
 
 ARCSEC = DEG / 3600
 SIZES = simulate.SIZES | {
@@ -170,39 +169,14 @@ def write_session(folder: Path, seed: int, grade: str, effects: dict[str, float]
     motion = table_motion(rng, steps, rate_hz, sigma * effects.get("table.worse", 1), rate / acceleration, latitude, true_gravity,
                           unit.effects.get("mount.elastic", np.zeros((3, 3))), change, half)
     accel, gyro = readings(rng, unit, motion, grade, rate_hz, true_gravity, max(rate * DEG, 1))
-    folder.mkdir(parents=True, exist_ok=True)
-    rows = np.column_stack([motion.time, gyro, accel])
-    np.savetxt(folder / "recording.csv", rows, delimiter=",", header="t,gx,gy,gz,ax,ay,az", comments="", fmt="%.12g")
-    u = UNITS[grade]
-    grade_line = f'grade = "{grade}"\n' if declare_grade else ""
-    text = f"""format = "imulab.session/1"
-[imu]
-name = "simulated"
-{grade_line}accel_noise_density = {u["na"]:.9g}
-gyro_noise_density = {u["ng"]:.9g}
-[site]
-latitude_deg = {latitude / DEG:.9g}
-gravity_mps2 = {gravity}
-gravity_sigma_mps2 = 1e-5
-[rig]
-kind = "turntable"
-angle_sigma_arcsec = {TABLE[grade]}
-orthogonality_sigma_arcsec = {TABLE[grade]}
-zero_sigma_arcsec = {TABLE[grade]}
-[[recording]]
-file = "recording.csv"
-rate_hz = {rate_hz}
-time = {{ column = "t", unit = "s" }}
-gyro = {{ columns = ["gx", "gy", "gz"], output = "rate", unit = "rad/s" }}
-accel = {{ columns = ["ax", "ay", "az"], output = "rate", unit = "m/s^2" }}
-"""
+    text = simulate.imu_text(grade, declare_grade) + simulate.site_text(latitude / DEG, gravity) + '[rig]\nkind = "turntable"\n'
+    text += "".join(f"{error}_sigma_arcsec = {TABLE[grade]}\n" for error in ("angle", "orthogonality", "zero"))
+    text += simulate.recording_text("recording.csv", rate_hz)
     for s in steps:
         text += f'[[step]]\nkind = "{s.kind}"\nstart_s = {s.start:.9g}\nend_s = {s.end:.9g}\n'
         if s.kind == "hold":
             text += "".join(f"{a}_deg = {s.angles[a] / DEG:.9g}\n" for a in ORDER)
         else:
             text += f'axis = "{s.axis}"\nangle_deg = {s.angle / DEG:.9g}\nrate_dps = {rate}\nacceleration_dps2 = {acceleration}\n'
-    (folder / "session.toml").write_text(text)
-    truth = {"values": unit.values(), "effects": {k: v.tolist() for k, v in unit.effects.items()}}
-    (folder / "truth.json").write_text(json.dumps(truth))
+    simulate.write(folder, text, unit, {"recording.csv": np.column_stack([motion.time, gyro, accel])})
     return unit

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from simulate import DEG, DPH, EARTH, G, GRADES, PPM, UG, UNITS, Motion, columns, rotation
+from simulate import DEG, DPH, EARTH, G, GRADES, PPM, UG, UNITS, Motion, columns, imu_text, recording_text, rotation, write
 from simulate import SIZES as COMMON
 
 ARCSEC = DEG / 3600
@@ -218,33 +217,13 @@ MACHINES = ("chamber", "rate_table", "centrifuge")
 
 
 def session_text(points: list[Point], grade: str, record: float, rate_hz: float, latitude: float, extra: str) -> str:
-    u = UNITS[grade]
-    text = f"""format = "imulab.session/1"
-[imu]
-name = "simulated"
-grade = "{grade}"
-accel_noise_density = {u["na"]:.9g}
-gyro_noise_density = {u["ng"]:.9g}
-{extra}
-[site]
-latitude_deg = {latitude / DEG:.9g}
-height_m = 0
-"""
+    text = imu_text(grade) + f"{extra}\n[site]\nlatitude_deg = {latitude / DEG:.9g}\nheight_m = 0\n"
     for name in MACHINES:
         of_rate = "" if name == "chamber" else "rate_sigma_ppm = 10\nradius_sigma_mm = 0.1\n"
         text += f'[[rig]]\nname = "{name}"\nkind = "{name}"\nzero_sigma_arcsec = 5\nmount_sigma_arcsec = 10\n{of_rate}'
     for name in MACHINES:
-        text += f"""[[recording]]
-file = "{name}.csv"
-rig = "{name}"
-rate_hz = {rate_hz}
-extent = "steps"
-time = {{ column = "t", unit = "s" }}
-gyro = {{ columns = ["gx", "gy", "gz"], output = "rate", unit = "rad/s" }}
-accel = {{ columns = ["ax", "ay", "az"], output = "rate", unit = "m/s^2" }}
-gyro_temperature = {{ columns = ["T"], unit = "degC", noise = 0.01 }}
-accel_temperature = {{ columns = ["T"], unit = "degC", noise = 0.01 }}
-"""
+        text += recording_text(f"{name}.csv", rate_hz, f'rig = "{name}"\nextent = "steps"\n')
+        text += "".join(f'{triad}_temperature = {{ columns = ["T"], unit = "degC", noise = 0.01 }}\n' for triad in ("gyro", "accel"))
     for p in points:
         a = ["+-"[s < 0] + "xyz"[i] for i, s in (p.up, p.outward)]
         text += f'[[step]]\nkind = "{"spin" if p.rate else "hold"}"\nrecording = "{MACHINES[p.recording]}.csv"\n'
@@ -265,7 +244,6 @@ def write_session(folder: Path, seed: int, grade: str, effects: dict[str, float]
     for name, size in (fixed or {}).items():
         unit.effects[name] = size * SIZES[name][0] * rng.choice([-1, 1], size=unit.effects[name].shape)
     place = drawn_place(rng, unit, points, latitude)
-    folder.mkdir(parents=True, exist_ok=True)
     n = round(record * rate_hz)
     per_recording = []
     for r in range(3):
@@ -278,7 +256,7 @@ def write_session(folder: Path, seed: int, grade: str, effects: dict[str, float]
         stretching = np.concatenate([np.tile(-axis_vector(p.outward) * p.rate**2 * (p.rate / arm_full) ** 2 * (r == 2), (n, 1)) for p in mine])
         per_recording.append((Motion(middle, f, w, np.ones(len(f), bool)), warm, {"stretching": stretching}))
     full = tuple(max(np.abs(getattr(m, what)).max() for m, _, _ in per_recording) for what in ("force", "rate"))
-    u = UNITS[grade]
+    u, recordings = UNITS[grade], {}
     for r, (m, warm, more) in enumerate(per_recording):
         force, rate = m.force.copy(), m.rate.copy()
         for name, c in unit.effects.items():
@@ -289,10 +267,7 @@ def write_session(folder: Path, seed: int, grade: str, effects: dict[str, float]
         accel += rng.normal(size=accel.shape) * u["na"] * np.sqrt(rate_hz)
         gyro += rng.normal(size=gyro.shape) * u["ng"] * np.sqrt(rate_hz)
         celsius = ROOM + warm + rng.normal(size=len(warm)) * 0.01
-        rows = np.column_stack([m.time + 0.5 / rate_hz, gyro, accel, celsius])
-        np.savetxt(folder / f"{MACHINES[r]}.csv", rows, delimiter=",", header="t,gx,gy,gz,ax,ay,az,T", comments="", fmt="%.13g")
+        recordings[f"{MACHINES[r]}.csv"] = np.column_stack([m.time + 0.5 / rate_hz, gyro, accel, celsius])
     declared = latitude if declared_latitude is None else declared_latitude
-    (folder / "session.toml").write_text(session_text(points, grade, record, rate_hz, declared, extra))
-    truth = {"values": unit.values(), "effects": {k: v.tolist() for k, v in unit.effects.items()}}
-    (folder / "truth.json").write_text(json.dumps(truth))
+    write(folder, session_text(points, grade, record, rate_hz, declared, extra), unit, recordings)
     return unit
