@@ -85,15 +85,25 @@ TEST(HandheldProblem, DerivativesOfDeclaredTurnsEqualDifferences) {
   }
 }
 
-TEST(StaticProblem, DerivativesEqualDifferences) {
+/// Rests in which gyros of navigation grade resolve the Earth's rate.
+SimulatedSession long_rests() {
   HandHeldOptions options;
   options.poses = 8;
   options.first_rest = options.rest = 30;
   options.grade = "navigation";
-  const SimulatedSession s = simulate_session(options, 5);
-  const coarse::RestStart start = start_at_truth(s);
+  return simulate_session(options, 5);
+}
+
+std::vector<CoefficientIndex> without_g_sensitivity() {
   std::vector<CoefficientIndex> indices = all_coefficients();
   std::erase_if(indices, [](CoefficientIndex index) { return coefficient(index).term == Term::g_sensitivity; });
+  return indices;
+}
+
+TEST(StaticProblem, DerivativesEqualDifferences) {
+  const SimulatedSession s = long_rests();
+  const coarse::RestStart start = start_at_truth(s);
+  const std::vector<CoefficientIndex> indices = without_g_sensitivity();
   const auto make = [&] {
     Site site = s.site();
     site.given_gravity = s.truth.gravity;
@@ -128,14 +138,9 @@ TEST(HandheldProblem, DerivativesByEffectsEqualDifferences) {
 }
 
 TEST(StaticProblem, DerivativesByEffectsEqualDifferences) {
-  HandHeldOptions options;
-  options.poses = 8;
-  options.first_rest = options.rest = 30;
-  options.grade = "navigation";
-  const SimulatedSession s = simulate_session(options, 5);
+  const SimulatedSession s = long_rests();
   const coarse::RestStart start = start_with_effects(s);
-  std::vector<CoefficientIndex> indices = all_coefficients();
-  std::erase_if(indices, [](CoefficientIndex index) { return coefficient(index).term == Term::g_sensitivity; });
+  const std::vector<CoefficientIndex> indices = without_g_sensitivity();
   const auto make = [&] { return StaticProblem(start, s.site(), indices, true); };
   const Eigen::Index coefficients = std::ssize(indices);
   const auto step = [&](Eigen::Index u) {
