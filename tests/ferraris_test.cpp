@@ -59,7 +59,7 @@ TEST(Ferraris, AgreesWithThePublishedResult) {
   write_record(folder);
   folder.write("session.toml", session(turn_x() + turn_y() + turn_z()));
   const CommandResult result = run_imulab(folder, "calibrate session.toml --method handheld -o c.json -v");
-  EXPECT_EQ(result.exit_code, 1) << "faces and turns alone do not determine all misalignments";
+  EXPECT_EQ(result.exit_code, 0) << "what a MEMS unit may do besides the model explains faces that repeat to 5 mm/s^2";
   EXPECT_THAT(on_one_line(result.output), HasSubstr("3 of 3 turns were used with their declared angle, each known to 1.4 deg"));
   const Calibration c = read_calibration(folder / "c.json");
 

@@ -76,9 +76,10 @@ inline CalibrationResult calibrated(const HybridSession& s, const CalibrationOpt
   return hybrid::calibrate(input_of(s.session, s.recording, s.rests), options);
 }
 
-/// Cheng's 21 coefficients, with the g-sensitivity if requested.
+/// Cheng's 21 coefficients, with the g-sensitivity if requested; without effects, which his model has not.
 inline CalibrationOptions base_terms(bool g_sensitivity = false) {
   CalibrationOptions options;
+  options.effects = false;
   for (const char* selector : {"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"})
     for (const CoefficientIndex index : select_coefficients(selector)) options.terms.push_back(index);
   if (g_sensitivity)

@@ -23,6 +23,7 @@ Run odd_run(std::uint64_t seed) {
   const VectorXd errors = motion.nominal() + motion.sigma().cwiseProduct(drawn_normals(motion.sigma().size(), seed, "table"));
   seen.readings = readings(motion, truth, motion.truth(errors)) + drawn_noise(motion, truth, seed);
   CalibrationOptions options;
+  options.effects = false;  // none are simulated: the estimates are compared with the bound of the model alone
   options.terms = linear_terms();
   const Calibration c = turntable::calibrate(seen, rig, table_imu(), table_site(), options);
   const turntable::RawNoise noise{turntable::raw_density(table_accel_noise, truth.accel.matrix),

@@ -20,9 +20,10 @@ struct WholeUnitSession {
   CalibrationInput input() const { return {session, recordings}; }
 };
 
-/// All that the data determine, significant or not.
+/// All that the data determine, significant or not; without effects, which Dai's model has not.
 inline CalibrationOptions full_whole_unit(bool stepwise = false) {
   CalibrationOptions options;
+  options.effects = false;
   options.whole_unit = {.full = true, .stepwise = stepwise};
   return options;
 }

@@ -51,7 +51,8 @@ TEST_F(SharedRuns, OfABudget) {
 }
 
 TEST_F(SharedRuns, OfAPlan) {
-  const std::string plan = "plan --require \"gyro.matrix.off_diagonal <= 1 arcsec, accel.matrix.diagonal <= 10 ppm\" --gravity 9.8 --json";
+  const std::string plan =
+      "plan --require \"gyro.matrix.off_diagonal <= 1 arcsec, accel.matrix.diagonal <= 10 ppm\" --gravity 9.8 --effects none --json";
   expect_the_same_bits(plan);
   EXPECT_EQ(run(plan + " --checkpoint shared"), run(plan));
   const auto error = [&](const std::string& more) { return run_imulab(folder, plan + more).errors; };

@@ -199,7 +199,7 @@ TEST_F(FleetCommand, SaysWhenUnitsAreDue) {
 
 TEST_F(FleetCommand, IsThePriorOfAPlan) {
   draw(60, 1);
-  const std::string plan = "plan --require 'gyro.matrix.off_diagonal <= 200 arcsec' --grade mems --axes hand";
+  const std::string plan = "plan --require 'gyro.matrix.off_diagonal <= 200 arcsec' --grade mems --axes hand --effects none";
   const auto without = nlohmann::json::parse(run(plan + " --json").output);
   const auto with = nlohmann::json::parse(run(plan + " --prior fleet.db --report plan.html --json > plan.json; cat plan.json").output);
   EXPECT_LT(with["duration_s"], without["duration_s"]);

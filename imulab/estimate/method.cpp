@@ -1,6 +1,7 @@
 #include "imulab/estimate/method.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/core/units.hpp"
 #include "imulab/estimate/hybrid/hybrid.hpp"
 #include "imulab/estimate/hybrid/path_design.hpp"
 #include "imulab/estimate/hybrid/prediction.hpp"
@@ -37,7 +38,6 @@ constexpr std::array all{
            .reference = "Tedaldi 2014",
            .needs = "rests in nine or more directions, and turns about all axes between them",
            .equipment = 1,
-           .takes_effects = true,
            .test = "multi-position (tumble) by hand, with the rotations between the positions",
            .instrument = Method::Instrument::where_declared,
            .calibrate = rests::calibrate_handheld,
@@ -50,7 +50,6 @@ constexpr std::array all{
            .needs = "gyros that resolve the Earth's rate: try it if yours do",
            .equipment = 2,
            .takes_curves = true,
-           .takes_effects = true,
            .second = "handheld",
            .test = "multi-position (tumble) with rotations in one place: zero velocity",
            .calibrate = hybrid::calibrate,
@@ -62,7 +61,6 @@ constexpr std::array all{
            .reference = "Cheng 2014",
            .needs = "rests in nine or more directions",
            .equipment = 0,
-           .takes_effects = true,
            .second = "handheld",
            .test = "multi-position (tumble), static",
            .angle_source = "the Earth's rate at the site's latitude",
@@ -75,7 +73,6 @@ constexpr std::array all{
            .reference = "Zhang 2010",
            .needs = "the table's angles as [[step]]",
            .equipment = 3,
-           .takes_effects = true,
            .takes_runs = true,
            .second = "handheld",
            .test = "multi-position (tumble) and rotations on a table: scale factors, misalignments",
@@ -92,7 +89,6 @@ constexpr std::array all{
            .takes_several = true,
            .takes_full = true,
            .takes_stepwise = true,
-           .takes_effects = true,
            .angle_source = "the rate table's rate and the centrifuge's radius, with their declared errors",
            .instrument = Method::Instrument::always,
            .calibrate = whole_unit::calibrate,
@@ -159,6 +155,32 @@ CalibrationResult calibrate_together(const Method& method, const CalibrationInpu
   return result;
 }
 
+/// By how much chi-square is larger than is expected.
+double excess_of(const Quality& quality) { return (quality.chi2_per_dof - 1) * quality.degrees_of_freedom; }
+
+/// A latitude of the wrong sign is far from the right one, where no fit about it comes: what is doubtful is tried in the other hemisphere.
+CalibrationResult calibrate_in_either_hemisphere(const Method& method, const CalibrationInput& input, const CalibrationOptions& options) {
+  CalibrationResult result = calibrate_together(method, input, options);
+  const std::optional<double>& latitude = input.session.site.latitude;
+  if (!options.effects || !latitude || result.calibration.quality.verdict != "doubtful") return result;
+  constexpr double obvious = 30;  // of chi-square: five sigma of one parameter
+  Session elsewhere = input.session;
+  elsewhere.site.latitude = -*latitude;
+  try {
+    CalibrationResult other = calibrate_together(method, {elsewhere, input.recordings, input.rests}, options);
+    const double before = excess_of(result.calibration.quality);
+    Quality& quality = other.calibration.quality;
+    if (!(excess_of(quality) + obvious < before)) return result;
+    quality.warnings.push_back(fmt::format("at a latitude of {:g} deg in place of {:g} deg chi2 falls by {:.3g}; check its sign",
+                                           -*latitude / unit::deg, *latitude / unit::deg, before - excess_of(quality)));
+    quality.cause = "site.latitude";
+    kernel::add_doubt(quality, kernel::wrong_latitude);
+    return other;
+  } catch (const std::runtime_error&) {
+    return result;
+  }
+}
+
 /// Where the other method cannot judge the data, or doubts its own estimate, it has no opinion.
 void add_second_opinion(Calibration& calibration, const Method& of, const CalibrationInput& input, const CalibrationOptions& options) {
   try {
@@ -213,7 +235,7 @@ CalibrationResult calibrate(const Method& method, const CalibrationInput& input,
   const std::span<const Recording> recordings = corrected.empty() ? input.recordings : std::span<const Recording>(corrected);
   Session session = input.session;
   const std::vector<kernel::ClockGain> gains = kernel::correct_clocks(session, recordings, clocks);
-  CalibrationResult result = calibrate_together(method, {session, recordings, input.rests}, options);
+  CalibrationResult result = calibrate_in_either_hemisphere(method, {session, recordings, input.rests}, options);
   Quality& quality = result.calibration.quality;
   quality.warnings.insert(quality.warnings.begin(), clocks.begin(), clocks.end());
   kernel::doubt_small_residuals(quality, session.imu);

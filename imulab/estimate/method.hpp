@@ -31,7 +31,7 @@ struct CalibrationOptions {
   double significance = 0.01;           ///< an optional term is kept if chance explains it with at most this probability
   double outlier_level = 1e-3;          ///< probability of dropping anything from good data
   bool second_opinion = false;          ///< compare with another method's estimate from the same data, where the data allow one
-  bool effects = false;                 ///< what the sensor model lacks is estimated beside it (docs/effects.md); false: taken as absent
+  bool effects = true;                  ///< what the sensor model lacks is estimated beside it (docs/effects.md); false: taken as absent
 
   struct Handheld {
     std::vector<Requirement> requirements = {};  ///< required uncertainties: if they are not met, the result names the missing turns
@@ -102,7 +102,6 @@ struct Method {
 
   bool takes_several = false;  ///< recordings, each on its own; else they are joined to one
   bool takes_full = false, takes_stepwise = false, takes_curves = false;
-  bool takes_effects = false;    ///< estimates the table of effects beside the coefficients
   bool takes_runs = false;       ///< predictions by Monte Carlo, and the classical ones
   std::string_view second = {};  ///< the method that gives a second opinion on the same data; empty: none
 

@@ -20,7 +20,7 @@ namespace imulab {
 struct PredictionOptions {
   std::vector<CoefficientIndex> terms = {};    ///< as CalibrationOptions has them
   std::vector<Requirement> requirements = {};  ///< to compare with
-  bool effects = false;                        ///< as CalibrationOptions has it
+  bool effects = true;                         ///< as CalibrationOptions has it
   std::uint64_t runs = 0;                      ///< of the Monte Carlo; 0: none
   std::uint64_t seed = 1;
   bool advice = true;                         ///< where a requirement is missed, or a coefficient is not determined

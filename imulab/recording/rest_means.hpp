@@ -16,7 +16,7 @@ inline Vector3d reading_at(const Columns3& triad, std::size_t i) { return {triad
 struct RestMeans {
   Range range;
   double mid_s = 0;  ///< middle of the rest, s of the recording's clock
-  Vector3d accel, gyro;
+  Vector3d accel = Vector3d::Zero(), gyro = Vector3d::Zero();
   double begin_s = 0, end_s = 0;  ///< of its first and last sample
 };
 
@@ -37,7 +37,7 @@ Extremes accel_extremes(const std::vector<RestMeans>& rests);
 
 /// Standard deviation of one sample at rest, per axis, raw.
 struct SampleNoise {
-  Vector3d accel, gyro;
+  Vector3d accel = Vector3d::Zero(), gyro = Vector3d::Zero();
 };
 
 /// Pooled over the rests, about each rest's own mean.

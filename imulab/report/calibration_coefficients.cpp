@@ -3,6 +3,7 @@
 #include "imulab/report/calibration_parts.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/pictures.hpp"
+#include "imulab/results/calibration.hpp"
 
 #include <fmt/format.h>
 
@@ -182,6 +183,25 @@ std::string correlation_section(const Calibration& calibration) {
                         "Correlation of the coefficients' errors. Strongest: " + strongest_pairs(names, correlation) +
                             ". The covariance is in the calibration file.",
                         true));
+}
+
+std::string effects_section(const Calibration& calibration) {
+  const Quality& quality = calibration.quality;
+  if (quality.effects.empty()) return {};
+  Table t{.head = {"effect", "result", "clearest axis", "+/-", "unit"}, .rows = {}, .text_columns = true};
+  for (const EffectEstimate& effect : quality.effects) {
+    const std::size_t k = clearest_axis(effect);
+    t.rows.push_back({"<code>" + escaped(effect.name) + "</code>", effect.significant ? "seen" : "not seen, its prior counts",
+                      rounded_to(effect.values[k], effect.sigma[k]), uncertainty_text(effect.sigma[k]), escaped(effect.unit)});
+  }
+  std::string opinion;
+  if (quality.second_opinion)
+    opinion = paragraph(
+        fmt::format("Second opinion, by the method {} on the same data: at most {:.1f} standard deviations of the difference apart ({}).",
+                    escaped(quality.second_opinion->method), std::abs(quality.second_opinion->sigmas), escaped(quality.second_opinion->coefficient)));
+  return section("effects", "Effects besides the model",
+                 "What the unit and its mount do besides the sensor model, estimated with the coefficients and included in their uncertainties.",
+                 table(t) + opinion);
 }
 
 std::string tests_section(const Calibration& calibration) {

@@ -108,7 +108,8 @@ std::string calibration_page(const CalibrationReport& r) {
   page.body = worst_axis_note(page.figures) + warnings_section(c.quality) + missing_section(r.missing) + requirements_section(c.quality) +
               before_and_after(r) + coefficients_section(c) + recordings_section(r) + residuals_section(c) + coverage_section(r) +
               uncertainty_section(c) + correlation_section(c) + convergence_section(r.result) + thermal_section(c) + nonlinearity_section(r) +
-              tests_section(c) + identification_section(r) + not_covered_section(r) + traceability_section(r) + origin_section(r);
+              tests_section(c) + effects_section(c) + identification_section(r) + not_covered_section(r) + traceability_section(r) +
+              origin_section(r);
   return page_text(page);
 }
 

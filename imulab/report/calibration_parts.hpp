@@ -21,6 +21,7 @@ std::string coefficients_section(const Calibration& calibration);
 std::string uncertainty_section(const Calibration& calibration);
 std::string correlation_section(const Calibration& calibration);
 std::string tests_section(const Calibration& calibration);
+std::string effects_section(const Calibration& calibration);
 
 // calibration_curves.cpp: convergence, temperature, nonlinearity
 std::string convergence_section(const CalibrationResult& result);

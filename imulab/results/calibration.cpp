@@ -69,6 +69,30 @@ std::string hidden_text(const Calibration& calibration) {
   return names.empty() ? "" : wrapped("  ", "not seen, but included in the uncertainties (see docs/priors.md): " + names);
 }
 
+std::string effect_text(const EffectEstimate& effect) {
+  const std::size_t k = clearest_axis(effect);
+  return fmt::format("{} ({} +/- {} {})", effect.name, to_digits_of(effect.sigma[k], effect.values[k]), two_digits(effect.sigma[k]), effect.unit);
+}
+
+/// The effects that are significant, or the others.
+std::string effects_text(const Quality& quality, bool significant) {
+  std::string names;
+  for (const EffectEstimate& effect : quality.effects)
+    if (effect.significant == significant) names += (names.empty() ? "" : ", ") + effect_text(effect);
+  if (names.empty()) return names;
+  return wrapped("  ", (significant ? "seen besides the model, the clearest axis (see docs/effects.md): "
+                                    : "not seen besides the model, but included in the uncertainties: ") +
+                           names);
+}
+
+std::string second_opinion_text(const Quality& quality) {
+  if (!quality.second_opinion) return "";
+  const SecondOpinion& other = *quality.second_opinion;
+  return wrapped("  ",
+                 fmt::format("second opinion, by the method {} on the same data: at most {:.1f} standard deviations of the difference apart ({})",
+                             other.method, std::abs(other.sigmas), other.coefficient));
+}
+
 std::string term_test_text(const TermTest& test) {
   if (test.degrees_of_freedom == 0) return wrapped("  ", test.term + ": the data do not show it; its prior enters the uncertainties");
   std::string validation;
@@ -109,6 +133,13 @@ std::string fit_text(const Calibration& calibration) {
 
 }  // namespace
 
+std::size_t clearest_axis(const EffectEstimate& effect) {
+  std::size_t best = 0;
+  for (std::size_t k = 1; k < effect.values.size(); ++k)
+    if (std::abs(effect.values[k]) * effect.sigma[best] > std::abs(effect.values[best]) * effect.sigma[k]) best = k;
+  return best;
+}
+
 std::string curves_csv(const CalibrationResult& result) {
   std::string text = "t";
   for (const ConvergenceCurve& curve : result.curves) text += fmt::format(",{0},{0}.sigma", curve.name);
@@ -128,7 +159,7 @@ std::string calibration_summary(const Calibration& calibration) {
   text += "\n" + wrapped("", fmt::format("{}{}method {}, frame: {}", excerpt(calibration.imu), calibration.imu.empty() ? "" : ", ",
                                          excerpt(calibration.method), calibration.frame));
   if (calibration.clock) text += wrapped("", "seconds of the gyros: " + clock_text(calibration.clock));
-  return text + "\n" + coefficient_rows(calibration) + hidden_text(calibration);
+  return text + "\n" + coefficient_rows(calibration) + hidden_text(calibration) + effects_text(calibration.quality, true);
 }
 
 std::string calibration_details(const Calibration& calibration, const SensorModel* coarse) {
@@ -138,6 +169,7 @@ std::string calibration_details(const Calibration& calibration, const SensorMode
   for (const std::string& note : quality.notes) text += wrapped("  ", note);
   for (const UncertaintySource& source : quality.sources) text += wrapped("  ", source.consequence);
   for (const TermTest& test : quality.term_tests) text += term_test_text(test);
+  text += effects_text(quality, false) + second_opinion_text(quality);
   return text + fmt::format("  condition of the scaled normal equations {:.3g}\n", quality.condition);
 }
 

@@ -3,6 +3,7 @@
 
 #include "imulab/model/calibration.hpp"
 
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -18,6 +19,9 @@ std::string calibration_summary(const Calibration& calibration);
 /// All the rest: every estimated coefficient in SI and in user units, what was used, and the tests of optional terms. With the model before the
 /// estimate, `coarse`: also its value and the correction.
 std::string calibration_details(const Calibration& calibration, const SensorModel* coarse = nullptr);
+
+/// The column of an effect that is the most of its standard deviations from zero.
+std::size_t clearest_axis(const EffectEstimate& effect);
 
 /// Convergence curves as CSV: t (s), then for every coefficient NAME,NAME.sigma: its residual and the standard uncertainty of the residual.
 std::string curves_csv(const CalibrationResult& result);

@@ -5,8 +5,10 @@
 #include "imulab/formats/text/figures.hpp"
 #include "imulab/formats/text/terminal.hpp"
 #include "imulab/model/coefficient.hpp"
+#include "imulab/model/effects.hpp"
 #include "imulab/model/user_value.hpp"
 #include "imulab/results/calibration.hpp"
+#include "imulab/results/shares.hpp"
 #include "imulab/rig/pose_on_table.hpp"
 
 #include <fmt/format.h>
@@ -15,6 +17,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 
 namespace imulab {
@@ -35,24 +38,6 @@ UserUnit unit_of(CoefficientIndex index, const std::vector<CoefficientIndex>& co
 
 namespace {
 
-/// A source's name as the two lines of a narrow column's head.
-std::array<std::string, 2> heading(const std::string& source) {
-  if (source == "orthogonality") return {"", "orth."};
-  if (source == "gravity") return {"", "g"};
-  if (source == "latitude") return {"", "lat."};
-  if (source == "earth rate") return {"Earth", "rate"};
-  if (source == "gyro noise") return {"gyro", "noise"};
-  if (source == "accelerometer noise") return {"acc.", "noise"};
-  if (source == "gyro turn-on") return {"gyro", "on"};
-  if (source == "accelerometer turn-on") return {"acc.", "on"};
-  if (source == "timing") return {"", "time"};
-  if (source == undetermined_source) return {"not", "det."};
-  if (source == "gyro.g_sensitivity") return {"gyro", "g"};
-  if (const auto dot = source.find('.'); dot != std::string::npos)  // a term: "accel.quadratic"
-    return {source.starts_with("accel") ? "acc." : "gyro", source.substr(dot + 1) == "quadratic" ? "quad." : source.substr(dot + 1)};
-  return {"", source};
-}
-
 /// The sampled sigmas in sigmas of the closed form, less what the Monte Carlo does not draw.
 Eigen::ArrayXd sampled_ratio(const Prediction& p, const MonteCarloResult& monte_carlo) {
   Eigen::ArrayXd variance = p.sigma.array().square();
@@ -61,57 +46,13 @@ Eigen::ArrayXd sampled_ratio(const Prediction& p, const MonteCarloResult& monte_
   return monte_carlo.sigma.array() / variance.sqrt();
 }
 
-/// Percent of the variance by source, a row a coefficient.
-struct Shares {
-  std::vector<std::string> sources;
-  Eigen::ArrayXXd percent;
-};
-constexpr std::size_t share_columns = 6;  // in 80 columns
-
-Shares all_shares(const Prediction& p) { return {p.sources, 100 * (p.variance.array().colwise() / p.first_order().array().square())}; }
-
-Shares part_of(const Shares& all, const std::vector<std::size_t>& columns) {
-  Shares part{{}, all.percent(Eigen::all, columns)};
-  for (const std::size_t k : columns) part.sources.push_back(all.sources[k]);
-  return part;
-}
-
-/// Sources without a share that a person reads are left out, and where the others do not fit, the least become one.
-Shares visible(const Shares& all) {
-  std::vector<std::size_t> columns, small;
-  for (std::size_t k = 0; k < all.sources.size(); ++k)
-    if ((all.percent.col(static_cast<Eigen::Index>(k)) >= 0.5).any()) columns.push_back(k);
-  const auto total = [&](std::size_t k) { return all.percent.col(static_cast<Eigen::Index>(k)).sum(); };
-  while (columns.size() + (small.empty() ? 0 : 1) > share_columns) {
-    const auto least = std::min_element(columns.begin(), columns.end(), [&](std::size_t a, std::size_t b) { return total(a) < total(b); });
-    small.push_back(*least);
-    columns.erase(least);
-  }
-  Shares shares = part_of(all, columns);
-  if (small.empty()) return shares;
-  shares.sources.emplace_back("others");
-  shares.percent.conservativeResize(Eigen::NoChange, shares.percent.cols() + 1);
-  shares.percent.rightCols<1>() = part_of(all, small).percent.rowwise().sum();
-  return shares;
-}
-
-/// Every source, as many tables as they need.
-std::vector<Shares> in_columns(const Shares& all) {
-  std::vector<Shares> tables;
-  for (std::size_t begin = 0; begin < all.sources.size(); begin += share_columns) {
-    std::vector<std::size_t> columns;
-    for (std::size_t k = begin; k < std::min(begin + share_columns, all.sources.size()); ++k) columns.push_back(k);
-    tables.push_back(part_of(all, columns));
-  }
-  return tables;
-}
-
 std::string share_rows(const Prediction& p, const Shares& shares) {
   std::string text;
   for (const std::size_t line : {0u, 1u}) {
     text += fmt::format("{:<21} {:<13} {:>7}", line == 0 ? "" : "coefficient", line == 0 ? "" : "unit", line == 0 ? "" : "sigma");
-    for (const std::string& source : shares.sources) text += fmt::format(" {:>5}", heading(source)[line]);
-    text += "\n";
+    std::string heads;
+    for (const std::string& source : shares.sources) heads += fmt::format(" {:>5}", column_head(source)[line]);
+    text += heads.substr(0, heads.find_last_not_of(' ') + 1) + "\n";
   }
   for (std::size_t i = 0; i < p.coefficients.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
@@ -179,6 +120,10 @@ std::string table_of_shares(const Prediction& p, bool details) {
     for (const Shares& part : in_columns(all_shares(p))) text += "\n" + share_rows(p, part);
   if (details) text += sigma_rows(p);
   text += term_rows(p);
+  if (std::any_of(p.sources.begin(), p.sources.end(), [](const std::string& source) { return find_effect(source) != nullptr; }))
+    text += "\n" + text::wrapped("",
+                                 "Effects: what a unit and its mount may do besides the sensor model, as large as is expected of the grade or "
+                                 "declared (docs/effects.md); --verbose tells them apart.");
   if ((p.second_order.array() > 0.03 * p.first_order().array()).any())  // below, it changes nothing a person reads
     text +=
         "\n" + text::wrapped("", "The uncertainty contains products of errors (second order), the shares do not; calibrate subtracts their mean.");

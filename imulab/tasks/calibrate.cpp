@@ -64,7 +64,7 @@ void add_prior(Calibration& calibration, const FleetPrior& prior) {
 /// The options that shape the result, as they were given.
 std::map<std::string, std::string> options_used(const CalibrateOptions& o) {
   std::map<std::string, std::string> used{{"terms", o.terms}};
-  if (o.effects != "none") used["effects"] = o.effects;
+  if (o.effects != "table") used["effects"] = o.effects;
   if (!o.recording.empty()) used["recording"] = o.recording;
   if (o.stepwise) used["stepwise"] = "true";
   if (!o.prior.empty()) used["prior"] = o.prior;
@@ -120,7 +120,6 @@ CalibrationTask task_of(const CalibrateOptions& o) {
   const auto only = [](bool Method::*capability, const char* has) { return fmt::format("only the method {} {}", names_of_methods(capability), has); };
   if (o.stepwise && !chosen.takes_stepwise) throw OptionError("stepwise", only(&Method::takes_stepwise, "has steps"));
   if (!o.curves.empty() && !chosen.takes_curves) throw OptionError("curves", only(&Method::takes_curves, "has convergence curves"));
-  if (o.effects == "table" && !chosen.takes_effects) throw OptionError("effects", only(&Method::takes_effects, "estimates them"));
   if (o.terms == "full" && !chosen.takes_full) throw OptionError("terms full", only(&Method::takes_full, "takes it"));
   errors_of_option("terms", [&] { parse_terms(o.terms); });
   CalibrationTask task{.method = o.method,
@@ -142,9 +141,8 @@ std::optional<FleetPrior> read_prior(const std::string& file) {
 VerbOption& effects_option(Verb& verb, std::string& effects) {
   return verb
       .option("--effects WHICH", effects,
-              names_of_methods(&Method::takes_effects) +
-                  ": what a unit may do besides the sensor model, such as asymmetry, hysteresis and drift: "
-                  "estimated under its priors (table), or taken as absent (none)")
+              "what a unit may do besides the sensor model, such as asymmetry, hysteresis and drift: "
+              "estimated under its priors (table), or taken as absent (none)")
       .one_of({"table", "none"})
       .show_default();
 }

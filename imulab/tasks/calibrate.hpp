@@ -14,7 +14,7 @@
 namespace imulab {
 
 struct CalibrateOptions : ShowOptions {
-  std::string session, method, terms = "auto", effects = "none", recording, curves, prior;
+  std::string session, method, terms = "auto", effects = "table", recording, curves, prior;
   std::optional<std::string> require;
   std::vector<std::string> declarations;
   bool stepwise = false;
@@ -25,7 +25,7 @@ Verb& declare(Verb& command, CalibrateOptions& o);
 struct CalibrationTask {
   std::string method;
   std::string terms = "auto";  ///< "auto", "full" (whole-unit), or selectors separated by commas
-  bool effects = false;        ///< as CalibrationOptions has it
+  bool effects = true;         ///< as CalibrationOptions has it
   bool stepwise = false;       ///< whole-unit
   bool curves = false;         ///< hybrid: convergence curves
   std::vector<Requirement> requirements = {};

@@ -64,11 +64,26 @@ std::string identity_of(const PlanTask& task, const PathLimits& q) {
   return work_identity("plan", fields);
 }
 
+/// Tightens the limits of a search, which knows no effects, by what these add along the path that it found; where that alone is too much, by half:
+/// a longer path tells effects and coefficients better apart.
+void allow_for_effects(std::vector<Requirement>& limits, const std::vector<Requirement>& required, const Prediction& with,
+                       const Prediction& without) {
+  constexpr double spare = 0.98;
+  for (std::size_t i = 0; i < required.size(); ++i) {
+    double added = 0;  // variance
+    for (const CoefficientIndex index : required[i].coefficients)
+      if (const double sigma = sigma_of(index, with.coefficients, with.sigma); std::isfinite(sigma))
+        added = std::max(added, sigma * sigma - std::pow(sigma_of(index, without.coefficients, without.sigma), 2));
+    const double left = required[i].limit * required[i].limit - added;
+    limits[i].limit = left > 0 ? std::min(limits[i].limit, spare * std::sqrt(left)) : 0.5 * limits[i].limit;
+  }
+}
+
 /// `name`: of this search among those of a plan. `begin`, `part`: of the progress.
 PlannedPath planned_path(const PlanTask& task, PathLimits question, const std::string& name, double begin, double part) {
   // The search and the prediction along the finished procedure agree to some parts in a thousand: what misses by no more is looked for again.
   constexpr double agreement = 1.02;
-  constexpr int most_rounds = 3;
+  constexpr int most_rounds = 6;
   const std::vector<Requirement> requirements = question.requirements;
   PlannedPath out;
   for (int round = 0; round < most_rounds; ++round) {
@@ -87,8 +102,14 @@ PlannedPath planned_path(const PlanTask& task, PathLimits question, const std::s
     out.prediction = planning_method().predict(out.procedure, {.effects = task.effects, .advice = false});
     double worst = 1;
     for (const Shortfall& s : shortfalls(out.prediction, requirements)) worst = std::max(worst, s.sigma / s.requirement.limit);
-    if (worst == 1 || worst > agreement || task.time || out.path.worst > 1) break;
-    for (Requirement& r : question.requirements) r.limit /= 1.01 * worst;
+    if (worst == 1 || task.time || out.path.worst > 1) break;
+    if (task.effects) {
+      const Prediction without = planning_method().predict(out.procedure, {.effects = false, .advice = false});
+      allow_for_effects(question.requirements, requirements, out.prediction, without);
+    } else {
+      if (worst > agreement) break;
+      for (Requirement& r : question.requirements) r.limit /= 1.01 * worst;
+    }
   }
   return out;
 }

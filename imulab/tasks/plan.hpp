@@ -14,7 +14,7 @@
 namespace imulab {
 
 struct PlanOptions : ShowOptions {
-  std::string require, grade = "navigation", axes = "3", effects = "none", prior;
+  std::string require, grade = "navigation", axes = "3", effects = "table", prior;
   double latitude_deg = 45;
   std::optional<double> gravity, time, rest;
   CheckpointOptions shared;
@@ -31,7 +31,7 @@ struct PlanTask {
   bool by_hand = false;
   std::optional<double> time = {};            ///< s in all; absent: as short as the requirements allow
   std::optional<double> rest = {};            ///< s, of every rest; absent: chosen
-  bool effects = false;                       ///< in the prediction of the path that was found; the search would take too long with them
+  bool effects = true;                        ///< in the prediction of the path that was found; the search would take too long with them
   std::optional<FleetPrior> prior = {};       ///< the prior from a fleet
   std::optional<Checkpoint> checkpoint = {};  ///< of processes that share the search
   std::function<void(double)> progress = {};  ///< 0 to 1

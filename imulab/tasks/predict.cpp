@@ -16,8 +16,8 @@ namespace {
 std::string identity_of(const Session& procedure, const PredictionOptions& options) {
   std::vector<IdentityField> fields = content_of(procedure);
   for (const CoefficientIndex index : options.terms) fields.emplace_back("term", coefficient(index).name);
+  fields.emplace_back("classical", options.classical ? "true" : "false");  // which has no effects
   fields.emplace_back("effects", options.effects ? "table" : "none");
-  fields.emplace_back("classical", options.classical ? "true" : "false");
   fields.emplace_back("runs", fmt::format("{}", options.runs));
   fields.emplace_back("seed", fmt::format("{}", options.seed));
   return work_identity("predict", fields);
@@ -66,10 +66,8 @@ Verb& declare(Verb& command, PredictOptions& o) {
 PredictionOptions task_of(const PredictOptions& o) {
   if (o.classical && !method(o.method).takes_runs) throw OptionError("classical", "belongs to --method " + names_of_methods(&Method::takes_runs));
   if (o.classical && o.terms != "auto") throw OptionError("terms", "Zhang's estimate is that of offsets and matrices");
-  if (o.effects == "table" && !method(o.method).takes_effects)
-    throw OptionError("effects", "belongs to --method " + names_of_methods(&Method::takes_effects));
   PredictionOptions options{.terms = errors_of_option("terms", [&] { return parse_terms(o.terms); }),
-                            .effects = o.effects == "table",
+                            .effects = o.effects == "table" && !o.classical,
                             .runs = o.runs,
                             .seed = o.seed,
                             .classical = o.classical,

@@ -15,7 +15,7 @@
 namespace imulab {
 
 struct PredictOptions : ShowOptions {
-  std::string procedure, method = "turntable", terms = "auto", effects = "none";
+  std::string procedure, method = "turntable", terms = "auto", effects = "table";
   std::optional<std::string> require;
   std::uint64_t runs = 20000, seed = 1;
   bool classical = false;

@@ -80,6 +80,7 @@ std::vector<DriveRun> drives(int runs) {
     exact.model = unit;
     exact.covariance.resize(0, 0);
     CalibrationOptions as_zhang;
+    as_zhang.effects = false;
     as_zhang.turntable.bias_while_turning = true;  // the gyros' offset is that of the positions
     return DriveRun{rate(d, recording, turntable::calibrate(input_of(good.session, good.recording), as_zhang).calibration),
                     rate(d, recording, turntable::calibrate(input_of(poor.session, poor.recording), as_zhang).calibration),

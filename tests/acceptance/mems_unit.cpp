@@ -20,6 +20,7 @@ SensorModel traditionally_calibrated(const SensorModel& unit, std::uint64_t seed
   Session session = zhang_24_procedure({});
   session.imu.grade = "mems-30g";
   CalibrationOptions options;
+  options.effects = false;  // none are simulated
   for (const char* term : {"accel.offset", "accel.matrix", "gyro.offset", "gyro.matrix"})
     for (const CoefficientIndex index : select_coefficients(term)) options.terms.push_back(index);
   const Recording recording = simulated(session, session.recordings.front(), draw_truth(session, seed, unit), seed);
@@ -34,6 +35,7 @@ CalibratedUnit calibrated_unit(std::uint64_t seed) {
   std::vector<Recording> recordings;
   for (const RecordingSource& source : session.recordings) recordings.push_back(simulated(session, source, truth, seed));
   CalibrationOptions full;
+  full.effects = false;  // none are simulated
   full.whole_unit.full = true;
   return {truth.model, traditionally_calibrated(truth.model, seed), whole_unit::calibrate({session, recordings}, full).calibration.model};
 }

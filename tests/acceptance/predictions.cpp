@@ -61,6 +61,7 @@ Outcome session_of(const Method& method, const Session& of, const Prediction& p,
     recordings.push_back(simulate_recording(of, source, truth, seed, draw_rig_errors(of, source, seed)));
   CalibrationOptions options;
   options.whole_unit.full = true;
+  options.effects = false;
   const Calibration c = method.calibrate({of, recordings}, options).calibration;
   Outcome out;
   for (const std::string& warning : c.quality.warnings)
@@ -78,7 +79,7 @@ Outcome session_of(const Method& method, const Session& of, const Prediction& p,
 
 std::vector<Check> predictions(const Method& method, int sessions) {
   const Session of = predicted_case(method);
-  const Prediction p = method.predict(of, {});
+  const Prediction p = method.predict(of, {.effects = false});  // none are drawn
   auto all = runs_of<Outcome>(fmt::format("predictions {}", method.name), sessions, [&](std::size_t i) { return session_of(method, of, p, i + 1); });
   const auto widened = static_cast<double>(std::ranges::count_if(all, &Outcome::widened));
   std::erase_if(all, [](const Outcome& s) { return s.widened; });

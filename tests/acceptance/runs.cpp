@@ -175,6 +175,7 @@ Run run(const Scenario& scenario, std::uint64_t seed) {
   given.steps.clear();
   CalibrationOptions options;
   options.terms = scenario.indices;
+  options.effects = false;  // none are simulated: the estimates are compared with the bound of the model alone
   const Calibration c = calibrated(scenario.method, recording, rests_of(recording, given).ranges, {}, given.site, options);
   if (c.estimated.size() != scenario.indices.size())
     throw std::runtime_error(fmt::format("seed {}: {} coefficients were found undetermined", seed, c.quality.unobservable.size()));

@@ -43,14 +43,19 @@ SHOWN = {
     "handheld": ("accel.asymmetry", "accel.cross_terms", "accel.drift", "gyro.drift", "gyro.asymmetry"),
     "turntable": ("accel.hysteresis", "accel.cross_terms", "accel.drift", "gyro.drift", "gyro.asymmetry", "mount.elastic"),
     "hybrid": ("accel.cross_terms", "accel.drift", "gyro.drift", "gyro.asymmetry", "gyro.scale_drift"),
-    "whole-unit": ("accel.turn_on", "gyro.turn_on", "gyro.g_squared", "centrifuge.arm"),
+    "whole-unit": ("accel.turn_on", "gyro.turn_on", "gyro.g_squared", "gyro.drift", "centrifuge.arm"),
 }
+BOTH = ("navigation", "mems")
+# What else the session needs for that: without these turns cross terms within their prior look like the bend.
+NEEDED = {("turntable", "mount.elastic"): {"all_faces": 1}}
 SPECIAL = {
-    "static": (("the latitude 0.2 deg off", {"latitude_off": 0.2}, "site.latitude"), ("the latitude with the wrong sign", {"wrong_sign": 1}, "site.latitude")),
+    "static": (("the latitude 0.2 deg off", {"latitude_off": 0.2}, "site.latitude", ("navigation",)),
+               ("the latitude with the wrong sign", {"wrong_sign": 1}, "site.latitude", ("navigation",))),
     # A hand that wanders is no rest to a good gyro: that log is refused.
-    "handheld": (("a tremor of 0.05 deg", {"tremor": 0.05}, None), ("a hand that wanders by 0.3 deg", {"wander": 0.3}, None),
-                 ("a clock 1 % off", {"clock": 0.01}, None)),
-    "hybrid": (("a clock 20 ppm off", {"clock": 2e-5}, None), ("a gyro that sticks for a second", {"sticks": 1}, None)),
+    "handheld": (("a tremor of 0.05 deg", {"tremor": 0.05}, None, BOTH), ("a hand that wanders by 0.3 deg", {"wander": 0.3}, None, ("mems",)),
+                 ("a clock 1 % off", {"clock": 0.01}, None, BOTH)),
+    "hybrid": (("a clock 20 ppm off", {"clock": 2e-5}, None, BOTH), ("a gyro that sticks for a second", {"sticks": 1}, None, BOTH)),
+    "whole-unit": (("the latitude with the wrong sign", {"wrong_sign": 1}, "site.latitude", ("tactical", "mems")),),
 }
 
 
@@ -63,9 +68,10 @@ def cases() -> list[Case]:
             out.append(Case(method, grade, "all effects at their priors", {e: 1 for e in sizes}, quick=True))
             for number, effect in enumerate(SHOWN[method]):
                 if effect in sizes:
-                    out.append(Case(method, grade, f"{effect} of ten times its prior", {effect: 10}, cause=effect, quick=grade == grades[0] and number < 2))
-            for name, special, cause in SPECIAL.get(method, ()):
-                if grade in ("mems" if "wander" in special else "navigation", grades[-1] if cause is None else "navigation"):
+                    out.append(Case(method, grade, f"{effect} of ten times its prior", {effect: 10}, NEEDED.get((method, effect), {}), effect,
+                                    quick=grade == grades[0] and number < 2))
+            for name, special, cause, of_grades in SPECIAL.get(method, ()):
+                if grade in of_grades:
                     out.append(Case(method, grade, name, special=special, cause=cause))
     return out
 

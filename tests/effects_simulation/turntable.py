@@ -36,8 +36,9 @@ class Step:
     angle: float = 0  # rad, of a turn
 
 
-def procedure(rest_s: float, turns: int, rate: float, acceleration: float, move_s: float) -> list[Step]:
-    """`turns` forward and back about each axis, then each face up with four headings; `rate` and `acceleration` in deg/s, deg/s^2."""
+def procedure(rest_s: float, turns: int, rate: float, acceleration: float, move_s: float, all_faces: bool) -> list[Step]:
+    """`turns` forward and back about each axis, then each face up with four headings; `rate` and `acceleration` in deg/s, deg/s^2. `all_faces`: on each
+    also turns about the vertical, where the gyros see the mount bend, which rests on six faces alone do not tell from cross terms."""
     steps: list[Step] = []
     angles, t = dict.fromkeys(ORDER, 0.0), 0.0
 
@@ -48,17 +49,23 @@ def procedure(rest_s: float, turns: int, rate: float, acceleration: float, move_
         steps.append(Step("hold", t, t + rest_s, dict(angles)))
         t += rest_s
 
-    hold(angles)
-    for axis in ("middle", "outer", "inner"):
+    def turn(axis: str) -> None:
+        nonlocal t, angles
         for sign in (1, -1):
             duration = 360 * turns / rate + rate / acceleration
             steps.append(Step("rotate", t, t + duration, dict(angles), axis, sign * 2 * np.pi * turns))
             t += duration
             angles = angles | {axis: angles[axis] + sign * 2 * np.pi * turns}
             hold(angles)
+
+    hold(angles)
+    for axis in ("middle", "outer", "inner"):
+        turn(axis)
     for inner, middle in ((90, 0), (0, 0), (0, -90), (-90, 0), (0, 180), (0, 90)):
         for outer in (0, 90, 180, 270):
             hold({"outer": outer * DEG, "middle": middle * DEG, "inner": inner * DEG})
+        if all_faces:
+            turn("outer")
     return steps
 
 
@@ -156,10 +163,10 @@ def drawn_unit(rng: np.random.Generator, grade: str, effects: dict[str, float]) 
 
 
 def write_session(folder: Path, seed: int, grade: str, effects: dict[str, float], *, rest_s: float = 30, turns: int = 2, rate_hz: float = 20,
-                  latitude: float = 48 * DEG, declare_grade: bool = True) -> Unit:
+                  latitude: float = 48 * DEG, declare_grade: bool = True, all_faces: bool = False) -> Unit:
     rng = np.random.default_rng(seed)
     rate, acceleration, gravity = 20.0, 50.0, 9.809
-    steps = procedure(rest_s, turns, rate, acceleration, 5)
+    steps = procedure(rest_s, turns, rate, acceleration, 5, all_faces)
     unit = drawn_unit(rng, grade, effects)
     change = rng.normal(size=3)
     change *= effects.get("mount.change", 0) * ARCSEC / np.linalg.norm(change)

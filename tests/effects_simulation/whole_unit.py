@@ -236,8 +236,8 @@ def session_text(points: list[Point], grade: str, record: float, rate_hz: float,
 
 
 def write_session(folder: Path, seed: int, grade: str, effects: dict[str, float], *, record: float = 7.2, rate_hz: float = 20,
-                  latitude: float = 48 * DEG, declared_latitude: float | None = None, extra: str = "", fixed: dict[str, float] | None = None) -> Unit:
-    """`fixed`: sizes in the unit of the table instead of draws, equal or opposite by axis and column."""
+                  latitude: float = 48 * DEG, wrong_sign: bool = False, extra: str = "", fixed: dict[str, float] | None = None) -> Unit:
+    """`wrong_sign`: of the declared latitude. `fixed`: sizes in the unit of the table instead of draws, equal or opposite by axis and column."""
     rng = np.random.default_rng(seed)
     points = procedure(record, np.arange(-400, 401, 50), np.arange(0, 31, 5))
     unit = Unit(rng, grade, effects | dict.fromkeys(fixed or {}, 0.0))
@@ -268,6 +268,5 @@ def write_session(folder: Path, seed: int, grade: str, effects: dict[str, float]
         gyro += rng.normal(size=gyro.shape) * u["ng"] * np.sqrt(rate_hz)
         celsius = ROOM + warm + rng.normal(size=len(warm)) * 0.01
         recordings[f"{MACHINES[r]}.csv"] = np.column_stack([m.time + 0.5 / rate_hz, gyro, accel, celsius])
-    declared = latitude if declared_latitude is None else declared_latitude
-    write(folder, session_text(points, grade, record, rate_hz, declared, extra), unit, recordings)
+    write(folder, session_text(points, grade, record, rate_hz, -latitude if wrong_sign else latitude, extra), unit, recordings)
     return unit

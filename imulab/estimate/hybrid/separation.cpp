@@ -1,7 +1,6 @@
 #include "imulab/estimate/hybrid/separation.hpp"
 
 #include "imulab/core/decomposition.hpp"
-#include "imulab/core/units.hpp"
 
 #include <Eigen/LU>
 
@@ -23,10 +22,8 @@ Unmodeled unmodeled_of(const Session& session, const Recording& recording, const
   const auto calibrates = [&](Triad triad) {
     return wanted.empty() || std::any_of(wanted.begin(), wanted.end(), [&](CoefficientIndex index) { return coefficient(index).triad == triad; });
   };
-  const Vector3d offset = coarse.accel.offset;
-  const bool plausible = offset.cwiseAbs().maxCoeff() < 0.2 * session.site.gravity();  // those of counts tell nothing: as of a MEMS sensor
   Unmodeled out{
-      kernel::Effects({session.imu.effect_sigmas, session.imu.grade.value_or(""), plausible ? offset.norm() / std::sqrt(3.0) : 0.03 * unit::g},
+      kernel::Effects(kernel::effect_sizes(session, coarse.accel.offset),
                       {.accel = calibrates(Triad::accel), .gyro = calibrates(Triad::gyro), .thermometer = !recording.accel_temperature[0].empty()})};
   for (const Block& block : blocks)
     if (!block.at_rest)
@@ -96,8 +93,8 @@ void Separation::observe(const SquareRootEstimate& e, const Matrix3d& lower, con
 
 Separation::Estimate Separation::estimate() {
   const Index count = std::ssize(innovations_);
-  const auto rows = rows_.middleCols(3 * summed_, 3 * (count - summed_));
-  information_.N.selfadjointView<Eigen::Lower>().rankUpdate(rows);
+  if (count > summed_)  // Eigen's update by no column divides by zero
+    information_.N.selfadjointView<Eigen::Lower>().rankUpdate(rows_.middleCols(3 * summed_, 3 * (count - summed_)));
   for (Index k = summed_; k < count; ++k) {
     const Vector3d& innovation = innovations_[static_cast<std::size_t>(k)];
     information_.g += rows_.middleCols<3>(3 * k) * innovation;

@@ -53,6 +53,10 @@ VectorXd Effects::sigma() const {
   return out;
 }
 
+double Effects::degrees_of_freedom(const MatrixXd& covariance) const {
+  return (1 - covariance.diagonal().tail(size()).array() / sigma().array().square()).sum();
+}
+
 OutputChange Effects::output(const EffectState& state) const {
   OutputChange sum;
   for (Index k = 0; k < size(); ++k) {
@@ -118,7 +122,8 @@ std::optional<Contradicted> contradicted_prior(const Information& data, const Pa
   }
   const auto best = std::max_element(evidence.begin(), evidence.end()) - evidence.begin();
   if (groups.empty() || !std::isfinite(evidence[static_cast<std::size_t>(best)])) return std::nullopt;
-  Contradicted out{static_cast<std::size_t>(best), factor[static_cast<std::size_t>(best)], {groups[static_cast<std::size_t>(best)].name}};
+  const auto found = static_cast<std::size_t>(best);
+  Contradicted out{found, factor[found], evidence[found], {groups[found].name}};
   Parameters wider = parameters;
   for (const Index i : groups[out.group].at) wider.sigma[i] *= out.factor;
   const Solution after = solve(data, wider);
@@ -141,11 +146,28 @@ std::vector<PriorGroup> Effects::prior_groups(Index parameters) const {
 
 bool Effects::widen(const Information& data, const Parameters& parameters) {
   const std::optional<Contradicted> found = contradicted_prior(data, parameters, prior_groups(parameters.size()));
-  if (!found) return false;
+  if (!found) return widen_unlikely(data, parameters);
   add_causes(found->alike);
   const double factor = std::min(found->factor, most_widening / groups_[found->group].widened);
   widen({found->group, std::max(1.0, factor), 0});
-  return factor > 1;
+  return factor > 1 || widen_unlikely(data, parameters);
+}
+
+bool Effects::widen_unlikely(const Information& data, const Parameters& parameters) {
+  constexpr double more_likely = 2;  // logarithm of the ratio of probabilities: in few of a hundred sessions, where the prior is right
+  const Solution s = solve(data, parameters);
+  const VectorXd value = s.x - parameters.offset;
+  Wider best{0, 1, more_likely};
+  for (std::size_t k = 0; k < groups_.size(); ++k) {
+    const EffectGroup& g = groups_[k];
+    const Index at = parameters.size() - size() + g.first;
+    if (g.widened > 1) continue;
+    const double evidence =
+        evidence_of_wider(value.segment(at, g.size), VectorXd::Constant(g.size, g.sigma), s.covariance.block(at, at, g.size, g.size), most_widening);
+    if (evidence > best.evidence) best = {k, most_widening, evidence};
+  }
+  if (best.factor > 1) widen(best);
+  return best.factor > 1;
 }
 
 void Effects::add_causes(const std::vector<std::string>& names) {
@@ -202,7 +224,8 @@ void add_effects(Calibration& calibration, Findings& findings, const Effects& ef
     if (effect != nullptr) (advice += advice.empty() ? "" : ", or ") += effect->advice;
   }
   quality.cause = fmt::format("{}", fmt::join(effects.causes(), ", "));
-  const bool widened = std::ranges::any_of(effects.groups(), [](const EffectGroup& g) { return g.widened > 1; });
+  const auto is_cause = [&](const EffectGroup& g) { return std::ranges::find(effects.causes(), g.effect->name) != effects.causes().end(); };
+  const bool widened = std::ranges::any_of(effects.groups(), [&](const EffectGroup& g) { return g.widened > 1 && is_cause(g); });
   if (widened) findings.doubt(words + ", by more than is expected of this IMU");
   if (effects.causes().size() > 1 && !advice.empty()) findings.warn("the data do not tell these apart: " + *quality.cause + "; to do so: " + advice);
 }

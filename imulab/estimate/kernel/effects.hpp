@@ -44,6 +44,7 @@ struct PriorGroup {
 struct Contradicted {
   std::size_t group = 0;
   double factor = 1;               ///< by which the data ask for a wider one
+  double evidence = 0;             ///< that logarithm
   std::vector<std::string> alike;  ///< its name, and those of groups that explain the data as well
 };
 
@@ -71,7 +72,8 @@ class Effects {
 
   /// The groups as the last size() of so many parameters.
   std::vector<PriorGroup> prior_groups(Eigen::Index parameters) const;
-  /// Widens the prior of the effect that contradicts it most, at most to `most_widening`; whether any does. `data` as of `contradicted_prior`.
+  /// Widens the prior of the effect that contradicts it most, at most to `most_widening`, or else of one that is more likely with the widest; whether
+  /// any is. The latter is no cause, as that is no rare event: an honest uncertainty of what it does, not a fault. `data` as of `contradicted_prior`.
   bool widen(const Information& data, const Parameters& parameters);
   /// What explains the data beyond the priors: effects, and optional terms.
   const std::vector<std::string>& causes() const { return causes_; }
@@ -88,12 +90,17 @@ class Effects {
   std::vector<Wider> contradicted(const Eigen::MatrixXd& covariance) const;
   void widen(const Wider& wider) { groups_[wider.group].sigma *= wider.factor, groups_[wider.group].widened *= wider.factor; }
 
+  /// Degrees of freedom that the data have in the effects, by their covariance (its last size() rows): as much checks their priors.
+  double degrees_of_freedom(const Eigen::MatrixXd& covariance) const;
+
   /// The part of the triads' outputs that is the effects', at their present values.
   OutputChange output(const EffectState& state) const;
   /// Adds the derivatives of rows that depend on a triad's output without the effects, by those by that output: to the last size() columns.
   void add_derivatives(Eigen::MatrixXd& jacobian, Eigen::Index row, Triad triad, const Eigen::MatrixXd& by_output, const EffectState& state) const;
 
  private:
+  bool widen_unlikely(const Information& data, const Parameters& parameters);
+
   std::vector<EffectGroup> groups_;
   std::vector<EffectColumn> columns_;
   Eigen::VectorXd value_;

@@ -72,16 +72,16 @@ void add_scatter(Findings& findings, std::string_view what, double factor) {
   if (factor > 1.5) findings.doubt(text);
 }
 
-void add_common_doubts(Findings& findings, const Calibration& calibration, const Site& site) {
+void add_common_doubts(Findings& findings, const Calibration& calibration, const Site& site, double in_effects) {
   const Quality& quality = calibration.quality;
   if (!quality.converged) findings.doubt("the fit did not converge");
   if (!quality.unobservable.empty())
     findings.doubt(fmt::format("{} not determined by the data", quality.unobservable.size() == 1
                                                                     ? "a coefficient is"
                                                                     : fmt::format("{} coefficients are", quality.unobservable.size())));
-  // Below about six degrees of freedom the residuals can hardly contradict the model or the noise.
-  if (quality.degrees_of_freedom < 6)
-    findings.doubt(fmt::format("only {} degrees of freedom remain to check the result", quality.degrees_of_freedom));
+  // Below about six degrees of freedom the residuals, and effects by their priors, can hardly contradict the model or the noise.
+  if (const double degrees = std::round(quality.degrees_of_freedom + in_effects); degrees < 6)
+    findings.doubt(fmt::format("only {} degrees of freedom remain to check the result", degrees));
   // Real sensors in a hand show 3 to 10; five times the noise is another sensor, another motion or another place than was declared.
   if (quality.chi2_per_dof > 25)
     findings.doubt(fmt::format("the residuals are {:.0f} times what the noise explains", std::sqrt(quality.chi2_per_dof)));

@@ -54,7 +54,7 @@ void add_scatter(Findings& findings, std::string_view what, double factor);
 
 /// The doubts common to all methods: no convergence, undetermined coefficients, few degrees of freedom, residuals of the wrong size, uncertain
 /// scales, a g that is not the place's.
-void add_common_doubts(Findings& findings, const Calibration& calibration, const Site& site);
+void add_common_doubts(Findings& findings, const Calibration& calibration, const Site& site, double in_effects = 0);
 
 /// Residuals far below a declared noise. That of shaken rests is measured in their samples, and may average out.
 void doubt_small_residuals(Quality& quality, const ImuDeclaration& imu);

@@ -15,6 +15,11 @@ double Deviation::log_probability(double residual_degrees) const {
   return std::log(std::max(f_tail(chi2 / degrees_of_freedom, degrees_of_freedom, residual_degrees), 1e-300));
 }
 
+double Deviation::evidence() const {
+  const double degrees = degrees_of_freedom;
+  return chi2 > degrees && degrees > 0 ? 0.5 * (chi2 - degrees - degrees * std::log(chi2 / degrees)) : 0;
+}
+
 Deviation deviation(const VectorXd& residual, const MatrixXd& covariance, const MatrixXd& unfitted) {
   Deviation out;
   if (residual.size() == 0) return out;

@@ -48,6 +48,8 @@ struct Deviation {
   /// Natural logarithm of the probability that chance does as much; where the size of the residuals was itself estimated from a finite number of
   /// `residual_degrees`, by the F distribution.
   double log_probability(double residual_degrees = std::numeric_limits<double>::infinity()) const;
+  /// Logarithm of the ratio of the residuals' probabilities with the size that makes them most probable, and with the expected one.
+  double evidence() const;
 };
 
 /// From a part's residuals after the fit (or any linear map of them), their covariance, and the covariance that they would have if the fit did not

@@ -39,10 +39,23 @@ TermTest wald_without_prior(std::string name, const VectorXd& value, const Matri
   return test;
 }
 
-double cross_validation(const std::vector<Information>& parts, const Information& all, const Parameters& parameters) {
-  double sum = 0;
-  for (const Information& part : parts) sum += part.at(correction(all - part, parameters));
-  return std::sqrt(sum / std::max(all.rows, 1));
+CrossValidation cross_validation(const std::vector<Information>& parts, const Information& all, const Parameters& parameters,
+                                 const std::vector<TermGroup>& groups) {
+  CrossValidation out{0, std::vector<double>(groups.size(), 0)};
+  for (const Information& part : parts) {
+    const Solution s = solve(all - part, parameters);
+    out.with += part.at(s.x);
+    for (std::size_t k = 0; k < groups.size(); ++k) {
+      // What holding the group does to the others: x - P_k P_kk^-1 (x_k - prior value).
+      const std::vector<Index>& at = groups[k].members;
+      const VectorXd off = s.x(at) - parameters.offset(at);
+      out.without[k] += part.at(s.x - s.covariance(Eigen::all, at) * solve_semidefinite(MatrixXd(s.covariance(at, at)), off));
+    }
+  }
+  const auto rms = [&](double sum) { return std::sqrt(sum / std::max(all.rows, 1)); };
+  out.with = rms(out.with);
+  for (double& sum : out.without) sum = rms(sum);
+  return out;
 }
 
 std::vector<TermTest> choose_terms(std::vector<TermGroup> groups, const std::function<std::vector<TermTest>(const std::vector<TermGroup>&)>& test,

@@ -24,8 +24,14 @@ TermTest wald(std::string name, const Eigen::VectorXd& value, const Eigen::Matri
 TermTest wald_without_prior(std::string name, const Eigen::VectorXd& value, const Eigen::MatrixXd& covariance, const Eigen::VectorXd& prior_sigma,
                             double significance);
 
-/// RMS residual of each part of the data predicted from the others, in sigmas of its noise. `all` is the sum of `parts`.
-double cross_validation(const std::vector<Information>& parts, const Information& all, const Parameters& parameters);
+/// RMS residual of each part of the data predicted from the others, in sigmas of its noise.
+struct CrossValidation {
+  double with = 0;              ///< all parameters
+  std::vector<double> without;  ///< each group in turn, which stays at its prior value
+};
+/// `all` is the sum of `parts`.
+CrossValidation cross_validation(const std::vector<Information>& parts, const Information& all, const Parameters& parameters,
+                                 const std::vector<TermGroup>& groups);
 
 /// Backward selection: the least significant group that its test does not keep is left out, and the others are tested again without it. `test` is
 /// given the groups that are still in the model, `leave_out` the one to go. Returns every group's last test.

@@ -50,7 +50,10 @@ TEST(CrossValidation, PredictsEachPartFromTheOthers) {
   for (Eigen::Index i = 0; i < 4; ++i) all += parts.emplace_back(MatrixXd::Ones(1, 1), -value.segment<1>(i));
   double squares = 0;
   for (Eigen::Index i = 0; i < 4; ++i) squares += std::pow(value[i] - (16 - value[i]) / 3, 2);
-  EXPECT_NEAR(cross_validation(parts, all, Parameters(1)), std::sqrt(squares / 4), 1e-12);
+  const CrossValidation found = cross_validation(parts, all, Parameters(1), {{"the constant", {0}}});
+  EXPECT_NEAR(found.with, std::sqrt(squares / 4), 1e-12);
+  ASSERT_EQ(found.without.size(), 1u);
+  EXPECT_NEAR(found.without[0], value.norm() / 2, 1e-12);
 }
 
 }  // namespace

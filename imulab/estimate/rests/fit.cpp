@@ -191,7 +191,7 @@ void add_findings(kernel::Findings& findings, const Calibration& calibration, co
   kernel::note_spread(findings, "the rests' gyro means", fit.spreads[1] / unit::deg_per_h, "deg/h");
   kernel::note_spread(findings, "the rotations", fit.spreads[2] / unit::deg, "deg");
   kernel::add_scatter(findings, "residuals", fit.excess);
-  kernel::add_common_doubts(findings, calibration, site);
+  kernel::add_common_doubts(findings, calibration, site, problem.effects().degrees_of_freedom(fit.under_noise.solution.covariance));
   if (curvature > most_curvature) {
     findings.warn(
         "the rests leave misalignments so uncertain that the equations are not linear within them: single uncertainties hold, combinations are less "

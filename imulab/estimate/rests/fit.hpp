@@ -104,16 +104,30 @@ double curvature(Problem problem, const Fit& fit) {
 /// The deviation that one coefficient may have: beyond it, chi-square of all together no longer agrees with the covariance.
 inline constexpr double most_curvature = 1;
 
-/// Converges, and widens the priors of optional terms that the data contradict. Where the equations are not linear within the uncertainties, a
-/// contradiction means nothing: second-order misalignment residuals mimic such a term.
+/// What speaks for one bad rest or rotation, of the size that fits best: the most of all.
 template <class Problem>
-Fit converge_under_true_priors(Problem& problem) {
+double evidence_for_a_bad_part(const Problem& problem, const Conditions& under_noise) {
+  const Adjustment adjustment = adjust(under_noise, problem.parameters());
+  double most = 0;
+  for (const SuspectRows& suspect : problem.suspects(under_noise))
+    most = std::max(most, deviation_of(under_noise, adjustment, suspect.rows).evidence());
+  return most;
+}
+
+/// Converges, and widens the priors of effects and optional terms that the data contradict, with `suspects` only where that explains more than one
+/// bad part does. Where the equations are not linear within the uncertainties, a contradiction means nothing: second-order misalignment residuals
+/// mimic such a term.
+template <class Problem>
+Fit converge_under_true_priors(Problem& problem, bool suspects) {
   constexpr int most_rounds = 10;
   Fit fit;
   kernel::refine(
       most_rounds, [&] { fit = converge(problem); },
       [&] {
-        if (problem.effects().size() > 0) return problem.widen_beside_effects(problem.conditions({}), problem.parameters());
+        if (problem.effects().size() > 0) {
+          const Conditions under_noise = problem.conditions({});
+          return problem.widen_beside_effects(under_noise, problem.parameters(), suspects ? evidence_for_a_bad_part(problem, under_noise) : 0);
+        }
         Problem wider = problem;
         if (!wider.widen_priors(fit.parameters, fit.adjustment.solution.covariance) || curvature(problem, fit) > most_curvature) return false;
         problem = std::move(wider);
@@ -128,7 +142,7 @@ Fit converge_under_true_priors(Problem& problem) {
 /// measure in one is wrong by their scales.
 template <class Problem>
 Fit fit_determined(Problem& problem) {
-  Fit fit = converge(problem);
+  Fit fit = problem.effects().size() > 0 ? converge_under_true_priors(problem, false) : converge(problem);
   if (const std::vector<Eigen::Index> matrix = problem.runaway_gyro_matrix(fit.parameters, fit.covariance()); !matrix.empty()) {
     problem.hold(matrix);
     problem.leave_out_rotations();
@@ -175,7 +189,7 @@ struct SuspectFit {
   std::vector<DroppedPart> dropped{};
 
   SuspectFit(const Problem& p, std::size_t m, const std::vector<DroppedPart>& d) : problem(p), most(m), dropped(d) {}  ///< not yet fitted
-  explicit SuspectFit(Problem p) : problem(std::move(p)), fit(converge_under_true_priors(problem)), most(problem.rests().size() / 3) {}
+  explicit SuspectFit(Problem p) : problem(std::move(p)), fit(converge_under_true_priors(problem, true)), most(problem.rests().size() / 3) {}
 
   /// The suspect whose removal would save the most chi-square for its degrees of freedom is judged by a fit without it: its own deviation would hide
   /// it in the spreads, which count with the degrees of freedom behind them.
@@ -208,7 +222,11 @@ struct SuspectFit {
     return all;
   }
   bool may_drop(std::size_t) const { return true; }
-  SuspectFit without(std::size_t) { return std::move(*next); }
+  SuspectFit without(std::size_t) {
+    SuspectFit out = std::move(*next);
+    if (out.problem.effects().size() > 0) out.fit = converge_under_true_priors(out.problem, true);
+    return out;
+  }
 };
 
 /// A covariance of the scaled model's coefficients as that of raw readings, with g's uncertainty.

@@ -237,7 +237,6 @@ CalibrationResult calibrate_handheld(const CalibrationInput& input, const Calibr
   }
   if (!session.site.latitude) findings.note("no latitude: Earth's rate is unknown but for its size (15 deg/h); the gyros' uncertainties contain it");
   add_findings(findings, result.calibration, problem, fit, curvature(problem, fit), session.site, cleaned.dropped, parts);
-  if (session.site.latitude) kernel::doubt_latitude(findings, result.calibration, *session.site.latitude, session.site.gravity());
   // An uncalibrated gyro of 2 % predicts turns of a right angle to about 1 deg.
   if (quality.rotation_residual_deg.value_or(0) > 1)
     findings.doubt(fmt::format("held-out rotations are predicted no better than to {:.2g} deg", *quality.rotation_residual_deg));

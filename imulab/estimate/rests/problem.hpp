@@ -60,9 +60,9 @@ class RestProblem {
   double prior_sigma(const Coefficient& c) const;
   /// Widens the priors of optional terms that the fit contradicts; whether any was.
   bool widen_priors(const kernel::Parameters& parameters, const Eigen::MatrixXd& covariance);
-  /// Widens the prior of the effect or optional term that the data contradict most, to at most four times; whether any was. From conditions weighted
-  /// by noise alone.
-  bool widen_beside_effects(const Conditions& under_noise, const kernel::Parameters& parameters);
+  /// Widens the prior of the effect or optional term that the data contradict most, to at most four times, if no more speaks `for_another`
+  /// explanation (a logarithm as Deviation::evidence has it); whether any was. From conditions weighted by noise alone.
+  bool widen_beside_effects(const Conditions& under_noise, const kernel::Parameters& parameters, double for_another);
   /// Nonlinearity of counts whose zero is far outside the readings: about their center it counts in the uncertainties, but a polynomial about zero
   /// would only blur the offset and the scale there.
   bool unstated(std::size_t coefficient) const { return unstated_[coefficient]; }

@@ -242,7 +242,7 @@ TEST(DeclaredTurns, ShareTheErrorOfTheRestBetweenThem) {
   const auto scale_sigma = [](double first, double second) {
     TableProcedureOptions options = ferraris_options();
     const std::array turns{TableTurn{RigAxis::outer, first, 5}, TableTurn{RigAxis::outer, second, 5}};
-    const Prediction p = predict_handheld(turns_procedure("two turns", 5, turns, options));
+    const Prediction p = predict_handheld(turns_procedure("two turns", 5, turns, options), {.effects = false});
     const auto at = std::find(p.coefficients.begin(), p.coefficients.end(), coefficient_index("gyro.matrix.zz"));
     return at == p.coefficients.end() ? HUGE_VAL : p.sigma[at - p.coefficients.begin()];
   };

@@ -43,6 +43,8 @@ constexpr std::array<TermPrior, 5> term_priors{{{"accel.quadratic", [](kernel::P
                                                 {"gyro.cubic", [](kernel::PriorSizes& s) -> double& { return s.gyro.cubic; }},
                                                 {"gyro.g_sensitivity", [](kernel::PriorSizes& s) -> double& { return s.g_sensitivity; }}}};
 
+using Widened = std::array<double, term_priors.size()>;  ///< by how much the priors of the terms were
+
 /// The fit with its effects in the options, from which `contradicted` judges.
 kernel::Effects found_effects(const Fit& fit) {
   kernel::Effects effects = fit.options.effects.table;
@@ -100,7 +102,7 @@ std::vector<Candidate> large_effects(const Fit& fit) {
   return out;
 }
 
-std::vector<Candidate> large_terms(const Fit& fit, const std::array<double, term_priors.size()>& widened) {
+std::vector<Candidate> large_terms(const Fit& fit, const Widened& widened) {
   if (!fit.options.optional) return {};
   const Estimator::Uncertainty uncertainty = fit.estimator.uncertainty(fit.model);
   const VectorXd values = coefficient_values(fit.model, uncertainty.stated), priors = fit.estimator.prior_sigma(fit.model, uncertainty.stated);
@@ -126,8 +128,7 @@ std::string name_of(const Candidate& c, const Fit& fit) {
 }
 
 /// All that explains something, the best first.
-std::vector<Candidate> candidates(const Fit& fit, const kernel::EffectSizes& sizes, const std::array<double, term_priors.size()>& widened,
-                                  double level) {
+std::vector<Candidate> candidates(const Fit& fit, const kernel::EffectSizes& sizes, const Widened& widened, double level) {
   std::vector<Candidate> all = large_effects(fit);
   for (const Candidate& c : large_terms(fit, widened)) all.push_back(c);
   for (const Candidate& c : {bad_step(fit, level), move(fit, sizes)})
@@ -136,19 +137,50 @@ std::vector<Candidate> candidates(const Fit& fit, const kernel::EffectSizes& siz
   return all;
 }
 
+/// Takes the best, and widens the priors of all that cannot be told apart from it: the uncertainties cover what the coefficients differ by among
+/// them. Whether anything changed.
+bool take(Explained& out, EstimatorOptions& options, Widened& widened, const std::vector<Candidate>& all, const kernel::EffectSizes& sizes) {
+  const auto add_once = [](std::vector<std::string>& names, const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  };
+  const Candidate& best = all.front();
+  if (best.kind == Candidate::Kind::step) {
+    out.dropped.push_back(out.fit.suspects()[best.place].name);
+    options.left_out.push_back(best.place);
+    return true;
+  }
+  const TableProblem& problem = *out.fit.problem;
+  bool changed = false;
+  for (const Candidate& c : all) {
+    if (c.kind == Candidate::Kind::step || !(c.evidence > best.evidence - told_apart)) continue;
+    const std::string name = name_of(c, out.fit);
+    add_once(out.causes, name);
+    if (!(c.wider.factor > 1)) continue;  // as wide as it may be
+    changed = true;
+    if (c.kind == Candidate::Kind::effect) options.effects.table.widen(c.wider);
+    if (c.kind != Candidate::Kind::term) continue;
+    term_priors[c.place].size(*options.optional) *= c.wider.factor;
+    widened[c.place] *= c.wider.factor;
+    add_once(out.widened, name);
+  }
+  if (best.kind != Candidate::Kind::move) return changed;
+  options.effects = with_move(options.effects, best.place, sizes, problem.motion, problem.seen.parts, problem.site);
+  return true;
+}
+
 }  // namespace
 
 Explained explained(const Fit& fit_with_effects, const kernel::EffectSizes& sizes, double level) {
   constexpr int most_rounds = 20;
   Explained out{fit_with_effects, {}, {}, {}, {}, false};
-  std::array<double, term_priors.size()> widened;
+  Widened widened;
   widened.fill(1);
   for (int round = 0; round < most_rounds; ++round) {
     const Fit& now = out.fit;
     const TableProblem& problem = *now.problem;
     const std::vector<Candidate> all = candidates(now, sizes, widened, level);
     const Candidate best = all.empty() ? Candidate{} : all.front();
-    const Fit larger = enlarged(now, true);
+    const Fit larger = enlarged(now, kernel::Effects::most_widening);
     const double of_size = larger.estimator.log_likelihood(larger.readings) - now.estimator.log_likelihood(now.readings);
     if (of_size > std::max(best.evidence, convincing)) {
       out.by_size = true;
@@ -157,27 +189,8 @@ Explained explained(const Fit& fit_with_effects, const kernel::EffectSizes& size
       break;
     }
     if (!(best.evidence > convincing)) break;
-    if (best.kind != Candidate::Kind::step)
-      for (const Candidate& c : all)
-        if (c.kind != Candidate::Kind::step && c.evidence > best.evidence - told_apart)
-          if (const std::string name = name_of(c, now); std::find(out.causes.begin(), out.causes.end(), name) == out.causes.end())
-            out.causes.push_back(name);
     EstimatorOptions options = now.options;
-    if (best.kind == Candidate::Kind::step) {
-      out.dropped.push_back(now.suspects()[best.place].name);
-      options.left_out.push_back(best.place);
-    } else if (best.kind == Candidate::Kind::move) {
-      options.effects = with_move(options.effects, best.place, sizes, problem.motion, problem.seen.parts, problem.site);
-    } else if (!(best.wider.factor > 1)) {
-      break;  // as wide as it may be
-    } else if (best.kind == Candidate::Kind::effect) {
-      options.effects.table.widen(best.wider);
-    } else {
-      term_priors[best.place].size(*options.optional) *= best.wider.factor;
-      widened[best.place] *= best.wider.factor;
-      if (const std::string name = name_of(best, now); std::find(out.widened.begin(), out.widened.end(), name) == out.widened.end())
-        out.widened.push_back(name);
-    }
+    if (!take(out, options, widened, all, sizes)) break;
     out.fit = fit(problem, options);
   }
   return out;

@@ -169,8 +169,8 @@ Fit fit(const TableProblem& problem, const EstimatorOptions& options) {
   }
 }
 
-Fit enlarged(const Fit& declared, bool always) {
-  if (declared.estimator.degrees_of_freedom() < 1 || (!always && declared.log_probability() > std::log(unlikely))) return declared;
+Fit enlarged(const Fit& declared, double most) {
+  if (declared.estimator.degrees_of_freedom() < 1) return declared;
   constexpr int most_passes = 50;        // of a fixed-point iteration, which converges by a constant factor a pass
   constexpr double close_enough = 0.02;  // of a variance: one percent of the stated uncertainties
   Fit now = declared;
@@ -181,7 +181,7 @@ Fit enlarged(const Fit& declared, bool always) {
     for (const auto& [factor, by] :
          {std::pair{&options.enlarged.accel, ratio[0]}, {&options.enlarged.gyro, ratio[1]}, {&options.enlarged.table, ratio[2]}}) {
       if (!(by > 0) || !std::isfinite(by)) continue;
-      const double next = std::max(1.0, *factor * std::sqrt(by));
+      const double next = std::clamp(*factor * std::sqrt(by), 1.0, most);
       change = std::max(change, std::abs(next * next / (*factor * *factor) - 1));
       *factor = next;
     }

@@ -6,6 +6,7 @@
 #include "imulab/recording/session.hpp"
 #include "imulab/rig/table_plan.hpp"
 
+#include <cmath>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,9 +47,8 @@ struct Fit {
 /// about the table errors found. Throws Unsupported where the readings do not follow the motion.
 Fit fit(const TableProblem& problem, const EstimatorOptions& options);
 
-/// With the noise and the table's errors so much larger that they explain the residuals, where chance does not (`unlikely`): the most likely factors,
-/// none below 1. `always`: also where chance explains them.
-Fit enlarged(const Fit& fit, bool always = false);
+/// With the noise and the table's errors as much larger than declared as is most likely, at most by the factor `most`.
+Fit enlarged(const Fit& fit, double most = HUGE_VAL);
 
 /// Where the readings contradict the steps: which axis turns the other way, in words. Empty if none.
 std::string reversed_axis(const Fit& fit);

@@ -51,6 +51,7 @@ void expect_stated(const std::vector<Step>& steps, const std::vector<Coefficient
       run_of(steps, plan.rig, 5, 1, motion.nominal() + motion.sigma().cwiseProduct(drawn_normals(motion.sigma().size(), 5, "table")));
   CalibrationOptions options;
   options.terms = terms;
+  options.effects = false;  // nor does the plan have them
   const Calibration stated = calibrate(run.seen, plan.rig, imu, plan.site, options);
   ASSERT_EQ(stated.estimated, predicted.coefficients);
   const Eigen::MatrixXd covariance = as_of_an_ideal_unit(stated);

@@ -151,30 +151,12 @@ void judge_residuals(Findings& findings, const Fit& fit, const Fit& enlarged, co
         fmt::format("the residuals are only {:.3g} times what the noise and the declared table errors explain; the table is better than "
                     "declared, or the samples' noise is not white (quantization averages out faster); declare the noise densities",
                     ratio));
+  } else if (const Enlargement& by = enlarged.options.enlarged; std::max({by.accel, by.gyro, by.table}) > 1.2) {
+    findings.note(
+        fmt::format("though chance explains the residuals, {:.3g} times the accelerometers' noise, {:.3g} times the gyros' and {:.3g} times the "
+                    "table's errors are more likely; the uncertainties are for these",
+                    by.accel, by.gyro, by.table));
   }
-}
-
-/// With wider priors of the optional terms where the readings contradict them, if they agree with those: `widened` names the terms. A wrong step or
-/// table contradicts the priors, too, but leaves residuals, or terms that nothing limits.
-std::optional<Fit> under_wider_priors(const TableProblem& problem, EstimatorOptions options, std::vector<std::string>& widened) try {
-  constexpr int most_rounds = 10;
-  options.all_optional = true;
-  for (int round = 0; round < most_rounds; ++round) {
-    const Fit trial = fit(problem, options);
-    const Estimator::Uncertainty uncertainty = trial.estimator.uncertainty(trial.model);
-    const std::vector<std::string> more =
-        kernel::widen_priors(*options.optional, uncertainty.stated, coefficient_values(trial.model, uncertainty.stated),
-                             trial.estimator.prior_sigma(trial.model, uncertainty.stated), uncertainty.covariance);
-    if (more.empty()) break;
-    widened.insert(widened.end(), more.begin(), more.end());
-  }
-  options.all_optional = false;
-  if (widened.empty()) return {};
-  Fit out = fit(problem, options);
-  if (out.log_probability() <= std::log(unlikely)) return {};
-  return out;
-} catch (const Unsupported&) {
-  return {};
 }
 
 /// The sizes of effects: as declared, of the grade, or by the offset that the accelerometers show; none of theirs is beyond that of a MEMS sensor.
@@ -203,22 +185,16 @@ void add_effects(Calibration& calibration, Findings& findings, const Explained& 
   }
 }
 
-/// The fit with all terms that an IMU may have, under their priors.
-Fit fit_with_optional_terms(const Fit& free, std::vector<std::string>& widened) {
+/// The options of a fit with all terms that an IMU may have, under their priors.
+EstimatorOptions all_terms(const Fit& free) {
   const TableProblem& problem = *free.problem;
-  const EstimatorOptions options = with_optional_terms(free.options, problem.imu, sensor_offset(free.model.accel, problem.seen.accel_unit),
-                                                       sensor_offset(free.model.gyro, problem.seen.gyro_unit));
-  if (std::optional<Fit> wider = under_wider_priors(problem, options, widened)) return *std::move(wider);
-  widened.clear();
-  return fit(problem, options);
+  return with_optional_terms(free.options, problem.imu, sensor_offset(free.model.accel, problem.seen.accel_unit),
+                             sensor_offset(free.model.gyro, problem.seen.gyro_unit));
 }
 
 /// The fit with all terms that an IMU may have, and what explains the readings beyond the priors. `is_right`: the steps are.
 Explained explanation_of(const Fit& free, const kernel::EffectSizes& sizes, const CalibrationOptions& options, bool is_right) {
-  EstimatorOptions all = free.options;
-  if (options.terms.empty())
-    all = with_optional_terms(all, free.problem->imu, sensor_offset(free.model.accel, free.problem->seen.accel_unit),
-                              sensor_offset(free.model.gyro, free.problem->seen.gyro_unit));
+  EstimatorOptions all = options.terms.empty() ? all_terms(free) : free.options;
   all.all_optional = true;
   Explained out{fit(*free.problem, all), {}, {}, {}, {}, false};
   if (is_right) out = explained(out.fit, sizes, options.outlier_level);
@@ -282,21 +258,19 @@ Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, 
     free = fit(problem, asked);
   }
 
-  std::vector<std::string> widened;
   const std::string reversal = reversed_axis(free);
   kernel::Cleaned<Fit> cleaned{free, {}, {}, true};
   std::optional<Explained> explanation;
   if (options.effects) {
     explanation = explanation_of(free, sizes, options, reversal.empty());
     cleaned = {explanation->fit, explanation->dropped, explanation->worst, true};
-    widened = explanation->widened;
   } else {
-    if (options.terms.empty()) cleaned.fit = fit_with_optional_terms(free, widened);
+    if (options.terms.empty()) cleaned.fit = fit(problem, all_terms(free));
     if (reversal.empty()) cleaned = without_outliers(cleaned.fit, options.outlier_level);
   }
   const bool by_size = explanation && explanation->by_size;
 
-  const Fit last = enlarged(cleaned.fit, by_size);
+  const Fit last = explanation || cleaned.fit.log_probability() <= std::log(unlikely) ? enlarged(cleaned.fit) : cleaned.fit;
   Calibration calibration = calibration_of(last);
   calibration.quality.chi2_per_dof = cleaned.fit.chi2 / std::max(1, calibration.quality.degrees_of_freedom);  // against what is declared
   if (options.terms.empty()) calibration.quality.term_tests = tests_of_terms(last, options.significance);
@@ -308,7 +282,7 @@ Calibration calibrate(const TableObservations& seen, const RigDeclaration& rig, 
     findings.warn(reversal);
     findings.doubt("the sign of an axis seems to be wrong");
   }
-  kernel::warn_of_widened(findings, widened);
+  if (explanation) kernel::warn_of_widened(findings, explanation->widened);
   kernel::add_dropped(findings, cleaned.dropped, problem.motion.parts());
   doubt_many_dropped(findings, cleaned.fit);
   if (options.terms.empty()) doubt_latitude(findings, free, options.significance);

@@ -191,11 +191,14 @@ PointEquations PointProblem::equations(const MachinePoint& point) const {
 std::vector<Index> PointProblem::acting_columns(std::size_t recording) const {
   std::vector<Index> columns;
   for (Index i = 0; i < std::ssize(coefficients); ++i) columns.push_back(i);
-  for (Index i = std::ssize(coefficients); const CommonError& error : common) {
-    if (!error.drift || error.drift->recording == recording) columns.push_back(i);
-    ++i;
+  const std::vector<std::size_t>& of_machine = acting_[recording];
+  for (std::size_t k = 0; k < common.size(); ++k)
+    if (k == 0 || (common[k].drift ? common[k].drift->recording == recording : std::ranges::count(of_machine, k) > 0))
+      columns.push_back(static_cast<Index>(coefficients.size() + k));
+  for (Index k = 0; k < effects.size(); ++k) {  // drift of another recording is nothing here
+    const auto acts = [&](const MatrixXd& at_point) { return at_point.size() > 0 && !at_point.col(k).isZero(0); };
+    if (std::ranges::any_of(by_effects[recording], acts)) columns.push_back(size() - effects.size() + k);
   }
-  for (Index i = size() - effects.size(); i < size(); ++i) columns.push_back(i);
   return columns;
 }
 
@@ -260,19 +263,17 @@ Fit fit(PointProblem& problem, Priors priors) {
   constexpr int most_iterations = 20;
   constexpr double still = 0.01 * 0.01;  // of chi-square: no parameter moves by more than a hundredth of its standard deviation
   Fit out;
-  kernel::Parameters parameters;
   problem.update_effects();
   out.converged = kernel::iterate(most_iterations, [&](int) {
     out.data = problem.information();
-    parameters = problem.parameters(priors);
-    const VectorXd x = kernel::correction(out.data, parameters, "the points");
+    out.parameters = problem.parameters(priors);
+    const VectorXd x = kernel::correction(out.data, out.parameters, "the points");
     problem.correct(x);
-    const std::vector<Index> loose = parameters.with(Role::estimated);
+    const std::vector<Index> loose = out.parameters.with(Role::estimated);
     const VectorXd moved = x(loose);
-    const double chi2 = moved.dot(out.data.N(loose, loose) * moved) + moved.cwiseQuotient(parameters.sigma(loose)).squaredNorm();
+    const double chi2 = moved.dot(out.data.N(loose, loose) * moved) + moved.cwiseQuotient(out.parameters.sigma(loose)).squaredNorm();
     return chi2 <= still ? kernel::Progress::converged : kernel::Progress::moving;
   });
-  out.solution = kernel::solve(out.data, parameters, "the points");
   return out;
 }
 

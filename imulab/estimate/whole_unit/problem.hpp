@@ -101,7 +101,7 @@ struct PointProblem {
   /// Declared noise that is not white: in each recording its shapes along the points that stand out of independent noise; the others, which differ
   /// from it by less than a tenth, count as that: thermal terms are seen in just such slow shapes.
   void add_drifts();
-  /// The parameters but for the drift of other recordings.
+  /// The parameters on which the points of a recording depend.
   std::vector<Eigen::Index> acting_columns(std::size_t recording) const;
 
   /// The place at the present latitude, and what the points depend on it.
@@ -113,9 +113,10 @@ struct PointProblem {
 };
 
 struct Fit {
-  kernel::Information data;  ///< before the last correction
-  kernel::Solution solution;
+  kernel::Information data;       ///< before the last correction
+  kernel::Parameters parameters;  ///< likewise
   bool converged = false;
+  kernel::Solution solution() const { return kernel::solve(data, parameters, "the points"); }
 };
 
 /// Gauss-Newton until the correction is below a hundredth of its standard deviation everywhere. Throws Unsupported where the normal equations are

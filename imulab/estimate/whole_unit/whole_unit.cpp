@@ -5,9 +5,9 @@
 #include "imulab/estimate/kernel/fit.hpp"
 #include "imulab/estimate/kernel/input.hpp"
 #include "imulab/estimate/kernel/plausibility.hpp"
-#include "imulab/estimate/kernel/terms.hpp"
 #include "imulab/estimate/whole_unit/quality.hpp"
 #include "imulab/estimate/whole_unit/stepwise.hpp"
+#include "imulab/estimate/whole_unit/terms.hpp"
 #include "imulab/model/gauge.hpp"
 #include "imulab/recording/session.hpp"
 #include "imulab/recording/validate.hpp"
@@ -25,48 +25,23 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using kernel::Role;
-using kernel::TermGroup;
 
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr std::size_t parts_of_validation = 10;
-constexpr double chance = 0.005;  // of the RMS of some 2000 residuals: twenty of chi-square, more than nine coefficients gain by chance
-
-/// The optional terms, of estimated coefficients.
-std::vector<TermGroup> optional_terms(const PointProblem& problem) {
-  std::vector<TermGroup> groups;
-  const auto add = [&](Triad triad, std::string_view name, Term term, int column = -1) {
-    TermGroup group{std::string(to_string(triad)) + "." + std::string(name), {}};
-    for (std::size_t k = 0; k < problem.role.size(); ++k) {
-      const Coefficient& c = coefficient(problem.coefficients[k]);
-      if (c.triad == triad && c.term == term && (column < 0 || c.column == column) && problem.role[k] == Role::estimated)
-        group.members.push_back(static_cast<Index>(k));
-    }
-    if (!group.members.empty()) groups.push_back(std::move(group));
-  };
-  for (const Triad triad : {Triad::accel, Triad::gyro}) {
-    add(triad, "cubic", Term::cubic);
-    add(triad, "quadratic", Term::quadratic);
-    add(triad, "thermal second order", Term::thermal, 2);
-  }
-  add(Triad::gyro, "g_sensitivity", Term::g_sensitivity);
-  return groups;
-}
-
 /// A fit whose suspects are its points.
 struct PointFit {
   PointProblem problem;
   std::size_t may_go;  ///< so many points more
-  Fit fit = whole_unit::fit(problem);
+  kernel::Solution solution = whole_unit::fit(problem).solution();
 
   std::vector<kernel::Suspect> suspects() const {
     std::vector<double> statistic;
     for (const MachinePoint& point : problem.points.all) {
       const PointEquations e = problem.equations(point);
       // The misfit as the other points predict it: I - J P J^T is what the fit leaves of unit noise.
-      const Matrix6 remaining = Matrix6::Identity() - e.jacobian * fit.solution.covariance * e.jacobian.transpose();
+      const Matrix6 remaining = Matrix6::Identity() - e.jacobian * solution.covariance * e.jacobian.transpose();
       statistic.push_back(e.white.dot(remaining.ldlt().solve(e.white)));
     }
     const double spread = std::max(1.0, median(statistic) / chi_square_quantile(0.5, 6));  // of good points, where their size is not the noise's
@@ -82,31 +57,6 @@ struct PointFit {
     return {std::move(rest), may_go - 1};
   }
 };
-
-std::vector<TermTest> choose_terms(PointProblem& problem, double significance) {
-  std::vector<kernel::Information> parts;
-  kernel::Information all;
-  for (std::size_t k = 0; k < parts_of_validation; ++k) all += parts.emplace_back(problem.information(k, parts_of_validation));
-  const auto test = [&](const std::vector<TermGroup>& groups) {
-    const kernel::Parameters parameters = problem.parameters();
-    const kernel::Solution s = kernel::solve(all, parameters, "the points");
-    const VectorXd values = s.x - parameters.offset;  // less the starting values
-    const double with = kernel::cross_validation(parts, all, parameters);
-    std::vector<TermTest> tests;
-    for (const TermGroup& group : groups) {
-      TermTest& t = tests.emplace_back(kernel::wald(group.name, values(group.members), s.covariance(group.members, group.members), significance));
-      kernel::Parameters without = parameters;
-      for (const Index i : group.members) without.role[static_cast<std::size_t>(i)] = Role::fixed;
-      t.cross_validation_with = with;
-      t.cross_validation_without = kernel::cross_validation(parts, all, without);
-      t.kept = t.kept || t.cross_validation_without > (1 + chance) * with;
-    }
-    return tests;
-  };
-  return kernel::choose_terms(optional_terms(problem), test, [&](const TermGroup& group) {
-    for (const Index i : group.members) problem.role[static_cast<std::size_t>(i)] = Role::fixed;
-  });
-}
 
 std::vector<std::string> drop_bad_points(PointProblem& problem, double outlier_level) {
   auto cleaned = kernel::drop_suspects(PointFit{problem, std::max<std::size_t>(2, problem.points.all.size() / 50)}, outlier_level);
@@ -137,14 +87,14 @@ void fit_under_priors(PointProblem& problem, const CalibrationOptions& options) 
 }
 
 /// Fits the coefficients that the data determine, with the noise that the fitted slopes give.
-void fit_determined(PointProblem& problem) {
+Fit fit_determined(PointProblem& problem) {
   const kernel::Parameters parameters = problem.parameters(Priors::all);
   const kernel::Solution s = kernel::solve(problem.information(), parameters, "the points");
   for (const Index i : kernel::undetermined(s.covariance, parameters, problem.needed_sigma))
     problem.role[static_cast<std::size_t>(i)] = Role::considered;
   fit(problem);
   problem.update_noise();
-  fit(problem);
+  return fit(problem);
 }
 
 void check_noise(kernel::Findings& findings, const PointProblem& problem) {
@@ -156,18 +106,6 @@ void check_noise(kernel::Findings& findings, const PointProblem& problem) {
   check("gyros", problem.session->imu.gyro_noise_density, measured.tail<3>());
 }
 
-/// The Earth's horizontal rate is the same on the other side of the equator: a latitude of the wrong sign is another minimum, which no step reaches.
-void mirror_wrong_latitude(PointProblem& problem, kernel::Findings& findings) {
-  constexpr double obvious = 30;  // of chi-square: five and a half sigma
-  if (problem.effects.size() == 0) return;
-  PointProblem mirrored = problem;
-  mirrored.mirror_latitude();
-  if (!(fit(mirrored).solution.chi2 < fit(problem).solution.chi2 - obvious)) return;
-  problem = std::move(mirrored);
-  findings.warn("the gyros show a latitude of the other sign, which is used; check the site's latitude");
-  findings.doubt(kernel::wrong_latitude);
-}
-
 /// Widens priors of effects that the points contradict, and fits again.
 void widen_effects(PointProblem& problem) {
   constexpr int most_rounds = 10;
@@ -177,6 +115,31 @@ void widen_effects(PointProblem& problem) {
   }
 }
 
+/// Of data and priors at the solution: minus twice the logarithm of their probability.
+double cost_of(const Fit& fit) {
+  const std::vector<Index> loose = fit.parameters.with(Role::estimated);
+  const VectorXd x = kernel::correction(fit.data, fit.parameters, "the points"), off = x - fit.parameters.offset;
+  return fit.data.at(x) + VectorXd(off(loose)).cwiseQuotient(fit.parameters.sigma(loose)).squaredNorm();
+}
+
+/// The Earth's horizontal rate is the same on the other side of the equator: a latitude of the wrong sign is another minimum, which no step reaches.
+/// Effects of the gyros explain a part of it, for which their priors pay. Where the declared latitude is right, the other one has the lower cost by
+/// this much in less than one session of two thousand, however far apart they are.
+void mirror_wrong_latitude(PointProblem& problem, const Fit& declared, kernel::Findings& findings) {
+  constexpr double more_likely = 10.8;  // chi-square of one that chance exceeds once in a thousand
+  if (problem.effects.size() == 0) return;
+  PointProblem mirrored = problem;
+  mirrored.mirror_latitude();
+  if (!(cost_of(fit(mirrored)) < cost_of(declared) - more_likely)) return;
+  // Unless some other effect is larger than expected, which may be so on either side.
+  PointProblem here = problem, there = mirrored;
+  widen_effects(here), widen_effects(there);
+  if (!(cost_of(fit(there)) < cost_of(fit(here)) - more_likely)) return;
+  problem = std::move(mirrored);
+  findings.warn("the gyros show a latitude of the other sign, which is used; check the site's latitude");
+  findings.doubt(kernel::wrong_latitude);
+}
+
 /// Drops outliers, named in the findings. An effect may explain what would be outliers without it; one that only outliers contradict keeps its prior.
 void fit_good_points(PointProblem& problem, double outlier_level, kernel::Findings& findings) {
   const std::size_t points = problem.points.all.size();
@@ -184,7 +147,8 @@ void fit_good_points(PointProblem& problem, double outlier_level, kernel::Findin
   widen_effects(problem);
   const std::vector<std::string> dropped = drop_bad_points(problem, outlier_level);
   kernel::add_dropped(findings, dropped, points, "points");
-  if (!dropped.empty()) problem.effects = expected;
+  if (dropped.empty()) return;
+  problem.effects = expected;
   fit_determined(problem);
   widen_effects(problem);
 }
@@ -193,7 +157,7 @@ void fit_good_points(PointProblem& problem, double outlier_level, kernel::Findin
 double enlarge_noise(PointProblem& problem) {
   double scatter = 1, more = 2;
   for (int pass = 0; pass < 10 && more >= 1.01; ++pass) {
-    const kernel::Solution s = fit(problem).solution;
+    const kernel::Solution s = fit(problem).solution();
     more = kernel::excess(s.chi2, s.degrees_of_freedom);
     problem.noise_factor *= more;
     scatter *= more;
@@ -209,15 +173,14 @@ JointEstimate joint_estimate(PointProblem& problem, const CalibrationOptions& op
   JointEstimate out;
   hold_others(problem, options.terms);
   fit_under_priors(problem, options);
-  fit_determined(problem);
-  mirror_wrong_latitude(problem, out.findings);
+  mirror_wrong_latitude(problem, fit_determined(problem), out.findings);
   check_noise(out.findings, problem);
   std::string machine = wrong_machine(problem);  // before its points are dropped
   fit_good_points(problem, options.outlier_level, out.findings);
   out.scatter = enlarge_noise(problem);
   // Terms that are left out for want of significance may still be there, within their uncertainty: they count in the others' covariance.
   const kernel::Parameters counted = problem.parameters(Priors::considered);
-  const bool all = options.whole_unit.full || options.whole_unit.stepwise || problem.effects.size() > 0;  // effects hide terms from tests
+  const bool all = options.whole_unit.full || options.whole_unit.stepwise;
   if (options.terms.empty() && !all) out.tests = choose_terms(problem, options.significance);
   if (!out.tests.empty()) out.scatter *= enlarge_noise(problem);  // of the points without the terms left out
   const kernel::Parameters parameters = problem.parameters();
@@ -226,7 +189,7 @@ JointEstimate joint_estimate(PointProblem& problem, const CalibrationOptions& op
   const Fit last = fit(problem);
   out.converged = last.converged;
   if (machine.empty()) machine = wrong_machine(problem);
-  out.solution = last.solution;
+  out.solution = last.solution();
   out.solution.covariance = kernel::solve(last.data, counted, "the points").covariance;
   out.solution.chi2 *= out.scatter * out.scatter;
   out.condition = kernel::condition_number(last.data, parameters);
