@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
@@ -89,6 +90,31 @@ Session open_session(const std::filesystem::path& path, const std::vector<std::s
   if (!is_session(path)) return inspected(path, texts, most_numbers);
   expect_no_declarations(texts);
   return session_at(path);
+}
+
+Session open_sessions(const std::vector<std::string>& paths, const std::vector<std::string>& texts) {
+  Session all = open_session(paths.front(), texts);
+  if (paths.size() == 1) return all;
+  const auto folder_of = [](const Session& session) { return std::filesystem::absolute(session.file).parent_path(); };
+  for (std::size_t k = 1; k < paths.size(); ++k) {
+    Session more = open_session(paths[k], texts);
+    more.imu.name = all.imu.name;  // of a recording that was inspected, its file's
+    const char* const other = !(more.imu == all.imu) ? "[imu]" : !(more.site == all.site) ? "[site]" : !(more.rigs == all.rigs) ? "[rig]" : nullptr;
+    if (other)
+      throw Error(
+          fmt::format("{}: its {} is not that of {}; expected recordings of one unit, at one place, with one rig", paths[k], other, paths[0]));
+    for (RecordingSource& recording : more.recordings) {
+      const std::string name = (folder_of(more) / recording.file).lexically_normal().lexically_relative(folder_of(all).lexically_normal()).string();
+      for (Step& step : more.steps)
+        if (step.recording == recording.file) step.recording = name;
+      recording.file = name;
+      const auto named = [&](const RecordingSource& r) { return std::filesystem::path(r.file).lexically_normal() == name; };
+      if (std::any_of(all.recordings.begin(), all.recordings.end(), named)) throw Error(fmt::format("{}: {} was given before", paths[k], name));
+      all.recordings.push_back(std::move(recording));
+    }
+    all.steps.insert(all.steps.end(), std::make_move_iterator(more.steps.begin()), std::make_move_iterator(more.steps.end()));
+  }
+  return all;
 }
 
 const RecordingSource& named_recording(const Session& session, const std::string& name) {

@@ -16,6 +16,10 @@ namespace imulab::command {
 /// where the data leave something open. `most_numbers`: as InspectionTask has it.
 Session open_session(const std::filesystem::path& path, const std::vector<std::string>& declarations, std::size_t most_numbers = numbers_inspected);
 
+/// Sessions and recordings of one unit as one session, whose file is the first's: each as `open_session`. Throws Error where one declares another IMU,
+/// place or rig than the first, or has its recordings, too.
+Session open_sessions(const std::vector<std::string>& paths, const std::vector<std::string>& declarations);
+
 /// The recording of that file; the only one if no name is given. Otherwise throws Error that lists them.
 const RecordingSource& named_recording(const Session& session, const std::string& name);
 

@@ -44,7 +44,9 @@ void show_besides_files(const Answer& answer, ShowOptions o) {
 
 void run(const CalibrateOptions& o) {
   CalibrationTask task = task_of(o);  // wrong options are reported before anything is read
-  Session session = open_session(o.session, o.declarations);
+  std::vector<std::string> paths{o.session};
+  paths.insert(paths.end(), o.more.begin(), o.more.end());
+  Session session = open_sessions(paths, o.declarations);
   expect_free("-o", o.output, o.force);
   errors_at(session.file + ": [site]", [&] { session.site.gravity(); });  // if neither gravity nor the latitude is known
   if (!o.recording.empty()) named_recording(session, o.recording);

@@ -1,6 +1,7 @@
 #include "imulab/tasks/calibrate.hpp"
 
 #include "imulab/core/error.hpp"
+#include "imulab/estimate/kernel/plausibility.hpp"
 #include "imulab/fleet/store/sample.hpp"
 #include "imulab/formats/calibration/file.hpp"
 #include "imulab/formats/recording/reader.hpp"
@@ -79,6 +80,10 @@ Verb& declare(Verb& command, CalibrateOptions& o) {
               "a session folder or its session.toml; a recording, which is inspected first; - for a session or rows on standard input")
       .required()
       .reads();
+  verb.option("more", o.more, "further sessions or recordings of the same unit, calibrated as one with the first")
+      .takes_several(0)
+      .reads()
+      .of_command();
   declarations_option(verb, o.declarations);
   std::string summaries;
   for (const Method& m : methods_by_equipment()) summaries += fmt::format("{}{}: {}", summaries.empty() ? "" : "; ", m.name, m.summary);
@@ -239,6 +244,7 @@ std::string shortcomings(const CalibrationResult& result) {
   const Quality& quality = result.calibration.quality;
   const std::string missing = result.missing_turns.empty() ? "" : "\n  what helps most: " + turns_text(result.missing_turns);
   if (!quality.converged) return "the fit did not converge: neither its values nor its uncertainties can be relied on";
+  if (const std::string far = kernel::scale_far_from_unit(result.calibration.model); !far.empty()) return far;
   if (!quality.unobservable.empty())
     return fmt::format("the data do not determine: {}; they keep their starting values{}", fmt::join(quality.unobservable, " "), missing);
   std::vector<std::string> unmet, doubted;

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace imulab::kernel {
@@ -86,7 +87,15 @@ std::string_view mistaken_unit(Triad triad, double scale) {
   return {};
 }
 
-std::string scale_contradiction(Triad triad, const Matrix3d& matrix, const Recording& recording) {
+namespace {
+
+/// A scale beyond the tolerance: of all axes, or of the worst.
+struct WrongScale {
+  std::string words;  ///< "the gyros' scale is 2.01 in the declared unit, where 1 is expected"
+  bool common = false;
+  double mean = 1;
+};
+std::optional<WrongScale> wrong_scale(Triad triad, const Matrix3d& matrix) {
   const char* const name = triad == Triad::accel ? "accelerometers" : "gyros";
   const Vector3d scale = matrix.rowwise().norm();
   int wrong = 0, worst = 0;
@@ -96,9 +105,24 @@ std::string scale_contradiction(Triad triad, const Matrix3d& matrix, const Recor
   }
   if (wrong == 0) return {};
   const bool common = wrong == 3 && near(scale.minCoeff(), scale.maxCoeff());
-  return fmt::format("the {}{} scale is {:.4g} in the declared unit, where 1 is expected: {}", name, common ? "'" : fmt::format("' {}", "xyz"[worst]),
-                     common ? scale.mean() : scale[worst],
-                     common ? cause_of(triad, scale.mean(), recording) : "this axis is not like the others; check its column");
+  return WrongScale{fmt::format("the {}{} scale is {:.4g} in the declared unit, where 1 is expected", name,
+                                common ? "'" : fmt::format("' {}", "xyz"[worst]), common ? scale.mean() : scale[worst]),
+                    common, scale.mean()};
+}
+
+}  // namespace
+
+std::string scale_contradiction(Triad triad, const Matrix3d& matrix, const Recording& recording) {
+  const std::optional<WrongScale> wrong = wrong_scale(triad, matrix);
+  if (!wrong) return {};
+  return wrong->words + ": " + (wrong->common ? cause_of(triad, wrong->mean, recording) : "this axis is not like the others; check its column");
+}
+
+std::string scale_far_from_unit(const SensorModel& model) {
+  for (const Triad triad : {Triad::accel, Triad::gyro})
+    if (const TriadModel& t = triad_model(model, triad); t.raw_unit != "count")
+      if (const std::optional<WrongScale> wrong = wrong_scale(triad, t.matrix)) return wrong->words;
+  return {};
 }
 
 bool is_oblique(const Matrix3d& coarse) {

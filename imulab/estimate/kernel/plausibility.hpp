@@ -21,6 +21,9 @@ std::string_view mistaken_unit(Triad triad, double scale);
 /// Why a triad's matrix is not that of a sensor in its declared unit, with the likely cause; empty where each scale is within 20 %.
 std::string scale_contradiction(Triad triad, const Matrix3d& matrix, const Recording& recording);
 
+/// A triad whose scales are not within 20 % of the declared unit, with the factor; empty where there is none, and of readings in counts.
+std::string scale_far_from_unit(const SensorModel& model);
+
 /// Are the axes of the gyros' coarse matrix far from right angles? Motion about too few axes, or gyros that do not turn with the accelerometers, give
 /// any matrix; misalignments are below a few percent.
 bool is_oblique(const Matrix3d& coarse);
