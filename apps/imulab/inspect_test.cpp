@@ -71,6 +71,30 @@ TEST(InspectCommand, CalibratesARecordingAndSaysWhatItAssumed) {
   EXPECT_EQ(run_imulab(folder, "verify c.json").exit_code, 0) << "the recording is its own session";
 }
 
+TEST(InspectCommand, CalibratesSeveralRecordingsOfOneUnitAsOne) {
+  const TemporaryFolder folder;
+  write_log(folder);
+  ASSERT_EQ(run_shell(folder,
+                      "n=$(($(wc -l < log.csv) / 2)); head -$n log.csv > a.csv; mkdir second; "
+                      "(head -1 log.csv; tail -n +$(($n + 1)) log.csv) > second/b.csv")
+                .exit_code,
+            0);
+  ASSERT_EQ(run_imulab(folder, "calibrate log.csv --method static -o one.json").exit_code, 0);
+  const CommandResult both = run_imulab(folder, "calibrate a.csv second/b.csv --method static -o both.json --verbose");
+  EXPECT_EQ(both.exit_code, 0) << both.errors;
+  EXPECT_THAT(both.output, HasSubstr("2 recordings of one unit were calibrated together"));
+  const Calibration c = read_calibration(folder / "both.json");
+  for (const CoefficientIndex index : select_coefficients("accel.offset"))
+    EXPECT_NEAR(coefficient_value(c.model, index), coefficient_value(read_calibration(folder / "one.json").model, index),
+                3 * *standard_uncertainty(c, index));
+  const CommandResult twice = run_imulab(folder, "calibrate a.csv ./a.csv --method static");
+  EXPECT_EQ(twice.exit_code, 2);
+  EXPECT_THAT(twice.errors, HasSubstr("./a.csv: a.csv was given before"));
+  const CommandResult elsewhere = run_imulab(folder, "calibrate session a.csv --method static");
+  EXPECT_EQ(elsewhere.exit_code, 2);
+  EXPECT_THAT(elsewhere.errors, HasSubstr("a.csv: its ["));
+}
+
 TEST(InspectCommand, AsksForWhatTheDataLeaveOpen) {
   const TemporaryFolder folder;
   write_log(folder);
