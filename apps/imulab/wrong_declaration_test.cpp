@@ -121,20 +121,6 @@ TEST(WrongDeclaration, AChannelThatClipsIsSaidAndItsSamplesAreNotUsed) {
   }
 }
 
-TEST(WrongDeclaration, GyrosThatReadHalfAreCalibratedButEndWithTheirFactor) {
-  const TemporaryFolder folder;
-  SessionText text = hand_held_session();
-  text.for_rows([](Row& row) {
-    for (std::size_t k = 1; k < 4; ++k) row[k] *= 0.5;
-  });
-  text.write(folder);
-  const CommandResult result = run_imulab(folder, "calibrate session --method handheld -o c.json");
-  EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(on_one_line(result.errors),
-              testing::ContainsRegex("the gyros' scale is (1\\.9|2\\.0)[0-9]* in the declared unit, where 1 is expected"));
-  EXPECT_TRUE(std::filesystem::exists(folder / "c.json"));
-}
-
 TEST(WrongDeclaration, ARateThatTheStampsContradictIsSaid) {
   const TemporaryFolder folder;
   SessionText text = hand_held_session();

@@ -58,7 +58,9 @@ TEST(HybridPrediction, HasTheTermsOfCalibrate) {
       session.imu.grade = "navigation";  // whose priors do not depend on the drawn offsets
       if (by_hand) session.rigs.front() = {};
     });
-    const Calibration c = calibrated(s).calibration;
+    CalibrationOptions without;
+    without.effects = false;  // nor has the plan
+    const Calibration c = calibrated(s, without).calibration;
     const FilterPrediction p = predict(plan_of(s.session));
     ASSERT_EQ(p.coefficients, c.estimated);
     std::vector<std::string> considered;

@@ -34,7 +34,7 @@ TEST(HybridTerms, LeverArmsAreFoundToAMillimetreAndHarmNothing) {
   const Calibration c = calibrated(s).calibration;
   EXPECT_TRUE(term_test(c, "accel.lever_arm").kept);
   EXPECT_LT((c.model.lever_arm - unit.lever_arm).cwiseAbs().maxCoeff(), 1e-3);
-  EXPECT_LT(*standard_uncertainty(c, coefficient_index("accel.lever_arm.xx")), 2.5e-4);
+  EXPECT_LT(*standard_uncertainty(c, coefficient_index("accel.lever_arm.xx")), 3e-4);
   EXPECT_LT(largest_sigmas(c, unit), 4.5) << "30 coefficients: once in 5000 sessions";
 }
 
@@ -42,7 +42,7 @@ TEST(HybridTerms, QuadraticAccelerometersAreFound) {
   SensorModel unit = hybrid_unit(2);
   unit.accel.quadratic = Vector3d(2e-6, -1e-6, 1e-6);  // 20 ug/g^2 and half of it
   const HybridSession s = session_of(2, unit);
-  const Calibration c = calibrated(s).calibration;
+  const Calibration c = calibrated(s, {.effects = false}).calibration;  // an asymmetry within its prior would explain it
   EXPECT_TRUE(term_test(c, "accel.quadratic").kept);
   EXPECT_FALSE(term_test(c, "accel.lever_arm").kept);
   EXPECT_LT(largest_sigmas(c, unit), 4.5);

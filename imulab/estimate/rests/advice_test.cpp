@@ -15,6 +15,7 @@ using ::testing::IsEmpty;
 
 CalibrationOptions options_for(const std::vector<Requirement>& requirements, std::size_t turns = 1) {
   CalibrationOptions options;
+  options.effects = false;  // those of a MEMS unit put an offset of 100 ug out of reach
   options.handheld.requirements = requirements;
   options.handheld.advised_turns = turns;
   return options;
@@ -30,7 +31,7 @@ int poses_at_random(const std::vector<Requirement>& requirements, std::uint64_t 
   for (int poses = 6; poses < most_poses; ++poses) {
     const Session session = hand_held_procedure({.poses = poses}, seed);
     const Recording recording = simulate_recording(session, session.recordings.front(), draw_truth(session, seed), seed);
-    if (reached(calibrate("handheld", input_of(session, recording)).calibration, requirements)) return poses;
+    if (reached(calibrate("handheld", input_of(session, recording), options_for({})).calibration, requirements)) return poses;
   }
   return most_poses;
 }
