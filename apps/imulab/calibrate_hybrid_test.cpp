@@ -32,6 +32,21 @@ TEST(CalibrateHybrid, WritesChengsTableAndHisCurves) {
   EXPECT_LT(points, 600);
 }
 
+TEST(CalibrateHybrid, AScaleFarFromTheDeclaredUnitIsKeptButEndsWithItsFactor) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(run_imulab(folder, "procedure cheng-path --rest 10 -o path.toml").exit_code, 0);
+  ASSERT_EQ(run_imulab(folder, "simulate path.toml -o session").exit_code, 0);
+  ASSERT_EQ(run_shell(folder,
+                      "awk -F, -v OFS=, -v CONVFMT=%.12g 'NR > 1 {$5 *= 0.7; $6 *= 0.7; $7 *= 0.7} {print}' session/recording.csv > seven.csv; "
+                      "mv seven.csv session/recording.csv")
+                .exit_code,
+            0);
+  const CommandResult result = run_imulab(folder, "calibrate session --method hybrid -o hybrid.json");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.errors, HasSubstr("imulab: the accelerometers' scale is 1.4"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "hybrid.json"));
+}
+
 TEST(CalibrateHybrid, OtherMethodsHaveNoCurves) {
   const TemporaryFolder folder;
   const CommandResult result = run_imulab(folder, "calibrate session --method static --curves curves.csv");

@@ -50,6 +50,7 @@ TEST_F(PlanCommand, SaysWhatCannotBeReached) {
   expect_ends("plan --require 'accel.matrix.diagonal <= 10 ppm'", 1,
               "better than 31 ppm; gravity and the cubic term limit it; a measured value of gravity is more certain");
   expect_ends("plan --require 'gyro.matrix.xx <= 10 ppm' --axes 1", 1, "gyro.matrix.xx has ");
+  expect_ends("plan --require 'accel.offset <= 1 ug'", 1, "without the effects that such a unit may have (docs/effects.md) they are met");
 }
 
 TEST_F(PlanCommand, RefusesBadInput) {

@@ -117,7 +117,7 @@ TEST_F(PredictCommand, PrintsATableInUserUnitsWithTheShares) {
   EXPECT_EQ(result.exit_code, 0) << result.errors;
   EXPECT_EQ(result.errors, "");  // no terminal, no progress
   EXPECT_THAT(result.output, HasSubstr("Standard uncertainty of every coefficient, and shares of its variance in percent\n"));
-  EXPECT_THAT(result.output, ContainsRegex("coefficient +unit +sigma +orth. +zero +noise +cubic +ects +others\n"));
+  EXPECT_THAT(result.output, ContainsRegex("coefficient +unit +sigma +orth. +zero +noise +cubic +eff. +others\n"));
   EXPECT_THAT(result.output, ContainsRegex("accel.matrix.xx +ppm +31 .* (9[5-8])"));  // g alone: 3e-4 of 9.806 m/s^2
   EXPECT_THAT(result.output, ContainsRegex("gyro.offset.x +deg/h +0.00[0-9]+ "));
   EXPECT_THAT(result.output, ContainsRegex("Monte Carlo: 1000 procedures. At most [0-9.]+ % from the closed form"));

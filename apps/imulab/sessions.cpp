@@ -88,7 +88,7 @@ Session session_of_standard_input(const std::vector<std::string>& texts, std::si
 Session open_session(const std::filesystem::path& path, const std::vector<std::string>& texts, std::size_t most_numbers) {
   if (path == "-") return session_of_standard_input(texts, most_numbers);
   if (!is_session(path)) return inspected(path, texts, most_numbers);
-  expect_no_declarations(texts);
+  if (std::filesystem::exists(path)) expect_no_declarations(texts);
   return session_at(path);
 }
 

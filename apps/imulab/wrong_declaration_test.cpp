@@ -121,6 +121,19 @@ TEST(WrongDeclaration, AChannelThatClipsIsSaidAndItsSamplesAreNotUsed) {
   }
 }
 
+TEST(WrongDeclaration, AccelerometersThatReadSevenTenthsEndWithTheirFactor) {
+  const TemporaryFolder folder;
+  SessionText text = hand_held_session();
+  text.for_rows([](Row& row) {
+    for (std::size_t k = 4; k < 7; ++k) row[k] *= 0.7;
+  });
+  text.write(folder);
+  const CommandResult result = run_imulab(folder, "calibrate session --method handheld -o c.json");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(on_one_line(result.errors), testing::ContainsRegex("is implausible for an IMU, 1\\.4[0-9]* times what the declared unit gives"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "c.json")) << "what came out is kept";
+}
+
 TEST(WrongDeclaration, ARateThatTheStampsContradictIsSaid) {
   const TemporaryFolder folder;
   SessionText text = hand_held_session();

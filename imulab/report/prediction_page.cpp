@@ -1,6 +1,7 @@
 #include "imulab/report/prediction_page.hpp"
 
 #include "imulab/estimate/method.hpp"
+#include "imulab/model/effects.hpp"
 #include "imulab/model/user_value.hpp"
 #include "imulab/report/html.hpp"
 #include "imulab/report/page.hpp"
@@ -24,14 +25,19 @@ std::string in_unit(double sigma, const UserUnit& unit) { return uncertainty_tex
 
 std::string shares_section(const PredictionSummary& s) {
   if (s.coefficients.front().budget.empty()) return {};
-  std::vector<ShareRow> rows;
   std::vector<std::string> sources;
-  for (const auto& [source, sigma] : s.coefficients.front().budget) sources.push_back(source);
+  const auto column_of = [&](const std::string& source) {  // the effects of the table are one: a bar of all of them has no colours that differ
+    const std::string name = find_effect(source) ? "effects" : source;
+    const auto found = std::find(sources.begin(), sources.end(), name);
+    return found == sources.end() ? (sources.push_back(name), sources.size() - 1) : static_cast<std::size_t>(found - sources.begin());
+  };
+  for (const auto& [source, sigma] : s.coefficients.front().budget) column_of(source);
+  std::vector<ShareRow> rows;
   for (const PredictedCoefficient& c : s.coefficients) {
     double all = 0;
     for (const auto& [source, sigma] : c.budget) all += sigma * sigma;
-    ShareRow r{std::string(coefficient(c.index).name), in_unit(c.sigma, unit_in(s, c)), {}};
-    for (const auto& [source, sigma] : c.budget) r.parts.push_back(all > 0 ? sigma * sigma / all : 0);
+    ShareRow r{std::string(coefficient(c.index).name), in_unit(c.sigma, unit_in(s, c)), std::vector<double>(sources.size())};
+    for (const auto& [source, sigma] : c.budget) r.parts[column_of(source)] += all > 0 ? sigma * sigma / all : 0;
     rows.push_back(std::move(r));
   }
   return section("shares", "What limits each coefficient", "The share of each source in the variance (to first order), and the standard uncertainty.",

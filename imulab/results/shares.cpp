@@ -62,29 +62,20 @@ std::vector<Shares> in_columns(const Shares& all) {
 }
 
 std::array<std::string, 2> column_head(const std::string& source) {
-  if (source == "orthogonality") return {"", "orth."};
-  if (source == "gravity") return {"", "g"};
-  if (source == "latitude") return {"", "lat."};
-  if (source == "earth rate") return {"Earth", "rate"};
-  if (source == "gyro noise") return {"gyro", "noise"};
-  if (source == "accelerometer noise") return {"acc.", "noise"};
-  if (source == "gyro turn-on") return {"gyro", "on"};
-  if (source == "accelerometer turn-on") return {"acc.", "on"};
-  if (source == "timing") return {"", "time"};
-  if (source == "effects") return {"eff-", "ects"};
-  if (source == undetermined_source) return {"not", "det."};
-  if (source == "gyro.g_sensitivity") return {"gyro", "g"};
-  if (const auto dot = source.find('.'); dot != std::string::npos) {  // a term or an effect: "accel.quadratic", "mount.elastic"
-    static const std::map<std::string, std::string> narrow{{"quadratic", "quad."},   {"asymmetry", "asym."},     {"cross_terms", "cross"},
-                                                           {"hysteresis", "hyst."},  {"rectification", "rect."}, {"g_squared", "g^2"},
-                                                           {"fourth_order", "4th"},  {"higher_orders", "5th"},   {"scale_temperature", "sc./K"},
-                                                           {"scale_drift", "sc.d."}, {"turn_on", "on"},          {"elastic", "elas."},
-                                                           {"change", "move"},       {"latitude", "lat."}};
-    const std::string owner = source.substr(0, dot), name = source.substr(dot + 1);
-    const auto found = narrow.find(name);
-    return {owner == "accel" ? "acc." : owner == "centrifuge" ? "cent." : owner, found == narrow.end() ? name : found->second};
-  }
-  return {"", source};
+  static const std::map<std::string, std::string> narrow{
+      {"accel", "acc."},        {"accelerometer", "acc."},      {"asymmetry", "asym."},     {"centrifuge", "cent."}, {"change", "move"},
+      {"coefficients", "det."}, {"cross_terms", "cross"},       {"earth", "Earth"},         {"effects", "eff."},     {"elastic", "elas."},
+      {"fourth_order", "4th"},  {"g_sensitivity", "g"},         {"g_squared", "g^2"},       {"gravity", "g"},        {"higher_orders", "5th"},
+      {"hysteresis", "hyst."},  {"latitude", "lat."},           {"orthogonality", "orth."}, {"quadratic", "quad."},  {"rectification", "rect."},
+      {"scale_drift", "sc.d."}, {"scale_temperature", "sc./K"}, {"timing", "time"},         {"turn-on", "on"},       {"turn_on", "on"},
+      {"undetermined", "not"}};
+  const auto short_for = [](const std::string& word) {
+    const auto found = narrow.find(word);
+    return found == narrow.end() ? word : found->second;
+  };
+  const auto end = source.find_first_of(". ");  // "accel.quadratic", "gyro noise"
+  return end == std::string::npos ? std::array{std::string(), short_for(source)}
+                                  : std::array{short_for(source.substr(0, end)), short_for(source.substr(end + 1))};
 }
 
 }  // namespace imulab

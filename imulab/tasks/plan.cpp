@@ -50,6 +50,8 @@ struct PlannedPath {
   TurnPath path;
   Session procedure;
   Prediction prediction;
+  double worst = 1;         ///< ratio of a predicted sigma to its limit
+  bool by_effects = false;  ///< without them the limits are met
 };
 
 /// Everything that a search depends on.
@@ -84,8 +86,9 @@ PlannedPath planned_path(const PlanTask& task, PathLimits question, const std::s
   // The search and the prediction along the finished procedure agree to some parts in a thousand: what misses by no more is looked for again.
   constexpr double agreement = 1.02;
   constexpr int most_rounds = 6;
+  constexpr double nearer = 0.85;  // of the worst ratio, in twice the time, which lowers noise to 0.7: less is a floor that effects leave
   const std::vector<Requirement> requirements = question.requirements;
-  PlannedPath out;
+  PlannedPath out, first, before;
   for (int round = 0; round < most_rounds; ++round) {
     std::optional<Checkpoint> shared;
     if (task.checkpoint) {
@@ -100,18 +103,23 @@ PlannedPath planned_path(const PlanTask& task, PathLimits question, const std::s
     if (out.path.turns.empty()) throw Error("no turn and rest fit into the time; expected a longer time");
     out.procedure = procedure_of(task, out.path.first_rest, out.path.turns);
     out.prediction = planning_method().predict(out.procedure, {.effects = task.effects, .advice = false});
-    double worst = 1;
-    for (const Shortfall& s : shortfalls(out.prediction, requirements)) worst = std::max(worst, s.sigma / s.requirement.limit);
-    if (worst == 1 || task.time || out.path.worst > 1) break;
+    out.worst = 1;
+    for (const Shortfall& s : shortfalls(out.prediction, requirements)) out.worst = std::max(out.worst, s.sigma / s.requirement.limit);
+    if (out.worst == 1) break;
     if (task.effects) {
+      if (round > 0 && out.path.duration > 2 * before.path.duration && out.worst > nearer * before.worst) break;
       const Prediction without = planning_method().predict(out.procedure, {.effects = false, .advice = false});
+      out.by_effects = shortfalls(without, requirements).empty();
+      if (round == 0) first = out;
+      if (task.time || out.path.worst > 1) break;
       allow_for_effects(question.requirements, requirements, out.prediction, without);
+      before = out;
     } else {
-      if (worst > agreement) break;
-      for (Requirement& r : question.requirements) r.limit /= 1.01 * worst;
+      if (task.time || out.path.worst > 1 || out.worst > agreement) break;
+      for (Requirement& r : question.requirements) r.limit /= 1.01 * out.worst;
     }
   }
-  return out;
+  return task.effects && out.worst > 1 ? first : out;  // which would do without effects, where no path does with them
 }
 
 /// A prediction together with the prior: of each coefficient by itself.
@@ -243,6 +251,7 @@ PlannedProcedure plan(const PlanTask& task) {
     if (without.path.worst <= 1) out.prior->duration_without = without.path.duration;
     if (without.path.worst <= 1 && without.path.duration < found.path.duration) found = std::move(without);  // the search does not look at all paths
   }
+  out.by_effects = found.by_effects;
   out.path = std::move(found.path), out.procedure = std::move(found.procedure), out.prediction = std::move(found.prediction);
   if (task.prior) add_prior(out.prediction, *task.prior);
   out.prediction.missed = shortfalls(out.prediction, task.requirements);
@@ -261,6 +270,7 @@ std::string shortcomings(const PlannedProcedure& p) {
     if (!std::isfinite(s.sigma))
       text += fmt::format(", it stays at {:.3g} {}", p.prediction.remaining[at] / s.requirement.unit.size, s.requirement.unit.name);
   }
+  if (p.by_effects) text += "; without the effects that such a unit may have (docs/effects.md) they are met: declare smaller ones if it is better";
   return fmt::format("no path was found that meets the requirements: {}", text);
 }
 

@@ -44,6 +44,7 @@ struct PlannedProcedure {
   Prediction prediction;
   std::optional<PriorEffect> prior;
   bool timed = false;
+  bool by_effects = false;  ///< without effects the requirements would be met
 };
 
 /// Throws Error for requirements of coefficients that the method does not estimate, and where no turn fits into the time; Unsupported for a

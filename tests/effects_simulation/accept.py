@@ -46,8 +46,8 @@ SHOWN = {
     "whole-unit": ("accel.turn_on", "gyro.turn_on", "gyro.g_squared", "gyro.drift", "centrifuge.arm"),
 }
 BOTH = ("navigation", "mems")
-# What else the session needs for that: without these turns cross terms within their prior look like the bend.
-NEEDED = {("turntable", "mount.elastic"): {"all_faces": 1}}
+# Sessions that show an effect better: without these turns cross terms within their prior look like the bend.
+BETTER = {("turntable", "mount.elastic"): ("with turns on each face", {"all_faces": 1})}
 SPECIAL = {
     "static": (("the latitude 0.2 deg off", {"latitude_off": 0.2}, "site.latitude", ("navigation",)),
                ("the latitude with the wrong sign", {"wrong_sign": 1}, "site.latitude", ("navigation",))),
@@ -68,8 +68,11 @@ def cases() -> list[Case]:
             out.append(Case(method, grade, "all effects at their priors", {e: 1 for e in sizes}, quick=True))
             for number, effect in enumerate(SHOWN[method]):
                 if effect in sizes:
-                    out.append(Case(method, grade, f"{effect} of ten times its prior", {effect: 10}, NEEDED.get((method, effect), {}), effect,
-                                    quick=grade == grades[0] and number < 2))
+                    name = f"{effect} of ten times its prior"
+                    out.append(Case(method, grade, name, {effect: 10}, cause=effect, quick=grade == grades[0] and number < 2))
+                    if (method, effect) in BETTER:
+                        words, special = BETTER[method, effect]
+                        out.append(Case(method, grade, f"{name}, {words}", {effect: 10}, special, effect))
             for name, special, cause, of_grades in SPECIAL.get(method, ()):
                 if grade in of_grades:
                     out.append(Case(method, grade, name, special=special, cause=cause))

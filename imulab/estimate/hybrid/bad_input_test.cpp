@@ -142,7 +142,8 @@ TEST(HybridBadInput, AKnockAcrossTheEndOfABlockIsLeftOut) {
     HybridSession s = whole;
     s.recording.accel[0][at] += 0.15 / s.recording.interval_s;
     s.recording.accel[0][at + 1] -= 0.15 / s.recording.interval_s;
-    EXPECT_EQ(calibrated(s, {.effects = false}).calibration.quality.verdict, "good") << at;
+    const Quality quality = calibrated(s).calibration.quality;
+    EXPECT_EQ(quality.verdict, "good") << at << ": " << testing::PrintToString(quality.because) << testing::PrintToString(quality.warnings);
   }
 }
 

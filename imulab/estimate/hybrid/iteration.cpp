@@ -196,7 +196,8 @@ Iterate converged(const Data& data, Iterate c, int most_iterations = 30) {
 }
 
 /// Blocks whose velocity the converged solution cannot explain: the IMU was bumped or shaken. None where so many are that the model is in doubt.
-/// A wide prior would let the states wander between the first turns, so the look back is by a narrow one.
+/// A wide prior would let the states wander between the first turns, so the look back is by a narrow one. A large knock bends the effects, too, far
+/// beyond their priors; where nothing fits with them, the look is without.
 std::vector<std::size_t> outlying_blocks(const Data& data, const Iterate& c) {
   constexpr double unlikely = 40;  // chi-square with three degrees of freedom: probability 1e-8
   const States& states = c.states;
@@ -206,14 +207,24 @@ std::vector<std::size_t> outlying_blocks(const Data& data, const Iterate& c) {
   known.sigma.segment<3>(states.first(Group::start)) = wide.segment<3>(states.first(Group::start));
   for (const Group group : states.groups())
     if (linearity(group) == Linearity::whole) known.offset[states.first(group)] = c.pass.x[states.first(group)];
-  Linearization about = c.about;
-  about.effects = c.pass.effects.value;
-  const Pass look = filter_pass(data, about, states, known, {.outlier = unlikely, .effects = false});
-  std::vector<kernel::Suspect> suspects;
-  for (const double chi2 : look.chi2) suspects.push_back({{}, log_chi_square_tail(chi2, 3)});
-  const std::vector<std::size_t> found = kernel::improbable(suspects, chi_square_tail(unlikely, 3));
+  const auto found_with = [&](const VectorXd& effects) {
+    Linearization about = c.about;
+    about.effects = effects;
+    const Pass look = filter_pass(data, about, states, known, {.outlier = unlikely, .effects = false});
+    std::vector<kernel::Suspect> suspects;
+    for (const double chi2 : look.chi2) suspects.push_back({{}, log_chi_square_tail(chi2, 3)});
+    return kernel::improbable(suspects, chi_square_tail(unlikely, 3));
+  };
+  const auto too_many = [&](const std::vector<std::size_t>& found) { return 20 * found.size() > data.blocks.size(); };
+  std::vector<std::size_t> found = found_with(c.pass.effects.value);
+  if (too_many(found) && c.pass.effects.value.size() > 0) found = found_with({});
   // More are no disturbance, but a model that does not fit: the residuals will say so.
-  return 20 * found.size() > data.blocks.size() ? std::vector<std::size_t>{} : found;
+  return too_many(found) ? std::vector<std::size_t>{} : found;
+}
+
+/// What speaks for one bad block, of the size that fits best: the most of all.
+double evidence_for_a_knock(const Pass& pass) {
+  return pass.chi2.empty() ? 0 : kernel::Deviation{*std::max_element(pass.chi2.begin(), pass.chi2.end()), 3}.evidence();
 }
 
 /// Wald's test of each optional group on the data alone, where the user did not name them.
@@ -308,13 +319,15 @@ Converged converge(Data& data, double significance) {
     return !outlying.empty();
   };
   const auto lose = [&] { return lose_turn(data, out); };
-  const auto widen_effects = [&] {
+  const auto widen_effects = [&](double for_another) {
     if (data.unmodeled.size() == 0 || !out.last.converged) return false;
     kernel::Effects& effects = data.unmodeled.effects;
-    return effects.widen(out.last.pass.effects.information, parameters_of(effects));
+    return effects.widen(out.last.pass.effects.information, parameters_of(effects), for_another);
   };
+  const auto widen_beyond_a_knock = [&] { return widen_effects(evidence_for_a_knock(out.last.pass)); };
+  const auto widen_after_all = [&] { return widen_effects(0); };
   kernel::refine(
-      most_rounds, [&] { out.last = converged(data, std::move(out.last)); }, lose, widen_effects, widen, drop);
+      most_rounds, [&] { out.last = converged(data, std::move(out.last)); }, lose, widen_beyond_a_knock, widen, drop, widen_after_all);
   return out;
 }
 

@@ -22,9 +22,7 @@ namespace {
 /// Chi-square of the velocities in the last pass.
 void add_residuals(const Data& data, const Iterate& iterate, Quality& quality) {
   double estimated = static_cast<double>((iterate.states.prior.array() > 0).count());
-  const kernel::Parameters effects = parameters_of(data.unmodeled.effects);
-  for (Index k = 0; k < iterate.pass.effects.value.size(); ++k)  // what the data say beside the prior
-    estimated += 1 - iterate.pass.effects.covariance(k, k) / (effects.sigma[k] * effects.sigma[k]);
+  if (iterate.pass.effects.value.size() > 0) estimated += data.unmodeled.effects.degrees_of_freedom(iterate.pass.effects.covariance);
   quality.degrees_of_freedom = static_cast<int>(3 * static_cast<double>(data.observed()) - estimated);
   quality.chi2_per_dof = iterate.pass.total_chi2() / std::max(1, quality.degrees_of_freedom);
 }

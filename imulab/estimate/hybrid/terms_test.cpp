@@ -35,6 +35,7 @@ TEST(HybridTerms, LeverArmsAreFoundToAMillimetreAndHarmNothing) {
   EXPECT_TRUE(term_test(c, "accel.lever_arm").kept);
   EXPECT_LT((c.model.lever_arm - unit.lever_arm).cwiseAbs().maxCoeff(), 1e-3);
   EXPECT_LT(*standard_uncertainty(c, coefficient_index("accel.lever_arm.xx")), 3e-4);
+  EXPECT_LT(*standard_uncertainty(calibrated(s, {.effects = false}).calibration, coefficient_index("accel.lever_arm.xx")), 2.5e-4);
   EXPECT_LT(largest_sigmas(c, unit), 4.5) << "30 coefficients: once in 5000 sessions";
 }
 

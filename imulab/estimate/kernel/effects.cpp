@@ -144,16 +144,17 @@ std::vector<PriorGroup> Effects::prior_groups(Index parameters) const {
   return out;
 }
 
-bool Effects::widen(const Information& data, const Parameters& parameters) {
+bool Effects::widen(const Information& data, const Parameters& parameters, double for_another) {
   const std::optional<Contradicted> found = contradicted_prior(data, parameters, prior_groups(parameters.size()));
-  if (!found) return widen_unlikely(data, parameters);
+  if ((found ? found->evidence : 0) < for_another) return false;
+  if (!found) return widen_if_likelier(data, parameters);
   add_causes(found->alike);
   const double factor = std::min(found->factor, most_widening / groups_[found->group].widened);
   widen({found->group, std::max(1.0, factor), 0});
-  return factor > 1 || widen_unlikely(data, parameters);
+  return factor > 1 || widen_if_likelier(data, parameters);
 }
 
-bool Effects::widen_unlikely(const Information& data, const Parameters& parameters) {
+bool Effects::widen_if_likelier(const Information& data, const Parameters& parameters) {
   constexpr double more_likely = 2;  // logarithm of the ratio of probabilities: in few of a hundred sessions, where the prior is right
   const Solution s = solve(data, parameters);
   const VectorXd value = s.x - parameters.offset;

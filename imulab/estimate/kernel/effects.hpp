@@ -73,8 +73,9 @@ class Effects {
   /// The groups as the last size() of so many parameters.
   std::vector<PriorGroup> prior_groups(Eigen::Index parameters) const;
   /// Widens the prior of the effect that contradicts it most, at most to `most_widening`, or else of one that is more likely with the widest; whether
-  /// any is. The latter is no cause, as that is no rare event: an honest uncertainty of what it does, not a fault. `data` as of `contradicted_prior`.
-  bool widen(const Information& data, const Parameters& parameters);
+  /// any is. The latter is no cause, as that is no rare event: an honest uncertainty of what it does, not a fault. None for which less speaks than
+  /// `for_another` explanation (a logarithm as Deviation::evidence has it). `data` as of `contradicted_prior`.
+  bool widen(const Information& data, const Parameters& parameters, double for_another = 0);
   /// What explains the data beyond the priors: effects, and optional terms.
   const std::vector<std::string>& causes() const { return causes_; }
   void add_causes(const std::vector<std::string>& names);
@@ -99,7 +100,8 @@ class Effects {
   void add_derivatives(Eigen::MatrixXd& jacobian, Eigen::Index row, Triad triad, const Eigen::MatrixXd& by_output, const EffectState& state) const;
 
  private:
-  bool widen_unlikely(const Information& data, const Parameters& parameters);
+  /// The effect for whose widest prior most speaks, if enough does.
+  bool widen_if_likelier(const Information& data, const Parameters& parameters);
 
   std::vector<EffectGroup> groups_;
   std::vector<EffectColumn> columns_;
